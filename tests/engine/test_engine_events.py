@@ -80,8 +80,8 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 
 @njit
-def extreme_value(c, parts, h, law, p):
-    return extremes.extreme_value(c, parts, h, law, p)
+def extreme_value(c, parts, h, law, p, enough=0.0):
+    return extremes.extreme_value(c, parts, h, law, p, enough)
 
 
 class Viscous(SlipLaw):

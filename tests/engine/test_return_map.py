@@ -69,7 +69,8 @@ def test_turns_follow_the_tolerance(law):
         late = np.abs(found.numbers["period"] / exact.numbers["period"] - 1)
         assert rtol / 100 < late.max() < 10 * rtol
         steps = np.log(exact.numbers["steps"] / found.numbers["steps"])
-        assert 4.3 < np.log(rtol / 1e-12) / steps.mean() < 5.3  # fifth order
+        order = np.log(rtol / 1e-12) / steps.mean()
+        assert 5.0 < order < 8.0  # of steps of fifth order, and of twelfth
 
 
 # SciPy's variational equations --------------------------------------------------------------------
@@ -215,7 +216,7 @@ def test_statuses(law):
 def test_step_limit():
     n = 3
     ones, zeros = np.ones(n), np.zeros(n)
-    steps = np.array([5.0, 40.0, 1e6])
+    steps = np.array([5.0, 12.0, 1e6])
     y = np.tile([0.1, -1.0, 1.0], (n, 1))
     starts = Starts(
         kappa=0.5 * ones,
@@ -234,7 +235,7 @@ def test_step_limit():
     )
     returns = dispatch.run_returns(ROWS["slip"], starts)
     assert returns.status.tolist() == [STEP_LIMIT, STEP_LIMIT, FINISHED]
-    assert returns.numbers[:2, RETURN_NUMBERS.index("steps")].tolist() == [5, 40]
+    assert returns.numbers[:2, RETURN_NUMBERS.index("steps")].tolist() == [5, 12]
 
 
 @LAWS

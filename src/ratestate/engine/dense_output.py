@@ -8,6 +8,9 @@ from . import rows as R
 from .jit import inlined, inner, recursive
 from .rows import rows_of
 
+#: the last step of Newton's method, in fractions of a step: its square is below rounding
+CONVERGED = 1e-9
+
 
 @inner
 def components(s, l, law):
@@ -35,11 +38,13 @@ def polynomials(c, s):
 
 
 @recursive
-def derivatives(c, s):
-    """The derivatives of polynomials c with respect to s, at s."""
+def values_and_slopes(c, s):
+    """The values of polynomials c at s, and their derivatives by s there: two tuples."""
     if len(c) == 0:
-        return ()
-    return derivative(c[0], s), *derivatives(c[1:], s)
+        return (), ()
+    value, slope = value_and_slope(c[0], s)
+    values, slopes = values_and_slopes(c[1:], s)
+    return (value, *values), (slope, *slopes)
 
 
 @inlined
@@ -49,6 +54,16 @@ def polynomial(c, s):
     for k in range(c.size - 2, -1, -1):
         value = c[k] + s * value
     return value
+
+
+@inlined
+def value_and_slope(c, s):
+    """`polynomial` and `derivative`, which go side by side."""
+    value, slope = c[c.size - 1], 0.0
+    for k in range(c.size - 2, -1, -1):
+        slope = value + s * slope
+        value = c[k] + s * value
+    return value, slope
 
 
 @inlined
@@ -94,7 +109,7 @@ def extreme(c):
         new = s - step
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - s) < 1e-14:
+        if abs(new - s) < CONVERGED:
             return new
         s = new
     return s

@@ -22,6 +22,9 @@ from .periodicity import close_cycle
 from .rows import rows_of
 from .tuples import read_rows
 
+#: part of the tolerance of a step by which extreme forces may be off
+PART = 0.01
+
 
 @inner
 def observe(s, l, law, c):
@@ -32,6 +35,7 @@ def observe(s, l, law, c):
     c : the polynomials of x, v and psi
     """
     p, h = read_rows(s, rows_of(law).p, l), s[R.H_USED + l]
+    enough = PART * s[R.TOLERANCE + l]
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
     if v_extremum:
@@ -39,11 +43,12 @@ def observe(s, l, law, c):
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if g_extremum:
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(extreme_value(c, INERTIAL_FORCE, h, law, p)))
+        g = extreme_value(c, INERTIAL_FORCE, h, law, p, enough)
+        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(g))
     if f_extremum:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(c, FRICTION, h, law, p))
+        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(c, FRICTION, h, law, p, enough))
     if xf_extremum:
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(c, WITH_STRENGTH, h, law, p))
+        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(c, WITH_STRENGTH, h, law, p, enough))
     return at
 
 

@@ -5,7 +5,14 @@ Places are fractions of the step, 0 to 1, and c are the polynomials of x, v and 
 
 import math
 
-from .dense_output import derivative, derivatives, extreme, polynomial, polynomials
+from .dense_output import (
+    CONVERGED,
+    extreme,
+    polynomial,
+    polynomials,
+    value_and_slope,
+    values_and_slopes,
+)
 from .drift import UNITY
 from .equations import speed_alone
 from .jit import inlined, inner, recursive
@@ -16,15 +23,20 @@ FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
 # Parts of x, the stress S that opposes motion, the strength N and friction R: `force_and_slope`.
 INERTIAL_FORCE, FRICTION = (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
-# The last step of Newton's method, in fractions of a step: its square is below rounding.
-CONVERGED = 1e-9
 
 
 @inlined
 def v_ahead(c, load, s):
-    """How far the polynomial c of v is above the load point's at s; load : as of `crossing`."""
+    """How far the polynomial c of v is above the load point's at s, and its slope.
+
+    load : as of `crossing`
+    """
     w_lp, dw, log_w_lp = load
-    return polynomial(c, s) - (log_w_lp if dw == 0.0 else math.log(w_lp + dw * s))
+    value, slope = value_and_slope(c, s)
+    if dw == 0.0:
+        return value - log_w_lp, slope
+    w = w_lp + dw * s
+    return value - math.log(w), slope - dw / w
 
 
 @inner
@@ -33,17 +45,15 @@ def crossing_of_v(c, load, low, high):
 
     load : as of `crossing`
     """
-    w_lp, dw, _ = load
-    start, end = v_ahead(c, load, low), v_ahead(c, load, high)
+    (start, _), (end, _) = v_ahead(c, load, low), v_ahead(c, load, high)
     between = start / (start - end) if (start < 0.0) != (end < 0.0) else 0.5
     s = low + (high - low) * between
     for _ in range(60):
-        value = v_ahead(c, load, s)
+        value, slope = v_ahead(c, load, s)
         if (value < 0.0) == (start < 0.0):
             low = s
         else:
             high = s
-        slope = derivative(c, s) - dw / (w_lp + dw * s)
         new = s - value / slope if slope != 0.0 else 2.0
         if not low < new < high:
             new = 0.5 * (low + high)
@@ -61,9 +71,9 @@ def force_and_slope(s, c, of, law, p):
     """
     parts, h = of
     p = law.later(p, s * h)
-    y = polynomials(c, s)
+    y, dy = values_and_slopes(c, s)
     w, e = speed_alone(y, law, p)
-    by_x, d_omega, by_psi = slopes_along(s, c, w, e, law, p)
+    by_x, d_omega, by_psi = slopes_along(dy, w, e, law, p)
     at = y[1], w, y[2:], e, p
     drift = times(h, law.strength_drift(y[1], w, y[2:], p))
     by_S = dot_onto(along(law.stress_slopes(*at), d_omega, by_psi), drift, UNITY)
@@ -84,14 +94,14 @@ def along(slopes, d_omega, d_psi):
 @inner
 def speed_and_slope(s, c, _, law, p):
     """w at s on the polynomials c of (x, v, psi), and its slope."""
-    w, e = speed_alone(polynomials(c, s), law, p)
-    return w, law.speed_slope(w, e) * slopes_along(s, c, w, e, law, p)[1]
+    y, dy = values_and_slopes(c, s)
+    w, e = speed_alone(y, law, p)
+    return w, law.speed_slope(w, e) * slopes_along(dy, w, e, law, p)[1]
 
 
 @inlined
-def slopes_along(s, c, w, e, law, p):
-    """Derivatives of x, omega (`kinematics`) and psi, a tuple, with respect to s."""
-    dy = derivatives(c, s)
+def slopes_along(dy, w, e, law, p):
+    """Derivatives of x, omega (`kinematics`) and psi, a tuple, of those of x, v and psi."""
     shares = law.shares(e, 1.0 / law.speed_slope(w, e), p)
     return dy[0], dot_onto(dy[1], shares, dy[2:]), dy[2:]
 
@@ -120,11 +130,13 @@ def of_step(what, s, c, of, law, p):
 
 
 @inner
-def root(what, c, of, law, p, low, high):
+def root(what, c, of, law, p, low, high, enough):
     """Where from low to high the second of what `of_step` gives vanishes, and the first there.
 
     By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
     size.
+
+    enough : the error that the first may have, of which the second is the slope; 0 if it is not
     """
     first, at_low = of_step(what, low, c, of, law, p)
     here, at_high = of_step(what, high, c, of, law, p)
@@ -134,7 +146,7 @@ def root(what, c, of, law, p, low, high):
     for _ in range(100):
         s = (low * at_high - high * at_low) / (at_high - at_low)
         here, off = of_step(what, s, c, of, law, p)
-        if off == 0.0 or abs(s - last) < 1e-14:
+        if off == 0.0 or abs(s - last) < 1e-14 or abs(off * (s - last)) < enough:
             break
         last = s
         if (off < 0.0) == (at_low < 0.0):
@@ -149,12 +161,12 @@ def root(what, c, of, law, p, low, high):
 
 
 @inner
-def extreme_value(c, parts, h, law, p):
+def extreme_value(c, parts, h, law, p, enough):
     """The value of a sum of parts where in 0..1 its slope vanishes, as of `root`.
 
     h : length of the step, at the start of which the coefficients are p
     """
-    return root(FORCE, c, (parts, h), law, p, 0.0, 1.0)[1]
+    return root(FORCE, c, (parts, h), law, p, 0.0, 1.0, enough)[1]
 
 
 @inner
@@ -185,11 +197,11 @@ def _extreme_speed(back, c, law, p):
     if len(back) == 0:
         at = extreme(c[1])
         return at, polynomial(c[1], at)
-    return root(SPEED, c, (), law, p, 0.0, 1.0)
+    return root(SPEED, c, (), law, p, 0.0, 1.0, 0.0)
 
 
 @recursive
 def _crossing(back, c, load, law, p, low, high):
     if len(back) == 0:
         return crossing_of_v(c[1], load, low, high)
-    return root(LEAD, c, load[:2], law, p, low, high)[0]
+    return root(LEAD, c, load[:2], law, p, low, high, 0.0)[0]

@@ -45,6 +45,13 @@ def fill(s, l, law, i, cases):
 
 
 @inner
+def enter_inertia(s, l, eta0, tolerance):
+    """Set the lane's inertia, and how accurate its steps are to be."""
+    s[R.ETA0 + l], s[R.TOLERANCE + l] = eta0, tolerance
+    s[R.FREQUENCY + l] = math.sqrt(s[R.KAPPA + l] / eta0) if eta0 > 0.0 else math.inf
+
+
+@inner
 def take_note(s, l, law):
     """Let the extremes of V, |g|, f and x + N be those of the lane's state too."""
     rows = rows_of(law)

@@ -83,9 +83,9 @@ def move(s, law, l, to):
 
 
 @inner
-def any_changes(s):
-    """Whether a slider of a set changes its method."""
-    for l in range(R.LANES):
+def any_changes(s, n):
+    """Whether a slider in the first n vectors of lanes of a set changes its method."""
+    for l in range(R.WIDTH * n):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             return True
     return False

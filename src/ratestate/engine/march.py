@@ -13,7 +13,7 @@ from . import rows as R
 from .events import handle_events
 from .im2017 import take_step as take_im2017_step
 from .jit import inner, kernel
-from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
+from .lane_case import IDLE, choose_first_step, enter_inertia, fill, next_case, stuck
 from .lane_sets import any_changes, change_sets, next_set, room
 from .model import FINISHED, RUNNING, Numbers
 from .normal_stress import enter_stress
@@ -63,7 +63,7 @@ def enter_segment(s, l, law, cases, loads):
 def load(s, l, law, i, cases, loads, save_times, results):
     """Put case i into lane l at t = 0."""
     fill(s, l, law, i, cases)
-    s[R.ETA0 + l], s[R.TOLERANCE + l] = cases.eta0[i], cases.rtol[i]
+    enter_inertia(s, l, cases.eta0[i], cases.rtol[i])
     scale = cases.scale[i]
     s[R.T_END + l] = cases.t_end[i] * scale
     s[R.DT + l] = cases.dt[i] * scale
@@ -191,7 +191,7 @@ def _march(
                     finish(s, l, law, cases, results)
                     position[1] += 1
                     vacant = regroup = True
-        if taylor and (vacant or any_changes(lanes)):
+        if taylor and (vacant or any_changes(lanes, n)):
             change_sets(s, law, first)
             regroup = True
         if path.size > 0 and position[2] + POINTS + 1 > path.shape[0]:

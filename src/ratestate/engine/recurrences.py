@@ -23,7 +23,6 @@ def equations(law):
     x, v, *states = (graph.unknown(("y", i)) for i in range(2 + len(law.states)))
     psi, p = tuple(states), tuple(graph.name(("p", i)) for i in range(law.n_coefficients))
     w, w_lp = graph.exp(v, "w"), graph.line("w_lp", "ramp")
-    response = graph.exp(-v, "1/(eta0 w)")  # of dv/dT to the inertial force
     try:
         if law.reverses or law.history(p):
             raise NotASeries("slip that may reverse, or normal stress that varies")
@@ -31,7 +30,8 @@ def equations(law):
         e = tuple(graph.exp(graph.series(one), ("e", i)) for i, one in enumerate(exponents))
         stress = graph.series(law.stress_in_v(v, w, psi, p))
         rates = law.rates_in_v(v, w, psi, e, p)
-        derivatives = [graph.name("kappa") * (w_lp - w), (x - stress) * response, *rates]
+        acceleration = graph.name("1/eta0") * (x - stress)
+        derivatives = [graph.name("kappa") * (w_lp - w), acceleration / w, *rates]
         named = zip((x, v, *psi), map(graph.series, derivatives), strict=True)
     except Exception as error:  # (where it gets no numbers, a law of a user may raise anything)
         raise NotASeries(f"the law {law.name}") from error
@@ -94,7 +94,7 @@ def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
 
 def _known(y, w, e, w_lp, kappa, eta0, p):
     """What `equations` has names for; but for the ramp."""
-    known = {"w": w, "1/(eta0 w)": 1.0 / (eta0 * w), "kappa": kappa, "w_lp": w_lp}
+    known = {"w": w, "1/eta0": 1.0 / eta0, "kappa": kappa, "w_lp": w_lp}
     for name, values in ("y", y), ("e", e), ("p", p):
         known |= {(name, i): value for i, value in enumerate(values)}
     return known

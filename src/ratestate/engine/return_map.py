@@ -14,7 +14,7 @@ import numpy as np
 from . import lanes as L
 from . import rows as R
 from .jit import inner, kernel, recursive
-from .lane_case import IDLE, choose_first_step, fill, next_case, stuck
+from .lane_case import IDLE, choose_first_step, enter_inertia, fill, next_case, stuck
 from .lane_sets import any_changes, change_sets, next_set, room
 from .model import RUNNING
 from .return_events import handle_events, rates
@@ -22,7 +22,7 @@ from .return_lanes import changes_of_speed, commit
 from .return_taylor_lanes import advance
 from .rows import rows_of
 from .tuples import dot_onto, load_each, load_rows, of_each, plus, read_rows, times, write
-from .waveform import add_waveforms
+from .waveform import add_rodas5p, add_taylor
 
 
 class Starts(NamedTuple):
@@ -83,7 +83,7 @@ def load(s, l, law, i, starts):
     """Put case i into lane l."""
     rows = rows_of(law)
     fill(s, l, law, i, starts)
-    s[R.ETA0 + l], s[R.TOLERANCE + l] = starts.eta[i], starts.atol[i]
+    enter_inertia(s, l, starts.eta[i], starts.atol[i])
     for k in range(len(rows.z)):
         load_rows(s, rows.z[k], l, starts.along[i, k])
     load_rows(s, rows.steady, l, starts.steady[i])
@@ -186,13 +186,16 @@ def march_to_section(law, taylor, s, queue, position, starts, results, budget):
         L.commit(lanes, law, n)
         commit(lanes, law, n)
         if starts.period[0] > 0.0:
-            add_waveforms(rows.c[0], lanes, n, first > 0)
+            if first > 0:
+                add_taylor(lanes, law, n)
+            else:
+                add_rodas5p(lanes, law, n)
         for l in range(first, first + R.WIDTH * n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 finish(s, l, law, results)
                 position[1] += 1
                 vacant = regroup = True
-        if taylor and (vacant or any_changes(lanes)):
+        if taylor and (vacant or any_changes(lanes, n)):
             change_sets(s, law, first)
             regroup = True
     return False

@@ -17,7 +17,7 @@ LANES = 16
 WIDTH = doubles_of_vector()  # lanes that go together
 OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 71
+COMMON_ROWS = 73
 
 # fmt: off
 (
@@ -36,6 +36,7 @@ COMMON_ROWS = 71
     GRAZES,                                 # where V may reach V_lp and turn back
     TAYLOR, CHANGES,                        # 1 where steps are Taylor's; where the next is of the
     LIMITED,                                # other method; steps in a row cut short to be stable
+    FREQUENCY, RATE,                        # of free vibrations, sqrt(kappa/eta0); the fastest one
     LOAD_WORK, DISSIPATION,                 # accumulated works
     STEPS, REJECTED, FAILURES,              # counts; rejections in a row
     V_HIGH, V_LOW, G_HIGH,                  # extremes of ln w and |g|

@@ -205,13 +205,17 @@ def _needed(series):
 
 
 class _Expansion:
-    """Coefficients of `Series`, as far as they are found; None is one that is always 0."""
+    """Coefficients of `Series`, as far as they are found; None is one that is always 0.
+
+    Each order waits for the one before.  So what is known last is added last, and by as few
+    operations as there can be: an unknown's coefficient as its slope, of which that is a part.
+    """
 
     def __init__(self, known):
         self.known = known
         self.c = {}  # (series, order) -> coefficient
         self.slopes = {}  # (series, j) -> j times the coefficient of order j
-        self.inverses = {}  # series -> one over its first coefficient
+        self.factors = {}  # what stays the same from order to order
 
     def at(self, one, k):
         """The coefficient of order k of a series; 0 beyond those of constants and lines."""
@@ -234,35 +238,71 @@ class _Expansion:
 
     def _slope(self, one, j):
         if (one, j) not in self.slopes:
-            self.slopes[one, j] = _product(self.at(one, j), float(j))
+            terms = self._linear(one)
+            if terms[0][1] is one:
+                self.slopes[one, j] = _product(self.at(one, j), float(j))
+            else:
+                self.slopes[one, j] = _sum(_product(a, self._slope(x, j)) for a, x in terms)
         return self.slopes[one, j]
+
+    def _linear(self, one):
+        """Constant factors and series whose sum it is: itself, if it is no sum."""
+        if one not in self.factors:
+            self.factors[one] = [(1.0, one)]
+            if one.rule == "sum" and not one.is_constant:
+                self.factors[one] = [term for x in one.operands for term in self._linear(x)]
+            if one.rule == "product" and one.operands[0].is_constant and not one.is_constant:
+                factor, x = one.operands
+                self.factors[one] = self._scaled(self._linear(x), self.at(factor, 0))
+        return self.factors[one]
+
+    def _scaled(self, terms, factor):
+        return [(_product(factor, a), x) for a, x in terms]
+
+    def _combination(self, terms, k):
+        """The coefficient of order k of a sum of such terms."""
+        early = [_product(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
+        late = [(_product(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
+        return _sum([*early, *(_product(a, self.slopes[x, k]) for a, x in late)])
 
     def _exp(self, k, one, x, start, rate):
         if k == 0:
             return self.known[start]
         # k e_k = rate sum_j j x_j e_(k-j)
-        pairs = [(self._slope(x, j), self.at(one, k - j)) for j in range(1, k + 1)]
-        return _product(_sum_of_products(pairs), rate / k)
+        pairs = {j: (self._slope(x, j), self.at(one, k - j)) for j in range(1, k)}
+        last = _product(_product(self.at(one, 0), rate / k), self._slope(x, k))
+        return _sum([_product(_convolution(pairs, k), rate / k), last])
 
-    def _sum(self, k, _, x, y):
-        return _sum([self.at(x, k), self.at(y, k)])
+    def _sum(self, k, one, x, y):
+        if one.is_constant:
+            return self.at(x, 0) + self.at(y, 0)
+        return self._combination(self._linear(one), k)
 
-    def _product(self, k, _, x, y):
-        return _sum_of_products([(self.at(x, j), self.at(y, k - j)) for j in range(k + 1)])
+    def _product(self, k, one, x, y):
+        if x.is_constant and not y.is_constant:
+            return self._combination(self._linear(one), k)
+        return _convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
 
     def _quotient(self, k, one, x, y):
-        if y not in self.inverses:
-            self.inverses[y] = 1.0 / self.at(y, 0)
+        if k == 0:
+            inverse = 1.0 / self.at(y, 0)
+            self.factors[one, x] = self._scaled(self._linear(x), inverse)
+            self.factors[one, y] = inverse
+            return self._combination(self.factors[one, x], 0)
         # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
-        less = _sum([_product(self.at(one, j), self.at(y, k - j)) for j in range(k)])
-        if less is None:
-            return _product(self.at(x, k), self.inverses[y])
-        rest = self.at(x, k)
-        return _product(-less if rest is None else rest - less, self.inverses[y])
+        inverse, whole = self.factors[one, y], self._combination(self.factors[one, x], k)
+        pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
+        less = _product(_convolution(pairs, k), inverse)
+        last = _product(_product(self.at(one, 0), inverse), self.at(y, k))
+        return _sum([None if less is None else -less, whole, None if last is None else -last])
 
 
 def _product(x, y):
-    return None if x is None or y is None else x * y
+    if x is None or y is None:
+        return None
+    if isinstance(x, float) and x == 1.0:
+        return y
+    return x * y
 
 
 def _sum(terms):
@@ -271,8 +311,10 @@ def _sum(terms):
     return functools.reduce(operator.add, known) if known else None
 
 
-def _sum_of_products(pairs):
-    """Those of factors known last come last."""
-    middle = (len(pairs) - 1) / 2
-    ordered = sorted(range(len(pairs)), key=lambda j: abs(j - middle))
+def _convolution(pairs, k):
+    """The sum of products of which the factors are of order j and k - j, by j.
+
+    Those that are known last are added last.
+    """
+    ordered = sorted(pairs, key=lambda j: max(j, k - j))
     return _sum([_product(*pairs[j]) for j in ordered])

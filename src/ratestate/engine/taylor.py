@@ -45,17 +45,14 @@ def _numbers(polynomials):
 
 
 @inlined
-def longest(last, before, tolerance, momentum):
-    """The step that the last two of coefficients allow, to 1 %.
+def longest(last, before, tolerance):
+    """The step that the sizes of the last two coefficients allow, to 1 %.
 
-    last, before : of order `ORDER`, and one less, of x, v and each psi (tuples)
-    momentum : how many times larger an error of v becomes one of x, if that is more than once:
-        sqrt(kappa eta0) w, the amplitude in x of a free vibration of this speed
+    last, before : of order `ORDER`, and one less; `LEAST` at least
     """
     allowed = rough_log2(PART * tolerance)
-    weight = momentum if momentum > 1.0 else 1.0
-    by_last = (allowed - rough_log2(size(last, weight))) * (1.0 / ORDER)
-    by_before = (allowed - rough_log2(size(before, weight))) * (1.0 / (ORDER - 1))
+    by_last = (allowed - rough_log2(last)) * (1.0 / ORDER)
+    by_before = (allowed - rough_log2(before)) * (1.0 / (ORDER - 1))
     return exp(LN2 * (by_last if by_last < by_before else by_before))
 
 
@@ -67,8 +64,13 @@ def rough_log2(x):
 
 
 @inlined
-def size(y, weight):
-    """The largest size of x, v and each psi, that of v times a weight; `LEAST` at least."""
+def size(y, momentum):
+    """The largest size of x, v and each psi; `LEAST` at least.
+
+    momentum : how many times larger an error of v becomes one of x, if that is more than once:
+        sqrt(kappa eta0) w, the amplitude in x of a free vibration of this speed
+    """
+    weight = momentum if momentum > 1.0 else 1.0
     return max(max(abs(y[0]), weight * abs(y[1])), max(largest(y[2:]), LEAST))
 
 

@@ -5,8 +5,6 @@ equations is no faster than what a step, to be accurate, has to follow.  Each sl
 that suit it.
 """
 
-import math
-
 from . import lanes as L
 from . import rows as R
 from .equations import exponentials
@@ -14,7 +12,7 @@ from .jit import inlined, inner, lanewise
 from .recurrences import ORDER
 from .rows import OF_RODAS5P, rows_of
 from .step_control import step_size
-from .taylor import coefficients, integrals, longest, powers
+from .taylor import coefficients, integrals, longest, powers, size
 from .tuples import (
     largest,
     of_each,
@@ -41,21 +39,31 @@ FASTEST = 1e20
 
 
 @inlined
-def fastest_rate(y, w, e, system):
+def fastest_rate(y, w, e, frequency, system):
     """The fastest of these: how v relaxes, how each state does, how the slider vibrates."""
-    law, kappa, eta0, p = system
+    law, _, eta0, p = system
     S_v, _ = law.stress_slopes(y[1], w, y[2:], e, p)
     _, f_psi = law.rate_partials(y[1], w, y[2:], e, p)
-    return max(max(abs(S_v) / (eta0 * w), math.sqrt(kappa / eta0)), largest(f_psi))
+    return max(max(abs(S_v) / (eta0 * w), frequency), largest(f_psi))
 
 
 @inlined
-def step_lengths(c, y, w, e, tolerance, system):
-    """How long a step may be to be accurate, and to be stable, from its `coefficients`."""
-    _, kappa, eta0, _ = system
-    last, before = of_each(c, ORDER), of_each(c, ORDER - 1)
-    accurate = longest(last, before, tolerance, math.sqrt(kappa * eta0) * w)
-    return accurate, STABLE / fastest_rate(y, w, e, system)
+def last_sizes(c, momentum):
+    """Sizes of the last two of `coefficients`."""
+    return size(of_each(c, ORDER), momentum), size(of_each(c, ORDER - 1), momentum)
+
+
+@inlined
+def momentum_of(s, l):
+    """The momentum of the lane's slider, as of `taylor.size`."""
+    return s[R.ETA0 + l] * s[R.FREQUENCY + l] * s[R.W + l]
+
+
+@inlined
+def step_lengths(s, l, sizes):
+    """How long a step may be to be accurate, and to be stable, by its `last_sizes`."""
+    accurate = longest(sizes[0], sizes[1], s[R.TOLERANCE + l])
+    return accurate, STABLE / s[R.RATE + l]
 
 
 @inlined
@@ -75,7 +83,9 @@ def record(s, l, law, h, h_powers, c, lengths, also):
     write_rows(s, rows.e_new, l, e_new)
     s[R.W_NEW + l], s[R.H_USED + l] = w_new, h
     ok = abs(total(y_new) + also) < 1e300
-    stable = STABLE / fastest_rate(y_new, w_new, e_new, system) if ok else stable
+    rate = fastest_rate(y_new, w_new, e_new, s[R.FREQUENCY + l], system)
+    stable = STABLE / rate if ok else stable
+    s[R.RATE + l] = rate
     limited = s[R.LIMITED + l] + 1.0 if accurate > stable else 0.0
     stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | (not ok)
     s[R.LIMITED + l] = 0.0 if stiff else limited
@@ -90,7 +100,7 @@ def try_step(s, l, law):
     rows, system = rows_of(law), L.system_of(s, l, law)
     y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
     c, rates_of_work = coefficients(law, y, w, e, s[R.W_LP + l], s[R.RAMP + l], *system[1:])
-    lengths = step_lengths(c, y, w, e, s[R.TOLERANCE + l], system)
+    lengths = step_lengths(s, l, last_sizes(c, momentum_of(s, l)))
     h = lengths[0] if lengths[0] < lengths[1] else lengths[1]
     h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     h_powers = powers(h)
@@ -104,7 +114,8 @@ def find_calm(s, l, law):
     """Set CHANGES: whether, after a step of Rodas5P, the next one is not too long for Taylor's."""
     rows, system = rows_of(law), L.system_of(s, l, law)
     y, e = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l)
-    rate = fastest_rate(y, s[R.W_NEW + l], e, system)
+    rate = fastest_rate(y, s[R.W_NEW + l], e, s[R.FREQUENCY + l], system)
+    s[R.RATE + l] = rate
     calm = (s[R.H_NEXT + l] * rate < CALM) & (rate < FASTEST) & (rate > 1.0 / FASTEST)
     s[R.CHANGES + l] = 1.0 if calm & (s[R.OK + l] > 0.0) else 0.0
 

@@ -89,18 +89,14 @@ def find_slow_lanes(s, n):
 
 
 @lanewise
-def add_steps(s, rows, n):
-    """`add_step` in the first n vectors of lanes."""
+def add_rodas5p(s, law, n):
+    """`add_step` of Rodas5P in the first n vectors of lanes."""
     for l in range(R.WIDTH * n):
-        add_step(s, l, rows)
+        add_step(s, l, rows_of(law).c[0][:OF_RODAS5P])
 
 
-@inner
-def add_waveforms(rows, s, n, taylor):
-    """`add_steps` of Rodas5P, or of the Taylor method."""
-    if len(rows) == OF_RODAS5P:
-        add_steps(s, rows, n)
-    elif taylor:
-        add_steps(s, rows, n)
-    else:
-        add_steps(s, rows[:OF_RODAS5P], n)
+@lanewise
+def add_taylor(s, law, n):
+    """`add_step` of the Taylor method in the first n vectors of lanes."""
+    for l in range(R.WIDTH * n):
+        add_step(s, l, rows_of(law).c[0])

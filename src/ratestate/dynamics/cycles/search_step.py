@@ -116,7 +116,7 @@ def _arrivals(system, returns, search, local, trusted):
     excess = _nonlinearity(system, returns, search, local) / NONLINEAR
     converged = arrives & (excess <= 1.0)
     refuted = arrives & ~converged
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         nearer = search["step"] * np.where(arrives, np.clip(0.5 / excess, 1e-3, 0.5), 0.3)
     fails = (search["ahead"] & ~trusted) | refuted
     search["longest"] = np.where(fails, nearer, search["longest"])
