@@ -5,8 +5,9 @@ a step of Rodas5P, of `recurrences.ORDER` for one of the Taylor method.
 """
 
 from . import rows as R
-from .jit import inlined, inner, recursive
+from .jit import inlined, inner, unrolled
 from .rows import rows_of
+from .tuples import each
 
 #: the last step of Newton's method, in fractions of a step: its square is below rounding
 CONVERGED = 1e-9
@@ -20,31 +21,22 @@ def components(s, l, law):
     return views(s, rows, l, n * R.LANES)
 
 
-@recursive
+@unrolled
 def views(s, rows, l, length):
-    """The rows of lane l that begin with these, of each."""
-    if len(rows) == 0:
-        return ()
-    first = rows[0][0] + l
-    return s[first : first + length : R.LANES], *views(s, rows[1:], l, length)
+    """Of each of some tuples of rows, those of lane l, of this length in the buffer."""
+    return each("s[rows[#][0] + l : rows[#][0] + l + length : R.LANES]", rows)
 
 
-@recursive
+@unrolled
 def polynomials(c, s):
     """The values of polynomials c at s."""
-    if len(c) == 0:
-        return ()
-    return polynomial(c[0], s), *polynomials(c[1:], s)
+    return each("polynomial(c[#], s)", c)
 
 
-@recursive
+@unrolled
 def values_and_slopes(c, s):
-    """The values of polynomials c at s, and their derivatives by s there: two tuples."""
-    if len(c) == 0:
-        return (), ()
-    value, slope = value_and_slope(c[0], s)
-    values, slopes = values_and_slopes(c[1:], s)
-    return (value, *values), (slope, *slopes)
+    """The values of polynomials c at s, and their derivatives by s there: a pair for each."""
+    return each("value_and_slope(c[#], s)", c)
 
 
 @inlined

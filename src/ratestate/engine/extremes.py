@@ -17,7 +17,7 @@ from .drift import UNITY
 from .equations import speed_alone
 from .jit import inlined, inner, recursive
 from .tracing import traced
-from .tuples import dot_onto, times
+from .tuples import dot_onto, of_each, times
 
 FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
 # Parts of x, the stress S that opposes motion, the strength N and friction R: `force_and_slope`.
@@ -71,7 +71,8 @@ def force_and_slope(s, c, of, law, p):
     """
     parts, h = of
     p = law.later(p, s * h)
-    y, dy = values_and_slopes(c, s)
+    both = values_and_slopes(c, s)
+    y, dy = of_each(both, 0), of_each(both, 1)
     w, e = speed_alone(y, law, p)
     by_x, d_omega, by_psi = slopes_along(dy, w, e, law, p)
     at = y[1], w, y[2:], e, p
@@ -94,7 +95,8 @@ def along(slopes, d_omega, d_psi):
 @inner
 def speed_and_slope(s, c, _, law, p):
     """w at s on the polynomials c of (x, v, psi), and its slope."""
-    y, dy = values_and_slopes(c, s)
+    both = values_and_slopes(c, s)
+    y, dy = of_each(both, 0), of_each(both, 1)
     w, e = speed_alone(y, law, p)
     return w, law.speed_slope(w, e) * slopes_along(dy, w, e, law, p)[1]
 

@@ -15,11 +15,23 @@ the logarithm of a volume of states grows.
 from ..friction.kinematics import LIMIT
 from . import reversing
 from .equations import exponentials, inertial_force
-from .jit import inlined, recursive
+from .jit import inlined, recursive, unrolled
 from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
 from .tableau import A, B
 from .tracing import traced
-from .tuples import dot, dot_each, minus_dot, plus, plus_sum, product, sum_of, times, total, zeros
+from .tuples import (
+    dot,
+    dot_each,
+    each,
+    minus_dot,
+    plus,
+    plus_sum,
+    product,
+    sum_of,
+    times,
+    total,
+    zeros,
+)
 
 
 @traced
@@ -109,38 +121,29 @@ def right_hand_side(shares, du, at, k, rest, curvature, r, m):
 
 
 @inlined
-def tangent(du, at, k, rest, curvature, r, start):
+def tangent(at, k, du, rest, curvature, r, start):
     """The increment of the perturbation du, as of `right_hand_side`."""
     rows = right_hand_side(start.shares, du, at, k, rest, curvature, r, start.m)
     return solve_arrow(rows, start)
 
 
-@recursive
+@unrolled
 def tangents(z, dk, at, k, curvatures, r, start):
     """The next increment of each perturbation z, after those of dk, at the stage of increment k."""
-    if len(z) == 0:
-        return ()
-    du, rest = next_point(z[0], dk[0])
-    new = tangent(du, at, k, rest, curvatures[0], r, start)
-    return (*dk[0], new), *tangents(z[1:], dk[1:], at, k, curvatures[1:], r, start)
+    arguments = "*next_point(z[#], dk[#]), curvatures[#], r, start"
+    return each(f"(*dk[#], tangent(at, k, {arguments}))", z)
 
 
-@recursive
+@unrolled
 def first_tangents(z, at, k, curvatures, r, start):
     """`tangents` at the first stage."""
-    if len(z) == 0:
-        return ()
-    new = tangent(z[0], at, k, zeros(z[0]), curvatures[0], r, start)
-    return (new,), *first_tangents(z[1:], at, k, curvatures[1:], r, start)
+    return each("(tangent(at, k, z[#], zeros(z[#]), curvatures[#], r, start),)", z)
 
 
-@recursive
+@unrolled
 def curvatures_of(shares, y, w, e, z, system):
     """`second_derivatives` along each perturbation."""
-    if len(z) == 0:
-        return ()
-    along = second_derivatives(shares, y, w, e, z[0], system)
-    return along, *curvatures_of(shares, y, w, e, z[1:], system)
+    return each("second_derivatives(shares, y, w, e, z[#], system)", z)
 
 
 @recursive

@@ -132,7 +132,7 @@ def _lines(line, like):
     return [line.replace("#", str(i)) for i in range(len(like))] or ["pass"]
 
 
-def _each(item, like):
+def each(item, like):
     """Lines that return a tuple as long as another, of an item for each index #."""
     return ["return ()" if len(like) == 0 else f"return ({', '.join(_lines(item, like))},)"]
 
@@ -146,19 +146,19 @@ def largest(k):
 @unrolled
 def of_each(rows, i):
     """The i-th number of each of some tuples."""
-    return _each("rows[#][i]", rows)
+    return each("rows[#][i]", rows)
 
 
 @unrolled
 def select(condition, x, y):
     """x where the condition is true, else y."""
-    return _each("x[#] if condition else y[#]", x)
+    return each("x[#] if condition else y[#]", x)
 
 
 @unrolled
 def read_rows(s, rows, l):
     """What stands in these rows of lane l."""
-    return _each("s[np.uintp(rows[#] + l)]", rows)
+    return each("s[np.uintp(rows[#] + l)]", rows)
 
 
 @unrolled
@@ -170,7 +170,7 @@ def write_rows(s, rows, l, values):
 @unrolled
 def load_each(s, rows, l):
     """What stands in these tuples of rows of lane l."""
-    return _each("read_rows(s, rows[#], l)", rows)
+    return each("read_rows(s, rows[#], l)", rows)
 
 
 @unrolled
