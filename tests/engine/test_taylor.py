@@ -15,7 +15,7 @@ from ratestate.engine import rows as R
 from ratestate.engine import taylor as T
 from ratestate.engine.recurrences import ORDER, has_recurrences
 from ratestate.engine.series import Graph, NotASeries, expand
-from ratestate.engine.taylor import coefficients
+from ratestate.engine.taylor import coefficients, variational_coefficients
 from ratestate.engine.tuples import pairwise_sums, product_each
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
@@ -112,9 +112,13 @@ def coefficients_of(law):
     return law, tuple(float(one[0]) for one in law.coefficient_arrays(1e-6, columns))
 
 
-def solution(law, p, point):
+def start_of(law, point):
+    return [point["x"], point["v"], *[point["psi"]] * len(law.states)]
+
+
+def solution(law, p, point, start=None):
     """The powers of `works`, and y as `Truncated`, by Picard's iteration."""
-    start = [point["x"], point["v"], *[point["psi"]] * len(law.states)]
+    start = start_of(law, point) if start is None else start
     y = [Truncated([one]) for one in start]
     w_lp = Truncated([point["w_lp"], point["ramp"]])
     for _ in range(Truncated.N):
@@ -150,6 +154,45 @@ def test_coefficients(name):
         np.testing.assert_allclose(one, exact, rtol=1e-12, atol=1e-13 * np.abs(exact).max())
     assert [len(one) for one in found] == [ORDER + 1] * len(found)
     assert [len(one) for one in powers_found] == [ORDER] * 2
+
+
+@pytest.mark.parametrize("name", WITH_RECURRENCES)
+def test_coefficients_of_perturbations(name):
+    """Beside difference quotients of power series in 60 digits, and the trace beside its own."""
+    law, p = coefficients_of(name)
+    point = POINT | {"w_lp": 1.0, "ramp": 0.0}
+    y = start_of(law, point)
+    rng, n = np.random.default_rng(7), len(y)
+    z = tuple(tuple(rng.normal(size=n).tolist()) for _ in range(n - 1))
+    w, states = math.exp(y[1]), tuple(y[2:])
+    e = tuple(map(math.exp, law.own_exponents(y[1], w, states, (), p)))
+    given = law, tuple(y), w, e, z, point["kappa"], point["eta0"], p
+    of_y, of_z, trace = variational_coefficients(*given)
+    assert len(of_z) == n * (n - 1)
+    with mpmath.workdps(60):
+        tiny = mpmath.mpf(10) ** -25
+
+        def moved(start, along, by):
+            begin = [a + by * tiny * b for a, b in zip(start, along, strict=True)]
+            return solution(law, p, point, begin)[0]
+
+        exact_y = moved(y, y, 0)
+        slopes = [
+            (a - b) * (1 / (2 * tiny))
+            for one in z
+            for a, b in zip(moved(y, one, 1), moved(y, one, -1), strict=True)
+        ]
+        # the trace a little later, of slopes of the rates, which are second coefficients
+        later = [one.at(0.02) for one in exact_y]
+        units = [[mpmath.mpf(i == k) for i in range(n)] for k in range(n)]
+        diagonal = [
+            (moved(later, units[k], 1)[k].c[1] - moved(later, units[k], -1)[k].c[1]) / (2 * tiny)
+            for k in range(n)
+        ]
+    for found, exact in zip((*of_y, *of_z), (*exact_y, *slopes), strict=True):
+        exact = np.array(exact.c[: ORDER + 1], float)
+        np.testing.assert_allclose(found, exact, rtol=1e-11, atol=1e-12 * np.abs(exact).max())
+    assert np.polynomial.Polynomial(trace)(0.02) == pytest.approx(float(sum(diagonal)), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["slip", "two-state-aging"])

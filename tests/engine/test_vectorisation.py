@@ -7,6 +7,7 @@ import numba
 import pytest
 
 from ratestate.engine import compilation, jit
+from ratestate.engine.rows import WIDTH
 from ratestate.engine.vectorisation import is_vectorised
 from ratestate.errors import RunWarning
 from ratestate.friction.laws import LAWS
@@ -20,6 +21,11 @@ def advance(s, n):
         x = s[l]
         s[l] = {value}
 
+def commit(s, n):
+    for l in range({width} * n):
+        x = s[l]
+        s[l] = {value}
+
 def others(s, n):
     for l in range(n):
         s[l] = s[l] * s[l]
@@ -29,7 +35,7 @@ def others(s, n):
 def counted(value, function="advance"):
     """Products in this function of a module of lanes."""
     module = types.ModuleType("tiny_lanes")
-    exec(LANES.format(value=value), module.__dict__)
+    exec(LANES.format(value=value, width=WIDTH), module.__dict__)
     compiled = jit.kernel(getattr(module, function))
     compiled._cache.disable()
     compiled.compile("(float64[::1], int64)")
@@ -45,6 +51,15 @@ def test_a_call_of_a_function_keeps_a_loop_from_being_vectorised():
     assert alone >= 3 > vectors
     assert not is_vectorised((alone, vectors))
     assert counted("x", "others") == (0, 0)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
+def test_loops_over_whole_vectors_leave_nothing():
+    """The vectors are those that the compiler takes: no product of single numbers is left."""
+    long = " + ".join(f"x * {k}.5 * (x + {k}.0)" for k in range(30))  # (short loops are doubled)
+    alone, vectors = counted(long, "commit")
+    assert alone == 0
+    assert vectors >= 30
 
 
 def test_a_small_part_may_be_left():

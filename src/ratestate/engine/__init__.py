@@ -5,7 +5,8 @@
 ``dispatch``, ``backend``             kernels run from Python: threads, time limits, progress
 ``cuda``, ``cuda_kernels``            the same on a GPU
 ``jit``, ``compilation``, ``cache``   how kernels are compiled, and when; where they are kept
-``pipeline``                          numba's compiler, for what compiled code alone calls
+``pipeline``, ``tracing``             numba's compiler, for what compiled code alone calls; none,
+                                      for straight lines of arithmetic
 ``vectorisation``                     whether their loops over lanes are SIMD code
 ``law_methods``                       laws as types inside compiled code
 ``march``, ``saving``                 a run from start to end: segments, saved times, events
@@ -15,8 +16,10 @@
 ``equations``                         the equations at one point: speed, force, power
 ``rodas5p``, ``tableau``, ``tangent`` a step, its coefficients, its derivative
 ``taylor``                            a step of the Taylor method where nothing is stiff
-``series``, ``recurrences``           its coefficients, written as code from a law's own formulas
-``taylor_lanes``, ``lane_sets``       loops of such steps; sliders that change their method
+``series``, ``recurrences``           its coefficients, from a law's own formulas
+``taylor_lanes``                      loops of such steps
+``return_taylor_lanes``               and of those of a return map
+``lane_sets``                         sliders that change their method
 ``drift``                             what a step takes from equations that change in time
 ``reversing``                         the derivative where slip may reverse
 ``tuples``                            arithmetic on states of any number of variables
@@ -24,6 +27,7 @@
 ``dense_output``                      polynomials within a step
 ``extremes``                          where in it forces and speeds are extreme, and speeds cross
 ``events``, ``return_events``         what happens within a step: extremes, returns, runaway
+``waveform``                          Fourier integrals of the stress over a return
 ``periodicity``                       which period a run has, or that it has none
 ``im2017``                            the paper's own scheme
 ``rigid``, ``rigid_steps``            the state where the slider moves with its load point (K = inf)
