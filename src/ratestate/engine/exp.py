@@ -34,11 +34,7 @@ def limited(x):
 
 @_intrinsic
 def _limited(typing_context, x):
-    """As `limited`, without a branch.
-
-    Between branches no product is fused with what it is added to, and a slider alone would have
-    other bits than in a lane.
-    """
+    """As `limited`, without a branch, at which loops over lanes would end."""
 
     def generate(context, builder, signature, arguments):
         (x,) = arguments

@@ -1,7 +1,6 @@
 """The functions of friction/functions.py in compiled code, which loops over lanes can vectorise.
 
-Without branches: between them no product is fused with what it is added to, and a slider alone
-would have other bits than in a lane.
+They have no branches, at which such a loop would end.
 """
 
 import math

@@ -226,7 +226,7 @@ def commit_lane(s, l, law):
 
 @inlined
 def assess(s, law, n):
-    """Accept or reject the steps of the first n lanes, and see whether they hold events."""
+    """Accept or reject steps in the first n vectors of lanes, and see whether they hold events."""
     for l in range(R.WIDTH * n):
         control_step(s, l)
     find_events(s, law, n)
@@ -234,18 +234,17 @@ def assess(s, law, n):
 
 @lanewise
 def find_events(s, law, n):
-    """`has_event` in the first n lanes."""
+    """`has_event` in the first n vectors of lanes."""
     for l in range(R.WIDTH * n):
         has_event(s, l, law)
 
 
 @lanewise
 def advance(s, law, n):
-    """Try one step in the first n lanes, accept or reject it, and see whether it holds events.
+    """Try a step in the first n vectors of lanes, accept it or not, and see whether it has events.
 
-    n is `LANES`, half of them, or 1 for a slider alone, which the loops' scalar remainder then
-    takes; a length known at compile time would get the loops unrolled.  They are three since LLVM
-    vectorises each but not their union.
+    There are several loops since LLVM vectorises each but not their union.  They go over whole
+    vectors, and so have no remainder of single lanes; a slider alone takes a vector.
     """
     for l in range(R.WIDTH * n):
         try_step(s, l, law)
@@ -254,6 +253,6 @@ def advance(s, law, n):
 
 @lanewise
 def commit(s, law, n):
-    """`commit_lane` in the first n lanes."""
+    """`commit_lane` in the first n vectors of lanes."""
     for l in range(R.WIDTH * n):
         commit_lane(s, l, law)

@@ -49,7 +49,7 @@ def try_step(s, l, law):
 
 @lanewise
 def advance(s, law, n):
-    """Try one step in the first n lanes, accept or reject it, and see whether it holds events."""
+    """Try a step in the first n vectors of lanes, accept it or not, see whether it has events."""
     for l in range(R.WIDTH * n):
         try_step(s, l, law)
     L.assess(s, law, n)
@@ -110,6 +110,6 @@ def commit_lane(s, l, law):
 
 @lanewise
 def commit(s, law, n):
-    """`commit_lane` in the first n lanes."""
+    """`commit_lane` in the first n vectors of lanes."""
     for l in range(R.WIDTH * n):
         commit_lane(s, l, law)

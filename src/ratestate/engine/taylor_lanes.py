@@ -122,7 +122,7 @@ def find_calm(s, l, law):
 
 @lanewise
 def advance_by_taylor(s, law, n):
-    """Take a step by the Taylor method in the first n lanes, as `lanes.advance` does by Rodas5P."""
+    """Take a step by the Taylor method in the first n vectors of lanes."""
     for l in range(R.WIDTH * n):
         try_step(s, l, law)
     L.find_events(s, law, n)
@@ -137,7 +137,7 @@ def find_calms(s, law, n):
 
 @inner
 def advance(rows, s, law, n, taylor):
-    """A step in the first n lanes, of the Taylor method or of Rodas5P.
+    """A step in the first n vectors of lanes, of the Taylor method or of Rodas5P.
 
     rows : those of the dense output of a variable: `OF_RODAS5P` where there is that alone
     """
