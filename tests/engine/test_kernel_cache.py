@@ -291,7 +291,7 @@ def test_a_kernel_that_cannot_be_compiled(monkeypatch):
     def broken(x, budget):
         return x.nothing
 
-    worker = dispatch._Worker(broken, 3000, 1, (LAWS["slip"],), np.zeros(1), ())
+    worker = dispatch._Worker(broken, (), LAWS["slip"], False, np.zeros(1), ())
     worker.arguments = (1.0,)
     with pytest.raises(CompilationError, match=r"the solver cannot be compiled.*TypingError"):
         worker.go()

@@ -25,7 +25,7 @@ POINT = {"x": 0.3, "v": 0.2, "psi": -0.15, "w_lp": 1.1, "ramp": 0.07, "kappa": 0
 
 @njit
 def longest(last, before, tolerance, momentum=0.0):
-    return T.longest(last, before, tolerance, momentum)
+    return T.longest(T.size(last, momentum), T.size(before, momentum), tolerance)
 
 
 @njit

@@ -99,9 +99,7 @@ def extreme(c):
         bend = curvature(c, s)
         step = d / bend if bend != 0.0 else 2.0
         new = s - step
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - s) < CONVERGED:
+        if abs(step) < CONVERGED:
             return new
-        s = new
+        s = new if low < new < high else 0.5 * (low + high)
     return s

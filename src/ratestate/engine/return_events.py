@@ -77,7 +77,8 @@ def observe_step(s, l, law, c):
     """`observe`, with the derivatives of what it finds of V.
 
     They are those of V at that time: where it is extreme, a shift along the orbit does not count.
-    Where V stops falling at once, as at a sudden arrest, they are good to some ten per cent.
+    Where V stops falling at once, as at a sudden arrest, they hang on where in the step that is
+    thought to be, and may be off by a factor of 4.
     """
     rows = rows_of(law)
     high, low = s[R.V_HIGH + l], s[R.V_LOW + l]

@@ -38,8 +38,10 @@ def refine(system, cycles, rtol):
             break
         finer = cycles.tol[worse] * np.clip(rtol / measures["error"][worse], 0.01, 0.3)
         cycles.tol[worse] = np.maximum(finer, floor[worse])
-        cycles.u[worse] = measures["u"][worse]
-        cycles.period[worse] = measures["period"][worse]
+        # (where there is no cycle Newton's step may lead to where V falls)
+        known = worse & (measures["u"][:, -1] > 0.0)
+        cycles.u[known] = measures["u"][known]
+        cycles.period[known] = measures["period"][known]
         for name, value in measure(system.at(worse), cycles.at(worse)).items():
             measures[name][worse] = value
     small = cycles.error > 0.0
