@@ -13,12 +13,16 @@ from .functions import cosine_of_periods
 from .jit import inlined, inner, lanewise
 from .rows import OF_RODAS5P, rows_of
 from .tracing import traced
-from .tuples import read_rows
+from .tuples import plus, read_rows, select, write_rows
 
 # V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
 SLOW_BELOW, LOG_SLOW_BELOW = 0.1, -2.302585092994046
 # Coefficients of a polynomial for each node: of a step of Rodas5P three.
 TERMS_OF_NODE = 2
+
+# Rows: of what is summed, and of the step.
+SUMS = R.SLOW, R.MEAN, R.SQUARE, R.COSINE, R.SINE
+STEP = R.OK, R.H_USED, R.GUESS, R.T, R.T_LOW, R.SLOW_PART
 
 
 @inlined
@@ -46,14 +50,10 @@ def add_step(s, l, rows):
 
     rows : of the coefficients of x
     """
-    ok, h, period = s[R.OK + l] > 0.0, s[R.H_USED + l], s[R.GUESS + l]
-    start = (s[R.T + l] + (s[R.T_LOW + l] - h)) / period
-    mean, square, cosine, sine = means(read_rows(s, rows, l), start, h / period)
-    s[R.SLOW + l] += h * s[R.SLOW_PART + l] if ok else 0.0
-    s[R.MEAN + l] += h * mean if ok else 0.0
-    s[R.SQUARE + l] += h * square if ok else 0.0
-    s[R.COSINE + l] += h * cosine if ok else 0.0
-    s[R.SINE + l] += h * sine if ok else 0.0
+    sums, c = read_rows(s, SUMS, l), read_rows(s, rows, l)
+    accepted, h, period, t, t_low, slow = read_rows(s, STEP, l)
+    more = plus(sums, h, (slow, *means(c, (t + (t_low - h)) / period, h / period)))
+    write_rows(s, SUMS, l, select(accepted > 0.0, more, sums))
 
 
 @functools.cache
