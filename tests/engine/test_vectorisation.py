@@ -17,11 +17,6 @@ LANES = """
 import math
 
 def advance(s, n):
-    for l in range(n):
-        x = s[l]
-        s[l] = {value}
-
-def commit(s, n):
     for l in range({width} * n):
         x = s[l]
         s[l] = {value}
@@ -44,9 +39,6 @@ def counted(value, function="advance"):
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
 def test_a_call_of_a_function_keeps_a_loop_from_being_vectorised():
-    alone, vectors = counted("x * x * x * (1.0 + x * x)")
-    assert vectors >= alone >= 3
-    assert is_vectorised((alone, vectors))
     alone, vectors = counted("x * x * x * math.lgamma(1.0 + x * x)")
     assert alone >= 3 > vectors
     assert not is_vectorised((alone, vectors))
@@ -57,15 +49,16 @@ def test_a_call_of_a_function_keeps_a_loop_from_being_vectorised():
 def test_loops_over_whole_vectors_leave_nothing():
     """The vectors are those that the compiler takes: no product of single numbers is left."""
     long = " + ".join(f"x * {k}.5 * (x + {k}.0)" for k in range(30))  # (short loops are doubled)
-    alone, vectors = counted(long, "commit")
+    alone, vectors = counted(long)
     assert alone == 0
     assert vectors >= 30
+    assert is_vectorised((alone, vectors))
 
 
 def test_a_small_part_may_be_left():
-    assert is_vectorised((1000, 990))
+    assert is_vectorised((49, 951))
     assert is_vectorised((0, 0))
-    assert not is_vectorised((1000, 900))
+    assert not is_vectorised((51, 949))
 
 
 class Kernel:
@@ -104,7 +97,7 @@ def test_a_law_that_is_slow_is_named_once(mine):
 @pytest.mark.parametrize("case", ["vectorised", "built in", "loaded"])
 def test_of_other_laws_nothing_is_said(mine, case):
     law = LAWS["aging"] if case == "built in" else mine
-    kernel = Kernel(law, (600, 600 if case == "vectorised" else 7))
+    kernel = Kernel(law, (7, 600) if case == "vectorised" else (600, 7))
     if case != "loaded":
         compilation._announced.add((kernel, law))
     with warnings.catch_warnings():

@@ -22,8 +22,8 @@ from .periodicity import close_cycle
 from .rows import rows_of
 from .tuples import read_rows
 
-#: part of the tolerance of a step by which extreme forces may be off
-PART = 0.01
+#: by how much extreme forces may be off, over the tolerance of a step
+ENOUGH = 0.01
 
 
 @inner
@@ -35,7 +35,7 @@ def observe(s, l, law, c):
     c : the polynomials of x, v and psi
     """
     p, h = read_rows(s, rows_of(law).p, l), s[R.H_USED + l]
-    enough = PART * s[R.TOLERANCE + l]
+    enough = ENOUGH * s[R.TOLERANCE + l]
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
     if v_extremum:

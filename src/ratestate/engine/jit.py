@@ -58,7 +58,7 @@ def recursive(function):
 def unrolled(lines):
     """A function of tuples that is written out for their lengths, and inlined.
 
-    lines : the function, its arguments -> the lines of its body, which hang on lengths alone
+    lines : the function, its arguments -> the lines of its body, which depend on lengths alone
     """
     name, arguments = lines.__name__, ", ".join(inspect.signature(lines).parameters)
 

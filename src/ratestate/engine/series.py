@@ -4,7 +4,7 @@ The methods of a law are arithmetic.  Given `Series` instead of numbers they giv
 motion as a graph of sums, products, quotients and exponentials, each of which has a rule by which
 its coefficient of order k in time follows from those of lower order (Moore 1966; Jorba & Zou 2005
 doi:10.1080/10586458.2005.10128904).  `expand` goes through these rules, order by order, with any
-kind of numbers: those of code that is being compiled, too (llvm_numbers.py).
+kind of numbers: those of code that is being compiled, too (tracing.py).
 """
 
 import functools
@@ -215,7 +215,8 @@ class _Expansion:
         self.known = known
         self.c = {}  # (series, order) -> coefficient
         self.slopes = {}  # (series, j) -> j times the coefficient of order j
-        self.factors = {}  # what stays the same from order to order
+        self.terms = {}  # series -> what `_linear` gives
+        self.over = {}  # quotient -> its dividend's terms over the divisor; and one over that
 
     def at(self, one, k):
         """The coefficient of order k of a series; 0 beyond those of constants and lines."""
@@ -247,14 +248,14 @@ class _Expansion:
 
     def _linear(self, one):
         """Constant factors and series whose sum it is: itself, if it is no sum."""
-        if one not in self.factors:
-            self.factors[one] = [(1.0, one)]
+        if one not in self.terms:
+            self.terms[one] = [(1.0, one)]
             if one.rule == "sum" and not one.is_constant:
-                self.factors[one] = [term for x in one.operands for term in self._linear(x)]
+                self.terms[one] = [term for x in one.operands for term in self._linear(x)]
             if one.rule == "product" and one.operands[0].is_constant and not one.is_constant:
                 factor, x = one.operands
-                self.factors[one] = self._scaled(self._linear(x), self.at(factor, 0))
-        return self.factors[one]
+                self.terms[one] = self._scaled(self._linear(x), self.at(factor, 0))
+        return self.terms[one]
 
     def _scaled(self, terms, factor):
         return [(_product(factor, a), x) for a, x in terms]
@@ -286,11 +287,11 @@ class _Expansion:
     def _quotient(self, k, one, x, y):
         if k == 0:
             inverse = 1.0 / self.at(y, 0)
-            self.factors[one, x] = self._scaled(self._linear(x), inverse)
-            self.factors[one, y] = inverse
-            return self._combination(self.factors[one, x], 0)
+            self.over[one] = self._scaled(self._linear(x), inverse), inverse
+            return self._combination(self.over[one][0], 0)
         # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
-        inverse, whole = self.factors[one, y], self._combination(self.factors[one, x], k)
+        terms, inverse = self.over[one]
+        whole = self._combination(terms, k)
         pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
         less = _product(_convolution(pairs, k), inverse)
         last = _product(_product(self.at(one, 0), inverse), self.at(y, k))

@@ -71,7 +71,7 @@ def record(s, l, law, h, h_powers, c, lengths, also):
     """Put the outcome of a step into its rows, and see whether the next is Rodas5P's.
 
     h : its length; h_powers : `powers` of that; lengths : what `step_lengths` gave
-    also : a number that is finite where all else is that the step has found
+    also : the sum of what else the step has found: not finite where any of that is not
     """
     accurate, stable = lengths
     rows, system = rows_of(law), L.system_of(s, l, law)
@@ -85,6 +85,7 @@ def record(s, l, law, h, h_powers, c, lengths, also):
     ok = abs(total(y_new) + also) < 1e300
     rate = fastest_rate(y_new, w_new, e_new, s[R.FREQUENCY + l], system)
     stable = STABLE / rate if ok else stable
+    # (if the step is taken back, to end at a crossing, a rate nearby will do for the shorter one)
     s[R.RATE + l] = rate
     limited = s[R.LIMITED + l] + 1.0 if accurate > stable else 0.0
     stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | (not ok)

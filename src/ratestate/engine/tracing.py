@@ -113,6 +113,8 @@ def _traced(builder, kind, value):
         values = [None] * len(kinds) if builder is None else unpack_tuple(builder, value)
         items = map(functools.partial(_traced, builder), kinds, values)
         return getattr(kind, "instance_class", _tuple)(*items)
+    if kind != types.float64 and not hasattr(kind, "law"):
+        raise TypeError(f"a traced function takes numbers, tuples of them and laws, not {kind}")
     return Number(builder, value) if kind == types.float64 else kind.law
 
 

@@ -40,7 +40,7 @@ def times(a, k):
 
 @traced
 def product(x, y):
-    """x_i y_i."""
+    """x_i y_i, as many as the shorter one has."""
     return tuple(x_i * y_i for x_i, y_i in zip(x, y, strict=False))
 
 
@@ -94,7 +94,7 @@ def size_of(c, k):
 
 @traced
 def plus_sum(y, c, k):
-    """y + sum_i c_i k_i for tuples k_i, as many as there are, summed from the left."""
+    """y + sum_i c_i k_i for tuples k_i, summed from the left; of as many c, or fewer k."""
     return functools.reduce(lambda y, one: plus(y, *one), zip(c, k, strict=False), y)
 
 

@@ -14,8 +14,8 @@ NAMES = r"(?:lanes|waveform)\d+(?:advance|find|commit|add)"
 LOOPS = re.compile(rf"^define [^@\n]*@[^(\n]*{NAMES}.*?^}}", re.M | re.S)
 ALONE = re.compile(r"= fmul (?:contract )?double")
 VECTORS = re.compile(r"= fmul (?:contract )?<\d+ x double>")
-# LLVM may double a few of the products of single numbers.
-ENOUGH = 0.95
+# A few products of single numbers may be left.
+FEW = 0.05
 
 
 def doubles_of_vector():
@@ -40,4 +40,4 @@ def products(library):
 def is_vectorised(counted):
     """Whether all but a small part of what `products` counted is vectorised."""
     alone, vectors = counted
-    return vectors >= ENOUGH * alone
+    return alone <= FEW * (alone + vectors)

@@ -224,6 +224,15 @@ def test_not_converged_carries_its_best():
     assert np.isnan(batch.amplitude[0])
 
 
+def test_a_cycle_beside_stable_sliding_that_was_missed():
+    """A law with a cut-off speed; 399 returns of `simulate` at rtol 1e-11 have this amplitude."""
+    p = {"a": 0.009346826, "b": 0.06181169, "Dc": 4.735297e-6, "sigma": 7053861.0}
+    p |= {"K": 1.7761977e11, "M": 1.1741926e8, "V_cut": 3.00612e-6}
+    found = limit_cycle(SpringSlider(**p, law="kato-tullis"), 8.009534e-7)
+    assert found.status == 0
+    assert float(found.amplitude) == pytest.approx(0.49147715, rel=1e-5)
+
+
 # The cycle by other means -------------------------------------------------------------------------
 
 
