@@ -60,11 +60,12 @@ def drawn(seed):
         whole = orbit(slider, V_lp)
     except rs.SolverError:
         return None
-    # (half a period on, while the spring is loaded: no event at the record's start)
-    i = int(np.searchsorted(whole.time, 0.5 * float(cycle.period)))
-    start = {name: float(whole[name][i]) for name in ("V", "theta", "tau")}
+    first = {name: float(whole[name][0]) for name in ("V", "theta", "tau")}
     truth = float(cycle.amplitude) * sigma, float(cycle.period), float(cycle.V_max)
-    return Cycle(slider, V_lp, start, *truth)
+    known = Cycle(slider, V_lp, first, *truth)
+    # (half a period on, while the spring is loaded: no event at the record's start)
+    half = known.run(0.5, 2).isel(time=-1)
+    return known._replace(start={name: float(half[name]) for name in first})
 
 
 def cycles(number, first=0):

@@ -36,7 +36,7 @@ STEPS = rs.Loading.steps("3 um/s", (1300.0, "10 um/s"), (1750.0, "30 um/s"), (19
 
 @pytest.fixture(scope="module")
 def drawn():
-    return cycles(6)
+    return cycles(12)
 
 
 @pytest.fixture(scope="module")
@@ -87,9 +87,9 @@ HONEST = {
     "tau_min": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "event_time": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "recurrence": (0.15, (0.66, 0.84), (0.90, 0.99)),
-    "event_start": (0.52, (0.66, 0.84), (0.87, 0.985)),
-    "event_end": (0.52, (0.66, 0.84), (0.87, 0.985)),
-    "duration": (0.45, (0.66, 0.84), (0.90, 0.985)),
+    "event_start": (0.65, (0.66, 0.84), (0.87, 0.985)),
+    "event_end": (0.65, (0.66, 0.84), (0.87, 0.985)),
+    "duration": (0.6, (0.66, 0.84), (0.90, 0.985)),
     "slip": (0.4, (0.70, 0.86), (0.92, 0.99)),
 }
 
@@ -101,7 +101,7 @@ def errors_over_their_estimates(drawn):
     for k, cycle in enumerate(drawn):
         own = rs.events(cycle.run(8.2))
         own = own.isel(event=own.event_status.values == WHOLE)
-        for seed in range(4):
+        for seed in range(2):
             rng = np.random.default_rng(10 * seed + k)
             samples, noise = 10 ** rng.uniform((2.3, -2.7), (2.9, -1.5))
             events = rs.events(cycle.record(8.2, samples, noise, rng), K=cycle.slider.K)
@@ -121,7 +121,7 @@ def errors_over_their_estimates(drawn):
 def test_errors_of_noisy_records_are_honest(errors_over_their_estimates, name):
     """Stresses unbiased, times outwards by 0.3 errors; benchmarks/events.py has 200 sliders.
 
-    Where in a period a record begins hangs on the solver's steps: bounds are three standard errors.
+    Bounds are three standard errors of 24 records, whose events are not independent.
     """
     z = errors_over_their_estimates[name]
     z = z[np.isfinite(z)]  # (the first event has no recurrence)
@@ -271,7 +271,7 @@ def test_regular_or_fast_falls_are_stick_slip():
 def test_one_or_two_clean_drops_are_events(drawn, number):
     """From the middle of one loading to that of another; noise of 1 % of the drop."""
     found = []
-    for seed, cycle in enumerate(drawn):
+    for seed, cycle in enumerate(drawn[:6]):
         record = cycle.record(number, 600, 0.01, np.random.default_rng(seed))
         found.append(rs.events(record, K=cycle.slider.K).sizes["event"])
     assert sum(of_one == number for of_one in found) == 5  # the sixth is a smooth oscillation
