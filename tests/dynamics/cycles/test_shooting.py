@@ -286,3 +286,17 @@ def test_same_bits_in_any_batch(law):
     one, other = measure(system.at(pick), part), measure(system, whole)
     for name, value in one.items():
         np.testing.assert_array_equal(value, other[name][pick], err_msg=name)
+
+
+@pytest.mark.parametrize("size", [0.0, 3e-320, 1e-309, 1e-100, 0.5])
+@pytest.mark.parametrize("k", [2, 3])
+def test_multipliers_that_underflow(size, k):
+    """The smallest is their product over the others, and 0 where that has no digits."""
+    jacobian = size * np.diag([1.0, *[0.5] * (k - 1)])[None]
+    with np.errstate(divide="ignore"):
+        trace = np.log(size**k * 0.5 ** (k - 1))
+    found = multipliers(returns_with(jacobian, np.array([trace])))[0]
+    assert np.isfinite(found).all()
+    smallest = 0.5 * size if size**k > 0.0 else 0.0
+    assert found[0] == pytest.approx(size, rel=1e-9, abs=1e-305)
+    assert found[-1] == pytest.approx(smallest, rel=1e-9)

@@ -16,6 +16,8 @@ from ...engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
 
 # A hundred times what a stick-slip cycle over 20 decades of V takes.
 MAX_STEPS_OF_RETURN = 2e5
+# Complex numbers below this have no inverse.
+TINY = np.finfo(float).tiny
 
 
 class Returns(NamedTuple):
@@ -131,7 +133,7 @@ def multipliers(returns):
     root = np.sqrt(half.astype(complex) ** 2 - product)
     first = half + np.where(half < 0.0, -root, root)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        second = np.where(first == 0.0, 0.0, product / first)
+        second = np.where(np.abs(first) < TINY, 0.0, product / first)
     return np.stack([first, second], axis=1)
 
 
@@ -143,7 +145,7 @@ def _many_multipliers(jacobian, product):
     others = np.prod(found[:, :-1], axis=1)
     alone = found[:, -1].imag == 0.0  # (else it is one of a pair, and known as well as that)
     with np.errstate(divide="ignore", invalid="ignore"):
-        last = np.where(others == 0.0, 0.0, product / others)
+        last = np.where(np.abs(others) < TINY, 0.0, product / others)
     found[:, -1] = np.where(alone, last, found[:, -1])
     found[~finite] = np.nan
     return found
