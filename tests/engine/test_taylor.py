@@ -13,8 +13,9 @@ from textbook import OF_LAW, drawn
 import ratestate as rs
 from ratestate.engine import rows as R
 from ratestate.engine import taylor as T
+from ratestate.engine.expansion import expand
 from ratestate.engine.recurrences import ORDER, has_recurrences
-from ratestate.engine.series import Graph, NotASeries, expand
+from ratestate.engine.series import Graph, NotASeries
 from ratestate.engine.taylor import coefficients, variational_coefficients
 from ratestate.engine.tuples import pairwise_sums, product_each
 

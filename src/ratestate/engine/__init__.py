@@ -16,7 +16,8 @@
 ``equations``                         the equations at one point: speed, force, power
 ``rodas5p``, ``tableau``, ``tangent`` a step, its coefficients, its derivative
 ``taylor``                            a step of the Taylor method where nothing is stiff
-``series``, ``recurrences``           its coefficients, from a law's own formulas
+``recurrences``, ``series``           the equations as a graph, from a law's own formulas,
+``expansion``                         and its coefficients
 ``taylor_lanes``                      loops of such steps
 ``return_taylor_lanes``               and of those of a return map
 ``lane_sets``                         sliders that change their method

@@ -150,21 +150,9 @@ def _of_each(function, arguments, item):
 
 _of_each(functions.softplus_each, "x, y", "softplus(x + y[{k}])")
 _of_each(functions.logistic_each, "x, y", "logistic(x + y[{k}])")
-_of_each(functions.bent_each, "y", "y[{k}] * (1.0 - y[{k}])")
-_of_each(functions.scaled, "x, y", "x * y[{k}]")
-_of_each(functions.added, "x, y", "x[{k}] + y[{k}]")
-_of_each(functions.weighted, "weights, y", "weights[{k}] * y[{k}]")
-_of_each(functions.zeros_for, "y", "0.0 * y[{k}]")
-
-
-@_overload(functions.weighted_sum, jit_options=INLINED)
-def _weighted_sum(weights, y):
-    terms = " + ".join(f"weights[{k}] * y[{k}]" for k in range(len(y)))
-    return eval(f"lambda weights, y: {terms}")
-
-
-@_overload(functions.diagonal, jit_options=INLINED)
-def _diagonal(y):
-    n = range(len(y))
-    rows = (", ".join(f"y[{k}]" if j == k else "0.0" for j in n) for k in n)
-    return eval("lambda y: (" + "".join(f"({row},), " for row in rows) + ")")
+# What is arithmetic on tuples alone is compiled from the very functions that Python calls.
+for _arithmetic in (
+    *(functions.bent_each, functions.scaled, functions.added, functions.weighted),
+    *(functions.weighted_sum, functions.zeros_for, functions.diagonal),
+):
+    traced(_arithmetic)

@@ -1,9 +1,10 @@
-"""The equations of motion under a law as recurrences of Taylor coefficients (series.py)."""
+"""The equations of motion under a law as recurrences of Taylor coefficients (expansion.py)."""
 
 import functools
 from typing import NamedTuple
 
-from .series import Graph, NotASeries, expand
+from .expansion import expand
+from .series import Graph, NotASeries
 
 #: order of the Taylor method: degree of its polynomials in time
 ORDER = 12

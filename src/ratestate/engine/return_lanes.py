@@ -21,7 +21,6 @@ from .tuples import (
     times,
     write_rows,
 )
-from .waveform import find_slow_lanes
 
 
 @traced
@@ -53,7 +52,6 @@ def advance(s, law, n):
     for l in range(R.WIDTH * n):
         try_step(s, l, law)
     L.assess(s, law, n)
-    find_slow_lanes(s, n)
 
 
 @recursive

@@ -22,7 +22,7 @@ from .return_lanes import changes_of_speed, commit
 from .return_taylor_lanes import advance
 from .rows import rows_of
 from .tuples import dot_onto, load_each, load_rows, of_each, plus, read_rows, times, write
-from .waveform import add_rodas5p, add_taylor
+from .waveform import add_rodas5p, add_taylor, find_slow_lanes
 
 
 class Starts(NamedTuple):
@@ -166,6 +166,7 @@ def march_to_section(law, taylor, s, queue, position, starts, results, budget):
     capacity = 2 * R.LANES if taylor else R.LANES
     first, n, lanes = 0, 0, s[: rows.size]
     vacant = regroup = True
+    waveform = starts.period[0] > 0.0
     for _ in range(budget):
         if vacant:
             while position[0] - position[1] < capacity:
@@ -180,16 +181,17 @@ def march_to_section(law, taylor, s, queue, position, starts, results, budget):
                 return True
             lanes, regroup = s[first : first + rows.size], False
         advance(rows.c[0], lanes, law, n, first > 0)
+        if waveform:
+            find_slow_lanes(lanes, n)
         for l in range(first, first + R.WIDTH * n):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 handle_events(s, l, law)
         L.commit(lanes, law, n)
         commit(lanes, law, n)
-        if starts.period[0] > 0.0:
-            if first > 0:
-                add_taylor(lanes, law, n)
-            else:
-                add_rodas5p(lanes, law, n)
+        if waveform and first > 0:
+            add_taylor(lanes, law, n)
+        elif waveform:
+            add_rodas5p(lanes, law, n)
         for l in range(first, first + R.WIDTH * n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 finish(s, l, law, results)

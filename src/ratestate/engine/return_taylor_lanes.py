@@ -18,7 +18,6 @@ from .tuples import (
     store_each,
     total,
 )
-from .waveform import find_slow_lanes
 
 
 @inlined
@@ -65,7 +64,6 @@ def advance_by_taylor(s, law, n):
     for l in range(R.WIDTH * n):
         try_step(s, l, law)
     L.find_events(s, law, n)
-    find_slow_lanes(s, n)
 
 
 @inner

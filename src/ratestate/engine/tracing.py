@@ -33,6 +33,7 @@ def traced(function):
 
     parameters = inspect.signature(function).parameters.values()
     context = inspect.Parameter("typing_context", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    # numba binds arguments by it; a function's attributes are not declared
     definition.__signature__ = inspect.Signature([context, *parameters])  # type: ignore[attr-defined]
     template = make_intrinsic_template(function, definition, function.__name__)
     infer(template)
@@ -109,6 +110,7 @@ def _stand_in(kind):
 def _traced(builder, kind, value):
     """An argument as the function gets it."""
     if isinstance(kind, types.BaseTuple):
+        # (that numba's tuple types can be gone through is not declared)
         kinds: list = list(kind)  # type: ignore[call-overload]
         values = [None] * len(kinds) if builder is None else unpack_tuple(builder, value)
         items = map(functools.partial(_traced, builder), kinds, values)
