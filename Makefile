@@ -6,7 +6,7 @@ UV_VERSION := 0.13.9
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures explore test check docs wheel dist browser bench torture mutants slurm lock clean
+.PHONY: help setup figures explore test check docs cuda wheel dist browser bench torture mutants slurm lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -37,6 +37,11 @@ docs: .venv/.docs ## build the documentation, its code executed and its links ch
 	$(BIN)/sphinx-build --quiet --jobs 2 --nitpicky --fail-on-warning --keep-going docs build/docs/html
 	$(BIN)/python tools/check_links.py build/docs/html
 	$(BIN)/python tools/run_code.py README.md docs/*.md docs/*/*.md
+
+cuda: .venv/.uv-$(UV_VERSION) ## compile the kernels for an NVIDIA GPU, which is not needed; installs 500 MB
+	$(UV) venv --quiet --clear build/cuda
+	$(UV) pip install --quiet --python build/cuda/bin/python -r requirements.lock -e '.[gpu]'
+	build/cuda/bin/python -m pytest tests/engine/test_cuda.py -k compiler $(ARGS)
 
 wheel: .venv/.uv-$(UV_VERSION) ## build the wheel and the sdist, and try each in an empty environment
 	$(BIN)/python tools/try_wheel.py

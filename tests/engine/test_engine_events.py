@@ -9,21 +9,52 @@ from ratestate.engine import (
     extremes,
     law_methods,  # noqa: F401  (compiled code calls methods of laws)
 )
+from ratestate.engine import rows as R
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.laws.slip import SlipLaw
 
+LANE = 3
+ROWS = R.rows_of(SlipLaw())
+
+
+def lane(law, c, p=(), h=1.0):
+    """A buffer in which the lane LANE has made a step of this dense output.
+
+    c : coefficients of x, v and psi, of a step of Rodas5P if there are 5 of each
+    """
+    rows = R.rows_of(law)
+    s = np.full(rows.size, np.nan)
+    s[R.TAYLOR + LANE], s[R.H_USED + LANE] = len(c[0]) > R.OF_RODAS5P, h
+    for row, coefficients in zip(rows.c, c, strict=True):
+        s[np.add(row[: len(coefficients)], LANE)] = coefficients
+    s[np.add(rows.p, LANE)] = p
+    s[np.add(rows.y, LANE)] = np.transpose(c)[0]
+    return s
+
+
+def of_v(c):
+    """`lane` under the slip law with this polynomial of v."""
+    return lane(SlipLaw(), [np.zeros(len(c)), c, np.zeros(len(c))], (1.5,))
+
 
 @njit
-def extreme(c):
-    return dense_output.extreme(c)
+def extreme(s):
+    return dense_output.extreme(s, LANE, ROWS.c[1])
 
 
-def from_derivative(*roots):
+def from_derivative(terms, *roots):
     """Coefficients, lowest first, of a polynomial whose derivative has these roots."""
     c = np.polynomial.Polynomial.fromroots(roots).integ().coef
-    return np.append(c, np.zeros(5 - len(c)))
+    return np.append(c, np.zeros(terms - len(c)))
 
 
+#: of a step of Rodas5P, and of the Taylor method
+TERMS = pytest.mark.parametrize("terms", [5, 13])
+#: roots of a derivative of which one is inside the step
+MANY = (0.4, -0.2, 1.3, 2.5, -3.0, 1.7, -0.6)
+
+
+@TERMS
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("roots", "at"),
@@ -39,16 +70,32 @@ def from_derivative(*roots):
         ((1.1, -3.0), 1.0),
     ],
 )
-def test_where_a_step_has_its_extreme(roots, at, sign):
-    c = sign * from_derivative(*roots)
-    assert extreme(c) == pytest.approx(at, abs=1e-13)
+def test_where_a_step_has_its_extreme(roots, at, sign, terms):
+    c = sign * from_derivative(terms, *roots)
+    assert extreme(of_v(c)) == pytest.approx(at, abs=1e-13)
+
+
+def test_where_a_step_of_high_order_has_its_extreme():
+    """All coefficients count, and those of the step before, of another method, do not."""
+    s = of_v(from_derivative(13, *MANY))
+    assert extreme(s) == pytest.approx(0.4, abs=1e-13)
+    s[R.TAYLOR + LANE] = 0.0
+    of_rodas5p = np.polynomial.Polynomial(from_derivative(13, *MANY)[:5]).deriv().roots()
+    inside = [z.real for z in of_rodas5p if abs(z.imag) < 1e-9 and 0.0 < z.real < 1.0]
+    assert extreme(s) == pytest.approx(inside[0], abs=1e-13)
+    assert abs(inside[0] - 0.4) > 1e-3
 
 
 @njit
-def crossing(c, w_lp, dw, log_w_lp):
-    return extremes.crossing_of_v(c, (w_lp, dw, log_w_lp), 0.0, 1.0)
+def _crossing(s, load):
+    return extremes.crossing_of_v(s, LANE, ROWS.c[1], load, 0.0, 1.0)
 
 
+def crossing(c, *load):
+    return _crossing(of_v(c), load)
+
+
+@TERMS
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("roots", "at"),
@@ -59,9 +106,9 @@ def crossing(c, w_lp, dw, log_w_lp):
         ((1.0 - 1e-9, -2.0, 4.0), 1.0 - 1e-9),
     ],
 )
-def test_where_a_step_crosses_the_speed_of_the_load_point(roots, at, sign):
+def test_where_a_step_crosses_the_speed_of_the_load_point(roots, at, sign, terms):
     c = sign * np.polynomial.Polynomial.fromroots(roots).coef
-    c = np.append(c, np.zeros(5 - c.size))
+    c = np.append(c, np.zeros(terms - c.size))
     c[0] += np.log(3.0)
     near = 1e-13 if len(set(roots)) == len(roots) else 1e-4  # rounding hides a flat crossing
     assert crossing(c, 3.0, 0.0, np.log(3.0)) == pytest.approx(at, abs=near)
@@ -80,8 +127,12 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 
 @njit
-def extreme_value(c, parts, h, law, p, enough=0.0):
-    return extremes.extreme_value(c, parts, h, law, p, enough)
+def _extreme_value(s, law, parts):
+    return extremes.extreme_value(s, LANE, law, parts, 0.0)
+
+
+def extreme_value(c, parts, h, law, p):
+    return _extreme_value(lane(law, c, p, h), law, parts)
 
 
 class Viscous(SlipLaw):
@@ -115,7 +166,7 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
         friction = v + p[0] * psi + (0.3 * np.exp(v) if isinstance(law, Viscous) else 0.0)
         stress = friction + (0.2 * np.exp(v) if damped else 0.0)
         force = parts[0] * x + parts[1] * stress + (parts[2] + parts[3]) * friction
-        found = extreme_value(tuple(c), parts, h, law, p)
+        found = extreme_value(c, parts, h, law, p)
         rises = np.diff(force) > 0.0
         if rises[0] == rises[-1]:
             changes[0] += 1
@@ -145,7 +196,7 @@ def test_extreme_forces_where_normal_stress_varies(parts):
         ratio = 1.1 + 0.2 * h * s + 0.1 * np.sin(2.0 * np.pi * (0.3 + h * s))
         strength = ratio * (v + beta * psi) + (ratio - 1.0) * 3.0
         force = x + (parts[1] + parts[2]) * strength
-        found = extreme_value(tuple(c), parts, h, law, p)
+        found = extreme_value(c, parts, h, law, p)
         rises = np.diff(force) > 0.0
         if rises[0] != rises[-1]:
             inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])

@@ -22,6 +22,7 @@ from ratestate.engine import rows as R
 from ratestate.engine.march import march
 from ratestate.engine.return_map import march_to_section
 from ratestate.friction.laws import LAWS as FORMULAS
+from ratestate.friction.laws import friction_law
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 NAMES = ["V", "theta", "tau", "delta", "mu", "status", "steps", "energy_residual", "V_max", "V_min"]
@@ -71,6 +72,26 @@ def test_a_million_steps_lose_no_time():
     assert abs(off) < 1e-20 * exact
     assert abs(Fraction(s[R.T]) - exact) <= np.spacing(1e5) / 2  # the low part is but the rest
     assert s[R.STEPS] == 1e6
+
+
+@pytest.mark.parametrize("where", range(6))
+@pytest.mark.parametrize("wrong", [0.0, np.nan, np.inf])
+def test_a_step_that_is_no_number_is_rejected(where, wrong):
+    """As Python, and as a GPU, has it: where NaN is one of two numbers, the other is the larger."""
+    law, l = friction_law("slip"), 5
+    rows = R.rows_of(law)
+    s = np.ones(rows.size)
+    s[np.add(rows.p, l)] = 1.5
+    s[R.TOLERANCE + l] = 1e-6
+    y, error = [[2.0, 0.0, 0.5], [3e-7, 0.0, 1e-7]]
+    (error if where < 3 else y)[where % 3] += wrong
+    dense = ((0.0,) * R.OF_RODAS5P,) * 3
+    lanes.record.py_func(s, l, law, 0.1, (tuple(y), 1.0, ()), tuple(error), dense)
+    lanes.control_step.py_func(s, l)
+    assert s[R.OK + l] == (wrong == 0.0)
+    assert s[R.BAD + l] == (wrong != 0.0)
+    if wrong == 0.0:
+        assert s[R.ERROR + l] == pytest.approx(0.3, rel=1e-12)
 
 
 def test_where_nothing_marches_no_kernel_is_loaded(monkeypatch):

@@ -14,7 +14,6 @@ from numba import config as numba_config
 from ..errors import ParameterError, SolverError
 from . import rows as R
 from .backend import check_stopped
-from .lane_case import IDLE
 from .model import empty_results
 from .return_map import empty_return_results
 from .rows import rows_of
@@ -24,9 +23,10 @@ config: Any = numba_config  # numba sets its attributes at run time
 # One warp a block: threads share nothing, and the finer a batch of a few thousand cases is cut, the
 # more evenly it spreads over the multiprocessors.
 BLOCK = 32
-# Of warps on a multiprocessor.  A step keeps its eight stages in registers, and so takes all 255
-# that a thread can have: 65,536 // (255 -> 256 x 32) = 8.  More would wait for their turn with
-# cases in their hands, and these are the last to finish.
+# Of warps on a multiprocessor.  A step keeps its stages or coefficients in registers, and so takes
+# all 255 that a thread can have: 65,536 // (255 -> 256 x 32) = 8.  More would wait for their turn
+# with cases in their hands, and these are the last to finish.  (Twice as many, with half the
+# registers, gained nothing on an H100.)
 RESIDENT = 8
 # Seconds a launch should take: often enough for a progress bar and for Ctrl-C, and a hundred times
 # what it takes to launch.  The least budget is a few ms even where doubles are slow.
@@ -63,10 +63,12 @@ def _numba_cuda() -> Any:
     return cuda
 
 
-def run_march(law, cases, loads, save_times, order, progress=None):
-    """March all cases by Rodas5P; parameters and `Results` as for `dispatch.run_march`.
+def run_march(law, taylor, cases, loads, save_times, order, progress=None):
+    """March all cases; parameters and `Results` as for `dispatch.run_march`.
 
     ParameterError where there is no GPU, SolverError where it fails, `backend.Stopped`.
+
+    taylor : bool, whether steps may be of the Taylor method, if the law allows
     """
     check()
     from . import cuda_kernels
@@ -76,7 +78,7 @@ def run_march(law, cases, loads, save_times, order, progress=None):
         save_times = np.full((len(save_times), 1), np.inf)
     results = empty_results(cases.y, save_times.shape[1])
     kernel = cuda_kernels.march_kernel(law)
-    _work(kernel, rows_of(law).size, order, (cases, loads, save_times), results, progress)
+    _work(kernel, rows_of(law).size, order, (taylor, cases, loads, save_times), results, progress)
     return results._replace(saved=results.saved[:, :n_times])
 
 
@@ -91,7 +93,7 @@ def run_returns(law, starts):
     results = empty_return_results(starts.y)
     kernel = cuda_kernels.return_kernel(law)
     order = np.arange(len(starts.y))
-    _work(kernel, rows_of(law).size, order, (starts,), results, None)
+    _work(kernel, rows_of(law).size, order, (True, starts), results, None)
     return results
 
 
@@ -99,56 +101,58 @@ def _work(kernel, size, order, given, results, progress):
     """Launch the kernel until all cases are done; its results are copied into `results`."""
     if len(order) == 0:
         return
+    check_stopped()
+    for fraction in _launches(kernel, size, order, given, results):
+        check_stopped()
+        if progress:
+            progress(fraction)
+
+
+def _launches(kernel, size, order, given, results):
+    """Do `_work`; gives the fraction done after each launch.  SolverError where CUDA fails."""
     try:
-        _launch(kernel, size, order, given, results, progress)
-    except Exception as error:
-        if not _of_cuda(error):
-            raise
+        yield from _unguarded_launches(kernel, size, order, given, results)
+    except Exception as error:  # none of a case's: compiled code has but status codes
         raise SolverError(
-            f"the GPU failed ({error}); if its memory is what lacks, give a smaller chunk; without "
-            f"device='cuda' the CPU does the work"
+            f"the GPU failed ({type(error).__name__}: {error}); if its memory is what lacks, give a"
+            f" smaller chunk; without device='cuda' the CPU does the work"
         ) from error
 
 
-def _launch(kernel, size, order, given, results, progress):
-    """`_work`, whatever goes wrong."""
+def _unguarded_launches(kernel, size, order, given, results):
+    """`_launches`, whatever goes wrong."""
+    from . import cuda_kernels
+
     n = len(order)
     cuda = _numba_cuda()
     capacity = RESIDENT * cuda.current_context().device.MULTIPROCESSOR_COUNT
     blocks = min(-(-n // BLOCK), capacity)
-    rows = -(-blocks * BLOCK // R.LANES)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Grid size")  # a small batch makes a small grid
-        launch = kernel[blocks, BLOCK]
+        launch, vacate = kernel[blocks, BLOCK], cuda_kernels.vacating_kernel()[blocks, BLOCK]
+    buffers = cuda.device_array((-(-blocks * BLOCK // R.LANES), size))
+    vacate(buffers)
     position, there = np.zeros(2, np.int64), _to_device(results)
-    columns = np.full((rows, size), IDLE)
-    columns[:, R.HOME : R.HOME + R.LANES] = np.arange(R.LANES)
-    buffers = cuda.to_device(columns)
     queue, counts = _to_device(order), cuda.to_device(position)
     rest = (*map(_to_device, given), there)
     budget = LEAST_BUDGET
     while position[1] < n:
-        check_stopped()
         under_way = cuda.to_device(np.zeros(1))
         start = time.perf_counter()
         launch(buffers, queue, counts, under_way, *rest, budget)
         counts.copy_to_host(position)  # waits
         pace = SLICE / (time.perf_counter() - start)
         budget = max(LEAST_BUDGET, int(budget * min(pace, GROWTH)))
-        if progress:
-            part = np.nan_to_num(under_way.copy_to_host()[0])
-            progress(min(1.0, (position[1] + part) / n))
+        part = np.nan_to_num(under_way.copy_to_host()[0])
+        yield min(1.0, (position[1] + part) / n)
     for here, array in zip(results, there, strict=True):
         array.copy_to_host(here)
 
 
-def _of_cuda(error):
-    """Whether an exception comes from CUDA itself: its memory, its driver, its compiler."""
-    return "cuda" in type(error).__module__
-
-
 def _to_device(arrays):
-    """The array, or the named tuple of arrays, in the GPU's memory."""
+    """The array, or the named tuple of arrays, in the GPU's memory; a bool is passed as it is."""
     if isinstance(arrays, tuple):
         return type(arrays)(*map(_to_device, arrays))
+    if isinstance(arrays, bool):
+        return arrays
     return _numba_cuda().to_device(np.ascontiguousarray(arrays))

@@ -24,7 +24,7 @@ MAX_ROWS = 10_000_000  # of a path, 320 MB; then STEP_LIMIT
 def run_march(method, law, cases, loads, save_times, order, progress=None):
     """`Results` of all cases, on one thread a core, but no more than full sets of lanes.
 
-    At most `backend.Backend.threads`, or on its device, always by Rodas5P on "cuda".  No case
+    At most `backend.Backend.threads`, or on its device.  No case
     raises: its status says how it ended, RUNNING and NaN that it is not in `order`.
     `backend.Stopped` where the backend stops it; `CompilationError`, and on "cuda" what
     `cuda.run_march` raises.  The arguments are not checked.
@@ -37,7 +37,7 @@ def run_march(method, law, cases, loads, save_times, order, progress=None):
     if backend.current().device == "cuda":
         from . import cuda
 
-        return cuda.run_march(law, cases, loads, save_times, order, progress)
+        return cuda.run_march(law, method.taylor, cases, loads, save_times, order, progress)
     results = empty_results(cases.y, save_times.shape[1])
     fixed = (cases, loads, save_times, results, np.empty((0, 1 + cases.y.shape[1])))
 

@@ -5,7 +5,7 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 """
 
 from . import rows as R
-from .dense_output import components, polynomial, polynomials
+from .dense_output import component, state
 from .equations import speed_alone
 from .extremes import (
     FRICTION,
@@ -27,28 +27,32 @@ ENOUGH = 0.01
 
 
 @inner
-def observe(s, l, law, c):
+def observe(s, l, law):
     """Extremes of V, |g|, f and x + N inside the step; `commit` sees to its end.
 
     Returns where in the step, 0 to 1, V has one, or -1.
-
-    c : the polynomials of x, v and psi
     """
-    p, h = read_rows(s, rows_of(law).p, l), s[R.H_USED + l]
     enough = ENOUGH * s[R.TOLERANCE + l]
     v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
     at = -1.0
     if v_extremum:
-        at, v = extreme_speed(c, law, p)
+        at, v = extreme_speed(s, l, law)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
-    if g_extremum:
-        g = extreme_value(c, INERTIAL_FORCE, h, law, p, enough)
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(g))
-    if f_extremum:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(c, FRICTION, h, law, p, enough))
-    if xf_extremum:
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(c, WITH_STRENGTH, h, law, p, enough))
+    while g_extremum or f_extremum or xf_extremum:  # (one search after the other, in one place:
+        # threads of a GPU that search for unlike forces do it side by side)
+        parts = WITH_STRENGTH
+        if g_extremum:
+            parts = INERTIAL_FORCE
+        elif f_extremum:
+            parts = FRICTION
+        force = extreme_value(s, l, law, parts, enough)
+        if g_extremum:
+            s[R.G_HIGH + l], g_extremum = max(s[R.G_HIGH + l], abs(force)), False
+        elif f_extremum:
+            s[R.F_LOW + l], f_extremum = min(s[R.F_LOW + l], force), False
+        else:
+            s[R.XF_LOW + l], xf_extremum = min(s[R.XF_LOW + l], force), False
     return at
 
 
@@ -69,34 +73,34 @@ def outrun(s, l, law):
 
 
 @inner
-def cross(s, l, law, c, rises, low, high):
+def cross(s, l, law, rises, low, high):
     """Record that V crosses V_lp from low to high in the step: a maximum of stress if it rises."""
-    p, h = read_rows(s, rows_of(law).p, l), s[R.H_USED + l]
+    h, of_x = s[R.H_USED + l], rows_of(law).c[0]
     load = s[R.W_LP + l], h * s[R.RAMP + l], s[R.LOG_W_LP + l]
-    at = crossing(c, load, law, p, low, high)
+    at = crossing(s, l, law, load, low, high)
+    x = component(s, l, of_x, at)
     if rises:
-        close_cycle(s, l, law, s[R.T_LOW + l] + at * h, polynomial(c[0], at))
+        close_cycle(s, l, law, s[R.T_LOW + l] + at * h, x)
     else:
-        s[R.X_LOW + l] = polynomial(c[0], at)
+        s[R.X_LOW + l] = x
 
 
 @inner
 def handle_events(s, l, law):
     """Everything of interest in the lane's accepted step, before it is committed."""
-    c, p = components(s, l, law), read_rows(s, rows_of(law).p, l)
     w_lp, dw = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
     at = -1.0  # where V is extreme
     if s[R.OBSERVE + l] > 0.0:
-        at = observe(s, l, law, c)
+        at = observe(s, l, law)
     elif s[R.GRAZES + l] > 0.0:
-        at, _ = extreme_speed(c, law, p)
+        at, _ = extreme_speed(s, l, law)
     above = s[R.W_NEW + l] >= w_lp + dw
     if (s[R.W + l] < w_lp) == above:
-        cross(s, l, law, c, above, 0.0, 1.0)
+        cross(s, l, law, above, 0.0, 1.0)
     elif at > 0.0:
-        w, _ = speed_alone(polynomials(c, at), law, p)
+        w, _ = speed_alone(state(s, l, law, at), law, read_rows(s, rows_of(law).p, l))
         if (w < w_lp + dw * at) == above:  # there and back
-            cross(s, l, law, c, not above, 0.0, at)
-            cross(s, l, law, c, above, at, 1.0)
+            cross(s, l, law, not above, 0.0, at)
+            cross(s, l, law, above, at, 1.0)
     if beyond_limit(s, l, law):
         outrun(s, l, law)

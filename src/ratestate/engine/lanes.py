@@ -4,6 +4,8 @@ Every loop here runs over whole vectors of lanes, idle ones too, so that a slide
 same instructions, and gets the same bits, wherever it sits.
 """
 
+import math
+
 from . import rows as R
 from .drift import UNITY
 from .equations import inertial_force, later
@@ -22,6 +24,7 @@ from .tuples import (
     select,
     size_of,
     store_each,
+    total,
     write_rows,
 )
 
@@ -152,7 +155,9 @@ def record(s, l, law, h, new, error, dense):
     p, inertia = read_rows(s, rows.p, l), s[R.ETA0 + l] / h
     of_v = law.without_rounding(of_v, *new, p, inertia, ROUNDING, size, allowed)
     largest_error = max(max(abs(error[0]), abs(of_v)), largest(error[2:]))
-    s[R.ERROR + l] = largest_error / allowed
+    # a NaN need not be the largest of anything
+    finite = abs(total(new[0]) + total(error)) < math.inf
+    s[R.ERROR + l] = largest_error / allowed if finite else math.inf
 
 
 @inlined

@@ -5,7 +5,7 @@ is as accurate as the steps are.
 """
 
 from . import rows as R
-from .dense_output import components, polynomials, views
+from .dense_output import state, values
 from .equations import exponentials_alone, inertial_force
 from .events import observe, outrun
 from .extremes import crossing
@@ -73,7 +73,7 @@ def end_at_crossing(s, l, law):
 
 
 @inner
-def observe_step(s, l, law, c):
+def observe_step(s, l, law):
     """`observe`, with the derivatives of what it finds of V.
 
     They are those of V at that time: where it is extreme, a shift along the orbit does not count.
@@ -82,7 +82,7 @@ def observe_step(s, l, law, c):
     """
     rows = rows_of(law)
     high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
-    at = observe(s, l, law, c)
+    at = observe(s, l, law)
     if s[R.V_HIGH + l] > high:
         write_rows(s, rows.v_high, l, perturbed(s, l, law, at))
     elif s[R.V_LOW + l] < low:
@@ -101,10 +101,9 @@ def inside(rows, s, l, law, at):
     if len(rows) == 0:
         return by_rodas5p(s, l, law, at)
     if s[R.TAYLOR + l] > 0.0:
-        y = polynomials(components(s, l, law), at)
+        y = state(s, l, law, at)
         w, e = exponentials_alone(y, law, read_rows(s, rows_of(law).p, l))
-        z = polynomials(views(s, rows, l, R.LANES * len(rows[0])), at)
-        return (y, w, e), grouped(z, y)
+        return (y, w, e), grouped(values(load_each(s, rows, l), at), y)
     return by_rodas5p(s, l, law, at)
 
 
@@ -127,26 +126,24 @@ def perturbed(s, l, law, at):
 @inner
 def handle_events(s, l, law):
     """Record what happens in the lane's step, or take it back, to end it at a crossing."""
-    c = components(s, l, law)
-    split(s, l, law, c)
+    split(s, l, law)
     landing_step = s[R.LANDING_STEP + l]
     if landing_step > 0.0 and s[R.H_USED + l] >= landing_step:
         if s[R.OBSERVE + l] > 0.0:
-            observe_step(s, l, law, c)
+            observe_step(s, l, law)
         end_at_crossing(s, l, law)
         return
     s[R.LANDING_STEP + l] = 0.0
     rises = s[R.W_NEW + l] >= 1.0
     if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
-        p = read_rows(s, rows_of(law).p, l)
-        at = max(crossing(c, (1.0, 0.0, 0.0), law, p, 0.0, 1.0), NEAREST)
+        at = max(crossing(s, l, law, (1.0, 0.0, 0.0), 0.0, 1.0), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
         s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = at * s[R.H_USED + l]
         s[R.EVERY_STEP + l], s[R.OK + l], s[R.CHANGES + l] = 1.0, 0.0, 0.0
         return
     s[R.EVERY_STEP + l] = 0.0
     if s[R.OBSERVE + l] > 0.0:
-        observe_step(s, l, law, c)
+        observe_step(s, l, law)
     if beyond_limit(s, l, law):
         # Where steady sliding is unstable what turns back once more runs away at last.
         if s[R.UNSTABLE + l] > 0.0:

@@ -3,7 +3,7 @@
 import math
 
 from . import rows as R
-from .dense_output import components, polynomials
+from .dense_output import state
 from .jit import inner
 from .rows import rows_of
 from .tuples import read_rows, write
@@ -24,7 +24,6 @@ def save(s, l, law, cases, save_times, saved):
     """Write the state at each saved time inside the lane's accepted step."""
     i = int(s[R.CASE + l])
     row, scale = cases.times[i], cases.scale[i]
-    c = components(s, l, law)
     h = s[R.H_USED + l]
     n = int(s[R.SAVED + l])
     while n < save_times.shape[1]:
@@ -32,7 +31,7 @@ def save(s, l, law, cases, save_times, saved):
         if at > 1.0:
             break
         at = max(at, 0.0)
-        write(saved[i, n], 0, polynomials(c, at))
+        write(saved[i, n], 0, state(s, l, law, at))
         n += 1
     await_save(s, l, n, save_times, row, scale)
 
@@ -50,9 +49,8 @@ def keep_inside(s, l, law, path, position):
     """`keep` the motion inside the lane's step of the Taylor method, before it is committed."""
     if s[R.OK + l] == 0.0:
         return
-    c = components(s, l, law)
     for k in range(1, POINTS):
         at = k / POINTS
         path[position[2], 0] = s[R.T + l] + (s[R.T_LOW + l] + at * s[R.H_USED + l])
-        write(path[position[2]], 1, polynomials(c, at))
+        write(path[position[2]], 1, state(s, l, law, at))
         position[2] += 1

@@ -13,7 +13,7 @@ from numba import types
 from numba.core.cgutils import unpack_tuple
 from numba.core.typing.templates import infer, infer_global, make_intrinsic_template
 
-DOUBLE = ir.DoubleType()
+DOUBLE, BITS = ir.DoubleType(), ir.IntType(64)
 
 
 def traced(function):
@@ -84,8 +84,10 @@ class Number:
     def __abs__(self):
         if self.builder is None:
             return self
-        fabs = self.builder.module.declare_intrinsic("llvm.fabs", [DOUBLE])
-        return Number(self.builder, self.builder.call(fabs, [self.value]))
+        # without the bit of the sign: CUDA's compiler knows no llvm.fabs
+        bits = self.builder.bitcast(self.value, BITS)
+        bits = self.builder.and_(bits, ir.Constant(BITS, 2**63 - 1))
+        return Number(self.builder, self.builder.bitcast(bits, DOUBLE))
 
     def __bool__(self):
         raise TypeError("a condition on a number of code that is only being written")

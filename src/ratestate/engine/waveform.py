@@ -35,15 +35,11 @@ def find_slow(s, l):
 
 
 @inner
-def split(s, l, law, c):
-    """Set SLOW_PART, where it is wanted, if the step crosses the speed that is slow.
-
-    c : the polynomials of x, v and psi
-    """
+def split(s, l, law):
+    """Set SLOW_PART, where it is wanted, if the step crosses the speed that is slow."""
     slow = s[R.W_NEW + l] < SLOW_BELOW
     if s[R.GUESS + l] > 0.0 and slow != (s[R.W + l] < SLOW_BELOW):
-        p = read_rows(s, rows_of(law).p, l)
-        at = crossing(c, (SLOW_BELOW, 0.0, LOG_SLOW_BELOW), law, p, 0.0, 1.0)
+        at = crossing(s, l, law, (SLOW_BELOW, 0.0, LOG_SLOW_BELOW), 0.0, 1.0)
         s[R.SLOW_PART + l] = 1.0 - at if slow else at
 
 

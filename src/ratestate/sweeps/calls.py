@@ -102,4 +102,6 @@ def check_device(name, call, device):
     if device == "cuda" and name in IN_CLOSED_FORM:
         raise ParameterError(f"device = 'cuda': {name} is in closed form; leave device out")
     if device == "cuda" and name == "simulate" and METHODS[call.method].needs_dt:
-        raise ParameterError(f"device = 'cuda' knows Rodas5P only, not method = {call.method!r}")
+        raise ParameterError(
+            f"device = 'cuda' does not know method = {call.method!r}; choose auto or rodas5p"
+        )
