@@ -41,6 +41,7 @@ docs: .venv/.docs ## build the documentation, its code executed and its links ch
 cuda: .venv/.uv-$(UV_VERSION) ## compile the kernels for an NVIDIA GPU, which is not needed; installs 500 MB
 	$(UV) venv --quiet --clear build/cuda
 	$(UV) pip install --quiet --python build/cuda/bin/python -r requirements.lock -e '.[gpu]'
+	build/cuda/bin/python -c 'from numba.cuda.cudadrv import nvvm; assert nvvm.is_available()'
 	build/cuda/bin/python -m pytest tests/engine/test_cuda.py -k compiler $(ARGS)
 
 wheel: .venv/.uv-$(UV_VERSION) ## build the wheel and the sdist, and try each in an empty environment

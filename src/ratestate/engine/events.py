@@ -39,13 +39,9 @@ def observe(s, l, law):
         at, v = extreme_speed(s, l, law)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
-    while g_extremum or f_extremum or xf_extremum:  # (one search after the other, in one place:
-        # threads of a GPU that search for unlike forces do it side by side)
-        parts = WITH_STRENGTH
-        if g_extremum:
-            parts = INERTIAL_FORCE
-        elif f_extremum:
-            parts = FRICTION
+    # in one place, so that threads of a GPU that search for unlike forces do it side by side
+    while g_extremum or f_extremum or xf_extremum:
+        parts = INERTIAL_FORCE if g_extremum else FRICTION if f_extremum else WITH_STRENGTH
         force = extreme_value(s, l, law, parts, enough)
         if g_extremum:
             s[R.G_HIGH + l], g_extremum = max(s[R.G_HIGH + l], abs(force)), False
