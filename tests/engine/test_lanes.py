@@ -77,7 +77,7 @@ def test_a_million_steps_lose_no_time():
 @pytest.mark.parametrize("where", range(6))
 @pytest.mark.parametrize("wrong", [0.0, np.nan, np.inf])
 def test_a_step_that_is_no_number_is_rejected(where, wrong):
-    """As Python, and as a GPU, has it: where NaN is one of two numbers, the other is the larger."""
+    """Whichever of its numbers is none: of that and another, max may give the other."""
     law, l = friction_law("slip"), 5
     rows = R.rows_of(law)
     s = np.ones(rows.size)

@@ -103,13 +103,14 @@ def _work(kernel, size, order, given, results, progress):
         return
     check_stopped()
     for fraction in _launches(kernel, size, order, given, results):
-        check_stopped()
         if progress:
             progress(fraction)
+        if fraction < 1.0:  # (what is done is kept)
+            check_stopped()
 
 
 def _launches(kernel, size, order, given, results):
-    """Do `_work`; gives the fraction done after each launch.  SolverError where CUDA fails."""
+    """Do `_work`: yields the fraction done after each launch.  SolverError where CUDA fails."""
     try:
         yield from _unguarded_launches(kernel, size, order, given, results)
     except Exception as error:  # none of a case's: compiled code has but status codes
@@ -120,7 +121,7 @@ def _launches(kernel, size, order, given, results):
 
 
 def _unguarded_launches(kernel, size, order, given, results):
-    """`_launches`, whatever goes wrong."""
+    """`_launches`, with the exceptions of CUDA and numba."""
     from . import cuda_kernels
 
     n = len(order)

@@ -32,7 +32,7 @@ from .jit import inner
 from .lane_case import IDLE
 from .march import end_segment, finish, load
 from .model import RUNNING
-from .rows import rows_of
+from .rows import OF_RODAS5P, rows_of
 from .saving import save
 from .step_control import control_step
 
@@ -144,9 +144,10 @@ def place(buffers):
 def try_step(rows, s, l, law, taylor):
     """Try one step of the lane, and see by which method the next one is.
 
-    rows : of the coefficients of x, whose number tells the compiler whether the law has recurrences
+    rows : of the coefficients of x; by their number the compiler leaves out the Taylor method where
+        the law has no recurrences, but only if `OF_RODAS5P` is a name of this module
     """
-    if len(rows) > R.OF_RODAS5P and s[R.TAYLOR + l] > 0.0:
+    if len(rows) > OF_RODAS5P and s[R.TAYLOR + l] > 0.0:
         taylor_lanes.try_step(s, l, law)
     else:
         L.try_step(s, l, law)
@@ -156,7 +157,7 @@ def try_step(rows, s, l, law, taylor):
 @inner
 def try_step_of_return(rows, s, l, law, taylor):
     """`try_step` of a return map."""
-    if len(rows) > R.OF_RODAS5P and s[R.TAYLOR + l] > 0.0:
+    if len(rows) > OF_RODAS5P and s[R.TAYLOR + l] > 0.0:
         return_taylor_lanes.try_step(s, l, law)
     else:
         return_lanes.try_step(s, l, law)
@@ -167,7 +168,7 @@ def try_step_of_return(rows, s, l, law, taylor):
 def assess(rows, s, l, law, taylor):
     """Accept a step of Rodas5P or not, and see whether the Taylor method takes the next one."""
     control_step(s, l)
-    if len(rows) > R.OF_RODAS5P and taylor:
+    if len(rows) > OF_RODAS5P and taylor:
         taylor_lanes.find_calm(s, l, law)
 
 
@@ -178,7 +179,7 @@ def add_to_waveform(s, l, law):
     if s[R.TAYLOR + l] > 0.0:
         waveform.add_step(s, l, rows)
     else:
-        waveform.add_step(s, l, rows[: R.OF_RODAS5P])
+        waveform.add_step(s, l, rows[:OF_RODAS5P])
 
 
 @inner

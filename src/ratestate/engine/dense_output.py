@@ -58,7 +58,7 @@ def slope_and_bend(s, l, rows, at):
 
 @inlined
 def by_taylor(s, l, rows):
-    """Whether the lane's step is of the Taylor method, for which there are so many rows."""
+    """Whether the lane's step is of the Taylor method; rows : of the coefficients of a number."""
     return len(rows) > R.OF_RODAS5P and s[R.TAYLOR + l] > 0.0
 
 

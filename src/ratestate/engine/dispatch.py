@@ -24,10 +24,9 @@ MAX_ROWS = 10_000_000  # of a path, 320 MB; then STEP_LIMIT
 def run_march(method, law, cases, loads, save_times, order, progress=None):
     """`Results` of all cases, on one thread a core, but no more than full sets of lanes.
 
-    At most `backend.Backend.threads`, or on its device.  No case
-    raises: its status says how it ended, RUNNING and NaN that it is not in `order`.
-    `backend.Stopped` where the backend stops it; `CompilationError`, and on "cuda" what
-    `cuda.run_march` raises.  The arguments are not checked.
+    At most `backend.Backend.threads`, or on its device.  No case raises: its status says how it
+    ended, RUNNING and NaN that it is not in `order`.  `backend.Stopped` where the backend stops it;
+    `CompilationError`, and on "cuda" what `cuda.run_march` raises.  The arguments are not checked.
 
     cases, loads : Cases, Loads (model.py); method : of `METHODS`; law : of `friction.laws.LAWS`
     save_times : (rows, n_times) [s], increasing

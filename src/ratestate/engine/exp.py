@@ -91,7 +91,7 @@ def exp(x):
 @inlined
 def exp_alone(x):
     """e**x like `exp`, by the C library, which is faster for one number at a time."""
-    return math.exp(min(max(x, -LIMIT), LIMIT))
+    return math.exp(limited(x))
 
 
 @recursive

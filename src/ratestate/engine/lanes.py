@@ -155,7 +155,7 @@ def record(s, l, law, h, new, error, dense):
     p, inertia = read_rows(s, rows.p, l), s[R.ETA0 + l] / h
     of_v = law.without_rounding(of_v, *new, p, inertia, ROUNDING, size, allowed)
     largest_error = max(max(abs(error[0]), abs(of_v)), largest(error[2:]))
-    # a NaN need not be the largest of anything
+    # of a NaN and a number either may be the larger: it hangs on their order, and on the machine
     finite = abs(total(new[0]) + total(error)) < math.inf
     s[R.ERROR + l] = largest_error / allowed if finite else math.inf
 
