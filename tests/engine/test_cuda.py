@@ -255,8 +255,7 @@ def test_compiler(job, law, monkeypatch):
         globals()[job](law)
     kernel, size, order, given, found, *_ = caught.value.args
     *named, times = given if job == "simulations" else (*given, None)
-    taylor, *named = named
-    rest = [taylor, *map(contiguous, named), *([] if times is None else [times]), contiguous(found)]
+    rest = [*map(contiguous, named), *([] if times is None else [times]), contiguous(found)]
     counts = np.zeros(2, np.int64), np.zeros(1)
     values = np.zeros((1, size)), order, *counts, *rest, 1
     signature = types.void(*map(typeof, values))

@@ -77,8 +77,8 @@ def run_march(law, taylor, cases, loads, save_times, order, progress=None):
     if n_times == 0:  # for arrays without elements numba would compile anew: a time never reached
         save_times = np.full((len(save_times), 1), np.inf)
     results = empty_results(cases.y, save_times.shape[1])
-    kernel = cuda_kernels.march_kernel(law)
-    _work(kernel, rows_of(law).size, order, (taylor, cases, loads, save_times), results, progress)
+    kernel = cuda_kernels.march_kernel(law, taylor)
+    _work(kernel, rows_of(law).size, order, (cases, loads, save_times), results, progress)
     return results._replace(saved=results.saved[:, :n_times])
 
 
@@ -93,7 +93,7 @@ def run_returns(law, starts):
     results = empty_return_results(starts.y)
     kernel = cuda_kernels.return_kernel(law)
     order = np.arange(len(starts.y))
-    _work(kernel, rows_of(law).size, order, (True, starts), results, None)
+    _work(kernel, rows_of(law).size, order, (starts,), results, None)
     return results
 
 
@@ -151,9 +151,7 @@ def _unguarded_launches(kernel, size, order, given, results):
 
 
 def _to_device(arrays):
-    """The array, or the named tuple of arrays, in the GPU's memory; a bool is passed as it is."""
+    """The array, or the named tuple of arrays, in the GPU's memory."""
     if isinstance(arrays, tuple):
         return type(arrays)(*map(_to_device, arrays))
-    if isinstance(arrays, bool):
-        return arrays
     return _numba_cuda().to_device(np.ascontiguousarray(arrays))

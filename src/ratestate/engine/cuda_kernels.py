@@ -52,12 +52,15 @@ def vacating_kernel():
 
 
 @functools.cache
-def march_kernel(law):
-    """The kernel of `march.march` for this law, by Rodas5P and the Taylor method."""
+def march_kernel(law, taylor):
+    """The kernel of `march.march` for this law.
+
+    taylor : bool, whether steps may be of the Taylor method, if the law allows
+    """
 
     @cuda.jit
     def march_on_gpu(
-        buffers, queue, position, under_way, taylor, cases, loads, save_times, results, budget
+        buffers, queue, position, under_way, cases, loads, save_times, results, budget
     ):
         """March the cases of a queue.
 
@@ -67,7 +70,6 @@ def march_kernel(law):
         queue : (n,) case numbers, in the order in which to start them
         position : (2,) int64: next in queue; cases done
         under_way : (1,) to which the fractions done of unfinished cases are added
-        taylor : bool, whether steps may be of the Taylor method, if the law allows
         budget : int, steps a thread
         """
         s, l = place(buffers)
@@ -101,7 +103,7 @@ def return_kernel(law):
     """The kernel of `return_map.march_to_section` for this law."""
 
     @cuda.jit
-    def return_map_on_gpu(buffers, queue, position, under_way, taylor, starts, results, budget):
+    def return_map_on_gpu(buffers, queue, position, under_way, starts, results, budget):
         """Take the cases of a queue to their next upward crossing of the section.
 
         Parameters as for `march_on_gpu`; how far an unfinished case has come is not known.
@@ -113,7 +115,7 @@ def return_kernel(law):
                 if n >= queue.size:
                     return
                 return_map.load(s, l, law, queue[n], starts)
-            try_step_of_return(rows_of(law).c[0], s, l, law, taylor)
+            try_step_of_return(rows_of(law).c[0], s, l, law)
             L.has_event(s, l, law)
             waveform.find_slow(s, l)
             if s[R.CALL + l] > 0.0:
@@ -155,13 +157,13 @@ def try_step(rows, s, l, law, taylor):
 
 
 @inner
-def try_step_of_return(rows, s, l, law, taylor):
+def try_step_of_return(rows, s, l, law):
     """`try_step` of a return map."""
     if len(rows) > OF_RODAS5P and s[R.TAYLOR + l] > 0.0:
         return_taylor_lanes.try_step(s, l, law)
     else:
         return_lanes.try_step(s, l, law)
-        assess(rows, s, l, law, taylor)
+        assess(rows, s, l, law, True)
 
 
 @inner
