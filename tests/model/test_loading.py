@@ -427,3 +427,25 @@ def test_the_answer_to_a_sinusoid(eta, share):
         answer = share / (1 / friction + s / kappa)
         linear = (answer * np.exp(s * T)).imag
         assert abs(x - linear).max() < 3e-4 * abs(answer)
+
+
+@pytest.mark.parametrize("function", ["V_load", "delta_lp", "sigma"])
+def test_times_of_a_loading_may_carry_units(function):
+    """As text, quantity, list or array; what is no time is refused."""
+    pull = Loading.constant("10 um/s").step("1 s", "20 um/s").sigma_ramp("2 s", "4 MPa", "2 s")
+    at = getattr(pull, function)
+    own = ["2 MPa"] if function == "sigma" else []
+    expected = {"V_load": 2e-5, "delta_lp": 5e-5, "sigma": 3e6}[function]
+    array = xr.DataArray(3000.0, attrs={"units": "ms"})
+    for t in ("3 s", 3, 3.0, "3000 ms", np.float64(3.0), pint.Quantity(3, "s"), array):
+        assert float(at(t, *own)) == pytest.approx(expected, rel=1e-14)
+    for many in ([1, 3], ["1 s", "3 s"], np.array([1, 3]), (1.0, 3.0)):
+        assert at(many, *own)[-1] == pytest.approx(expected, rel=1e-14)
+    step = np.timedelta64(3, "s")
+    for t in ("3 m", "x", None, step, [step], ["a"], {"t": 3}, 1j, np.array(["a"]), True, np.nan):
+        with pytest.raises(ParameterError, match=r"^t\b"):
+            at(t, *own)
+    if own:
+        for sigma in ("3 s", None, [2e6], -1.0, np.nan):
+            with pytest.raises(ParameterError, match=r"^sigma\b"):
+                at(3.0, sigma)

@@ -1,5 +1,6 @@
 """Values come in through one door: all accepted forms give the same float, the rest is refused."""
 
+import contextlib
 import re
 from decimal import Decimal
 
@@ -11,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ratestate import ParameterError, logspace
-from ratestate.model.arrays import check_aligned
+from ratestate.model.arrays import check_aligned, column
 from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time
 from ratestate.model.units import _PREFIXES, _registry, to_si, unit_factor
 
@@ -212,6 +213,31 @@ def test_array_in_other_units_is_converted_and_its_coordinate_with_it():
     assert V.attrs == {"units": "mm/s"}  # what the user holds is left alone
 
 
+@pytest.mark.parametrize("unit", ["dB", "Np", "decade", "dBm", "dB/m", "degC", "pH"])
+@pytest.mark.parametrize("symbol", ["mu0", "Dc", "sigma"])
+def test_units_that_are_not_factors_are_refused(symbol, unit):
+    """Logarithmic and offset units; as text and from pint."""
+    with pytest.raises(ParameterError, match=rf"^{symbol} = '10 {unit}' "):
+        to_si(symbol, f"10 {unit}")
+    with contextlib.suppress(pint.errors.PintError):  # (pint does not make each of them)
+        quantity = pint.UnitRegistry(autoconvert_offset_to_baseunit=True).Quantity(10, unit)
+        with pytest.raises(ParameterError, match=rf"^{symbol} = "):
+            to_si(symbol, quantity)
+
+
+@pytest.mark.parametrize("unit", ["ns", "ms", "s", "D"])
+def test_a_time_difference_of_numpy_is_not_read_as_an_integer(unit):
+    given = np.timedelta64(20, unit)
+    for value in (given, np.array([given]), [given, given], xr.DataArray([given], dims="t")):
+        with pytest.raises(ParameterError, match=r"^t.*timedelta64|^t.*dtype"):
+            column("t", value)
+    with pytest.raises(ParameterError, match="timedelta64; expected a time"):
+        to_si("t", given)
+    with pytest.raises(ParameterError, match=r"^n = "):
+        logspace("M", 1, 10, given)
+    assert to_si("t", np.int64(20)) == 20.0
+
+
 def test_arrays_of_pint_and_without_dimensions():
     registry = pint.UnitRegistry()
     data = registry.Quantity(np.array([10.0, 20.0]), "um")
@@ -268,7 +294,7 @@ def test_logspace():
         (("M", 0, 1, 3), "M (start) = 0 kg/m^2 must be > 0"),
         (("M", 1, "3 m", 3), "M (stop) = '3 m' is a length"),
         (("K", 1, np.inf, 3), "K: start and stop must be finite"),
-        (("M", 1, 2, 1), "n = 1 must be an integer of at least 2"),
+        (("M", 1, 2, 1), "n = 1 must be an integer from 2"),
         (("M", 1, 2, 3.0), "n = 3.0 must be an integer"),
         (("ratio", "1 m", 2, 3), "ratio (start) = '1 m' is a length"),
     ],

@@ -1,8 +1,11 @@
 """Laws of users: registered from files and classes, checked, and kept apart by their source."""
 
+import os
 import pickle
 import subprocess
 import sys
+import types
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -95,6 +98,98 @@ def test_an_edited_law_is_another_one(law_file):
     assert rs.SpringSlider(**first.parameters) == first
 
 
+def law_with(constant, helper, base, default=1.0, table=(1.0,)):
+    """A class of laws whose rate is multiplied by what it refers to, in each way there is."""
+
+    class Mine(base):
+        name = "mine"
+
+        def rates(self, v, w, psi, e, p, times=default):
+            factor = constant * helper(1.0) * self.factor * times * table[0] * MODULE.G
+            return (-factor * w * (v + psi[0]),)
+
+        def rate_partials(self, v, w, psi, e, p):
+            factor = constant * helper(1.0) * self.factor * default * table[0] * MODULE.G
+            return (-factor * w * (v + psi[0] + 1.0),), (-factor * w,)
+
+    return Mine
+
+
+def base_with(factor):
+    return type("Base", (rs.FrictionLaw,), {"factor": factor})
+
+
+MODULE = types.ModuleType("a_module")
+MODULE.G = 1.0
+
+
+@pytest.mark.parametrize("changed", "constant helper base default table module".split())
+def test_a_law_is_another_one_with_anything_that_it_refers_to(changed, monkeypatch):
+    """With its own numbers."""
+    plain = {"constant": 1.0, "helper": lambda x: x, "base": base_with(1.0)}
+    others = {"constant": 2.0, "helper": lambda x: x + x, "base": base_with(2.0)}
+    others |= {"default": 2.0, "table": np.array([2.0])}
+    kind = law_with(**plain)
+    before = rs.SpringSlider(**COMMON, law=kind)
+    K_c = before.K_c_qs
+    assert rs.register(law_with(**plain)) == before.law
+    if changed == "module":
+        monkeypatch.setattr(MODULE, "G", 2.0)
+    else:
+        kind = law_with(**plain | {changed: others[changed]})
+    after = rs.SpringSlider(**COMMON, law=kind)
+    assert after.law != before.law
+    assert after.K_c_qs == pytest.approx(2.0 * K_c, rel=1e-12)
+
+
+def test_a_law_file_is_another_one_with_a_file_that_it_imports(law_file, tmp_path, monkeypatch):
+    """In another process; a store made under the law before is not continued."""
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    text = PLAIN.replace("import ratestate as rs", "import ratestate as rs\nfrom constant import G")
+    path = law_file(text.replace("-w", "-G * w").replace("- w", "- G * w"))
+    code = (
+        "import sys, ratestate as rs; name = rs.register(sys.argv[1]); common = eval(sys.argv[2])"
+    )
+    code += "; slider = rs.SpringSlider(**common, law=name); print(name, slider.K_c_qs)"
+    code += "; M = rs.logspace('M', 1, 10, 3); sweep = slider.replace(M=M)"
+    code += "; rs.sweep('stability', sweep, V_lp=1e-3, store=sys.argv[3], progress=False)"
+    command = [sys.executable, "-c", code, path, repr(COMMON), tmp_path / "s.zarr"]
+    names = set()
+    for G, refused in ((1.0, False), (1.0, False), (2.5, True)):
+        law_file(f"G = {G}", "constant.py")
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        name, K_c = done.stdout.split()
+        names.add(name)
+        assert float(K_c) == pytest.approx(G * 6e8, rel=1e-12)
+        assert bool(done.returncode) == refused, done.stderr
+        assert ("StoreError" in done.stderr) == refused
+    assert len(names) == 2
+
+
+def test_a_law_keeps_its_name_if_nothing_that_it_refers_to_changes():
+    """Comments, objects elsewhere and the order of sets do not count; an open file is refused."""
+    code = (
+        "import ratestate as rs, decimal\nD = decimal.Decimal('2')\nKEYS = {'a', 'b', 'c', 'd'}\n"
+    )
+    code += PLAIN.partition("\n\n")[2].replace("(-w", "(-w * float(D) / 2 * len(KEYS) / 4")
+    names = {
+        subprocess.run(
+            [sys.executable, "-c", code + end],
+            capture_output=True,
+            text=True,
+            check=True,
+            env=os.environ | {"PYTHONHASHSEED": seed},
+        ).stdout
+        for seed, end in (
+            ("1", "\nprint(rs.register(Plain))"),
+            ("2", "\nx=3;print(rs.register(Plain))"),
+        )
+    }
+    assert len(names) == 1
+    with Path(__file__).open() as file, pytest.raises(rs.ParameterError, match=r"TextIOWrapper"):
+        rs.register(law_with(file, float, base_with(1.0)))
+
+
 def test_a_class_is_registered_when_a_slider_takes_it(law_file):
     class Faster(rs.FrictionLaw):
         name = "faster"
@@ -158,6 +253,24 @@ def test_a_law_that_is_not_registered_is_not_looked_for(law_file):
         ("import ratestate as rs", "import ratestate as rs\n1 / 0", "line 3: ZeroDivisionError"),
         ("import ratestate as rs", "import ratestate as rs\nexit(3)", "line 3: SystemExit: 3"),
         ("class Plain", "class Plain(:", "line 4: SyntaxError"),
+        (
+            "    name",
+            "    def __init__(self): 1 / 0\n    name",
+            "cannot be made: ZeroDivisionError",
+        ),
+        ("    name", "    def __init__(self): exit(3)\n    name", "cannot be made: SystemExit: 3"),
+        ("return (-w * (v", "exit(3); return (-w * (v", "cannot be tried: SystemExit: 3"),
+        (
+            "class Plain",
+            "class E(Exception):\n    __str__ = None\nraise E()\nclass Plain",
+            "line 6: E$",
+        ),
+        (
+            "class Plain(rs.FrictionLaw)",
+            "class T(type):\n    def __getattribute__(cls, name): 1 / 0\n\n"
+            "class Plain(rs.FrictionLaw, metaclass=T)",
+            "cannot be loaded, line 5: ZeroDivisionError",
+        ),
         (
             "(rs.FrictionLaw)",
             "",

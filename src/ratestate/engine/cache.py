@@ -37,16 +37,10 @@ PROGRAMS = (numba.__version__, llvmlite.__version__, sysconfig.get_config_var("S
 
 def _digest():
     """A hash of all sources of the kernels."""
-    here = Path(__file__).parent
-    laws = here.parent / "friction"
-    names = (
-        *("law", "law_properties", "kinematics", "reversing", "force_balance", "functions"),
-        *("two_states", "damping", "normal_stress"),
-    )
-    shared = [laws / f"{name}.py" for name in names]
-    folders = laws / "laws", laws / "forms", here
-    sources = [*shared, *(path for folder in folders for path in sorted(folder.glob("*.py")))]
-    return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+    package = Path(__file__).parent.parent
+    sources = (package / folder for folder in ("engine", "friction", "model"))
+    paths = sorted(path for folder in sources for path in folder.rglob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 
 DIGEST = _digest()

@@ -1,11 +1,12 @@
-"""A law that a user brings: read from a file or a class, and named with a hash of its source.
+"""A law that a user brings: read from a file or a class, and named with a hash of its content.
 
-So a law that is edited is another one, with kernels of its own, and results say by which they are.
-A law file is code, which runs when it is read: nothing but its user does that.
+The content is the source and everything outside the class that its methods refer to: constants,
+helper functions, base classes and closures (`law_content.py`).  An edited law therefore has another
+name and kernels of its own, and each result names the law that made it.  A law file is Python code
+that runs when it is read: only its user's own action reads it.
 """
 
 import hashlib
-import inspect
 import re
 import sys
 import traceback
@@ -14,9 +15,12 @@ from pathlib import Path
 
 from ..errors import ParameterError
 from .law import FrictionLaw
+from .law_content import LAW_FILE, content_of
 
 #: between a law's own name and the hash of its source
 MARK = "@"
+#: what a user's code may raise, but for an interrupt
+RAISED = (Exception, SystemExit)
 NAME = re.compile(r"[a-z][a-z0-9-]*")
 
 
@@ -36,27 +40,36 @@ def law_of_file(path):
 
 def law_of_text(text, path):
     """`law_of_file` of a file with this text, which was at this path."""
-    module = types.ModuleType(f"ratestate_law_{_hash(text)}")
+    module = types.ModuleType(f"{LAW_FILE}{_hash(text)}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module  # where pickle looks for its class
     try:
         exec(compile(text, str(path), "exec"), module.__dict__)
-    except (Exception, SystemExit) as error:
+        found = [x for x in vars(module).values() if _is_law(x) and x.__module__ == module.__name__]
+        names = ", ".join(kind.__name__ for kind in found) or "none"
+    except RAISED as error:
         del sys.modules[module.__name__]
         frames = traceback.extract_tb(error.__traceback__)
         lines = [frame.lineno for frame in frames if frame.filename == str(path)]
         line = getattr(error, "lineno", None) or (lines[-1] if lines else 1)
-        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+        reason = reason_of(error)
         raise ParameterError(f"law file {path} cannot be loaded, line {line}: {reason}") from None
-    found = [x for x in vars(module).values() if _is_law(x) and x.__module__ == module.__name__]
     if len(found) != 1:
-        names = ", ".join(kind.__name__ for kind in found) or "none"
         raise ParameterError(
             f"law file {path} must hold one class that derives from ratestate.FrictionLaw; it "
             f"holds {names}"
         )
     found[0].source = text
     return found[0]
+
+
+def reason_of(error):
+    """Return the kind of an error and the first line of its text, if that can be had."""
+    kind = type(error).__name__
+    try:
+        return f"{kind}: {error}".splitlines()[0]
+    except RAISED:
+        return kind
 
 
 def named_law(kind):
@@ -73,7 +86,7 @@ def named_law(kind):
             f"as name = 'mine'"
         )
     law = kind()
-    law.name = f"{name}{MARK}{_hash(_source(kind))}"
+    law.name = f"{name}{MARK}{_hash(content_of(kind))}"
     if not isinstance(getattr(kind, "label", None), str):
         law.label = f"{name} law"
     return law
@@ -81,17 +94,6 @@ def named_law(kind):
 
 def _is_law(value):
     return isinstance(value, type) and issubclass(value, FrictionLaw) and value is not FrictionLaw
-
-
-def _source(kind):
-    """The source of a class, or its bytecode where there is no source, as in an interpreter."""
-    if source := vars(kind).get("source"):
-        return source
-    try:
-        return inspect.getsource(kind)
-    except (OSError, TypeError):
-        codes = [x.__code__ for x in vars(kind).values() if inspect.isfunction(x)]
-        return repr([(code.co_code, code.co_consts, code.co_names) for code in codes])
 
 
 def _hash(text):

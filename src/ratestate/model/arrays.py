@@ -1,13 +1,17 @@
 """Named arrays: the axes of a sweep, whether several fit together, and columns of a record."""
 
 import dataclasses
+from collections.abc import Mapping
 
 import numpy as np
 
 from ..errors import ParameterError
 from .other_units import quantity_of
 from .quantities import QUANTITIES, attrs, expected
-from .units import is_array, to_si
+from .units import is_array, is_integer, to_si
+
+#: longest axis of a sweep
+MOST_VALUES = 10_000_000
 
 
 def logspace(name, start, stop, n):
@@ -34,7 +38,8 @@ def logspace(name, start, stop, n):
     Raises
     ------
     ParameterError
-        A value that is not > 0 or has a wrong unit; n that is not an integer >= 2.
+        A name that is not a str; a value that is not > 0 or has a wrong unit; n that is not an
+        integer from 2 to 10,000,000.
 
     Examples
     --------
@@ -43,6 +48,8 @@ def logspace(name, start, stop, n):
     """
     import xarray
 
+    if not isinstance(name, str):
+        raise ParameterError(f"name = {name!r} must be a symbol in quotes, for example 'M'")
     symbol = quantity_of(name, start) if name in QUANTITIES else "number"
     ends = [
         to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
@@ -50,8 +57,8 @@ def logspace(name, start, stop, n):
     ]
     if any(is_array(end) or np.isinf(end) for end in ends):
         raise ParameterError(f"{name}: start and stop must be finite numbers, not arrays")
-    if isinstance(n, bool) or not isinstance(n, int | np.integer) or n < 2:
-        raise ParameterError(f"n = {n!r} must be an integer of at least 2, for example 12")
+    if not is_integer(n) or not 2 <= n <= MOST_VALUES:
+        raise ParameterError(f"n = {n!r} must be an integer from 2 to {MOST_VALUES:,}, such as 12")
     values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
     values[[0, -1]] = ends
     labels = attrs(symbol) if name in QUANTITIES else {}
@@ -116,7 +123,7 @@ def column(symbol, values):
         units = {key: text for key, text in values.attrs.items() if key == "units"}
     elif hasattr(values, "units") and hasattr(values, "magnitude"):
         units, values = {"units": str(values.units)}, values.magnitude
-    if not hasattr(values, "__len__") or isinstance(values, str):
+    if not hasattr(values, "__len__") or isinstance(values, str | Mapping):
         raise ParameterError(f"{symbol} = {values!r} is not a column of values; give an array")
     if hasattr(values, "dtype") or all(
         isinstance(value, int | float) and not isinstance(value, bool) for value in values

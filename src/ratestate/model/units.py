@@ -42,6 +42,11 @@ def is_array(value):
     return xarray is not None and isinstance(value, xarray.DataArray)
 
 
+def is_integer(value):
+    """Whether value is an integer; NumPy counts time differences among its own."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
+
+
 def unit_of(value):
     """The unit that a value for `to_si` carries, as text; None of a number, or other text."""
     if is_array(value) and not hasattr(value.data, "units"):
@@ -141,8 +146,7 @@ def _real(symbol, value, label):
     """A plain real number as a float; anything else is refused."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    kinds = int | float | np.integer | np.floating | Decimal
-    if isinstance(value, kinds) and not isinstance(value, bool):
+    if is_integer(value) or isinstance(value, float | np.floating | Decimal):
         try:
             return float(value)
         except OverflowError:  # an int beyond 1e308
@@ -195,14 +199,15 @@ def unit_factor(si, unit):
         raise ValueError(f"has an unknown unit {unit!r}")
     try:
         one = _registry().Quantity(Decimal(1), text)
-    except Exception:  # pint raises a dozen kinds, down to AssertionError
+        if one.is_compatible_with(si):
+            return one.to(si if si != "1" else "dimensionless").magnitude
+        dimension = str(one.dimensionality)
+    except Exception:  # pint raises a dozen kinds, down to AssertionError; dB has no linear factor
         raise ValueError(f"has an unknown unit {unit!r}") from None
-    if not one.is_compatible_with(si):
-        if si in _PER_AREA and one.is_compatible_with(f"({si}) * m**2"):
-            raise ValueError(OF_WHOLE_CONTACT)
-        what = [f"{KINDS[kind][0]} [{kind}]" for kind in KINDS if one.is_compatible_with(kind)]
-        raise ValueError(f"is {what[0] if what else f'of dimension {one.dimensionality}'}")
-    return one.to(si if si != "1" else "dimensionless").magnitude
+    if si in _PER_AREA and one.is_compatible_with(f"({si}) * m**2"):
+        raise ValueError(OF_WHOLE_CONTACT)
+    what = [f"{KINDS[kind][0]} [{kind}]" for kind in KINDS if one.is_compatible_with(kind)]
+    raise ValueError(f"is {what[0] if what else f'of dimension {dimension}'}")
 
 
 def scaled(values, factor):

@@ -7,7 +7,7 @@ from ..errors import ParameterError
 from ..friction import laws
 from ..friction.law_arrays import take_arrays
 from ..friction.law_check import check
-from ..friction.user_law import MARK, law_of_file, law_of_text, named_law
+from ..friction.user_law import MARK, RAISED, law_of_file, law_of_text, named_law, reason_of
 from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
 from .units import to_si
 
@@ -32,16 +32,18 @@ def register(law):
     Returns
     -------
     str
-        Its name with the first digits of a hash of its source, such as "mine@1f6ac03b": results
-        have it under this name.  Sliders take it, the class, or the law's own name, "mine", which
-        is that of the law registered last.
+        Its name with the first digits of a hash of its content, such as "mine@1f6ac03b": results
+        have it under this name.  The content is the source and the constants, functions and base
+        classes that it uses.  Sliders take this name, the class, or the law's own name, "mine",
+        which stands for the law registered last.
 
     Raises
     ------
     ParameterError
-        A file that cannot be read or run, or does not hold one law; a name that a built-in law
-        has; a parameter of a name or unit that cannot be; a method that is missing; derivatives
-        that differ from differences of the order before, or steady sliding that is not steady.
+        A file that cannot be read or run, or does not hold one law; a value in use that cannot be
+        hashed; a name that a built-in law has; a parameter of a name or unit that cannot be; a
+        method that is missing; derivatives that differ from differences of the order before, or
+        steady sliding that is not steady.
 
     Examples
     --------
@@ -55,7 +57,13 @@ def register(law):
     >>> rs.register(Mine).partition("@")[0]
     'mine'
     """
-    new = named_law(law_of_file(law) if isinstance(law, str | os.PathLike) else law)
+    kind = law_of_file(law) if isinstance(law, str | os.PathLike) else law
+    try:
+        new = named_law(kind)
+    except ParameterError:
+        raise
+    except RAISED as error:
+        raise ParameterError(f"law{_of(law)} cannot be made: {reason_of(error)}") from error
     own = new.name.partition(MARK)[0]
     if new.name in laws.LAWS:
         laws.add(laws.LAWS[new.name], own)
@@ -67,8 +75,8 @@ def register(law):
         new.orders = check(new, values)
     except ParameterError as error:
         raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
-    except Exception as error:  # of the user's code, which may raise anything
-        reason = f"{type(error).__name__}: {error}".splitlines()[0]
+    except RAISED as error:
+        reason = reason_of(error)
         raise ParameterError(f"law {own!r}{_of(law)} cannot be tried: {reason}") from error
     add_quantities_of(new)
     laws.add(new, own)

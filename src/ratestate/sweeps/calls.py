@@ -7,7 +7,7 @@ variables of all cases, ``blank()`` the same without answers, ``dataset(variable
 
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 
 from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
 from ..dynamics.frequency_response import frequency_response, frequency_response_call
@@ -44,9 +44,9 @@ def call_of(verb, slider, arguments):
 
     arguments : dict, all but the slider
     """
-    name = next(
-        (name for name, (function, _) in FUNCTIONS.items() if verb in (name, function)), None
-    )
+    by_function = {function: name for name, (function, _) in FUNCTIONS.items()}
+    known = by_function | {name: name for name in FUNCTIONS}
+    name = known.get(verb) if isinstance(verb, Hashable) else None
     if name is None:
         raise ParameterError(sentence("call.unknown", verb=verb, names=", ".join(FUNCTIONS)))
     function, checked_call = FUNCTIONS[name]
@@ -97,7 +97,7 @@ def undisturbed(name, call):
 
 def check_device(name, call, device):
     """Raise ParameterError unless this device can run the call; that it is there is not checked."""
-    if device not in DEVICES:
+    if not isinstance(device, str) or device not in DEVICES:
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
     if device == "cuda" and name in IN_CLOSED_FORM:
         raise ParameterError(f"device = 'cuda': {name} is in closed form; leave device out")

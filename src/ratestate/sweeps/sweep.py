@@ -9,6 +9,7 @@ import numpy as np
 from ..engine import backend as engine
 from ..errors import ParameterError, RunWarning
 from ..machine import check_fits
+from ..model.units import is_integer
 from . import sentence
 from .backends import backend_of
 from .calls import call_of, check_device, undisturbed
@@ -120,10 +121,10 @@ def sweep(
         raise ParameterError("client and slurm both say who does the work; give one of them")
     if client is not None and not hasattr(client, "nthreads"):
         raise ParameterError(sentence("call.client", client=client))
-    integer = isinstance(chunk, int | np.integer) and not isinstance(chunk, bool)
-    if chunk is not None and not (integer and chunk >= 1):
+    if chunk is not None and not (is_integer(chunk) and chunk >= 1):
         raise ParameterError(sentence("call.chunk", chunk=chunk))
-    for option, value in (("retry_crashed", retry_crashed), ("mixed", mixed)):
+    switches = {"progress": progress, "retry_crashed": retry_crashed, "mixed": mixed}
+    for option, value in switches.items():
         if not isinstance(value, bool):
             raise ParameterError(f"{option} = {value!r} must be True or False")
     if retry_crashed and store is None:

@@ -163,7 +163,7 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     law = checked(slider).friction_law
     check_orders("continue_cycle", law, 2)
     parameters = (*PARAMETERS, *law.parameters)
-    if parameter not in parameters:
+    if not isinstance(parameter, str) or parameter not in parameters:
         raise refusal("branch.parameter", parameter=parameter, names=", ".join(parameters))
     if (parameter == "V_lp") != (V_lp is None):
         name = "V_lp_twice" if parameter == "V_lp" else "V_lp_missing"

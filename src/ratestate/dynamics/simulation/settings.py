@@ -87,8 +87,6 @@ def saved_times(times, t_end):
     """
     if times is None:
         return None
-    if np.size(times) == 0:
-        raise refusal("times.empty")
     if not is_array(times) or times.ndim == 1:
         times = column("times", times)
         if is_array(times):

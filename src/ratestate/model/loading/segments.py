@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
-from ..arrays import running_sum
-from ..units import is_array, named
+from ..arrays import column, running_sum
+from ..units import is_array, named, to_si
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -49,7 +49,7 @@ class Segments:
 
         Parameters
         ----------
-        t : array or DataArray
+        t : array, DataArray, float, str or pint.Quantity
             Times from 0 to `t_last`, in any order.
 
         Returns
@@ -61,7 +61,7 @@ class Segments:
         Raises
         ------
         ParameterError
-            A time before 0 or after the end of a series.
+            A time before 0 or after the end of a series; one that is not a time.
         """
         V, rate, _, elapsed = self._at(t)
         return named("V_load", np.maximum(V + rate * elapsed, 0.0))  # rounding may pass 0
@@ -91,18 +91,23 @@ class Segments:
         return named("delta_lp", passed + elapsed * (V + 0.5 * rate * elapsed))
 
     def _checked(self, t):
-        """Times [s] as an ndarray; ParameterError for one outside the history."""
+        """Return times in SI, an array or DataArray; ParameterError for one outside the history."""
+        if isinstance(t, list | tuple) or (isinstance(t, np.ndarray) and t.dtype.kind not in "iuf"):
+            t = column("t", t)
+        elif not isinstance(t, np.ndarray):
+            t = to_si("t", t)
         seconds = np.asarray(t, dtype=float)
         outside = ~((seconds >= 0) & (seconds <= self.t_last))
         if outside.any():
             raise ParameterError(
                 f"t = {seconds[outside].flat[0]} s is outside the loading, 0 to {self.t_last!r} s"
             )
-        return seconds
+        return t if is_array(t) else seconds
 
     def _at(self, t):
         """V, rate, displacement so far of the segments that hold t, and the times since then."""
-        seconds = self._checked(t)
+        t = self._checked(t)
+        seconds = np.asarray(t)
         k = np.searchsorted(self.t, seconds, side="right") - 1
         elapsed = seconds - self.t[k]
         columns = (self.V, self.rate, self._passed)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..arrays import check_aligned
-from ..units import to_si
+from ..units import is_array, to_si
 from .events import end_of, one_time, time_after
 from .normal_stress import NormalStress
 from .segments import Segments
@@ -114,9 +114,9 @@ class StressHistory(Segments):
 
         Parameters
         ----------
-        t : array or DataArray
+        t : array, DataArray, float, str or pint.Quantity
             Times from 0 to `t_last`, in any order.
-        sigma : float or DataArray
+        sigma : float, str, pint.Quantity or DataArray
             Normal stress of the slider [Pa].
 
         Returns
@@ -127,10 +127,11 @@ class StressHistory(Segments):
         Raises
         ------
         ParameterError
-            A time before 0 or after the end of a series.
+            A time before 0 or after the end of a series; a value that is not a time, or not a
+            normal stress > 0.
         """
-        self._checked(t)
-        return (self.normal_stress or NormalStress()).at(t, sigma)
+        known = self.normal_stress or NormalStress()
+        return known.at(self._checked(t), to_si("sigma", sigma))
 
     def slider_at(self, t, slider):
         """The slider as it is at time t: with the normal stress of then as its own.
@@ -165,6 +166,9 @@ class StressHistory(Segments):
         """
         if (stress := self.normal_stress) is None:
             return slider
+        t = to_si("t", t)
+        if is_array(t):
+            raise ParameterError("t is an array; a slider can be given at one time only")
         sigma = stress.last(slider.sigma) if t == np.inf else self.sigma(t, slider.sigma)
         return slider.replace(sigma=sigma)
 

@@ -7,10 +7,10 @@ weakened by the factor sin(pi B/P)/(pi B/P), which is 0 at the rate of the new s
 """
 
 import itertools
-import numbers
 
 import numpy as np
 
+from ...model.units import is_integer
 from .messages import message, refusal
 
 #: most rows that are kept, by default: `fit` takes a fifth of that, and one of many steps less
@@ -20,8 +20,7 @@ FEWEST = 1_000
 
 def checked_most(rows):
     """The most rows to keep, as given, None for all; ParameterError for what is no such number."""
-    whole = isinstance(rows, numbers.Integral) and not isinstance(rows, bool)
-    if rows is not None and not (whole and rows >= FEWEST):
+    if rows is not None and not (is_integer(rows) and rows >= FEWEST):
         raise refusal("rows.most", rows=rows, fewest=FEWEST, most=MOST)
     return rows
 

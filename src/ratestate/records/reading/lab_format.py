@@ -73,11 +73,11 @@ def lab_format(path):
         if path.stat().st_size > LARGEST:
             raise refusal("format.large", name=path.name, most=LARGEST)
         tables = tomllib.loads(path.read_bytes().decode("utf-8"))
-    except OSError as error:
-        what = error.strerror or error
-        raise refusal("format.unreadable", path=path, error=what) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise refusal("format.toml", name=path.name, error=error) from None
+    except (OSError, ValueError) as error:  # (ValueError: a null character in the path)
+        what = getattr(error, "strerror", None) or error
+        raise refusal("format.unreadable", path=path, error=what) from None
     problems = [problem for name, table in tables.items() for problem in _problems(name, table)]
     if (
         not problems
