@@ -111,8 +111,8 @@ class _Reader:
             parts = value.__reduce_ex__(2)
         except Exception as error:
             raise ParameterError(
-                f"the law refers to {name}, a {type(value).__name__}, which cannot be recorded with "
-                f"the results; refer to numbers, tuples, arrays and functions only"
+                f"the law refers to {name}, a {type(value).__name__}, which cannot be recorded "
+                f"with the results; refer to numbers, tuples, arrays and functions only"
             ) from error
         yield from self.texts(parts, name)
 
