@@ -1,7 +1,8 @@
 """Parts of pages that the code itself writes, so that they cannot go stale.
 
-A page asks for one with a line such as ``<!-- generated: commands -->``.  In pages that are also read
-as Markdown the part follows, up to ``<!-- end -->``: ``python docs/_ext/generated.py`` writes it.
+A page asks for one with a line such as ``<!-- generated: commands -->``.  In pages that are also
+read as Markdown the part follows, up to ``<!-- end -->``: ``python docs/_ext/generated.py`` writes
+it.
 """
 
 import re
@@ -15,7 +16,9 @@ import symbols
 from ratestate.model.loading.shapes import SHAPES
 
 DOCS = Path(__file__).parent.parent
-MARK = re.compile(r"^<!-- generated: (\w+) -->$(?:\n+((?:(?!^<!--).*\n)*)^<!-- end -->$)?", re.MULTILINE)
+MARK = re.compile(
+    r"^<!-- generated: (\w+) -->$(?:\n+((?:(?!^<!--).*\n)*)^<!-- end -->$)?", re.MULTILINE
+)
 
 
 def fill(app, docname, source):
