@@ -116,6 +116,18 @@ def test_every_public_name_is_documented():
     assert wanted <= documented, sorted(wanted - documented)
 
 
+@pytest.mark.parametrize("page", ["typical_values", "reference/scenario_files"])
+def test_tables_shown_in_markdown_are_current(page, monkeypatch):
+    """`python docs/_ext/generated.py` writes them anew."""
+    monkeypatch.syspath_prepend(DOCS / "_ext")
+    text = (DOCS / f"{page}.md").read_text("utf-8")
+    current = program(DOCS / "_ext" / "generated.py").current
+    assert text.count("<!-- end -->") == text.count("<!-- generated: ") > 2
+    assert current(text) == text
+    stale = text.replace("\n| ", "\n| x", 1)
+    assert current(stale) == text != stale
+
+
 symbols = program(DOCS / "_ext" / "symbols.py")
 materials = program(DOCS / "_ext" / "materials.py")
 

@@ -1,6 +1,8 @@
 """Parts of pages that the code itself writes, so that they cannot go stale.
 
-A page asks for one with a line such as ``<!-- generated: commands -->``.
+A page asks for one with a line such as ``<!-- generated: commands -->``.  In pages that are also
+read as Markdown the part follows, up to ``<!-- end -->``: ``python docs/_ext/generated.py`` writes
+it.
 """
 
 import re
@@ -14,7 +16,9 @@ import symbols
 from ratestate.model.loading.shapes import SHAPES
 
 DOCS = Path(__file__).parent.parent
-MARK = re.compile(r"^<!-- generated: (\w+) -->$", re.MULTILINE)
+MARK = re.compile(
+    r"^<!-- generated: (\w+) -->$(?:\n+((?:(?!^<!--).*\n)*)^<!-- end -->$)?", re.MULTILINE
+)
 
 
 def fill(app, docname, source):
@@ -22,6 +26,16 @@ def fill(app, docname, source):
     if MARK.search(source[0]):
         app.env.generated_pages = getattr(app.env, "generated_pages", set()) | {docname}
         source[0] = MARK.sub(lambda mark: WRITERS[mark[1]](), source[0])
+
+
+def current(text):
+    """The text of a page, with each part that it shows as the code says it."""
+
+    def part(mark):
+        head = f"<!-- generated: {mark[1]} -->"
+        return head if mark[2] is None else f"{head}\n\n{WRITERS[mark[1]]()}\n\n<!-- end -->"
+
+    return MARK.sub(part, text)
 
 
 def outdated(app, env, added, changed, removed):
@@ -183,6 +197,13 @@ WRITERS = {
     "material_sources": materials.sources,
     **{table: keys(table) for table in ("slider", "loading", "run", "sweep", "output")},
 }
+
+
+if __name__ == "__main__":
+    for page in sorted(DOCS.rglob("*.md")):
+        before = page.read_text("utf-8")
+        if (now := current(before)) != before:
+            page.write_text(now, "utf-8")
 
 
 def setup(app):

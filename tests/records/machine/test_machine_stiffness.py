@@ -324,3 +324,21 @@ def test_a_record_that_tells_nothing():
     quiet = noisy(1, clean()).sel(time=slice(0.0, 9.0))
     with pytest.raises(ParameterError, match="no slope of loading"):
         rs.machine_stiffness(quiet, "10 MPa")
+
+
+def test_ringing_at_rest_is_told_from_ringing_in_sliding():
+    """A block at rest cannot oscillate: what rings then is another part of the machine."""
+    data = noisy(3, clean())
+    t = data.time.values
+    start = float(t[np.flatnonzero(np.diff(data.delta_lp.values) == 0.0)[0]])
+    since = np.where(t > start, t - start, np.inf)
+    ringing = 0.01 * np.exp(-since) * np.cos(10.0 * np.pi * np.minimum(since, 1e3))
+    result = rs.machine_stiffness(
+        data.assign(friction=data.friction + ringing), "10 MPa", slider=SLIDER
+    )
+    at_rest = result.ring_down_V == 0.0
+    assert int(at_rest.sum()) == 1
+    omega = float(result.ring_down_omega[at_rest][0])
+    assert omega == pytest.approx(10.0 * np.pi, rel=0.02)  # the relaxation is in it
+    (said,) = (text for text in json.loads(result.attrs["remarks"]) if "at rest" in text)
+    assert f"1 of {result.sizes['ring_down']} ring-downs" in said

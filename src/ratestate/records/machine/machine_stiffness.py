@@ -74,9 +74,10 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
 
     Notes
     -----
-    A block that sticks oscillates with sqrt(K/M).  While it slides, friction changes the frequency
-    by a part of the order of b sigma Dc/(K L^2), L = V/omega, and adds a damping of about
-    a sigma/V (linear theory: eq. 4 at steady sliding).  With a slider both are taken out.
+    While the block slides, friction changes the frequency by a part of the order of
+    b sigma Dc/(K L^2), L = V/omega, and adds a damping of about a sigma/V (linear theory: eq. 4 at
+    steady sliding).  With a slider both are taken out.  A block at rest is overdamped by the direct
+    effect: ringing with the load point at rest is a mode of the machine, which ``remarks`` says.
 
     Examples
     --------

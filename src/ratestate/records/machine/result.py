@@ -121,7 +121,11 @@ def _remarks(result, slider, misfits):
         texts.insert(0, message("about.misfit", number=misfits, all=result.sizes["slope"]))
     if not result.sizes["ring_down"]:
         texts.append(message("about.no_ring_down"))
-    elif slider is None and bool((result["ring_down_V"] > 0.0).any()):
+        return texts
+    at_rest = int((result["ring_down_V"] == 0.0).sum())
+    if at_rest:
+        texts.append(message("about.at_rest", number=at_rest, all=result.sizes["ring_down"]))
+    if slider is None and at_rest < result.sizes["ring_down"]:
         texts.append(message("about.friction"))
     return texts
 

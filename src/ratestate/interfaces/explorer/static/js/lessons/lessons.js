@@ -83,7 +83,7 @@ const slowSlip = {
     if (now.values.M < base.values.M / 2) return "A lighter block slips faster, not slower: inertia is what holds it back.";
     return now.values.M > base.values.M * 2 ? "A heavier block slips more slowly, but it is inertia that sets its pace: still stick-slip." : "";
   },
-  learnt: "Slips are slow just below K_c, where the spring\u2019s pull falls almost as fast as friction, and little force is left to accelerate the block. Slower driving or a lighter block only makes slips rarer or faster: slow earthquakes tell of a fault near the edge of stability.",
+  learnt: "Slips are slow just below K_c, where the spring\u2019s pull falls almost as fast as friction, and little force is left to accelerate the block. Slower driving or a lighter block only makes slips rarer or faster: slow earthquakes may come from a fault near the edge of stability. (Other explanations exist.)",
 };
 
 const stop = {
@@ -115,7 +115,7 @@ const squeal = {
   preset: "Step to just above V_c",
   texts: { V_from: null },
   free: ["K", "M", "V_lp"],
-  todo: "This block hums at 51 Hz. Make it squeal, between 1 and 4 kHz, as a brake does: quasi-harmonic vibration. You may change K, M and V_lp, but not friction.",
+  todo: "This block hums at 51 Hz. Make it squeal, between 1 and 4 kHz, quasi-harmonic vibration. (Most squeal of disc brakes has another cause, the coupling of two modes.) You may change K, M and V_lp, but not friction.",
   look: "f in the table, f_n in the line under the goal, and the mark of V_c over the slider of V_lp.",
   hint: "A light block on a stiff spring is quick: f_n is the root of K/M, over 2\u03c0. But without inertia it does not vibrate at all: drive it faster, beyond V_c.",
   measure: ({ numbers, regime }) => (numbers.period === null ? `f_n is ${shown(numbers.f_n, "Hz", 3)}, but the verdict is: ${regime === "steady" ? "steady sliding" : regime}.` : `f is ${shown(numbers.frequency, "Hz", 3)}, f_n ${shown(numbers.f_n, "Hz", 3)}: ${regime}.`),
@@ -126,7 +126,7 @@ const squeal = {
     if (regime.endsWith("stick-slip")) return `It sticks and slips: ${values.K < numbers.K_c_qs ? "the spring is softer than K_c_qs" : "inertia is weak, and K close to K_c_qs"}. Stiffen it, or drive it faster.`;
     return numbers.frequency > HIGH ? "That is too high for a squeal. Make the block heavier, or the spring softer." : "";
   },
-  learnt: "Spring and block decide how high it squeals: well beyond V_c f is near f_n, set by K/M. Friction and inertia decide whether it does: friction must weaken with speed, and a light block must be driven fast.",
+  learnt: "Spring and block decide how high it squeals: well beyond V_c f is near f_n, set by K/M. Friction and inertia decide whether it does: in this model friction must weaken with speed, and a light block must be driven fast.",
 };
 
 export const LESSONS = [heal, criticalStiffness, slowSlip, stop, squeal];
