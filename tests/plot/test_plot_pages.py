@@ -315,6 +315,30 @@ def test_a_sweep_over_two_axes(verb, looks_as_before):
     assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
 
 
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("scales", ["linear log", "log linear", "linear linear"])
+def test_a_map_shows_all_its_cases_and_nothing_more(scales, reverse):
+    """Also over linear axes that do not begin at 0; lines over one axis likewise."""
+    spaced = {"linear": np.linspace, "log": np.geomspace}
+    order = slice(None, None, -1 if reverse else 1)
+    down, right = (spaced[scale] for scale in scales.split())
+    sigma = xr.DataArray(down(5e5, 1.9e6, 6)[order], dims="sigma")
+    V_lp = xr.DataArray(right(5e-3, 0.1, 7)[order], dims="V_lp")
+    brake = rs.SpringSlider(a=0.01, b=0.015, Dc="5 um", sigma=sigma, M=50, K="2 GPa/m")
+    result = rs.stability(brake, V_lp)
+    maps = [ax for ax in plot.page(result).axes if ax.get_title("left")]
+    assert len(maps) == 3
+    for ax in maps:
+        corners = ax.collections[0].get_coordinates().reshape(-1, 2)
+        ends = np.array([ax.get_xlim(), ax.get_ylim()])
+        np.testing.assert_allclose(np.sort(corners, axis=0)[[0, -1]].T, ends, rtol=1e-12)
+    for ax in plot.page(result.isel(sigma=0)).axes:
+        (x_low, x_high), (low, high) = ax.get_xlim(), ax.get_ylim()
+        for x, y in (line.get_data() for line in ax.lines[:1]):
+            assert x_low < min(x) < max(x) < x_high
+            assert low < np.nanmin(y) < np.nanmax(y) < high
+
+
 def test_regimes_on_a_map_are_separated_and_named():
     K, V_lp = rs.logspace("K", 3e8, 3e9, 12), rs.logspace("V_lp", 1e-6, 1e-1, 12)
     cycles = rs.sweep("limit_cycle", SLIDER.replace(K=K), V_lp=V_lp, progress=False)

@@ -97,8 +97,16 @@ def _contours(data, name, ax, levels, color):
     ax.set(xscale="log", yscale="log", xlabel=RATIO)
     ax.set(xlim=x.values[[0, -1]], ylim=rows.values[[0, -1]])  # labels need them beforehand
     lines = ax.contour(x, rows, values, levels=levels, colors=color, linewidths=0.5)
-    ax.clabel(lines, fmt=_round, fontsize=6.5, inline_spacing=2)
+    places = [_middle(ax, path.vertices) for path in lines.get_paths() if len(path.vertices)]
+    ax.clabel(lines, fmt=_round, fontsize=6.5, inline_spacing=2, manual=places)
     return x, rows, values
+
+
+def _middle(ax, points):
+    """The one of these points (n, 2) of a line that is nearest to half its length on paper."""
+    placed = (ax.transScale + ax.transLimits).transform(points)
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(placed, axis=0).T)))
+    return tuple(points[np.abs(along - 0.5 * along[-1]).argmin()])
 
 
 def _round(value):

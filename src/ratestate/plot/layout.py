@@ -33,6 +33,8 @@ ABOVE |= {"fontsize": 7.5, "frameon": False}
 WIDE = 10.0
 #: decades up to which a logarithmic axis has 1, 2, 5, 10 ... as its ticks, in plain numbers
 FEW_DECADES = 2.5
+#: ticks in a decade, the most first
+TICKS = ((1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))
 #: change over size up to which data are constant, but for rounding; the range then shown on
 #: either side, over size
 CONSTANT, AROUND = 1e-6, 0.05
@@ -128,10 +130,15 @@ def mark_outside(ax, x, y, outside):
     return ax.plot(x[outside], y[outside], "o", **look) if outside.any() else []
 
 
-def plain_ticks(axis, values):
-    """Give a logarithmic axis of few decades, from its values on, ticks that are plain numbers."""
-    if np.log10(np.max(values) / np.min(values)) < FEW_DECADES:
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+def plain_ticks(axis, values, most=11):
+    """Give a logarithmic axis of few decades ticks that are plain numbers, at most about so many.
+
+    values : those that the axis shows
+    """
+    decades = np.log10(np.max(values) / np.min(values))
+    if decades < FEW_DECADES:
+        fitting = [subs for subs in TICKS if decades * len(subs) <= most]
+        axis.set_major_locator(LogLocator(subs=fitting[0]))
         axis.set_major_formatter(FormatStrFormatter("%g"))
         axis.set_minor_locator(NullLocator())
     axis.set_minor_formatter(NullFormatter())

@@ -21,7 +21,7 @@ from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.engine.backend import Stopped
 from ratestate.friction.laws import LAWS
 from ratestate.interfaces import scenario
-from ratestate.interfaces.explorer.computation import charts, motion, picture
+from ratestate.interfaces.explorer.computation import budget, charts, motion, picture
 from ratestate.interfaces.explorer.computation.budget import Deadline
 from ratestate.interfaces.explorer.computation.decimation import MOST_SENT
 from ratestate.interfaces.explorer.messages import answers, menus, wire
@@ -486,6 +486,24 @@ class TestPicture:
         with pytest.raises(Stopped):
             answers.run_job(fails, wire.Question(3, "csv", {}), ended)
         assert caplog.text == ""
+
+    @pytest.mark.parametrize(("worked", "ended"), [(0.9, False), (1.1, True)])
+    def test_on_a_busy_machine_a_deadline_counts_work(self, worked, ended, monkeypatch):
+        """Time of the processor, but for a tenth of all time at least; never more than all."""
+        now = {"monotonic": 5.0, "process_time": 3.0}
+        for name in now:
+            monkeypatch.setattr(budget.time, name, lambda name=name: now[name])
+        deadline = Deadline(1.0)
+        deadline.start()
+        now["monotonic"] += 4.0
+        now["process_time"] += worked
+        assert deadline.is_set() == ended
+        now["monotonic"] += 7.0  # 11 s in all
+        assert deadline.is_set()
+        deadline.start()
+        now["process_time"] += 100.0  # by other questions
+        now["monotonic"] += 0.9
+        assert not deadline.is_set()
 
     def test_a_deadline_of_parts_has_an_end(self):
         deadline = Deadline(60.0, whole=0.05)

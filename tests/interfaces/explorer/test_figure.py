@@ -203,7 +203,8 @@ class TestFiles:
         assert dict(mpl.rcParams) == before
 
     def test_nothing_overlaps(self):
-        for texts, pinned in ((STEPPED, [SLOWER]), (RIGID, [])):
+        beyond = STICK_SLIP | {"law": "aging", "K": "0.1 MPa/m"}  # the longest legend of a map
+        for texts, pinned in ((STEPPED, [SLOWER]), (RIGID, []), (beyond, [])):
             fig, axes = drawn(texts, *pinned)
             fig.draw_without_rendering()
             boxes = [

@@ -48,7 +48,6 @@ def divide(fig, axes, result, dims, along, across, outside):
     lines = []
     for x, y in _critical(result, dict(zip(dims, (across, along), strict=True))):
         for ax in axes:
-            ax.autoscale(False)
             lines += ax.plot(x, y, color="k", lw=1.1, path_effects=HALO)
     if lines:
         text = label("V_c") if "V_lp" in dims else f"{label('K')} = {label('K_c')}"

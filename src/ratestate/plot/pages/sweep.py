@@ -131,10 +131,11 @@ def _lines(ax, result, name, along, across):
     show_constant(ax)
     if is_wide(found):
         ax.set_yscale("log")
-    elif (np.nan_to_num(scaled) >= 0.0).all():
-        ax.set_ylim(0.0, None)
-    else:
+        plain_ticks(ax.yaxis, scaled[np.isfinite(scaled)])
+    elif (np.nan_to_num(scaled) < 0.0).any():
         ax.axhline(0.0, color=GRAY, lw=0.7, zorder=0)
+    elif np.nanmin(scaled, initial=np.inf) < 0.5 * (top := np.nanmax(scaled, initial=0.0)):
+        ax.set_ylim(0.0, 1.05 * top)
     ax.set_ylabel(in_unit(WORDS[name].replace(" of ", " of\n"), unit))
     failed = np.atleast_2d(_failed(result, dims))
     for column in np.flatnonzero(failed.all(axis=0)):
@@ -158,11 +159,12 @@ def _map(fig, ax, result, name, dims):
         text = in_unit(label(name) if name == "V_max" else WORDS[name], unit)
         bar = fig.colorbar(colored, ax=ax, location="top", label=text, ticks=ticks)
         if isinstance(colored.norm, LogNorm):
-            plain_ticks(bar.ax.xaxis, values[np.isfinite(values)])
+            plain_ticks(bar.ax.xaxis, values[np.isfinite(values)], most=6)
     if (failed := _failed(result, dims)).any():
         gray = np.where(failed, 1.0, np.nan)
         style = {"cmap": "gray", "vmin": 0.0, "vmax": 2.0, "rasterized": True}
         ax.pcolormesh(along.edges, across.edges, gray, **style)
+    ax.set(xlim=sorted(along.edges[[0, -1]]), ylim=sorted(across.edges[[0, -1]]))
 
 
 def _colors(values):

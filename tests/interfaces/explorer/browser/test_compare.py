@@ -1,5 +1,7 @@
 """Pinned runs, undo and redo."""
 
+import re
+
 from ratestate.interfaces.explorer.messages.menus import presets
 
 PIXELS = """([chart, role]) => {
@@ -96,6 +98,45 @@ def test_changes_are_undone_and_done_again(show):
     shown.type("K", "650 MPa/m")  # another future
     page.wait_for_function(RESTED, arg="K=650 MPa/m")
     assert page.is_disabled("#redo")
+
+
+def test_a_drag_is_one_step_however_long_it_rests_on_the_way(show):
+    shown = show()
+    page = shown.page
+    box = page.locator("#slider-K").bounding_box()
+    y = box["y"] + 0.5 * box["height"]
+    page.mouse.move(box["x"] + 0.5 * box["width"], y)
+    page.mouse.down()
+    for part in (0.6, 0.7, 0.8):
+        page.mouse.move(box["x"] + part * box["width"], y)
+        page.wait_for_timeout(600)
+    page.mouse.up()
+    page.wait_for_function("() => !document.getElementById('undo').disabled")
+    assert shown.entry("K") != "960 MPa/m"
+    page.click("#undo")
+    page.wait_for_function(RESTED, arg="K=960 MPa/m")
+    assert page.is_disabled("#undo")
+
+
+def test_a_pinned_run_says_what_was_before_and_what_it_lacks(show):
+    shown = show()
+    page = shown.page
+    page.select_option("#presets", label="Fig. 2: Step to just above V_c")
+    page.wait_for_function("() => location.hash.includes('V_from')")
+    shown.wait()
+    page.click("#pin")
+    there = page.evaluate("location.hash")
+    without = re.sub("&V_from=[^&]*", "", there)
+    for hash_, said in ((without, "before = "), (there, "the run shown")):
+        page.evaluate("hash => { location.hash = hash }", hash_)
+        page.wait_for_function(
+            "said => document.querySelector('#pins li').innerText.includes(said)", arg=said
+        )
+        if hash_ == without:
+            page.click("#pin")
+    first, second = page.locator("#pins li").all_inner_texts()
+    assert first.startswith("the run shown")
+    assert re.sub(r"\s", "", second).startswith("noVlpbefore")
 
 
 def test_in_a_text_field_undo_is_of_typing(show):

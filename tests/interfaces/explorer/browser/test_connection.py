@@ -1,6 +1,7 @@
 """What the page does when the server cannot be reached, or refuses."""
 
 import contextlib
+import signal
 
 import pytest
 from conftest import Shown, serving
@@ -90,6 +91,24 @@ def test_a_lost_connection_says_so_and_comes_back(browser):
             assert shown.page.is_disabled("#undo")  # to come back was no step
             shown.wait()
             assert shown.numbers == before
+
+
+def test_what_is_shown_is_grey_while_its_answer_takes_long(browser):
+    """As while a solver is compiled: here the server sleeps."""
+    stale = "() => document.body.classList.contains('stale')"
+    with serving() as server:
+        shown = Shown(browser, server.address)
+        shown.type("K", "800 MPa/m")
+        shown.wait()
+        assert not shown.page.evaluate(stale)
+        server.process.send_signal(signal.SIGSTOP)
+        try:
+            shown.type("K", "700 MPa/m")
+            shown.page.wait_for_function(stale, timeout=5_000)
+        finally:
+            server.process.send_signal(signal.SIGCONT)
+        shown.wait()
+        shown.page.wait_for_function(f"() => !({stale})()")
 
 
 def test_a_late_problem_of_a_chart_is_not_told(server, browser):

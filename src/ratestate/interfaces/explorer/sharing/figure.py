@@ -144,7 +144,8 @@ def _map(ax, chart, state, verdict):
     name = "this slider, beyond the map" if beyond else "this slider"
     look = {"mfc": "w" if beyond else "k", "mec": "k", "ms": 5, "ls": "", "zorder": 6}
     handles += ax.plot(*inside, "o", label=name, clip_on=False, **look)
-    ax.legend(handles=handles, **_below(ax))
+    names = [str(one.get_label()).replace(" (", "\n(").replace(", ", ",\n") for one in handles]
+    ax.legend(handles, names, **_below(ax))
 
 
 def _below(ax):

@@ -27,10 +27,13 @@ import { begin, drawn } from "./common/timing.js";
 import { Traces } from "./curves/traces.js";
 import { tell } from "./telling/verdict.js";
 
+const LATE = 500; // ms
+
 let controls = null; // Controls, once the server has said what there is to control
 let tasks = null; // Tasks, likewise
 let picture = null; // the newest answer drawn
 let frame = 0;
+let late = 0; // timer of the newest question
 
 const instant = new Instant();
 const pins = new Pins(redraw);
@@ -68,8 +71,11 @@ new ResizeObserver(redraw).observe($("phase-canvas"));
 
 // ---- questions
 
+/** Ask for what the entries say; what is shown is old, and grey, once the answer takes more than LATE. */
 function ask(stamp) {
   standing.release();
+  clearTimeout(late);
+  late = setTimeout(() => document.body.classList.add("stale"), LATE);
   const id = questions.ask(controls.entries.asked());
   if (id === null) {
     document.body.classList.add("stale"); // until there is a connection again
@@ -91,6 +97,7 @@ function whenRead(act) {
 
 /** All that was asked for is answered, perhaps by a problem. */
 function settle() {
+  clearTimeout(late);
   sayStale(!picture || !questions.isNewest(picture), controls.entries);
   questions.settle();
 }

@@ -16,6 +16,7 @@ const SYMBOLS = {
   V_lp: [["i", "V"], ["sub", "lp"]],
   V0: [["i", "V"], ["sub", "0"]],
   V_from: [["i", "V"], ["sub", "lp"]],
+  sigma_from: [["i", "\u03c3"]],
   V_max: [["i", "V"], ["sub", "max"]],
   V_min: [["i", "V"], ["sub", "min"]],
   Dc: [["i", "D"], ["sub", "c"]],

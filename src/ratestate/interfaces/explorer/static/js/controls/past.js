@@ -13,7 +13,15 @@ export class Past {
     $("undo").addEventListener("click", () => this.go(-1));
     $("redo").addEventListener("click", () => this.go(1));
     addEventListener("keydown", (event) => this.key(event));
+    addEventListener("pointerdown", () => this.hold(true), true);
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => this.hold(false), true);
     this.tell();
+  }
+
+  /** While a pointer is down, as in a drag, nothing rests: one drag is one step. */
+  hold(isHeld) {
+    this.isHeld = isHeld;
+    if (!isHeld && this.waits) this.keep();
   }
 
   /** What is shown was changed by the user: once it rests, a step that can be undone. */
@@ -25,11 +33,13 @@ export class Past {
   /** Write what is shown into the address once it rests. */
   keep() {
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.write(), WAIT);
+    this.waits = true;
+    if (!this.isHeld) this.timer = setTimeout(() => this.write(), WAIT);
   }
 
   write() {
     clearTimeout(this.timer);
+    this.waits = false;
     if (!this.fragment) return;
     const address = `#${this.fragment()}`;
     if (this.adds && address !== location.hash) this.steps.add(address);
@@ -50,6 +60,7 @@ export class Past {
   /** The address has changed, but not by `write`: by undo, by redo, or by hand. */
   moved() {
     clearTimeout(this.timer);
+    this.waits = false;
     this.adds = false;
     this.steps.moved();
     this.tell();

@@ -8,6 +8,13 @@ import { symbol } from "../common/words.js";
 
 const ROLES = ["pinned-1", "pinned-2", "pinned-3"]; // colours; one run has each
 const MOST_NAMED = 3; // of the differences
+const BEFORE = ["V_from", "sigma_from"]; // entries of what was before time 0
+
+/** What an entry of a run is, as nodes: a value, one before time 0, or that there is none. */
+function difference(name, text) {
+  const said = [...symbol(name), BEFORE.includes(name) ? " before" : ""];
+  return text === undefined ? ["no ", ...said] : [...said, ` = ${display(text)}`];
+}
 
 export class Pins {
   /** changed: function (), called when there is one more or less */
@@ -65,7 +72,7 @@ export class Pins {
 
   differences({ texts }) {
     const names = Object.keys({ ...this.shown, ...texts }).filter((name) => texts[name] !== this.shown[name]);
-    const told = names.slice(0, MOST_NAMED).flatMap((name, i) => [i ? ", " : "", ...symbol(name), ` = ${display(texts[name] ?? "\u2013")}`]);
+    const told = names.slice(0, MOST_NAMED).flatMap((name, i) => [i ? ", " : "", ...difference(name, texts[name])]);
     return names.length ? [...told, names.length > MOST_NAMED ? ", \u2026" : ""] : ["the run shown"];
   }
 
