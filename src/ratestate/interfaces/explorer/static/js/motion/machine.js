@@ -2,6 +2,7 @@
 
 import { fit } from "../common/canvas.js";
 import { speedOf } from "../common/changes.js";
+import { $ } from "../common/dom.js";
 import { writeLabel } from "../common/labels.js";
 import { plain, shown } from "../common/numbers.js";
 import { placesAt, scaleOf } from "./places.js";
@@ -12,6 +13,7 @@ import { number } from "../common/wire.js";
 import { parts } from "../common/words.js";
 
 const CAPTION = 24; // px under the ground
+const BETWEEN = 12; // px from one caption to the next
 const MARKS = { slant: 4, long: 8, short: 4, every: 5 }; // of the ground: px, and each fifth is long
 const COILS = 9;
 const TALLEST = 30; // px: the block, and the arrow of the normal stress
@@ -74,8 +76,11 @@ export class Machine {
     c.textAlign = "left";
     c.textBaseline = "alphabetic";
     const enlarged = spring / ground;
-    const more = enlarged > 1.05 ? `; spring's change \u00d7 ${plain(enlarged, 2)}` : "";
-    c.fillText(`marks every ${shown(apart, "m", 2)}${more}`, 0, floor + CAPTION - 3);
+    const marks = `marks every ${shown(apart, "m", 2)}`;
+    const [long, short] = ["spring's change", "spring"].map((what) => `${marks}; ${what} \u00d7 ${plain(enlarged, 2)}`);
+    const room = width - c.measureText($("pace").textContent).width - BETWEEN;
+    const caption = enlarged > 1.05 ? [long, short].find((text) => c.measureText(text).width < room) : marks;
+    c.fillText(caption ?? marks, 0, floor + CAPTION - 3);
   }
 
   spring(from, to, y, reach) {
