@@ -9,7 +9,7 @@ import pytest
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.values import spikes
+from ratestate.records.reading.values import dropouts
 
 N = 300
 T = np.arange(N) * 0.1
@@ -58,9 +58,9 @@ def test_values_that_nobody_measured(tmp_path):
         r"no rock has \(more than 3\): line 42 \(friction = 1.2e\+04\), line 43 \(friction = -5\)"
     )
     left(write(path, T, X, put(MU, (40, 12000), (41, -5))), match, [40, 41])
-    match = r"1 row .* single samples .*: line 102 \(friction = 1.2\)"
+    match = r"1 row .* as a dropout.*: line 102 \(friction = 1.2\)"
     left(write(path, T, X, put(MU, (100, 1.2))), match, [100])
-    match = r"1 row .* single samples .*: line 102 \(delta_lp = 800 um\)"
+    match = r"1 row .* as a dropout.*: line 102 \(delta_lp = 800 um\)"
     left(write(path, T, put(X, (100, 800)), MU), match, [100])
 
 
@@ -109,13 +109,13 @@ def test_what_is_measured_stays(tmp_path):
 
 def test_single_samples():
     smooth = np.sin(T)
-    assert not spikes(smooth).any()
+    assert not dropouts(smooth, 0.0, 1).any()
     smooth[[50, 120]] += [3, -3]
-    assert np.flatnonzero(spikes(smooth)).tolist() == [50, 120]
-    assert not spikes(smooth, least=10.0).any()
+    assert np.flatnonzero(dropouts(smooth, 0.0, 1)).tolist() == [50, 120]
+    assert not dropouts(smooth, 10.0, 1).any()
     bent = T.copy()
     bent[100] += 0.5  # five steps: far, but no more than noise of long tails is
-    assert not spikes(bent).any()
+    assert not dropouts(bent, 0.0, 1).any()
 
 
 @pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])
@@ -166,9 +166,10 @@ def test_velocity_and_displacement_disagree(tmp_path):
     [
         (
             HEADER,
-            "00:00:01.{:03.0f}",
-            r"'Time\(s\)' \(time\) has no number.*'00:00:01.000' in line 2; .*seconds",
+            "00h01m{:05.2f}",
+            r"'Time\(s\)' \(time\) has no number.*'00h01m00.00' in line 2",
         ),
+        (HEADER, "12:{:02.0f}", r"'12:00' in line 2; clock times are read as .*\(mm:ss\)"),
         ("Aika (s)\tDispl(um)\tFriction", "{}", r"as columns={'time': 'Aika \(s\)'}"),
         ("Vrijeme\tDispl(um)\tFriction", "{}", r"number, in columns={'time': \.\.\.}"),
         ("t (s)\tslip (um)\tFriction", "{}", r"in columns={'delta_lp': \.\.\.}"),

@@ -12,6 +12,7 @@
 ``encodings``                   which encoding it has
 ``header``                      names and units in the lines above the numbers
 ``cells``                       numbers in lines
+``clock``                       clock times in cells
 ``stored``                      which arrays of an HDF5 or MAT file are columns
 ``isolated``                    reading in a process of its own: limits of time and memory
 ``table``                       what a file holds before it is interpreted; how messages quote it

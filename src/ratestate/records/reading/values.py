@@ -9,11 +9,10 @@ from .titles import USUAL
 
 #: what loggers write where they have no value
 MISSING = (-999.0, -999.25, -9999.0, -99999.0)
-#: least distance of a spike from both neighbours, over the largest step of all others, and, of
-#: friction, also over its typical size.  The peak of a direct effect may be one sample, so can the
-#: end of a slip, but these are smaller.
+#: least size of a jump into or out of a dropout, as a multiple of the largest other step and, for
+#: friction, of its typical size.  The peak of a direct effect and the end of a slip are smaller.
 FAR, LEAST = 10.0, 0.1
-#: one in so many samples, at most, is tried as a spike
+#: one dropout in so many samples, and one more, are looked for
 PART = 100
 
 
@@ -54,12 +53,13 @@ def drop_impossible(rows):
     high = USUAL["friction"][1]
     bad = np.abs(rows.record["friction"]) > high
     _drop(rows, "friction", bad, f"with friction that no rock has (more than {high:g})")
-    for symbol in ("friction", "delta_lp", "V_load"):
-        if symbol in rows.record:
-            values = rows.record[symbol]
-            least = LEAST * float(np.median(np.abs(values))) * (symbol == "friction")
-            bad = spikes(values, least)
-            _drop(rows, symbol, bad, "as single samples far off from those before and after")
+    for symbol in [s for s in ("friction", "tau", "delta_lp", "V_load") if s in rows.record]:
+        values = rows.record[symbol]
+        stress = symbol in ("friction", "tau")
+        least = LEAST * float(np.median(np.abs(values))) if stress else 0.0
+        # the speed is off for longer in every hold
+        bad = dropouts(values, least, 1 if symbol == "V_load" else values.size // 2)
+        _drop(rows, symbol, bad, "as a dropout, far off from the rows before and after")
     return notes
 
 
@@ -70,23 +70,56 @@ def _drop(rows, symbol, bad, why):
     rows.check_enough()
 
 
-def spikes(values, least=0.0):
-    """(n,) mask of single samples off to one side of both neighbours: by more than `least`, and
-    than `FAR` times the largest of all other steps.
+def dropouts(values, least, longest):
+    """(n,) mask of stretches that begin and end with jumps, away from the others and back.
 
-    At most one in `PART`, and one, are found; none in fewer than 10 samples.
+    A stretch at either end of the record is one if it is constant, and the rest is not.
+
+    least, longest : least size of a jump; most samples of a stretch
+
+    Notes
+    -----
+    Jumps are steps larger than `least`, and than `FAR` times the largest of all other steps.
     """
     bad = np.zeros(values.size, bool)
-    if values.size < PART // 10:
-        return bad
-    steps = np.diff(values)
-    one, other = steps[:-1], steps[1:]
-    off = np.where(one * other < 0.0, np.minimum(np.abs(one), np.abs(other)), 0.0)
-    count = 1 + off.size // PART
-    far = np.argpartition(off, -count)[-count:] + 1
-    largest = float(np.abs(np.diff(np.delete(values, far))).max())
-    bad[far] = off[far - 1] > max(FAR * largest, least)
-    return bad
+    while True:
+        kept = np.flatnonzero(~bad)
+        off = _dropout(values[kept], least, longest)
+        if off is None or bad.sum() + off.stop - off.start > values.size // 2:
+            return bad
+        bad[kept[off]] = True
+
+
+def _dropout(values, least, longest):
+    """The first of the `dropouts` as a slice, None if there is none."""
+    jumps, other = _jumps(values, least)
+    starts = [0, *(jumps + 1), values.size]
+    for before, start, end in zip([None, *starts], starts, starts[1:], strict=False):
+        if end - start > longest or len(starts) < 3:
+            continue
+        if before is None or end == values.size:
+            part = values[start:end]
+            if other > 0.0 and np.ptp(part) == 0.0 and (part.size > 1 or part[0] == 0.0):
+                return slice(start, end)
+        elif abs(values[end] - values[start - 1]) < abs(values[end] - values[end - 1]):
+            return slice(start, end)
+    return None
+
+
+def _jumps(values, least):
+    """Indices of the samples before the jumps of `dropouts`, and the largest of the other steps.
+
+    There are none in fewer than 10 samples.
+    """
+    steps = np.abs(np.diff(values))
+    most = 2 * (1 + values.size // PART)
+    if values.size >= PART // 10 and steps.size > most:
+        largest = np.sort(np.partition(steps, -most - 1)[-most - 1 :])[::-1]
+        counts = np.flatnonzero(largest[:-1] > np.maximum(FAR * largest[1:], least))
+        if counts.size:
+            other = largest[counts[-1] + 1]
+            return np.flatnonzero(steps > np.maximum(FAR * other, least)), other
+    return np.zeros(0, int), 0.0
 
 
 def flip_signs(record, signs):
