@@ -60,9 +60,9 @@ def seconds_in(cells, clock):
 
 def continuous(seconds, clock):
     """Seconds of a whole column: days in order, and no fall at midnight or at the full hour."""
+    seconds, good = seconds.copy(), np.isfinite(seconds)
     if clock.unsure:
         return _in_order(seconds, clock)
-    good = np.isfinite(seconds)
     period = 3600.0 if clock.minutes else DAY
     falls = np.diff(seconds[good], prepend=seconds[good][:1]) < -period / 2.0
     seconds[good] += period * np.cumsum(falls)

@@ -59,7 +59,12 @@ def _is_effective(table, chosen, requested):
     """Whether no pore pressure is to be subtracted from sigma: it is effective, or requested."""
     if "sigma" not in chosen or "sigma" in requested:
         return True
-    return match_rank(table.columns[chosen["sigma"]].name, "sigma") == 0
+    return _rank(table, chosen, "sigma") == 0
+
+
+def _rank(table, chosen, symbol):
+    """The `match_rank` of a column that is chosen."""
+    return match_rank(table.columns[chosen[symbol]].name, symbol)
 
 
 def doubts(table, chosen, requested, constants=()):
@@ -73,16 +78,18 @@ def doubts(table, chosen, requested, constants=()):
         title = quoted(table.titles[index])
         if symbol in requested:
             continue
-        if match_rank(table.columns[index].name, symbol) >= CERTAIN[symbol]:
+        if _rank(table, chosen, symbol) >= CERTAIN[symbol]:
             notes.append(message("notes.perhaps", symbol=symbol, title=title))
         if symbol == "pore_pressure":
             sigma = quoted(table.titles[chosen["sigma"]])
             notes.append(message("notes.effective", title=title, sigma=sigma))
-    given = {"sigma"} & {*requested, *constants}
-    if given and "pore_pressure" not in chosen:
-        index = column_by_name(table, "pore_pressure", chosen.values())
-        if index is not None:
-            notes.append(message("notes.pore_pressure", title=quoted(table.titles[index])))
+    if "pore_pressure" not in chosen and {"sigma"} & {*chosen, *constants}:
+        effective = "sigma" in chosen and _rank(table, chosen, "sigma") == 0
+        for i, column in enumerate(table.columns):
+            free = i not in chosen.values() and not effective
+            known = match_rank(column.name, "pore_pressure") is not None
+            if free and (known or WORDS["pressure"].search(spaced(column.name))):
+                notes.append(message("notes.pore_pressure", title=quoted(column.title)))
     return notes
 
 

@@ -12,7 +12,7 @@ from ...errors import ParameterError
 from .cells import COMMENTS, cells_of, is_comment, number_in
 from .messages import refusal
 from .table import quoted
-from .titles import WORDS, is_known, is_unit, name_and_units, plain, spaced
+from .titles import WORDS, is_known, is_unit, letters, name_and_units, plain, spaced
 
 #: a line of xlook below names and units: how many records each column has
 _RECORDS = re.compile(r"\s*(?:\d+\s*recs?\s*)+", re.IGNORECASE)
@@ -30,6 +30,12 @@ class Header(NamedTuple):
     def described(self):
         """Name, unit and contradicting unit of each column."""
         return [name_and_units(*one) for one in zip(self.names, self.units, strict=True)]
+
+    def meaning(self):
+        """The same, however it is spelled."""
+        return [
+            (letters(name), plain(unit), plain(other)) for name, unit, other in self.described()
+        ]
 
 
 def header_of(lines, delimiter, width, written=None):
@@ -86,7 +92,7 @@ def check_headers(lines, rows, layout, above, header, name):
             other = header_of([lines[i] for i in part], delimiter, width)
         except ParameterError:
             other = None
-        if other is None or other.described() != header.described():
+        if other is None or other.meaning() != header.meaning():
             values = {"line": above + found + 1, "text": quoted(lines[found].strip())}
             raise refusal("text.second_header", name=name, **values)
 
@@ -96,8 +102,8 @@ def _is_header(line, delimiter, widths):
 
     widths : numbers of columns there may be
     """
-    for width in widths:
-        names = _names(line, delimiter, width) or []
+    ways = [_names(line, delimiter, width) or [] for width in widths]
+    for names in ways if is_comment(line) else [*ways, _cells(line, delimiter)]:
         numbers = any(not math.isnan(number_in(name)) for name in names)
         if not numbers and sum(map(is_known, names)) > 1:
             return True

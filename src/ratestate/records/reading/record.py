@@ -81,6 +81,8 @@ def record_of(
     record = kept.record
     segments = _segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
+    if segments.V.size == 1:
+        turned.append(message("notes.no_step"))
     messages = kept.warnings + notes + of_files + unusual(record, segments.V)
     messages += disagreements(kept, coarse)
     data = _dataset(record, segments)

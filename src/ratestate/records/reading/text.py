@@ -28,7 +28,7 @@ NEEDED = 3  # columns of a record: time, displacement and friction
 FEWEST = 10  # whole rows beside short ones
 #: minus signs and blanks that numbers are printed with -> what they mean
 _PRINTED = [
-    (re.compile(r"[\u2212\ufe63\uff0d](?=[\d.,])"), "-"),
+    (re.compile(r"(?:[\u2212\ufe63\uff0d]|(?<![^\s;,])\u2013)(?=[\d.,])"), "-"),
     (re.compile(r"(?<=\d)['\u2019\u00a0\u202f\u2009\u2007](?=\d{3}(?!\d))"), ""),
 ]
 
@@ -59,9 +59,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         header = header_of(head[:start], delimiter, width, written)
         titles = [name or f"column {i}" for i, name in enumerate(header.names, 1)]
         decimal = _decimal(path, whole, delimiter) if decimal is None else decimal
-        first = [*whole[0], *[""] * width]
-        clocks = {j: clock_of(first[j], header.described()[j][1]) for j in range(width)}
-        clocks = {j: clock for j, clock in clocks.items() if clock is not None}
+        clocks = _clocks(whole, header)
         layout = Layout(delimiter, decimal, titles, clocks)
         blocks = itertools.chain([head[start:]], blocks)
         values, odd, numbers = _numbers(blocks, layout, start, most, header, path.name)
@@ -74,6 +72,16 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
             column, unit, other = continuous(column, clocks[j]), "s", ""
         columns.append(Column(titles[j], name, unit, column, other))
     return Table(columns, "line", odd, numbers)
+
+
+def _clocks(rows, header):
+    """Column -> `Clock` of the first clock time in these rows of cells."""
+    clocks = {}
+    for j, (_, unit, _) in enumerate(header.described()):
+        found = (clock_of(row[j], unit) for row in rows if len(row) > j)
+        if clock := next((one for one in found if one is not None), None):
+            clocks[j] = clock
+    return clocks
 
 
 def _blocks(file, name):

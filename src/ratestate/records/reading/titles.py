@@ -65,8 +65,9 @@ def name_and_units(title, unit=""):
     unit : what stands apart from the title, in a row of units or an attribute
     """
     name, own = split(title)
-    if unit and not is_unit(own) and not _is_of_any(own):
-        return (title if own else name), unit, ""
+    said = any(pattern.search(spaced(own)) for pattern in WORDS.values())
+    if own and (unit or said) and not is_unit(own) and not _is_of_any(own):
+        return title, unit, ""
     within, inner = split(name)
     if not is_unit(inner):
         within, inner = name, ""

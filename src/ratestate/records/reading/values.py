@@ -1,5 +1,7 @@
 """Values that nobody can have measured: their rows are left out, and reported by number."""
 
+import itertools
+
 import numpy as np
 
 from ...model.quantities import readable
@@ -12,7 +14,7 @@ MISSING = (-999.0, -999.25, -9999.0, -99999.0)
 #: least size of a jump into or out of a dropout, as a multiple of the largest other step and, for
 #: friction, of its typical size.  The peak of a direct effect and the end of a slip are smaller.
 FAR, LEAST = 10.0, 0.1
-#: one dropout in so many samples, and one more, are looked for
+#: one dropout in so many samples, and three more, are looked for
 PART = 100
 
 
@@ -73,7 +75,8 @@ def _drop(rows, symbol, bad, why):
 def dropouts(values, least, longest):
     """(n,) mask of stretches that begin and end with jumps, away from the others and back.
 
-    A stretch at either end of the record is one if it is constant, and the rest is not.
+    A stretch at either end of the record is one if the rest moves, and it is 0 throughout, or
+    constant and farther from the rest than that spans.
 
     least, longest : least size of a jump; most samples of a stretch
 
@@ -82,28 +85,32 @@ def dropouts(values, least, longest):
     Jumps are steps larger than `least`, and than `FAR` times the largest of all other steps.
     """
     bad = np.zeros(values.size, bool)
-    while True:
+    while True:  # where one is left out, the next may come to light
         kept = np.flatnonzero(~bad)
-        off = _dropout(values[kept], least, longest)
-        if off is None or bad.sum() + off.stop - off.start > values.size // 2:
+        more = kept[_dropouts(values[kept], least, longest)]
+        if not more.size or bad.sum() + more.size > values.size // 2:
             return bad
-        bad[kept[off]] = True
+        bad[more] = True
 
 
-def _dropout(values, least, longest):
-    """The first of the `dropouts` as a slice, None if there is none."""
+def _dropouts(values, least, longest):
+    """(n,) mask of `dropouts`, no two of them next to each other."""
     jumps, other = _jumps(values, least)
-    starts = [0, *(jumps + 1), values.size]
-    for before, start, end in zip([None, *starts], starts, starts[1:], strict=False):
-        if end - start > longest or len(starts) < 3:
+    starts = [0, *(jumps + 1).tolist(), values.size]
+    bad = np.zeros(values.size, bool)
+    for start, end in itertools.pairwise(starts if jumps.size else []):
+        if end - start > longest or (start > 0 and bad[start - 1]):
             continue
-        if before is None or end == values.size:
-            part = values[start:end]
-            if other > 0.0 and np.ptp(part) == 0.0 and (part.size > 1 or part[0] == 0.0):
-                return slice(start, end)
-        elif abs(values[end] - values[start - 1]) < abs(values[end] - values[end - 1]):
-            return slice(start, end)
-    return None
+        if start == 0 or end == values.size:
+            part, rest = values[start:end], np.delete(values, np.s_[start:end])
+            jump = abs(values[end] - part[-1] if start == 0 else part[0] - values[start - 1])
+            stuck = part.size > 1 and np.ptp(part) == 0.0 and jump > np.ptp(rest)
+            bad[start:end] = other > 0.0 and (stuck or not part.any())
+        else:
+            into, out = values[start] - values[start - 1], values[end] - values[end - 1]
+            net = abs(values[end] - values[start - 1])
+            bad[start:end] = 2.0 * net < min(abs(into), abs(out))
+    return bad
 
 
 def _jumps(values, least):
@@ -112,7 +119,7 @@ def _jumps(values, least):
     There are none in fewer than 10 samples.
     """
     steps = np.abs(np.diff(values))
-    most = 2 * (1 + values.size // PART)
+    most = 2 * (3 + values.size // PART)
     if values.size >= PART // 10 and steps.size > most:
         largest = np.sort(np.partition(steps, -most - 1)[-most - 1 :])[::-1]
         counts = np.flatnonzero(largest[:-1] > np.maximum(FAR * largest[1:], least))
