@@ -67,7 +67,7 @@ def _rank(table, chosen, symbol):
     return match_rank(table.columns[chosen[symbol]].name, symbol)
 
 
-def doubts(table, chosen, requested, constants=()):
+def title_warnings(table, chosen, requested, constants=()):
     """Notes (list of str) on columns whose titles leave open whether they are what was looked for.
 
     chosen, constants : as of `choose_columns`

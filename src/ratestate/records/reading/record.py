@@ -7,7 +7,7 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.quantities import attrs, readable
 from .agreement import coarse_resolution, disagreements
-from .columns import choose_columns, column_by_name, doubts
+from .columns import choose_columns, column_by_name, title_warnings
 from .downsampling import MOST, blocks, checked_most, downsample, means
 from .joining import Part, check_join, join_parts
 from .lab_format import LabFormat
@@ -118,7 +118,7 @@ def _part(table, name, columns, units, constant):
     given = () if constant is None else ("sigma",)
     places = choose_columns(table, columns, given)
     chosen = {symbol: table.columns[i] for symbol, i in places.items()}
-    notes = doubts(table, places, columns or {}, given)
+    notes = title_warnings(table, places, columns or {}, given)
     if ratio := _ratio_of_forces(chosen, units):
         notes.append(message("notes.forces", title=ratio.title))
         chosen = {s: c for s, c in chosen.items() if s not in ("tau", "sigma")} | {

@@ -49,9 +49,9 @@ def split(title):
     """(name, unit) of a title such as "time [s]", "Stress, MPa" or "disp_um"; "" for no unit."""
     title = " ".join(title.split()).strip("'\"")
     if matches := [*_BRACKET.finditer(title)]:
-        match = next((one for one in matches if is_unit(one[1])), matches[-1])
-        name = f"{title[: match.start()].rstrip(' _,:')} {title[match.end() :].strip()}"
-        return name.strip(), match[1].strip()
+        of_unit = next((one for one in matches if is_unit(one[1])), matches[-1])
+        name = f"{title[: of_unit.start()].rstrip(' _,:')} {title[of_unit.end() :].strip()}"
+        return name.strip(), of_unit[1].strip()
     for pattern in _AFTER:
         match = pattern.fullmatch(title)
         if match and is_unit(match[2]) and match[2].lower() not in _UNITS["short"]:
@@ -65,8 +65,8 @@ def name_and_units(title, unit=""):
     unit : what stands apart from the title, in a row of units or an attribute
     """
     name, own = split(title)
-    said = any(pattern.search(spaced(own)) for pattern in WORDS.values())
-    if own and (unit or said) and not is_unit(own) and not _is_of_any(own):
+    in_words = any(pattern.search(spaced(own)) for pattern in WORDS.values())
+    if own and (unit or in_words) and not is_unit(own) and not _is_of_any(own):
         return title, unit, ""
     within, inner = split(name)
     if not is_unit(inner):
