@@ -52,6 +52,14 @@ def test_another_header_among_the_rows_is_refused(tmp_path, second, line):
         read_lab(path)
 
 
+def test_another_order_of_names_that_mean_nothing_is_refused(tmp_path):
+    path = tmp_path / "r.txt"
+    rows = lines(COLUMNS)
+    path.write_text("\n".join(["a\tb\tc\td", *rows[:60], "a\tb\td\tc", *rows[60:]]))
+    with pytest.raises(rs.ParameterError, match=r"line 62 is another header, 'a\\tb\\td\\tc'"):
+        read_lab(path, dict(zip(["time", "delta_lp", "tau", "sigma"], "abcd", strict=True)))
+
+
 @pytest.mark.parametrize(
     ("between", "told"),
     [

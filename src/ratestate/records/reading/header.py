@@ -85,7 +85,9 @@ def check_headers(lines, rows, layout, above, header, name):
     for end, group in itertools.groupby(zip(after, texts, strict=True), lambda pair: pair[0]):
         part = [i for _, i in group]
         widths = {width} | ({len(cells_of(lines[end], delimiter))} if end < len(lines) else set())
-        found = next((i for i in part if _is_header(lines[i], delimiter, widths)), None)
+        found = next(
+            (i for i in part if _is_header(lines[i], delimiter, widths, header.names)), None
+        )
         if found is None:
             continue
         try:
@@ -97,15 +99,16 @@ def check_headers(lines, rows, layout, above, header, name):
             raise refusal("text.second_header", name=name, **values)
 
 
-def _is_header(line, delimiter, widths):
+def _is_header(line, delimiter, widths, first):
     """Whether a line below the first numbers has names or units of columns: two or more.
 
     widths : numbers of columns there may be
+    first : names in the first header
     """
     ways = [_names(line, delimiter, width) or [] for width in widths]
     for names in ways if is_comment(line) else [*ways, _cells(line, delimiter)]:
         numbers = any(not math.isnan(number_in(name)) for name in names)
-        if not numbers and sum(map(is_known, names)) > 1:
+        if not numbers and sum(name in first or is_known(name) for name in names if name) > 1:
             return True
     return False
 
