@@ -75,9 +75,9 @@ def test_an_attempt_is_what_read_lab_gives(name):
 
 
 def test_an_attempt_that_fails_has_what_there_is_to_choose():
-    columns = dict(zip(("moment", "disp", "mu"), COLUMNS.values(), strict=True))
+    columns = dict(zip(("clock", "disp", "mu"), COLUMNS.values(), strict=True))
     found = tried("r.csv", text(columns).encode())
-    assert found.columns == [("moment", ""), ("disp", ""), ("mu", "")]
+    assert found.columns == [("clock", ""), ("disp", ""), ("mu", "")]
     assert (found.chosen, found.record, found.error.sentence) == ({}, None, "columns.missing")
     found = tried("r.csv", text(columns).encode(), columns={"time": 1})
     assert found.chosen == {"time": 1, "delta_lp": 2, "friction": 3}

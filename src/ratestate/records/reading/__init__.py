@@ -22,7 +22,7 @@
 ``sizes``                       units of columns, and sizes that nobody can have measured
 ``rows``                        which rows are kept: windows, cells without number, times, gaps
 ``downsampling``                means over blocks of rows, of a very long record
-``values``                      rows with codes, impossible values or spikes; signs to turn
+``values``                      rows with codes, impossible values or dropouts; signs to turn
 ``agreement``                   whether columns contradict each other, or are too coarse
 ``segments``                    `find_segments`: constant speeds, their errors; steps in words
 ``splits``                      where rows are cut into runs; how large the noise is
