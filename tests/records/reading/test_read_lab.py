@@ -1,5 +1,6 @@
 """Laboratory files as records: layouts, names, units, rows that cannot be used."""
 
+import contextlib
 import json
 import os
 import warnings
@@ -21,7 +22,7 @@ from ratestate.records.reading.columns import choose_columns
 from ratestate.records.reading.messages import message
 from ratestate.records.reading.stress_steps import stress_steps
 from ratestate.records.reading.table import Column, Table
-from ratestate.records.reading.titles import PATTERNS, match_rank
+from ratestate.records.reading.titles import LIKE, match_rank
 
 N = 120
 HEADER = "Time(s)", "Displ(microns)", "Friction", "Normal_stress(MPa)"
@@ -171,15 +172,14 @@ SPELLINGS = {
 @pytest.mark.parametrize("symbol", SPELLINGS)
 def test_spellings(symbol):
     for title in SPELLINGS[symbol].split(";"):
-        letters = titles.letters(titles.split(title)[0])
-        known = [s for s, ways in PATTERNS.items() if match_rank(letters, ways) is not None]
+        name = titles.split(title)[0]
+        known = [symbol for symbol in LIKE if match_rank(name, symbol) is not None]
         assert known == [symbol], title
 
 
 def test_what_is_no_load_point():
     for title in ["Slip (mm)", "Normal displacement [mm]", "Layer thickness", "On-board disp"]:
-        letters = titles.letters(titles.split(title)[0])
-        assert match_rank(letters, PATTERNS["delta_lp"]) is None, title
+        assert match_rank(titles.split(title)[0], "delta_lp") is None, title
 
 
 @pytest.mark.parametrize(
@@ -425,9 +425,10 @@ def test_files_refused(tmp_path):
     ("columns", "words"),
     [
         ((T, X, MU), ""),
-        ((T, X, MU / 20.0), "friction is 0.03"),
-        ((T, X, MU / 10.0), ""),
-        ((T, X, 2.6 * MU), "friction is 1.5"),
+        ((T, X, MU / 6.2), "friction is 0.097"),
+        ((T, X, MU / 5.8), ""),
+        ((T, X, 1.9 * MU), ""),
+        ((T, X, 2.1 * MU), "friction is 1.26"),
         ((T, 5e3 * X, MU), ""),
         ((T, 7e3 * X, MU), "delta_lp spans 1.14 m, farther than 1 m"),
         ((T / 9e3, X, MU), ""),
@@ -436,9 +437,20 @@ def test_files_refused(tmp_path):
 )
 def test_sizes_that_few_experiments_have_are_noted(tmp_path, columns, words):
     columns = (*columns[:2], columns[2] + 1e-6 * np.sin(T))
-    notes = read_lab(write(tmp_path / "r.txt", cells(columns), HEADER[:3])).attrs["notes"]
+    path = write(tmp_path / "r.txt", cells(columns), HEADER[:3])
+    with pytest.warns(RecordWarning, match=words) if words else contextlib.nullcontext():
+        notes = read_lab(path).attrs["notes"]
     assert words in notes
     assert notes == "[]" if not words else len(json.loads(notes)) == 1
+
+
+@pytest.mark.parametrize("sigma", [0.9e-3, 1.1e-3, 999.0, 1001.0])
+def test_a_normal_stress_that_few_machines_reach_is_reported(tmp_path, sigma):
+    """Outside 1 kPa to 1 GPa."""
+    path = write(tmp_path / "r.txt", cells((T, X, MU, sigma + 0 * T)))
+    told = pytest.warns(RecordWarning, match=r"sigma is .* \(its median\), which few machines")
+    with contextlib.nullcontext() if 1e-3 < sigma < 1e3 else told:
+        read_lab(path)
 
 
 def test_a_load_point_that_rested_long_still_wanders(tmp_path):
@@ -518,7 +530,8 @@ def test_friction_that_is_next_to_nothing_most_of_the_time(tmp_path):
     """A record that begins long before it is loaded; and one that is in another unit throughout."""
     late = np.where(np.arange(N) < 0.8 * N, 1e-5, 1.0) * MU
     path = write(tmp_path / "r.txt", cells([T, X, late]), HEADER[:3])
-    check(read_lab(path), friction=late)
+    with pytest.warns(RecordWarning, match=r"friction is 6.02e-06 \(its median\)"):
+        check(read_lab(path), friction=late)
     never = np.where(np.arange(N) < 0.95 * N, 1e-5, 1.0) * MU
     match = r"'Friction' \(friction\) is typically 6.* no record is of such a size"
     refused(tmp_path, match, cells([T, X, never]), HEADER[:3])

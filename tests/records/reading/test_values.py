@@ -1,6 +1,7 @@
 """Rows of laboratory files with values that nobody measured; columns that contradict each other."""
 
 import json
+import warnings
 
 import h5py
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.values import spikes
+from ratestate.records.reading.values import dropouts
 
 N = 300
 T = np.arange(N) * 0.1
@@ -45,6 +46,14 @@ def left(path, match, rows, friction=MU):
     assert abs(float(data.segment_t[1]) - 15) < 1e-3
 
 
+def told_by(path):
+    """A record, and what is reported of it."""
+    with warnings.catch_warnings(record=True) as emitted:
+        warnings.simplefilter("always")
+        data = read_lab(path)
+    return data, [str(one.message) for one in emitted]
+
+
 def test_values_that_nobody_measured(tmp_path):
     path = tmp_path / "r.txt"
     for column in (1, 2):
@@ -58,9 +67,9 @@ def test_values_that_nobody_measured(tmp_path):
         r"no rock has \(more than 3\): line 42 \(friction = 1.2e\+04\), line 43 \(friction = -5\)"
     )
     left(write(path, T, X, put(MU, (40, 12000), (41, -5))), match, [40, 41])
-    match = r"1 row .* single samples .*: line 102 \(friction = 1.2\)"
+    match = r"1 row .* as a dropout.*: line 102 \(friction = 1.2\)"
     left(write(path, T, X, put(MU, (100, 1.2))), match, [100])
-    match = r"1 row .* single samples .*: line 102 \(delta_lp = 800 um\)"
+    match = r"1 row .* as a dropout.*: line 102 \(delta_lp = 800 um\)"
     left(write(path, T, put(X, (100, 800)), MU), match, [100])
 
 
@@ -109,13 +118,13 @@ def test_what_is_measured_stays(tmp_path):
 
 def test_single_samples():
     smooth = np.sin(T)
-    assert not spikes(smooth).any()
+    assert not dropouts(smooth, 0.0, 1).any()
     smooth[[50, 120]] += [3, -3]
-    assert np.flatnonzero(spikes(smooth)).tolist() == [50, 120]
-    assert not spikes(smooth, least=10.0).any()
+    assert np.flatnonzero(dropouts(smooth, 0.0, 1)).tolist() == [50, 120]
+    assert not dropouts(smooth, 10.0, 1).any()
     bent = T.copy()
     bent[100] += 0.5  # five steps: far, but no more than noise of long tails is
-    assert not spikes(bent).any()
+    assert not dropouts(bent, 0.0, 1).any()
 
 
 @pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])
@@ -166,9 +175,10 @@ def test_velocity_and_displacement_disagree(tmp_path):
     [
         (
             HEADER,
-            "00:00:01.{:03.0f}",
-            r"'Time\(s\)' \(time\) has no number.*'00:00:01.000' in line 2; .*seconds",
+            "00h01m{:05.2f}",
+            r"'Time\(s\)' \(time\) has no number.*'00h01m00.00' in line 2",
         ),
+        (HEADER, "12:{:02.0f}", r"'12:00' in line 2; clock times are read as .*\(mm:ss\)"),
         ("Aika (s)\tDispl(um)\tFriction", "{}", r"as columns={'time': 'Aika \(s\)'}"),
         ("Vrijeme\tDispl(um)\tFriction", "{}", r"number, in columns={'time': \.\.\.}"),
         ("t (s)\tslip (um)\tFriction", "{}", r"in columns={'delta_lp': \.\.\.}"),
@@ -213,3 +223,63 @@ def test_stored_files_with_texts_or_damage(tmp_path):
     path.write_bytes(content)
     with pytest.raises(rs.ParameterError, match=r"r.h5 (is damaged|cannot be read)"):
         read_lab(path)
+
+
+@pytest.mark.parametrize(
+    ("rows", "value"),
+    [
+        (slice(100, 110), 0.0),
+        (slice(0, 5), 0.0),
+        (slice(295, 300), 0.0),
+        (slice(60, 61), -250.0),
+        (slice(100, 140), -250.0),
+        (slice(297, 300), 9999.5),
+    ],
+)
+def test_dropouts_of_the_load_point_are_left_out_and_reported(tmp_path, rows, value):
+    """They are not holds: the record is found as it is without them."""
+    x = 2500 + X + 0.01 * RNG.normal(size=N)
+    x[rows] = value
+    dropped = np.arange(N)[rows]
+    data, told = told_by(write(tmp_path / "r.txt", T, x, MU))
+    assert f"{dropped.size} row" in told[0]
+    assert (
+        f"as a dropout, far off from the rows before and after: line {dropped[0] + 2} (" in told[0]
+    )
+    np.testing.assert_array_equal(data.time, np.delete(T, dropped))
+    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=0.01)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_dropouts_of_the_shear_stress(tmp_path, noise):
+    tau, rows = 20 * MU, np.r_[50:58, 200:230]
+    tau[rows] = noise * RNG.normal(size=rows.size)
+    path = write(tmp_path / "r.txt", T, X, tau, 20.0 + 0 * T, header=STRESSES)
+    data, told = told_by(path)
+    assert told[0].startswith("r.txt: 38 rows are left out as a dropout")
+    np.testing.assert_array_equal(data.time, np.delete(T, rows))
+    np.testing.assert_allclose(data.friction, np.delete(MU, rows), rtol=1e-12)
+
+
+def test_what_only_looks_like_a_dropout_stays():
+    """A reset, a jump, a hold, a staircase, stick-slip, the beginning at 0, a stop for a while."""
+    noisy = X + 0.01 * RNG.normal(size=N)
+    reset = np.where(T < 10, noisy, noisy - 10.0)
+    jump = np.where(T < 10, noisy, noisy + 50.0)
+    begins = np.where(T < 5, 0.0, X - 5.0)
+    stairs = np.repeat(np.arange(5.0), N // 5)
+    saw = 0.6 + 0.2 * (T % 10.0) / 10.0 + 1e-4 * RNG.normal(size=N)
+    for values in (noisy, reset, jump, begins, stairs, saw, MU, X.round(), X.round(-1)):
+        assert not dropouts(values, 0.0, N // 2).any()
+    stopped = np.where((T > 5) & (T < 9), 0.0, 1.0)
+    assert not dropouts(stopped, 0.0, 1).any()
+
+
+def test_every_dropout_is_found_and_nothing_else():
+    rng = np.random.default_rng(2)
+    for n in (120, 1000, 3000):
+        x = 2000 + np.cumsum(np.where(np.arange(n) < n // 2, 0.1, 3.0)) + 0.02 * rng.normal(size=n)
+        wanted = np.zeros(n, bool)
+        for first in rng.integers(5, n - 20, 3):
+            wanted[first : first + int(rng.integers(1, 12))] = True
+        np.testing.assert_array_equal(dropouts(np.where(wanted, 0.0, x), 0.0, n // 2), wanted)

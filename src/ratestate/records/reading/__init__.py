@@ -12,6 +12,7 @@
 ``encodings``                   which encoding it has
 ``header``                      names and units in the lines above the numbers
 ``cells``                       numbers in lines
+``clock``                       clock times in cells
 ``stored``                      which arrays of an HDF5 or MAT file are columns
 ``isolated``                    reading in a process of its own: limits of time and memory
 ``table``                       what a file holds before it is interpreted; how messages quote it
@@ -21,7 +22,7 @@
 ``sizes``                       units of columns, and sizes that nobody can have measured
 ``rows``                        which rows are kept: windows, cells without number, times, gaps
 ``downsampling``                means over blocks of rows, of a very long record
-``values``                      rows with codes, impossible values or spikes; signs to turn
+``values``                      rows with codes, impossible values or dropouts; signs to turn
 ``agreement``                   whether columns contradict each other, or are too coarse
 ``segments``                    `find_segments`: constant speeds, their errors; steps in words
 ``splits``                      where rows are cut into runs; how large the noise is

@@ -1,5 +1,6 @@
 """Numbers out of lines of text, fast where all cells are numbers."""
 
+import csv
 import itertools
 import math
 import re
@@ -7,10 +8,21 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .clock import Clock, seconds_in
+
 COMMENTS = "#%"
 PART = 500  # lines
 #: most cells without a number whose text is kept, for messages
 ODD = 100_000
+#: decimal mark -> numbers with blanks or other marks between groups of three digits: 1,234.5
+_GROUPED = {
+    mark: re.compile(
+        rf"[-+]?[1-9]\d{{0,2}}(?P<gap>[ '{other}])\d{{3}}(?:(?P=gap)\d{{3}})*(?:[{mark}]\d*)?"
+    )
+    for mark, other in (".,", ",.")
+}
+#: a number with a decimal comma may have points between groups of digits
+_POINTS = re.compile(r"(?<![.:\d])\d{1,3}\.\d{3}(?!\d)")
 _FORTRAN = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+))[dD]([-+]?\d+)")  # 1.0D+02
 
 
@@ -18,8 +30,9 @@ class Layout(NamedTuple):
     """How a line of numbers is written."""
 
     delimiter: str | None  # None: spaces, as many as there are
-    decimal_comma: bool
+    decimal: str  # "." or ","
     titles: list[str]  # of the columns
+    clocks: dict[int, Clock]  # of the columns of clock times
 
 
 class Rows(NamedTuple):
@@ -41,18 +54,33 @@ def is_full(line):
 
 
 def cells_of(line, delimiter):
-    """The cells of a line of numbers."""
+    """The cells of a line of numbers, those at its end that are empty as well."""
     line = line.strip(" ") if delimiter == "\t" else line.strip()
-    cells = [cell.strip(" \"'") for cell in line.split(delimiter)]
-    return cells[:-1] if len(cells) > 2 and not cells[-1] and delimiter is not None else cells
+    if '"' in line and delimiter is not None:  # which may stand within quotes too
+        cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    else:
+        cells = line.split(delimiter)
+    return [cell.strip(" \"'") for cell in cells]
 
 
-def number_in(cell):
+def trimmed(cells, least=0):
+    """Cells without the empty ones at their end, but `least` in any case."""
+    end = len(cells)
+    while end > least and not cells[end - 1]:
+        end -= 1
+    return cells[:end]
+
+
+def number_in(cell, decimal="."):
     """A number out of a cell, NaN if it is none."""
-    if ":" in cell:  # a clock time; there may be one in each row
+    if ":" in cell or "_" in cell:  # a clock time; there may be one in each row
         return np.nan
+    if _GROUPED[decimal].fullmatch(cell):
+        cell = re.sub(rf"[^\d{decimal}+-]", "", cell)
+    if decimal == ",":
+        cell = cell.replace(",", ".")
     try:
-        return float(cell) if "_" not in cell else np.nan
+        return float(cell)
     except ValueError:
         match = _FORTRAN.fullmatch(cell)
         return float("e".join(match.groups())) if match else np.nan
@@ -63,18 +91,20 @@ def rows_in(lines, layout, room=ODD):
 
     room : how many odd cells are kept, or some more
     """
-    if layout.decimal_comma:
-        lines = [line.replace(",", ".") for line in lines]
-    if (values := _all_numbers(lines, layout)) is not None:
-        return Rows(values, np.arange(len(lines)), {})
-    if (rows := _beside_texts(lines, layout, room)) is not None:
-        return rows
+    plain = lines
+    if layout.decimal == ",":
+        plain = [line.replace(",", ".") for line in lines]
+    if layout.decimal == "." or not any(map(_POINTS.search, lines)):
+        if (values := _all_numbers(plain, layout)) is not None:
+            return Rows(values, np.arange(len(lines)), {})
+        if (rows := _beside_texts(plain, layout, room)) is not None:
+            return rows
     places = [i for i, line in enumerate(lines) if is_full(line)]
     values = np.full((len(places), len(layout.titles)), np.nan)
     odd: dict[tuple[int, str], str] = {}
     for first in range(0, len(places), PART):
         part = [lines[i].rstrip("\n") for i in places[first : first + PART]]
-        numbers = _all_numbers(part, layout)
+        numbers = _all_numbers(part, layout) if layout.decimal == "." else None
         if numbers is None:
             numbers, own = _one_by_one(part, layout)
             if len(odd) < room:
@@ -113,26 +143,33 @@ def _beside_texts(lines, layout, room):
     values[:, others] = numbers
     odd: dict[tuple[int, str], str] = {}
     for j in texts:
-        for i, line in enumerate(lines):
-            cell = line.split(delimiter, j + 1)[j].strip(" \"'\n")
-            values[i, j] = number = number_in(cell)
-            if len(odd) < room and not math.isfinite(number):
-                odd[i, layout.titles[j]] = cell
+        cells = [line.split(delimiter, j + 1)[j].strip(" \"'\n") for line in lines]
+        values[:, j] = _column(cells, j, layout._replace(decimal="."))
+        for i in itertools.islice(np.flatnonzero(~np.isfinite(values[:, j])), room):
+            odd[int(i), layout.titles[j]] = cells[i]
     return Rows(values, np.arange(len(lines)), odd)
+
+
+def _column(cells, j, layout):
+    """(cells,) the numbers or clock times in a column."""
+    if j in layout.clocks:
+        return seconds_in(cells, layout.clocks[j])
+    return np.array([number_in(cell, layout.decimal) for cell in cells])
 
 
 def _one_by_one(lines, layout):
     """The numbers, NaN where there is none, and the cells that are none."""
-    values = np.full((len(lines), len(layout.titles)), np.nan)
+    width = len(layout.titles)
+    rows = [trimmed(cells_of(line, layout.delimiter), width) for line in lines]
+    # with more cells, these are perhaps in other columns
+    fitting = [[] if len(cells) > width else cells for cells in rows]
+    columns = [*itertools.islice(itertools.zip_longest(*fitting, fillvalue=""), width)]
+    values = np.full((len(lines), width), np.nan)
     odd: dict[tuple[int, str], str] = {}
-    for i, line in enumerate(lines):
-        cells = cells_of(line, layout.delimiter)
-        if len(cells) > len(layout.titles):  # perhaps in other columns
-            odd |= {(i, title): f"{len(cells)} cells" for title in layout.titles}
-            continue
-        pairs = itertools.zip_longest(layout.titles, cells, fillvalue="")
-        for j, (title, cell) in enumerate(pairs):
-            values[i, j] = number = number_in(cell)
-            if not math.isfinite(number):
-                odd[i, title] = cell
+    for j, cells in enumerate(columns):
+        values[:, j] = _column(cells, j, layout)
+    for i, j in np.argwhere(~np.isfinite(values)).tolist():
+        cells = rows[i]
+        wide = len(cells) > width
+        odd[i, layout.titles[j]] = f"{len(cells)} cells" if wide else "".join(cells[j : j + 1])
     return values, odd

@@ -2,13 +2,12 @@
 
 import contextlib
 import difflib
-import re
 
 from ...errors import ParameterError
-from .messages import refusal
+from .messages import message, refusal
 from .sizes import unit_of
 from .table import name_list, quoted
-from .titles import NOT_OTHERS, PATTERNS, letters, match_rank
+from .titles import CERTAIN, PATTERNS, TABLE, WORDS, letters, match_rank, spaced
 
 #: what a record needs -> columns one of which gives it; a message suggests the first
 NEEDS = {
@@ -39,6 +38,8 @@ def choose_columns(table, columns, constants=()):
         replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:
             continue
+        if symbol == "pore_pressure" and _is_effective(table, chosen, columns):
+            continue
         # stresses are optional where friction is recorded
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
         index = column_by_name(table, symbol, chosen.values(), needed)
@@ -52,6 +53,44 @@ def choose_columns(table, columns, constants=()):
             such = "such as" if column else "in"
             raise refusal("columns.missing", such=such, column=column or "...", **values)
     return chosen
+
+
+def _is_effective(table, chosen, requested):
+    """Whether no pore pressure is to be subtracted from sigma: it is effective, or requested."""
+    if "sigma" not in chosen or "sigma" in requested:
+        return True
+    return _rank(table, chosen, "sigma") == 0
+
+
+def _rank(table, chosen, symbol):
+    """The `match_rank` of a column that is chosen."""
+    return match_rank(table.columns[chosen[symbol]].name, symbol)
+
+
+def title_warnings(table, chosen, requested, constants=()):
+    """Notes (list of str) on columns whose titles leave open whether they are what was looked for.
+
+    chosen, constants : as of `choose_columns`
+    requested : symbols of the columns that the caller named
+    """
+    notes = []
+    for symbol, index in chosen.items():
+        title = quoted(table.titles[index])
+        if symbol in requested:
+            continue
+        if _rank(table, chosen, symbol) >= CERTAIN[symbol]:
+            notes.append(message("notes.perhaps", symbol=symbol, title=title))
+        if symbol == "pore_pressure":
+            sigma = quoted(table.titles[chosen["sigma"]])
+            notes.append(message("notes.effective", title=title, sigma=sigma))
+    if "pore_pressure" not in chosen and {"sigma"} & {*chosen, *constants}:
+        effective = "sigma" in chosen and _rank(table, chosen, "sigma") == 0
+        for i, column in enumerate(table.columns):
+            free = i not in chosen.values() and not effective
+            known = match_rank(column.name, "pore_pressure") is not None
+            if free and (known or WORDS["pressure"].search(spaced(column.name))):
+                notes.append(message("notes.pore_pressure", title=quoted(column.title)))
+    return notes
 
 
 def _requested(table, symbol, request):
@@ -87,8 +126,7 @@ def column_by_name(table, symbol, taken, needed=False):
     ranks = {
         i: rank
         for i, column in enumerate(table.columns)
-        if i not in taken
-        and (rank := match_rank(letters(column.name), PATTERNS[symbol])) is not None
+        if i not in taken and (rank := match_rank(column.name, symbol)) is not None
     }
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
@@ -101,7 +139,8 @@ def _column_of_unit(table, symbol, taken):
     """The one free column with a unit of this quantity, as a call names it; else ""."""
     same = []
     for i, column in enumerate(table.columns):
-        others = symbol == "delta_lp" and not re.match(NOT_OTHERS, letters(column.name))
+        moves = TABLE["quantities"][symbol].get("moves")
+        others = moves and WORDS["elsewhere"].search(spaced(column.name))
         if i not in taken and not others:
             with contextlib.suppress(ParameterError):
                 unit_of(column, symbol, {})

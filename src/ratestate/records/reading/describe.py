@@ -7,6 +7,7 @@ from .columns import choose_columns
 from .lab_format import LabFormat, as_text, checked_machine, lab_format, toml_text
 from .open_table import file_of, open_table
 from .record import record_of
+from .titles import plain
 
 #: what each table of the file means
 HEAD = """\
@@ -107,6 +108,9 @@ def describe(
     places = choose_columns(table, given, () if constant is None else ("sigma",))
     signs = {s: -1 for s, source in sources.items() if source.get("sign") == -1}
     units = own.merged_units(units, constant)
+    if "friction" in sources.keys() - places.keys():  # a ratio of forces
+        del sources["friction"]
+        sources |= {s: {"unit": plain(table.columns[places[s]].unit)} for s in ("tau", "sigma")}
     parts = [
         HEAD.format(source=_comment(file.name)),
         _text_table(own),

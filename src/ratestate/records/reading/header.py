@@ -1,27 +1,59 @@
 """Names and units of columns out of the lines above the numbers."""
 
 import csv
+import itertools
+import math
 import re
+from typing import NamedTuple
 
-from .cells import COMMENTS, is_comment
+import numpy as np
+
+from ...errors import ParameterError
+from .cells import COMMENTS, cells_of, is_comment, number_in
 from .messages import refusal
 from .table import quoted
-from .titles import is_unit, plain
+from .titles import WORDS, is_known, is_unit, letters, name_and_units, plain, spaced
 
 #: a line of xlook below names and units: how many records each column has
 _RECORDS = re.compile(r"\s*(?:\d+\s*recs?\s*)+", re.IGNORECASE)
+#: how files of LabVIEW begin, and how each of the two parts of their headers ends
+LABVIEW, LABVIEW_END = "LabVIEW Measurement", "***End_of_Header***"
 
 
-def header_of(lines, delimiter, width):
-    """Names and units of the columns (lists), "" for none, from the last two lines of the header.
+class Header(NamedTuple):
+    """What stands above the numbers."""
 
-    ParameterError: the last is no remark, and has another number of names.
+    names: list[str]  # of the columns, "" for none
+    units: list[str]
+    times: tuple[float, float] | None = None  # first time and step [s], if no column has them
+
+    def described(self):
+        """Name, unit and contradicting unit of each column."""
+        return [name_and_units(*one) for one in zip(self.names, self.units, strict=True)]
+
+    def meaning(self):
+        """The same, however it is spelled."""
+        return [
+            (letters(name), plain(unit), plain(other)) for name, unit, other in self.described()
+        ]
+
+
+def header_of(lines, delimiter, width, written=None):
+    """The `Header` of so many columns, from the last two lines above the numbers.
+
+    written : number of cells in a row, those at its end that are always empty among them
+
+    ParameterError: the last line is not a remark, and has another number of names.
     """
+    if lines and lines[0].startswith(LABVIEW):
+        return _labview(lines, width)
     kept = [line for line in lines if line.strip(" \t\n" + COMMENTS)]
-    # in files of xlook the first column, numbers of rows, has no name
-    unnamed = any(_RECORDS.fullmatch(line) for line in kept)
+    records = next((line for line in kept if _RECORDS.fullmatch(line)), None)
     kept = [line for line in kept if not _RECORDS.fullmatch(line)][-2:]
-    of_lines = [_names(line, delimiter, width, unnamed) for line in kept]
+    if records is None:
+        of_lines = [_names(line, delimiter, width, written) for line in kept]
+    else:
+        of_lines = _xlook_names(kept, records, width)
     above, names = [None, None, *of_lines][-2:]
     nothing = [""] * width
     if names is None:
@@ -29,25 +61,105 @@ def header_of(lines, delimiter, width):
             values = {"header": quoted(kept[-1].strip()), "width": width, "line": len(lines) + 1}
             count = len(_cells(kept[-1].strip(" \n"), delimiter))
             raise refusal("text.header", count=count, **values)
-        return nothing, nothing
+        return Header(nothing, nothing)
     if above and any(names) and all(not plain(name) or is_unit(name) for name in names):
-        return above, names
-    return names, nothing
+        return Header(above, names)
+    return Header(names, nothing)
 
 
-def _names(line, delimiter, width, unnamed):
-    """The names in a line above the numbers, or None if they are not as many as columns.
+def check_headers(lines, rows, layout, above, header, name):
+    """ParameterError if there is another header than the first among the rows of some lines.
 
-    unnamed : whether the first column may be without
+    rows, layout : the `Rows` in the lines, and their `Layout`
+    above : how many lines are above these
+    header, name : the first header, and of which file
     """
+    width, delimiter = len(layout.titles), layout.delimiter
+    numbers = np.zeros(len(lines), bool)
+    numbers[rows.lines[np.isfinite(rows.values).any(axis=1)]] = True
+    if numbers.all() or not numbers.any():
+        return
+    texts = [i for i in np.flatnonzero(~numbers).tolist() if lines[i].strip()]
+    below = np.append(np.flatnonzero(numbers), len(lines))
+    after = below[np.searchsorted(below, texts)].tolist()
+    for end, group in itertools.groupby(zip(after, texts, strict=True), lambda pair: pair[0]):
+        part = [i for _, i in group]
+        widths = {width} | ({len(cells_of(lines[end], delimiter))} if end < len(lines) else set())
+        found = next(
+            (i for i in part if _is_header(lines[i], delimiter, widths, header.names)), None
+        )
+        if found is None:
+            continue
+        try:
+            other = header_of([lines[i] for i in part], delimiter, width)
+        except ParameterError:
+            other = None
+        if other is None or other.meaning() != header.meaning():
+            values = {"line": above + found + 1, "text": quoted(lines[found].strip())}
+            raise refusal("text.second_header", name=name, **values)
+
+
+def _is_header(line, delimiter, widths, first):
+    """Whether a line below the first numbers has names or units of columns: two or more.
+
+    widths : numbers of columns there may be
+    first : names in the first header
+    """
+    ways = [_names(line, delimiter, width) or [] for width in widths]
+    for names in ways if is_comment(line) else [*ways, _cells(line, delimiter)]:
+        numbers = any(not math.isnan(number_in(name)) for name in names)
+        if not numbers and sum(name in first or is_known(name) for name in names if name) > 1:
+            return True
+    return False
+
+
+def end_of_labview(lines):
+    """How many lines a header of LabVIEW has, without that of the names; 0 for another file."""
+    if not lines or not lines[0].startswith(LABVIEW):
+        return 0
+    ends = [i for i, line in enumerate(lines) if line.startswith(LABVIEW_END)][:2]
+    return ends[-1] + 1 if ends else 0
+
+
+def _labview(lines, width):
+    """The `Header` of a file of LabVIEW (.lvm): lines of a key and of a value for each channel."""
+    delimiter = "\t" if "\t" in "".join(lines) else ","
+    rows = [[cell.strip() for cell in line.split(delimiter)] for line in lines if line.strip()]
+    keys = {row[0]: [cell for cell in row[1:] if cell] for row in rows}
+    names = [*rows[-1], *[""] * width][:width]
+    units = ["s", *keys.get("Y_Unit_Label", []), *[""] * width][:width]
+    if keys.get("X_Columns") != ["No"]:
+        return Header(names, units)
+    first, step = (number_in(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
+    return Header(names, units, (first, step))
+
+
+def _xlook_names(lines, records, width):
+    """The names in each line of a header of xlook: of one width, to the right, touching perhaps.
+
+    The first column, numbers of rows, has no name.
+    """
+    ends = [match.end() for match in re.finditer(r"\d+\s*recs?", records, re.IGNORECASE)]
+    if len(ends) not in (width - 1, width):
+        return [None for _ in lines]
+    wide = int(max(np.diff(ends), default=ends[0]))
+    last = max(len(line.rstrip()) for line in lines)
+    starts = [max(0, last - wide * i) for i in range(len(ends), 0, -1)]
+    unnamed = [""] * (width - len(ends))
+    return [unnamed + [line[i : i + wide].strip() for i in starts] for line in lines]
+
+
+def _names(line, delimiter, width, written=None):
+    """The names in a line above the numbers, or None if they are not as many as columns."""
     line = line.strip(" \n").lstrip(COMMENTS).strip(" ")
     ways = [_cells(line, delimiter), re.split(r"\s{2,}|\t", line)]
     ways += [_cells(line, ","), _cells(line, "\t"), line.split()]
     for cells in ways:
-        if len(cells) == width + 1 and not cells[-1]:
+        if len(cells) == written:
+            cells = cells[:width]
+        # there may be a column of remarks, of which most rows have none
+        if len(cells) == width + 1 and (not cells[-1] or WORDS["remark"].search(spaced(cells[-1]))):
             cells = cells[:-1]
-        if unnamed and len(cells) == width - 1:
-            cells = ["", *cells]
         if len(cells) == width > 1:
             return [cell.strip() for cell in cells]
     return None

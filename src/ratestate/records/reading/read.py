@@ -37,9 +37,11 @@ def read_lab(
         all have, in whatever units.
     columns : dict, optional
         Which column is which, where their names do not decide: some of ``time``, ``delta_lp``
-        (displacement of the load point), ``V_load`` (its velocity), ``friction``, ``tau`` and
-        ``sigma``, each with a title of the file or a number from 1 on, as in
-        ``{"time": "Time(s)", "delta_lp": 2}``.
+        (displacement of the load point), ``V_load`` (its velocity), ``friction``, ``tau``,
+        ``sigma`` and ``pore_pressure``, each with a title of the file or a number from 1 on, as in
+        ``{"time": "Time(s)", "delta_lp": 2}``.  The pore pressure is subtracted from ``sigma``.  If
+        its column is found by its title, it is not if that of ``sigma`` is given here, or titled
+        as effective.
     units : dict, optional
         Units in place of those in the file, as in ``{"delta_lp": "um"}``.
     time, displacement : pair, optional
@@ -72,15 +74,18 @@ def read_lab(
     Raises
     ------
     ParameterError
-        A file that cannot be read; a column that is missing, ambiguous, dead, without a unit, or of
-        a size that its unit makes impossible; times that run backwards, or overlap between files;
-        too few rows; a format with keys or values that mean nothing.
+        A file that cannot be read; a second header with other columns; a column that is missing,
+        ambiguous, dead, mostly empty, without a unit, with two units that contradict each other,
+        or of a size that its unit makes impossible; times that run backwards, or overlap between
+        files; too few rows; a format with keys or values that mean nothing.
 
     Warns
     -----
     RecordWarning
         Rows were left out (no number, or one that nobody can have measured), there is a gap, or
-        columns do not agree; the message names the rows.  Rows were averaged.
+        columns do not agree; the message names the rows.  Rows were averaged.  A title leaves open
+        what it means; a pore pressure was subtracted, or was not; friction is a ratio of forces;
+        values have a size that few experiments have.
 
     Examples
     --------

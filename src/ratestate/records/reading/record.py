@@ -2,19 +2,29 @@
 
 import json
 
+import numpy as np
+
 from ...errors import ParameterError
 from ...model.quantities import attrs, readable
 from .agreement import coarse_resolution, disagreements
-from .columns import choose_columns, column_by_name
+from .columns import choose_columns, column_by_name, title_warnings
 from .downsampling import MOST, blocks, checked_most, downsample, means
 from .joining import Part, check_join, join_parts
 from .lab_format import LabFormat
 from .messages import message, refusal
 from .rows import Rows, window
 from .segments import segments_from_displacement, segments_from_velocity
-from .sizes import check_numbers, check_sizes, checked_units, constant_in_si, unit_of, unusual
+from .sizes import (
+    check_numbers,
+    check_sizes,
+    checked_units,
+    constant_in_si,
+    newtons,
+    unit_of,
+    unusual,
+)
 from .stress_steps import stress_steps
-from .table import quoted
+from .table import Column, quoted
 from .values import drop_codes, drop_impossible, flip_signs
 
 
@@ -57,24 +67,29 @@ def record_of(
     drop_codes(kept)
     kept.order()
     kept.check_enough()
-    for symbol, column in part.columns.items():
+    for symbol, column in kept.columns.items():
         check_sizes(symbol, kept.record[symbol], column, part.units[symbol])
     signs, turned = flip_signs(kept.record, lab.signs)
     if constant is not None:
         kept.add_constant("sigma", constant)
+    pore_pressure = kept.record.pop("pore_pressure", 0.0)
+    if "sigma" in kept.record:
+        kept.record["sigma"] = kept.record["sigma"] - pore_pressure
     turned += drop_impossible(kept)
     kept.find_gaps()
     downsample(kept, most)
     record = kept.record
     segments = _segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
-    turned += unusual(record, segments.V)
-    messages = kept.warnings + notes + of_files + disagreements(kept, coarse)
+    if segments.V.size == 1:
+        turned.append(message("notes.no_step"))
+    messages = kept.warnings + notes + of_files + unusual(record, segments.V)
+    messages += disagreements(kept, coarse)
     data = _dataset(record, segments)
     sources = {
         s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in signs else {})
         for s, c in part.columns.items()
-        if s in record
+        if s in record or s == "pore_pressure"
     }
     data.attrs = {
         "title": "ratestate read_lab",
@@ -101,8 +116,17 @@ def _part(table, name, columns, units, constant):
     constant : a normal stress [Pa] in place of a column, or None
     """
     given = () if constant is None else ("sigma",)
-    chosen = {s: table.columns[i] for s, i in choose_columns(table, columns, given).items()}
-    unit, notes = _units(table, chosen, columns or {}, units)
+    places = choose_columns(table, columns, given)
+    chosen = {symbol: table.columns[i] for symbol, i in places.items()}
+    notes = title_warnings(table, places, columns or {}, given)
+    if ratio := _ratio_of_forces(chosen, units):
+        notes.append(message("notes.forces", title=ratio.title))
+        chosen = {s: c for s, c in chosen.items() if s not in ("tau", "sigma")} | {
+            "friction": ratio
+        }
+        units = {s: unit for s, unit in units.items() if s not in ("tau", "sigma")}
+    unit, of_units = _units(table, chosen, columns or {}, units)
+    notes += of_units
     chosen = {symbol: chosen[symbol] for symbol in unit}
     if len({column.values.size for column in chosen.values()}) > 1:
         sizes = ", ".join(f"{quoted(c.title)} has {c.values.size}" for c in chosen.values())
@@ -111,6 +135,20 @@ def _part(table, name, columns, units, constant):
         values = {"sigma": readable("sigma", constant), "title": quoted(table.titles[index])}
         notes.append(message("notes.constant_sigma", **values))
     return Part(table, name, chosen, unit), notes
+
+
+def _ratio_of_forces(chosen, units):
+    """Friction as a `Column`, if it is needed and both stresses are forces; else None."""
+    if "friction" in chosen or not {"tau", "sigma"} <= chosen.keys() or "pore_pressure" in chosen:
+        return None
+    shear, normal = chosen["tau"], chosen["sigma"]
+    in_newtons = newtons(shear, "tau", units), newtons(normal, "sigma", units)
+    if None in in_newtons or shear.values.size != normal.values.size:
+        return None
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values = shear.values * in_newtons[0] / (normal.values * in_newtons[1])
+    title = f"{shear.title} / {normal.title}"
+    return Column(title, title, "1", values)
 
 
 def _units(table, chosen, requested, units):

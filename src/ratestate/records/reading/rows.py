@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...model.units import to_si
-from .messages import refusal
+from .messages import message, refusal
 from .sizes import check_numbers, in_si
 from .table import quoted
 
@@ -88,6 +88,7 @@ class Rows:
         """Leave out rows without a finite number in any column; ParameterError if one has none."""
         for symbol, column in self.columns.items():
             check_numbers(self.table, symbol, column, self.kept)
+        self._check_dense()
 
         def bad_cell(i):
             row = self.kept[i]
@@ -98,6 +99,27 @@ class Rows:
         for column in self.columns.values():
             bad |= ~np.isfinite(column.values[self.kept])
         self.leave_out(bad, "for want of a number", bad_cell)
+
+    def _check_dense(self):
+        """ParameterError if most rows lack a number in some column; it is left out beside friction.
+
+        Rows without any number do not count.
+        """
+        while True:
+            good = {s: np.isfinite(c.values[self.kept]) for s, c in self.columns.items()}
+            whole, some = np.all([*good.values()], axis=0), np.any([*good.values()], axis=0)
+            if 2 * whole.sum() >= some.sum():
+                return
+            symbol = min(good, key=lambda name: good[name].sum())
+            row = int(np.argmax(some & ~good[symbol]))
+            values = {"title": quoted(self.columns[symbol].title), "symbol": symbol}
+            values |= {"count": int(good[symbol].sum()), "whole": int(whole.sum())}
+            values |= {"rows": int(some.sum()), "row": self.table.row_label(self.kept[row])}
+            if "friction" not in self.columns or symbol not in ("tau", "sigma"):
+                raise refusal("column.sparse", **values)
+            self.warnings.append(message("notes.sparse", **values))
+            self.columns = {s: c for s, c in self.columns.items() if s != symbol}
+            self.record.pop(symbol, None)
 
     def order(self):
         """Leave out rows that repeat a time; ParameterError for times that run backwards."""

@@ -1,5 +1,6 @@
 """Columns in SI: their units, and checks of what is in them."""
 
+import contextlib
 import re
 
 import numpy as np
@@ -9,11 +10,12 @@ from ...model.quantities import QUANTITIES
 from ...model.units import OF_WHOLE_CONTACT, scaled, to_si, unit_factor
 from .messages import message, refusal
 from .table import quoted
-from .titles import LIKE, USUAL, plain
+from .titles import LIKE, USUAL, WEIGHTS, plain
 
-#: friction of rocks and gouges, which only a few minerals are below and nothing is far above; how
-#: far [m] and how fast [m/s] load points go but in rotary machines
-COMMON_FRICTION = (0.05, 1.5)
+#: friction of rocks and gouges, which only a few minerals are below and nothing is far above; the
+#: normal stress of most machines; how far [m] and how fast [m/s] all but rotary machines go
+COMMON_FRICTION = (0.1, 1.2)
+COMMON_STRESS = (1e3, 1e9)  # Pa
 FAR, FAST = 1.0, 0.1
 CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
@@ -38,6 +40,8 @@ def unit_of(column, symbol, units):
     names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE[symbol]}
     if not unit:
         raise refusal("units.none", **names)
+    if column.other_unit and symbol not in units and not _is_same(unit, column.other_unit, symbol):
+        raise refusal("units.contradiction", unit=unit, other=plain(column.other_unit), **names)
     try:
         to_si(symbol, f"1 {unit}", bound="")
     except ParameterError as error:
@@ -48,6 +52,22 @@ def unit_of(column, symbol, units):
         names |= {"unit": unit, "what": what}
         raise refusal("units.kind", where=where, other=other, **names) from None
     return unit
+
+
+def _is_same(unit, other, symbol):
+    """Whether two units of a quantity are of one size."""
+    si = QUANTITIES[symbol].unit
+    with contextlib.suppress(ValueError):
+        return unit_factor(si, unit) == unit_factor(si, plain(other))
+    return False
+
+
+def newtons(column, symbol, units):
+    """How many newtons the unit of a column is, None if it is not a unit of force."""
+    with contextlib.suppress(ValueError):
+        unit = plain(units.get(symbol, column.unit))
+        return float(unit_factor("N", WEIGHTS.get(unit, unit)))
+    return None
 
 
 def in_si(symbol, values, unit):
@@ -78,7 +98,7 @@ def check_numbers(table, symbol, column, rows=slice(None)):
 
 
 def unusual(record, speeds):
-    """Notes (list of str) on sizes that few experiments have, but wrong titles and units often.
+    """Warnings (list of str) of sizes that few experiments have, but wrong titles and units often.
 
     record : symbol -> (n,) [SI]; speeds : of the load point's segments [m/s]
     """
@@ -87,6 +107,9 @@ def unusual(record, speeds):
     low, high = COMMON_FRICTION
     if not low <= friction <= high:
         notes.append(message("notes.friction", friction=friction, low=low, high=high))
+    stress = float(np.median(record["sigma"])) if "sigma" in record else COMMON_STRESS[0]
+    if not COMMON_STRESS[0] <= stress <= COMMON_STRESS[1]:
+        notes.append(message("notes.stress", stress=stress))
     far = float(np.ptp(record["delta_lp"])) if "delta_lp" in record else 0.0
     fastest = float(np.max(speeds))
     if far > FAR or fastest > FAST:
@@ -129,14 +152,14 @@ def typical_stress(values):
 def check_sizes(symbol, values, column, unit):
     """ParameterError for a column that is constant, or of a size that nobody can have measured.
 
-    sigma and V_load may be constant.
+    sigma, pore_pressure and V_load may be constant.
 
     values : (n,), n > 0, in SI and finite
     column, unit : for the message
     """
     names = {"title": quoted(column.title), "symbol": symbol, "unit": unit}
-    # sigma may be constant, and V_load in a record without a step
-    if symbol not in ("sigma", "V_load") and not np.ptp(values) > 0.0:
+    # sigma and pore_pressure may be constant, and V_load in a record without a step
+    if symbol not in ("sigma", "V_load", "pore_pressure") and not np.ptp(values) > 0.0:
         what = "tau, and so friction perhaps," if symbol == "tau" else symbol
         raise refusal("column.dead", what=what, value=values[0], rows=values.size, **names)
     span = symbol in ("time", "delta_lp")

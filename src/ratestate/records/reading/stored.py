@@ -4,7 +4,7 @@ import numpy as np
 
 from .messages import refusal
 from .table import Column, Table, quoted
-from .titles import split
+from .titles import name_and_units
 
 #: attributes in which units, and names of columns of an array, are kept
 UNITS = ("units", "unit", "Units", "Unit", "UNITS")
@@ -90,8 +90,8 @@ def _columns(title, values, attrs):
                 parts.append((f"{title}/{name}" if name else f"{title}[{i + 1}]", name, rows[:, i]))
     units = _texts(_first(attrs, UNITS), len(parts))
     for (own_title, name, column), unit in zip(parts, units, strict=True):
-        name, own_unit = split(name)
-        yield Column(own_title, name, unit or own_unit, column.astype(float))
+        name, unit, other = name_and_units(name, unit)
+        yield Column(own_title, name, unit, column.astype(float), other)
 
 
 def _first(attrs, keys):

@@ -15,6 +15,7 @@ class Column(NamedTuple):
     name: str  # the title without unit and group; "" where there is none
     unit: str  # the unit beside it in the file, as written; "" where there is none
     values: np.ndarray  # of float, NaN where a cell is no number
+    other_unit: str = ""  # one elsewhere in the header that contradicts it
 
 
 class Table(NamedTuple):

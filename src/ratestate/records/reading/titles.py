@@ -5,21 +5,25 @@ import tomllib
 import unicodedata
 from pathlib import Path
 
+from ...model.units import has_unit
+
 #: the tables of column_names.toml
 TABLE = tomllib.loads(Path(__file__).with_name("column_names.toml").read_text("utf-8"))
 #: symbol -> least and largest typical size [SI], and a unit to suggest
 USUAL = {symbol: tuple(of["usual"]) for symbol, of in TABLE["quantities"].items()}
 LIKE = {symbol: of["unit"] for symbol, of in TABLE["quantities"].items()}
-#: displacements that are the load point's
-NOT_OTHERS = TABLE["parts"]["OTHERS"]
+#: what words of a title tell -> pattern of `spaced` names
+WORDS = {name: re.compile(pattern) for name, pattern in TABLE["words"].items()}
 _UNITS = {name: of.split() for name, of in TABLE["units"].items() if name != "words"}
 _NAMES = {unit.lower() for unit in _UNITS["names"]}
-_CAPITALS: dict[str, str] = {unit.upper(): unit for unit in _UNITS["names"]}
+_SMALL: dict[str, str] = {unit.lower(): unit for unit in _UNITS["names"]}
+#: mass -> the weight that it stands for
+WEIGHTS: dict[str, str] = TABLE["weights"]
+#: a mass per area, which is a pressure: "kg/cm2"
+_WEIGHT = re.compile(rf"\b(?:{'|'.join(WEIGHTS)})(?=/(?:mm|cm|m|in|inch|ft)(?:\^|\*\*)?2)")
 _WORDS = {word: unit for unit, of in TABLE["units"]["words"].items() for word in of.split()}
 _OPEN, _CLOSE = r"\[({<\uff08\uff3b\u3010", r"\])}>\uff09\uff3d\u3011"  # also in full width
-_BRACKETS = re.compile(
-    rf"(.*?)[\s_,:]*[{_OPEN}]\s*([^{_OPEN}{_CLOSE}]*)\s*[{_CLOSE}]\s*(.*)", re.DOTALL
-)
+_BRACKET = re.compile(rf"[{_OPEN}]\s*([^{_OPEN}{_CLOSE}]*)[{_CLOSE}]")
 #: name, what parts it from the unit, unit: "disp_um" before "t/s", for "speed um/s" is the former
 _AFTER = [re.compile(rf"(.*[^\W_].*?){gap}([^\s_,;:]+)") for gap in (r"[\s_,;:]+", r"\s*/\s*")]
 
@@ -32,21 +36,55 @@ def _pattern(ways):
     return pattern
 
 
-#: symbol -> patterns of the letters of a name, the most certain first
-PATTERNS = {s: [*map(_pattern, of["names"])] for s, of in TABLE["quantities"].items()}
+#: symbol -> patterns of the letters of a name, the most certain first; how many of them are certain
+PATTERNS, CERTAIN = {}, {}
+for _symbol, _of in TABLE["quantities"].items():
+    _perhaps = [_pattern(_of["perhaps"])] if "perhaps" in _of else []
+    _forces = [_pattern(_of["forces"])] if "forces" in _of else []
+    PATTERNS[_symbol] = [*map(_pattern, _of["names"]), *_forces, *_perhaps]
+    CERTAIN[_symbol] = len(PATTERNS[_symbol]) - len(_perhaps)
 
 
 def split(title):
     """(name, unit) of a title such as "time [s]", "Stress, MPa" or "disp_um"; "" for no unit."""
     title = " ".join(title.split()).strip("'\"")
-    if match := _BRACKETS.fullmatch(title):
-        name, unit, rest = match.groups()
-        return f"{name} {rest}".strip(), unit.strip()
+    if matches := [*_BRACKET.finditer(title)]:
+        of_unit = next((one for one in matches if is_unit(one[1])), matches[-1])
+        name = f"{title[: of_unit.start()].rstrip(' _,:')} {title[of_unit.end() :].strip()}"
+        return name.strip(), of_unit[1].strip()
     for pattern in _AFTER:
         match = pattern.fullmatch(title)
         if match and is_unit(match[2]) and match[2].lower() not in _UNITS["short"]:
             return match[1], match[2]
     return title, ""
+
+
+def name_and_units(title, unit=""):
+    """(name, unit, another unit) of a column: the other one contradicts, or is "".
+
+    unit : what stands apart from the title, in a row of units or an attribute
+    """
+    name, own = split(title)
+    in_words = any(pattern.search(spaced(own)) for pattern in WORDS.values())
+    if own and (unit or in_words) and not is_unit(own) and not _is_of_any(own):
+        return title, unit, ""
+    within, inner = split(name)
+    if not is_unit(inner):
+        within, inner = name, ""
+    first, *others = [one for one in (unit, own, inner) if one] or [""]
+    return within, first, next((one for one in others if plain(one) != plain(first)), "")
+
+
+def is_known(title):
+    """Whether a title is a unit, has one, or names a quantity."""
+    name, unit = split(title)
+    named = any(match_rank(name, symbol) is not None for symbol in LIKE)
+    return named or is_unit(title) or is_unit(unit)
+
+
+def _is_of_any(unit):
+    """Whether any quantity of a record may have this unit."""
+    return bool(unit) and any(has_unit(symbol, plain(unit)) for symbol in LIKE)
 
 
 def is_unit(text):
@@ -61,18 +99,29 @@ def plain(unit):
     if unit.lower() in _UNITS["none"]:
         return "1"
     words = re.split(r"([\W\d_]+)", unit.partition(" since ")[0])
-    return "".join(_unit_word(word) for word in words)
+    text = "".join(_unit_word(word) for word in words)
+    return _WEIGHT.sub(lambda mass: WEIGHTS[mass[0]], text)
 
 
 def _unit_word(word):
     """A word of a unit, in whatever language, as the unit it means."""
-    return _WORDS.get(_plain_letters(word), _CAPITALS.get(word, word))
+    if word in _UNITS["names"]:
+        return word
+    alike = word.islower() or word.isupper() or word.istitle() or word.startswith("K")
+    known = _SMALL.get(word.lower(), word) if alike else word
+    return _WORDS.get(_plain_letters(word), known)
 
 
 def letters(name):
     """A name as it is compared: small letters and digits, nothing else."""
+    return re.sub(r"[\W_]+", "", spaced(name))
+
+
+def spaced(name):
+    """A name in small letters, with a blank between words: "LPDisp_um" is "lp disp um"."""
     name = name.translate(str.maketrans(TABLE["letters"]))
-    return re.sub(r"[\W_]+", "", _plain_letters(name))
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name)
+    return re.sub(r"[\W_]+", " ", _plain_letters(name)).strip()
 
 
 def _plain_letters(text):
@@ -81,7 +130,21 @@ def _plain_letters(text):
     return unicodedata.normalize("NFKC", re.sub("[\u0300-\u036f]", "", apart))
 
 
-def match_rank(name, patterns):
-    """Index of the first pattern that matches the letters of a name, None if none does."""
-    ranks = (rank for rank, pattern in enumerate(patterns) if re.fullmatch(pattern, name))
-    return next(ranks, None)
+def match_rank(name, symbol):
+    """How surely a name is one of this quantity: 0 is the surest, None if it is none of it.
+
+    Ranks from `CERTAIN` on are of names that may mean something else.
+    """
+    of, words = TABLE["quantities"][symbol], spaced(name)
+    if WORDS["statistic"].search(words) or (of.get("moves") and WORDS["elsewhere"].search(words)):
+        return None
+    commanded = WORDS["setpoint"].search(words)
+    if commanded and not of.get("commanded"):
+        return None
+    doubtful = commanded or WORDS["raw"].search(words)
+    for word in ("setpoint", "raw", "variant"):
+        words = WORDS[word].sub("", words)
+    patterns = PATTERNS[symbol]
+    found = (i for i, pattern in enumerate(patterns) if re.fullmatch(pattern, letters(words)))
+    rank = next(found, None)
+    return rank + len(patterns) if rank is not None and doubtful else rank

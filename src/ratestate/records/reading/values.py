@@ -1,5 +1,7 @@
 """Values that nobody can have measured: their rows are left out, and reported by number."""
 
+import itertools
+
 import numpy as np
 
 from ...model.quantities import readable
@@ -9,11 +11,10 @@ from .titles import USUAL
 
 #: what loggers write where they have no value
 MISSING = (-999.0, -999.25, -9999.0, -99999.0)
-#: least distance of a spike from both neighbours, over the largest step of all others, and, of
-#: friction, also over its typical size.  The peak of a direct effect may be one sample, so can the
-#: end of a slip, but these are smaller.
+#: least size of a jump into or out of a dropout, as a multiple of the largest other step and, for
+#: friction, of its typical size.  The peak of a direct effect and the end of a slip are smaller.
 FAR, LEAST = 10.0, 0.1
-#: one in so many samples, at most, is tried as a spike
+#: one dropout in so many samples, and three more, are looked for
 PART = 100
 
 
@@ -54,12 +55,13 @@ def drop_impossible(rows):
     high = USUAL["friction"][1]
     bad = np.abs(rows.record["friction"]) > high
     _drop(rows, "friction", bad, f"with friction that no rock has (more than {high:g})")
-    for symbol in ("friction", "delta_lp", "V_load"):
-        if symbol in rows.record:
-            values = rows.record[symbol]
-            least = LEAST * float(np.median(np.abs(values))) * (symbol == "friction")
-            bad = spikes(values, least)
-            _drop(rows, symbol, bad, "as single samples far off from those before and after")
+    for symbol in [s for s in ("friction", "tau", "delta_lp", "V_load") if s in rows.record]:
+        values = rows.record[symbol]
+        stress = symbol in ("friction", "tau")
+        least = LEAST * float(np.median(np.abs(values))) if stress else 0.0
+        # the speed is off for longer in every hold
+        bad = dropouts(values, least, 1 if symbol == "V_load" else values.size // 2)
+        _drop(rows, symbol, bad, "as a dropout, far off from the rows before and after")
     return notes
 
 
@@ -70,23 +72,61 @@ def _drop(rows, symbol, bad, why):
     rows.check_enough()
 
 
-def spikes(values, least=0.0):
-    """(n,) mask of single samples off to one side of both neighbours: by more than `least`, and
-    than `FAR` times the largest of all other steps.
+def dropouts(values, least, longest):
+    """(n,) mask of stretches that begin and end with jumps, away from the others and back.
 
-    At most one in `PART`, and one, are found; none in fewer than 10 samples.
+    A stretch at either end of the record is one if the rest moves, and it is 0 throughout, or
+    constant and farther from the rest than that spans.
+
+    least, longest : least size of a jump; most samples of a stretch
+
+    Notes
+    -----
+    Jumps are steps larger than `least`, and than `FAR` times the largest of all other steps.
     """
     bad = np.zeros(values.size, bool)
-    if values.size < PART // 10:
-        return bad
-    steps = np.diff(values)
-    one, other = steps[:-1], steps[1:]
-    off = np.where(one * other < 0.0, np.minimum(np.abs(one), np.abs(other)), 0.0)
-    count = 1 + off.size // PART
-    far = np.argpartition(off, -count)[-count:] + 1
-    largest = float(np.abs(np.diff(np.delete(values, far))).max())
-    bad[far] = off[far - 1] > max(FAR * largest, least)
+    while True:  # where one is left out, the next may come to light
+        kept = np.flatnonzero(~bad)
+        more = kept[_dropouts(values[kept], least, longest)]
+        if not more.size or bad.sum() + more.size > values.size // 2:
+            return bad
+        bad[more] = True
+
+
+def _dropouts(values, least, longest):
+    """(n,) mask of `dropouts`, no two of them next to each other."""
+    jumps, other = _jumps(values, least)
+    starts = [0, *(jumps + 1).tolist(), values.size]
+    bad = np.zeros(values.size, bool)
+    for start, end in itertools.pairwise(starts if jumps.size else []):
+        if end - start > longest or (start > 0 and bad[start - 1]):
+            continue
+        if start == 0 or end == values.size:
+            part, rest = values[start:end], np.delete(values, np.s_[start:end])
+            jump = abs(values[end] - part[-1] if start == 0 else part[0] - values[start - 1])
+            stuck = part.size > 1 and np.ptp(part) == 0.0 and jump > np.ptp(rest)
+            bad[start:end] = other > 0.0 and (stuck or not part.any())
+        else:
+            into, out = values[start] - values[start - 1], values[end] - values[end - 1]
+            net = abs(values[end] - values[start - 1])
+            bad[start:end] = 2.0 * net < min(abs(into), abs(out))
     return bad
+
+
+def _jumps(values, least):
+    """Indices of the samples before the jumps of `dropouts`, and the largest of the other steps.
+
+    There are none in fewer than 10 samples.
+    """
+    steps = np.abs(np.diff(values))
+    most = 2 * (3 + values.size // PART)
+    if values.size >= PART // 10 and steps.size > most:
+        largest = np.sort(np.partition(steps, -most - 1)[-most - 1 :])[::-1]
+        counts = np.flatnonzero(largest[:-1] > np.maximum(FAR * largest[1:], least))
+        if counts.size:
+            other = largest[counts[-1] + 1]
+            return np.flatnonzero(steps > np.maximum(FAR * other, least)), other
+    return np.zeros(0, int), 0.0
 
 
 def flip_signs(record, signs):

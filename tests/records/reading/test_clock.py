@@ -1,0 +1,86 @@
+"""Clock times as seconds."""
+
+import datetime
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ratestate.records.reading import read_lab
+from ratestate.records.reading.clock import clock_of, continuous, seconds_in
+
+#: forms of strftime that say a time to the microsecond, without a date or with one
+ALONE = ["%H:%M:%S.%f", "%I:%M:%S.%f %p", "%H:%M:%S,%f", "%H:%M:%S:%f"]
+DATED = [
+    "%Y-%m-%dT%H:%M:%S.%fZ",
+    "%Y/%m/%d %H:%M:%S.%f",
+    "%d.%m.%Y %H:%M:%S,%f",
+    "%d-%b-%Y %H:%M:%S.%f",
+    "%m/%d/%Y %I:%M:%S.%f %p",
+    "%d/%m/%Y %H:%M:%S.%f",
+    "%m/%d/%y %H:%M:%S.%f",
+]
+
+
+def seconds(cells, unit=""):
+    clock = clock_of(cells[0], unit)
+    return continuous(seconds_in(cells, clock), clock)
+
+
+@given(
+    start=st.datetimes(datetime.datetime(2000, 1, 1), datetime.datetime(2040, 1, 1)),
+    form=st.sampled_from(ALONE + DATED),
+    steps=st.lists(st.integers(1, 3 * 3_600 * 10**6), min_size=2, max_size=30),
+)
+def test_times_come_back_from_any_form(start, form, steps):
+    """Across midnight, the ends of months and of years; whether the day or the month is first."""
+    after = np.cumsum([0, *steps])
+    cells = [(start + datetime.timedelta(microseconds=int(us))).strftime(form) for us in after]
+    found = seconds(cells)
+    np.testing.assert_allclose(found - found[0], after / 1e6, rtol=0, atol=2e-6)
+    of_day = start - start.replace(hour=0, minute=0, second=0, microsecond=0)
+    assert abs(found[0] - of_day.total_seconds()) < 2e-6 or "/" in form
+
+
+@pytest.mark.parametrize(
+    ("cells", "unit", "expected"),
+    [
+        (["59:59.5", "00:00.5"], "", [3599.5, 3600.5]),
+        (["00:59", "01:01"], "(mm:ss)", [59.0, 61.0]),
+        (["00:59", "01:01"], "hh:mm", [3540.0, 3660.0]),
+        (["71:59:59", "72:00:01"], "", [259199.0, 259201.0]),
+        (["1 23:59:59.5", "2 00:00:00.5"], "", [86399.5, 86400.5]),
+        (["11:59:59 PM", "12:00:01 AM"], "", [86399.0, 86401.0]),
+        (["12:00:00", "--:--:--", "12:00:02"], "", [43200.0, np.nan, 43202.0]),
+    ],
+)
+def test_times_of_other_forms(cells, unit, expected):
+    np.testing.assert_array_equal(seconds(cells, unit), expected)
+
+
+@pytest.mark.parametrize("cell", ["12:30", "0.25", "", "run 3", "2019-05-14", "a:b:c", "1:2:3"])
+def test_what_is_not_a_clock_time(cell):
+    assert clock_of(cell) is None
+
+
+@pytest.mark.parametrize("title", ["Time", "Time (s)", "Time (hh:mm:ss)", "Uhrzeit", "Date/Time"])
+@pytest.mark.parametrize("delimiter", ["\t", ",", ";"])
+def test_a_record_with_clock_times(tmp_path, title, delimiter):
+    t = np.arange(120) * 0.25
+    start = datetime.datetime(2019, 5, 14, 23, 59, 50)
+    rows = [
+        delimiter.join(
+            [
+                f"{(start + datetime.timedelta(seconds=s)).strftime('%H:%M:%S.%f')[:-3]}",
+                f"{s if s < 15 else 10 * s - 135:.4f}",
+                f"{0.6 + 0.003 * np.sin(s):.6f}",
+            ]
+        )
+        for s in t.tolist()
+    ]
+    path = tmp_path / "r.txt"
+    path.write_text("\n".join([delimiter.join([title, "Disp (um)", "Friction"]), *rows]))
+    data = read_lab(path)
+    np.testing.assert_allclose(data.time - 86390.0, t, atol=1e-9)
+    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-6)

@@ -1,0 +1,262 @@
+"""Which columns are read, which are not, and which are reported, by the words of their titles."""
+
+import json
+import warnings
+
+import numpy as np
+import pytest
+
+import ratestate as rs
+from ratestate.errors import RecordWarning
+from ratestate.records.reading import describe, read_lab
+from ratestate.records.reading.titles import CERTAIN, match_rank, name_and_units
+
+N = 120
+T = np.arange(N) * 0.25
+X = np.where(T < 15, T, 10 * T - 135)
+MU = 0.6 + 0.003 * np.sin(T)
+SIGMA = 5.0 + 0.0 * T
+BASE = {
+    "Time (s)": T,
+    "LP disp (um)": X,
+    "Shear stress (MPa)": 5 * MU,
+    "Normal stress (MPa)": SIGMA,
+}
+
+
+def write(path, columns, delimiter="\t", above=()):
+    rows = zip(*(np.asarray(c).tolist() for c in columns.values()), strict=True)
+    lines = [*above, delimiter.join(columns), *(delimiter.join(map(repr, row)) for row in rows)]
+    path.write_text("\n".join(lines), "utf-8")
+    return path
+
+
+def without(*titles):
+    return {title: values for title, values in BASE.items() if title not in titles}
+
+
+#: titles of what is not the load point's displacement: the sample, the fault, a gauge, a remainder
+ELSEWHERE = (
+    """
+Elastically corrected displacement;Verschiebung Probe;Local displacement;Gap;Gap displacement
+LVDT sample disp;On-board displacement;Corrected displacement;Shear displacement corrected
+Stiffness-corrected disp;Interface displacement;Clip gauge displacement;Extensometer displacement
+Joint displacement;Déplacement local;Déplacement corrigé;Spostamento corretto;Weg lokal
+Desplazamiento de la probeta;Relativverschiebung;試験片変位;補正変位;局部位移;Normal displacement
+Verschiebung korr.;Deslocamento corrigido;Extension (local);Kluftverschiebung
+""".strip()
+    .replace("\n", ";")
+    .split(";")
+)
+
+
+@pytest.mark.parametrize("title", ELSEWHERE)
+def test_displacements_of_other_things(title):
+    assert match_rank(name_and_units(title)[0], "delta_lp") is None
+
+
+@pytest.mark.parametrize(
+    "title",
+    ["Extension", "Crosshead displacement", "Stroke", "Piston position", "Kolbenhub", "Course",
+     "Traversenweg", "Corsa", "Standard travel", "クロスヘッド変位", "Compressive extension"],
+)  # fmt: skip
+def test_titles_of_testing_machines(title):
+    assert match_rank(title, "delta_lp") < CERTAIN["delta_lp"]
+
+
+@pytest.mark.parametrize("title", ["Displacement west (um)", "Axial displacement (um)"])
+def test_a_title_that_leaves_it_open_is_reported(tmp_path, title):
+    path = write(tmp_path / "r.txt", {"Time (s)": T, title: X, "Friction": MU})
+    with pytest.warns(RecordWarning, match=r"delta_lp is read from the column 'Disp|'Axial"):
+        read_lab(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read_lab(path, {"delta_lp": title})
+        read_lab(write(tmp_path / "s.txt", {"Time (s)": T, "Displacement (um)": X, "mu": MU}))
+
+
+#: symbol -> titles of set points, spreads and errors
+NOT_MEASURED = {
+    "sigma": "Normal stress setpoint;Normal stress (set);NormalStressCmd;Normalspannung Sollwert;"
+    "Contrainte normale de consigne;法線応力 設定値;Normal stress target;Normal stress SP;"
+    "Normal stress SD;Normal stress std. dev.;Normalspannung Standardabweichung;"
+    "Normal stress (nominal);±normal stress",
+    "tau": "Shear stress command;sd shear stress;Shear stress error;écart-type contrainte de "
+    "cisaillement;せん断応力 標準偏差;Schubspannung Vorgabe",
+    "delta_lp": "Displacement command;LP disp demand;Kolbenweg Soll;LP displacement std",
+    "friction": "Friction std;mu_err;Friction uncertainty;Reibung Fehler",
+    "V_load": "Velocity error;LP velocity SD",
+}
+
+
+@pytest.mark.parametrize("symbol", NOT_MEASURED)
+def test_set_points_and_spreads_are_not_data(symbol):
+    for title in NOT_MEASURED[symbol].split(";"):
+        assert match_rank(name_and_units(title)[0], symbol) is None, title
+
+
+def test_measured_and_mean_columns_are_read_beside_them(tmp_path):
+    columns = {
+        "Time (s)": T,
+        "Kolbenweg Soll (um)": 2 * X,
+        "Kolbenweg Ist (um)": X,
+        "Shear stress SD (MPa)": 0.01 * T,
+        "Shear stress mean (MPa)": 5 * MU,
+        "Normal stress setpoint (MPa)": 2 * SIGMA,
+        "Normal stress measured (MPa)": SIGMA,
+    }
+    data = read_lab(write(tmp_path / "r.txt", columns))
+    np.testing.assert_allclose(data.friction, MU)
+    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5])
+
+
+def test_a_commanded_speed_is_read_if_nothing_is_measured(tmp_path):
+    V = np.where(T < 15, 1.0, 10.0)
+    columns = {"Time (s)": T, "Target velocity (um/s)": V, "Friction": MU}
+    with pytest.warns(RecordWarning, match=r"V_load is read from .*'Target velocity \(um/s\)'"):
+        np.testing.assert_allclose(read_lab(write(tmp_path / "r", columns)).segment_V, [1e-6, 1e-5])
+    measured = columns | {"Velocity (um/s)": 1.1 * V}
+    data = read_lab(write(tmp_path / "r.txt", measured))
+    np.testing.assert_allclose(data.segment_V, [1.1e-6, 1.1e-5])
+
+
+@pytest.mark.parametrize(
+    ("title", "plain", "symbol"),
+    [
+        ("Corrected shear stress (MPa)", "Shear stress (MPa)", "tau"),
+        ("Shear stress (area-corrected) [MPa]", "Shear stress (MPa)", "tau"),
+        ("Schubspannung korrigiert (MPa)", "Schubspannung (MPa)", "tau"),
+        ("Normal stress corr. (MPa)", "Normal stress (MPa)", "sigma"),
+        ("Total normal stress (MPa)", "Normal stress (MPa)", "sigma"),
+        ("mu_corr", "mu", "friction"),
+    ],
+)
+def test_a_correction_is_asked_for_beside_the_plain_column(tmp_path, title, plain, symbol):
+    drop = {"sigma": ["Normal stress (MPa)"], "tau": ["Shear stress (MPa)"]}.get(
+        symbol, ["Shear stress (MPa)", "Normal stress (MPa)"]
+    )
+    values = {"sigma": SIGMA, "tau": 5 * MU, "friction": MU}[symbol]
+    path = write(tmp_path / "r.txt", {**without(*drop), title: 1.1 * values, plain: values})
+    with pytest.raises(rs.ParameterError, match=f"{symbol} may be any of the columns"):
+        read_lab(path)
+    np.testing.assert_allclose(read_lab(path, {symbol: plain}).friction, MU)
+    alone = read_lab(write(tmp_path / "s.txt", {**without(*drop), title: values}))
+    np.testing.assert_allclose(alone.friction, MU)
+
+
+def test_a_raw_column_is_read_only_alone(tmp_path):
+    raw = {"Raw shear stress (MPa)": 6 * MU}
+    path = write(tmp_path / "r.txt", BASE | raw)
+    np.testing.assert_allclose(read_lab(path).friction, MU)
+    path = write(tmp_path / "s.txt", without("Shear stress (MPa)") | raw)
+    with pytest.warns(RecordWarning, match="tau is read from the column 'Raw shear stress"):
+        read_lab(path)
+
+
+PORE = ["Pore pressure (MPa)", "Pp (MPa)", "Porendruck [MPa]", "Pression interstitielle (MPa)",
+        "pf_MPa", "Presión de poros (MPa)", "Pressão neutra (MPa)", "Pressione dei pori (MPa)",
+        "間隙水圧 (MPa)", "孔隙压力 (MPa)", "Pore fluid press. (MPa)"]  # fmt: skip
+
+
+@pytest.mark.parametrize("title", PORE)
+def test_the_pore_pressure_is_subtracted(tmp_path, title):
+    p = 3.0 + 0.1 * np.sin(T)
+    path = write(tmp_path / "r.txt", BASE | {"Normal stress (MPa)": SIGMA + p, title: p})
+    with pytest.warns(RecordWarning, match="sigma is the effective normal stress: the pore"):
+        data = read_lab(path)
+    np.testing.assert_allclose(data.friction, MU)
+    np.testing.assert_allclose(data.sigma, 5e6)
+    assert json.loads(data.attrs["columns"])["pore_pressure"] == {"title": title, "unit": "MPa"}
+    # a column that is named is taken as it is, unless the pore pressure is named as well
+    named = {"sigma": "Normal stress (MPa)"}
+    with pytest.warns(RecordWarning, match="is not subtracted from sigma"):
+        np.testing.assert_allclose(read_lab(path, named).sigma, 1e6 * (SIGMA + p))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        both = read_lab(path, named | {"pore_pressure": title})
+        np.testing.assert_allclose(both.sigma, 5e6)
+        lab = tmp_path / "lab.toml"
+        lab.write_text(describe(path), "utf-8")
+        np.testing.assert_allclose(read_lab(path, format=lab).sigma, 5e6)
+
+
+def test_a_pressure_that_is_not_subtracted(tmp_path):
+    effective = {"Effective normal stress (MPa)": SIGMA, "Pore pressure (MPa)": 0.0 * T + 3.0}
+    path = write(tmp_path / "r.txt", without("Normal stress (MPa)") | effective)
+    assert float(read_lab(path).sigma[0]) == 5e6
+    confined = write(tmp_path / "c.txt", BASE | {"Confining pressure (MPa)": 0.0 * T + 3.0})
+    assert float(read_lab(confined).sigma[0]) == 5e6
+    gas = write(tmp_path / "g.txt", BASE | {"Argon pressure (MPa)": 0.0 * T + 3.0})
+    with pytest.warns(RecordWarning, match=r"the pressure 'Argon pressure \(MPa\)' is not subtr"):
+        read_lab(gas)
+    two = BASE | {"Upstream pore pressure (MPa)": SIGMA, "Downstream pore pressure (MPa)": SIGMA}
+    with pytest.raises(rs.ParameterError, match="pore_pressure may be any of the columns"):
+        read_lab(write(tmp_path / "t.txt", two))
+
+
+@pytest.mark.parametrize(
+    ("shear", "normal", "factor"),
+    [("Shear force (kN)", "Normal force (kN)", 1.0), ("Reibkraft (N)", "Normal load (kN)", 1e3),
+     ("Scherkraft (N)", "Normalkraft (kg)", 9.80665), ("Tau", "Sigma", None)],
+)  # fmt: skip
+def test_friction_is_the_ratio_of_forces(tmp_path, shear, normal, factor):
+    columns = {"Time (s)": T, "LP disp (um)": X, shear: 5 * MU * (factor or 1.0), normal: SIGMA}
+    path = write(tmp_path / "r.txt", columns)
+    units = {} if factor else {"tau": "kN", "sigma": "kN"}
+    with pytest.warns(RecordWarning, match="friction is the ratio of forces .* two faces"):
+        data = read_lab(path, units=units)
+    np.testing.assert_allclose(data.friction, MU)
+    assert "sigma" not in data
+    mixed = write(tmp_path / "m.txt", without("Shear stress (MPa)") | {"Shear force (kN)": MU})
+    with pytest.raises(rs.ParameterError, match="is of the whole contact"):
+        read_lab(mixed)
+
+
+@pytest.mark.parametrize(
+    ("title", "unit", "expected"),
+    [
+        ("Disp (mm)", "um", ("Disp", "um", "mm")),
+        ("Disp_mm (um)", "", ("Disp", "um", "mm")),
+        ("Disp (microns)", "um", ("Disp", "um", "")),
+        ("Stress (corr.)", "MPa", ("Stress (corr.)", "MPa", "")),
+        ("Stress (corr.) [MPa]", "", ("Stress (corr.)", "MPa", "")),
+        ("Load [kN] left", "", ("Load left", "kN", "")),
+    ],
+)
+def test_units_of_a_title_and_beside_it(title, unit, expected):
+    assert name_and_units(title, unit) == expected
+
+
+def test_a_title_and_a_row_of_units_that_contradict_each_other(tmp_path):
+    names = ["Time (s)", "LP disp (mm)", "Shear stress (MPa)", "Normal stress (bar)"]
+    columns = dict(zip(["s", "um", "N/mm2", "MPa"], BASE.values(), strict=True))
+    path = write(tmp_path / "r.txt", columns, above=["\t".join(names)])
+    match = r"'LP disp \(mm\)' \(delta_lp\) is in um by one part of the header and in mm by another"
+    with pytest.raises(rs.ParameterError, match=match):
+        read_lab(path)
+    with pytest.raises(rs.ParameterError, match=r"'Normal stress \(bar\)' \(sigma\) is in MPa"):
+        read_lab(path, units={"delta_lp": "um"})
+    data = read_lab(path, units={"delta_lp": "um", "sigma": "MPa"})  # MPa is N/mm2
+    np.testing.assert_allclose(data.friction, MU)
+
+
+@pytest.mark.parametrize(
+    ("unit", "pascals"),
+    [("Mpa", 1e6), ("mpa", 1e6), ("KPa", 1e3), ("kpa", 1e3), ("Bar", 1e5), ("psig", 6894.757293168),
+     ("kg/cm2", 98066.5), ("kg/cm²", 98066.5), ("kp/cm2", 98066.5), ("kg/cm^2", 98066.5),
+     ("t/m2", 9806.65), ("lb/in2", 6894.757293168), ("Atm", 101325.0)],
+)  # fmt: skip
+def test_units_of_stress_as_laboratories_write_them(tmp_path, unit, pascals):
+    columns = without("Shear stress (MPa)", "Normal stress (MPa)")
+    columns |= {"Friction": MU, f"Normal stress ({unit})": 5e6 / pascals + 0.0 * T}
+    data = read_lab(write(tmp_path / "r.txt", columns))
+    np.testing.assert_allclose(data.sigma, 5e6)
+
+
+@pytest.mark.parametrize("unit", ["mPa", "GPa"])
+def test_a_prefix_keeps_its_meaning(tmp_path, unit):
+    columns = without("Normal stress (MPa)") | {f"Normal stress ({unit})": SIGMA}
+    told = pytest.warns(RecordWarning, match="sigma is 5 GPa")
+    refused = pytest.raises(rs.ParameterError, match="no record is of such a size")
+    with refused if unit == "mPa" else told:
+        read_lab(write(tmp_path / "r.txt", columns), units={"tau": unit})
