@@ -1,18 +1,26 @@
 """Results as files: round trips, CSV, places that are found bad beforehand, whole files only."""
 
+import contextlib
 import csv
 import io
+import json
+import os
+import pickle
 import re
 import shutil
+import warnings
 
 import h5py
+import numcodecs
 import numpy as np
 import pytest
 import xarray as xr
 
 import ratestate as rs
 from ratestate import ParameterError, files
-from ratestate.sweeps.store import zarr_3_warnings_ignored
+from ratestate.errors import StoreError
+from ratestate.sweeps.status import store_status
+from ratestate.sweeps.store import open_result, zarr_3_warnings_ignored
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=3e3)
 M = xr.DataArray([0.0, 3e3], dims="M")
@@ -248,3 +256,64 @@ def test_what_is_no_result_is_refused(ending, tmp_path):
         files.read(path)
     with pytest.raises(ParameterError, match="lacks the parameters"):
         files.read(tmp_path / "x.csv")
+
+
+# Zarr folders that run code ------------------------------------------------------------------
+
+
+class Payload:
+    """Makes a folder when it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.path),)
+
+
+def array_of_format_2(folder, ran):
+    """Metadata of an array that is made in a folder, and unpickled by its codec when it is read."""
+    codec = {"id": "pickle", "protocol": 5}
+    form = {"zarr_format": 2, "shape": [1], "chunks": [1], "order": "C", "fill_value": None}
+    form |= {"dtype": "|O", "compressor": codec, "filters": [{"id": "vlen-utf8"}]}
+    folder.mkdir(parents=True)
+    dimensions = {"_ARRAY_DIMENSIONS": ["x"]}
+    for name, content in ((".zarray", form), (".zattrs", dimensions)):
+        (folder / name).write_text(json.dumps(content))
+    (folder / "0").write_bytes(pickle.dumps(Payload(ran)))
+    return form | {"attributes": dimensions}
+
+
+def all_of_format_2(path, ran):
+    array_of_format_2(path / "x", ran)
+    array_of_format_2(path / "sweep" / "done", ran)
+    array_of_format_2(path / "sweep" / "inputs" / "x", ran)
+    for group in (path, path / "sweep", path / "sweep" / "inputs"):
+        (group / ".zgroup").write_text('{"zarr_format": 2}')
+    attrs = {"verb": "", "sizes": {}, "chunk": [], "device": "", "checksum": "", "versions": {}}
+    (path / "sweep" / ".zattrs").write_text(json.dumps(attrs))
+
+
+def listed_in_a_group_of_format_3(path, ran):
+    nodes = {"x": array_of_format_2(path / "x", ran)}
+    listed = {"kind": "inline", "must_understand": False, "metadata": nodes}
+    group = {"zarr_format": 3, "node_type": "group", "attributes": {}}
+    (path / "zarr.json").write_text(json.dumps(group | {"consolidated_metadata": listed}))
+
+
+@pytest.mark.parametrize("make", [all_of_format_2, listed_in_a_group_of_format_3])
+@pytest.mark.parametrize("reader", [files.read, store_status, open_result])
+def test_zarr_format_2_is_refused_and_runs_no_code(make, reader, tmp_path, monkeypatch):
+    def decode(codec, content, out=None):  # as numcodecs did before 0.16.6
+        return pickle.loads(content)
+
+    monkeypatch.setattr(numcodecs.pickles.Pickle, "decode", decode)
+    path, ran = tmp_path / "x.zarr", tmp_path / "ran"
+    make(path, ran)
+    with warnings.catch_warnings(), contextlib.suppress(Exception):  # how others read it
+        warnings.simplefilter("ignore")
+        xr.open_zarr(path, chunks=None).load()
+    ran.rmdir()
+    with pytest.raises(StoreError, match=r"x\.zarr is in Zarr format 2"):
+        reader(path)
+    assert not ran.exists()

@@ -58,7 +58,8 @@ def read(path):
         .zarr in any way.  (One written before there were checksums is not checked: numbers of a
         lost chunk are NaN.)
     StoreError
-        The store of a sweep is not finished, or damaged.
+        The store of a sweep is not finished, or damaged; a .zarr is in Zarr format 2, which can run
+        code of whoever wrote it.
     """
     path = Path(path)
     ending = path.suffix.lower()

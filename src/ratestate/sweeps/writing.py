@@ -79,7 +79,7 @@ def mark_undone(store, numbers):
     done = store.done.copy()
     done[numbers] = False
     with _as_write_error(store.path):
-        flags: Any = zarr.open_array(store.path / SWEEP_GROUP / "done", mode="r+")
+        flags: Any = zarr.open_array(store.path / SWEEP_GROUP / "done", mode="r+", zarr_format=3)
         for i in numbers:  # (zarr removes the files)
             flags[i] = False
         to_disk([store.path / SWEEP_GROUP / "done" / "c"], store.path)
