@@ -19,7 +19,7 @@ def write(data, path):
     path : str or Path
         File, whose name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag),
         .csv (see `csv_text`) or .zarr (a folder).  A file of that name is replaced, and so is a
-        folder that holds a result.
+        folder that `write` made, unless other files are in it.  Permissions and links are kept.
 
     Returns
     -------
