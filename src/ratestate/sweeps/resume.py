@@ -75,7 +75,9 @@ def _restore(record, flaws, request):
         ]:
             raise StoreError(sentence("damage.hopeless", path=path, lines=as_lines(other)))
         for key in (file.key for file in flaws):
-            (path / key).parent.mkdir(parents=True, exist_ok=True)
+            for folder in reversed((path / key).parents):
+                if path in folder.parents:  # not the store's own
+                    folder.mkdir(exist_ok=True)
             (temporary / key).replace(path / key)
             to_disk([path / key], path)
 
