@@ -86,6 +86,7 @@ def write(store, i, variables):
     dims = {name: v.dims for name, v in variables.items() if name in store.variables}
     keys = store.chunks.file_keys(i, dims)
     with _as_write_error(path):
+        path.stat()  # raises, if it is gone, what a worker can send; zarr's own error it cannot
         present = _Present(path)
         group: Any = zarr.open_group(present, mode="r+", zarr_format=3, use_consolidated=False)
         attrs = group[SWEEP_GROUP].attrs
