@@ -6,7 +6,7 @@ UV_VERSION := 0.13.9
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures explore test check docs cuda wheel dist browser bench torture mutants slurm lock clean
+.PHONY: help setup figures explore test check docs cuda lowest newest wheel dist browser bench torture mutants slurm lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -43,6 +43,20 @@ cuda: .venv/.uv-$(UV_VERSION) ## compile the kernels for an NVIDIA GPU, which is
 	$(UV) pip install --quiet --python build/cuda/bin/python -r requirements.lock -e '.[gpu]'
 	build/cuda/bin/python -c 'from numba.cuda.cudadrv import nvvm; assert nvvm.is_available()'
 	build/cuda/bin/python -m pytest tests/engine/test_cuda.py -k compiler $(ARGS)
+
+# Of the tests, those that meet the most of what dependencies do.
+QUICK := tests/files/test_files.py tests/sweeps/test_store.py tests/model \
+    tests/interfaces/explorer/test_impatient.py
+
+lowest: .venv/.uv-$(UV_VERSION) ## run some tests with the lowest versions that pyproject.toml admits
+	$(UV) venv --quiet --clear build/lowest
+	$(UV) pip install --quiet --python build/lowest/bin/python --resolution lowest-direct -e '.[test]'
+	build/lowest/bin/python -m pytest -n 2 -W default $(QUICK) $(ARGS)
+
+newest: .venv/.uv-$(UV_VERSION) ## run the same tests with the newest versions, whatever the lock says
+	$(UV) venv --quiet --clear build/newest
+	$(UV) pip install --quiet --python build/newest/bin/python --upgrade -e '.[test]'
+	build/newest/bin/python -m pytest -n 2 $(QUICK) $(ARGS)
 
 wheel: .venv/.uv-$(UV_VERSION) ## build the wheel and the sdist, and try each in an empty environment
 	$(BIN)/python tools/try_wheel.py
