@@ -75,7 +75,7 @@ def _digest(dims, values, attrs):
     form = [dims, values.shape, values.dtype.str if numbers else values.tolist(), known]
     digest = hashlib.sha256(json.dumps(form, sort_keys=True, default=str).encode())
     if numbers:
-        digest.update(np.ascontiguousarray(values))
+        digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()
 
 
