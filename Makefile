@@ -3,10 +3,11 @@
 
 PYTHON ?= python3
 UV_VERSION := 0.13.9
+BUILD := tools/build.lock
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures explore test check docs cuda wheel dist browser bench torture mutants slurm lock clean
+.PHONY: help setup figures explore test check docs cuda lowest newest wheel dist browser bench torture mutants slurm lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -40,9 +41,23 @@ docs: .venv/.docs ## build the documentation, its code executed and its links ch
 
 cuda: .venv/.uv-$(UV_VERSION) ## compile the kernels for an NVIDIA GPU, which is not needed; installs 500 MB
 	$(UV) venv --quiet --clear build/cuda
-	$(UV) pip install --quiet --python build/cuda/bin/python -r requirements.lock -e '.[gpu]'
+	$(UV) pip install --quiet --python build/cuda/bin/python -r requirements.lock --build-constraint $(BUILD) -e '.[gpu]'
 	build/cuda/bin/python -c 'from numba.cuda.cudadrv import nvvm; assert nvvm.is_available()'
 	build/cuda/bin/python -m pytest tests/engine/test_cuda.py -k compiler $(ARGS)
+
+# Of the tests, those that meet the most of what dependencies do.
+QUICK := tests/files/test_files.py tests/sweeps/test_store.py tests/model \
+    tests/interfaces/explorer/test_impatient.py
+
+lowest: .venv/.uv-$(UV_VERSION) ## run some tests with the lowest versions that pyproject.toml admits
+	$(UV) venv --quiet --clear build/lowest
+	$(UV) pip install --quiet --python build/lowest/bin/python --resolution lowest-direct --build-constraint $(BUILD) -e '.[test]'
+	build/lowest/bin/python -m pytest -n 2 -W default $(QUICK) $(ARGS)
+
+newest: .venv/.uv-$(UV_VERSION) ## run the same tests with the newest versions, whatever the lock says
+	$(UV) venv --quiet --clear build/newest
+	$(UV) pip install --quiet --python build/newest/bin/python --upgrade --build-constraint $(BUILD) -e '.[test]'
+	build/newest/bin/python -m pytest -n 2 $(QUICK) $(ARGS)
 
 wheel: .venv/.uv-$(UV_VERSION) ## build the wheel and the sdist, and try each in an empty environment
 	$(BIN)/python tools/try_wheel.py
@@ -65,12 +80,13 @@ mutants: .venv/.ready ## see which random mutants of the source the tests kill; 
 slurm: .venv/.ready ## sweep in jobs of a real SLURM, which cancels some; needs Debian's slurm-wlm and munge
 	$(BIN)/python tests/sweeps/slurm.py $(ARGS)
 
-COMPILE := pip compile pyproject.toml --universal --python-version 3.11 --fork-strategy fewest \
+COMPILE := pip compile --universal --python-version 3.11 --fork-strategy fewest \
     --generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock"
 
-lock: .venv/.uv-$(UV_VERSION) ## bring the two lock files up to pyproject.toml; newest versions: ARGS=--upgrade
-	$(UV) $(COMPILE) --extra test --extra check --extra bench --output-file requirements.lock $(ARGS)
-	$(UV) $(COMPILE) --extra docs --constraint requirements.lock --output-file docs/requirements.lock $(ARGS)
+lock: .venv/.uv-$(UV_VERSION) ## bring the three lock files up to pyproject.toml; newest versions: ARGS=--upgrade
+	$(UV) $(COMPILE) pyproject.toml --extra test --extra check --extra bench --output-file requirements.lock $(ARGS)
+	$(UV) $(COMPILE) pyproject.toml --extra docs --constraint requirements.lock --output-file docs/requirements.lock $(ARGS)
+	$(UV) $(COMPILE) --group build --output-file $(BUILD) $(ARGS)
 
 clean: ## remove .venv, caches, figures and builds
 	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
@@ -83,7 +99,7 @@ clean: ## remove .venv, caches, figures and builds
 	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("error: ratestate needs Python 3.11 or newer, and $(PYTHON) is %d.%d; name another: make PYTHON=python3.13" % sys.version_info[:2])'
 	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || { echo "error: $(PYTHON) has no venv module; on Debian and Ubuntu: apt install python3-venv" >&2; exit 1; }
 	$(PYTHON) -m venv --clear .venv
-	$(BIN)/python -m pip --quiet --disable-pip-version-check install uv==$(UV_VERSION)
+	$(BIN)/python -m pip --quiet --disable-pip-version-check install --require-hashes -r $(BUILD)
 	@touch $@
 
 .venv/.locked: requirements.lock .venv/.uv-$(UV_VERSION)
@@ -95,5 +111,5 @@ clean: ## remove .venv, caches, figures and builds
 	@touch $@
 
 .venv/.ready: pyproject.toml .venv/.locked
-	$(UV) pip install --no-deps -e .
+	$(UV) pip install --no-deps --build-constraint $(BUILD) -e .
 	@touch $@

@@ -46,7 +46,7 @@ def docs(session: nox.Session) -> None:
 @nox.session(default=False)
 def wheel(session: nox.Session) -> None:
     """Build the wheel and the source distribution, and use each in an empty environment."""
-    session.install("uv==0.13.9")
+    session.install("--require-hashes", "-r", "tools/build.lock")
     session.run("python", "tools/try_wheel.py")
 
 

@@ -33,12 +33,13 @@ def test_hooks_are_of_the_locked_versions(hooks, tool):
     assert hook == locked
 
 
-def test_the_build_has_the_locked_uv():
-    """uv is not in the lock, which it makes: the Makefile names its version, as others do."""
+def test_the_build_has_the_locked_programs():
+    """uv, by the version that names a file of the Makefile's, and what builds the wheel."""
     (wanted,) = re.findall(r"^UV_VERSION := (\S+)", (ROOT / "Makefile").read_text(), re.M)
-    for file in ("noxfile.py", ".github/workflows/release.yml"):
-        (named,) = re.findall(r"\buv==([\d.]+)", (ROOT / file).read_text())
-        assert named == wanted, file
+    lock = (ROOT / "tools" / "build.lock").read_text()
+    assert f"\nuv=={wanted} " in lock
+    requires = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
+    assert all(f"\n{one} " in lock for one in requires)
 
 
 def test_actions_are_of_one_commit_each():

@@ -20,6 +20,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 LOCK = ROOT / "requirements.lock"
+BUILD = ROOT / "tools" / "build.lock"
 
 IMPORT_ALL = """
 import importlib, pkgutil, ratestate
@@ -55,7 +56,7 @@ def main():
 
 def build(folder):
     """Build both archives into this folder, and return their paths: wheel and sdist."""
-    tool("uv", "build", "--out-dir", folder, "--build-constraint", LOCK, ROOT)
+    tool("uv", "build", "--out-dir", folder, "--build-constraint", BUILD, "--require-hashes", ROOT)
     (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
     return wheel, sdist
 
@@ -70,7 +71,7 @@ def try_archives(folder):
         with tempfile.TemporaryDirectory(prefix="ratestate-env-") as place:
             home = Path(place) / "env"
             tool("uv", "venv", "--python", sys.executable, home)
-            how = ("--constraint", LOCK, "--build-constraint", LOCK)
+            how = ("--constraint", LOCK, "--build-constraint", BUILD)
             tool("uv", "pip", "install", "--python", home, *how, archive)
             works(home / "bin", Path(place), version=wheel.name.split("-")[1])
 

@@ -378,10 +378,39 @@ def test_a_dimension_called_sigma_is_refused():
     sigma = xr.DataArray([2e6, 3e6], dims="sigma")
     slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}))
     steps = rs.Loading.constant(1e-4).sigma_step(0.1, 2.5e6)
-    with pytest.raises(rs.ParameterError, match="call the dimension otherwise"):
+    with pytest.raises(rs.ParameterError, match="Rename the dimension"):
         rs.simulate(slider, steps, 0.2)
     renamed = slider.replace(sigma=sigma.rename(sigma="sigma_0"))
     assert rs.simulate(renamed, steps, 0.2).sigma.dims == ("sigma_0", "time")
+
+
+V_LATER = xr.DataArray([2e-4, 5e-4], dims="V_later")
+SIGMA_LATER = xr.DataArray([2.2e6, 2.5e6, 1.8e6], dims="sigma_later")
+BOTH_VARY = {
+    "steps": lambda V, s: rs.Loading.steps(1e-4, (0.05, V)).sigma_step(0.02, s),
+    "ramp": lambda V, s: rs.Loading.constant(V).sigma_ramp(0.02, s, 0.01).sigma_step(0.05, 2e6),
+    "series": lambda V, s: rs.Loading.series(
+        [0.0, 0.02, 0.02, 0.05, 0.1], [1e-4, 1e-4, V, V, 1e-4], sigma=[2e6, 2e6, s, 2e6, 2e6]
+    ),
+    "sinusoids": lambda V, s: rs.Loading.sinusoid(V, 1e-5, period=0.03, t_end=0.1).sigma_sinusoid(
+        s / 10, period=0.02
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BOTH_VARY)
+def test_speed_and_normal_stress_that_both_vary_in_a_sweep(kind):
+    """Over all combinations; each is what it is alone."""
+    slider = rs.SpringSlider(**(SLIDER | {"sigma": 2e6}))
+    loading = BOTH_VARY[kind]
+    runs = rs.simulate(slider, loading(V_LATER, SIGMA_LATER), 0.1, times=[0.04, 0.1], V_start=1e-4)
+    assert dict(runs.sizes).items() >= {"V_later": 2, "sigma_later": 3, "time": 2}.items()
+    for i, j in ((0, 0), (1, 2)):
+        own = loading(float(V_LATER[i]), float(SIGMA_LATER[j]))
+        alone = rs.simulate(slider, own, 0.1, times=[0.04, 0.1], V_start=1e-4)
+        case = runs.isel(V_later=i, sigma_later=j)
+        for name in ("tau", "V", "theta", "sigma", "V_load"):
+            np.testing.assert_array_equal(case[name], alone[name], err_msg=name)
 
 
 def test_alpha_and_constant_normal_stress_change_nothing():

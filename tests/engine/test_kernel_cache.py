@@ -42,7 +42,7 @@ def usual(tmp_path, monkeypatch):
 
 @pytest.fixture
 def temporary(tmp_path, usual):
-    return tmp_path / "tmp" / f"ratestate-{os.getuid()}" / f"kernels-{cache.DIGEST}"
+    return tmp_path / "tmp" / f"ratestate-{os.geteuid()}" / f"kernels-{cache.DIGEST}"
 
 
 def called():
@@ -246,23 +246,141 @@ def test_no_home_and_no_temporary_folder(monkeypatch, usual):
     assert [called(), called()] == [False, False]
 
 
-@pytest.mark.parametrize("taken", ["mode", "link", "owner"])
-def test_a_folder_that_others_can_write_to_is_not_used(taken, usual, temporary, monkeypatch, capfd):
-    refuse(monkeypatch, usual)
+# ---------------------------------------------------------------------------- code of other users
+
+
+def disowned(path):
+    if os.geteuid() != 0:
+        pytest.skip("only root can give a file away")
+    os.chown(path, 65534, -1)
+
+
+def linked(path):
+    path.rename(path.with_name("else"))
+    path.symlink_to("else")
+
+
+OWN = {
+    "the group may write": (lambda path: path.chmod(0o720), "other users may write to"),
+    "others may write": (lambda path: path.chmod(0o702), "other users may write to"),
+    "others may write, sticky": (lambda path: path.chmod(0o1702), "other users may write to"),
+    "another's": (disowned, "belongs to another user"),
+    "a link": (linked, "is a link or a file"),
+}
+ABOVE = {
+    "others may write": (lambda path: path.chmod(0o707), "chmod o-w"),
+    "another's": (disowned, "belongs to another user"),
+}
+
+
+@pytest.mark.parametrize(
+    ("level", "change", "reason"),
+    [(0, *one) for one in OWN.values()]
+    + [(1, *one) for one in OWN.values()]
+    + [(2, *one) for one in ABOVE.values()],
+    ids=[*OWN, *(f"{k}, around it" for k in OWN), *(f"{k}, above" for k in ABOVE)],
+)
+def test_a_folder_of_others_is_passed_over(level, change, reason, usual, temporary, capfd):
+    """Be it the folder itself, the one around it, or one above; the two places are alike."""
+    for folder in (usual, temporary):
+        for part in (*reversed(folder.parents), folder):
+            part.mkdir(mode=0o700, exist_ok=True)
+        assert folder in cache._folders()
+        changed = (folder, *folder.parents)[level]
+        change(changed)
+        assert folder not in cache._folders()
+        said = capfd.readouterr().err
+        assert said.startswith(f"ratestate: compiled kernels in {folder.parent} are not used: ")
+        assert f"{changed}" in said
+        assert reason in said
+        assert said.count("\n") == 1  # once
+
+
+def test_folders_that_are_safe_are_used(usual, temporary, capfd):
+    """Others may write above them under the sticky bit, or the group; and above there are links."""
+    assert cache._folders() == [usual, temporary]  # where there is nothing yet
+    cache_home = usual.parents[1]
+    cache_home.mkdir()
+    for mode in (0o1777, 0o775, 0o755, 0o700):
+        cache_home.chmod(mode)
+        assert cache._folders() == [usual, temporary], oct(mode)
+    linked(cache_home)
+    elsewhere = cache_home.with_name("else") / "ratestate" / usual.name
+    assert cache._folders() == [elsewhere, temporary]
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("safe", [True, False])
+def test_code_of_others_does_not_run(safe, usual, temporary, tmp_path):
+    """A file that is made up as a kernel runs what it likes, from a safe folder alone."""
     called()
-    assert called()
-    if taken == "mode":
-        temporary.parent.chmod(0o720)
-    elif taken == "link":
-        temporary.parent.rename(temporary.parent.with_name("else"))
-        temporary.parent.symlink_to("else")
-    else:
-        user = os.getuid()
-        temporary.parent.rename(temporary.parent.with_name(f"ratestate-{user + 1}"))
-        monkeypatch.setattr("os.getuid", lambda: user + 1)
-    capfd.readouterr()
-    assert [called(), called()] == [False, False]
-    assert "is not this user's alone" in capfd.readouterr().err
+    path = only(usual)
+    payload = pickle.dumps(Payload(str(tmp_path / "ran")))
+    path.write_bytes(hashlib.sha256(payload).digest() + payload)
+    usual.parent.chmod(0o700 if safe else 0o707)
+    assert not called()
+    assert (tmp_path / "ran").exists() == safe
+    assert temporary.exists() != safe
+
+
+class Payload(tuple):
+    """Makes a folder when it is unpickled."""
+
+    def __new__(cls, path):
+        return super().__new__(cls, (path,))
+
+    def __reduce__(self):
+        return os.mkdir, tuple(self)
+
+
+@pytest.mark.parametrize("mask", [0, 0o002, 0o022, 0o077])
+def test_folders_and_files_are_this_users_alone(mask, usual, capfd):
+    before = os.umask(mask)
+    try:
+        assert [called(), called()] == [False, True]
+    finally:
+        os.umask(before)
+    for folder in (usual, *usual.parents[:2]):
+        assert stat.S_IMODE(folder.stat().st_mode) == 0o700
+    assert stat.S_IMODE(only(usual).stat().st_mode) == 0o600
+    assert capfd.readouterr().err == ""
+
+
+def replaced(make):
+    def replace(path):
+        content = path.read_bytes()
+        path.unlink()
+        make(path, content)
+
+    return replace
+
+
+def link_to_a_copy(path, content):
+    path.with_name("copy").write_bytes(content)
+    path.symlink_to("copy")
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda path: path.chmod(0o620), True),
+        (lambda path: path.chmod(0o602), True),
+        (disowned, True),
+        (replaced(lambda path, _: os.mkfifo(path, 0o600)), True),
+        (replaced(link_to_a_copy), False),
+        (replaced(lambda path, _: path.mkdir()), False),
+    ],
+    ids=["group", "others", "owner", "FIFO", "link", "folder"],
+)
+def test_a_file_of_others_is_not_loaded(change, told, usual, capfd):
+    called()
+    path = only(usual)
+    change(path)
+    assert not called()
+    said = f"the compiled kernel {path} may be another user's; it is compiled anew"
+    assert (said in capfd.readouterr().err) == told
+    if path.is_file():
+        assert called()
 
 
 def test_writers_at_once_leave_a_whole_file(usual):

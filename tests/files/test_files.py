@@ -1,18 +1,32 @@
 """Results as files: round trips, CSV, places that are found bad beforehand, whole files only."""
 
+import contextlib
 import csv
 import io
+import json
+import os
+import pickle
+import random
 import re
 import shutil
+import stat
+import warnings
+from pathlib import Path
 
 import h5py
+import numcodecs
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 
 import ratestate as rs
 from ratestate import ParameterError, files
-from ratestate.sweeps.store import zarr_3_warnings_ignored
+from ratestate.errors import StoreError
+from ratestate.files.netcdf import raw_netcdf
+from ratestate.records.reading.stored import read_hdf5
+from ratestate.sweeps.status import store_status
+from ratestate.sweeps.store import open_result, zarr_3_warnings_ignored
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=3e3)
 M = xr.DataArray([0.0, 3e3], dims="M")
@@ -151,6 +165,76 @@ def test_a_failed_write_leaves_what_was_there(ending, results, tmp_path, monkeyp
         xr.testing.assert_identical(files.read(path), results["cycle"])
 
 
+@pytest.mark.parametrize("ending", ["nc", "csv", "zarr"])
+def test_permissions_and_links_are_kept(ending, results, tmp_path):
+    place, link = tmp_path / f"kept.{ending}", tmp_path / "there" / f"x.{ending}"
+    link.parent.mkdir()
+    link.symlink_to(place)
+    files.write(results["cycle"], link)  # which points to nothing yet
+    usual = place.stat().st_mode
+    place.chmod(0o750)
+    files.write(results["rigid"], link)
+    assert stat.S_IMODE(place.stat().st_mode) == 0o750 != stat.S_IMODE(usual)
+    assert link.readlink() == place
+    assert [*link.parent.iterdir()] == [link]
+    assert {*tmp_path.iterdir()} == {place, link.parent}
+    if ending != "csv":
+        xr.testing.assert_identical(files.read(place), results["rigid"])
+
+
+@pytest.mark.parametrize("failure", [OSError("no"), KeyboardInterrupt()])
+def test_a_folder_comes_back_if_the_new_one_cannot_take_its_place(
+    failure, results, tmp_path, monkeypatch
+):
+    path = files.write(results["cycle"], tmp_path / "x.zarr")
+    rename = Path.rename
+
+    def fails(self, target):
+        if self.name.endswith(".partial.zarr"):
+            raise failure
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fails)
+    with pytest.raises(type(failure)):
+        files.write(results["rigid"], path)
+    assert [one.name for one in tmp_path.iterdir()] == [path.name]
+    xr.testing.assert_identical(files.read(path), results["cycle"])
+
+
+def with_file(folder, name):
+    folder.joinpath(name).parent.mkdir(exist_ok=True)
+    folder.joinpath(name).write_text("years of work")
+
+
+FOREIGN = {
+    "notes": lambda folder: with_file(folder, "notes.txt"),
+    "notes within": lambda folder: with_file(folder, "V/notes.txt"),
+    "notes with the checksums": lambda folder: with_file(folder, "checksums/notes.txt"),
+    "hidden": lambda folder: with_file(folder, ".notes"),
+    "another array": lambda folder: zarr.create_array(folder / "mine", shape=1, dtype=float),
+    "a link": lambda folder: (folder / "mine").symlink_to("V"),
+    "no checksums": lambda folder: shutil.rmtree(folder / "checksums"),
+    "broken checksums": lambda folder: with_file(folder, "checksums/zarr.json"),
+}
+
+
+@pytest.mark.parametrize("kind", FOREIGN)
+def test_a_zarr_with_other_files_is_not_replaced(kind, results, tmp_path):
+    path = files.write(results["cycle"], tmp_path / "x.zarr")
+    FOREIGN[kind](path)
+    before = {one: one.is_file() and one.read_bytes() for one in path.rglob("*")}
+    with pytest.raises(ParameterError, match="holds files that are not of one result, and is not"):
+        files.write(results["rigid"], path)
+    assert {one: one.is_file() and one.read_bytes() for one in path.rglob("*")} == before
+
+
+def test_a_damaged_result_is_replaced(results, tmp_path):
+    path = files.write(results["cycle"], tmp_path / "x.zarr")
+    shutil.rmtree(path / "period")
+    files.write(results["rigid"], path)
+    xr.testing.assert_identical(files.read(path), results["rigid"])
+
+
 def test_only_results_are_replaced(results, tmp_path):
     store = tmp_path / "store.zarr"
     rs.sweep("stability", SLIDER.replace(M=M), V_lp=1e-3, store=store)
@@ -159,7 +243,9 @@ def test_only_results_are_replaced(results, tmp_path):
     (other / "thesis.txt").write_text("years of work")
     deep = tmp_path / "deep.zarr"
     results["cycle"].drop_encoding().to_zarr(deep, group="checksums/of", consolidated=False)
-    for path in (store, other, deep, tmp_path):
+    foreign = tmp_path / "foreign.zarr"
+    results["cycle"].drop_encoding().to_zarr(foreign, consolidated=False)
+    for path in (store, other, deep, foreign, tmp_path):
         with pytest.raises(ParameterError, match=r"expected a name|is not replaced"):
             files.write(results["cycle"], path)
     assert (store / "sweep").is_dir()
@@ -209,7 +295,6 @@ def test_a_zarr_without_checksums_is_read(results, tmp_path):
     with zarr_3_warnings_ignored():
         results["cycle"].drop_encoding().to_zarr(path, zarr_format=3)
     xr.testing.assert_identical(files.read(path), results["cycle"])
-    assert files.write(results["cycle"], path) == path
 
 
 def test_a_variable_in_the_place_of_the_checksums(tmp_path):
@@ -248,3 +333,163 @@ def test_what_is_no_result_is_refused(ending, tmp_path):
         files.read(path)
     with pytest.raises(ParameterError, match="lacks the parameters"):
         files.read(tmp_path / "x.csv")
+
+
+# NetCDF: checksums, and files that take their data elsewhere ---------------------------------
+
+
+def test_no_flipped_bit_of_a_netcdf_goes_unnoticed(results, tmp_path):
+    """Each place is tried in this process, since a child for each would take a second."""
+    path = files.write(results["rigid"], tmp_path / "x.nc")
+    content, rng, errors = path.read_bytes(), random.Random(7), set()
+    clean = raw_netcdf(path)
+    for _ in range(40):
+        at = rng.randrange(len(content))
+        flipped = content[at] ^ 1 << rng.randrange(8)
+        path.write_bytes(content[:at] + bytes([flipped]) + content[at + 1 :])
+        try:
+            found = raw_netcdf(path)
+        except Exception as error:  # also HDF5's own, of its structure
+            errors.add(type(error))
+        else:
+            assert pickle.dumps(found) == pickle.dumps(clean)
+    assert ParameterError in errors
+
+
+def altered_byte(path, number):
+    """Flip a bit in a number that is stored in a file as it is."""
+    content, bytes_ = path.read_bytes(), np.float64(number).tobytes()
+    assert content.count(bytes_) == 1
+    at = content.index(bytes_)
+    path.write_bytes(content[: at + 7] + bytes([content[at + 7] ^ 0x40]) + content[at + 8 :])
+
+
+def test_a_damaged_netcdf_names_the_variable(results, tmp_path):
+    path = files.write(results["cycle"], tmp_path / "x.nc")
+    altered_byte(path, results["cycle"].period)
+    with pytest.raises(ParameterError, match=r"x\.nc is damaged.*, in variable period\. Put it"):
+        files.read(path)
+    path = files.write(results["run"], tmp_path / "y.nc")
+    with h5py.File(path) as file:
+        chunk = file["tau"].id.get_chunk_info(0)
+    content = bytearray(path.read_bytes())
+    content[chunk.byte_offset + chunk.size - 1] ^= 1  # of the checksum
+    path.write_bytes(content)
+    with pytest.raises(ParameterError, match=r"y\.nc is damaged: variable tau cannot be read"):
+        files.read(path)
+
+
+def test_a_netcdf_that_another_program_changed(results, tmp_path):
+    path = files.write(results["cycle"], tmp_path / "x.nc")
+    with h5py.File(path, "a") as file:
+        file.attrs["title"] = "mine"
+        digests = json.loads(file.attrs["sha256"])
+    assert {*digests} == {*files.split(results["cycle"]).variables, ""}
+    with pytest.raises(ParameterError, match=r"in its attributes.*delete the attribute sha256"):
+        files.read(path)
+    with h5py.File(path, "a") as file:
+        del file.attrs["sha256"]
+    again = files.read(path)  # as a file of an older version
+    assert again.attrs.pop("title") == "mine"
+    xr.testing.assert_identical(
+        again, results["cycle"].drop_attrs(deep=False).assign_attrs(again.attrs)
+    )
+
+
+def external_link(file, other):
+    file["mu"] = h5py.ExternalLink(other, "/x")
+
+
+def external_link_of_a_group(file, other):
+    file["group/within"] = h5py.ExternalLink(other, "/")
+
+
+def external_storage(file, other):
+    file.create_dataset("mu", (3,), "f8", external=[(other, 0, h5py.h5f.UNLIMITED)])
+
+
+def virtual(file, other):
+    layout = h5py.VirtualLayout((3,), "f8")
+    layout[:] = h5py.VirtualSource(other, "x", (3,))
+    file.create_virtual_dataset("mu", layout)
+
+
+@pytest.mark.parametrize(
+    "make", [external_link, external_link_of_a_group, external_storage, virtual]
+)
+@pytest.mark.parametrize("reader", [raw_netcdf, read_hdf5])
+def test_data_of_another_file_are_not_read(make, reader, tmp_path):
+    other, path = tmp_path / "secret.h5", tmp_path / "x.nc"
+    with h5py.File(other, "w") as file:
+        file["x"] = np.arange(3.0)
+    with h5py.File(path, "w") as file:
+        file["time"] = file["displacement"] = np.arange(3.0)
+        file["link"] = h5py.SoftLink("/time")  # within the file
+        make(file, other.name)
+    name = "group/within" if make is external_link_of_a_group else "mu"
+    with pytest.raises(
+        ParameterError, match=rf"{name}.* takes its data from .*secret\.h5"
+    ) as error:
+        reader(path)
+    assert "x.nc is not read" in str(error.value)
+
+
+# Zarr folders that run code ------------------------------------------------------------------
+
+
+class Payload:
+    """Makes a folder when it is unpickled."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return os.mkdir, (str(self.path),)
+
+
+def array_of_format_2(folder, ran):
+    """Metadata of an array that is made in a folder, and unpickled by its codec when it is read."""
+    codec = {"id": "pickle", "protocol": 5}
+    form = {"zarr_format": 2, "shape": [1], "chunks": [1], "order": "C", "fill_value": None}
+    form |= {"dtype": "|O", "compressor": codec, "filters": [{"id": "vlen-utf8"}]}
+    folder.mkdir(parents=True)
+    dimensions = {"_ARRAY_DIMENSIONS": ["x"]}
+    for name, content in ((".zarray", form), (".zattrs", dimensions)):
+        (folder / name).write_text(json.dumps(content))
+    (folder / "0").write_bytes(pickle.dumps(Payload(ran)))
+    return form | {"attributes": dimensions}
+
+
+def all_of_format_2(path, ran):
+    array_of_format_2(path / "x", ran)
+    array_of_format_2(path / "sweep" / "done", ran)
+    array_of_format_2(path / "sweep" / "inputs" / "x", ran)
+    for group in (path, path / "sweep", path / "sweep" / "inputs"):
+        (group / ".zgroup").write_text('{"zarr_format": 2}')
+    attrs = {"verb": "", "sizes": {}, "chunk": [], "device": "", "checksum": "", "versions": {}}
+    (path / "sweep" / ".zattrs").write_text(json.dumps(attrs))
+
+
+def listed_in_a_group_of_format_3(path, ran):
+    nodes = {"x": array_of_format_2(path / "x", ran)}
+    listed = {"kind": "inline", "must_understand": False, "metadata": nodes}
+    group = {"zarr_format": 3, "node_type": "group", "attributes": {}}
+    (path / "zarr.json").write_text(json.dumps(group | {"consolidated_metadata": listed}))
+
+
+@pytest.mark.parametrize("make", [all_of_format_2, listed_in_a_group_of_format_3])
+@pytest.mark.parametrize("reader", [files.read, store_status, open_result])
+def test_zarr_format_2_is_refused_and_runs_no_code(make, reader, tmp_path, monkeypatch):
+    def decode(codec, content, out=None):  # as numcodecs did before 0.16.6
+        return pickle.loads(content)
+
+    monkeypatch.setattr(numcodecs.pickles.Pickle, "decode", decode)
+    path, ran = tmp_path / "x.zarr", tmp_path / "ran"
+    make(path, ran)
+    with warnings.catch_warnings(), contextlib.suppress(Exception):  # how others read it
+        warnings.simplefilter("ignore")
+        xr.open_zarr(path, chunks=None).load()
+    ran.rmdir()
+    with pytest.raises(StoreError, match=r"x\.zarr is in Zarr format 2"):
+        reader(path)
+    assert not ran.exists()

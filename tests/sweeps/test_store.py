@@ -26,6 +26,7 @@ from ratestate.errors import ParameterError, StoreError
 from ratestate.files import read
 from ratestate.sweeps import create as create_module
 from ratestate.sweeps import store as store_module
+from ratestate.sweeps import task, writing
 from ratestate.sweeps.status import failures, store_status
 from ratestate.sweeps.writing import NO_RESULT
 
@@ -70,8 +71,6 @@ def solved(before):
     """Within, `before(number of the call)` is called before each chunk is solved."""
     numbers = itertools.count()
     with pytest.MonkeyPatch.context() as patch:
-        from ratestate.sweeps import task
-
         solve = task.solve
 
         def solving(*arguments):
@@ -214,6 +213,89 @@ def test_stores_that_are_being_made_by_others_stay(tmp_path):
     sweep(tmp_path / "x.zarr", chunk=WHOLE)
     os.close(handle)
     assert other.exists()
+
+
+# Gone ---------------------------------------------------------------------------------------------
+
+
+MOMENTS = {
+    "a chunk is solved": (task, "solve", 3),
+    "a file is written": (writing._Present, "set_sync", 20),
+    "files are synced": (writing, "to_disk", 5),
+    "files are summed up": (writing, "manifest_entry", 3),
+}
+
+
+@contextlib.contextmanager
+def vanishing(moment, vanish):
+    """Within, `vanish` is called at a moment of `MOMENTS`, of a sweep on one thread."""
+    owner, name, when = MOMENTS[moment]
+    function, numbers = getattr(owner, name), itertools.count()
+
+    def called(*arguments):
+        if next(numbers) == when:
+            vanish()
+        return function(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ratestate.sweeps.task.cores", lambda: 1)
+        patch.setattr(owner, name, called)
+        yield
+
+
+@pytest.mark.parametrize("moment", MOMENTS)
+def test_a_store_that_vanishes_is_not_made_again(moment, path):
+    gone = pytest.raises(StoreError, match=r"x\.zarr is gone, or a part of it.*Put it back")
+    with vanishing(moment, lambda: shutil.rmtree(path)), gone:
+        sweep(path)
+    assert [*path.parent.iterdir()] == []
+
+
+def test_a_store_that_was_renamed_is_gone_on_with(path, expected):
+    kept = path.with_name("kept")
+    gone = pytest.raises(StoreError, match=r"x\.zarr is gone, or a part of it.*Put it back")
+    with vanishing("a file is written", lambda: path.rename(kept)), gone:
+        sweep(path)
+    assert [*path.parent.iterdir()] == [kept]
+    kept.rename(path)
+    assert store_status(path).done > 0
+    assert_same(sweep(path), expected)
+
+
+def test_an_array_that_vanishes_is_not_made_again(path):
+    def remove(number):
+        if number == 3:
+            shutil.rmtree(path / "K_c")
+
+    with solved(remove), pytest.raises(StoreError, match=r"x\.zarr is gone, or a part of it"):
+        sweep(path)
+    assert not (path / "K_c").exists()
+
+
+# Interrupted --------------------------------------------------------------------------------------
+
+
+def test_an_interrupted_sweep_says_how_to_go_on(path, monkeypatch):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("ratestate.sweeps.request.SweepRequest.divide", interrupt)
+        with pytest.raises(
+            KeyboardInterrupt, match=r"Nothing is stored in .*x\.zarr\. Run the same"
+        ):
+            sweep(path)
+    assert not path.exists()
+    monkeypatch.setattr("ratestate.sweeps.task.cores", lambda: 1)
+
+    def later(number):
+        if number == 3:
+            raise KeyboardInterrupt
+
+    said = r"interrupted\. 6 of 16 cases are stored in .*x\.zarr\. Run the same sweep again"
+    with solved(later), pytest.raises(KeyboardInterrupt, match=said):
+        sweep(path)
+    assert store_status(path).done == 6
 
 
 # Full ---------------------------------------------------------------------------------------------

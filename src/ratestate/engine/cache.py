@@ -6,6 +6,9 @@ name is a hash of all the kernels' sources, a file's name one of all else that t
 depends on, and a file begins with the SHA-256 of its content.  A kernel that cannot be loaded is
 compiled anew; one that cannot be kept is used all the same.  With the code goes what was counted in
 it when it was compiled: machine code that is loaded has no text.
+
+Loading a file runs what is in it.  So only files and folders are used that nobody but this user
+can have written (`_distrust`, `_read`).
 """
 
 import contextlib
@@ -19,7 +22,7 @@ import sysconfig
 import tempfile
 import uuid
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import llvmlite
 import numba
@@ -64,22 +67,21 @@ class KernelCache(_Cache):
     @property
     def cache_path(self):
         """The folders from which kernels are loaded, as one text."""
-        return os.pathsep.join(map(str, _readable()))
+        return os.pathsep.join(map(str, _folders()))
 
     def load_overload(self, sig, target_context):
         """The code for these types of arguments; None if it must be compiled.
 
-        A file that is damaged is reported on stderr, and one that cannot be read passed over.
+        A file that is damaged, or another user may have written, is reported on stderr; one that
+        cannot be read is passed over.
         """
         target_context.refresh()
         if not self._enabled:
             return None
         file = self._file(sig, target_context.codegen())
-        for folder in _readable():
+        for folder in _folders():
             path = folder / file
-            try:
-                content = path.read_bytes()
-            except OSError:  # most often it is not there
+            if (content := _read(path)) is None:
                 continue
             checksum, code = content[:CHECKSUM], content[CHECKSUM:]
             if hashlib.sha256(code).digest() == checksum:
@@ -101,28 +103,31 @@ class KernelCache(_Cache):
         refusals = []
         for folder in _folders():
             try:
-                folder.make()
-                _write(folder.path / self._file(sig, data.codegen), content)
+                for part in (*reversed(folder.parents), folder):
+                    with contextlib.suppress(FileExistsError, IsADirectoryError):
+                        part.mkdir(mode=0o700)
+                _write(folder / self._file(sig, data.codegen), content)
             except OSError as error:
-                refusals.append(f"{folder.path} ({error.strerror or error})")
+                refusals.append(f"{folder} ({error.strerror or error})")
                 continue
             if refusals:
-                say(f"compiled kernels cannot be kept in {refusals[0]}; they are in {folder.path}")
+                say(f"compiled kernels cannot be kept in {refusals[0]}; they are in {folder}")
             return
         say(
-            f"compiled kernels cannot be kept in {' nor in '.join(refusals)}: each process "
-            f"compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be written to"
+            f"compiled kernels cannot be kept in {' nor in '.join(refusals) or 'any folder'}: each "
+            f"process compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be "
+            f"written to"
         )
 
     @staticmethod
     def is_empty():
         """Whether no kernel is there."""
-        return not any(any(folder.glob("*.nbc")) for folder in _readable())
+        return not any(any(folder.glob("*.nbc")) for folder in _folders())
 
     def kept(self, law):
         """Whether code for this law is there, for some types of the other arguments."""
         files = f"{self._name}-{law.name}-{_machine(cpu_target.target_context.codegen())}-*.nbc"
-        return any(any(folder.glob(files)) for folder in _readable())
+        return any(any(folder.glob(files)) for folder in _folders())
 
     def _file(self, sig, codegen):
         law = _law_name(sig)
@@ -139,7 +144,7 @@ class KernelCache(_Cache):
 
     def flush(self):
         """Remove what is kept; OSError where that is not possible."""
-        for folder in _readable():
+        for folder in _folders():
             for path in folder.glob(f"{self._name}-*.nbc"):
                 path.unlink(missing_ok=True)
 
@@ -158,55 +163,71 @@ def _short_hash(value):
     return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
 
 
-class _Folder(NamedTuple):
-    """A folder for kernels; private: in one of its own, in a place where anybody may write."""
-
-    path: Path
-    private: bool
-
-    def make(self):
-        """Make it, unless it is there; OSError if it cannot be had."""
-        if self.private:
-            self.path.parent.mkdir(mode=0o700, exist_ok=True)
-            if not self.safe():
-                raise PermissionError(f"{self.path.parent} is not this user's alone")
-        self.path.mkdir(parents=True, exist_ok=True)
-
-    def safe(self):
-        """Whether nobody else can have put code there."""
-        if not self.private or not hasattr(os, "getuid"):
-            return True
-        try:
-            found = self.path.parent.lstat()
-        except OSError:
-            return False
-        own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-        return own and not stat.S_IMODE(found.st_mode) & 0o077
-
-
 def _folders():
-    """Where kernels are kept: with the user's caches or, if they take none, a temporary folder."""
+    """Where kernels are kept: with the user's caches or, if they take none, a temporary folder.
+
+    A folder that others may have put code into is left out, which is said on stderr.
+    """
     config: Any = numba.config  # it sets its attributes at run time
     base: Any = config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME")
     name, found = f"kernels-{DIGEST}", []
     with contextlib.suppress(RuntimeError):  # no home
-        base = Path(base or Path.home() / ".cache")
-        found.append(_Folder(base / "ratestate" / name, private=False))
+        found.append(Path(base or Path.home() / ".cache").resolve() / "ratestate" / name)
     with contextlib.suppress(FileNotFoundError):  # no folder for temporary files
-        user = f"ratestate-{os.getuid()}" if hasattr(os, "getuid") else "ratestate"
-        found.append(_Folder(Path(tempfile.gettempdir()) / user / name, private=True))
-    return found
+        temporary = Path(tempfile.gettempdir()).resolve()
+        found.append(temporary / f"ratestate-{os.geteuid()}" / name)
+    reasons = {folder: _distrust(folder) for folder in found}
+    for folder, reason in reasons.items():
+        if reason:
+            say(f"compiled kernels in {folder.parent} are not used: {reason}")
+    return [folder for folder, reason in reasons.items() if not reason]
 
 
-def _readable():
-    """The folders from which kernels are loaded."""
-    return [folder.path for folder in _folders() if folder.safe()]
+def _distrust(kernels):
+    """Why another user may have put code into this folder; "" if nobody can have.
+
+    It and the folder around it, ratestate's own, must be this user's, and nobody else may write to
+    them.  Those above must be this user's or root's.  Anybody may write to these only under the
+    sticky bit, by which nobody can replace what is another's.
+
+    kernels : Path without links above ratestate's own folder
+    """
+    own, user = kernels.parent, os.geteuid()
+    for folder in (kernels, *kernels.parents):
+        try:
+            found = folder.lstat()
+        except OSError:  # it is not there
+            continue
+        inside = folder in (kernels, own)
+        if found.st_uid != user and (inside or found.st_uid != 0):
+            return f"{folder} belongs to another user. Set XDG_CACHE_HOME to a folder of your own."
+        if inside and not stat.S_ISDIR(found.st_mode):
+            return f"{folder} is a link or a file. Remove it."
+        if inside and found.st_mode & 0o022:
+            return f"other users may write to {folder}. Run: chmod -R go-w {own}"
+        if found.st_mode & stat.S_IWOTH and not found.st_mode & stat.S_ISVTX:
+            return f"other users may write to {folder}. Run: chmod o-w {folder}"
+    return ""
+
+
+def _read(path):
+    """The bytes of a file that nobody but this user can have written; None if there is none."""
+    with contextlib.suppress(OSError):  # most often it is not there
+        handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+        with os.fdopen(handle, "rb") as file:
+            found = os.fstat(handle)
+            mine = found.st_uid == os.geteuid() and not found.st_mode & 0o022
+            if mine and stat.S_ISREG(found.st_mode):
+                return file.read()
+        say(f"the compiled kernel {path} may be another user's; it is compiled anew")
+    return None
 
 
 def _write(path, content):
     """Write a file that is whole or absent, whoever else writes it."""
     partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
     try:
+        partial.touch(mode=0o600)  # whatever the umask: see `_read`
         partial.write_bytes(content)
         partial.replace(path)
     finally:

@@ -19,7 +19,7 @@ def write(data, path):
     path : str or Path
         File, whose name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag),
         .csv (see `csv_text`) or .zarr (a folder).  A file of that name is replaced, and so is a
-        folder that holds a result.
+        folder that `write` made, unless other files are in it.  Permissions and links are kept.
 
     Returns
     -------
@@ -58,7 +58,8 @@ def read(path):
         .zarr in any way.  (One written before there were checksums is not checked: numbers of a
         lost chunk are NaN.)
     StoreError
-        The store of a sweep is not finished, or damaged.
+        The store of a sweep is not finished, or damaged; a .zarr is in Zarr format 2, which can run
+        code of whoever wrote it.
     """
     path = Path(path)
     ending = path.suffix.lower()

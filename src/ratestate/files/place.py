@@ -1,8 +1,10 @@
 """Places for files: found good or bad beforehand, and filled at once."""
 
 import contextlib
+import json
 import os
 import shutil
+import stat
 import tempfile
 import uuid
 from pathlib import Path
@@ -18,19 +20,20 @@ PICTURES = (".png", ".pdf")
 def checked_path(path, endings):
     """A Path, ~ expanded, at which a file with one of these endings (".nc", ...) can be put.
 
-    ParameterError: another ending, a folder (but a .zarr result), or no parent folder; OSError: no
-    file can be made there, which is tried.  A file that exists is accepted.
+    ParameterError: another ending, a folder (but one that `write` made), or no parent folder;
+    OSError: no file can be made there, which is tried.  A file that exists is accepted.
     """
     path = Path(path).expanduser()
     ending = path.suffix.lower()
     if ending not in endings:
         raise ParameterError(f"{str(path)!r}: expected a name that ends in {listed(endings)}")
-    if path.is_dir() and not (ending == ".zarr" and _is_result(path)):
-        what = "a folder that holds no result" if ending == ".zarr" else "a folder"
-        raise ParameterError(f"{path} is {what} and is not replaced; give another name")
-    if not path.parent.is_dir():
-        raise ParameterError(f"{path}: there is no folder {path.parent}; make it first")
-    with writing(path), tempfile.TemporaryFile(dir=path.parent):
+    if path.is_dir() and not (ending == ".zarr" and _is_replaceable(path)):
+        what = "holds files that are not of one result" if ending == ".zarr" else "is a folder"
+        raise ParameterError(f"{path} {what}, and is not replaced. Give another name.")
+    folder = _real(path).parent
+    if not folder.is_dir():
+        raise ParameterError(f"{path}: there is no folder {folder}; make it first")
+    with writing(path), tempfile.TemporaryFile(dir=folder):
         pass
     return path
 
@@ -44,26 +47,44 @@ def replace(path, write):
     """Have `write` make a file or folder beside `path`, and rename it: nobody finds half a file.
 
     Returns `path`, whose place is not checked here (`checked_path`).  What `write` raises is
-    raised, an OSError as one about `path`; what was there before is then as it was.
+    raised, an OSError as one about `path`; what was there before is then as it was.  What takes the
+    place of a file or folder has its permissions; a link stays, and what it points to is replaced.
 
     write : function of the Path at which to make it
     """
-    partial = path.with_name(f".{path.stem}.{uuid.uuid4().hex}.partial{path.suffix}")
+    place = _real(path)
+    partial = place.with_name(f".{path.stem}.{uuid.uuid4().hex}.partial{path.suffix}")
     with writing(path):
         try:
             write(partial)
-            if path.is_dir():
-                old = partial.with_name(f"{partial.name}.old")
-                path.rename(old)
-                partial.rename(path)
-                shutil.rmtree(old)
+            if place.exists():
+                partial.chmod(stat.S_IMODE(place.stat().st_mode))
+            if place.is_dir():
+                _exchange(partial, place)
             else:
-                partial.replace(path)
+                partial.replace(place)
         finally:
             if partial.is_dir():
                 shutil.rmtree(partial)
             partial.unlink(missing_ok=True)
     return path
+
+
+def _exchange(new, folder):
+    """Put a new folder in the place of another, which comes back if that fails."""
+    old = new.with_name(f"{new.name}.old")
+    folder.rename(old)
+    try:
+        new.rename(folder)
+    except BaseException:
+        old.rename(folder)
+        raise
+    shutil.rmtree(old)
+
+
+def _real(path):
+    """The path, and of a link the path of what it points to, which need not be there."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 @contextlib.contextmanager
@@ -78,9 +99,17 @@ def writing(path):
         raise OSError(error.errno, why, str(path)) from error
 
 
-def _is_result(path):
-    """Whether a folder is a Zarr group of arrays and checksums: no sweep that can be resumed."""
-    inside = {one.parent.name: one.read_text() for one in path.glob("*/zarr.json")}
-    groups = {k for k, text in inside.items() if '"node_type":"group"' in "".join(text.split())}
-    deeper = any(path.glob("*/*/zarr.json"))
-    return (path / "zarr.json").is_file() and groups <= {CHECKSUMS} and not deeper
+def _is_replaceable(path):
+    """Whether a folder holds a result that `write` made, and nothing but its files."""
+    from ..sweeps.legacy import METADATA
+    from ..sweeps.manifest import RECORDS
+
+    record = path / CHECKSUMS / METADATA
+    try:
+        known = {
+            record,
+            *(path / key for key in json.loads(record.read_text())["attributes"][RECORDS]),
+        }
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+    return all(one in known for one in path.rglob("*") if one.is_symlink() or not one.is_dir())

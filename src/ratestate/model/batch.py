@@ -28,7 +28,8 @@ class Batch:
 
     def __init__(self, values, own=None, taken=()):
         own = own or {}
-        check_aligned({**own, **values})
+        within_sweep = {name: array.isel({array.dims[-1]: 0}) for name, array in own.items()}
+        check_aligned({**within_sweep, **values})
         sizes: dict = {}
         for value in [*values.values(), *own.values()]:
             if is_array(value):

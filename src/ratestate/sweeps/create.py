@@ -75,7 +75,7 @@ def make(folder, request, chunks):
         made_by = origin(request.device)
         _write_sweep_group(folder, request, chunks, made_by["versions"])
         zarr.consolidate_metadata(folder)
-        manifest: Any = zarr.open_array(folder / MANIFEST, mode="r+")
+        manifest: Any = zarr.open_array(folder / MANIFEST, mode="r+", zarr_format=3)
         manifest[chunks.number] = manifest_entry(folder, keys_in(folder), None, made_by)
 
 

@@ -57,7 +57,7 @@ def is_whole(path, key):
         if block is None:
             name = key.removesuffix(f"/{METADATA}")
             return _plain(json.loads((path / key).read_text())) == _plain(_nodes(path)[0][name])
-        zarr.open_array(path / name, mode="r").blocks[block]
+        zarr.open_array(path / name, mode="r", zarr_format=3).blocks[block]
     except DAMAGE:
         return False
     return True

@@ -1,5 +1,6 @@
 """What a store says of itself in its group ``sweep``, and which of its files have a flaw."""
 
+import contextlib
 import functools
 import json
 from typing import Any
@@ -10,10 +11,23 @@ import zarr
 from ..errors import StoreError
 from . import legacy, sentence
 from .chunks import Chunks
-from .legacy import DAMAGE, SWEEP_GROUP
+from .legacy import DAMAGE, METADATA, SWEEP_GROUP
 from .manifest import MANIFEST, RECORDS, File, damage_message, flaws_among
 
 RECORD = f"{SWEEP_GROUP}/zarr.json"
+
+
+def refuse_zarr_2(path):
+    """Raise StoreError if a Zarr folder, or an array that it lists, is in format 2.
+
+    A codec of that format, pickle, runs whatever code a file holds.  Format 3 has no such codec.
+    """
+    formats = [2] if (path / ".zgroup").exists() or (path / ".zarray").exists() else []
+    with contextlib.suppress(OSError, ValueError):  # it is not there, or damaged
+        text = (path / METADATA).read_text()
+        json.loads(text, object_hook=lambda node: formats.append(node.get("zarr_format", 3)))
+    if any(one != 3 for one in formats):
+        raise StoreError(sentence("store.zarr_2", path=path))
 
 
 class Record:
@@ -24,8 +38,11 @@ class Record:
     """
 
     def __init__(self, path):
+        refuse_zarr_2(path)
         self.path = path
-        self.group: Any = zarr.open_group(path / SWEEP_GROUP, mode="r", use_consolidated=False)
+        self.group: Any = zarr.open_group(
+            path / SWEEP_GROUP, mode="r", zarr_format=3, use_consolidated=False
+        )
         self.attrs: dict = self.group.attrs.asdict()
 
     @functools.cached_property

@@ -35,7 +35,7 @@ def resume_store(path, request):
         _check_origins(record, done, now, request.mixed)
         if "manifest" not in record.group:  # an older version's
             with zarr_3_warnings_ignored():
-                sweep_group = zarr.open_group(path / SWEEP_GROUP, mode="r+")
+                sweep_group = zarr.open_group(path / SWEEP_GROUP, mode="r+", zarr_format=3)
                 add_record(sweep_group, "manifest", str, len(done) + 1)
             to_disk([path / MANIFEST / METADATA], path)
         for partial in path.rglob("*.partial"):  # of writers that were killed
@@ -75,7 +75,9 @@ def _restore(record, flaws, request):
         ]:
             raise StoreError(sentence("damage.hopeless", path=path, lines=as_lines(other)))
         for key in (file.key for file in flaws):
-            (path / key).parent.mkdir(parents=True, exist_ok=True)
+            for folder in reversed((path / key).parents):
+                if path in folder.parents:  # not the store's own
+                    folder.mkdir(exist_ok=True)
             (temporary / key).replace(path / key)
             to_disk([path / key], path)
 
@@ -109,7 +111,7 @@ def _variables(record, computed, coordinates, mixed):
     They must be the same; in a mixed sweep, this version may compute more.
     """
     path = record.path
-    group: Any = zarr.open_group(path, mode="r", use_consolidated=False)
+    group: Any = zarr.open_group(path, mode="r", zarr_format=3, use_consolidated=False)
     stored = {
         name: _layout(array.metadata.dimension_names or (), array.dtype)
         for name, array in group.arrays()

@@ -87,7 +87,8 @@ def crashed_chunks_in(store):
 
 def _statuses(source, chunks, done):
     """Chunk -> `Counter` of the statuses of its cases, for those that are done."""
-    status: Any = zarr.open_group(source, mode="r", use_consolidated=False)["status"]
+    group: Any = zarr.open_group(source, mode="r", zarr_format=3, use_consolidated=False)
+    status = group["status"]
     statuses: dict[int, Counter[int]] = {}
     for i in np.flatnonzero(done).tolist():
         found = np.unique(status[tuple(chunks.slices(i).values())], return_counts=True)

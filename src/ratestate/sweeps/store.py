@@ -68,9 +68,8 @@ def read_record(path):
     """
     with as_store_error(path):
         record = Record(path)
-        with xarray.open_zarr(
-            path, group=f"{SWEEP_GROUP}/inputs", chunks=None, consolidated=False, decode_cf=False
-        ) as data:
+        group, how = f"{SWEEP_GROUP}/inputs", {"consolidated": False, "decode_cf": False}
+        with xarray.open_zarr(path, group=group, chunks=None, zarr_format=3, **how) as data:
             inputs = data.load()
     needed = {"verb", "sizes", "chunk", "device", "checksum", "versions"}
     if not needed <= {*record.attrs} or checksum(inputs) != record.attrs["checksum"]:
@@ -106,7 +105,7 @@ def open_result(path):
     with as_store_error(path):
         record = Record(path)
         checked = Checked(path, files=record.files)
-        data = xarray.open_zarr(checked, chunks=None, decode_cf=False)
+        data = xarray.open_zarr(checked, chunks=None, decode_cf=False, zarr_format=3)
         if not record.done.all():
             for variable in data.data_vars.values():
                 if variable.dtype.kind in "fc":

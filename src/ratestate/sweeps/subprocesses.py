@@ -79,7 +79,7 @@ class _Process:
     def _start(self):
         path = os.pathsep.join(filter(None, sys.path))  # it can import what this process can
         self.process = subprocess.Popen(
-            [sys.executable, "-c", f"from {__name__} import _serve; _serve()"],
+            [sys.executable, "-P", "-c", f"from {__name__} import _serve; _serve()"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=os.environ | {"PYTHONPATH": path},

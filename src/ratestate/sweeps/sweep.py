@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..engine import backend as engine
-from ..errors import ParameterError, RunWarning
+from ..errors import ParameterError, RunWarning, StoreError
 from ..machine import check_fits
 from ..model.units import is_integer
 from . import sentence
@@ -19,7 +19,7 @@ from .lock import exclusive_lock
 from .request import SweepRequest
 from .resume import resume_store
 from .solve import bytes_per_case
-from .status import crashed_chunks_in, failed_cases_in
+from .status import crashed_chunks_in, failed_cases_in, store_status
 from .store import as_store_error, device_attrs, matching_record, open_result
 from .writing import mark_undone
 
@@ -99,6 +99,8 @@ def sweep(
         is lost.
     SolverError
         The cluster is lost, no SLURM job is left, or none starts.
+    KeyboardInterrupt
+        The sweep was interrupted; with a store the message says how many cases it holds.
 
     Warns
     -----
@@ -137,7 +139,11 @@ def sweep(
             warnings.warn(text, RunWarning, stacklevel=2)
         if store is None:
             return _in_memory(request)
-        return _in_store(request, _folder(store, backend), retry_crashed)
+        path = _folder(store, backend)
+        try:
+            return _in_store(request, path, retry_crashed)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_interrupted(path)) from None
 
 
 def _check_fits(request):
@@ -186,6 +192,17 @@ def _in_store(request, path, retry_crashed):
             for _ in request.outcomes(store.chunks, store.done, store, failed_cases_in(store)):
                 pass
     return open_result(path)
+
+
+def _interrupted(path):
+    """What an interrupted sweep has stored, and how to go on, as text."""
+    if not path.exists():
+        return sentence("interrupted.nothing", path=path)
+    try:
+        status = store_status(path)
+    except StoreError as error:
+        return str(error)
+    return sentence("interrupted.some", path=path, done=status.done, cases=status.cases)
 
 
 def _folder(store, backend):

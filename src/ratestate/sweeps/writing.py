@@ -1,22 +1,24 @@
 """Chunks written into a store, so that any interruption leaves it intact.
 
 A chunk has one file for each variable, written by one task.  These files, and the chunk's entry in
-the manifest, reach the disk before its flag does.  zarr writes a temporary file and renames it, so
-that a file is complete or absent.
+the manifest, reach the disk before its flag does.  A temporary file is written and renamed, so that
+a file is complete or absent.
 """
 
 import contextlib
 import os
+import uuid
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import zarr
+from zarr.storage import LocalStore
 
 from ..errors import StoreError
 from . import sentence
 from .chunks import Chunks
-from .legacy import SWEEP_GROUP
+from .legacy import SWEEP_GROUP, array_and_block
 from .manifest import MANIFEST, manifest_entry
 from .origin import origin
 
@@ -37,6 +39,31 @@ class Store(NamedTuple):
     variables: frozenset  # names of those that it has arrays for
 
 
+class _Present(LocalStore):
+    """A store that is there, whose folder and arrays are not made again if they have vanished."""
+
+    def __init__(self, root, *, read_only=False):
+        super().__init__(root, read_only=read_only)
+        self._is_open = True  # (opening it would make its folder)
+
+    async def set(self, key, value):
+        """Write a file, as a whole; FileNotFoundError if the array that it is part of is gone."""
+        self.set_sync(key, value)
+
+    def set_sync(self, key, value):
+        """As `set`."""
+        path, array = self.root / key, self.root / array_and_block(key)[0]
+        for folder in reversed(path.parents):
+            if array in folder.parents:
+                folder.mkdir(exist_ok=True)
+        partial = path.with_suffix(f".{uuid.uuid4().hex}.partial")
+        try:
+            partial.write_bytes(value.as_buffer_like())
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
+
+
 @contextlib.contextmanager
 def _as_write_error(path):
     """Turn any error from writing into a StoreError."""
@@ -44,7 +71,9 @@ def _as_write_error(path):
         yield
     except StoreError:
         raise
-    except (OSError, KeyError) as error:
+    except (FileNotFoundError, KeyError) as error:
+        raise StoreError(sentence("store.vanished", path=path)) from error
+    except OSError as error:
         raise StoreError(sentence("store.full", path=path, error=error)) from error
 
 
@@ -57,7 +86,9 @@ def write(store, i, variables):
     dims = {name: v.dims for name, v in variables.items() if name in store.variables}
     keys = store.chunks.file_keys(i, dims)
     with _as_write_error(path):
-        group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=False)
+        path.stat()  # raises, if it is gone, what a worker can send; zarr's own error it cannot
+        present = _Present(path)
+        group: Any = zarr.open_group(present, mode="r+", zarr_format=3, use_consolidated=False)
         attrs = group[SWEEP_GROUP].attrs
         if attrs["checksum"] != store.checksum:  # a worker may not have noticed
             raise StoreError(sentence("store.replaced", path=path))
@@ -79,7 +110,8 @@ def mark_undone(store, numbers):
     done = store.done.copy()
     done[numbers] = False
     with _as_write_error(store.path):
-        flags: Any = zarr.open_array(store.path / SWEEP_GROUP / "done", mode="r+")
+        group: Any = zarr.open_group(_Present(store.path), mode="r+", zarr_format=3)
+        flags = group[f"{SWEEP_GROUP}/done"]
         for i in numbers:  # (zarr removes the files)
             flags[i] = False
         to_disk([store.path / SWEEP_GROUP / "done" / "c"], store.path)

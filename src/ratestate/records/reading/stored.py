@@ -43,8 +43,33 @@ def read_hdf5(path):
         columns.extend(_columns(title, item[()], item.attrs))
 
     with path.open("rb") as stored, h5py.File(stored, "r") as file:
+        refuse_other_files(file, path.name)
         file.visititems(visit)
     return _table(path, columns, texts)
+
+
+def refuse_other_files(file, name):
+    """Raise ParameterError if an open HDF5 file takes data from other files: it may name any.
+
+    By an external link, external storage or a virtual dataset.
+
+    file : h5py.File
+    name : of the file, for the message
+    """
+    import h5py
+
+    def other_of_data(title, item):
+        if isinstance(item, h5py.Dataset):
+            others = [other for other, *_ in item.external or ()]
+            others += [one.file_name for one in item.virtual_sources()] if item.is_virtual else []
+            return (title, others[0]) if others else None
+
+    def other_of_link(title, link):
+        return (title, link.filename) if isinstance(link, h5py.ExternalLink) else None
+
+    if found := file.visititems_links(other_of_link) or file.visititems(other_of_data):
+        title, other = map(quoted, found)
+        raise refusal("file.elsewhere", name=name, title=title, other=other)
 
 
 def read_mat(path):

@@ -39,10 +39,12 @@ def server_at(listening, frames="'none'"):
     import uvicorn
 
     from .app import app_of
+    from .impatient import ImpatientProtocol
 
     config = uvicorn.Config(
         app_of(listening.getsockname()[1], frames),
         log_level="warning",
+        http=ImpatientProtocol,
         ws="websockets-sansio",
         ws_max_size=LARGEST,
         ws_per_message_deflate=False,  # compression takes longer than it saves
