@@ -238,7 +238,8 @@ def test_a_return_takes_time(barrier):
     u = rng.uniform(0.1, 1.0, (n, 2))
     returns = return_map(system, state(system, u), np.full(n, 1e-6))
     assert returns.came_back.all()
-    assert (np.abs(returns.numbers["period"] - 7.5) < 1.0).all()
+    period = returns.numbers["period"]
+    assert 6.0 < period.min() < period.max() < 12.0
 
 
 def test_nothing_leaves_steady_sliding_that_attracts_all_there_is():
