@@ -1,6 +1,7 @@
 """escape: against plain marching, closed forms without inertia, and the branch of cycles."""
 
 import functools
+import itertools
 import json
 
 import numpy as np
@@ -312,6 +313,7 @@ def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
         return np.arange(1.0, 5.0), np.array(ends), np.full((4, 2), 0.1)
 
     monkeypatch.setattr(disturbances, "_search", escapes)
+    monkeypatch.setattr(disturbances, "_is_irregular", lambda system, u: np.full(len(u), True))
     stiff = STRIP.replace(K=xr.DataArray([6.06e8, 5e8], dims="K"))  # the second has nothing to lose
     found = escape(stiff, V_LP)
     assert found.outcome.values.tolist() == [outcome, "no steady sliding"]
@@ -324,6 +326,22 @@ def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
             escape(STRIP, V_LP)
     else:
         assert float(found.kick_up[0]) == pytest.approx(3 * 0.003 * 2e6, rel=1e-12)
+
+
+def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
+    """A motion that decays slowly is not irregular; one whose amplitude goes up and down is."""
+
+    def escapes(system, kind, largest, progress):
+        return np.arange(1.0, 5.0), np.full(4, NO_CONVERGENCE), np.full((4, 2), 0.01)
+
+    monkeypatch.setattr(disturbances, "_search", escapes)
+    slow = STRIP.replace(K=xr.DataArray([6.06e8], dims="K"))
+    found = escape(slow, V_LP)
+    assert found.outcome.values.tolist() == ["unknown"]
+    assert np.isnan([found[name].values for name in (*STEPS, *KICKS)]).all()
+    turns = itertools.cycle([0.02, 0.01])
+    monkeypatch.setattr(disturbances, "small_amplitude", lambda system, u: next(turns))
+    assert escape(slow, V_LP).outcome.values.tolist() == ["irregular cycles"]
 
 
 def test_an_edge_of_runaway_that_is_lost_harms_no_other(monkeypatch):

@@ -401,3 +401,11 @@ def test_what_does_without_damping_says_so():
     given = {"V": 1e-2, "theta": 1e-2, "tau": 1e6}
     with pytest.raises(rs.ParameterError, match=r"tau must be sigma mu \+ damping V = "):
         rs.simulate(DAMPED.replace(M=0.0), rs.Loading.constant(1e-3), 1.0, initial=given)
+
+
+def test_a_search_where_sliding_is_stable_at_any_stiffness_warns_of_nothing():
+    """There is no Hopf bifurcation there, nor anything else of it."""
+    slider = DAMPED.replace(a=0.01, b=0.005, damping=1e3, K=1e7)
+    assert slider.K_c(1.0) < 0.0
+    assert int(rs.limit_cycle(slider, 1.0).status) == 1
+    assert np.isnan(rs.hopf(slider, 1.0).lyapunov_1)

@@ -8,6 +8,9 @@ import xarray as xr
 from textbook import Reversing, drawn, wave
 
 import ratestate as rs
+from ratestate.dynamics.basin import escape
+from ratestate.dynamics.cycles.shooting import return_map
+from ratestate.dynamics.cycles.system import System, state
 from ratestate.dynamics.verdict import verdict
 
 RTOL = 1e-6
@@ -223,3 +226,31 @@ def test_what_does_not_reverse_says_so():
         rs.simulate(
             SWINGING.replace(friction="log"), rs.Loading.constant(0.1), 1.0, initial={"V": 0.0}
         )
+
+
+@pytest.mark.parametrize("barrier", [3.0, 10.64, 40.0])
+def test_a_return_takes_time(barrier):
+    """Though rounding may put a start on the section on either side of it."""
+    n, rng = 300, np.random.default_rng(0)
+    p = np.tile([1.769, barrier], (n, 1))
+    infinite = np.full(n, np.inf)
+    system = System("aging+regularized", np.full(n, 0.885), p, np.full(n, 0.0309), infinite)
+    u = rng.uniform(0.1, 1.0, (n, 2))
+    returns = return_map(system, state(system, u), np.full(n, 1e-6))
+    assert returns.came_back.all()
+    period = returns.numbers["period"]
+    assert 6.0 < period.min() < period.max() < 12.0
+
+
+def test_nothing_leaves_steady_sliding_that_attracts_all_there_is():
+    """At 1.116 K_c: steps of a decade come back in plain runs, and so does all else."""
+    values = {"a": 0.0471, "b": 0.0834, "Dc": 1.84e-8, "sigma": 1.53e6, "M": 2e11, "mu0": 0.472}
+    slider = rs.SpringSlider(law="aging", friction="regularized", V0=3.19e-8, K=3.47e12, **values)
+    V = 1.43e-8
+    found = escape(slider, V)
+    assert str(found.outcome.values) == "none"
+    assert np.isinf([found.step_up, found.kick_up, found.kick_down]).all()
+    assert float(found.step_down) == 0.0
+    V_start = xr.DataArray(V / np.array([7.5, 15.0, 100.0]), dims="step")
+    run = rs.simulate(slider, rs.Loading.constant(V), 1500.0, V_start=V_start, times=[1500.0])
+    np.testing.assert_allclose(run.V, V, rtol=1e-4)

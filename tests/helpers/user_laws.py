@@ -76,3 +76,24 @@ class Numbers(rs.FrictionLaw):
         slope = 1.0 + 0.3 * z * z
         return (-w * (z - p[1] + 0.1 * z**3 + slope),), (-w * slope,)
 """
+#: slip law whose state evolves the slower, the faster the slider beside its V0
+SLOWED = """
+import ratestate as rs
+
+class Slowed(rs.FrictionLaw):
+    name = "slowed"
+    of_slider = ("V0",)
+
+    def coefficients(self, V_ref, slider):
+        return slider.b / slider.a, V_ref / slider.V0
+
+    def rescaled(self, p, ratio):
+        return p[0], p[1] * ratio
+
+    def rates(self, v, w, psi, e, p):
+        return (-w * (v + psi[0]) / (1.0 + p[1] * w),)
+
+    def rate_partials(self, v, w, psi, e, p):
+        part = w / (1.0 + p[1] * w)
+        return (-part * (1.0 + (v + psi[0]) / (1.0 + p[1] * w)),), (-part,)
+"""

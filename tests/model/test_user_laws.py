@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from user_laws import CUBIC, MINE, NUMBERS, PLAIN
+from user_laws import CUBIC, MINE, NUMBERS, PLAIN, SLOWED
 
 import ratestate as rs
 
@@ -398,3 +398,20 @@ def test_a_name_is_that_of_the_law_registered_last(law_file):
     assert rs.SpringSlider(**COMMON, law="plain").law == second
     assert rs.register(law_file(PLAIN)) == first
     assert rs.SpringSlider(**COMMON, law="plain").law == first
+
+
+def test_a_law_may_use_the_reference_speed_of_its_slider(law_file):
+    """State that evolves the slower, the faster it slides beside V0; K_c in closed form."""
+    name = rs.register(law_file(SLOWED))
+    slider = rs.SpringSlider(**COMMON | {"M": 0.0}, law=name, V0=1e-3)
+    for V in (1e-4, 2e-3):
+        expected = (0.006 - 0.003) * 2e6 / 1e-5 / (1.0 + V / 1e-3)
+        assert float(rs.stability(slider, V).K_c) == pytest.approx(expected, rel=1e-12)
+        assert float(rs.stability(slider.replace(mu0=0.5), V).K_c) == pytest.approx(expected)
+    for of_slider, text in (
+        ("()", r"a method uses V0. Add of_slider = \('V0',\) to the class"),
+        ('("K",)', r"of_slider = \('K',\) is not a tuple of parameters that every slider has"),
+        ('"V0"', r"of_slider = 'V0' is not a tuple"),
+    ):
+        with pytest.raises(rs.ParameterError, match=text):
+            rs.register(law_file(SLOWED.replace('("V0",)', of_slider)))

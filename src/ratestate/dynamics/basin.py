@@ -55,18 +55,20 @@ def escape(slider, V_lp):
         sliding is unstable (K <= K_c), steps are 1, kicks 0.
         ``outcome``: the motion beyond, "cycle", "irregular cycles" (they do not repeat), "runaway"
         (M = 0), "none", "no steady sliding" where that is unstable, or "unknown" in a sweep where
-        an orbit could not be followed (the size concerned is NaN); else "irregular cycles" where
-        any of the four disturbances leads to them.  Of the limit cycle beyond ``amplitude`` and
-        ``period`` [s], and of the unstable cycle between, ``unstable_amplitude`` (max - min of
-        tau/sigma), ``unstable_period`` [s] and ``unstable_multiplier`` (by which a distance from
-        it grows in a period); NaN where there is none.
+        an orbit could not be followed or did not settle (the size concerned is NaN); else
+        "irregular cycles" where any of the four disturbances leads to them.  Of the limit cycle
+        beyond ``amplitude`` and ``period`` [s], and of the unstable cycle between,
+        ``unstable_amplitude`` (max - min of tau/sigma), ``unstable_period`` [s] and
+        ``unstable_multiplier`` (by which a distance from it grows in a period); NaN where there is
+        none.
 
     Raises
     ------
     ParameterError
         An input that cannot be used; a law without second derivatives.
     SolverError
-        An orbit could not be followed to its end; in a sweep such a case is "unknown".
+        An orbit could not be followed to its end, or did not settle; in a sweep such a case is
+        "unknown".
 
     Examples
     --------

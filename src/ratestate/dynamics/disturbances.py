@@ -10,7 +10,8 @@ from ..errors import SolverError
 from ..friction.critical_speeds import V_c
 from ..friction.roots import root
 from .cycles.attractor import find_attractors
-from .cycles.system import steady_sliding_at
+from .cycles.shooting import return_map
+from .cycles.system import small_amplitude, state, steady_sliding_at
 
 #: kinds of disturbances, by number
 KINDS = ("step_up", "step_down", "kick_up", "kick_down")
@@ -24,6 +25,9 @@ PARTS, ACCURACY = 16, 1e-6
 # Accuracy of the cycle that is reached, enough to know that it is one; and tolerance of a step of
 # the orbit, over the size of the disturbance.
 RTOL, ORBIT_RTOL = 1e-5, 2e-9
+# Returns after which a motion that has not converged counts as irregular, if its amplitude turns
+# back so often, by this part of itself.
+RETURNS, TURNS, VISIBLE = 40, 3, 1e-3
 
 
 def smallest_escapes(system, columns, alone, progress):
@@ -49,6 +53,9 @@ def smallest_escapes(system, columns, alone, progress):
     largest = np.where(kind < 2, steps[np.minimum(kind, 1), slider], SIZES[-1])
     smallest, status, ends = _search(part, kind, largest, progress)
     lost = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
+    unsettled = np.flatnonzero(status == NO_CONVERGENCE)
+    if len(unsettled):
+        lost[unsettled] = ~_is_irregular(part.at(unsettled), ends[unsettled])
     sizes[:, may_leave] = np.where(lost, np.nan, smallest).reshape(4, -1)
     for code, name in OUTCOMES.items():
         outcome[slider[status == code]] = name
@@ -102,6 +109,20 @@ def _search(system, kind, largest, progress):
         gap = high[which] - low[which]
         trial = low[which, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
     return high, status, u
+
+
+def _is_irregular(system, u):
+    """(n,) whether amplitudes on motions from u (n, k) go up and down.
+
+    Else a search that did not converge says nothing: a motion may be slow.
+    """
+    amplitudes = np.empty((RETURNS, len(u)))
+    for amplitude in amplitudes:
+        amplitude[:] = small_amplitude(system, u)
+        u = return_map(system, state(system, u), np.full(len(u), ORBIT_RTOL)).image
+    changes = np.diff(amplitudes, axis=0) / amplitudes[:-1]
+    visible = np.abs(changes[1:]) > VISIBLE
+    return ((changes[1:] * changes[:-1] < 0.0) & visible).sum(axis=0) >= TURNS
 
 
 def _disturbed(system, kind, size):

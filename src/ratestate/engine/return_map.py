@@ -94,9 +94,8 @@ def load(s, l, law, i, starts):
     s[R.X_LOW + l] = math.nan
     for row in rows.x_low:
         s[row + l] = math.nan
-    # A start on the section is a crossing already made: the step from it leads to no other.
-    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
-    s[R.SINCE + l] = 0.0 if y[1] == law.v_at(1.0, y[2:], p) else 1.0
+    # SINCE is 0: the first step is too short to reach a crossing.  If it begins on the section,
+    # rounding may put V below V_lp there.
     choose_first_step(s, l, law)
 
 

@@ -40,6 +40,7 @@ class System(NamedTuple):
         return len(self.rates[0][0])
 
 
+@np.errstate(invalid="ignore")  # of sliders without a bifurcation
 def lyapunov_1(law, p, kappa, eta, omega):
     """First Lyapunov coefficient [V/Dc] and its rounding error, two arrays; NaN where omega is.
 

@@ -16,8 +16,10 @@ TAKEN = frozenset(
     "law law_file area values parameters friction replace slider loading method verb file plot"
     " steps times initial parameter start stop point case columns units".split()
 )
-# Of a slider under which a law is tried [SI].
-COMMON = {"a": 0.01, "b": 0.015, "Dc": 1e-5}
+# Parameters of the slider with which a law is tried [SI]: every law has the first four, and a law
+# that names the others in `of_slider` has them too.
+COMMON = {"a": 0.01, "b": 0.015, "Dc": 1e-5, "sigma": 5e6}
+OF_SLIDER = {"mu0": 0.6, "V0": 1e-6}
 
 
 def register(law):
@@ -70,13 +72,16 @@ def register(law):
         return new.name
     try:
         _check_names(new, own)
-        values = COMMON | {symbol: _example(symbol, new) for symbol in new.parameters}
+        values = COMMON | {symbol: OF_SLIDER[symbol] for symbol in new.of_slider}
+        values |= {symbol: _example(symbol, new) for symbol in new.parameters}
         take_arrays(new, values)
         new.orders = check(new, values)
     except ParameterError as error:
         raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
     except RAISED as error:
         reason = reason_of(error)
+        if isinstance(error, AttributeError) and error.name in OF_SLIDER:
+            reason = f"a method uses {error.name}. Add of_slider = ({error.name!r},) to the class."
         raise ParameterError(f"law {own!r}{_of(law)} cannot be tried: {reason}") from error
     add_quantities_of(new)
     laws.add(new, own)
@@ -104,6 +109,12 @@ def _check_names(law, own):
                 f"its parameter {symbol} has the unit {quantity.unit!r} and the bound "
                 f"{quantity.bound!r}; units are {units}; bounds '', '> 0' and '>= 0'"
             )
+    if not (isinstance(law.of_slider, tuple) and set(law.of_slider) <= OF_SLIDER.keys()):
+        names = ", ".join(map(repr, OF_SLIDER))
+        raise ParameterError(
+            f"of_slider = {law.of_slider!r} is not a tuple of parameters that every slider has. "
+            f"It may hold {names}; other parameters of the law belong in parameters."
+        )
     if not law.states:
         raise ParameterError("it has no states; leave states out for theta alone")
     known = {state for one in laws.LAWS.values() for state in one.states}

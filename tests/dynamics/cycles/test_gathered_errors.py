@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import ratestate as rs
 
@@ -9,6 +10,8 @@ NAMES = ("amplitude", "period", "V_max", "V_min")
 ERRORS = ("error", "error", "V_max_error", "V_min_error")
 SI = {"a": 0.005, "Dc": 1e-5, "sigma": 4e6}
 V_LP = 1e-3
+CUT_OFF = {"a": 0.015979, "b": 0.020508, "Dc": 7.8232e-5, "sigma": 130500.0, "M": 2.6335e7}
+CUT_OFF |= {"K": 1247800.0, "mu0": 0.31187, "V0": 2.2406e-6, "V1": 1.5967e-5, "V2": 1.7066e-4}
 # Law, rtol; b, K, M [SI]; amplitude, period [s], V_max and V_min [m/s].  By benchmarks/truth.py:
 # Radau IIA collocation of 9 stages in 80-bit floating point; two tolerances agree to 2e-13.
 CYCLES = {
@@ -71,3 +74,60 @@ def test_points_of_a_branch_that_rounding_limits():
     assert len(error) > 20
     assert (np.abs(fit(distance) - smooth) < error).all()
     assert np.median(error) < 1e-8
+
+
+def two_state_K_c(*, a, b, b2, Dc, Dc2, sigma, M, V):
+    """K_c [Pa/m] under a law of two states, in 64 bits of mantissa: by its quadratic in omega^2."""
+    a, b, b2, Dc, Dc2, sigma, M, V = map(np.longdouble, (a, b, b2, Dc, Dc2, sigma, M, V))
+    r, s = np.array([b / a, b2 / a]), np.array([1.0, Dc / Dc2])
+    half = 0.5 * ((1.0 - r) * s**2).sum()
+    z = np.sqrt(half**2 - s.prod() ** 2 * (1.0 - r.sum())) - half
+    kappa = z * (M * V**2 / (a * sigma * Dc) + (r * s / (z + s**2)).sum())
+    return kappa * a * sigma / Dc
+
+
+@pytest.mark.parametrize(
+    ("V", "values"),
+    [
+        (3.302e-7, (0.002992, 0.01365, 0.0006556, 2.69e-5, 3.295e-5, 14510000.0, 4.07e12)),
+        (0.05313, (0.003927, 0.0103, -0.001168, 3.993e-7, 9.578e-6, 430500.0, 0.2229)),
+    ],
+)
+def test_errors_beside_the_hopf_point_of_two_states(V, values):
+    """Within 1e-8 of it rounding of V/V_lp limits amplitudes, which the normal form gives."""
+    given = dict(zip(("a", "b", "b2", "Dc", "Dc2", "sigma", "M"), values, strict=True))
+    K_c = two_state_K_c(**given, V=V)
+    below = np.geomspace(3e-10, 3e-8, 16)
+    K = xr.DataArray((K_c * (1.0 - below)).astype(float), dims="K")
+    slider = rs.SpringSlider(law="two-state-aging", **given, K=K)
+    cycles = rs.limit_cycle(slider, V)
+    found = (cycles.status == 0).values
+    assert found[below > 1e-8].all()
+    coefficient = float(rs.hopf(slider.replace(K=float(K_c)), V).amplitude_coefficient)
+    true = coefficient * np.sqrt((1.0 - K.values / K_c).astype(float))
+    off, error = np.abs(cycles.amplitude.values / true - 1.0)[found], cycles.error.values[found]
+    assert (off <= error).all()
+    assert np.median(error / off) < 500.0
+
+
+def test_multipliers_are_as_accurate_as_stated():
+    """With cut-offs the orbit is known far better than its derivative."""
+    slider = rs.SpringSlider(law="aging", friction="cut-off", **CUT_OFF)
+    cycle, exact = (rs.limit_cycle(slider, 6.0797e-7, rtol=rtol) for rtol in (1e-6, 1e-12))
+    off = np.abs(cycle.multipliers - exact.multipliers)
+    assert (off <= cycle.multipliers_error + exact.multipliers_error).all()
+    assert cycle.multipliers_error.max() < 1e-5
+    assert exact.multipliers_error.max() < 1e-10
+
+
+@pytest.mark.parametrize("below", [1e-9, 1e-7, 1e-5, 1e-4])
+def test_multipliers_of_small_cycles(below):
+    """Against that of the return map, which resolves it where the cycle is not the smallest."""
+    slider = rs.SpringSlider(a=0.005, b=0.0135, Dc=1e-5, sigma=4e6, M=1.36e4, K=1.0)
+    slider = slider.replace(K=slider.K_c(V_LP) * (1.0 - below))
+    cycle = rs.limit_cycle(slider, V_LP)
+    growth = float(rs.stability(slider, V_LP).growth_rate)
+    leading = -2.0 * growth * float(cycle.period)
+    left = float(cycle.multipliers[0].real) - 1.0
+    assert left == pytest.approx(leading, rel=1e3 * below + 1e-4)
+    assert cycle.multipliers_error[0] < min(1e-8, 1e-2 * abs(left))

@@ -745,3 +745,19 @@ def test_aging_hold_closed_form():
         atol=1e-13,
     ).y[:, -1]
     np.testing.assert_allclose(logs(run, 0), state / [0.003, 1, 1], rtol=0, atol=1e-4)
+
+
+def test_cycles_are_counted_however_small_they_become():
+    """Of sliding that comes to rest in steady sliding; its amplitude is then none."""
+    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
+    V, loading = 2.5e-3, rs.Loading.constant(2.5e-3)
+    period = 2.0 * np.pi / float(rs.stability(slider, V).omega)
+    for rtol in (1e-4, 1e-9):
+        runs = [
+            rs.simulate(slider, loading, n * period, V_start=0.5 * V, rtol=rtol, times=[0.0])
+            for n in (20.25, 200.25, 2000.25)
+        ]
+        counts = [int(run.cycles) for run in runs]
+        assert counts[0] == 19
+        assert 30 <= counts[1] <= counts[2] < 100
+        assert runs[0].amplitude > 0.0 == runs[1].amplitude == runs[2].frequency

@@ -109,6 +109,7 @@ def hopf_measures(family, p):
         "period": period,
         "fundamental": zero + 1.0,
         "multipliers": multipliers[None],
+        "multipliers_error": np.zeros((1, len(multipliers))),
         "residual": zero,
         "returns": zero + 1.0,
         "error": zero,

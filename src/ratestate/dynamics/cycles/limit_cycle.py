@@ -63,7 +63,9 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         - ``multipliers``, complex, in the dimension ``multiplier``: the Floquet multipliers
           beside the trivial 1, one more than the law has states, the largest first, by which small
           distances from the cycle change in a period.  Their product is the exponential of the
-          integrated trace of the Jacobian; below 1e-8 no more than that is certain;
+          integrated trace of the Jacobian; below 1e-8 no more than that is certain.
+          ``multipliers_error`` is the estimated error of each, absolute; with cut-offs it may
+          exceed rtol;
         - ``outside_domain`` (int8 with CF flags), whether the motion leaves the domain of the
           friction law, since friction would have to push (``mu_min``, its smallest mu, is
           negative), or since the spring pulls back harder than friction can hold

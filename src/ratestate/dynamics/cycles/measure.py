@@ -15,8 +15,11 @@ from .sensitivity import (
 from .shooting import change_along, effective_tolerance, multipliers, newton_step
 from .system import distance, small_amplitude, tightest
 
-# Of the error estimate: its safety factor, and the error of a return due to rounding.
-SAFETY, ROUNDING_OF_RETURN = 3.0, 60.0 * 2.0**-52
+# Of the error estimate: its safety factor, and the errors of a return due to rounding, relative and
+# absolute: however small a cycle is, V/V_lp is rounded to parts of 1.
+SAFETY, ROUNDING_OF_RETURN, ROUNDING_OF_SPEED = 3.0, 60.0 * 2.0**-52, 4.0 * 2.0**-52
+# The error of a multiplier, which is absolute, over the relative one that is asked for.
+OF_MULTIPLIER = 3.0
 # Measurements, each with finer returns than the last, of a cycle that is not accurate enough yet.
 MAX_REFINEMENTS = 8
 # A share of the fundamental may exceed 1 by this much, by the errors of integrals.
@@ -24,19 +27,22 @@ UNRESOLVED = 1e-2
 
 
 def refine(system, cycles, rtol):
-    """`measure`, repeated with finer returns where the error is larger than rtol.
+    """`measure`, repeated with finer returns where errors are too large.
 
-    At most `MAX_REFINEMENTS` times and down to rounding: the error may stay larger.
+    They are too large if `error` exceeds rtol or `multipliers_error` three times rtol.  At most
+    `MAX_REFINEMENTS` times and down to rounding: the error may stay larger.
 
     cycles : `CycleEstimates`, refined in place
     """
     measures = measure(system, cycles)
     for _ in range(MAX_REFINEMENTS):
         floor = tightest(system, cycles.u)
-        worse = (measures["error"] > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
+        of_multipliers = measures["multipliers_error"].max(axis=1) / OF_MULTIPLIER
+        errors = np.fmax(measures["error"], of_multipliers)
+        worse = (errors > rtol) & (cycles.tol > floor) & (cycles.error == 0.0)
         if not worse.any():
             break
-        finer = cycles.tol[worse] * np.clip(rtol / measures["error"][worse], 0.01, 0.3)
+        finer = cycles.tol[worse] * np.clip(rtol / errors[worse], 0.01, 0.3)
         cycles.tol[worse] = np.maximum(finer, floor[worse])
         # (where there is no cycle Newton's step may lead to where V falls)
         known = worse & (measures["u"][:, -1] > 0.0)
@@ -44,21 +50,25 @@ def refine(system, cycles, rtol):
         cycles.period[known] = measures["period"][known]
         for name, value in measure(system.at(worse), cycles.at(worse)).items():
             measures[name][worse] = value
-    small = cycles.error > 0.0
-    if not small.any():
+    small = np.flatnonzero(cycles.error > 0.0)
+    if not len(small):
         return measures
+    found, of_found = measures["multipliers"][small], measures["multipliers_error"][small]
     first = _small_cycle_multiplier(system.at(small), measures["period"][small])
+    off = SAFETY * np.abs(first - found[:, 0])
+    better = off < of_found[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        second = np.prod(measures["multipliers"][small], axis=1) / first
-    measures["multipliers"][small] = np.stack([first, second], axis=1)
+        second = np.prod(found, axis=1) / first
+    measures["multipliers"][small[better]] = np.stack([first, second], axis=1)[better]
+    measures["multipliers_error"][small[better], 0] = off[better]
     return measures
 
 
 def _small_cycle_multiplier(system, period):
-    """(n,) larger multiplier of small-amplitude cycles, which a return would round to 1.
+    """(n,) larger multiplier of the smallest cycles, which a return would round to 1.
 
-    With dr/dT = g r + l r^3, g the growth rate of steady sliding, a distance from r^2 = -g/l
-    grows at the rate -2 g.
+    With dr/dT = g r + l r^3, g the growth rate of steady sliding, a distance from r^2 = -g/l grows
+    at the rate -2 g.  The relative error of the multiplier's distance from 1 is some r^2.
     """
     modes = steady_modes(system.eta, system.kappa, system.beta, system.margin)
     return np.exp(-2.0 * modes[:, 0].real * period)
@@ -96,7 +106,7 @@ def measure(system, cycles):
         whole = np.array([values["amplitude"], values["period"]])
         whole = np.where((whole > 0.0).all(axis=0), whole, 0.0)
         changes = np.stack([*np.abs([larger, longer]) / whole, *np.abs([v_max, v_min])], axis=1)
-        errors = _errors(orbits, values["multipliers"], changes)
+        errors, values["multipliers_error"] = _errors(orbits, values["multipliers"], changes)
         # By Parseval's theorem the share is at most 1.  Where it is not, steps were too long for
         # the waveform, whose speeds differ by seventy decades and more, and nothing is known of it.
         excess = values["fundamental"] - 1.0
@@ -120,9 +130,11 @@ def _fundamental_share(numbers):
 def _errors(orbits, floquet, changes):
     """(3, n) relative errors: the larger one of amplitude and period, of V_max, and of V_min.
 
-    Each is the sum of four parts.  Errors go with the tolerance, so what Newton's step leaves is
-    smaller than its change by the ratio of this orbit's tolerance to the estimate's.  The others
-    are the errors that steps accumulate, the smallest error of a return, and that of the
+    Also the errors (n, k) of the multipliers, which are those of the orbit that was followed.
+
+    Each relative error is the sum of four parts.  Errors go with the tolerance, so what Newton's
+    step leaves is smaller than its change by the ratio of this orbit's tolerance to the estimate's.
+    The others are the errors that steps accumulate, the smallest error of a return, and that of the
     parameters.
 
     changes : (n, 4) relative changes of amplitude, period, V_max and V_min by Newton's step
@@ -135,8 +147,10 @@ def _errors(orbits, floquet, changes):
     scale = np.minimum(1.0, np.abs(small_amplitude(system, cycles.u)))
     # Where the stress is large and the cycle hardly attracts, rounding can feign a cycle.
     feigned = ROUNDING_OF_RETURN * distance(system, cycles.u) > 1e-4 * attraction
-    least = tol / scale + np.where(feigned & ~fixed, np.inf, ROUNDING_OF_RETURN / attraction)
-    accumulated = np.where(fixed[:, None], 0.0, _accumulated_errors(orbits))
+    rounding = ROUNDING_OF_RETURN + np.where(fixed, 0.0, ROUNDING_OF_SPEED / scale)
+    least = tol / scale + np.where(feigned & ~fixed, np.inf, rounding / attraction)
+    accumulated, of_multipliers = _accumulated_errors(orbits, floquet)
+    accumulated = np.where(fixed[:, None], 0.0, accumulated)
     by_stiffness = backward_error(system, tol)[:, None] * stiffness_sensitivity(orbits)
     by_stiffness = np.where(fixed[:, None], 0.0, by_stiffness)
 
@@ -144,11 +158,15 @@ def _errors(orbits, floquet, changes):
         return np.array([values[:, :2].max(axis=1), values[:, 2], values[:, 3]])
 
     parts = finer * column(changes) + column(accumulated) + least + column(by_stiffness)
-    return cycles.error + SAFETY * parts
+    errors = cycles.error + SAFETY * parts
+    moved = errors[0] + SAFETY * changes[:, :2].max(axis=1)
+    return errors, SAFETY * of_multipliers + np.abs(floquet) * moved[:, None]
 
 
-def _accumulated_errors(orbits):
+def _accumulated_errors(orbits, floquet):
     """(n, 4) errors of amplitude, period, V_max and V_min that the steps of an orbit add up to.
+
+    Also those (n, k) of its multipliers `floquet`, which the steps' tolerance does not bound.
 
     Estimated from a coarser orbit, no finer than the one that led to the estimate: steps may
     accumulate many times the error of one, as V falls over decades, or in the stress of b/a near
@@ -163,4 +181,5 @@ def _accumulated_errors(orbits):
     at_u, gradients = difference(coarse, orbits).measures, orbits.by_u
     together = np.abs(at_u + change_along(gradients, step))[:, :2]
     apart = (np.abs(at_u) + change_along(np.abs(gradients), np.abs(step)))[:, 2:]
-    return np.concatenate([finer * together, np.sqrt(finer) * apart], axis=1)
+    of_multipliers = np.abs(multipliers(coarse.returns) - floquet)
+    return np.concatenate([finer * together, np.sqrt(finer) * apart], axis=1), of_multipliers

@@ -136,7 +136,7 @@ def _local_map(system, returns, current, rtol):
     floor = tightest(system, u)
     finest = np.maximum(rtol * scale * attraction, floor)
     noise = np.where(current.tol > floor, NOISE, NOISE_AT_TIGHTEST)
-    with np.errstate(divide="ignore"):  # a multiplier of exactly 1 resolves nothing
+    with np.errstate(divide="ignore", over="ignore"):  # a multiplier of about 1 resolves nothing
         resolution = np.maximum(rtol, noise * current.tol / (scale * attraction))
     return LocalMap(
         target,

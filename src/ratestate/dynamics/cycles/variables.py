@@ -10,8 +10,8 @@ from ..results import columns, status_variable
 #: their names, which a dimension or coordinate of the sweep cannot have
 VARIABLES = (
     "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
-    " multiplier stable residual error V_max_error V_min_error returns mu_min reversal_margin"
-    " outside_domain status"
+    " multipliers_error multiplier stable residual error V_max_error V_min_error returns mu_min"
+    " reversal_margin outside_domain status"
 ).split()
 
 
@@ -59,8 +59,8 @@ def cycle_variables(law, batch, status, measures, stable):
     both = alone + law.steady_stress(at_V)
     lowest = mu + p.a * measured("f_min", alone), 2.0 * mu + p.a * measured("xf_min", both)
     variables |= domain_variables(law, batch, *lowest)
-    multipliers = measures.get(
-        "multipliers", np.full((batch.n, 1 + len(law.states)), np.nan, complex)
-    )
-    variables["multipliers"] = batch.variable(multipliers, "multipliers", "multiplier")
+    without = np.full((batch.n, 1 + len(law.states)), np.nan)
+    for name, dtype in (("multipliers", complex), ("multipliers_error", float)):
+        value = measures.get(name, without.astype(dtype))
+        variables[name] = batch.variable(value, name, "multiplier")
     return variables | {"status": status_variable(batch, status)}

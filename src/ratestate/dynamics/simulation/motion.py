@@ -222,7 +222,7 @@ def _observables(law, batch, motion, rtol):
     with np.errstate(divide="ignore", invalid="ignore"):
         frequency = p.V0 / p.Dc / numbers["period"]
     values = {
-        "cycles": np.where(counts, numbers["cycles"], 0.0),
+        "cycles": numbers["cycles"],
         "amplitude": np.where(counts, p.a * numbers["amplitude"], 0.0),
         "frequency": np.where(counts, frequency, 0.0),
         "V_max": p.V0 * law.speed(numbers["v_max"], law.reference_state, coefficients),
