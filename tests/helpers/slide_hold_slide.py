@@ -30,17 +30,21 @@ def clean(slider=SLIDER, holds=HOLDS, slide=SLIDE, V_after=V, dt=DT):
     run = rs.simulate(slider, loading, float(t[-1]), times=t, rtol=1e-9)
     friction = (run.tau / slider.sigma).values
     columns = {"friction": ("time", friction), "delta_lp": ("time", run.delta_lp.values)}
+    columns["slip"] = "time", (run.delta_lp - run.tau / slider.K).values
     columns |= {"segment_t": ("segment", loading.t), "segment_V": ("segment", loading.V)}
     return xarray.Dataset(columns, {"time": t})
 
 
 @functools.cache
-def truth(slider=SLIDER, holds=HOLDS, V_after=V):
-    """(n, 2) healing and relaxation of the holds, each after steady sliding, by many samples."""
+def truth(slider=SLIDER, holds=HOLDS, V_after=V, last=12.0):
+    """(n, 2) healing and relaxation of the holds, each after steady sliding, by many samples.
+
+    last : how long the slide after a hold is [s]
+    """
     found = []
     for hold in holds:
         loading = rs.Loading.steps(V, (1.0, 0.0), (1.0 + hold, V_after))
-        t = np.concatenate([[0.0, 1.0 + hold], 1.0 + hold + np.linspace(0.0, 12.0, 24001)[1:]])
+        t = np.concatenate([[0.0, 1.0 + hold], 1.0 + hold + np.linspace(0.0, last, 24001)[1:]])
         run = rs.simulate(slider, loading, float(t[-1]), times=t, rtol=1e-10)
         friction = (run.tau / slider.sigma).values
         found.append([friction[1:].max() - friction[0], friction[0] - friction[1]])
@@ -48,8 +52,8 @@ def truth(slider=SLIDER, holds=HOLDS, V_after=V):
 
 
 def noisy(seed, *, white=3e-4, red=0.0, time=0.5, trend=0.0, **record):
-    """A record with noise and a drift of friction with displacement [1/m]."""
+    """A record with noise and a drift of friction with fault slip [1/m]."""
     data, rng = clean(**record), np.random.default_rng(seed)
     noise = white * rng.normal(size=data.sizes["time"])
     noise += red * correlated(data.time.values, time, rng) if red else 0.0
-    return data.assign(friction=data.friction + noise + trend * data.delta_lp)
+    return data.assign(friction=data.friction + noise + trend * data.slip)

@@ -91,6 +91,8 @@ def test_the_page_shows_each_hold():
     fig.draw_without_rendering()
     record, healing, relaxation = sorted(fig.axes, key=lambda ax: ax.get_title("left"))
     assert len(record.patches) == 4
+    (steady,) = (line for line in record.lines if np.isnan(line.get_ydata()).any())
+    np.testing.assert_array_equal(steady.get_ydata(), result.friction_steady)
     for ax, name in ((healing, "delta_mu"), (relaxation, "delta_mu_c")):
         assert ax.get_xscale() == "log"
         shown = {line.get_label(): line.get_ydata() for line in ax.lines}

@@ -37,7 +37,7 @@ def test_holds_are_those_of_the_load_point(one):
 def test_without_noise_it_is_exact():
     result = rs.healing(clean(dt=0.02), noise=1e-6)
     np.testing.assert_allclose(result.delta_mu, truth()[:, 0], rtol=0, atol=3e-6)
-    np.testing.assert_allclose(result.delta_mu_c, truth()[:, 1], rtol=0, atol=1e-5)
+    np.testing.assert_allclose(result.delta_mu_c, truth()[:, 1], rtol=0, atol=2e-5)
     np.testing.assert_allclose(result.friction_peak - result.friction_before, result.delta_mu)
 
 
@@ -86,7 +86,7 @@ def test_a_drift_is_extrapolated():
     level = rs.healing(noisy(7))
     for trend in (5.0, -5.0):
         drifting = rs.healing(noisy(7, trend=trend))
-        np.testing.assert_allclose(drifting.delta_mu, level.delta_mu, rtol=0, atol=2e-6)
+        np.testing.assert_allclose(drifting.delta_mu, level.delta_mu, rtol=0, atol=2e-5)
     flat = rs.healing(noisy(7, trend=5.0), trend=None)
     assert "evaluated" not in statuses(flat)[1:] or abs(
         float((flat.delta_mu - level.delta_mu)[1])

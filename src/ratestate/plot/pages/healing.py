@@ -49,6 +49,7 @@ def _record(result, ax):
     ax.plot(peaks, result["friction_peak"], "^", color="C3", label="peak", **look)
     ax.plot(start, result["friction_before"], "o", color="C0", label="steady before", **look)
     ax.plot(start + lasts, result["friction_min"], "v", color="C2", label="end of hold", **look)
+    ax.plot(at, result["friction_steady"], color="C0", lw=1.0, zorder=4)
     ax.set(xlabel=f"Time since the record's start [{unit}]", ylabel=r"Friction $\tau/\sigma$")
     ax.margins(x=0.01)
     ax.legend(ncols=3, **ABOVE)

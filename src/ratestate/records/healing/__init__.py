@@ -3,8 +3,10 @@
 ============================ ==========================================================
 ``healing``                  the function `healing`: in which order all below is done
 ``record``, ``holds``        samples, holds, and the slides before and after them
-``sliding``                  steady friction with its drift
+``fault_slip``               slip of the fault
 ``slide_noise``              the noise of friction that slides show
+``sliding``                  steady friction of each slide, with a drift common to all
+``transients``               how friction approaches its steady level after reloading
 ``polynomial_windows``       windows in which friction is a polynomial
 ``peak``                     the peak on reloading
 ``measured``                 healing and relaxation of one hold, with errors; its status

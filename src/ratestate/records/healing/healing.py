@@ -17,6 +17,7 @@ from .record import healing_record
 from .result import dataset_of
 from .slide_noise import FEWEST, noise_of_slides
 from .sliders import sliders_of
+from .sliding import levels_of
 
 
 @keywords_checked
@@ -24,9 +25,10 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     """Frictional healing and relaxation of each hold of a record, and their rates per decade.
 
     A slide-hold-slide test: healing is the peak of friction on reloading above steady friction
-    before the hold, relaxation the fall of friction below it during the hold.  Friction before the
-    hold may drift; its line is extrapolated.  The peak is that of a polynomial fitted about it by
-    generalized least squares, for the largest of noisy samples is above it.
+    before the hold, relaxation the fall of friction below it during the hold.  Steady friction is
+    a line that is extrapolated to the peak.  Its slope is common to all slides, and what is left
+    of the transient after the previous hold is allowed for.  The peak is that of a polynomial
+    fitted about it by generalized least squares, because the largest of noisy samples is too high.
 
     Parameters
     ----------
@@ -40,11 +42,11 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
         The load point's history, with t = 0 at the first sample; by default the steps and holds
         found in its displacement.
     trend : {"slip", "time", None}
-        Whether friction drifts in proportion to the load point's displacement, or to time.
+        Whether friction drifts in proportion to slip of the fault, or to time, or not at all.
     noise : float or dict, optional
         Standard deviation of the noise in friction; or those of its parts "white" and "red", and
         the correlation time "time" [s] of the red part.  By default estimated, from the later
-        halves of the slides.
+        halves of the slides, and at least the resolution of friction.
 
     Returns
     -------
@@ -52,7 +54,7 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
         Along ``hold``, n holds in order of time: ``hold_start`` [s], ``t_hold`` [s], how long
         the load point rests, ``V_before`` and ``V_after`` [m/s], ``friction_before`` (steady, at
         the hold's start), ``friction_min`` (at its end), ``friction_peak``, ``peak_time`` [s],
-        ``friction_after`` (the level in the later half of the slide after), ``delta_mu``
+        ``friction_after`` (steady, at the end of the slide after), ``delta_mu``
         (healing) and ``delta_mu_c`` (relaxation); each friction with its standard error,
         ``NAME_error``.  ``hold_status`` (int8 with CF flags; 0 evaluated) and ``hold_message``
         (why something is NaN, or must be known).  Scalars: ``beta`` and ``beta_c``, change of
@@ -64,7 +66,8 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
         ``law`` and ``hold``: ``delta_mu_predicted``, ``delta_mu_c_predicted``, and along ``law``
         ``beta_predicted`` and ``beta_c_predicted``, slopes of the same weighted line through
         predictions; with standard errors where they are from a fit.  ``noise_white``,
-        ``noise_red``, ``noise_time``; ``friction`` along ``time``.
+        ``noise_red``, ``noise_time``.  Along ``time``: ``friction``, and ``friction_steady``, the
+        line of steady friction from the slide before a hold to the peak, NaN elsewhere.
 
     Raises
     ------
@@ -77,8 +80,11 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     -----
     Healing as of Dieterich (1972, doi:10.1029/JB077i020p03690) and Marone (1998,
     doi:10.1146/annurev.earth.26.1.643).  The rate is that of healing with log10 of hold time, by
-    least squares weighted with the errors.  Errors do not have in them that sliding is steady only
-    to within what the noise lets see.
+    least squares weighted with the errors.  Slip of the fault is the load point's displacement less
+    friction/k, with k the slope of reloading; the load point's displacement if k is not resolved.
+    No error is less than the rounding of friction.  ``hold_message`` says when healing depends on
+    the drift, and when a slide was too short to become steady.  Its level is then that of a line
+    through all slides, from which slides differ by as much as they are seen to.
 
     Examples
     --------
@@ -98,10 +104,13 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     given, sliders = given_noise(noise), sliders_of(slider)
     record = healing_record(in_si(data), loading, trend)
     with single_blas():
-        found = given or noise_of_slides(record.t, record.friction, record.slides)
+        found = given or noise_of_slides(
+            record.t, record.friction, [one.rows for one in record.slides]
+        )
         if found is None:
             raise refusal("record.no_slide", fewest=FEWEST)
-        measured = [measure(record, hold, found) for hold in record.holds]
+        levels = levels_of(record, found)
+        measured = [measure(record, hold, found, levels) for hold in record.holds]
     predicted = {
         law: [predict(fitted, hold, record.kind) for hold in record.holds]
         for law, fitted in sliders.items()

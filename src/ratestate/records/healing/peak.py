@@ -5,13 +5,22 @@ The maximum of a polynomial fitted to samples about the peak is above it by far 
 variance of the slope over the curvature, which is subtracted.
 """
 
+import math
+
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from .polynomial_windows import CERTAIN, GROWTH, fewest_samples, is_curved, window_of
+from .polynomial_windows import (
+    CERTAIN,
+    GROWTH,
+    SIGNIFICANT,
+    curvature,
+    fewest_samples,
+    window_of,
+)
 
-#: orders: of the polynomial that is tested, and of the one that is used
-TESTED, USED = 3, 5
+#: orders: of the polynomial that is tested, and of the one that is used; orders of a test
+TESTED, USED, ORDERS = 3, 5, 2
 #: successive windows that must fail: noise about the largest sample may be odd in one
 FAILED = 2
 #: a peak is within this part of its window about the middle
@@ -20,19 +29,32 @@ INSIDE = 0.9
 POINTS = 801
 
 
-def peak_window(t, friction, slide, noise):
-    """The `Window` about the peak of a slide (rows); None where friction is not resolved there."""
+def peak_window(record, slide, noise):
+    """The `Window` about the peak of a slide (rows), and the noise about a polynomial there.
+
+    The noise is larger than that of the record if even the smallest windows need higher orders.
+    """
+    t, friction = record.t, record.friction
     best, width, failed = None, float(fewest_samples(USED)), 0
     while width <= slide.size and failed < FAILED:
-        rows = _about_maximum(friction, slide, int(width))
+        rows = _about_maximum(record.level, slide, int(width))
         width *= GROWTH
         # (the smallest ones may need all orders that are used)
-        test = (USED, noise, CERTAIN) if best is None else (TESTED, noise)
-        if is_curved(t, t, friction, rows, *test):
+        order, least = (USED, CERTAIN) if best is None else (TESTED, SIGNIFICANT)
+        if curvature(t, t, friction, rows, order, noise) > least:
             failed += 1
         else:
             best, failed = rows, 0
-    return None if best is None else window_of(t, best, USED)
+    if best is None:
+        best = _about_maximum(record.level, slide, fewest_samples(USED))
+        excess = curvature(t, t, friction, best, USED, noise)
+        noise = _enlarged(noise, math.sqrt(excess / ORDERS))
+    return window_of(t, best, USED), noise
+
+
+def _enlarged(noise, factor):
+    """A `Noise` with standard deviations larger by a factor."""
+    return noise._replace(white=factor * noise.white, red=factor * noise.red)
 
 
 def _about_maximum(friction, slide, width):

@@ -44,28 +44,28 @@ def window_of(x, rows, order):
 
 
 def fewest_samples(order):
-    """Fewest samples of a window with a polynomial of this order: `is_curved` tests two more."""
+    """Fewest samples of a window with a polynomial of this order: `curvature` is of two more."""
     return order + 3
 
 
-def is_curved(t, x, y, rows, order, noise, least=SIGNIFICANT):
-    """Whether a polynomial of order + 2 in x fits significantly better than one of this order."""
+def curvature(t, x, y, rows, order, noise):
+    """Fall of chi-square by a polynomial of order + 2 in x in place of one of this order."""
     basis = window_of(x, rows, order + 2).basis(x[rows])
     small, large = (
         generalized_least_squares(t[rows], y[rows], basis[:, :columns], noise).chi2
         for columns in (order + 1, order + 3)
     )
-    return small - large > least
+    return small - large
 
 
 def largest_straight(t, x, y, windows, order, noise):
-    """The largest of windows (arrays of rows, growing) none of which before it `is_curved`.
+    """The largest of windows (arrays of rows, growing) none of which before it is curved.
 
     None if the first one is.
     """
     best = None
     for rows in windows:
-        if is_curved(t, x, y, rows, order, noise):
+        if curvature(t, x, y, rows, order, noise) > SIGNIFICANT:
             break
         best = rows
     return best

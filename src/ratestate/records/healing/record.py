@@ -1,4 +1,4 @@
-"""A record as `healing` looks at it: samples, the load point's segments, and the holds in them."""
+"""A record as `healing` looks at it: samples, the load point's segments, holds, and slides."""
 
 from typing import NamedTuple
 
@@ -6,8 +6,21 @@ import numpy as np
 
 from ..fitting.raw_record import raw_record
 from ..load_point import Segments, segments_of
+from .fault_slip import fault_slip
 from .holds import holds_of
 from .messages import refusal
+
+#: samples of which the mean is friction at a slide's end; speeds that differ by more are two speeds
+LAST, SPEEDS = 12, 0.05
+
+
+class Slide(NamedTuple):
+    """A slide before or after a hold."""
+
+    rows: np.ndarray  # of samples
+    tail: np.ndarray  # rows from the peak on, if it follows a hold
+    V: float  # [m/s]
+    follows_hold: bool
 
 
 class HealingRecord(NamedTuple):
@@ -19,21 +32,26 @@ class HealingRecord(NamedTuple):
     trend: str | None  # along what friction drifts: "slip", "time" or None
     segments: Segments
     holds: list
+    slides: list
+    slip: np.ndarray  # of the fault [m]; of the load point if k is not resolved
+    k: float  # stiffness over normal stress [1/m]; inf if it is not resolved
+    level: np.ndarray  # friction without a rough estimate of its drift
 
     @property
     def spacing(self):
         """The usual time between samples [s]."""
         return float(np.median(np.diff(self.t)))
 
-    def along(self, t):
-        """What friction drifts with, at times t [s]: time, or load-point displacement [m]."""
-        return np.asarray(t) if self.trend == "time" else self.segments.displacement(t)
-
     @property
-    def slides(self):
-        """Rows (list of arrays) of the slides before and after holds, each once."""
-        rows = [rows for hold in self.holds for rows in (hold.before, hold.after) if rows.size]
-        return list({int(one[0]): one for one in rows}.values())
+    def along(self):
+        """What friction drifts along (m,): time [s], or slip of the fault [m]."""
+        return self.t if self.trend == "time" else self.slip
+
+    def along_at(self, t, friction):
+        """What friction drifts along, at a time [s] when it has this value."""
+        if self.trend == "time":
+            return t
+        return float(self.segments.displacement(t)) - friction / self.k
 
 
 def healing_record(data, loading, trend):
@@ -49,4 +67,37 @@ def healing_record(data, loading, trend):
     holds = holds_of(raw, segments)
     if not holds:
         raise refusal("record.no_hold")
-    return HealingRecord(raw.time, raw.friction, raw.kind, trend, segments, holds)
+    slip, k = fault_slip(raw.friction, segments.displacement(raw.time), holds)
+    level = raw.friction - (_drift(raw.friction, slip, holds) * slip if trend else 0.0)
+    slides = _slides(level, holds)
+    return HealingRecord(
+        raw.time, raw.friction, raw.kind, trend, segments, holds, slides, slip, k, level
+    )
+
+
+def is_same(one, other):
+    """Whether two speeds count as one."""
+    return abs(one - other) <= SPEEDS * max(one, other)
+
+
+def _drift(friction, slip, holds):
+    """Change of friction with slip [1/m], the median over slides, each to the next one's end."""
+    slopes = []
+    for hold in holds:
+        before, after = hold.before[-LAST:], hold.after[-LAST:]
+        if min(before.size, after.size) == LAST and is_same(hold.V_before, hold.V_after):
+            moved = slip[after].mean() - slip[before].mean()
+            slopes.append((friction[after].mean() - friction[before].mean()) / moved)
+    return float(np.median(slopes)) if slopes else 0.0
+
+
+def _slides(level, holds):
+    """List of the `Slide`s before and after holds, each once, in order of time."""
+    found = {}
+    for hold in holds:
+        sides = (hold.before, hold.V_before, False), (hold.after, hold.V_after, True)
+        for rows, V, after in sides:
+            if rows.size and (first := int(rows[0])) not in found:
+                tail = rows[int(np.argmax(level[rows])) :] if after else rows
+                found[first] = Slide(rows, tail, V, after)
+    return list(found.values())

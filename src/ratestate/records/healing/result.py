@@ -8,12 +8,15 @@ from ..fitting.result import labelled
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
 from .messages import message
 from .rate import line_of, slope_of, times_along
+from .record import is_same
 from .slide_noise import FEWEST
 
 #: what has a rate per decade -> that rate
 RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}
-#: speeds that differ by more are two speeds
-SPEEDS = 0.05
+#: errors of the level before a hold beyond which its drift up to the peak is mentioned
+DRIFT = 3.0
+#: errors of the peak beyond which it is mentioned that a slide does not give its level by itself
+TRANSIENT = 2.0
 
 
 def dataset_of(record, noise, measured, sliders, predicted):
@@ -23,7 +26,8 @@ def dataset_of(record, noise, measured, sliders, predicted):
     """
     variables = _history(record.holds) | _found(measured)
     result = xarray.Dataset(variables, labelled("time", time=record.t))
-    result = result.assign(labelled("time", friction=record.friction))
+    lines = labelled("time", friction=record.friction, friction_steady=_steady(record, measured))
+    result = result.assign(lines)
     result = result.assign(_rates(result))
     messages = [_message(hold, one) for hold, one in zip(record.holds, measured, strict=True)]
     if predicted:
@@ -69,17 +73,40 @@ def _found(measured):
     return found
 
 
+def _steady(record, measured):
+    """(m,) steady friction of the slide before each hold, up to the peak; NaN elsewhere."""
+    steady = np.full(record.t.size, np.nan)
+    for hold, one in zip(record.holds, measured, strict=True):
+        if one.status == EVALUATED:
+            start = np.nanmin([one.before.start, hold.start])
+            first, last = np.searchsorted(record.t, (start, one.peak_time))
+            steady[first:last] = one.before.at(record.along[first:last])[0]
+    return steady
+
+
 def _message(hold, measured):
     """Why something is not known of a hold, or what must be known of it; "" if nothing."""
     if measured.status == EVALUATED:
-        before, after = hold.V_before, hold.V_after
-        if abs(after - before) <= SPEEDS * max(before, after):
-            return ""
-        return message("evaluated.other_speed", before=before, after=after)
+        return "; ".join(_remarks(hold, measured))
     short = measured.status == SHORT
     samples, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
     name = STATUSES[measured.status]
     return message(f"status.{name}", samples=samples.size, fewest=fewest)
+
+
+def _remarks(hold, measured):
+    """What must be known of a hold that is evaluated (list of str)."""
+    remarks, before = [], measured.before
+    if not is_same(hold.V_before, hold.V_after):
+        speeds = {"before": hold.V_before, "after": hold.V_after}
+        remarks.append(message("evaluated.other_speed", **speeds))
+    level, error = before.at(before.end)
+    drift = before.at(measured.along)[0] - level
+    if abs(drift) > DRIFT * error:
+        remarks.append(message("evaluated.drift", drift=drift, error=error))
+    if before.own_error > TRANSIENT * measured.found["friction_peak"][1]:
+        remarks.append(message("evaluated.transient"))
+    return remarks
 
 
 def _rates(result):

@@ -1,0 +1,178 @@
+"""Steady friction before holds: short slides, hardening, transients, fault slip, digits."""
+
+import numpy as np
+import pytest
+from slide_hold_slide import clean, loading_of, noisy, truth
+
+import ratestate as rs
+from ratestate.records.fitting.noise import Noise
+from ratestate.records.healing.fault_slip import fault_slip
+from ratestate.records.healing.record import healing_record
+from ratestate.records.healing.sliding import _Line, levels_of
+from ratestate.records.healing.transients import Shape
+from ratestate.records.sample_noise import resolution
+
+#: with it slides of 200 um are short: friction is oscillating still, with a decay length of 32 um
+SOFT = rs.SpringSlider(
+    a=0.007, b=0.008, Dc="17 um", sigma="10 MPa", K="5 GPa/m", V0="10 um/s", law="aging"
+)
+SHORT = {"slider": SOFT, "holds": (10.0, 100.0, 1000.0), "slide": 20.0, "white": 2e-4}
+HEALING = truth(SOFT, SHORT["holds"], last=16.0)[:, 0]
+
+
+def test_slides_that_are_short_beside_Dc():
+    """Healing to within its errors, which are larger, and with a message."""
+    z, beta = [], []
+    for seed in range(6):
+        result = rs.healing(noisy(seed, **SHORT))
+        assert (result.hold_status == 0).all()
+        z.append((result.delta_mu - HEALING) / result.delta_mu_error)
+        beta.append((result.beta - 0.0170) / result.beta_error)
+        assert "friction was still changing" in result.hold_message.values[2]
+        assert "friction was still changing" not in result.hold_message.values[0]
+        assert 5e-5 < float(result.delta_mu_error[2]) < 3e-3
+    assert np.abs(z).max() < 3.0
+    assert np.mean(np.abs(z)) > 0.2
+    assert np.abs(beta).max() < 3.0
+
+
+def test_a_drift_with_time_over_a_long_hold_is_not_known():
+    result = rs.healing(noisy(1, **SHORT), trend="time")
+    known = result.hold_status == 0
+    assert known[:2].all()
+    assert (
+        (np.abs(result.delta_mu - HEALING) < 3.0 * result.delta_mu_error).where(known, True).all()
+    )
+    assert "not yet steady" in result.hold_message.values[2]
+    steady = rs.healing(noisy(1, **SHORT | {"slide": 80.0}), trend="time")
+    assert (steady.hold_status == 0).all()
+    assert (np.abs(steady.delta_mu - HEALING) < 3.0 * steady.delta_mu_error).all()
+    assert float(steady.delta_mu_error[2]) < 1e-3
+
+
+@pytest.mark.parametrize("hardening", [5.0, -5.0])
+def test_friction_drifts_with_slip_of_the_fault(hardening):
+    """On reloading the fault slips 150 um less than the load point: healing would be 7e-4 off."""
+    data = noisy(3, **SHORT | {"slide": 80.0, "white": 5e-5}, trend=hardening)
+    result = rs.healing(data)
+    assert (np.abs(result.delta_mu - HEALING) < 3.0 * result.delta_mu_error).all()
+    assert float(result.delta_mu_error.max()) < 2e-4
+    assert all("friction drifts by" in text for text in result.hold_message.values)
+    flat = rs.healing(noisy(3, **SHORT | {"slide": 80.0, "white": 5e-5}))
+    assert not any("friction drifts by" in text for text in flat.hold_message.values)
+
+
+def test_fault_slip():
+    data = clean(SOFT, SHORT["holds"], 40.0, dt=0.05)
+    record = healing_record(data, None, "slip")
+    assert record.k == pytest.approx(500.0, rel=0.03)
+    np.testing.assert_allclose(np.diff(record.slip), np.diff(data.slip), atol=3e-8)
+    friction, displacement = data.friction.values, data.delta_lp.values
+    slip, k = fault_slip(friction[::20], displacement[::20], [])
+    assert k == np.inf
+    np.testing.assert_array_equal(slip, displacement[::20])
+
+
+def test_a_transient_is_that_of_linear_theory():
+    """Eigenvalues of the linear equations: lambda^2 a Dc + lambda (k Dc + a - b) + k = 0."""
+    a, b, Dc, k = 0.007, 0.008, 17e-6, 500.0
+    slow = (k * Dc + a - b) / (2.0 * a * Dc)
+    shape = Shape(1.0 / slow, 0.0, np.sqrt(k / (a * Dc) - slow**2) / slow)
+    data = clean(SOFT, (10.0,), 40.0, dt=0.02)
+    tail = data.sel(time=slice(63.0, 80.0))
+    friction = tail.friction.values - 0.6
+    columns = shape.columns(tail.slip.values)
+    for used, largest in ((columns[:, :2], 4e-2), (columns, 4e-3)):
+        rest = friction - used @ np.linalg.lstsq(used, friction, rcond=None)[0]
+        assert np.abs(rest).max() < largest * np.abs(friction).max()
+    assert np.abs(friction).max() > 1e-4
+
+
+def test_levels_scatter_about_their_line_as_much_as_is_seen():
+    rng, n = np.random.default_rng(2), 60
+    x = np.linspace(-1.0, 1.0, n)
+    designs = np.zeros((n, 2, 2))
+    designs[:, 0, 0], designs[:, 0, 1], designs[:, 1, 1] = 1.0, x, 1.0
+    errors = np.tile(1e-4 * np.eye(2) * 1e-4, (n, 1, 1))
+    for scatter in (0.0, 1e-3):
+        noise = np.hypot(scatter, 1e-4) * rng.normal(size=(n, 2))
+        line = _Line(designs, designs @ [0.6, 0.01] + noise, errors, 2)
+        assert line.scatter() == pytest.approx(scatter, rel=0.3, abs=7e-5)
+        fitted, covariance = line.fitted(scatter, x > -2.0)
+        off = np.abs(fitted - [0.6, 0.01]) / np.sqrt(np.diag(covariance))
+        assert 0.05 < off.max() < 3.0
+
+
+def test_a_slide_without_samples_of_its_own_has_the_level_of_the_others():
+    data = noisy(4, trend=3.0)
+    record = healing_record(data, None, "slip")
+    noise = Noise(3e-4)
+    own = levels_of(record, noise)
+    first = int(record.slides[2].rows[0])
+    slides = list(record.slides)
+    slides[2] = slides[2]._replace(tail=slides[2].tail[:3])
+    other = levels_of(record._replace(slides=slides), noise)[first]
+    assert own[first].own_error < 2e-4
+    assert other.own_error == np.inf
+    both = np.hypot(other.at(other.end)[1], own[first].at(other.end)[1])
+    assert 0.0 < abs(other.at(other.end)[0] - own[first].at(other.end)[0]) < 3.0 * both < 1e-3
+
+
+def test_the_steady_line_ends_at_the_peak():
+    result = rs.healing(noisy(1, holds=(30.0, 100.0), trend=4.0))
+    steady = result.friction_steady
+    for hold in (0, 1):
+        one = result.isel(hold=hold)
+        at_start = float(steady.sel(time=float(one.hold_start) - 0.2, method="nearest"))
+        assert at_start == pytest.approx(float(one.friction_before), abs=2e-5)
+        at_peak = float(steady.sel(time=float(one.peak_time) - 0.1, method="nearest"))
+        expected = float(one.friction_peak - one.delta_mu)
+        assert at_peak == pytest.approx(expected, abs=2e-5)
+        assert abs(at_peak - at_start) > 2e-5
+        assert np.isnan(steady.sel(time=float(one.peak_time) + 0.3, method="nearest"))
+
+
+@pytest.mark.parametrize(("digits", "step"), [(9, 1e-9), (4, 1e-4)])
+def test_a_record_without_noise_has_the_errors_of_its_digits(digits, step):
+    slider = rs.SpringSlider(
+        a=0.005, b=0.01, Dc="10 um", sigma="5 MPa", K="5 GPa/m", V0="10 um/s", law="aging"
+    )
+    data = clean(slider, (10.0, 30.0), 30.0, dt=0.02)
+    result = rs.healing(data.assign(friction=data.friction.round(digits)))
+    assert (result.hold_status == 0).all()
+    exact = truth(slider, (10.0, 30.0))
+    assert exact[0, 0] == pytest.approx(0.0204361, abs=1e-6)
+    for name, known in (("delta_mu", exact[:, 0]), ("delta_mu_c", exact[:, 1])):
+        error = result[f"{name}_error"]
+        assert (error >= step * 12**-0.5 * 0.999).all()
+        assert (error < max(10.0 * step, 1e-6)).all()
+        assert (np.abs(result[name] - known) < 5.0 * error + 1e-7).all()
+
+
+def test_resolution():
+    values = np.random.default_rng(1).integers(0, 50, 400) * 0.002 + 0.5
+    assert resolution(values) == pytest.approx(0.002)
+    assert resolution(np.append(values, values * (1.0 + 1e-15))) == pytest.approx(0.002)
+    assert resolution(np.full(5, 0.6)) == 0.0
+
+
+def test_many_samples_are_averaged():
+    """With 2,000 samples a slide or more its level and its error are those of all of them."""
+    fine, coarse = (noisy(2, holds=(30.0,), dt=dt, white=3e-4) for dt in (0.008, 0.1))
+    few, many = (rs.healing(data) for data in (coarse, fine))
+    assert (np.abs(many.delta_mu - truth(holds=(30.0,))[:, 0]) < 3.0 * many.delta_mu_error).all()
+    ratio = float(few.friction_before_error[0] / many.friction_before_error[0])
+    assert 0.6 * 12.5**0.5 < ratio < 1.7 * 12.5**0.5
+
+
+@pytest.mark.parametrize("trend", ["slip", "time", None])
+def test_one_hold(trend):
+    """Its slides, and one slide alone."""
+    data = noisy(5, holds=(30.0,))
+    exact = truth(holds=(30.0,))[0]
+    both = rs.healing(data, trend=trend)
+    assert both.hold_status.item() == 0
+    assert abs(both.delta_mu.item() - exact[0]) < 3.5 * both.delta_mu_error.item() < 2e-3
+    one = rs.healing(data.sel(time=slice(None, 59.0)), trend=trend, loading=loading_of((30.0,))[0])
+    assert "record ends" in one.hold_message.item()
+    assert abs(one.delta_mu_c.item() - exact[1]) < 3.5 * one.delta_mu_c_error.item() < 1e-3
