@@ -41,7 +41,7 @@ def rates(s, l, law, y, w, e):
     g, S_v, S_psi = inertial_force(y, w, e, law, p)
     c = law.speed_slope(w, e)
     f_omega = (f_x - dot(S_psi, f_psi)) / S_v if eta < SLAVED else g / (eta * c)
-    return f_x, minus_dot(f_omega, law.shares(e, 1.0 / c, p), f_psi), *f_psi
+    return f_x, minus_dot(f_omega, law.shares(w, 1.0 / c, p), f_psi), *f_psi
 
 
 @inner
@@ -51,7 +51,7 @@ def end_at_crossing(s, l, law):
     y = read_rows(s, rows.y_new, l)
     e, p = read_rows(s, rows.e_new, l), read_rows(s, rows.p, l)
     speeds = rates(s, l, law, y, s[R.W_NEW + l], e)
-    shares = law.shares(e, 1.0 / law.speed_slope(s[R.W_NEW + l], e), p)
+    shares = law.shares(s[R.W_NEW + l], 1.0 / law.speed_slope(s[R.W_NEW + l], e), p)
     omega = dot_onto(speeds[1], shares, speeds[2:])
     dt = -(y[1] - law.v_at(1.0, y[2:], p)) / omega
     psi = plus(y[2:], dt, speeds[2:])
@@ -119,7 +119,7 @@ def perturbed(s, l, law, at):
     """The perturbations of the speed, as of `v_of_order`, where in the step it is at, 0 to 1."""
     (y, w, e), z = inside(rows_of(law).c_z, s, l, law, at)
     p = read_rows(s, rows_of(law).p, l)
-    shares = law.shares(e, 1.0 / law.speed_slope(w, e), p)
+    shares = law.shares(w, 1.0 / law.speed_slope(w, e), p)
     return times(law.order_slope(w, y[2:], e, p), changes_of_speed(z, shares))
 
 

@@ -24,6 +24,9 @@ from .rows import rows_of
 from .tuples import dot_onto, load_each, load_rows, of_each, plus, read_rows, times, write
 from .waveform import add_rodas5p, add_taylor, find_slow_lanes
 
+# Distance of w from 1 at a start on the section, which is rounding.
+ON_SECTION = 1e-10
+
 
 class Starts(NamedTuple):
     """From where each slider sets out; arrays of one value a case unless a shape is given."""
@@ -95,8 +98,7 @@ def load(s, l, law, i, starts):
     for row in rows.x_low:
         s[row + l] = math.nan
     # A start on the section is a crossing already made: the step from it leads to no other.
-    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
-    s[R.SINCE + l] = 0.0 if y[1] == law.v_at(1.0, y[2:], p) else 1.0
+    s[R.SINCE + l] = 0.0 if abs(s[R.W + l] - 1.0) < ON_SECTION else 1.0
     choose_first_step(s, l, law)
 
 
@@ -117,7 +119,7 @@ def finish(s, l, law, results):
     rows = rows_of(law)
     y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
     speeds = rates(s, l, law, y, s[R.W + l], e)
-    shares = law.shares(e, 1.0 / law.speed_slope(s[R.W + l], e), p)
+    shares = law.shares(s[R.W + l], 1.0 / law.speed_slope(s[R.W + l], e), p)
     omega = dot_onto(speeds[1], shares, speeds[2:])
     numbers = ReturnNumbers(
         period=s[R.T + l] + s[R.T_LOW + l],
