@@ -4,6 +4,8 @@ A step that holds a crossing of the section is taken back, and repeated to end t
 is as accurate as the steps are.
 """
 
+import math
+
 from . import rows as R
 from .dense_output import state, values
 from .equations import exponentials_alone, inertial_force
@@ -34,13 +36,14 @@ NEAREST = 1e-6
 
 @inner
 def rates(s, l, law, y, w, e):
-    """dx/dT, dv/dT and dpsi/dT, a tuple, where the load point's speed is 1."""
+    """dx/dT, dv/dT and dpsi/dT, a tuple, if the load point's speed is 1."""
     _, kappa, eta, p = system_of(s, l, law)
     f_x = kappa * (1.0 - w)
     f_psi = law.rates_in_v(y[1], w, y[2:], e, p)
     g, S_v, S_psi = inertial_force(y, w, e, law, p)
     c = law.speed_slope(w, e)
-    f_omega = (f_x - dot(S_psi, f_psi)) / S_v if eta < SLAVED else g / (eta * c)
+    slaved = eta == 0.0 or max(eta, abs(g)) < SLAVED * math.sqrt(abs(S_v) / c)
+    f_omega = (f_x - dot(S_psi, f_psi)) / S_v if slaved else g / (eta * c)
     return f_x, minus_dot(f_omega, law.shares(w, 1.0 / c, p), f_psi), *f_psi
 
 
@@ -65,7 +68,7 @@ def end_at_crossing(s, l, law):
     s[R.H_NEXT + l] = s[R.H_PLANNED + l]
     s[R.LANDING_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
     s[R.EVERY_STEP + l] = 0.0
-    if omega > 0.0:
+    if s[R.W + l] < 1.0:  # it rises
         s[R.STATUS + l] = FINISHED
     else:
         s[R.X_LOW + l] = s[R.X_NEW + l]
