@@ -201,3 +201,26 @@ def test_rigid_drive_at_rest():
 def test_wrong_kind_of_argument(call):
     with pytest.raises((ParameterError, TypeError), match=r"Loading|SpringSlider"):
         call(1e-3)
+
+
+def test_sizes_beyond_double_precision():
+    """Both sides of each limit, of numbers whose powers and exponentials no double holds."""
+    slider = rs.SpringSlider(a=0.005, b=0.008, Dc=1e-5, sigma=4e6, M=100.0, K=0.96e9, V0=1e-6)
+    refused = r"^M V_lp\^2/\(a sigma Dc\) = 10\^100\.7 is beyond .* Check the sizes and units of M,"
+    with pytest.raises(ParameterError, match=refused):
+        rs.stability(slider, 1e49)
+    assert np.isfinite(rs.stability(slider, 1e48).eigenvalues).all()
+    for Dc in (5e-324, 1e-106):
+        tiny = slider.replace(Dc=axis([Dc, 1e-5]))
+        with pytest.raises(ParameterError, match=r"^a sigma/\(K Dc\) = 10\^"):
+            rs.stability(tiny, 1e-30)
+    assert np.isfinite(rs.stability(slider.replace(Dc=1e-90), 1e-30).eigenvalues).all()
+    with pytest.raises(ParameterError, match=r"^K Dc/\(a sigma\) = 10\^204\.7"):
+        limit_cycle(slider.replace(Dc=1e200), 1e-3)
+    loading = Loading.constant(1e-5)
+    for start in ({"V_start": 2.6e-267}, {"initial": {"V": 2.6e-267}}):
+        with pytest.raises(ParameterError, match=r"V.* = 2\.6e-267 m/s is out of range: .* V0"):
+            simulate(slider, loading, 1.0, **start)
+    run = simulate(slider, loading, 1.0, V_start=2.7e-267, times=[0.0, 1.0])
+    assert float(run.V[0]) == pytest.approx(2.7e-267, rel=1e-12)
+    assert np.isfinite(run.mu).all()

@@ -219,6 +219,30 @@ def test_a_rigid_spring_is_the_limit_of_a_stiff_one():
         assert float(rigid[name]) == pytest.approx(float(stiff[name]), rel=2e-5)
 
 
+@pytest.mark.parametrize("M", [2.94e8, 1.1e9])
+def test_friction_keeps_its_digits_where_it_is_nearly_0(M):
+    """mu falls to 1e-10 at V_lp and beyond; then the slider slides back.  By SciPy."""
+    p = {"a": 0.0192, "b": 0.104, "Dc": 1e-5, "sigma": 1e6, "mu0": 0.7, "V0": 1e-9, "K": 1.437e9}
+    p["M"] = M
+    twin = Reversing("slip", p)
+    slider = rs.SpringSlider(law="slip", friction="regularized", **p)
+    times, loading = np.array([0.0, 1.6, 2.1, 3.0, 5.0, 8.0]), rs.Loading.constant(1e-5)
+    exact = twin.through(twin.steady(1e-6), 1e-5, times, [])
+    errors = []
+    for rtol in (1e-6, 1e-8, 1e-10):
+        run = rs.simulate(slider, loading, 8.0, V_start=1e-6, times=times, rtol=rtol)
+        assert int(run.steps) < 10_000
+        assert float(run.V_min) < -5e-5
+        errors.append(twin.differs(run, exact))
+    assert 1e-7 < errors[0] < 1e-4
+    assert errors[1] < 0.1 * errors[0]
+    assert errors[2] < min(0.1 * errors[1], 3e-8)
+    if M == 2.94e8:  # at the default rtol, by an 80-bit integrator
+        run = rs.simulate(slider, loading, 2.1, V_start=1e-6, times=[2.1])
+        assert abs(math.log(float(run.V[0]) / 1.7463793517e-4)) < 1e-5
+        assert 0.0 < float(run.mu[0]) < 2e-9
+
+
 def test_what_does_not_reverse_says_so():
     with pytest.raises(rs.ParameterError, match="im2017 is for slip that never reverses; use"):
         rs.simulate(SWINGING, rs.Loading.constant(0.1), 1.0, V_start=0.05, method="im2017", dt=1e-5)

@@ -11,6 +11,7 @@ import pytest
 from dimensionless import P1, P2, P4A, P4B, jacobian, make_system, random_sliders, rates
 from scipy.integrate import solve_ivp
 
+import ratestate as rs
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.shooting import multipliers, return_map
 from ratestate.dynamics.cycles.system import state
@@ -340,3 +341,20 @@ def test_without_the_compiler():
             assert one[0] == pytest.approx(other[0], rel=1e-8, abs=1e-12), name
             assert one[1] == pytest.approx(other[1], rel=1e-5, abs=1e-12), name
         np.testing.assert_allclose(plain[2], compiled[2], rtol=1e-5, atol=1e-12)
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
+def test_a_sudden_arrest_ends_no_return(rtol):
+    """V falls through V_lp while S_v dv/dT = -S_psi dpsi/dT has the other sign; by a run."""
+    parameters = {"a": 0.012037, "b": 0.054124, "Dc": 1.1553e-4, "sigma": 1.3986e6, "mu0": 0.62545}
+    parameters |= {"K": 1.95253e7, "M": 4.92037, "V0": 2.20713e-6, "b2": -0.0038346}
+    parameters |= {"Dc2": 6.75344e-6, "V1": 1.602066e-4, "V2": 2.272778e-5}
+    V = 8.17984e-5
+    slider = rs.SpringSlider(law="two-state-slip", friction="cut-off", **parameters)
+    cycle = rs.limit_cycle(slider, V, rtol=rtol)
+    run = rs.simulate(slider, rs.Loading.constant(V), 1500, V_start=V / 10, rtol=rtol, times=[1500])
+    assert int(cycle.returns) == int(run.returns) == 1
+    assert float(cycle.period) == pytest.approx(90.9, abs=0.2)
+    assert float(cycle.period) == pytest.approx(1 / float(run.frequency), rel=2 * rtol)
+    assert float(cycle.amplitude) == pytest.approx(float(run.amplitude), rel=2 * rtol)
+    assert float(cycle.error) < rtol

@@ -125,7 +125,7 @@ def solution(law, p, point, start=None):
     for _ in range(Truncated.N):
         x, v, *psi = y
         w = v.exp()
-        exponents = law.own_exponents(v, w, tuple(psi), (), p)
+        exponents = law.own_exponents(v, w, tuple(psi), p)
         e = tuple(one.exp() for one in exponents)
         S = law.stress_in_v(v, w, tuple(psi), p)
         f = law.rates_in_v(v, w, tuple(psi), e, p)
@@ -137,7 +137,7 @@ def solution(law, p, point, start=None):
 def found_coefficients(law, p, point):
     y = (point["x"], point["v"], *[point["psi"]] * len(law.states))
     w = math.exp(y[1])
-    e = tuple(map(math.exp, law.own_exponents(y[1], w, y[2:], (), p)))
+    e = tuple(map(math.exp, law.own_exponents(y[1], w, y[2:], p)))
     load = point["w_lp"], point["ramp"]
     return coefficients(law, y, w, e, *load, point["kappa"], point["eta0"], p)
 
@@ -166,7 +166,7 @@ def test_coefficients_of_perturbations(name):
     rng, n = np.random.default_rng(7), len(y)
     z = tuple(tuple(rng.normal(size=n).tolist()) for _ in range(n - 1))
     w, states = math.exp(y[1]), tuple(y[2:])
-    e = tuple(map(math.exp, law.own_exponents(y[1], w, states, (), p)))
+    e = tuple(map(math.exp, law.own_exponents(y[1], w, states, p)))
     given = law, tuple(y), w, e, z, point["kappa"], point["eta0"], p
     of_y, of_z, trace = variational_coefficients(*given)
     assert len(of_z) == n * (n - 1)

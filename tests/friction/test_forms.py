@@ -83,7 +83,8 @@ def test_functions_in_compiled_code(x):
 
 @njit
 def more_in_code(x, y):
-    return functions.log(abs(x) + 5e-324), functions.larger(x, y), functions.asinh_of(x, y)
+    logarithm = functions.log(abs(x) + 5e-324)
+    return logarithm, functions.larger(x, y), functions.asinh_of(x, y), functions.tanh(x)
 
 
 @given(st.floats(-300, 300), st.floats(-1, 1))
@@ -95,8 +96,11 @@ def test_logarithms_in_compiled_code(power, sign):
     assert found[1] == max(x, y) == functions.larger(x, y)
     with mpmath.workdps(30):
         exact = float(mpmath.asinh(mpmath.mpf(x) * mpmath.exp(mpmath.mpf(y)) / 2))
+        tanh = float(mpmath.tanh(mpmath.mpf(x)))
     for value in (found[2], float(functions.asinh_of(x, y))):
         assert value == pytest.approx(exact, rel=1e-12)
+    for value in (found[3], float(functions.tanh(x))):
+        assert value == pytest.approx(tanh, rel=1e-15)
     assert more_in_code(0.0, y)[2] == functions.asinh_of(0.0, y) == 0.0
 
 

@@ -11,27 +11,27 @@ from .jit import inlined
 
 @inlined
 def exponentials(u, law, p):
-    """w, 1/c and e of `kinematics` at u: e**v and e**-v, and those of laws and backward jumps."""
+    """w, 1/c and e of `kinematics` at u."""
     forward, inverse = exp_and_inverse(u[1])
-    back = exp_each(law.backward_exponent(u[1], u[2:], p))
-    w, c_inverse = law.net_speed(forward, inverse, back)
-    return w, c_inverse, (*back, *exp_each(law.own_exponents(u[1], w, u[2:], back, p)))
+    jumps = exp_each(law.jump_exponents(u[1], u[2:], p))
+    w, c_inverse, kept = law.net_speed(u[1], forward, inverse, jumps)
+    return w, c_inverse, (*kept, *exp_each(law.own_exponents(u[1], w, u[2:], p)))
 
 
 @inlined
 def speed_alone(u, law, p):
     """w, and the first of e, as of `exponentials`, of one slider alone."""
     forward = exp_alone(u[1])
-    back = exp_each_alone(law.backward_exponent(u[1], u[2:], p))
-    w, _ = law.net_speed(forward, forward, back)
-    return w, back
+    jumps = exp_each_alone(law.jump_exponents(u[1], u[2:], p))
+    w, _, kept = law.net_speed(u[1], forward, forward, jumps)
+    return w, kept
 
 
 @inlined
 def exponentials_alone(u, law, p):
     """w and e as of `exponentials`, of one slider alone."""
-    w, back = speed_alone(u, law, p)
-    return w, (*back, *exp_each_alone(law.own_exponents(u[1], w, u[2:], back, p)))
+    w, kept = speed_alone(u, law, p)
+    return w, (*kept, *exp_each_alone(law.own_exponents(u[1], w, u[2:], p)))
 
 
 @inlined

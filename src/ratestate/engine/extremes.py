@@ -102,7 +102,7 @@ def speed_and_slope(s, l, law, at):
 @inlined
 def slopes_along(dy, w, e, law, p):
     """Derivatives of x, omega (`kinematics`) and psi, a tuple, of those of x, v and psi."""
-    shares = law.shares(e, 1.0 / law.speed_slope(w, e), p)
+    shares = law.shares(w, 1.0 / law.speed_slope(w, e), p)
     return dy[0], dot_onto(dy[1], shares, dy[2:]), dy[2:]
 
 
@@ -185,9 +185,9 @@ def crossing(s, l, law, load, low, high):
 
 @inlined
 def backward(s, l, law):
-    """The law's `backward_exponent` at the start of the step: () where v alone tells the speed."""
+    """The law's `jump_exponents` at the start of the step: () if v alone gives the speed."""
     y = read_rows(s, rows_of(law).y, l)
-    return law.backward_exponent(y[1], y[2:], read_rows(s, rows_of(law).p, l))
+    return law.jump_exponents(y[1], y[2:], read_rows(s, rows_of(law).p, l))
 
 
 @recursive

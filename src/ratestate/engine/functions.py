@@ -11,7 +11,7 @@ from numba.extending import overload
 
 from ..friction import functions
 from ..friction.functions import asinh_of, larger, log, logistic, softplus
-from .exp import LN2_HIGH, LN2_LOW, ROUND, exp
+from .exp import LN2_HIGH, LN2_LOW, ROUND, exp, parts, power_of_2
 from .jit import INLINED, inlined
 from .tracing import traced
 
@@ -59,6 +59,18 @@ def _log(x):
 @_overload(larger, jit_options=INLINED)
 def _larger(x, y):
     return lambda x, y: x if x > y else y
+
+
+@_overload(functions.tanh, jit_options=INLINED)
+def _tanh(x):
+    def of_number(x):
+        """From the odd part of e**x, in which nothing cancels where x is small."""
+        n, even, odd = parts(x)
+        up, down = power_of_2(n), power_of_2(-n)
+        both, difference = up + down, up - down
+        return (both * odd + difference * even) / (both * even + difference * odd)
+
+    return of_number
 
 
 @_overload(asinh_of, jit_options=INLINED)

@@ -151,8 +151,8 @@ def record(s, l, law, h, new, error, dense):
     size = max(abs(new[0][0]), largest(new[0][2:]))
     fastest = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.W_LP + l]
     allowed = max(s[R.TOLERANCE + l], ROUNDING * size)
-    of_v = law.error_of_v(error[1], new[1], new[2], fastest)
     p, inertia = read_rows(s, rows.p, l), s[R.ETA0 + l] / h
+    of_v = law.error_of_v(error, new[1], new[2], p, fastest)
     of_v = law.without_rounding(of_v, *new, p, inertia, ROUNDING, size, allowed)
     largest_error = max(max(abs(error[0]), abs(of_v)), largest(error[2:]))
     # of a NaN and a number either may be the larger: it hangs on their order, and on the machine

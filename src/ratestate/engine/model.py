@@ -32,8 +32,9 @@ RIGID_REST = 8
 CRASHED = 9
 RUNNING = -1
 
-# Below this eta, G = dv/dT on the section is better known from the rates of psi, as -S_psi f/S_v,
-# which it is to within eta of itself, than from x - S, whose rounding is divided by eta.
+# G = dv/dT on the section is -S_psi f/S_v to within the larger of eta/S_v and g/S_v of itself,
+# with g = x - S.  It is better known from that than as g/eta, with the rounding of g, if eta and g
+# are below this times sqrt(S_v).
 SLAVED = 1e-7
 
 _TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-8"))

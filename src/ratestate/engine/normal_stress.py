@@ -56,11 +56,12 @@ def jump(s, l, law, rise):
     y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
     w = s[R.W + l]
     psi = law.after_jump(y[1], w, y[2:], e, p, rise)
-    v = v_at_speed(law.backward_exponent(y[1], y[2:], p), y[1], w, psi, law, p)
+    v = v_at_speed(law.jump_exponents(y[1], y[2:], p), y[1], w, psi, law, p)
     if s[R.ETA0 + l] == 0.0:
         v = balanced(y[0], v, psi, law, p)
-        if v > LIMIT:  # of a slider without mass or damping that nothing holds
-            away = law.runs_away(v, psi, law.stiffness(s[R.KAPPA + l], p), p)
+        log_w = law.log_of_faster(v, psi, p)
+        if log_w > LIMIT:  # of a slider without mass or damping that nothing holds
+            away = law.runs_away(log_w, psi, law.stiffness(s[R.KAPPA + l], p), p)
             s[R.STATUS + l] = RUNAWAY if away else NOT_FINITE
     after = (y[0], v, *psi)
     w, e = exponentials_alone(after, law, p)
@@ -71,9 +72,9 @@ def jump(s, l, law, rise):
 
 
 @recursive
-def v_at_speed(back, v, w, psi, law, p):
-    """v of the same speed w under another psi; back : the law's `backward_exponent`."""
-    if len(back) == 0:
+def v_at_speed(jumps, v, w, psi, law, p):
+    """v of the same speed w under another psi; jumps : the law's `jump_exponents`."""
+    if len(jumps) == 0:
         return v
     return law.v_at(w, psi, p)
 

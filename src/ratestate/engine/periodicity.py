@@ -9,9 +9,12 @@ from . import rows as R
 from .jit import inner
 from .rows import rows_of
 
-# Change of stress maxima or minima from one return to the next, over the amplitude, that is seen;
-# part of it that may be left after a whole period.
+# Smallest visible change of stress maxima or minima from one return to the next, divided by the
+# amplitude; part of it that may be left after a whole period.
 VISIBLE, REPEATS = 1e-3, 0.1
+# Largest change after a period of several returns, divided by the amplitude: chaos comes near one
+# by chance.  Errors of a run may be so many times its tolerance, and hide it up to `VISIBLE`.
+EXACT, ERRORS = 1e-4, 100.0
 # How often stress maxima turn back, among those that are known, where a motion is irregular; and
 # what part of their earlier changes the later ones then are, for it may be on its way to a period.
 REVERSALS, LASTING = 3, 0.5
@@ -31,12 +34,14 @@ def close_cycle(s, l, law, here, x_high):
 
 @inner
 def change(s, home, rows, cycles, p):
-    """Largest change of a maximum or minimum of x, from the p returns before to the last p.
+    """Largest change of a maximum or minimum of x after p returns, in the later half of those kept.
+
+    (In chaos a few returns may repeat by chance.)
 
     home : the column where they are kept
     """
     most = 0.0
-    for k in range(cycles - p, cycles):
+    for k in range(cycles - min(cycles, R.RING) // 2, cycles):
         now, before = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
         most = max(most, abs(s[rows.highs + now] - s[rows.highs + before]))
         most = max(most, abs(s[rows.lows + now] - s[rows.lows + before]))
@@ -56,14 +61,17 @@ def last_period(s, l, law):
         return 0.0, math.inf, 0
     known = min(cycles, R.RING)
     last = ((cycles - 1) % R.RING) * R.LANES + home
-    visible = VISIBLE * (s[rows.highs + last] - s[rows.lows + last])
+    amplitude = s[rows.highs + last] - s[rows.lows + last]
+    visible = VISIBLE * amplitude
+    exact = max(EXACT * amplitude, min(visible, ERRORS * s[R.TOLERANCE + l]))
     returns, left = 1, change(s, home, rows, cycles, 1) if cycles > 1 else 0.0
     for p in range(2, known // 2 + 1):
-        if left > visible:
+        if left > (visible if returns == 1 else exact):
             by_p = change(s, home, rows, cycles, p)
             if by_p < REPEATS * left:
                 returns, left = p, by_p
-    irregular = left > visible and is_irregular(s, home, rows, cycles, visible)
+    changes = left > (visible if returns == 1 else exact)
+    irregular = changes and is_irregular(s, home, rows, cycles, visible)
     over = known // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
     for k in range(cycles - over, cycles):

@@ -27,7 +27,7 @@ def equations(law):
     try:
         if law.reverses or law.history(p):
             raise NotASeries("slip that may reverse, or normal stress that varies")
-        exponents = law.own_exponents(v, w, psi, (), p)
+        exponents = law.own_exponents(v, w, psi, p)
         e = tuple(graph.exp(graph.series(one), ("e", i)) for i, one in enumerate(exponents))
         stress = graph.series(law.stress_in_v(v, w, psi, p))
         rates = law.rates_in_v(v, w, psi, e, p)

@@ -4,6 +4,8 @@ A step that holds a crossing of the section is taken back, and repeated to end t
 is as accurate as the steps are.
 """
 
+import math
+
 from . import rows as R
 from .dense_output import state, values
 from .equations import exponentials_alone, inertial_force
@@ -34,14 +36,15 @@ NEAREST = 1e-6
 
 @inner
 def rates(s, l, law, y, w, e):
-    """dx/dT, dv/dT and dpsi/dT, a tuple, where the load point's speed is 1."""
+    """dx/dT, dv/dT and dpsi/dT, a tuple, if the load point's speed is 1."""
     _, kappa, eta, p = system_of(s, l, law)
     f_x = kappa * (1.0 - w)
     f_psi = law.rates_in_v(y[1], w, y[2:], e, p)
     g, S_v, S_psi = inertial_force(y, w, e, law, p)
     c = law.speed_slope(w, e)
-    f_omega = (f_x - dot(S_psi, f_psi)) / S_v if eta < SLAVED else g / (eta * c)
-    return f_x, minus_dot(f_omega, law.shares(e, 1.0 / c, p), f_psi), *f_psi
+    slaved = eta == 0.0 or max(eta, abs(g)) < SLAVED * math.sqrt(abs(S_v) / c)
+    f_omega = (f_x - dot(S_psi, f_psi)) / S_v if slaved else g / (eta * c)
+    return f_x, minus_dot(f_omega, law.shares(w, 1.0 / c, p), f_psi), *f_psi
 
 
 @inner
@@ -51,7 +54,7 @@ def end_at_crossing(s, l, law):
     y = read_rows(s, rows.y_new, l)
     e, p = read_rows(s, rows.e_new, l), read_rows(s, rows.p, l)
     speeds = rates(s, l, law, y, s[R.W_NEW + l], e)
-    shares = law.shares(e, 1.0 / law.speed_slope(s[R.W_NEW + l], e), p)
+    shares = law.shares(s[R.W_NEW + l], 1.0 / law.speed_slope(s[R.W_NEW + l], e), p)
     omega = dot_onto(speeds[1], shares, speeds[2:])
     dt = -(y[1] - law.v_at(1.0, y[2:], p)) / omega
     psi = plus(y[2:], dt, speeds[2:])
@@ -65,7 +68,7 @@ def end_at_crossing(s, l, law):
     s[R.H_NEXT + l] = s[R.H_PLANNED + l]
     s[R.LANDING_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
     s[R.EVERY_STEP + l] = 0.0
-    if omega > 0.0:
+    if s[R.W + l] < 1.0:  # it rises
         s[R.STATUS + l] = FINISHED
     else:
         s[R.X_LOW + l] = s[R.X_NEW + l]
@@ -119,7 +122,7 @@ def perturbed(s, l, law, at):
     """The perturbations of the speed, as of `v_of_order`, where in the step it is at, 0 to 1."""
     (y, w, e), z = inside(rows_of(law).c_z, s, l, law, at)
     p = read_rows(s, rows_of(law).p, l)
-    shares = law.shares(e, 1.0 / law.speed_slope(w, e), p)
+    shares = law.shares(w, 1.0 / law.speed_slope(w, e), p)
     return times(law.order_slope(w, y[2:], e, p), changes_of_speed(z, shares))
 
 

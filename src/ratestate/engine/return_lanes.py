@@ -93,7 +93,7 @@ def commit_lane(s, l, law):
     m = s[R.ETA0 + l] * c
     lost = (abs(g) <= rounding) | (m == 0.0)
     f_omega = (f_x - dot(S_psi, f_psi)) / S_v if lost else g / m
-    f_v = minus_dot(f_omega, law.shares(e, 1.0 / c, system[3]), f_psi)
+    f_v = minus_dot(f_omega, law.shares(w, 1.0 / c, system[3]), f_psi)
     pace = max(max(abs(f_x), abs(f_v)), max(largest(f_psi), 1e-300))
     direction = (f_x / pace, f_v / pace, *times(1.0 / pace, f_psi))
     share = 1.0 / dot(direction, direction)

@@ -116,7 +116,7 @@ def finish(s, l, law, results):
     rows = rows_of(law)
     y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
     speeds = rates(s, l, law, y, s[R.W + l], e)
-    shares = law.shares(e, 1.0 / law.speed_slope(s[R.W + l], e), p)
+    shares = law.shares(s[R.W + l], 1.0 / law.speed_slope(s[R.W + l], e), p)
     omega = dot_onto(speeds[1], shares, speeds[2:])
     numbers = ReturnNumbers(
         period=s[R.T + l] + s[R.T_LOW + l],

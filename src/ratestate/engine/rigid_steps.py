@@ -102,8 +102,9 @@ def _point(law, psi, T, line):
     """v, w, psi, e and p at a time T after the start of a segment."""
     w, p = line[0] + line[1] * T, law.later(line[2], T)
     v = law.v_at(w, psi, p)
-    back = exp_each_alone(law.backward_exponent(v, psi, p))
-    return v, w, psi, (*back, *exp_each_alone(law.own_exponents(v, w, psi, back, p))), p
+    jumps = exp_each_alone(law.jump_exponents(v, psi, p))
+    _, _, kept = law.net_speed(v, w, w, jumps)
+    return v, w, psi, (*kept, *exp_each_alone(law.own_exponents(v, w, psi, p))), p
 
 
 @inner

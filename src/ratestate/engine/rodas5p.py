@@ -54,7 +54,7 @@ def prepare(y, w, e, h, system):
     g = g if law.log_of_faster(y[1], y[2:], p) > -LIMIT else 0.0
     diagonal, g_psi = law.inertia_slopes(g, (S_v, S_psi), m, y[1], w, y[2:], e, p)
     pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_c, product(g_psi, a_psi), f_v)
-    shares = law.shares(e, 1.0 / c, p)
+    shares = law.shares(w, 1.0 / c, p)
     return Arrow(c, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares)
 
 
@@ -106,7 +106,7 @@ def increment(u, at, w_lp, rest, drift, system, start):
     f = law.rates_in_v(u[1], w, u[2:], e, p)
     r_x = kappa * (w_lp - w) + rest[0]
     r_v = dot_onto(g * (start.c * c_inverse) + start.m * rest[1], drift, UNITY)
-    r_v = minus_dot(r_v, times(start.m, law.shares(e, c_inverse, p)), f)
+    r_v = minus_dot(r_v, times(start.m, law.shares(w, c_inverse, p)), f)
     return solve_arrow((r_x, r_v, *plus(f, 1.0, rest[2:])), start)
 
 

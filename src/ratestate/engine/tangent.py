@@ -203,7 +203,7 @@ def step(y, w, e, z, w_lp, h, system):
     k, dk, traces, last = stages((first,), dk, (trace,), y, z, w_lp, curvatures, r, system, start)
     new, held, error, dense = end_of_step(y, k, last, h, system)
     S_v, S_psi = law.stress_slopes(new[0][1], new[1], new[0][2:], new[2], p)
-    shares = law.shares(new[2], 1.0 / law.speed_slope(new[1], new[2]), p)
+    shares = law.shares(new[1], 1.0 / law.speed_slope(new[1], new[2]), p)
     z_new = perturbed(z, dk, held, S_v, S_psi, shares)
 
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.

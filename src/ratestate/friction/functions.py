@@ -34,6 +34,13 @@ def larger(x, y):
     return np.maximum(x, y)
 
 
+def tanh(x):
+    """tanh x."""
+    import numpy as np
+
+    return np.tanh(x)
+
+
 def asinh_of_exp(x):
     """asinh(e**x/2), which is x for large x."""
     import numpy as np

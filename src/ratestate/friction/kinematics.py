@@ -1,10 +1,10 @@
 """How fast a slider slips, from the variables x, v and psi that the engine integrates.
 
 Under most laws V = V_ref exp(v), which is never 0 nor negative.  Friction that stays finite at rest
-lets slip reverse (`reversing`): by forward jumps less backward ones.
+lets slip reverse: there v is friction over a, mu/a (`reversing`).
 
 Slopes are derivatives by omega at constant psi, and by psi at constant w, with d omega = dw/c and
-c = dw/dv, the sum of all jumps.  Where nothing reverses c is w, and omega is v.
+c = dw/dv.  If slip never reverses, c is w, and omega is v.
 """
 
 from typing import Any
@@ -21,7 +21,7 @@ class Forward(ConstantNormalStress):
 
     ==========  ================================================================
     v, psi, p   as for a law, and w = V/V_ref
-    e           exponentials: of `backward_exponent`, then of `own_exponents`
+    e           what `net_speed` keeps, then exponentials of `own_exponents`
     c_inverse   1/c
     ==========  ================================================================
     """
@@ -39,13 +39,16 @@ class Forward(ConstantNormalStress):
 
     # In compiled code
 
-    def backward_exponent(self, v, psi, p):
-        """ln of the rate of backward jumps, a tuple; () where there are none."""
+    def jump_exponents(self, v, psi, p):
+        """`log_of_faster` in a tuple if slip may reverse, else ()."""
         return ()
 
-    def net_speed(self, forward, inverse, back):
-        """w and 1/c, from exp(v), exp(-v) and the rates of backward jumps, a tuple."""
-        return forward, inverse
+    def net_speed(self, v, forward, inverse, jumps):
+        """w, 1/c, and in a tuple what `e` keeps of them.
+
+        forward, inverse : exp(v), exp(-v); jumps : exponentials of `jump_exponents`, a tuple
+        """
+        return forward, inverse, ()
 
     def speed_slope(self, w, e):
         """c = dw/dv."""
@@ -67,16 +70,16 @@ class Forward(ConstantNormalStress):
         """The derivative of `v_of_order` by omega."""
         return 1.0
 
-    def shares(self, e, c_inverse, p):
-        """s_k of d omega = dv + sum_k s_k d psi_k, a tuple; () where they are 0."""
+    def shares(self, w, c_inverse, p):
+        """s_k of d omega = dv + sum_k s_k d psi_k, a tuple; () if they are 0."""
         return ()
 
-    def error_of_v(self, error, w_new, e_new, fastest):
-        """How far a step is off in v, given by how much v itself is, and where it ends.
+    def error_of_v(self, error, w_new, e_new, p, fastest):
+        """Error of a step in omega, from its error in x, v and psi, a tuple, and where it ends.
 
         fastest : largest and smallest `order_of_speed` so far, and the load point's speed
         """
-        return error
+        return error[1]
 
     def without_rounding(self, error, y, w, e, p, inertia, rounding, size, allowed):
         """`error_of_v`, less where rounding feigns more of it in v than is allowed.
@@ -86,7 +89,7 @@ class Forward(ConstantNormalStress):
         """
         return error
 
-    def own_exponents(self, v, w, psi, back, p):
+    def own_exponents(self, v, w, psi, p):
         """The law's `exponents`."""
         return self.exponents(v, w, psi, p)
 

@@ -42,9 +42,9 @@ class LawProperties(Forward):
 
     @property
     def n_kept(self):
-        """How many exponentials the engine keeps, of backward jumps among them."""
+        """How many numbers the engine keeps in e (`kinematics`)."""
         p = (1.0,) * self.n_coefficients
-        return self.n_exponents + len(self.backward_exponent(0.0, self.reference_state, p))
+        return self.n_exponents + len(self.jump_exponents(0.0, self.reference_state, p))
 
     def coefficient_arrays(self, V_ref, values):
         """`coefficients` of many sliders, a tuple of arrays of one shape, from their parameters.

@@ -1,11 +1,12 @@
 """Slip that may reverse, where friction stays finite at rest (`forms/regularized.py`).
 
-There friction is linear in v, as under eq. 1,
+There the variable v is friction itself, and mu_ref is 0,
 
-    (mu - mu_ref)/a = v + sum_k beta_k psi_k,     w = V/V_ref = exp(v) - exp(-v - 2 Theta),
+    v = mu/a,     w = V/V_ref = exp(v - Theta) - exp(-v - Theta) = c t,     t = tanh v,
 
-with forward and backward jumps over barriers of the height Theta = mu_ref/a + sum_k beta_k psi_k.
-All of it is smooth at rest, and where backward jumps are rare v is what it is under other laws.
+with forward and backward jumps over barriers of the height Theta = mu0/a + sum_k beta_k psi_k,
+but for V_ref instead of V0, and c = 2 cosh(v) exp(-Theta) the sum of all jumps.  All of it is
+smooth at rest, and w keeps its digits however small friction is.
 """
 
 import math
@@ -16,18 +17,20 @@ from .functions import (
     larger,
     log,
     scaled,
+    tanh,
     weighted,
     weighted_sum,
     zeros_for,
 )
 from .kinematics import LIMIT, Forward
 
-# The smallest part of c as which a speed is told from 0, and that is taken for the fastest speed.
-SMALLEST, LEAST = 1e-16, 1e-6
+# The smallest |w| that laws of state are given, and the least part of c that is taken for the
+# fastest speed.
+SMALLEST, LEAST = 1e-100, 1e-6
 
 
 class Reversing(Forward):
-    """Slip that may reverse, by friction that is linear in v and psi; laws of state are given |V|.
+    """Slip that may reverse, where v is mu/a; laws of state are given |V|.
 
     A law of this kind has `barrier`, and nothing but `evolution_effects` of each state.
     """
@@ -38,21 +41,23 @@ class Reversing(Forward):
         """Theta."""
         raise NotImplementedError
 
-    def backward_exponent(self, v, psi, p):
-        """-v - 2 Theta."""
-        return (-v - 2.0 * self.barrier(psi, p),)
+    def jump_exponents(self, v, psi, p):
+        """`log_of_faster`, in a tuple."""
+        return (self.log_of_faster(v, psi, p),)
 
-    def net_speed(self, forward, inverse, back):
-        """w and 1/c: the difference of all jumps, and one over their sum."""
-        return forward - back[0], 1.0 / (forward + back[0])
+    def net_speed(self, v, forward, inverse, jumps):
+        """w, 1/c, and c in a tuple."""
+        t = tanh(v)
+        c = jumps[0] * (2.0 / (1.0 + abs(t)))
+        return c * t, 1.0 / c, (c,)
 
     def speed_slope(self, w, e):
         """c, the sum of all jumps."""
-        return w + 2.0 * e[0]
+        return e[0]
 
     def log_of_faster(self, v, psi, p):
         """ln of the rate of forward or of backward jumps, whichever is larger."""
-        return larger(v, -v - 2.0 * self.barrier(psi, p))
+        return abs(v) - self.barrier(psi, p)
 
     def order_of_speed(self, v, w):
         """w itself."""
@@ -67,31 +72,33 @@ class Reversing(Forward):
         rest = math.exp(-min(self.barrier(zeros_for(psi), p), LIMIT))
         return self.speed_slope(w, e) / math.hypot(w, 2.0 * rest)
 
-    def shares(self, e, c_inverse, p):
+    def shares(self, w, c_inverse, p):
         """s_k of d omega = dv + sum_k s_k d psi_k, a tuple."""
-        return scaled(2.0 * e[0] * c_inverse, self.evolution_effects(p))
+        return scaled(-w * c_inverse, self.evolution_effects(p))
 
-    def error_of_v(self, error, w_new, e_new, fastest):
-        """Off in v, which is friction, and in the speed, where friction hardly depends on it.
+    def error_of_v(self, error, w_new, e_new, p, fastest):
+        """Error in omega or, if friction hardly depends on the speed, in the speed.
 
-        In the speed as a part of the fastest that there is in the run.
+        The latter as a part of the fastest speed of the run.
         """
         c = self.speed_slope(w_new, e_new)
+        shares = self.shares(w_new, 1.0 / c, p)
+        omega = abs(error[1] + weighted_sum(shares, error[2:]))
         largest = larger(larger(fastest[0], -fastest[1]), larger(abs(w_new), fastest[2]))
-        return error * larger(1.0, c / larger(largest, LEAST * c))
+        return omega * larger(1.0, c / larger(largest, LEAST * c))
 
-    def size(self, w, e):
-        """|w|, but never quite 0, of which the logarithm is taken."""
-        return larger(abs(w), SMALLEST * self.speed_slope(w, e))
+    def size(self, w):
+        """|w|, but not so small that its logarithm is lost."""
+        return larger(abs(w), SMALLEST)
 
-    def own_exponents(self, v, w, psi, back, p):
+    def own_exponents(self, v, w, psi, p):
         """The law's `exponents` at |V|."""
-        size = self.size(w, back)
+        size = self.size(w)
         return self.exponents(log(size), size, psi, p)
 
     def resistance_in_v(self, v, w, psi, p):
-        """(mu - mu_ref)/a."""
-        return v + weighted_sum(self.evolution_effects(p), psi)
+        """mu/a."""
+        return v
 
     def resistance_slopes(self, v, w, psi, e, p):
         """Slopes of `resistance_in_v`: by omega and by each of psi, a tuple."""
@@ -101,33 +108,33 @@ class Reversing(Forward):
         """Slopes of -m dv/dT, with those of 1/c and of s_k: of t = w/c they are 1 - t^2 by v."""
         effects, t = self.evolution_effects(p), w / self.speed_slope(w, e)
         evolution = m * weighted_sum(effects, self.rates_in_v(v, w, psi, e, p))
-        bend = (2.0 * e[0] / self.speed_slope(w, e)) * (1.0 + t)
+        bend = (1.0 - t) * (1.0 + t)
         by_omega, by_psi = slopes
         drop = scaled(-bend * (g + evolution * t), effects)
         return by_omega + g * t - evolution * bend, added(by_psi, drop)
 
     def evolution(self, v, w, psi, e, p):
         """The law's `rates` at |V|."""
-        size = self.size(w, e)
+        size = self.size(w)
         return self.rates(log(size), size, psi, e[1:], p)
 
     def evolution_slopes(self, v, w, psi, e, p):
         """Slopes of `evolution`: by omega, a tuple, and each by its own state, a tuple."""
-        size = self.size(w, e)
+        size = self.size(w)
         by_log, by_psi = self.rate_partials(log(size), size, psi, e[1:], p)
         return scaled(self.log_slope(w, e), by_log), by_psi
 
     def log_slope(self, w, e):
         """d ln |w|/d omega."""
         c = self.speed_slope(w, e)
-        return (c if w > 0.0 else -c) / self.size(w, e)
+        return (c if w > 0.0 else -c) / self.size(w)
 
     def rates_bent(self, w, psi, e, p, one, other, bend_of_w):
         """Second derivatives of `evolution` in two directions.
 
         one, other : d omega and d psi of each; bend_of_w : of w the second derivative, over c
         """
-        size, slope = self.size(w, e), self.log_slope(w, e)
+        size, slope = self.size(w), self.log_slope(w, e)
         log_size = log(size)
         by_log, _ = self.rate_partials(log_size, size, psi, e[1:], p)
         log_log, log_psi, psi_psi = self.rate_partials_2(log_size, size, psi, e[1:], p)
@@ -140,19 +147,18 @@ class Reversing(Forward):
 
     def decay_slopes(self, w, psi, e, p):
         """Slopes of the derivative of each rate by its own state: by omega, and by that state."""
-        size = self.size(w, e)
+        size = self.size(w)
         _, log_psi, psi_psi = self.rate_partials_2(log(size), size, psi, e[1:], p)
         return scaled(self.log_slope(w, e), log_psi), psi_psi
 
     def v_at(self, w, psi, p):
         """v at the speed w, of arrays too."""
-        barrier = self.barrier(psi, p)
-        return asinh_of(w, barrier) - barrier
+        return asinh_of(w, self.barrier(psi, p))
 
     def speed(self, v, psi, p):
         """w, but where the engine's saturates far up."""
         import numpy as np
 
-        back = -v - 2.0 * self.barrier(psi, p)
         with np.errstate(over="ignore"):
-            return np.exp(np.maximum(v, -LIMIT)) - np.exp(np.maximum(back, -LIMIT))
+            jumps = np.exp(np.maximum(self.log_of_faster(v, psi, p), -LIMIT))
+        return self.net_speed(v, jumps, jumps, (jumps,))[0]

@@ -11,6 +11,16 @@ from .arrays import check_aligned
 from .quantities import QUANTITIES, attrs
 from .units import RESERVED, is_array
 
+#: dimensionless numbers of a slider -> powers of what they consist of
+PRODUCTS = {
+    "K Dc/(a sigma)": {"K": 1, "Dc": 1, "a": -1, "sigma": -1},
+    "a sigma/(K Dc)": {"a": 1, "sigma": 1, "K": -1, "Dc": -1},
+    "M V_lp^2/(a sigma Dc)": {"M": 1, "V_lp": 2, "a": -1, "sigma": -1, "Dc": -1},
+    "M V_start^2/(a sigma Dc)": {"M": 1, "V_start": 2, "a": -1, "sigma": -1, "Dc": -1},
+}
+#: of 10, beyond which their squares and cubes overflow
+LARGEST_EXPONENT = 100.0
+
 
 class Batch:
     """Named values broadcast against each other and laid out flat, one value a case.
@@ -19,8 +29,8 @@ class Batch:
     own : dict, symbol -> DataArray with a last dimension of its own, kept apart from the sweep
     taken : names of result variables, which no sweep dimension may have
 
-    ParameterError for a dimension of such a name, and where arrays clash; the values themselves
-    are not checked.
+    ParameterError for a dimension of such a name, if arrays clash, and if `PRODUCTS` of the values
+    are beyond double precision; the values themselves are not checked.
 
     Attributes: dims, shape and n, the sweep's dimensions, their sizes, the number of cases; alone,
     whether it is no sweep but a single case, which may take the engine's scalar path.
@@ -39,6 +49,7 @@ class Batch:
             raise ParameterError(
                 f"a dimension called {clash[0]!r} clashes with the result of that name; rename it"
             )
+        _check_products(values)
         self.values, self.own, self.sizes = values, own, sizes
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
         self.n = int(np.prod(self.shape, dtype=int))
@@ -119,3 +130,22 @@ class Batch:
                 if k not in taken | set(coords) and set(v.dims) <= kept
             }
         return coords
+
+
+def _check_products(values):
+    """Raise ParameterError if one of `PRODUCTS` is too large."""
+    for name, powers in PRODUCTS.items():
+        if not powers.keys() <= values.keys():
+            continue
+        exponent = sum(_largest_exponent(values[s], power) for s, power in powers.items())
+        if exponent > LARGEST_EXPONENT:
+            raise ParameterError(
+                f"{name} = 10^{exponent:.4g} is beyond double precision. Check the sizes and units "
+                f"of {', '.join(powers)}."
+            )
+
+
+def _largest_exponent(value, power):
+    """log10 of the largest finite power of a value; -inf if it is 0 or inf throughout."""
+    sizes = np.ravel(value)
+    return (power * np.log10(sizes[(sizes > 0.0) & (sizes < np.inf)])).max(initial=-np.inf)

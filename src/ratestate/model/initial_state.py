@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..errors import ParameterError
+from ..friction.kinematics import LIMIT
 from ..friction.roots import root
 from .slider import PARAMETERS
 from .units import to_si
@@ -41,9 +42,9 @@ def initial_state(law, batch, V_load):
 
     ParameterError where values disagree, by more than 1e-9 in x - S: V, all states and tau where
     M = 0, these but V where K = inf; for V other than V_load where K = inf; where tau would have
-    to fix a state on which friction does not depend; and where friction would fix a speed above
-    1e250 m/s.  Of two states that are left out tau fixes the first.  Ranges are checked by
-    `initial_values`.
+    to fix a state on which friction does not depend; where friction would fix a speed above
+    1e250 m/s; and if V or V_start is beyond 1e-260 or 1e260 times V0.  Of two states that are left
+    out tau fixes the first.  Ranges are checked by `initial_values`.
 
     batch : with the slider's parameters, V_start, and what `initial_values` found
     V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
@@ -53,6 +54,8 @@ def initial_state(law, batch, V_load):
     names = [s for s in ("V", *law.states, "tau") if f"{s}_initial" in batch.values]
     given = {s: batch.flat(f"{s}_initial") for s in names}
     p = law.coefficient_arrays(V0, batch.columns)
+    for label, V in ("V_start", batch.flat("V_start")), ("initial V", given.get("V", V0)):
+        _check_ratio(law, label, V, V0)
     v, states = steady_state(law, batch, batch.flat("V_start"))
     x = stress(law, v, states, p)
     states = [
@@ -86,7 +89,8 @@ def initial_state(law, batch, V_load):
     x = np.where(rigid, stress(law, v, states, p), x)
     free_speed = bound & ~rigid
     v = _speed_by_stress(law, x, v, states, p, free_speed)
-    _check_speed(v[free_speed], V0[free_speed], names)
+    log_V = law.log_of_faster(v, tuple(states), p) + np.log(V0)
+    _check_speed(log_V[free_speed], names)
     return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
 
 
@@ -139,9 +143,19 @@ def _speed_by_stress(law, x, v, states, p, where):
     return np.where(where, root(off, v, where), v)
 
 
-def _check_speed(v, V0, names):
+def _check_ratio(law, label, V, V0):
+    """Raise the ParameterError about a speed at which V/V0 is beyond the solver's exponentials."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beyond = np.abs(np.log(np.abs(V) / V0)) > LIMIT
+    if not law.reverses and beyond.any():
+        raise ParameterError(
+            f"{label} = {V[beyond][0]:.6g} m/s is out of range: the solver follows speeds from "
+            f"1e-260 to 1e260 times V0 = {V0[beyond][0]:.6g} m/s. Give another speed or V0."
+        )
+
+
+def _check_speed(log_V, names):
     """Raise the ParameterError about a speed that is too large, or does not exist."""
-    log_V = v + np.log(V0)
     if np.isnan(log_V).any():
         raise ParameterError(
             f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they must fix V, and "

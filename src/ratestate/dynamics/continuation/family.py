@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...engine.model import SLAVED
 from ...friction.composition import composed_law
 from ..cycles.attractor import single_returns
 from ..cycles.measure import measure
 from ..cycles.shooting import return_map
 from ..cycles.system import (
     TIGHTEST,
+    is_slaved,
     slaved_G,
     small_amplitude,
     state,
@@ -93,8 +93,9 @@ class Family(NamedTuple):
     def points(self, U, p):
         """(m, k) u of the section's points U (m, k)."""
         system, u = self.system(p), U.copy()
-        free = U[:, -1] / _scale(system)
-        u[:, -1] = np.where(system.eta < SLAVED, slaved_G(system, U[:, :-1]), free)
+        with np.errstate(divide="ignore", invalid="ignore"):  # without mass
+            free = U[:, -1] / _scale(system)
+        u[:, -1] = np.where(_is_slaved(system, U), slaved_G(system, U[:, :-1]), free)
         return u
 
     def chart(self, u, p):
@@ -120,7 +121,7 @@ class Family(NamedTuple):
         scale = _scale(system)
         jacobian = returns.jacobian.copy()
         jacobian[:, -1, :] *= scale[:, None]
-        jacobian[:, :, -1] *= np.where(system.eta < SLAVED, 0.0, 1.0 / scale)[:, None]
+        jacobian[:, :, -1] *= np.where(_is_slaved(system, U), 0.0, 1.0 / scale)[:, None]
         image = np.column_stack([returns.image[:, :-1], scale * returns.image[:, -1]])
         measures = {"period": returns.numbers["period"], "tol": tol}
         return MapValues(image, jacobian, usable & returns.came_back, measures)
@@ -158,3 +159,7 @@ class Family(NamedTuple):
 
 def _scale(system):
     return system.eta / (1.0 + system.eta)
+
+
+def _is_slaved(system, U):
+    return is_slaved(system, U[:, :-1] + system.steady, U[:, -1] * (1.0 + system.eta))

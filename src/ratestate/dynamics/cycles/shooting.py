@@ -11,8 +11,9 @@ import numpy as np
 
 from ...engine import dispatch
 from ...engine.lanes import ROUNDING
-from ...engine.model import FINISHED, SLAVED
+from ...engine.model import FINISHED
 from ...engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
+from .system import is_slaved
 
 # A hundred times what a stick-slip cycle over 20 decades of V takes.
 MAX_STEPS_OF_RETURN = 2e5
@@ -77,16 +78,18 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     numbers["x_high"], gradients["x_high"] = y[:, 0], directions[:, :, 0]
     image = np.concatenate([results.psi - system.steady, numbers["G"][:, None]], axis=1)
     image[results.status != FINISHED] = np.nan
-    jacobian = _jacobian(system, results.psi, gradients["x"], np.swapaxes(results.psi_along, 1, 2))
+    d_psi = np.swapaxes(results.psi_along, 1, 2)
+    jacobian = _jacobian(system, results.psi, numbers["G"], gradients["x"], d_psi)
     return Returns(results.status, image, jacobian, numbers, gradients)
 
 
-def _jacobian(system, psi, d_x, d_psi):
-    """(n, k, k) derivatives of the next u; of G by the rates where inertia is lost in rounding.
+def _jacobian(system, psi, G, d_x, d_psi):
+    """(n, k, k) derivatives of the next u; of G by the rates if inertia is lost in rounding.
 
-    psi, d_x, d_psi : (n, n_states) at the return; (n, k) and (n, n_states, k) derivatives by u
+    psi, G : (n, n_states) and (n,) at the return
+    d_x, d_psi : (n, k) and (n, n_states, k) derivatives by u
     """
-    slaved = system.eta < SLAVED
+    slaved = is_slaved(system, psi, system.eta * G)
     _, by_psi = system.slopes(psi)
     with np.errstate(over="ignore", invalid="ignore"):
         d_G = d_x - (by_psi[:, :, None] * d_psi).sum(axis=1)

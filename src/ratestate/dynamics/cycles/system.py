@@ -16,6 +16,7 @@ import functools
 
 import numpy as np
 
+from ...engine.model import SLAVED
 from ...friction import linear_stability
 from ...friction.composition import composed_law
 from ...friction.stability import eta
@@ -170,6 +171,15 @@ def steady_sliding_at(system, w):
     states = law.steady_log_states(there)
     psi = law.variables(log_w, tuple(state - log_w for state in states), p)
     return np.stack([law.stress(log_w, w, psi, p), law.v_at(w, psi, p), *psi], axis=1)
+
+
+def is_slaved(system, psi, g):
+    """(n,) whether G is better known from the rates of psi (n, n_states) than as g/eta.
+
+    g : (n,) x - S
+    """
+    S_v, _ = system.slopes(psi)
+    return (system.eta == 0.0) | (np.maximum(system.eta, np.abs(g)) < SLAVED * np.sqrt(np.abs(S_v)))
 
 
 def slaved_G(system, offset):

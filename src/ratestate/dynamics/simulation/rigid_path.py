@@ -48,9 +48,10 @@ class Path:
             p = law.at_time(p, base, rate, p[FREQUENCY] * self.scale * t)
         w = (lines.V[k] + lines.rate[k] * since) / self.p.V0
         v, psi = law.v_at(w, psi, p), tuple(psi)
-        back = tuple(np.exp(x) for x in law.backward_exponent(v, psi, p))
-        own = (np.exp(x) for x in law.own_exponents(v, w, psi, back, p))
-        return Point(v, w, psi, (*back, *own), p, k)
+        jumps = tuple(np.exp(x) for x in law.jump_exponents(v, psi, p))
+        _, _, kept = law.net_speed(v, w, w, jumps)
+        own = (np.exp(x) for x in law.own_exponents(v, w, psi, p))
+        return Point(v, w, psi, (*kept, *own), p, k)
 
     def states(self, psi0, t, lines=None):
         """(n_states, m) psi at increasing times t from psi0 at time 0 on; SolverError.

@@ -98,12 +98,12 @@ def simulate(
         ``amplitude`` (max - min of tau/sigma, not counting the maximum at which it begins) and
         ``frequency`` [Hz] of the last period (0 if there is none or if its amplitude is below
         10 a rtol), ``returns`` (how many of those maxima make that period: 1, or more, up to 32,
-        where unequal ones follow each other in a fixed order; 0 where they do so in none: then
-        amplitude is that of the later half of the last 64, and frequency how many there are in a
-        second), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its largest
-        |M dV/dt|/sigma, without damping |tau/sigma - mu|; this and amplitude are over sigma at
-        t = 0).  Without mass V_max may be inf: beyond double precision, and yet a motion that comes
-        back.
+        if unequal ones follow each other in a fixed order throughout the later half of the last
+        64; 0 if they do so in none: then amplitude is that of this half, and frequency how many
+        there are in a second), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its
+        largest |M dV/dt|/sigma, without damping |tau/sigma - mu|; this and amplitude are over sigma
+        at t = 0).  Without mass V_max may be inf: beyond double precision, and yet a motion that
+        comes back.
         ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
         law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since
         the spring pulls back harder than friction can hold (``reversal_margin``, the smallest

@@ -19,8 +19,8 @@ def form_at(i):
     class Regularized(Reversing, FrictionLaw):
         """mu = a asinh(V/(2 V0) exp((mu0 + b ln(V0 theta/Dc))/a)), and of a second state likewise.
 
-        It is eq. 1 where that is well above a.  p[i] is Theta at theta_k = D_k/V_ref, of which
-        mu_ref is a times as much: friction there and then, but for backward jumps.
+        It is eq. 1 where that is well above a.  p[i] is Theta at theta_k = D_k/V_ref, and mu_ref
+        is 0, so that friction and stress keep their digits where they are small.
 
         Source: Rice & Ben-Zion (1996) doi:10.1073/pnas.93.9.3811; Lapusta, Rice, Ben-Zion & Zheng
         (2000) doi:10.1029/2000JB900250.
@@ -50,16 +50,16 @@ def form_at(i):
             return (*of_law, p[i] + rise * np.log(ratio))
 
         def reference_friction(self, V, values):
-            """mu at V (n,) and theta_k = D_k/V, but for backward jumps; values as for a law."""
-            return values["a"] * self.coefficient_arrays(V, values)[i]
+            """mu_ref (n,), which is 0 here."""
+            return 0.0 * values["a"] * V
 
         def barrier(self, psi, p):
             """Theta."""
             return p[i] + weighted_sum(self.evolution_effects(p), psi)
 
         def resistance(self, v, w, psi, p):
-            """(mu - mu_ref)/a, of V > 0."""
-            return asinh_of_exp(v + self.barrier(psi, p)) - p[i]
+            """mu/a, of V > 0."""
+            return asinh_of_exp(v + self.barrier(psi, p))
 
         def resistance_partials(self, v, w, psi, p):
             """Derivatives of `resistance` by v and by each of psi."""
