@@ -86,6 +86,7 @@ def find_segments(t, delta_lp):
     -----
     Breaks are placed by least squares of all times and speeds together, between rows as well.  A
     step is a change of speed by 5 % or more that bends the displacement by three times its noise.
+    The noise is estimated for each sampling rate, and where it is larger than usual at that rate.
     The displacement may jump at one speed (a sensor that slips, samples that were lost): that is
     no step, and does not move those beside it.
 
@@ -143,8 +144,15 @@ def segments_from_velocity(t, V):
     rows = RowSums(t, V, degree=0)
 
     def levels(at):
-        means = np.array([V[i:j].mean() for i, j in itertools.pairwise(at)])
-        errors = np.sqrt(rows.noise / np.diff(at))
+        weights = np.add.reduceat(1.0 / rows.noise, at[:-1])
+        means = (
+            V[at[:-1]]
+            + np.array(
+                [((V[i:j] - V[i]) / rows.noise[i:j]).sum() for i, j in itertools.pairwise(at)]
+            )
+            / weights
+        )
+        errors = weights**-0.5
         least = np.maximum(HOLD_ERRORS * errors, ROUNDED * np.abs(means).max())
         return np.where(np.abs(means) <= least, 0.0, means), errors
 
@@ -160,7 +168,7 @@ def segments_from_velocity(t, V):
         raise refusal("segments.negative", V=means[i], first=t[at[i]])
     edges = np.array(at[1:-1], int)
     before, after = t[edges - 1], t[edges]
-    relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise / np.diff(means) ** 2) ** 2)
+    relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise[edges] / np.diff(means) ** 2) ** 2)
     return FoundSegments(
         np.append(t[0], 0.5 * (before + after)),
         means,
