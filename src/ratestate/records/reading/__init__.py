@@ -24,6 +24,7 @@
 ``values``                      rows with codes, impossible values or spikes; signs to turn
 ``agreement``                   whether columns contradict each other, or are too coarse
 ``segments``                    `find_segments`: constant speeds, their errors; steps in words
+``overshoots``                  brief speeds about a step, which are no steps
 ``splits``                      where rows are cut into runs
 ``sampling_noise``              how large the noise is, at each sampling rate and place
 ``stress_steps``                steps of normal stress

@@ -44,7 +44,7 @@ class Run:
         for i, j in rows:
             weight = 1.0 / noise[i:j]
             total = float(weight.sum())
-            mean_t, mean_x = (float(weight @ (y[i:j] - y[i])) / total + y[i] for y in (self.t, x))
+            mean_t, mean_x = (float((y[i:j] * (weight / total)).sum()) for y in (self.t, x))
             u = self.t[i:j] - mean_t
             self.spread += float(weight @ (u * u))
             along += float((weight * u) @ (x[i:j] - mean_x))

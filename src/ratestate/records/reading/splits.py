@@ -54,12 +54,12 @@ class RowSums:
         """Sum of squares about the best line (or level), of rows ``at[i]`` up to ``at[j]``."""
         n, u, uu, y, uy, yy = (column[j] - column[i] for column in self.sums)
         n = np.maximum(n, 1e-300)
-        explained = 0.0
+        misfit = yy - y * y / n
         if self.degree:
             spread, along = uu - u * u / n, uy - u * y / n
             resolved = spread > RESOLVED * self.sums[2, -1]  # else rows are too close in time
-            explained = np.where(resolved, along, 0.0) ** 2 / np.where(resolved, spread, 1.0)
-        return np.maximum(yy - y * y / n - explained, 0.0)
+            misfit -= np.where(resolved, along, 0.0) ** 2 / np.where(resolved, spread, 1.0)
+        return np.maximum(misfit, 0.0)
 
     def _best_cut(self, i, j):
         """The candidate between i and j that takes most off the misfit, and how much."""
