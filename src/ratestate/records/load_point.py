@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .fitting.raw_record import loading_of, recorded_segments
+from .reading.overshoots import without_overshoots
 
 
 class Segments(NamedTuple):
@@ -27,10 +28,14 @@ class Segments(NamedTuple):
 
 
 def segments_of(raw, loading=None):
-    """The `Segments` of a `RawRecord`, as recorded or of a loading (t = 0 at the first sample)."""
+    """The `Segments` of a `RawRecord`, as recorded or of a loading (t = 0 at the first sample).
+
+    Without overshoots, if as recorded.
+    """
     if loading is None:
-        t, V = recorded_segments(raw.data, raw.time)
-        t_error = _start_errors(raw.data, t)
+        found, V = recorded_segments(raw.data, raw.time)
+        t, V, kept = without_overshoots(found, V, raw.time[-1])
+        t_error = _start_errors(raw.data, found)[kept]
     else:
         checked = loading_of(raw, loading)
         t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)

@@ -243,7 +243,8 @@ def test_the_noise_of_a_record_is_its_variance(degree):
     t = np.arange(40_000.0)
     white = 2e-6 * np.random.default_rng(9).standard_normal(t.size)
     line = 3e-6 * t if degree else np.zeros(t.size)
-    assert 0.95 < splits.RowSums(t, line + white, degree).noise / 4e-12 < 1.15
+    noise = splits.RowSums(t, line + white, degree).noise / 4e-12
+    assert 0.95 < noise.min() == noise.max() < 1.15
 
 
 DT_GAP, GAP = 0.1, 600  # s between rows, and rows that are lost
@@ -305,3 +306,69 @@ def test_a_step_in_a_gap_is_open_where_the_load_point_moved_otherwise(moved):
     np.testing.assert_allclose(data.t, [0, 89.95], atol=1e-6)
     np.testing.assert_allclose(data.t_error, [0, 60.1 / 12**0.5], rtol=1e-6)
     assert "changes in the gap in time from 59.9 s to 120 s" in data.notes[0]
+
+
+def averaging_recorder(seed, first, then, steps, noises, correlation=0.0, digit=0.0):
+    """Times and displacement of a record at two rates, each with noise of its own.
+
+    first, then : (start, end, interval) [s]; steps : (time, speed) [m/s]; noises [m], of which
+    the first may be correlated from row to row, and displacement rounded to a digit [m]
+    """
+    rng = np.random.default_rng(seed)
+    parts = [np.arange(*first), np.arange(*then)]
+    white = [rng.standard_normal(part.size) for part in parts]
+    white[0] = lfilter([(1 - correlation**2) ** 0.5], [1, -correlation], white[0])
+    t = np.concatenate(parts)
+    x = history(t, *np.transpose(steps)) + np.repeat(noises, [p.size for p in parts]) * (
+        np.concatenate(white)
+    )
+    return t, np.round(x / digit) * digit if digit else x
+
+
+SLOWER = ((0, 250, 0.1), (250, 262, 0.01), [(0, 2.29e-6), (252, 22.9e-6)])
+FASTER = ((0, 2, 0.001), (2, 262, 0.1), [(0, 229e-6), (1.99, 2.29e-6)])
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    ("parts", "noises", "other"),
+    [
+        (SLOWER, (0.07e-6, 0.42e-6), {}),
+        (SLOWER, (0.02e-6, 0.8e-6), {}),
+        (SLOWER, (0.5e-6, 0.05e-6), {}),
+        (FASTER, (0.8e-6, 0.2e-6), {"correlation": 0.65, "digit": 0.0765e-6}),
+        (FASTER, (0.8e-6, 0.02e-6), {"correlation": 0.8}),
+    ],
+)
+def test_noise_that_differs_with_the_sampling_rate(seed, parts, noises, other):
+    """Neither holds of milliseconds nor steps in the noise, whatever the window."""
+    *times, steps = parts
+    t, x = averaging_recorder(seed, *times, steps, noises, **other)
+    for cut in (0.0, 0.13, 0.7):
+        rows = t >= cut
+        found = segments_from_displacement(t[rows], x[rows])
+        np.testing.assert_allclose(found.V, [V for _, V in steps], rtol=0.01)
+        assert abs(found.t[1] - steps[1][0]) < 5.0 * found.t_error[1]
+        assert 1e-4 < found.t_error[1] < 0.01
+
+
+@pytest.mark.parametrize("ratio", [4.0, 10.0])
+def test_noise_that_differs_at_one_rate(ratio):
+    rng = np.random.default_rng(3)
+    t = np.arange(0, 100, 0.02)
+    noise = np.where(t < 60.0, 0.07e-6, ratio * 0.07e-6) * rng.standard_normal(t.size)
+    found = segments_from_displacement(t, history(t, [0, 62], [2e-6, 2e-5]) + noise)
+    np.testing.assert_allclose(found.V, [2e-6, 2e-5], rtol=2e-3)
+    assert abs(found.t[1] - 62.0) < 5.0 * found.t_error[1] < 0.05
+
+
+def test_errors_come_from_the_noise_of_their_own_rate():
+    """Of a speed at 10 Hz and 0.07 um, then at 100 Hz and 0.42 um: by least squares."""
+    scaled = []
+    for seed in range(100):
+        t, x = averaging_recorder(100 + seed, *SLOWER, (0.07e-6, 0.42e-6))
+        found = segments_from_displacement(t, x)
+        scaled.append((found.V - [2.29e-6, 22.9e-6]) / found.V_error)
+    assert (np.abs(np.std(scaled, axis=0) - 1.0) < 0.25).all()
+    slow = 0.07e-6 / np.sqrt(2500 * 250.0**2 / 12.0)
+    assert found.V_error[0] == pytest.approx(slow, rel=0.15)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.stress_steps import stress_steps
+from ratestate.records.reading.stress_steps import stress_range, stress_steps
 
 T = np.arange(1200) * 0.5
 NOISE = 5e3 * np.random.default_rng(3).normal(size=T.size)
@@ -14,8 +14,40 @@ def test_levels_and_times():
     sigma = 8e6 + 0.8e6 * (T > 200.2) - 2.8e6 * (T > 400.2) + NOISE
     first, second = stress_steps(T, sigma)
     assert (first.t, second.t) == (pytest.approx(200.25), pytest.approx(400.25))
+    assert (first.end, second.end) == (first.t, second.t)
     ends = [first.before, first.after, second.before, second.after]
     np.testing.assert_allclose(ends, [8e6, 8.8e6, 8.8e6, 6e6], rtol=1e-3)
+
+
+@pytest.mark.parametrize("lasts", [0.1, 0.3, 1.0, 3.0, 10.0])
+@pytest.mark.parametrize("change", [0.1, -0.25])
+def test_ramps_from_begin_to_end(lasts, change):
+    """A servo takes its time: to a row or two, or to a tenth of the ramp."""
+    t = np.arange(0.0, 300.0, 0.1)
+    part = np.interp(t, [100.03, 100.03 + lasts, 200.0, 200.0 + lasts], [0.0, 1.0, 1.0, 0.0])
+    sigma = 8e6 * (1.0 + change * part + 1e-4 * np.random.default_rng(2).normal(size=t.size))
+    found = stress_steps(t, sigma)
+    assert len(found) == 2
+    for one, begin in zip(found, (100.03, 200.0), strict=True):
+        assert abs(one.t - begin) < 0.15 + 0.1 * lasts
+        assert abs(one.end - begin - lasts) < 0.15 + 0.1 * lasts
+    levels = 8e6 * np.array([1.0, 1.0 + change])
+    np.testing.assert_allclose([found[0].before, found[0].after], levels, rtol=1e-4)
+    np.testing.assert_allclose([found[1].after, found[1].before], levels, rtol=1e-4)
+
+
+def test_a_level_lasts_twice_as_long_as_the_change():
+    for lasts, count in ((20.0, 1), (60.0, 0)):
+        sigma = 8e6 * (1.0 + 0.1 * np.interp(T, [500.0, 500.0 + lasts, 600.0], [0.0, 1.0, 1.0]))
+        assert len(stress_steps(T[T < 600.0], (sigma + NOISE)[T < 600.0])) == count
+
+
+def test_the_range_of_normal_stress_is_without_its_noise():
+    assert stress_range(T, 8e6 + 20.0 * NOISE) < 0.02
+    assert stress_range(T, 8e6 + NOISE) == 0.0
+    bump = 0.05 * np.interp(T, [300.0, 310.0, 320.0], [0.0, 1.0, 0.0])
+    assert stress_range(T, 8e6 * (1.0 + bump) + NOISE) == pytest.approx(0.05, rel=0.05)
+    assert stress_range(T, np.where(T > 200.0, np.nan, 8e6)) == 0.0
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,9 @@
 ``values``                      rows with codes, impossible values or dropouts; signs to turn
 ``agreement``                   whether columns contradict each other, or are too coarse
 ``segments``                    `find_segments`: constant speeds, their errors; steps in words
-``splits``                      where rows are cut into runs; how large the noise is
+``overshoots``                  brief speeds about a step, which are no steps
+``splits``                      where rows are cut into runs
+``sampling_noise``              how large the noise is, at each sampling rate and place
 ``stress_steps``                steps of normal stress
 ``steps``                       which cuts are steps; what is a hold, a jump, a ramp
 ``runs``                        lines through runs, and where they meet

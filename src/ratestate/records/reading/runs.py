@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,34 +10,51 @@ from .rows import GAP
 
 ROUNDS = 50  # of moving rows from one line to the next
 NEAR = 10  # rows beside a place where a displacement may jump
+MANY = 400  # rows that tell the correlation of their noise
 JUMP = 4.0  # least jump, over the standard deviation of these rows
+
+
+class Samples(NamedTuple):
+    """A displacement along time, and its noise: (n,) each."""
+
+    t: np.ndarray  # [s]
+    x: np.ndarray  # [m]
+    noise: np.ndarray  # variance [m^2], as it affects cuts
+    rates: np.ndarray  # number of the sampling rate
 
 
 class Run:
     """Rows of a record at one speed, and the lines of this slope that fit them best.
 
-    t, x : ndarray, all rows of the record
+    samples : `Samples` of all rows of the record
     rows : list of (first, last + 1), for each line: several if the displacement jumps in between
     hold : whether V = 0 exactly
 
-    `V` [m/s] is the slope; `start` and `end` [s] are the times of the first and the last row.
+    `V` [m/s] is the slope, from rows that weigh as much as their noise is low; `start` and `end`
+    [s] are the times of the first and the last row.
     """
 
-    def __init__(self, t, x, rows, hold=False):
-        self.t, self.x, self.rows, self.hold = t, x, rows, hold
+    def __init__(self, samples, rows, hold=False):
+        self.samples, self.rows, self.hold = samples, rows, hold
+        self.t, x, noise, _ = samples
         self.first, self.last = rows[0][0], rows[-1][1]
-        self.start, self.end = t[self.first], t[self.last - 1]
-        self.means = [(float(t[i:j].mean()), float(x[i:j].mean())) for i, j in rows]
+        self.start, self.end = self.t[self.first], self.t[self.last - 1]
+        self.means, self.weights = [], []  # of t and x, and their total weights
         self.spread, along = 0.0, 0.0  # sums of squares of t about the means; of products
-        for (i, j), (mean_t, mean_x) in zip(rows, self.means, strict=True):
-            u = t[i:j] - mean_t
-            self.spread += float(u @ u)
-            along += float(u @ (x[i:j] - mean_x))
+        for i, j in rows:
+            weight = 1.0 / noise[i:j]
+            total = float(weight.sum())
+            mean_t, mean_x = (float((y[i:j] * (weight / total)).sum()) for y in (self.t, x))
+            u = self.t[i:j] - mean_t
+            self.spread += float(weight @ (u * u))
+            along += float((weight * u) @ (x[i:j] - mean_x))
+            self.means.append((mean_t, mean_x))
+            self.weights.append(total)
         self.V = along / self.spread if self.spread > 0.0 and not hold else 0.0
 
     def joined(self, other, hold=False):
         """This run and another as one, with lines of its own for each."""
-        return Run(self.t, self.x, self.rows + other.rows, hold)
+        return Run(self.samples, self.rows + other.rows, hold)
 
     def at(self, t, end):
         """Displacement [m] at time t [s] by the first line (end = 0) or the last one (end = -1)."""
@@ -44,16 +62,24 @@ class Run:
         return mean_x + self.V * (t - mean_t)
 
     def variance(self, t, end):
-        """Variance of what `at` gives, over that of the noise."""
-        i, j = self.rows[end]
-        mean = 1.0 / (j - i)
+        """Variance of what `at` gives, with noise as stated [m^2]."""
+        mean = 1.0 / self.weights[end]
         return mean if self.hold else mean + (t - self.means[end][0]) ** 2 / self.spread
 
     def residual(self):
         """(rows,) displacement less the lines [m]."""
         lines = zip(self.rows, self.means, strict=True)
-        parts = [self.x[i:j] - x - self.V * (self.t[i:j] - t) for (i, j), (t, x) in lines]
+        x = self.samples.x
+        parts = [x[i:j] - mean - self.V * (self.t[i:j] - t) for (i, j), (t, mean) in lines]
         return np.concatenate(parts)
+
+    def of_rows(self, values):
+        """(rows,) of values (n,) those at its rows."""
+        return np.concatenate([values[i:j] for i, j in self.rows])
+
+    def whitened(self):
+        """(rows,) `residual` over the standard deviation of the noise as stated."""
+        return self.residual() / np.sqrt(self.of_rows(self.samples.noise))
 
 
 def breakpoints(runs):
@@ -98,7 +124,7 @@ def _distance_by_noise(one, other):
     errors, step = 0.0, 0.0
     for (run, (i, j)), end in zip(_rows_beside(one, other), (-1, 0), strict=True):
         at = run.end if end else run.start
-        errors += float(run.residual().var()) * run.variance(at, end)
+        errors += float(run.whitened().var()) * run.variance(at, end)
         step = max(step, float(np.median(np.diff(run.t[i:j]))))
     return step + JUMP * math.sqrt(errors) / abs(one.V - other.V)
 
@@ -108,11 +134,10 @@ def refine_breakpoints(runs):
 
     Rows between runs that belong to neither, of a ramp, stay so; it ends after `ROUNDS` at most.
     """
-    t, x = runs[0].t, runs[0].x
-    seen = set()
+    samples, seen = runs[0].samples, set()
     for _ in range(ROUNDS):
         rows = [[*run.rows] for run in runs]
-        for m, edge in enumerate(np.searchsorted(t, breakpoints(runs)[0]).tolist()):
+        for m, edge in enumerate(np.searchsorted(samples.t, breakpoints(runs)[0]).tolist()):
             (first, last), (start, end) = rows[m][-1], rows[m + 1][0]
             # rows between neighbours that belong to neither (a ramp) stay so
             if last == start and first + 2 <= edge <= end - 2:
@@ -121,19 +146,33 @@ def refine_breakpoints(runs):
         if rows == [run.rows for run in runs] or places in seen:
             break
         seen.add(places)
-        runs = [Run(t, x, own, run.hold) for own, run in zip(rows, runs, strict=True)]
+        runs = [Run(samples, own, run.hold) for own, run in zip(rows, runs, strict=True)]
     return runs
 
 
 def noise_variances(runs):
-    """For each run the variance [m^2] of the white noise that would cause its errors: list."""
-    # The variance of its rows, times a factor for correlation in the record as a whole: the sum of
-    # the correlations over all lags, from neighbouring rows or from the scatter of means over
-    # 2, 4, 8, ... rows; whichever is larger.
-    residuals = [run.residual() for run in runs]
+    """For each run the variance, over that stated, of the white noise of its errors: list."""
+    # The variance of its rows, times a factor for correlation at their sampling rate, or in the
+    # record as a whole if the rate has fewer than `MANY` rows: the sum of the correlations over all
+    # lags, from neighbouring rows or from the scatter of means over 2, 4, 8, ... rows; whichever is
+    # larger.
+    residuals = [run.whitened() for run in runs]
     parameters = [len(run.rows) + (not run.hold) for run in runs]
-    levels = [float(r @ r) / max(1, r.size - n) for r, n in zip(residuals, parameters, strict=True)]
+    # (two rows tell nothing of it: as stated)
+    levels = [
+        float(r @ r) / (r.size - n) if r.size > n else 1.0
+        for r, n in zip(residuals, parameters, strict=True)
+    ]
     unit = np.concatenate([r / (s**0.5 or 1.0) for r, s in zip(residuals, levels, strict=True)])
+    rates = [run.of_rows(run.samples.rates) for run in runs]
+    of_all = np.concatenate(rates)
+    parts = [unit[of_all == rate] for rate in range(of_all.max() + 1)]
+    factors = np.array([_correlation_factor(p if p.size >= MANY else unit) for p in parts])
+    return [level * factors[own].mean() for level, own in zip(levels, rates, strict=True)]
+
+
+def _correlation_factor(unit):
+    """Sum of the correlations of values (n,) of unit variance over all lags, 1 at least."""
     next_ = min(0.99, float(unit[1:] @ unit[:-1]) / (float(unit @ unit) or 1.0))
     factors = [1.0, (1.0 + next_) / (1.0 - next_)]
     batch = 2
@@ -141,7 +180,7 @@ def noise_variances(runs):
         means = unit[: unit.size // batch * batch].reshape(-1, batch).mean(axis=1)
         factors.append(batch * float(means @ means) / means.size)
         batch *= 2
-    return [max(factors) * level for level in levels]
+    return max(factors)
 
 
 def jump_size(t, x, row, V):

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...model.quantities import power_of, prefixed_unit, readable, readable_change
 from .messages import message, refusal
+from .overshoots import without_overshoots
 from .runs import breakpoints, noise_variances
 from .splits import RowSums, cut, drop_weak_cuts
 from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
@@ -14,6 +15,8 @@ from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
 #: variance of the position of a jump by k standard deviations, from least squares: so many samples
 #: squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
 POSITION = 26.0
+#: error of a time by rounding, over the last time of a record
+ROUNDING = 1e-14
 
 
 class FoundSegments(NamedTuple):
@@ -35,20 +38,24 @@ class FoundSegments(NamedTuple):
         for step in stress_steps:
             change = readable_change("sigma", step.before, step.after)
             moved = _moved(step.t, t, displacement)
-            texts.append((step.t, f"step of normal stress {change} at {_time(step.t)}{moved}"))
+            what = f"step of normal stress {change} at {_time(step.t)}"
+            if step.end > step.t:
+                what = f"ramp of normal stress {change} from {_time(step.t)} to {_time(step.end)}"
+            texts.append((step.t, what + moved))
         return "; ".join(text for _, text in sorted(texts, key=lambda one: one[0]))
 
     def _of_load_point(self, t, displacement):
         """Pairs of a time [s] and what the load point does then."""
-        if self.V.size == 1:
-            V = self.V[0]
+        starts, speeds, _ = without_overshoots(self.t, self.V, t[-1])
+        if speeds.size == 1:
+            V = speeds[0]
             what = "a hold" if V == 0.0 else f"steady at {_speed(V)}"
-            return [(self.t[0], f"no step: {what} throughout")]
-        ends = np.append(self.t[1:], t[-1])
+            return [(starts[0], f"no step: {what} throughout")]
+        ends = np.append(starts[1:], t[-1])
         texts = []
-        for i, (start, V) in enumerate(zip(self.t, self.V, strict=True)):
+        for i, (start, V) in enumerate(zip(starts, speeds, strict=True)):
             at, moved = _time(start), _moved(start, t, displacement)
-            before = self.V[i - 1] if i else None
+            before = speeds[i - 1] if i else None
             if V == 0.0:
                 since = f"{at}{moved if i else ''}"
                 texts.append((start, f"hold of {readable('t', ends[i] - start, 4)} from {since}"))
@@ -86,6 +93,7 @@ def find_segments(t, delta_lp):
     -----
     Breaks are placed by least squares of all times and speeds together, between rows as well.  A
     step is a change of speed by 5 % or more that bends the displacement by three times its noise.
+    The noise is estimated for each sampling rate, and where it is larger than usual at that rate.
     The displacement may jump at one speed (a sensor that slips, samples that were lost): that is
     no step, and does not move those beside it.
 
@@ -124,10 +132,19 @@ def segments_from_displacement(t, x):
         if span:
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
             notes.append(message("notes.step_in_gap", **ends))
+    # (a row at a break, to rounding, is before it: nothing has changed there)
+    rounding = ROUNDING * np.abs(t[[0, -1]]).max()
+    near = t[np.searchsorted(t, at - rounding)]
+    at = np.where(np.abs(at - near) <= rounding, near + rounding, at)
+    starts, V = np.append(t[0], at), np.array([run.V for run in runs])
+    _, _, kept = without_overshoots(starts, V, t[-1])
+    for i in sorted({*range(V.size)} - {*kept.tolist()}):
+        lasts = np.append(starts, t[-1])[i + 1] - starts[i]
+        notes.append(message("notes.overshoot", V=V[i], lasts=lasts, first=starts[i]))
     V_error = [0.0 if r.hold else (s / r.spread) ** 0.5 for r, s in zip(runs, noise, strict=True)]
     return FoundSegments(
-        np.append(t[0], at),
-        np.array([run.V for run in runs]),
+        starts,
+        V,
         np.append(0.0, np.sqrt(variance)),
         np.array(V_error),
         notes,
@@ -143,8 +160,15 @@ def segments_from_velocity(t, V):
     rows = RowSums(t, V, degree=0)
 
     def levels(at):
-        means = np.array([V[i:j].mean() for i, j in itertools.pairwise(at)])
-        errors = np.sqrt(rows.noise / np.diff(at))
+        weights = np.add.reduceat(1.0 / rows.noise, at[:-1])
+        means = (
+            V[at[:-1]]
+            + np.array(
+                [((V[i:j] - V[i]) / rows.noise[i:j]).sum() for i, j in itertools.pairwise(at)]
+            )
+            / weights
+        )
+        errors = weights**-0.5
         least = np.maximum(HOLD_ERRORS * errors, ROUNDED * np.abs(means).max())
         return np.where(np.abs(means) <= least, 0.0, means), errors
 
@@ -160,7 +184,7 @@ def segments_from_velocity(t, V):
         raise refusal("segments.negative", V=means[i], first=t[at[i]])
     edges = np.array(at[1:-1], int)
     before, after = t[edges - 1], t[edges]
-    relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise / np.diff(means) ** 2) ** 2)
+    relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise[edges] / np.diff(means) ** 2) ** 2)
     return FoundSegments(
         np.append(t[0], 0.5 * (before + after)),
         means,

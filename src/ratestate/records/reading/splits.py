@@ -12,21 +12,25 @@ import numpy as np
 
 from ...model.arrays import running_sum
 from .messages import refusal
+from .sampling_noise import SHORTEST, sampling_noise
 
-SHORTEST = 4  # rows of a run
 MOST = 500  # runs
 CANDIDATES = 20_000  # rows at which a run may be cut, before breaks are placed between rows
 #: least fall of the squared misfit by a cut, over the variance of the noise.  The largest of n
 #: falls by chance is about 2 ln n, 20 for long records.
 SIGNIFICANT = 40.0
+#: least spread of the times of a run, over that of all: below it sums have no digits left
+RESOLVED = 1e-15
 
 
 class RowSums:
-    """Sums over rows from the start on, at the rows where runs may be cut.
+    """Sums over rows from the start on, at the rows where runs may be cut, weighted by the noise.
 
     t, x : ndarray, shape (n,)
     degree : 1 or 0, of what is fitted to a run: a line (a displacement), or a level (a speed)
     longest : rows within which noise is looked for; steps that are closer would count as noise
+
+    `rates` (n,) numbers the sampling rates, and `noise` (n,) is the variance of the noise there.
     """
 
     def __init__(self, t, x, degree=1, longest=10**9):
@@ -34,13 +38,12 @@ class RowSums:
         u = t - t.mean()
         # what all runs share only costs digits
         y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
-        self.scale = float(y @ y)
-        columns = np.array([np.ones_like(u), u, u * u, y, u * y, y * y])
+        self.noise, self.rates = sampling_noise(t, y, degree, longest)
+        columns = np.array([np.ones_like(u), u, u * u, y, u * y, y * y]) / self.noise
         self.all = np.zeros((6, t.size + 1))
         self.all[:, 1:] = running_sum(columns)
         self.every = -(-t.size // CANDIDATES)
         self.set_candidates(np.unique(np.append(np.arange(0, t.size, self.every), t.size)))
-        self.noise = self._noise(longest)
 
     def set_candidates(self, at):
         """Let these rows (indices, increasing, first and last included) be the candidates."""
@@ -50,10 +53,13 @@ class RowSums:
     def misfit(self, i, j):
         """Sum of squares about the best line (or level), of rows ``at[i]`` up to ``at[j]``."""
         n, u, uu, y, uy, yy = (column[j] - column[i] for column in self.sums)
-        n = np.maximum(n, 1.0)
-        spread, along = uu - u * u / n, uy - u * y / n
-        explained = along**2 / np.maximum(spread, 1e-300) if self.degree else 0.0
-        return np.maximum(yy - y * y / n - explained, 0.0)
+        n = np.maximum(n, 1e-300)
+        misfit = yy - y * y / n
+        if self.degree:
+            spread, along = uu - u * u / n, uy - u * y / n
+            resolved = spread > RESOLVED * self.sums[2, -1]  # else rows are too close in time
+            misfit -= np.where(resolved, along, 0.0) ** 2 / np.where(resolved, spread, 1.0)
+        return np.maximum(misfit, 0.0)
 
     def _best_cut(self, i, j):
         """The candidate between i and j that takes most off the misfit, and how much."""
@@ -67,27 +73,6 @@ class RowSums:
         best = int(np.argmin(both))
         return int(k[best]), float(self.misfit(i, j) - both[best])
 
-    def _noise(self, longest):
-        """Variance of the noise, as it affects cuts.
-
-        The typical fall of the misfit when a run without break is cut in the middle, for runs of
-        all lengths up to a fortieth of the record, over what it is for white noise of variance 1.
-        Noise that is correlated, or a machine that wanders, counts at the length where it is worst.
-        """
-        last = self.at.size - 1
-        # the median of chi-squared with as many degrees as a cut has numbers
-        typical = 1.386 if self.degree else 0.455
-        variances = [1e-15 * self.scale]
-        length = SHORTEST
-        while length <= max(SHORTEST, min(last // 40, longest)):
-            i = np.arange(0, last - 2 * length + 1, length)
-            if i.size:
-                parts = self.misfit(i, i + length) + self.misfit(i + length, i + 2 * length)
-                fall = self.misfit(i, i + 2 * length) - parts
-                variances.append(float(np.median(fall)) / typical)
-            length *= 2
-        return max(variances)
-
 
 def cut(rows):
     """Cut a record into runs: list of the indices in ``rows.at`` where they begin and end.
@@ -96,12 +81,11 @@ def cut(rows):
     between their neighbours until none gains, and those that gain nothing any more are undone.
     ParameterError for more than `MOST`: a history without constant speeds would make as many.
     """
-    least = SIGNIFICANT * rows.noise
     cuts, open_ = [0, rows.at.size - 1], [(0, rows.at.size - 1)]
     while open_ and len(cuts) <= MOST:
         i, j = open_.pop(0)
         k, gain = rows.best_cut(i, j)
-        if gain > least:
+        if gain > SIGNIFICANT:
             cuts.append(k)
             open_ += [(i, k), (k, j)]
     if len(cuts) > MOST:
@@ -117,7 +101,7 @@ def cut(rows):
         cuts = _improved(rows, np.searchsorted(rows.at, places).tolist())
     while len(cuts) > 2:
         m, fewer, gain = _weakest_cut(rows, cuts)
-        if gain > least:
+        if gain > SIGNIFICANT:
             break
         cuts = _improved(rows, fewer, near=m)
     return cuts

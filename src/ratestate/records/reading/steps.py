@@ -7,7 +7,7 @@ import numpy as np
 
 from ..sample_noise import sample_noise
 from .messages import message
-from .runs import Run, jump_size, noise_variances, refine_breakpoints
+from .runs import Run, Samples, jump_size, noise_variances, refine_breakpoints
 from .splits import RowSums, cut, drop_weak_cuts
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
@@ -37,24 +37,25 @@ def find_runs(t, x):
 
     ParameterError where there are no constant speeds.  V < 0 is not refused here.
     """
-    noise, runs = _steps_and_jumps(RowSums(t, x), t, x)
+    runs = _steps_and_jumps(RowSums(t, x), x)
     scatter, steps = _scatter_of(runs)
     # steps in quick succession may be taken for a load point that wanders
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
-        again, closer = _steps_and_jumps(RowSums(t, x, longest=SHORT), t, x)
+        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT), x)
         if SUCCESS * _scatter_of(closer)[0] < scatter:
-            noise, runs = again, closer
-    runs, holds = _mark_holds(runs, noise)
+            runs = closer
+    runs, holds = _mark_holds(runs)
     runs, ramps = _without_ramps(runs)
     return runs, holds + ramps + _oddities(t, x, runs)
 
 
-def _steps_and_jumps(rows, t, x):
-    """The noise, and runs between steps; where a displacement jumps, lines of one run."""
+def _steps_and_jumps(rows, x):
+    """Runs between steps; where a displacement jumps, lines of one run."""
+    samples = Samples(rows.t, x, rows.noise, rows.rates)
 
     @functools.cache
     def run_of(i, j):
-        return Run(t, x, [(i, j)])
+        return Run(samples, [(i, j)])
 
     @functools.cache
     def change(i, j, k):
@@ -62,11 +63,11 @@ def _steps_and_jumps(rows, t, x):
         one, other = run_of(i, j), run_of(j, k)
         dV = abs(one.V - other.V)
         T = [run.end - run.start for run in (one, other)]
-        error = (rows.noise / one.spread + rows.noise / other.spread) ** 0.5
+        error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5
         least = max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
-        deflection = dV * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise**0.5)
+        deflection = dV * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise[j] ** 0.5)
         size = min(dV / least if least else 0.0, deflection)
-        jumps = size < 1.0 and jump_size(t, x, j, 0.5 * (one.V + other.V)) != 0.0
+        jumps = size < 1.0 and jump_size(rows.t, x, j, 0.5 * (one.V + other.V)) != 0.0
         return np.inf if jumps else size
 
     def changes(at):
@@ -80,19 +81,20 @@ def _steps_and_jumps(rows, t, x):
             joined[-1] = joined[-1].joined(run)
         else:
             joined.append(run)
-    return rows.noise, refine_breakpoints(joined)
+    return refine_breakpoints(joined)
 
 
-def _mark_holds(runs, noise):
+def _mark_holds(runs):
     """Runs with V = 0 where it cannot be distinguished from 0 (holds), and notes."""
-    scatter, _ = _scatter_of(runs)
+    scatter = float(np.concatenate([run.whitened() for run in runs]).std())
     largest = max(abs(run.V) for run in runs)
     marked: list[Run] = []
     notes = []
     for m, (run, own) in enumerate(zip(runs, noise_variances(runs), strict=True)):
         lasts = run.end - run.start
-        error = (max(noise, own) / run.spread) ** 0.5
-        least = max(HOLD_ERRORS * error, HOLD_SCATTER * scatter / lasts, ROUNDED * largest)
+        error = (max(1.0, own) / run.spread) ** 0.5
+        moves = scatter * float(run.of_rows(run.samples.noise).mean()) ** 0.5
+        least = max(HOLD_ERRORS * error, HOLD_SCATTER * moves / lasts, ROUNDED * largest)
         hold = abs(run.V) <= least
         beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
         if hold and least > BACK * beside > 0.0:
@@ -103,7 +105,7 @@ def _mark_holds(runs, noise):
         if hold and marked and marked[-1].hold:
             marked[-1] = marked[-1].joined(run, hold=True)
         else:
-            marked.append(Run(run.t, run.x, run.rows, hold))
+            marked.append(Run(run.samples, run.rows, hold))
     return refine_breakpoints(marked), notes
 
 
@@ -125,8 +127,12 @@ def _without_ramps(runs):
 
 
 def _scatter_of(runs):
-    """Standard deviation of a displacement about its lines, and that from row to row."""
-    left = np.concatenate([run.residual() for run in runs])
+    """Standard deviation of a displacement about its lines, and that from row to row [m].
+
+    At the median of the noise, where it differs along the record.
+    """
+    left = np.concatenate([run.whitened() for run in runs])
+    left *= np.median(runs[0].samples.noise) ** 0.5
     return float(left.std()), sample_noise(left)
 
 

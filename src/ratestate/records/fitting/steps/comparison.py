@@ -77,13 +77,13 @@ def grouped(fits, law, name):
 def estimates_of(fits, law, name, chosen=lambda window: True):
     """Values (list) of a parameter in its coordinate, errors (list), and whether it is a logarithm.
 
-    Of the `Fitted` windows that are chosen; estimates without a finite error, and those of a search
-    that has not converged, do not count.
+    Of the `Fitted` windows that are chosen and usable; estimates without a finite error do not
+    count.
     """
     is_log = name not in SUMS and parameter(name).is_log
     values, errors = [], []
     for fit in fits:
-        separate = fit.converged(law)
+        separate = fit.usable(law)
         if not separate or not chosen(fit.task.window):
             continue
         part = separate.result

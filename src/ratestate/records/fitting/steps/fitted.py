@@ -5,15 +5,19 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
+from ...reading.stress_steps import VARIABLE
 from ..likelihood.noise_uncertainty import Inflation
 from ..noise import Noise
 from ..record import Record
+from ..refusals import sentence
 from ..settings import Settings
 from ..unknowns import Unknowns
 from .windows import Window
 
 #: parameters of the slider that are the machine's, not the law's
 OF_MACHINE = ("K", "M", "lag")
+#: distance from the end of a coordinate's range at which a parameter is at its bound
+AT_BOUND = 1e-6
 
 
 class Task(NamedTuple):
@@ -23,6 +27,7 @@ class Task(NamedTuple):
     data: xarray.Dataset  # its rows
     settings: Settings  # with the sliders from where the searches begin
     rows_per_sample: int  # of the record, which are averaged
+    stress_range: float = 0.0  # of normal stress beside its change, over its mean
 
     def with_sliders(self, sliders):
         """The `Task` with other sliders (list)."""
@@ -42,6 +47,12 @@ class Separate(NamedTuple):
     converged: bool  # whether the search has
     is_misfit: bool  # whether the residuals are more than noise
 
+    @property
+    def at_bound(self):
+        """Names (list) of parameters that are at the end of their range."""
+        room = np.minimum(self.point - self.unknowns.low, self.unknowns.high - self.point)
+        return [n for n, r in zip(self.unknowns.names, room, strict=True) if r <= AT_BOUND]
+
 
 class Fitted(NamedTuple):
     """A window with its fits."""
@@ -55,10 +66,30 @@ class Fitted(NamedTuple):
         separate = self.laws[law]
         return None if isinstance(separate, str) else separate
 
-    def converged(self, law):
-        """The `Separate` of a law if its search has converged, or None."""
+    @property
+    def is_spoilt(self):
+        """Whether normal stress varies under a step or hold of the load point."""
+        return self.task.window.kind != "normal stress" and self.task.stress_range > VARIABLE
+
+    def usable(self, law):
+        """The `Separate` of a law if all steps may be judged by it, or None.
+
+        Not if its search has not converged, a parameter is at its bound, or normal stress varies.
+        """
         separate = self.of(law)
-        return separate if separate and separate.converged else None
+        good = separate and separate.converged and not separate.at_bound and not self.is_spoilt
+        return separate if good else None
+
+    def remarks(self, law):
+        """Sentences (list) on why all steps leave out one that is fitted under a law."""
+        slider = self.task.settings.sliders[self.task.settings.laws.index(law)]
+        found = []
+        if self.is_spoilt:
+            values = {"percent": 100.0 * self.task.stress_range, "alpha": slider.alpha}
+            found.append(sentence("each.stress_varies", **values))
+        if names := self.of(law).at_bound:
+            found.append(sentence("each.at_bound", names=" and ".join(names)))
+        return found
 
 
 def shared_coordinates(unknowns, settings):

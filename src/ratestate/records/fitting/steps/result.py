@@ -88,6 +88,8 @@ def _estimates(fits, law, names):
             values[name][i] = float(part[name]) if name in part else np.nan
         for name in TEXTS:
             texts[name][i] = str(part[name].item())
+        warnings = [*texts["warnings"][i].splitlines(), *fit.remarks(law)]
+        texts["warnings"][i] = "\n".join(warnings)
     values = {name: one for name, one in values.items() if name in names or np.isfinite(one).any()}
     of_status = attrs("status") | flags(
         {FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"}

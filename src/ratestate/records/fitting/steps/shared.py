@@ -126,11 +126,11 @@ class _Joint:
 
 
 def shared_fit(fits, law):
-    """`Shared` of `Fitted` windows that have converged under a law.
+    """`Shared` of `Fitted` windows that are usable under a law.
 
     None for fewer than two, for nothing to share, and where the search has not converged.
     """
-    steps = [_Step(fitted, law) for fitted in fits if fitted.converged(law)]
+    steps = [_Step(fitted, law) for fitted in fits if fitted.usable(law)]
     if len(steps) < 2 or not steps[0].shared:
         return None
     joint, k = _Joint(steps), len(steps[0].shared)

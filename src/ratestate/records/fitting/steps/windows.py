@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...reading.overshoots import without_overshoots
 from ...reading.stress_steps import stress_steps
 from ..raw_record import checked_time, recorded_segments
 from ..refusals import refusal
@@ -43,13 +44,14 @@ class _Change(NamedTuple):
     t: float
     V: float  # of the load point from there on
     is_of_stress: bool
+    end: float  # when it is over: a ramp of normal stress lasts
 
 
 def windows_of(data):
     """The `Window`s (list) of a record, a Dataset in SI, in order of time.
 
-    A hold lasts until the end of the sliding after it.  Steps of normal stress are those of
-    `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
+    A hold lasts until the end of the sliding after it.  Steps and ramps of normal stress are those
+    of `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
     or hold that follows on sliding.
     """
     time = checked_time(data)
@@ -72,7 +74,7 @@ def windows_of(data):
                 before.V,
                 changes[i + 1].V if is_hold else change.V,
                 changes[i + 1].t - change.t if is_hold else np.nan,
-                np.inf if i == 1 else before.V * (begin - before.t),
+                np.inf if i == 1 else before.V * (begin - _over(before, change)),
             )
         )
     if not windows:
@@ -83,15 +85,23 @@ def windows_of(data):
 def _changes(data):
     """`_Change`s (list), the first at the record's start, the last at its end."""
     time = data["time"].values
-    starts, speeds = recorded_segments(data, time)
-    first, *of_speed = zip(starts.tolist(), speeds.tolist(), strict=True)
-    changes = [_Change(t, V, False) for t, V in of_speed]
+    found, of_each = recorded_segments(data, time)
+    starts, speeds, _ = without_overshoots(found, of_each, time[-1])
+    pairs = zip(starts.tolist(), speeds.tolist(), strict=True)
+    changes = [_Change(t, V, False, t) for t, V in pairs][1:]
     has_stress = "sigma" in data.variables and data["sigma"].dims == ("time",)
-    for t, _, _ in stress_steps(time, data["sigma"].values) if has_stress else ():
+    for t, _, _, over in stress_steps(time, data["sigma"].values) if has_stress else ():
         V = speeds[max(int(np.searchsorted(starts, t, side="right")) - 1, 0)]
-        changes.append(_Change(t, float(V), True))
+        changes.append(_Change(t, float(V), True, over))
     end = float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
-    return [_Change(float(time[0]), first[1], False), *sorted(changes), _Change(end, np.nan, False)]
+    begin = float(time[0])
+    first, last = _Change(begin, float(speeds[0]), False, begin), _Change(end, np.nan, False, end)
+    return [first, *sorted(changes), last]
+
+
+def _over(before, change):
+    """When the change before another is over [s]; when it begins, if that comes too late."""
+    return before.end if before.end < change.t else before.t
 
 
 def _begin(time, before, change, after):
@@ -100,9 +110,10 @@ def _begin(time, before, change, after):
     It has no more sliding before the change than after it, in displacement, but `ROWS` rows of it.
     """
     moved = max(change.V, before.V) * (after.t - change.t)
-    lead = min(LEAD * (change.t - before.t), moved / before.V)
+    over = _over(before, change)
+    lead = min(LEAD * (change.t - over), moved / before.V)
     rows = np.searchsorted(time, change.t) - np.searchsorted(time, change.t - lead)
     if rows < ROWS:
         at = max(int(np.searchsorted(time, change.t)) - ROWS, 0)
-        lead = max(lead, change.t - max(float(time[at]), before.t))
+        lead = max(lead, change.t - max(float(time[at]), over))
     return change.t - lead

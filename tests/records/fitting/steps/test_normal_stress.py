@@ -1,0 +1,113 @@
+"""Velocity steps beside a ramp of normal stress, and with normal stress that varies in them."""
+
+import warnings
+
+import numpy as np
+import pytest
+import xarray
+
+import ratestate as rs
+from ratestate import fitting
+from ratestate.records.fitting.steps import each
+from ratestate.records.fitting.steps.windows import windows_of
+
+SLIDER = rs.SpringSlider(
+    a=0.009, b=0.011, Dc="12 um", sigma="10 MPa", K="8 GPa/m", alpha=0.25, V0="3 um/s", law="aging"
+)
+START = SLIDER.replace(a=0.007, b=0.009, Dc="16 um", K="6 GPa/m", alpha=0.1)
+NAMES = ["a", "b", "Dc"]
+
+
+def recorded(loading, end, seed=2):
+    t = np.arange(0.0, end, 0.1)
+    run = rs.simulate(SLIDER, loading, t[-1], times=t, rtol=1e-9)
+    noise = 2e-4 * np.random.default_rng(seed).normal(size=t.size)
+    sigma = run.get("sigma", SLIDER.sigma)
+    return run[["delta_lp"]].assign(friction=run.tau / sigma + noise, sigma=sigma)
+
+
+def fitted(data, **settings):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rs.FitWarning)
+        return rs.fit(data, START, each="step", errors="covariance", **settings)
+
+
+def deviations(result, steps):
+    truth = np.array([getattr(SLIDER, name) for name in NAMES])
+    estimates = np.array([result[name].values[steps] for name in NAMES]).T
+    return (estimates - truth) / result.standard_error.sel(parameter=NAMES).values[steps]
+
+
+def test_a_ramp_of_a_second_leaves_the_steps_beside_it_right():
+    loading = rs.Loading.steps("3 um/s", (100.0, "10 um/s"), (140.0, "3 um/s"))
+    data = recorded(loading.sigma_ramp(260.0, "11 MPa", 1.0), 390.0)
+    result = fitted(data)
+    assert result.kind.values.tolist() == ["step", "step", "normal stress"]
+    assert float(result.step_t[2]) == pytest.approx(260.0, abs=0.15)
+    assert np.abs(deviations(result, slice(0, 2))).max() < 3.5
+    shared, error = (
+        result[name].sel(parameter=NAMES).values for name in ("shared", "shared_error")
+    )
+    truth = np.array([getattr(SLIDER, name) for name in NAMES])
+    assert np.abs((shared - truth) / error).max() < 3.5
+    assert (error < 0.02 * truth).all()
+    assert abs(float(result.alpha[2]) - 0.25) < 4.0 * float(result.standard_error[2, -1])
+    assert (result.warnings.values[:2] == "").all()
+
+
+def test_a_step_in_which_normal_stress_varies_is_left_out_of_all():
+    """A bump of 4 % after the third step: a remark says so, and that alpha is held."""
+    loading = rs.Loading.steps("3 um/s", (60, "10 um/s"), (90, "3 um/s"), (160, "10 um/s"))
+    loading = loading.sigma_ramp(165.0, "10.4 MPa", 2.0).sigma_ramp(168.0, "10 MPa", 2.0)
+    data = recorded(loading, 195.0)
+    result, two = fitted(data), fitted(data.sel(time=slice(0.0, 159.0)))
+    assert result.kind.values.tolist() == ["step"] * 3
+    assert int(result.shared_degrees) == int(two.shared_degrees) == 3
+    spoilt = str(result.warnings[2].item())
+    assert (
+        "normal stress varies by 4 % in this window, and alpha is held at its guess, 0.1" in spoilt
+    )
+    assert "leave this step out" in spoilt
+    assert "normal stress varies" not in "".join(result.warnings.values[:2].tolist())
+    assert np.abs(deviations(result, slice(0, 2))).max() < 3.5
+    assert "normal stress varies by 4 %" in " ".join(fitting.summary(result).split())
+
+
+def test_a_step_in_a_ramp_begins_with_it():
+    """Windows after a ramp begin once it is over, if that is before the step."""
+    t = np.arange(0.0, 300.0, 0.1)
+    x = 1e-6 * np.interp(t, [0.0, 150.0, 300.0], [0.0, 450.0, 1950.0])
+    for begin, lasts in ((140.0, 1.0), (140.0, 20.0)):
+        sigma = 1e7 * np.interp(t, [begin, begin + lasts], [1.0, 1.1])
+        columns = {"delta_lp": x, "sigma": sigma, "friction": 0.0 * t}
+        data = xarray.Dataset({name: ("time", one) for name, one in columns.items()}, {"time": t})
+        step = next(window for window in windows_of(data) if window.kind == "step")
+        assert step.begin >= (begin + lasts - 0.2 if lasts < 10.0 else begin - 0.2)
+        assert step.begin < 150.0
+
+
+def test_estimates_at_a_bound_do_not_judge_all_steps(monkeypatch):
+    loading = rs.Loading.steps("3 um/s", (60, "10 um/s"), (90, "3 um/s"), (160, "10 um/s"))
+    data = recorded(loading, 195.0)
+    fit_window = each.fit_window
+
+    def at_its_bound(task):
+        """The fit, but b of the step at 160 s where its search ends."""
+        fit = fit_window(task)
+        if task.window.t < 150.0:
+            return fit
+        one = fit.of("aging")
+        point, i = one.point.copy(), one.unknowns.names.index("b")
+        point[i] = one.unknowns.high[i]
+        return fit._replace(laws={"aging": one._replace(point=point)})
+
+    monkeypatch.setattr(each, "fit_window", at_its_bound)
+    monkeypatch.setattr(
+        each, "mapped", lambda function, tasks, report=None: [*map(function, tasks)]
+    )
+    result = fitted(data)
+    assert int(result.shared_degrees) == 3
+    assert result.warnings.values[2].startswith("b ends at a bound")
+    assert "ends at a bound" not in "".join(result.warnings.values[:2].tolist())
+    first = float(result.Dc[0] / result.Dc[1])  # one step up, and one down
+    assert float(result.up_over_down.sel(parameter="Dc")) == pytest.approx(first, rel=1e-6)
