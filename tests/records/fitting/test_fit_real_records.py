@@ -20,7 +20,8 @@ def test_basalt_from_3_to_10_um_s():
     record = read("velstep4_BRAVA_expb819_basalt.txt")
     assert "3.00 -> 10.0 um/s" in record.attrs["found"]
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="20 MPa", K="40 GPa/m")
-    both = rs.fit(record, slider, law=("slip", "aging"))
+    with pytest.warns(rs.FitWarning, match="slip law: the estimates depend on the trend"):
+        both = rs.fit(record, slider, law=("slip", "aging"))
     expected = {"slip": (0.0092, 0.0094, 8.7e-6), "aging": (0.0089, 0.0091, 6.5e-6)}
     for law, values in expected.items():
         result = both.sel(law=law)
@@ -29,6 +30,10 @@ def test_basalt_from_3_to_10_um_s():
         assert float(result.noise_time) == pytest.approx(0.03, rel=0.3)
         assert 3.0 < float(result.chi2_white) < 4.5
         assert -0.0009 < float(result.a_minus_b) < 0.0
+    # without the trend Dc is what a fit with trend=None gives, 7.41 um
+    assert float(both.without_trend.sel(law="slip", parameter="Dc")) == pytest.approx(
+        7.41e-6, rel=0.03
+    )
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
