@@ -156,7 +156,7 @@ def test_a_damaged_file_is_replaced(damage, usual, capfd):
 def test_a_flipped_bit_of_real_machine_code(tmp_path):
     program = (
         "import numpy as np; from ratestate.engine.noise import whiten; out = np.empty((3, 1));"
-        "print(whiten(np.ones(2), 1.0, 1.0, 1.0, np.ones((3, 1)), out), out)"
+        "print(whiten(np.ones(2), 1.0, np.ones(1), np.ones(1), np.ones((3, 1)), out), out)"
     )
 
     def run():

@@ -39,6 +39,14 @@ def correlated(t, time, rng):
     return z
 
 
+def power_law(n, exponent, rng):
+    """Noise of unit variance, of n even samples, with a spectrum of 1/f^exponent."""
+    f = np.fft.rfftfreq(8 * n)
+    f[0] = f[1]
+    filtered = np.fft.irfft(np.fft.rfft(rng.normal(size=8 * n)) * f ** (-0.5 * exponent))[:n]
+    return filtered / filtered.std()
+
+
 class Drawn(NamedTuple):
     """A record drawn from a realistic range, its truth, and from where a search may begin."""
 
@@ -149,6 +157,8 @@ def _likely_together(case, result, free):
     """Whether a likelihood-ratio test accepts the truth of all free parameters but K at once."""
     white, red = float(result.noise_white), float(result.noise_red)
     noise = {"white": white, "red": red, "time": float(result.noise_time)} if red else white
+    if float(result.noise_exponent):  # such a noise cannot be given; it is estimated again
+        noise = None
     start = "free" if "V_start" in result else "steady"
     settings = {"noise": noise, "start": start, "errors": "covariance"}
     held = rs.fit(case.data, case.truth, ("K",), **settings)

@@ -4,7 +4,7 @@ import naive
 import numpy as np
 import pytest
 from scipy.linalg import cholesky, solve_triangular
-from synthetic_records import SLIDER, STEP, correlated, record
+from synthetic_records import SLIDER, STEP, correlated, power_law, record
 
 import ratestate as rs
 from ratestate.paper.laws import LAWS
@@ -138,6 +138,44 @@ def test_whitening_is_that_of_the_dense_covariance(time):
     white, log_determinant = noise.whiten(t, columns)
     np.testing.assert_allclose(white, solve_triangular(lower, columns, lower=True), atol=1e-10)
     assert log_determinant == pytest.approx(2 * np.log(np.diag(lower)).sum(), abs=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [0.6, 1.0, 1.9])
+def test_whitening_of_a_power_law_is_that_of_the_dense_covariance(exponent):
+    """About one relaxation a decade; weights in proportion to time^(exponent - 1)."""
+    rng = np.random.default_rng(1)
+    t, columns = np.arange(300) * 0.01, rng.normal(size=(300, 2))
+    noise = Noise(white=0.1, red=2.0, time=3.0, exponent=exponent)
+    variances, times = noise.relaxations(0.01)
+    np.testing.assert_allclose(times, [3.0, 0.03**0.5, 0.01])
+    np.testing.assert_allclose(variances / variances[0], (times / 3.0) ** (exponent - 1.0))
+    assert variances.sum() == pytest.approx(4.0)
+    gaps = np.abs(t[:, None] - t)
+    covariance = 0.01 * np.eye(300)
+    for variance, time in zip(variances, times, strict=True):
+        covariance += variance * np.exp(-gaps / time)
+    lower = cholesky(covariance, lower=True)
+    white, log_determinant = noise.whiten(t, columns)
+    np.testing.assert_allclose(white, solve_triangular(lower, columns, lower=True), atol=1e-9)
+    assert log_determinant == pytest.approx(2 * np.log(np.diag(lower)).sum(), abs=1e-8)
+
+
+@pytest.mark.parametrize("exponent", [0.7, 1.0, 1.5])
+def test_the_spectrum_of_a_power_law_is_one(exponent):
+    """Between the ends, within 10 % of 1/f^exponent, by the sum of Lorentzians."""
+    variances, times = Noise(0.0, 1.0, 1e5, exponent).relaxations(0.1)
+    f = np.geomspace(1e-3, 1e-1, 60)
+    spectrum = (2.0 * variances * times / (1.0 + (2.0 * np.pi * f[:, None] * times) ** 2)).sum(1)
+    scaled = spectrum * f**exponent
+    assert np.ptp(np.log(scaled)) < 0.2
+
+
+@pytest.mark.parametrize(("exponent", "within"), [(0.7, 0.12), (1.0, 0.15), (1.5, 0.3)])
+def test_the_exponent_of_noise_is_found(exponent, within):
+    """Of noise made by a filter in frequency, up to half the sampling rate."""
+    rng, t = np.random.default_rng(6), np.arange(2000.0)
+    found = estimated_noise(t, power_law(2000, exponent, rng), np.ones((2000, 1)))
+    assert abs(found.exponent - exponent) < within
 
 
 def test_the_noise_is_found_as_it_was_made():

@@ -8,7 +8,9 @@ from scipy.integrate import solve_ivp
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
+from ratestate.friction.forms import FORMS, parameters_of
 from ratestate.friction.law import FrictionLaw, Parameter
+from ratestate.friction.laws import LAWS
 from ratestate.model.quantities import with_error
 from ratestate.records import fitting
 from ratestate.records.fitting import generalized_least_squares
@@ -349,3 +351,69 @@ def test_what_may_be_free_under_laws():
     assert of_slider(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
     both = [SLIDER, TWO]
     assert checked_free(["K", "b2", "a", "mu0"], both) == ("a", "b2", "K")
+
+
+#: symbol -> value, of parameters that laws and forms of friction have
+OWN = {"b2": 0.004, "Dc2": 1.2e-4, "c": 1.0, "V_cut": 3e-8, "V_w": 1e-2, "mu_w": 0.2}
+OWN |= {"V1": 1e-2, "V2": 1e-3}
+
+
+def slider_under(law, form, **changes):
+    """A slider under any law and form of friction, with V0 unlike all speeds of the record."""
+    names = (*LAWS[law].parameters, *parameters_of(form))
+    own = {name: OWN[name] for name in names} | {"mu0": 0.55, "V0": 3e-6}
+    return rs.SpringSlider(**COMMON | own | changes, law=law, friction=form)
+
+
+ALL = [*((law, LAWS[law].form) for law in LAWS), *(("slip", form) for form in FORMS)]
+
+
+@pytest.mark.parametrize(("law", "form"), ALL)
+@pytest.mark.parametrize("kind", ["friction", "mu"])
+def test_friction_and_mu0_under_every_law_and_form(law, form, kind):
+    """Friction is that of a run; mu0 is the slider's, though its V0 is no speed of the record."""
+    slider = slider_under(law, form)
+    data = record(slider, STEP, T)
+    if kind == "mu":
+        run = rs.simulate(slider, STEP, float(T[-1]), times=T, rtol=1e-9)
+        data = run[["delta_lp", "mu"]]
+    checked = record_of(data, slider, loading=None, trend=None, against="time")
+    problem = Problem(checked, slider, unknowns_of(checked, slider, ("a", "b"), start=False))
+    point = np.array([np.log(slider.a), slider.b, checked.friction[0]])
+    found = problem.forward.friction(point[None])[0]
+    np.testing.assert_allclose(found, checked.friction, rtol=0.0, atol=2e-7)
+    (mu0,) = [q for q in reported_quantities(problem) if q.name == "mu0"]
+    assert mu0.value(point) == pytest.approx(0.55, abs=2e-7)
+
+
+@pytest.mark.parametrize(
+    ("law", "form"),
+    [("slip", "regularized"), ("slip", "cut-off"), ("flash-heating", "regularized")],
+)
+def test_fits_under_forms_of_friction(law, form):
+    slider = slider_under(law, form)
+    data = record(slider, STEP, T, noise=1e-4, seed=4)
+    result = rs.fit(data, slider.replace(a=0.006, b=0.009, Dc="20 um"), trend=None)
+    for name in ("a", "b", "Dc", "K", "mu0"):
+        error = float(result.standard_error.sel(parameter=name))
+        value = 0.55 if name == "mu0" else getattr(slider, name)
+        assert abs(float(result[name]) - value) < 3.5 * error < 0.5 * value, name
+    found = fitting.slider_of(result, law)
+    assert (found.friction, found.mu0) == (form, float(result.mu0))
+    assert f"{law} law" in fitting.summary(result)
+
+
+def test_a_form_of_friction_under_normal_stress_that_varies():
+    """Friction regularized is eq. 1 at 50 a, and so are fits of the same record."""
+    slider = slider_under("slip", "regularized", alpha=0.2)
+    stress = STEP.sigma_step(110.0, 2.1e7)
+    run = rs.simulate(slider, stress, float(T[-1]), times=T, rtol=1e-9)
+    data = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma)
+    free, start = ("a", "b", "alpha"), slider.replace(a=0.006, alpha=0.1)
+    result, log = (
+        rs.fit(data, one, free, loading=stress) for one in (start, start.replace(friction="log"))
+    )
+    for name in ("a", "b", "alpha", "mu0"):
+        value = 0.55 if name == "mu0" else getattr(slider, name)
+        assert float(result[name]) == pytest.approx(value, rel=1e-4), name
+        assert float(log[name]) == pytest.approx(value, rel=1e-4), name

@@ -132,15 +132,18 @@ def test_a_above_b_is_stated(both):
 
 
 @pytest.mark.parametrize(
-    ("white", "red", "expected"),
+    ("white", "red", "exponent", "expected"),
     [
-        (3e-4, 0.0, "0.0003, white"),
-        (7e-7, 7.93e-4, "0.00079, correlated over 28.2 ms"),
-        (2e-4, 3e-4, "0.0002, white, and 0.0003, correlated over 28.2 ms"),
+        (3e-4, 0.0, 0.0, "0.0003, white"),
+        (7e-7, 7.93e-4, 0.0, "0.00079, correlated over 28.2 ms"),
+        (2e-4, 3e-4, 0.0, "0.0002, white, and 0.0003, correlated over 28.2 ms"),
+        (2e-4, 3e-4, 1.24, "0.0002, white, and 0.0003, with a spectrum of 1/f^1.2"),
     ],
 )
-def test_noise_as_text(white, red, expected):
-    assert noise_text({"noise_white": white, "noise_red": red, "noise_time": 0.0282}) == expected
+def test_noise_as_text(white, red, exponent, expected):
+    values = {"noise_white": white, "noise_red": red, "noise_time": 0.0282}
+    assert noise_text(values | {"noise_exponent": exponent}) == expected
+    assert exponent or noise_text(values) == expected  # a result of an older version
 
 
 def test_a_warning_of_several_steps_is_written_once():

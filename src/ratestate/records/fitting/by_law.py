@@ -175,5 +175,7 @@ def slider_of(result, law=None):
         raise refusal(f"result.{sentence}", law=law, choices=choices)
     known = slider_parameters(laws[law])
     of_law = (*PARAMETERS, *OPTIONAL, *law_of(laws[law]).parameters)
-    symbols = [symbol for symbol in known if symbol in of_law]
-    return SpringSlider(**{symbol: value_of(laws[law], symbol) for symbol in symbols}, law=law)
+    values = {s: value_of(laws[law], s) for s in known if s in of_law and s != "friction"}
+    if "friction" in known:  # the form of friction, not the record's
+        values["friction"] = parameter(laws[law], "friction")
+    return SpringSlider(**values, law=law)

@@ -1,7 +1,12 @@
-"""The noise that residuals show, by restricted maximum likelihood."""
+"""The noise that residuals show, by restricted maximum likelihood.
+
+Noise has a shape of one of two families: white noise and one relaxation, or white noise and noise
+whose spectrum is a power of frequency.  A shape has two coordinates: ln(share/(1 - share)), of the
+correlated part's share in the variance, and that of the family.
+"""
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
@@ -11,10 +16,65 @@ from .restricted_likelihood import RestrictedLikelihood
 
 #: least rise of ln(likelihood) for correlated noise, which has two more parameters
 RISE = 3.0
-#: bounds of ln(share/(1 - share)) of the correlated part; least time over that between samples
+#: bounds of ln(share/(1 - share)); shortest time of a relaxation over that between samples
 LOG_ODDS, SHORTEST = (-8.0, 14.0), 0.2
+#: bounds of the exponent of frequency, and its change that counts as 1
+EXPONENTS, UNIT = (0.3, 2.3), 0.3
 #: size of the first simplex, from a start far from the mode or close to it
 FAR, CLOSE = 1.0, 0.2
+
+
+class Relaxation:
+    """White noise and one relaxation; its coordinate is ln(time)."""
+
+    def __init__(self, likelihood):
+        shortest = SHORTEST * likelihood.spacing
+        self.bounds = np.array([LOG_ODDS, np.log([shortest, likelihood.length])])
+        times = 2.0 * likelihood.spacing, 0.02 * likelihood.length
+        self.starts = [np.array([0.0, math.log(time)]) for time in times]
+
+    def shape(self, point):
+        """`Noise` of unit variance at a point (2,)."""
+        return Noise(*_parts(point[0]), time=math.exp(point[1]))
+
+    def point(self, noise):
+        """(2,) coordinates of a noise; None if it is of another family."""
+        if noise.red > 0.0 and noise.exponent is None:
+            return np.array([_log_odds(noise), math.log(noise.time)])
+
+
+class PowerLaw:
+    """White noise and a spectrum that is a power of frequency; its coordinate is the exponent."""
+
+    def __init__(self, likelihood):
+        self.bounds = np.array([LOG_ODDS, np.array(EXPONENTS) / UNIT])
+        self.starts = [np.array([1.0, 1.0 / UNIT])]
+        self.time = likelihood.length
+
+    def shape(self, point):
+        """`Noise` of unit variance at a point (2,)."""
+        return Noise(*_parts(point[0]), time=self.time, exponent=UNIT * point[1])
+
+    def point(self, noise):
+        """(2,) coordinates of a noise; None if it is of another family."""
+        if noise.red > 0.0 and noise.exponent is not None:
+            return np.array([_log_odds(noise), noise.exponent / UNIT])
+
+
+def families(likelihood):
+    """Both families of noise for a `RestrictedLikelihood`."""
+    return Relaxation(likelihood), PowerLaw(likelihood)
+
+
+def _parts(log_odds: float) -> tuple[float, float]:
+    """Standard deviations of the white and the correlated part of unit variance."""
+    return math.sqrt(1.0 / (1.0 + math.exp(log_odds))), math.sqrt(1.0 / (1.0 + math.exp(-log_odds)))
+
+
+def _log_odds(noise):
+    """ln(share/(1 - share)) of the correlated part of a noise; it may be infinite."""
+    with np.errstate(divide="ignore"):
+        return 2.0 * np.log(np.float64(noise.red) / noise.white)
 
 
 def estimated_noise(t, residual, jacobian, near=None):
@@ -22,65 +82,47 @@ def estimated_noise(t, residual, jacobian, near=None):
 
     near : `Noise` of almost the same residuals, from which the search then starts; None for none
 
-    White, unless a red part raises ln(likelihood) by more than `RISE`.  A column that is all 0, of
-    what the record does not see, does not count.
+    White, unless a correlated part raises ln(likelihood) by more than `RISE`.  A column that is all
+    0, of what the record does not see, does not count.
     """
     likelihood = RestrictedLikelihood(t, residual, jacobian)
-    white = likelihood.at(0.0, 1.0)
-    mode = max(modes(likelihood, near), key=lambda one: one.log_likelihood)
+    white = likelihood.at()
+    found = [mode for family in families(likelihood) for mode in modes(likelihood, family, near)]
+    mode = max(found, key=lambda one: one.log_likelihood)
     if mode.log_likelihood <= white.log_likelihood + RISE:
-        return Noise(math.sqrt(white.variance))
-    share, time = shape_of(mode.point)
-    variance = likelihood.at(share, time).variance
-    return Noise(math.sqrt((1.0 - share) * variance), math.sqrt(share * variance), time)
+        return white.noise
+    return likelihood.at(mode.shape).noise
 
 
 class Mode(NamedTuple):
     """A maximum of the restricted likelihood."""
 
-    point: np.ndarray  # (2,) coordinates of the noise's shape, as of `shape_of`
+    point: np.ndarray  # (2,) coordinates of the noise's shape
+    shape: Noise
     log_likelihood: float
 
 
-def bounds_of(likelihood):
-    """Bounds of both coordinates: of ln(share/(1 - share)), and of ln(time)."""
-    times = SHORTEST * likelihood.spacing, likelihood.length
-    return LOG_ODDS, (math.log(times[0]), math.log(times[1]))
-
-
-def shape_of(point):
-    """Share of the correlated part in the variance, and its time [s], from their coordinates."""
-    return 1.0 / (1.0 + math.exp(-point[0])), math.exp(point[1])
-
-
-def point_of(noise):
-    """(2,) coordinates of a noise with a correlated part; ln(share/(1 - share)) may be infinite."""
-    with np.errstate(divide="ignore"):
-        return np.array([2.0 * np.log(np.float64(noise.red) / noise.white), math.log(noise.time)])
-
-
-def modes(likelihood, near=None):
-    """`Mode`s (list) of a `RestrictedLikelihood`, from a short and a long time as a start.
+def modes(likelihood, family, near=None):
+    """`Mode`s (list) of a `RestrictedLikelihood` in a family, from each of the family's starts.
 
     near : as of `estimated_noise`
     """
-    bounds = bounds_of(likelihood)
-    times = np.log([2.0 * likelihood.spacing, 0.02 * likelihood.length])
-    starts, size = [np.array([0.0, time]) for time in times], FAR
-    if near is not None and near.red > 0.0:
-        starts, size = [point_of(near)], CLOSE
-    low, high = np.array(bounds).T
+    starts, size = family.starts, FAR
+    if near is not None and (point := family.point(near)) is not None:
+        starts, size = [point], CLOSE
+    low, high = family.bounds.T
     found = []
     for start in starts:
         first = np.clip(start, low, high - size)
         # (SciPy's own simplex about a coordinate of 0 is so thin that it may never move)
         simplex = first + size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        options: Any = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150}
         result = minimize(
-            lambda point: -likelihood.at(*shape_of(point)).log_likelihood,
+            lambda point: -likelihood.at(family.shape(point)).log_likelihood,
             first,
             method="Nelder-Mead",
-            bounds=bounds,
-            options={"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150},
+            bounds=family.bounds,
+            options=options,
         )
-        found.append(Mode(result.x, -result.fun))
+        found.append(Mode(result.x, family.shape(result.x), -result.fun))
     return found

@@ -71,7 +71,9 @@ def fit(
         state that are estimated too; by default the latter where the record requires it.
     noise : float or dict, optional
         Standard deviation of the noise in friction; or those of its parts "white" and "red", and
-        the correlation time "time" [s] of the red part.  Estimated by default.
+        the correlation time "time" [s] of the red part.  By default the noise is estimated: white
+        noise, with a red part of one correlation time or of a spectrum that is a power of frequency
+        if the record shows it.
     errors : {"auto", "covariance", "profile", "posterior"}
         Source of the intervals: the covariance at the best fit; profiles of the likelihood (take
         about 5 times as long as the fit, 20 times where one is open); samples of the posterior,
@@ -87,11 +89,14 @@ def fit(
         other states the law has.  ``a_minus_b`` is d mu_ss/d ln V at the record's first speed:
         a - b, unless the law has more states or steady states of its own.  Along ``parameter``:
         ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``) [SI],
-        ``interval_kind``, ``correlation`` (with ``other``; of the logarithms of what is positive).
+        ``interval_kind``, ``correlation`` (with ``other``; of the logarithms of what is positive),
+        and ``without_trend``, the estimates if the trend is left out, to first order.
         An open interval ends at inf or 0.  Along ``time``:
         ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
-        in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``rms``, ``chi2_white``,
-        ``log_likelihood``, ``aic``, ``bic``.  Profiles: ``profile_value`` [SI] and
+        in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``noise_exponent`` (1 is 1/f noise,
+        0 noise of one correlation time), ``rms``, ``chi2_white``, ``log_likelihood``, ``aic``,
+        ``bic``; ``misfit_p_value``, the probability that noise alone leaves the transients that
+        the residuals have after the steps.  Profiles: ``profile_value`` [SI] and
         ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along ``sample``,
         all of the same weight, ``log_evidence`` and the sampler's diagnostics; the attribute
         ``prior``.  With several laws all this is in one Dataset along ``law``, with
@@ -125,8 +130,9 @@ def fit(
     Warns
     -----
     FitWarning
-        A parameter is at a bound, the search has not converged, or the record does not determine
-        a free parameter.
+        A parameter is at a bound, the search has not converged, the record does not determine
+        a free parameter, the law does not describe the record, or the estimates depend on a trend
+        that friction before the first step does not confirm.
 
     Examples
     --------

@@ -19,6 +19,8 @@ from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 RTOL = 1e-8
 #: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
 MAX_STEPS_OF_FIT = 1e5
+#: steps of Newton's method for mu0, and a difference in what friction is linear in, or nearly so
+NEWTON, LINEAR_STEP = 3, 1e-3
 
 
 class Forward:
@@ -40,6 +42,7 @@ class Forward:
         self.loads, _ = engine_loads(Batch({"sigma": slider.sigma}), loading)
         self.stress = loading.normal_stress
         self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
+        self.needs_mu0 = "mu0" in self.moving_law.of_slider
         self.evaluations = 0
         # without inertia and damping V may run away; with a free one of them it cannot
         unheld = self.fixed["M"] == 0.0 and not self.fixed.get("damping")
@@ -78,9 +81,9 @@ class Forward:
     def neighbours(self, point):
         """(k, k) points above and below a point (k,), the i-th each in coordinate i alone.
 
-        By `steps`, but no further than there are values; by 1 in what friction is linear in.
+        By `steps`, but no further than there are values; by `LINEAR_STEP` in level and trend.
         """
-        steps = np.array([self.steps.get(name, 1.0) for name in self.names])
+        steps = np.array([self.steps.get(name, LINEAR_STEP) for name in self.names])
         least = np.array([parameter(name).least for name in self.names])
         down = np.minimum(steps, np.maximum(point - least, 0.0))
         return point + np.diag(steps), point - np.diag(down)
@@ -115,9 +118,11 @@ class Forward:
     def values(self, points):
         """name -> (n,) values [SI] of the slider's parameters, the lag, level and trend.
 
-        Of `starts_of` logarithms of ratios.
+        Those of `starts_of` are logarithms of ratios.  V0 is the record's first speed.  If motion
+        depends on friction itself, mu0 is there: the record's level is steady friction at V0.
         """
         fixed = dict.fromkeys((*starts_of(self.law), "lag", *LINEAR), 0.0) | self.fixed
+        fixed["V0"] = self.V0
         values = {name: np.full(len(points), float(value)) for name, value in fixed.items()}
         with np.errstate(over="ignore"):
             for i, name in enumerate(self.names):
@@ -125,7 +130,24 @@ class Forward:
                 values[name] = np.exp(moved) if parameter(name).is_log else moved
         if self.rigid:
             values["K"] = stiffness(values["a"], values["Dc"], self.sigma)
+        if self.needs_mu0:
+            values["mu0"] = self.mu0(values, np.full(len(points), self.record.level))
         return values
+
+    def mu0(self, values, level):
+        """(n,) mu0 at the V0 of the values, from the level (n,) of the record's friction.
+
+        The level is what the record shows in steady sliding at its first speed.
+        """
+        shown = self.law.steady_friction if self.record.kind == "mu" else self.law.steady_tau
+        mu0 = level
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            for _ in range(NEWTON):
+                here, above = (
+                    shown(self.V0, values | {"mu0": mu0 + step}) for step in (0.0, LINEAR_STEP)
+                )
+                mu0 = mu0 + (level - here) * LINEAR_STEP / (above - here)
+        return mu0
 
     def start(self, values, p):
         """ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
@@ -147,11 +169,7 @@ class Forward:
         """`coefficients` of the law that moves."""
         if self.stress is None:
             return p
-        # friction in steady sliding at V0, which the level of the record is
-        own = {"V0": self.V0, "mu0": 0.0}
-        own |= {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
-        rest = self.law.steady_friction(self.V0, values | own)
-        own["mu0"] = self.record.level - rest
+        own = {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
         return self.moving_law.coefficient_arrays(self.V0, values | own)
 
     def _motion(self, values, p):

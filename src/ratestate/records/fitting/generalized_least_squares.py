@@ -178,7 +178,7 @@ def _may_start_unsteady(solution):
     added = starts_of(problem.law)
     forward = Forward(problem.record, problem.slider, (*added, *problem.unknowns.names))
     jacobian = np.nan_to_num(forward.jacobian(np.append(np.zeros(len(added)), solution.point))[1])
-    in_white_noise = solution._replace(noise=Noise(solution.noise.level))
+    in_white_noise = solution._replace(noise=Noise(float(np.std(solution.residual))))
     both = (solution, in_white_noise) if solution.noise.red else (solution,)
     return any(gain_of(one, jacobian[:, : len(added)])[0] > FALL for one in both)
 

@@ -1,8 +1,10 @@
 """The noise of a record: its level and correlation.
 
-The noise is white noise plus an Ornstein-Uhlenbeck process (engine/noise.py): the former is
-from a load cell's digits and electronics, the latter from filters, gouge and machine.  Its three
-numbers are given, or estimated (estimated_noise.py).
+The noise is white noise plus a correlated part (engine/noise.py): the former is from a load cell's
+digits and electronics, the latter from filters, gouge, temperature and machine.  The correlated
+part is one relaxation (an Ornstein-Uhlenbeck process) or, for noise whose spectrum is a power of
+frequency such as 1/f, a sum of relaxations, one a decade.  The numbers are given, or estimated
+(estimated_noise.py).
 """
 
 import math
@@ -16,11 +18,26 @@ from .refusals import refusal
 
 
 class Noise(NamedTuple):
-    """Standard deviations of the white and the correlated part, and the latter's time [s]."""
+    """Standard deviations of the white and the correlated part, and the latter's time [s].
+
+    With an exponent, the spectrum of the correlated part falls as frequency to the power of
+    -exponent (0 to 2), down to 1/time: relaxations add up, about one a decade, whose times are from
+    `time` down to the usual time between samples.
+    """
 
     white: float
     red: float = 0.0
     time: float = 1.0
+    exponent: float | None = None
+
+    def relaxations(self, spacing):
+        """Variances (m,) and times (m,) [s] of the relaxations, for a time between samples [s]."""
+        if self.exponent is None:
+            return np.array([self.red**2]), np.array([self.time])
+        decades = max(round(math.log10(self.time / spacing)), 1)
+        times = np.geomspace(self.time, spacing, 1 + decades)
+        weights = (times / self.time) ** (self.exponent - 1.0)
+        return self.red**2 * weights / weights.sum(), times
 
     def whiten(self, t, columns):
         """(n, k) columns at times t (n,) with white noise of unit variance; ln det(covariance)."""
@@ -29,15 +46,23 @@ class Noise(NamedTuple):
             out = columns / self.white
             log_determinant = 2.0 * t.size * math.log(self.white)
         else:
-            out = np.empty_like(columns)
-            arguments = (np.diff(t), self.white**2, self.red**2, self.time, columns, out)
-            log_determinant = whiten(*arguments)
+            out, dt = np.empty_like(columns), np.diff(t)
+            variances, times = self.relaxations(float(np.median(dt)))
+            log_determinant = whiten(dt, self.white**2, variances, times, columns, out)
         return out, log_determinant
 
     @property
     def level(self):
         """Standard deviation of one sample."""
         return math.hypot(self.white, self.red)
+
+    def times(self, factor):
+        """Noise of the same shape that is larger by a factor."""
+        return self._replace(white=factor * self.white, red=factor * self.red)
+
+
+#: white noise of unit variance
+WHITE = Noise(1.0)
 
 
 def given_noise(noise):

@@ -1,9 +1,8 @@
 """The restricted likelihood of a noise's shape, with the estimates that go with it.
 
-The noise is white plus an Ornstein-Uhlenbeck process (engine/noise.py).  Its shape is the share of
-the latter in the variance, and its correlation time; the variance itself is estimated in closed
-form.  Restricted maximum likelihood allows for what the fitted parameters have taken out of the
-residuals: Patterson & Thompson (1971) doi:10.1093/biomet/58.3.545.
+The variance of the noise is estimated in closed form.  Restricted maximum likelihood allows for
+what the fitted parameters have taken out of the residuals: Patterson & Thompson (1971)
+doi:10.1093/biomet/58.3.545.
 """
 
 import math
@@ -11,14 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .noise import Noise
+from .noise import WHITE, Noise
 
 
 class Conditional(NamedTuple):
     """What holds if the noise has one shape, for the k coordinates of a fit."""
 
     log_likelihood: float  # restricted; -inf where the record does not see some coordinate
-    variance: float  # of one sample
+    noise: Noise  # of this shape, with the likeliest variance
     shift: np.ndarray  # (k,) of the estimates, by generalized least squares to first order
     root: np.ndarray  # (k, k) with root @ root.T the covariance of the estimates
 
@@ -41,10 +40,9 @@ class RestrictedLikelihood:
         #: usual time between samples, and length of the record [s]
         self.spacing, self.length = float(np.median(np.diff(t))), float(t[-1] - t[0])
 
-    def at(self, share, time):
-        """`Conditional` on a share of the correlated part in the variance and its time [s]."""
-        unit = Noise(math.sqrt(1.0 - share), math.sqrt(share), time)
-        white, log_determinant = unit.whiten(self.t, self.columns)
+    def at(self, shape=WHITE):
+        """`Conditional` on a `Noise` of this shape and any variance."""
+        white, log_determinant = shape.whiten(self.t, self.columns)
         normal = white.T @ white
         try:
             factor = np.linalg.cholesky(normal[1:, 1:])
@@ -60,8 +58,8 @@ class RestrictedLikelihood:
         shift, root = np.zeros(self.size), np.zeros((self.size, self.size))
         shift[self.seen] = (inverse.T @ projected) / self.scale
         root[np.ix_(self.seen, self.seen)] = math.sqrt(variance) * inverse.T / self.scale[:, None]
-        return Conditional(-minus, variance, shift, root)
+        return Conditional(-minus, shape.times(math.sqrt(variance)), shift, root)
 
     def _none(self):
         nothing = np.zeros((self.size, self.size))
-        return Conditional(-math.inf, math.nan, nothing[0], nothing)
+        return Conditional(-math.inf, WHITE, nothing[0], nothing)

@@ -8,6 +8,7 @@ from ...friction.laws import friction_law
 from ...model.quantities import attrs
 from .diagnostics.checks import diagnose
 from .diagnostics.model_comparison import compare_laws
+from .diagnostics.trend import without_trend
 from .estimates import LEVELS, ROOTS, SIDES
 from .likelihood.posterior import prior_text
 from .unknowns import SUMS, free_under, starts_of
@@ -20,11 +21,12 @@ def dataset_of(inference, data):
     result = xarray.merge(
         [
             estimate_variables(inference.estimates),
+            _trend_variables(inference),
             _profile_variables(inference.profiles, quantities),
             _posterior_variables(inference.posterior, quantities),
             curve_variables(record.time, record.friction, solution.fitted_friction),
             _band_variables(solution),
-            _statistics(solution),
+            _statistics(inference),
         ]
     )
     result = result.assign(text_variables(*diagnose(inference, data)))
@@ -89,6 +91,13 @@ def estimate_variables(estimates):
     return xarray.Dataset(variables, coords)
 
 
+def _trend_variables(inference):
+    """Estimates if the trend is left out, ``without_trend``; nothing if the fit has no trend."""
+    if (values := without_trend(inference)) is None:
+        return xarray.Dataset()
+    return xarray.Dataset(labelled("parameter", without_trend=values))
+
+
 def _profile_variables(profiles, quantities):
     """Points of the profiles: ``profile_value`` [SI] and ``profile_deviance``, padded with NaN."""
     if not profiles:
@@ -142,8 +151,9 @@ def _band_variables(solution):
     return xarray.Dataset(variables | labelled(("time", "side"), band=band), {"side": list(SIDES)})
 
 
-def _statistics(solution):
+def _statistics(inference):
     """The misfit, the noise and the information criteria; the start, if that was free."""
+    solution = inference.solution
     residual, noise = solution.residual, solution.noise
     k = len(solution.point) + (3 if noise.red else 1)
     successive = np.var(np.diff(residual)) / 2.0
@@ -152,6 +162,8 @@ def _statistics(solution):
         "noise_white": noise.white,
         "noise_red": noise.red,
         "noise_time": noise.time if noise.red else 0.0,
+        "noise_exponent": noise.exponent or 0.0,
+        "misfit_p_value": inference.chance,
         "chi2_white": np.mean(residual**2) / successive,
         "log_likelihood": solution.log_likelihood,
         "aic": 2.0 * k - 2.0 * solution.log_likelihood,

@@ -120,7 +120,11 @@ def noise_text(part: xarray.Dataset) -> str:
     white, red = float(part["noise_white"]), float(part["noise_red"])
     if not red > 0.0:
         return f"{white:.2g}, white"
-    correlated = f"{red:.2g}, correlated over {readable('t', float(part['noise_time']), 3)}"
+    exponent = float(part.get("noise_exponent", 0.0))  # (older results have none)
+    if exponent > 0.0:
+        correlated = f"{red:.2g}, with a spectrum of 1/f^{exponent:.2g}"
+    else:
+        correlated = f"{red:.2g}, correlated over {readable('t', float(part['noise_time']), 3)}"
     return correlated if white < NEGLIGIBLE * red else f"{white:.2g}, white, and {correlated}"
 
 

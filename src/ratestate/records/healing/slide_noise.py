@@ -60,6 +60,6 @@ def _noise(t, friction, parts, least):
     noise = estimated_noise(t[rows], residual, columns)
     # of what is slower than a part nothing is known but how fast it spreads, as red^2/time
     longest = max(float(t[rows[-1]] - t[rows[0]]) for rows in parts)
-    if noise.time <= longest:
+    if noise.exponent is not None or noise.time <= longest:
         return noise
     return noise._replace(red=noise.red * math.sqrt(longest / noise.time), time=longest)

@@ -3,6 +3,7 @@
 ==================== ======================================================================
 ``checks``           `diagnose`: all warnings in order; normal stress
 ``misfit``           whether the law fits
+``trend``            how much the estimates depend on the trend of friction
 ``left_out``         a spring, a lag or inertia that the record shows and the slider has not
 ``identifiability``  which parameters a record determines
 ``tradeoffs``        which parameters trade off, and what combination is determined

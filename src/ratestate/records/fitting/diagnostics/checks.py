@@ -7,13 +7,15 @@ import numpy as np
 from ....model.quantities import readable
 from ....model.sentences import Sentences
 from ...reading.stress_steps import VARIABLE
+from ..likelihood.transients import longest_distance
 from ..record import changes
 from ..score import responds, response
 from ..unknowns import of_slider
 from .identifiability import identifiability
 from .left_out import left_out, rigid
-from .misfit import longest_distance, misfit_warnings
+from .misfit import misfit_warnings
 from .search import search_warnings
+from .trend import trend_warnings
 
 #: slip after the last step, over Dc, after which friction is steady again
 STEADY = 3.0
@@ -35,7 +37,8 @@ def diagnose(inference, data):
         *search_warnings(inference),
         *warnings,
         *_ends_early(solution.problem.record, name, D, high),
-        *misfit_warnings(solution, name, D),
+        *misfit_warnings(inference),
+        *trend_warnings(inference),
         *_normal_stress(solution.problem, data),
         *left_out(solution),
     ]

@@ -2,10 +2,10 @@
 
 Noise slower than the response to a step is known from few independent samples, so an interval that
 takes its estimate for the truth is too narrow.  Here the noise's shape is integrated over, with
-flat priors of ln(share/(1 - share)) and ln(time): for each shape the estimates are those of
+flat priors of its coordinates (estimated_noise.py): for each shape the estimates are those of
 generalized least squares, to first order about the fit, and shapes count by their restricted
-likelihood.  White noise is one shape beside them, of the same prior probability as all others
-together.  So a quantity has a mixture of Gaussians, whose quantiles are the ends of intervals.
+likelihood.  White noise, noise with one relaxation, and noise with a power law have the same prior
+probability.  So a quantity has a mixture of Gaussians, whose quantiles are the ends of intervals.
 The shapes are those of a grid along the principal axes of the likelihood, as Rue, Martino & Chopin
 (2009) doi:10.1111/j.1467-9868.2008.00700.x explore hyperparameters.
 """
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from ..estimated_noise import bounds_of, modes, shape_of
+from ..estimated_noise import families, modes
 from ..estimates import GAUSSIAN, LEVELS
 from ..generalized_least_squares import Solution
 from ..restricted_likelihood import RestrictedLikelihood
@@ -101,12 +101,27 @@ def likely_noise(solution):
     likelihood = RestrictedLikelihood(
         solution.problem.record.t, solution.residual, solution.jacobian
     )
-    shapes, priors = _shapes(likelihood, solution.noise)
+    shapes, weight = likely_shapes(likelihood, solution.noise)
+    return LikelyNoise(solution, shapes, weight) if shapes else None
+
+
+def likely_shapes(likelihood, near=None):
+    """`Conditional`s (list) of a `RestrictedLikelihood` on likely shapes of the noise, and weights.
+
+    near : as of `estimated_noise`
+
+    Weights (n,) add up to 1.  There are no shapes if none is possible.
+    """
+    shapes, priors = [likelihood.at()], [1.0]
+    for family in families(likelihood):
+        kept, part = _shapes(likelihood, family, near)
+        shapes += kept
+        priors += [part] * len(kept)
     log_weight = np.array([one.log_likelihood for one in shapes])
     if not np.isfinite(log_weight).any():
-        return None
-    weight = priors * np.exp(log_weight - log_weight.max())
-    return LikelyNoise(solution, shapes, weight / weight.sum())
+        return [], log_weight
+    weight = np.array(priors) * np.exp(log_weight - log_weight.max())
+    return shapes, weight / weight.sum()
 
 
 def _quantile(weight, means, spreads, part):
@@ -120,39 +135,39 @@ def _quantile(weight, means, spreads, part):
     return 0.5 * (low + high)
 
 
-def _shapes(likelihood, noise):
-    """list of `Conditional` on white noise and on the shapes of a grid that are likely; priors."""
-    bounds = np.array(bounds_of(likelihood)).T
-    found = modes(likelihood, noise)
+def _shapes(likelihood, family, near):
+    """`Conditional`s (list) on the shapes of a grid that are likely, and the prior of each."""
+    low, high = family.bounds.T
+    found = modes(likelihood, family, near)
     best = max(found, key=lambda mode: mode.log_likelihood)
-    axes = _principal_axes(likelihood, best.point, bounds)
+    axes = _principal_axes(likelihood, family, best.point)
     # grid points are integers along the axes, from the best mode on
-    seen: dict[tuple, float] = {}
+    seen: set[tuple] = set()
     kept = []
     first = [np.linalg.solve(axes, mode.point - best.point).round().astype(int) for mode in found]
     queue = [tuple(place.tolist()) for place in first]
     while queue and len(seen) < MOST:
         place = queue.pop(0)
         point = best.point + axes @ np.array(place, float)
-        if place in seen or (point < bounds[0]).any() or (point > bounds[1]).any():
+        if place in seen or (point < low).any() or (point > high).any():
             continue
-        conditional = likelihood.at(*shape_of(point))
-        seen[place] = conditional.log_likelihood
+        conditional = likelihood.at(family.shape(point))
+        seen.add(place)
         if conditional.log_likelihood > best.log_likelihood - NEGLIGIBLE:
             kept.append(conditional)
             i, j = place
             queue += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
-    part = abs(np.linalg.det(axes)) / np.prod(bounds[1] - bounds[0])
-    return [likelihood.at(0.0, 1.0), *kept], np.array([1.0] + [part] * len(kept))
+    return kept, abs(np.linalg.det(axes)) / np.prod(high - low)
 
 
-def _principal_axes(likelihood, point, bounds):
+def _principal_axes(likelihood, family, point):
     """(2, 2) steps of the grid, as columns: a standard deviation along each principal axis."""
     h = DIFFERENCE
-    point = np.clip(point, bounds[0] + h, bounds[1] - h)
+    low, high = family.bounds.T
+    point = np.clip(point, low + h, high - h)
 
     def minus(x, y):
-        return -likelihood.at(*shape_of(point + np.array([x, y]))).log_likelihood
+        return -likelihood.at(family.shape(point + np.array([x, y]))).log_likelihood
 
     centre = minus(0.0, 0.0)
     with np.errstate(invalid="ignore"):  # where a shape is impossible, by its infinite likelihood

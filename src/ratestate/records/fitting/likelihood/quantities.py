@@ -98,12 +98,7 @@ def reported_quantities(problem):
     friction = problem.slider.replace(damping=0.0).friction_law
 
     def mu0(values):
-        """In steady sliding at `V` the level is that of friction, or of the spring's stress."""
-        p = law.coefficient_arrays(V, values)
-        shown = law.steady_resistance if problem.record.kind == "mu" else law.steady_stress
-        damping = values["a"] * (shown(p) - law.steady_resistance(p))
-        friction = law.steady_friction(V, values | {"mu0": 0.0, "V0": V0})
-        return values["level"] - friction - damping
+        return forward.mu0(values | {"V0": np.full_like(values["a"], V0)}, values["level"])
 
     def rate_dependence(values):
         """d mu_ss/d ln V at `V`; a - b, unless the law has more states or friction of its own."""

@@ -15,6 +15,7 @@ from .posterior import Posterior, common_prior, sample_posterior
 from .profile import BetterPoint
 from .profiles import compute_profiles
 from .quantities import reported_quantities
+from .transients import chance_of_transients, longest_distance
 
 #: kinds of intervals that a user may choose
 ERRORS = ("auto", "covariance", "profile", "posterior")
@@ -34,6 +35,7 @@ class Inference(NamedTuple):
     profiles: dict  # name -> `Profile`
     posterior: Posterior | None
     still_improving: bool  # even after `REFITS` a profile has a better point
+    chance: float  # that noise alone leaves such transients after the steps
 
 
 def infer(solution, noise, errors):
@@ -72,7 +74,11 @@ def infer(solution, noise, errors):
         if q.name in profiles
     }
     estimates = estimates.with_intervals(ends, "profile")
-    return Inference(solution, likely, quantities, estimates, profiles, None, still_improving)
+    _, D, _ = longest_distance(estimates, solution.problem.slider)
+    chance = chance_of_transients(solution, D) if responds(solution) else 1.0
+    return Inference(
+        solution, likely, quantities, estimates, profiles, None, still_improving, chance
+    )
 
 
 def _noise_and_widening(solution, quantities, noise):

@@ -18,8 +18,8 @@ from .recorded import curve_variables, window_variables
 FITTED, FAILED, STICK_SLIP = 0, 1, 2
 #: scalars of a fit that are kept for each step
 SCALARS = (
-    "rms noise_white noise_red noise_time chi2_white log_likelihood aic bic log_evidence"
-    " log_evidence_error"
+    "rms noise_white noise_red noise_time noise_exponent misfit_p_value chi2_white log_likelihood"
+    " aic bic log_evidence log_evidence_error"
 ).split()
 TEXTS = ("identifiability", "warnings")
 

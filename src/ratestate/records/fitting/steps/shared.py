@@ -58,7 +58,7 @@ class _Step:
         self.shared = shared_coordinates(separate.unknowns, settings)
         self.names = tuple(names[i] for i in self.shared)
         larger, noise = math.sqrt(separate.inflation.factor), separate.noise
-        self.noise = noise._replace(white=larger * noise.white, red=larger * noise.red)
+        self.noise = noise.times(larger)
         self.own = [i for i in range(len(names)) if i not in self.shared]
 
     def compressed(self, shared, own):
