@@ -18,9 +18,7 @@ from ..errors import ParameterError
 #: packages whose functions and classes count by name alone
 INSTALLED = sys.stdlib_module_names | {"llvmlite", "numba", "numpy", "ratestate", "scipy"}
 #: values that `repr` shows in full
-PLAIN = (
-    bool | int | float | complex | str | bytes | np.generic | types.NoneType | types.EllipsisType
-)
+PLAIN = bool | int | float | complex | str | bytes | np.generic | types.EllipsisType | None
 #: what the module of a law file is called, before a hash of its text
 LAW_FILE = "ratestate_law_"
 #: entries of a class that Python writes, and those of `user_law.py`
@@ -67,8 +65,10 @@ class _Reader:
             yield from self._of_items(value.items(), name)
         elif isinstance(value, set | frozenset):
             yield f"set of {sorted(map(repr, value))}"
-        elif isinstance(value, property | staticmethod | classmethod):
-            yield from self.texts(getattr(value, "fget", None) or value.__func__, name)
+        elif isinstance(value, property):
+            yield from self.texts(value.fget, name)
+        elif isinstance(value, staticmethod | classmethod):
+            yield from self.texts(value.__func__, name)
         elif hasattr(value, "py_func"):  # compiled by numba
             yield from self.texts(value.py_func, name)
         else:

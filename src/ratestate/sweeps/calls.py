@@ -44,8 +44,8 @@ def call_of(verb, slider, arguments):
 
     arguments : dict, all but the slider
     """
-    by_function = {function: name for name, (function, _) in FUNCTIONS.items()}
-    known = by_function | {name: name for name in FUNCTIONS}
+    known: dict[Hashable, str] = {name: name for name in FUNCTIONS}
+    known |= {function: name for name, (function, _) in FUNCTIONS.items()}
     name = known.get(verb) if isinstance(verb, Hashable) else None
     if name is None:
         raise ParameterError(sentence("call.unknown", verb=verb, names=", ".join(FUNCTIONS)))

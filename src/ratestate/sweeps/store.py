@@ -7,6 +7,7 @@ each file.
 
 import contextlib
 import warnings
+from typing import Any
 
 import xarray
 
@@ -68,8 +69,9 @@ def read_record(path):
     """
     with as_store_error(path):
         record = Record(path)
-        group, how = f"{SWEEP_GROUP}/inputs", {"consolidated": False, "decode_cf": False}
-        with xarray.open_zarr(path, group=group, chunks=None, zarr_format=3, **how) as data:
+        how: dict[str, Any] = {"consolidated": False, "decode_cf": False, "zarr_format": 3}
+        group = f"{SWEEP_GROUP}/inputs"
+        with xarray.open_zarr(path, group=group, chunks=None, **how) as data:
             inputs = data.load()
     needed = {"verb", "sizes", "chunk", "device", "checksum", "versions"}
     if not needed <= {*record.attrs} or checksum(inputs) != record.attrs["checksum"]:
