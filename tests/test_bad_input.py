@@ -224,3 +224,66 @@ def test_sizes_beyond_double_precision():
     run = simulate(slider, loading, 1.0, V_start=2.7e-267, times=[0.0, 1.0])
     assert float(run.V[0]) == pytest.approx(2.7e-267, rel=1e-12)
     assert np.isfinite(run.mu).all()
+
+
+RECORD = xr.Dataset(
+    {
+        "friction": ("time", 0.6 + 1e-4 * np.random.default_rng(0).normal(size=400)),
+        "delta_lp": ("time", 1e-6 * np.linspace(0.0, 40.0, 400)),
+        "segment_t": ("segment", [0.0, 10.0, 20.0]),
+        "segment_V": ("segment", [1e-6, 0.0, 1e-6]),
+    },
+    {"time": np.linspace(0.0, 40.0, 400)},
+)
+EVALUATE = {
+    "fit": lambda data: rs.fit(data, SLIDER, ("a", "b", "Dc")),
+    "fit of each step": lambda data: rs.fit(data, SLIDER, ("a", "b", "Dc"), each="step"),
+    "events": lambda data: rs.events(data, sigma="2 MPa"),
+    "healing": rs.healing,
+    "machine_stiffness": lambda data: rs.machine_stiffness(data, "2 MPa"),
+}
+
+
+@pytest.mark.parametrize("evaluate", EVALUATE.values(), ids=EVALUATE)
+def test_a_record_with_altered_segments_is_refused(evaluate):
+    altered = [
+        RECORD.drop_vars("segment_t"),
+        RECORD.drop_vars("segment_V"),
+        *(RECORD.isel(segment=part) for part in (slice(0, 0), 0, slice(None, None, -1))),
+        RECORD.assign(segment_V=RECORD.segment_V.astype(str)),
+        RECORD.assign(segment_t=RECORD.segment_t.where(RECORD.segment_t > 0.0)),
+    ]
+    for data in altered:
+        with pytest.raises(ParameterError, match="segments of the record are incomplete"):
+            evaluate(data)
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments"),
+    [
+        (rs.fit, {"each": np.array(["step", "step"])}),
+        (rs.fit, {"law": 3}),
+        (rs.fit, {"free": np.array([["a", "b"]])}),
+        (rs.fit, {"noise": axis([1e-4, 2e-4])}),
+        (rs.healing, {"trend": np.array(["slip", "time"])}),
+        (rs.healing, {"noise": axis([1e-4, 2e-4])}),
+        (rs.events, {"sigma": xr.Dataset()}),
+        (rs.machine_stiffness, {"sigma": axis([1e6, 2e6])}),
+    ],
+)
+def test_arrays_for_what_is_one_thing_are_refused(function, arguments):
+    given = {"slider": SLIDER, "free": ("a", "b", "Dc")} if function is rs.fit else {}
+    with pytest.raises(ParameterError, match=next(iter(arguments))):
+        function(RECORD, **given | arguments)
+
+
+@pytest.mark.parametrize("value", [np.array(["cpu", "cuda"]), axis([1.0, 2.0]), {}, 3, NAN])
+def test_arrays_for_settings_of_sweeps_and_branches_are_refused(value):
+    sliders = SLIDER.replace(M=rs.logspace("M", 1, 10, 2))
+    for name in ("device", "progress"):
+        with pytest.raises(ParameterError, match=name):
+            rs.sweep("stability", sliders, V_lp=1e-3, **{name: value})
+    with pytest.raises(ParameterError):
+        rs.sweep(value, sliders, V_lp=1e-3)
+    with pytest.raises(ParameterError, match="parameter"):
+        rs.continue_cycle(SLIDER, value, 1e8, 2e8, V_lp=1e-3)

@@ -126,6 +126,14 @@ def to_si(symbol, value, *, label=None, bound=None):
     return x
 
 
+def one_in_si(symbol, value, **how):
+    """`to_si` of a single number; ParameterError for an array."""
+    number = to_si(symbol, value, **how)
+    if is_array(number):
+        raise ParameterError(f"{symbol} is an array; {expected(symbol)}, one for the whole record")
+    return number
+
+
 def _shown(symbol, x):
     unit = QUANTITIES[symbol].unit
     return f"{x:.6g}" + ("" if unit == "1" else f" {unit}")

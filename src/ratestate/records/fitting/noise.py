@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.noise import whiten
-from ...model.units import to_si
+from ...model.units import one_in_si, to_si
 from .refusals import refusal
 
 
@@ -74,13 +74,13 @@ def given_noise(noise):
     if noise is None:
         return None
     if not isinstance(noise, dict):
-        return Noise(to_si("noise", noise))
+        return Noise(one_in_si("noise", noise))
     if not set(noise) <= {"white", "red", "time"} or not noise:
         raise refusal("noise.form", noise=noise)
     if "red" in noise and "time" not in noise:
         raise refusal("noise.no_time")
     white, red = (
-        to_si("noise", noise.get(k, 0.0), label=f"noise {k}", bound=">= 0")
+        one_in_si("noise", noise.get(k, 0.0), label=f"noise {k}", bound=">= 0")
         for k in ("white", "red")
     )
     if not white + red > 0.0:

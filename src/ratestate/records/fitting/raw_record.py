@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 
 from ...model.loading import Loading
-from ..reading.segments import find_segments
+from ..reading.segments import find_segments, stored_segments
 from ..reading.sizes import check_stress, constant_in_si
 from .normal_stress import recorded_stress
 from .refusals import refusal
@@ -144,8 +144,8 @@ def loading_of(raw, loading=None, sigma=None):
 
 def _load_point_segments(data):
     """(segments,) starts [s] and speeds [m/s] of a record's load point, 0 in a hold."""
-    if "segment_t" in data.variables:
-        return (np.asarray(data[name].values, float) for name in ("segment_t", "segment_V"))
+    if (stored := stored_segments(data)) is not None:
+        return stored
     time = _column(data, "time")
     displacement = _displacement(data, time)
     if displacement is None:

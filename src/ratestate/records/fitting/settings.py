@@ -1,5 +1,6 @@
 """What a fit is to do, checked."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from ...dynamics.refusals import check_one_length
@@ -74,7 +75,7 @@ def checked_settings(slider, *, free, law, noise, **choices):
 
 def check_each(each, settings, loading):
     """Refuse what fits of each step have no use for, and an `each` that is none."""
-    if each not in EACH:
+    if not (each is None or isinstance(each, str)) or each not in EACH:
         choices = ", ".join(map(repr, EACH))
         raise refusal("settings.unknown", name="each", value=each, choices=choices)
     if each is not None and loading is not None:
@@ -89,7 +90,7 @@ def sliders_under(slider, law):
     ParameterError for a law that is none, for the same twice, and for one with parameters that the
     slider does not have, or that are called as what a fit has of its own.
     """
-    one = law is None or isinstance(law, str | type)
+    one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
     laws = [law_of(name) for name in ([slider.law if law is None else law] if one else law)]
     if not laws or len(set(laws)) < len(laws):
         raise refusal("settings.laws", law=law)

@@ -206,6 +206,8 @@ def checked_free(free, sliders):
         raise refusal("free.no_sequence", free=free, allowed=listed) from None
     if not names:
         raise refusal("free.empty", allowed=listed)
+    if not all(isinstance(name, str) for name in names):
+        raise refusal("free.no_sequence", free=free, allowed=listed)
     for name in names:
         if name in EXTRAS and name not in allowed:
             raise refusal("free.undamped")

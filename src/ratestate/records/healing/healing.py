@@ -98,7 +98,7 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     >>> result.delta_mu.values.round(3).tolist(), round(float(result.beta), 3)
     ([0.016, 0.03], 0.014)
     """
-    if trend not in CHOICES["trend"]:
+    if not (trend is None or isinstance(trend, str)) or trend not in CHOICES["trend"]:
         choices = ", ".join(map(repr, CHOICES["trend"]))
         raise fit_refusal("settings.unknown", name="trend", value=trend, choices=choices)
     given, sliders = given_noise(noise), sliders_of(slider)

@@ -66,6 +66,22 @@ class FoundSegments(NamedTuple):
         return texts
 
 
+def stored_segments(data):
+    """(n,) starts [s] and speeds [m/s] of the segments that a record already has; None if none.
+
+    ParameterError for an altered record, whose segments are incomplete, empty or out of order.
+    """
+    names = ("segment_t", "segment_V")
+    if not any(name in data.variables for name in names):
+        return None
+    found = [data[name].values for name in names if name in data.variables]
+    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in found)
+    usable = usable and len(found) == 2 and bool(np.isfinite(found).all())
+    if not usable or (np.diff(found[0]) <= 0.0).any():
+        raise refusal("segments.altered")
+    return tuple(one.astype(float) for one in found)
+
+
 def find_segments(t, delta_lp):
     """Constant speeds that a load point had one after the other, from its displacement.
 

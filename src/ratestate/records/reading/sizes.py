@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
-from ...model.units import OF_WHOLE_CONTACT, scaled, to_si, unit_factor
+from ...model.units import OF_WHOLE_CONTACT, one_in_si, scaled, to_si, unit_factor
 from .messages import message, refusal
 from .table import quoted
 from .titles import LIKE, USUAL, WEIGHTS, plain
@@ -120,7 +120,7 @@ def unusual(record, speeds):
 
 def constant_in_si(symbol, value):
     """A constant in SI; ParameterError for one of a size that nobody has measured friction with."""
-    number = to_si(symbol, value)
+    number = one_in_si(symbol, value)
     low, high = USUAL[symbol]
     if not low <= number <= high:
         si = QUANTITIES[symbol].unit

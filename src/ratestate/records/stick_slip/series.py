@@ -9,7 +9,7 @@ from scipy.ndimage import uniform_filter1d
 from ...dynamics.results import parameter
 from ...model.conversion import in_si
 from ...model.units import is_array, to_si
-from ..reading.segments import segments_from_displacement, segments_from_velocity
+from ..reading.segments import segments_from_displacement, segments_from_velocity, stored_segments
 from ..reading.sizes import constant_in_si, typical_stress
 from .refusals import refusal
 
@@ -155,8 +155,8 @@ def _of_record(data, t, own):
 
 def _recorded_load(data, t):
     """The `Load` of a record: the constant speeds found in it."""
-    if "segment_t" in data.variables:
-        starts, V = _values(data["segment_t"]), _values(data["segment_V"])
+    if (stored := stored_segments(data)) is not None:
+        starts, V = stored
         error = _values(data["segment_V_error"]) if "segment_V_error" in data else np.zeros(V.size)
     elif "delta_lp" in data.variables or "V_load" in data.variables:
         name = "delta_lp" if "delta_lp" in data.variables else "V_load"
@@ -176,7 +176,7 @@ def _scalar(symbol, value):
     """A value in SI, or None; ParameterError for several."""
     if value is None:
         return None
-    if is_array(value) or np.ndim(value):
+    if is_array(value) or (hasattr(value, "__len__") and not isinstance(value, str)):
         raise refusal("data.array", symbol=symbol)
     return float(to_si(symbol, value))
 
