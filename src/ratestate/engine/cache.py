@@ -39,10 +39,10 @@ PROGRAMS = (numba.__version__, llvmlite.__version__, sysconfig.get_config_var("S
 
 
 def _digest():
-    """A hash of all sources of the kernels."""
+    """A hash of all sources of the kernels: the packages engine and friction, whole."""
     package = Path(__file__).parent.parent
-    sources = (package / folder for folder in ("engine", "friction", "model"))
-    paths = sorted(path for folder in sources for path in folder.rglob("*.py"))
+    folders = package / "engine", package / "friction"
+    paths = sorted(path for folder in folders for path in folder.rglob("*.py"))
     return hashlib.sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:16]
 
 
