@@ -11,22 +11,17 @@ import inspect
 import sys
 import types
 
-import numpy as np
-
 from ..errors import ParameterError
 
 #: packages whose functions and classes count by name alone
 INSTALLED = sys.stdlib_module_names | {"llvmlite", "numba", "numpy", "ratestate", "scipy"}
 #: values that `repr` shows in full
-PLAIN = bool | int | float | complex | str | bytes | np.generic | types.EllipsisType | None
+PLAIN = bool | int | float | complex | str | bytes | types.EllipsisType | None
+FUNCTIONS = type | types.FunctionType | types.BuiltinFunctionType
 #: what the module of a law file is called, before a hash of its text
 LAW_FILE = "ratestate_law_"
-#: entries of a class that Python writes, and those of `user_law.py`
-NOT_OWN = {
-    *("__dict__", "__weakref__", "__doc__", "__module__", "__qualname__", "__annotations__"),
-    *("__annotate_func__", "__annotations_cache__", "__firstlineno__", "__static_attributes__"),
-    *("__abstractmethods__", "_abc_impl", "file", "source"),
-}
+#: entries of a class that are not its author's: of `user_law.py`, and of Python
+NOT_OWN = {"file", "source", "_abc_impl", "__annotate_func__"}
 
 
 def content_of(kind):
@@ -47,7 +42,7 @@ class _Reader:
         """Yield the texts of a value and of everything that it refers to; name: for messages."""
         if isinstance(value, PLAIN):
             yield f"{type(value).__name__} {value!r}"
-        elif isinstance(value, type | types.FunctionType | types.BuiltinFunctionType | np.ufunc):
+        elif isinstance(value, FUNCTIONS) or type(value).__name__ == "ufunc":
             if _is_installed(value):
                 yield f"{value.__module__}.{value.__name__}"
             elif value not in self._read:
@@ -81,7 +76,7 @@ class _Reader:
 
     def _of_class(self, kind, name):
         yield f"class {kind.__qualname__}"
-        own = sorted((key, value) for key, value in vars(kind).items() if key not in NOT_OWN)
+        own = [(key, value) for key, value in sorted(vars(kind).items()) if _is_own(key, value)]
         yield from self._of_items(own, name)
         yield from self._of_items(enumerate(kind.__bases__), name)
 
@@ -115,6 +110,12 @@ class _Reader:
                 f"with the results; refer to numbers, tuples, arrays and functions only"
             ) from error
         yield from self.texts(parts, name)
+
+
+def _is_own(key, value):
+    """Whether an entry of a class is its author's; Python adds others, some of them late."""
+    is_method = isinstance(value, types.FunctionType)
+    return key not in NOT_OWN and (is_method or not key.startswith("__"))
 
 
 def _codes(code):

@@ -118,7 +118,7 @@ def test_warnings_of_every_law_are_in_the_report_once(folder, result):
                 assert re.search(rf"- steps? [\d, ]*\b{step}\b[\d, ]*: {re.escape(one)}", below)
                 assert text.count(one) == warnings_with(result, one)
     count = sum(len(one.splitlines()) for one in result.warnings.sel(law="aging").values.tolist())
-    assert count > 2
+    assert count > 1
     assert f"aging law: {count} warnings, in report.md and steps.csv, which --out" in done.stdout
     assert "variable" not in done.stdout
 

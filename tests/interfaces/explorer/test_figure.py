@@ -126,7 +126,7 @@ class _Late(Deadline):
         super().__call__(fraction)
 
     def set_end(self):
-        self._end = 0.0
+        self.seconds = 0.0
 
 
 class TestPinned:

@@ -166,10 +166,12 @@ class StressHistory(Segments):
         """
         if (stress := self.normal_stress) is None:
             return slider
+        if isinstance(t, float) and t == np.inf:
+            return slider.replace(sigma=stress.last(slider.sigma))
         t = to_si("t", t)
         if is_array(t):
             raise ParameterError("t is an array; a slider can be given at one time only")
-        sigma = stress.last(slider.sigma) if t == np.inf else self.sigma(t, slider.sigma)
+        sigma = self.sigma(t, slider.sigma)
         return slider.replace(sigma=sigma)
 
     @property

@@ -45,7 +45,7 @@ def run(result: xarray.Dataset, units: Units) -> list[Any]:
         *_of_contact(result, "acceleration_max"),
         row("cycles", result.cycles, "since the last jump of the loading"),
     ]
-    if float(result.cycles) >= 1.0:
+    if float(result.frequency) > 0.0:
         # (of a limit cycle, of ringing that decays, or due to the load point)
         frequency = float(result.frequency)
         text = readable("frequency", frequency, DIGITS)
