@@ -145,6 +145,18 @@ def test_a_jump_of_the_displacement_moves_no_step():
     assert "as in 0.1 s at that speed" in found.notes[1]
 
 
+@pytest.mark.parametrize(("intervals", "segments"), [(1, 2), (2, 2), (5, 4)])
+def test_a_jump_may_leave_a_row_within_it(intervals, segments):
+    """A recorder that averages has a row or two between; more are a brief speed, and no jump."""
+    t, rng = np.arange(600) * 0.1, np.random.default_rng(8)
+    jump = 0.9e-6 * np.clip((np.arange(600) - 303.5) / intervals, 0.0, 1.0)
+    x = history(t, [0, 50], [3e-6, 1e-5]) + jump + 2.5e-8 * rng.standard_normal(t.size)
+    found = segments_from_displacement(t, x)
+    assert found.V.size == segments
+    np.testing.assert_allclose(found.V[[0, -1]], [3e-6, 1e-5], rtol=2e-3)
+    assert ["delta_lp jumps by" in note for note in found.notes] == [True] * (segments == 2)
+
+
 def test_a_ramp_is_a_step():
     t = np.arange(0, 100, 0.01)
     V = np.interp(t, [0, 50, 50.4, 100], [1e-6, 1e-6, 1e-3, 1e-3])

@@ -7,7 +7,8 @@ import numpy as np
 
 from ..sample_noise import sample_noise
 from .messages import message
-from .runs import Run, Samples, jump_size, noise_variances, refine_breakpoints
+from .runs import JUMP, Run, Samples, jump_size, noise_variances, refine_breakpoints
+from .sampling_noise import SHORTEST
 from .splits import RowSums, cut, drop_weak_cuts
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
@@ -57,21 +58,38 @@ def _steps_and_jumps(rows, x):
     def run_of(i, j):
         return Run(samples, [(i, j)])
 
+    def least_change(one, other):
+        error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5
+        return max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
+
     @functools.cache
     def change(i, j, k):
         """Of the speed at row j, over the least that is a step; inf where x jumps at one speed."""
         one, other = run_of(i, j), run_of(j, k)
         dV = abs(one.V - other.V)
         T = [run.end - run.start for run in (one, other)]
-        error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5
-        least = max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
+        least = least_change(one, other)
         deflection = dV * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise[j] ** 0.5)
         size = min(dV / least if least else 0.0, deflection)
         jumps = size < 1.0 and jump_size(rows.t, x, j, 0.5 * (one.V + other.V)) != 0.0
         return np.inf if jumps else size
 
+    @functools.cache
+    def jumps_within(i, j, k, m):
+        """Whether rows j to k are those beside a jump, one at most between the lines beside it."""
+        if k - j >= 2 * SHORTEST:
+            return False
+        one, other = run_of(i, j), run_of(k, m)
+        t, least = rows.t[j:k], JUMP * rows.noise[j:k] ** 0.5
+        off = np.minimum(abs(x[j:k] - one.at(t, -1)), abs(x[j:k] - other.at(t, 0))) > least
+        return bool(off.sum() <= 1 and abs(one.V - other.V) < least_change(one, other))
+
     def changes(at):
-        return [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
+        sizes = [change(*three) for three in zip(at, at[1:], at[2:], strict=False)]
+        for n, four in enumerate(zip(at, at[1:], at[2:], at[3:], strict=False)):
+            if jumps_within(*four):
+                sizes[n] = 0.0
+        return sizes
 
     at = drop_weak_cuts(rows, cut(rows), changes, 1.0)
     first, *runs = [run_of(*two) for two in itertools.pairwise(at)]

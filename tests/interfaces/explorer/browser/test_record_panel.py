@@ -177,7 +177,7 @@ def test_columns_are_chosen(show, data):
     page.fill("#record-from", "50")
     page.click("#record-form button")
     page.wait_for_selector("#record-shown:enabled")
-    assert "velocity step 1.00 \u2192 10.0 \u00b5m/s at 100 s" in shown.text("#record-said")
+    assert "velocity step 1.00 \u2192 10.0 \u00b5m/s at 100.0 s" in shown.text("#record-said")
     page.check("#record-whole")
     first, *_ = readout(shown, "#stress-chart", 0.001)
     assert first == pytest.approx(50.0 - STEP_AT, abs=1.0)
