@@ -69,6 +69,10 @@ def test_a_start_may_have_any_part_of_its_state_given(law):
     for start in (run, still, by_tau, by_state):
         for name, value in given.items():
             assert float(start[name][0]) == pytest.approx(value, rel=1e-11), name
+    state = {"theta": theta[0]}  # of which the speed is the usual one
+    usual = rs.simulate(slider(law), loading, 1e-6, V_start=0.4 * V, initial=state, times=[0.0])
+    assert float(usual.V[0]) == pytest.approx(0.4 * V, rel=1e-11)
+    assert float(usual.theta[0]) == pytest.approx(theta[0], rel=1e-11)
     with pytest.raises(rs.ParameterError, match="do not agree: without inertia"):
         rs.simulate(light, loading, 1e-6, initial=given | {"tau": 1.01 * balance})
 

@@ -62,16 +62,15 @@ def initial_state(law, batch, V_load):
         np.log(V0 * given[name] / batch.flat(distance)) if name in given else state
         for (name, distance), state in zip(law.states.items(), states, strict=True)
     ]
-    psi = tuple(states)  # (for `v_at`, which depends on them only where they are the variables)
-    if "V" in given:
-        v = v_given = law.v_at(given["V"] / V0, psi, p)
     if "tau" in given:
         x = (given["tau"] / sigma - mu_ref) / a
     rigid = np.isinf(K)
-    v = np.where(rigid, law.v_at(np.maximum(V_load, 5e-324) / V0, psi, p), v)
+    w_given = given.get("V", batch.flat("V_start")) / V0
+    w = np.where(rigid, np.maximum(V_load, 5e-324) / V0, w_given)
+    v = _v_at(law, w, states, p)
     bound = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
     free = [k for k, name in enumerate(law.states) if name not in given]
-    if "V" in given and (np.abs(v - v_given) > AGREE).any():
+    if "V" in given and (np.abs(v - _v_at(law, w_given, states, p)) > AGREE).any():
         others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not free else ""
         raise ParameterError(
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
@@ -83,7 +82,8 @@ def initial_state(law, batch, V_load):
         _refuse_clash(law, batch, int(np.argmax(clash)), v, states, p, given)
     by_stress = bound & (("V" in given) | rigid)
     if "tau" in given and free and by_stress.any():
-        states = _state_by_stress(law, x, v, states, p, free[0], by_stress)
+        states = _state_by_stress(law, x, w, states, p, free[0], by_stress)
+        v = _v_at(law, w, states, p)
     elif "V" in given:
         x = np.where(bound, stress(law, v, states, p), x)
     x = np.where(rigid, stress(law, v, states, p), x)
@@ -118,11 +118,17 @@ def stress(law, v, log_states, p):
     return law.stress_in_v(v, law.speed(v, psi, p), psi, p)
 
 
-def _state_by_stress(law, x, v, states, p, k, where):
-    """The states, of which the k-th is such, where this is true, that friction is x."""
+def _v_at(law, w, states, p):
+    """v at the speed w and these states (on which it depends only if they are the variables)."""
+    return law.v_at(w, tuple(states), p)
+
+
+def _state_by_stress(law, x, w, states, p, k, where):
+    """The states, of which the k-th is such, where this is true, that friction at w is x."""
 
     def off(state):
-        return stress(law, v, [*states[:k], state, *states[k + 1 :]], p) - x
+        others = [*states[:k], state, *states[k + 1 :]]
+        return stress(law, _v_at(law, w, others, p), others, p) - x
 
     found = root(off, states[k], where)
     if not np.isfinite(found[where]).all():

@@ -57,6 +57,8 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     directions = np.zeros((n, k, k + 1))  # d(x, v, psi)/d u
     directions[:, range(k - 1), range(2, k + 1)] = 1.0
     directions[:, :-1, 0], directions[:, -1, 0] = by_psi, system.eta
+    for i, share in enumerate(_shares_on_section(system, y)):
+        directions[:, i, 1] = -share
     starts = Starts(
         system.kappa,
         np.ascontiguousarray(system.p),
@@ -81,6 +83,14 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     d_psi = np.swapaxes(results.psi_along, 1, 2)
     jacobian = _jacobian(system, results.psi, numbers["G"], gradients["x"], d_psi)
     return Returns(results.status, image, jacobian, numbers, gradients)
+
+
+def _shares_on_section(system, y):
+    """s_k of d omega = dv + sum_k s_k d psi_k at V_lp (`kinematics`), a tuple."""
+    law, p, v, psi = system.friction_law, system.coefficients, y[:, 1], tuple(y[:, 2:].T)
+    jumps = tuple(np.exp(x) for x in law.jump_exponents(v, psi, p))
+    _, c_inverse, _ = law.net_speed(v, 1.0, 1.0, jumps)
+    return law.shares(1.0, c_inverse, p)
 
 
 def _jacobian(system, psi, G, d_x, d_psi):
