@@ -56,9 +56,7 @@ def checked_settings(slider, *, free, law, noise, **choices):
         if is_array(value):
             raise refusal("settings.slider_array", symbol=symbol)
     for name, value in choices.items():
-        if not (value is None or isinstance(value, str)) or value not in CHOICES[name]:
-            listed = ", ".join(map(repr, CHOICES[name]))
-            raise refusal("settings.unknown", name=name, value=value, choices=listed)
+        check_choice(name, value, CHOICES[name])
     noise = given_noise(noise)
     sliders = sliders_under(slider, law)
     free = checked_free(free, sliders)
@@ -73,11 +71,16 @@ def checked_settings(slider, *, free, law, noise, **choices):
     return Settings(free, sliders, noise, **choices)
 
 
+def check_choice(name, value, choices):
+    """Raise ParameterError unless a setting is one of these texts, or the None among them."""
+    if not (value is None or isinstance(value, str)) or value not in choices:
+        listed = ", ".join(map(repr, choices))
+        raise refusal("settings.unknown", name=name, value=value, choices=listed)
+
+
 def check_each(each, settings, loading):
     """Refuse what fits of each step have no use for, and an `each` that is none."""
-    if not (each is None or isinstance(each, str)) or each not in EACH:
-        choices = ", ".join(map(repr, EACH))
-        raise refusal("settings.unknown", name="each", value=each, choices=choices)
+    check_choice("each", each, EACH)
     if each is not None and loading is not None:
         raise refusal("each.loading")
     if each is not None and settings.against == "cycles":

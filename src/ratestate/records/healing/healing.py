@@ -8,8 +8,7 @@ from ...model.names import keywords_checked
 from ..fitting.fit import RECORD_ATTRIBUTES
 from ..fitting.noise import given_noise
 from ..fitting.one_record import single_blas
-from ..fitting.refusals import refusal as fit_refusal
-from ..fitting.settings import CHOICES
+from ..fitting.settings import CHOICES, check_choice
 from .measured import measure
 from .messages import refusal
 from .prediction import predict
@@ -98,9 +97,7 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     >>> result.delta_mu.values.round(3).tolist(), round(float(result.beta), 3)
     ([0.016, 0.03], 0.014)
     """
-    if not (trend is None or isinstance(trend, str)) or trend not in CHOICES["trend"]:
-        choices = ", ".join(map(repr, CHOICES["trend"]))
-        raise fit_refusal("settings.unknown", name="trend", value=trend, choices=choices)
+    check_choice("trend", trend, CHOICES["trend"])
     given, sliders = given_noise(noise), sliders_of(slider)
     record = healing_record(in_si(data), loading, trend)
     with single_blas():
