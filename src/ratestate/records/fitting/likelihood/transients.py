@@ -62,13 +62,17 @@ def _transients(solution, D):
 
     If a record has more than `STEPS` steps, some of them stand for all.
     """
-    loading, jacobian = solution.problem.record.loading, solution.jacobian
+    record, jacobian = solution.problem.record, solution.jacobian
+    loading, end = record.loading, record.t[-1]
     times = changes(loading)
+    times = times[times < end]
     some = np.unique(np.linspace(0, times.size - 1, min(STEPS, times.size)).round().astype(int))
     speeds = np.maximum(loading.V_load(times[some]), HOLD * loading.V.max())
-    steps = zip(times[some].tolist(), (D / speeds).tolist(), strict=True)
-    effects = [_effect(solution, t, length * once) for t, once in steps for length in LENGTHS]
-    columns = np.nan_to_num(effects).T
+    # even if D is larger than what the record shows, the longest change ends with the record
+    once = np.minimum(D / speeds, (end - times[some]) / LENGTHS[-1])
+    steps = zip(times[some].tolist(), once.tolist(), strict=True)
+    effects = [_effect(solution, t, length * unit) for t, unit in steps for length in LENGTHS]
+    columns = np.nan_to_num(np.reshape(effects, (-1, record.t.size))).T
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
     basis = np.linalg.qr(jacobian[:, jacobian.any(axis=0)])[0]
     rest, sizes, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
