@@ -29,7 +29,7 @@ from ratestate.records.fitting.likelihood.posterior import Marginal, sample_post
 from ratestate.records.fitting.likelihood.profile import BetterPoint, Profile, compute_profile
 from ratestate.records.fitting.likelihood.profiles import are_gaussian, compute_profiles
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
-from ratestate.records.fitting.likelihood.transients import chance_of_transients
+from ratestate.records.fitting.likelihood.transients import _transients, chance_of_transients
 from ratestate.records.fitting.likelihood.uncertainty import infer
 from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.raw_record import raw_record
@@ -39,7 +39,7 @@ from ratestate.records.fitting.unknowns import Unknowns, starts_of, unknowns_of
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
 FREE = ("a", "b", "Dc", "K")
-STIFF = SLIDER.replace(K=5e12)
+STIFF, SOFT = SLIDER.replace(K=5e12), SLIDER.replace(b=0.011, K=6e9)
 LONG_T, LONG_STEP = np.arange(0.0, 140.0, 0.2), rs.Loading.steps("1 um/s", (100.0, "10 um/s"))
 
 
@@ -487,7 +487,38 @@ def test_a_second_state_does_not_pass_for_correlated_noise(exponent):
     assert float(one.misfit_p_value) < 1e-4
     free = (*FREE, "b2", "Dc2")
     both = rs.fit(data, two, free, errors="covariance")
-    assert float(both.misfit_p_value) > 0.02
+    assert float(both.misfit_p_value) > 0.03
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+@pytest.mark.parametrize(("law", "other"), [("aging", "slip"), ("slip", "aging")])
+def test_the_oscillation_of_a_soft_machine_does_not_pass_for_correlated_noise(law, other):
+    """Under the other law the noise has a red part as large as the white one."""
+    data = record(SOFT.replace(law=law), LONG_STEP, LONG_T, noise=3e-4, seed=2)
+    wrong, right = (rs.fit(data, SOFT, law=one, errors="covariance") for one in (other, law))
+    assert float(wrong.noise_red) > 1e-4
+    assert float(wrong.misfit_p_value) < 1e-4
+    assert "the law does not describe the record after its steps" in wrong.warnings.item()
+    assert float(right.misfit_p_value) > 0.05
+    assert "does not describe" not in right.warnings.item()
+
+
+@pytest.mark.parametrize("slider", [SLIDER, SOFT])
+@pytest.mark.parametrize("Dc2", ["4 um", "20 um", "80 um"])
+def test_a_second_state_is_among_the_transients(slider, Dc2):
+    """Whether the machine is stiff or oscillates: they span most of its effect, to first order."""
+    found = solution_of(record(slider, LONG_STEP, LONG_T, noise=1e-5), slider)
+    up, down = (
+        record(slider.replace(law="two-state-slip", b2=b2, Dc2=Dc2), LONG_STEP, LONG_T).friction
+        for b2 in (1e-5, -1e-5)
+    )
+    basis = np.linalg.qr(found.jacobian)[0]
+    effect = (up - down).values
+    effect = effect - basis @ (basis.T @ effect)
+    added = _transients(found, SLIDER.Dc)
+    np.testing.assert_allclose(basis.T @ added, 0.0, atol=1e-9)
+    left = effect - added @ (added.T @ effect)
+    assert np.linalg.norm(left) < 0.5 * np.linalg.norm(effect)
 
 
 def test_a_probability_of_misfit_is_uniform_under_the_right_law():

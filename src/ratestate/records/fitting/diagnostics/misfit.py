@@ -9,7 +9,7 @@ from ....model.sentences import Sentences
 #: size of the residuals, over that of a given noise, that contradicts it
 CONTRADICTED = 1.5
 #: probability below which such transients are not taken for noise
-CHANCE = 0.02
+CHANCE = 0.01
 #: the laws with two states, of the sum of two effects that one state cannot give
 TWO_STATES = "two-state-aging or two-state-slip"
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))

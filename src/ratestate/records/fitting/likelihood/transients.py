@@ -1,21 +1,29 @@
 """Transients that a fit leaves in the residuals after steps: a test of the friction law.
 
-Whatever the law lacks, it lacks after the steps, while the noise is the same all along a record.
-So decays after each step are fitted together with all coordinates, to first order, and their size
-is compared with the noise.  This noise is estimated beside the decays: what the law lacks does not
-count as noise, whose level and correlation then rest on all else.
+A law that lacks something lacks it after the steps, while the noise is the same all along a record.
+So friction is added that changes after each step, over several distances, and is fitted together
+with all coordinates, to first order.  Its size is compared with the noise.  The noise is estimated
+together with the added friction, so the effect of a wrong law does not count as noise.
+
+The machine filters the added friction: a soft one oscillates.  For the slider, friction that falls
+by f is a load point that moves f sigma/K further, so one march gives the effect.
 """
+
+import dataclasses
 
 import numpy as np
 from scipy.special import fdtrc
 
+from ..forward import Forward
 from ..record import changes
 from ..restricted_likelihood import RestrictedLikelihood
 from .noise_uncertainty import likely_shapes
 
-#: lengths of the decays, over the distance over which friction evolves, and most steps with decays
-LENGTHS, STEPS = (0.1, 0.3, 1.0, 3.0), 8
-#: least size of what decays add to the columns of the jacobian, of which they have the size 1
+#: distances over which added friction changes, divided by the longest distance of the law
+LENGTHS = (0.1, 0.25, 0.6, 1.5, 4.0, 10.0, 25.0)
+#: most steps with added friction; its size, divided by a
+STEPS, SIZE = 4, 1e-2
+#: least size of what added friction changes beyond the columns of the jacobian, out of 1
 LEAST, TINY = 1e-3, 1e-300
 #: speed in a hold, over the largest
 HOLD = 1e-3
@@ -24,7 +32,7 @@ FINE = 1e-4
 
 
 def chance_of_transients(solution, D):
-    """Probability that noise alone leaves transients as large after the steps; 1 of a fine fit.
+    """Probability that noise alone leaves as large transients after the steps; 1 of a fine fit.
 
     D : distance [m] over which friction evolves
 
@@ -33,7 +41,7 @@ def chance_of_transients(solution, D):
     record = solution.problem.record
     if np.sqrt(np.mean(solution.residual**2)) < FINE * record.scale:
         return 1.0
-    added = _transients(record, D, solution.jacobian)
+    added = _transients(solution, D)
     jacobian, count = np.column_stack([added, solution.jacobian]), added.shape[1]
     if not count:
         return 1.0
@@ -49,21 +57,52 @@ def chance_of_transients(solution, D):
     return float(weight @ np.array(chances))
 
 
-def _transients(record, D, jacobian):
-    """(m, p) what decays after the steps of a record add to the columns of a jacobian (m, k).
+def _transients(solution, D):
+    """(m, p) what friction added after the steps changes, beyond the columns of the jacobian.
 
     If a record has more than `STEPS` steps, some of them stand for all.
     """
-    loading, times = record.loading, changes(record.loading)
-    durations = D / np.maximum(loading.V_load(times), HOLD * loading.V.max())
+    record, jacobian = solution.problem.record, solution.jacobian
+    loading, end = record.loading, record.t[-1]
+    times = changes(loading)
+    times = times[times < end]
     some = np.unique(np.linspace(0, times.size - 1, min(STEPS, times.size)).round().astype(int))
-    since = (record.t[:, None] - times[some]) / durations[some]
-    decays = [np.where(since < 0.0, 0.0, np.exp(-np.abs(since) / length)) for length in LENGTHS]
-    columns = np.concatenate(decays, axis=1)
+    speeds = np.maximum(loading.V_load(times[some]), HOLD * loading.V.max())
+    # even if D is larger than what the record shows, the longest change ends with the record
+    once = np.minimum(D / speeds, (end - times[some]) / LENGTHS[-1])
+    steps = zip(times[some].tolist(), once.tolist(), strict=True)
+    effects = [_effect(solution, t, length * unit) for t, unit in steps for length in LENGTHS]
+    columns = np.nan_to_num(np.reshape(effects, (-1, record.t.size))).T
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
     basis = np.linalg.qr(jacobian[:, jacobian.any(axis=0)])[0]
     rest, sizes, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)
     return rest[:, sizes > LEAST]
+
+
+def _effect(solution, start, duration):
+    """(m,) change of friction if friction falls by 1, evenly, from `start` for `duration` [s].
+
+    To first order; NaN without a motion.
+    """
+    problem, record = solution.problem, solution.problem.record
+    point = solution.point[None]
+    values = problem.forward.values(point)
+    a, K, lag = (float(values[name][0]) for name in ("a", "K", "lag"))
+    fall = SIZE * a
+    loading = _moved_further(record.loading, start, duration, fall * problem.slider.sigma / K)
+    forward = Forward(record._replace(loading=loading), problem.slider, problem.unknowns.names)
+    moved = forward.friction(point)[0] - solution.fitted_friction
+    return moved / fall - np.clip((record.t - lag - start) / duration, 0.0, 1.0)
+
+
+def _moved_further(loading, start, duration, distance):
+    """A loading whose load point moves a distance [m] further, from start for a duration [s]."""
+    end = start + duration
+    t = np.union1d(loading.t, [start, end])
+    k = np.searchsorted(loading.t, t, side="right") - 1
+    V = loading.V[k] + loading.rate[k] * (t - loading.t[k])
+    V = V + np.where((t >= start) & (t < end), distance / duration, 0.0)
+    return dataclasses.replace(loading, t=t, V=V, rate=loading.rate[k])
 
 
 def longest_distance(estimates, slider):
