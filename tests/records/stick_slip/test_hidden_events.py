@@ -193,7 +193,7 @@ def test_durations_below_a_sample_are_not_made_up():
 
 @pytest.mark.parametrize(("noise", "uneven"), [(0.01, 0.0), (0.1, 0.0), (0.1, 0.8), (0.2, 0.0)])
 def test_noise_does_not_bias_drops(noise, uneven):
-    """Noise up to a fifth of the drop; `benchmarks/events.py` has 200 records of each kind."""
+    """Noise up to a fifth of the drop; `benchmarks/events.py` has 9 records of each kind."""
     off, relative = [], []
     for seed in range(4):
         rng = np.random.default_rng(seed)

@@ -134,7 +134,7 @@ def _fits(u, y, inside, k, variance):
     rest = (y - np.einsum("mni,mi->mn", q, projected)) * inside
     degrees = np.maximum(inside.sum(axis=1) - size, 1)
     excess = ((rest**2).sum(axis=1) / variance - degrees) / np.sqrt(2.0 * degrees)
-    return Fits(*both, variance, excess)
+    return Fits(both[0], both[1], variance, excess)
 
 
 def _vertices(fits, k, sign, ends, fall):
