@@ -76,3 +76,39 @@ def cycles(number, first=0):
             found.append(one)
         seed += 1
     return found
+
+
+class Sawtooth(NamedTuple):
+    """A record of stress that the load point raises evenly and events lower, and its truth."""
+
+    record: xarray.Dataset
+    times: np.ndarray  # (m,) middles of the falls [s]
+    drops: np.ndarray  # (m,) [Pa]
+    durations: np.ndarray  # (m,) [s]
+    K: float  # [Pa/m]
+
+
+def sawtooth(starts, drops, width, rng, noise=0.0, end=None, uneven=0.0, V_lp=1e-5):
+    """A `Sawtooth` with one sample a second, in noise of this standard deviation [Pa].
+
+    Stress falls by half a cosine: from starts (m,) on, by drops (m,) in `width` [s].  A sample is
+    up to `uneven` / 2 seconds early or late.
+    """
+    starts, drops = np.asarray(starts, float), np.asarray(drops, float)
+    end = starts[-1] + 0.5 * float(np.mean(np.diff(starts))) if end is None else end
+    rate = drops.sum() / end
+
+    def stress(t):
+        u = np.clip((t[:, None] - starts) / width, 0.0, 1.0)
+        return 2e6 + rate * t - (0.5 - 0.5 * np.cos(np.pi * u)) @ drops
+
+    # stress falls where the cosine's slope is beyond the rate, so a little inside the width
+    inner = np.arcsin(np.minimum(rate * 2.0 * width / (np.pi * drops), 1.0)) / np.pi * width
+    times, durations = starts + 0.5 * width, width - 2.0 * inner
+    own = stress(times - 0.5 * durations) - stress(times + 0.5 * durations)
+    t = np.arange(0.0, end)
+    t = t + uneven * rng.uniform(-0.5, 0.5, t.size)
+    columns = {"tau": ("time", stress(t) + noise * rng.normal(size=t.size))}
+    columns["delta_lp"] = ("time", V_lp * t)
+    record = xarray.Dataset(columns, {"time": t})
+    return Sawtooth(record, times, own, durations, rate / V_lp)

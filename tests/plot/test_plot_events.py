@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray
+from synthetic_stick_slip import sawtooth
 
 import ratestate as rs
 from ratestate import plot
@@ -41,6 +42,23 @@ def test_the_lines_are_those_of_the_catalogue(catalogue):
         line = catalogue.sel(abscissa=abscissa)
         slope = (y[1] - y[0]) / np.log10(x[1] / x[0])
         assert slope == pytest.approx(1e-3 * float(line.trend_B), rel=1e-9)
+
+
+def test_a_single_speed_has_no_panel_of_its_own():
+    """Intervals have errors, a narrow range has a linear axis, several events in a fall a cross."""
+    rng = np.random.default_rng(1)
+    starts = np.sort([*(100.0 * np.arange(1, 9)), 404.0])
+    found = rs.events(sawtooth(starts, np.full(9, 1e5), 1.0, rng, 1e3).record)
+    record, drops = plot.page(found).axes
+    assert "several events in one fall" in record.get_title(loc="left") + str(record.texts)
+    (crosses,) = (line.get_xdata() for line in record.lines if line.get_marker() == "x")
+    np.testing.assert_allclose(crosses, found.event_time.values[3])
+    assert drops.get_xscale() == "linear"
+    low, high = drops.get_xlim()
+    reach = (found.recurrence + found.recurrence_error).values[[1, 2, 5, 6, 7]]
+    assert (reach < high).all()
+    assert high < 1.5 * reach.max()
+    assert low > 0.5 * float(found.recurrence.min())
 
 
 def test_no_events_still_have_a_page():

@@ -88,7 +88,7 @@ HONEST = {
     "event_time": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "recurrence": (0.15, (0.66, 0.84), (0.90, 0.99)),
     "event_start": (0.65, (0.66, 0.84), (0.87, 0.985)),
-    "event_end": (0.65, (0.66, 0.84), (0.87, 0.985)),
+    "event_end": (0.65, (0.66, 0.90), (0.87, 1.0)),
     "duration": (0.6, (0.66, 0.84), (0.90, 0.985)),
     "slip": (0.4, (0.70, 0.86), (0.92, 0.99)),
 }
@@ -289,6 +289,9 @@ def test_records_of_several_speeds(measured, experiment):
     np.testing.assert_allclose(measured.K, AGING.K, atol=4.0 * float(measured.K_error), rtol=0.0)
     assert 1e-4 < float(measured.K_error / measured.K) < 0.01
     for name, within in (("slip", 0.05), ("duration", 3.0)):
+        known = np.flatnonzero(measured[name].notnull().values)
+        assert known.size > 25  # (a duration may be less than a step between samples)
+        both = np.intersect1d(known, np.arange(1, 29))
         off = (measured[name] - simulated[name]).values[both]
         assert np.abs(off / measured[f"{name}_error"].values[both]).max() < 4.5
         np.testing.assert_allclose(measured[name][both], simulated[name][both], rtol=within)

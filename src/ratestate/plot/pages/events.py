@@ -8,8 +8,9 @@ import xarray
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ...model.quantities import with_error
+from ...records.stick_slip.measures import SEVERAL
 from ..labels import BLUE, GRAY, RED, in_unit, prefixed
-from ..layout import blank_figure, is_wide, letters, plain_ticks, styled
+from ..layout import blank_figure, letters, plain_ticks, styled
 
 #: looks of catalogues, in turn: colour, marker, whether it is filled
 LOOKS = (("k", "o", True), (RED, "s", False), (BLUE, "^", False), (GRAY, "D", False))
@@ -17,6 +18,9 @@ LOOKS = (("k", "o", True), (RED, "s", False), (BLUE, "^", False), (GRAY, "D", Fa
 RECORD, BELOW = 1.5, 2.3
 #: abscissa -> its name on an axis, and unit
 ABSCISSAE = {"recurrence": ("Recurrence interval", "s"), "V_lp": ("$V_{lp}$", "m/s")}
+#: factor by which V_lp varies if it is worth a panel; by which an abscissa does on a logarithmic
+#: axis; points of a line
+VARIES, LOGARITHMIC, POINTS = 1.05, 3.0, 50
 
 
 class Named(NamedTuple):
@@ -56,20 +60,26 @@ def _heading(one, several):
     """The number of events, and what their marks are."""
     name = f"{one.name}: " if several else ""
     marks = "\N{WHITE DOWN-POINTING TRIANGLE} peaks, \N{WHITE UP-POINTING TRIANGLE} troughs"
+    if (one.data.event_status == SEVERAL).any():
+        marks += ", \N{MULTIPLICATION SIGN} several events in one fall"
     return f"{name}{one.data.sizes['event']} events ({marks})"
 
 
 def _lines(named, part):
     """Stress drop against recurrence and load-point velocity, with the lines."""
-    axes = part.subplots(1, 2, sharey=True)
+    V_lp = np.concatenate([one.data.V_lp.values for one in named])
+    varies = np.nanmax(V_lp) > VARIES * np.nanmin(V_lp)
+    shown = ABSCISSAE if varies else ("recurrence",)
+    axes = part.subplots(1, len(shown), sharey=True, squeeze=False)[0]
     drops = np.concatenate([one.data.stress_drop.values for one in named])
     largest = float(drops[np.isfinite(drops)].max(initial=0.0))
     factor, unit = prefixed("Pa", largest or 1.0)
-    for abscissa, ax in zip(ABSCISSAE, axes, strict=True):
+    for abscissa, ax in zip(shown, axes, strict=True):
         _drops(named, ax, abscissa, factor, unit)
     axes[0].set_ylabel(in_unit("Stress drop", unit))
     words = "against recurrence", "against load-point velocity"
-    letters(axes, *(f"stress drop {text}" for text in words), first=chr(ord("a") + len(named)))
+    texts = [f"stress drop {text}" for text in words[: len(shown)]]
+    letters(axes, *texts, first=chr(ord("a") + len(named)))
 
 
 def _named(catalogues):
@@ -106,6 +116,9 @@ def _record(one, ax):
         x, y = in_time * data[f"event_{edge}"], factor * data[level]
         look = {"color": one.color, "ms": 3.5, "mew": 0.7, "mfc": "none", "ls": ""}
         ax.plot(x, y, mark, **look, zorder=3)
+    several = data.isel(event=data.event_status.values == SEVERAL)
+    middle = 0.5 * factor * (several.tau_max + several.tau_min)
+    ax.plot(in_time * several.event_time, middle, "x", color=one.color, ms=5, zorder=3)
     ax.margins(x=0.01)
     ax.set(xlabel=in_unit("Time", time_unit), ylabel=in_unit(r"$\tau$", unit))
 
@@ -123,13 +136,14 @@ def _drops(named, ax, abscissa, factor, stress):
         error = factor * data.stress_drop_error.values
         name = one.name if len(named) > 1 else ""
         if np.isfinite(line.trend_B):
-            ends = np.array([np.nanmin(x), np.nanmax(x)])
+            ends = np.geomspace(np.nanmin(x), np.nanmax(x), POINTS)
             fitted = float(line.trend_A) + float(line.trend_B) * np.log10(ends / in_x)
             ax.plot(ends, factor * fitted, color=one.color, lw=1.0)
             name += ": " if name else ""
             name += f"{_slope(line, factor)} {stress} a decade"
-        ax.errorbar(x, y, error, **one.style, ls="", elinewidth=0.7, label=name or None)
-    if is_wide(values) or (values.size and values.max() > 1.5 * values.min()):
+        x_error = in_x * data[f"{abscissa}_error"].values
+        ax.errorbar(x, y, error, x_error, **one.style, ls="", elinewidth=0.7, label=name or None)
+    if values.size and values.max() > LOGARITHMIC * values.min():
         ax.set_xscale("log")
         plain_ticks(ax.xaxis, in_x * values)
     ax.set(xlabel=in_unit(x_name, unit))

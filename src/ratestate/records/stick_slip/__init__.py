@@ -9,9 +9,11 @@
 ``significance``                whether they are more than noise that wanders
 ``noise``                       the noise in the loading, white or correlated
 ``crossings``                   when the stress of an event falls through the middle
+``hidden``                      several events in one fall, small ones in the loading
+``spikes``                      peaks and troughs between samples
 ``edges``                       an extreme at the edge of the loading, next to a fall
 ``polynomials``                 an extreme of a noisy stress, or of its slope, without bias
-``windows``                     the window around alike extremes, and these
+``windows``                     the window around alike extremes
 ``recorded``                    peaks, troughs, times and slip rates in a noisy record
 ``computed``                    the same in a run, whose slip velocity is known
 ``stiffness``                   the spring's stiffness from the loading between events

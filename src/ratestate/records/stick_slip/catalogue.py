@@ -7,17 +7,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from . import computed, recorded
-from .detection import in_gaps, rough_events
+from .detection import in_gaps, rough_events, without_rebounds
+from .hidden import has_several, has_step_down
 from .measures import (
     CHANGES,
     CUT_BY_END,
     CUT_BY_START,
     GAP,
     LOAD_CHANGES,
+    SEVERAL,
     UNDERSAMPLED,
     WHOLE,
     kinds,
     measured_events,
+    with_several,
 )
 from .noise import Noise, loading_noise, white_noise
 from .outliers import without_outliers
@@ -30,8 +33,16 @@ from .trends import Trend, speed_groups, trend
 LEAST = 10.0
 #: scatter of rough drops over their median beyond which events have windows of their own
 ALIKE = 0.1
+#: the same in standard deviations of the noise, which changes rough drops
+BY_NOISE = 3.0
+#: shortest loading beside an event, over the median one, of events that share windows
+CLOSE = 0.5
 #: noise of the loading over the white one from which events are detected anew
 LARGER = 1.2
+#: a drop over the threshold below which such drops may be lost
+SAFE = 2.0
+#: drop of an event with few samples, over the median one, that several events may make
+LARGE = 1.5
 
 
 class Columns(NamedTuple):
@@ -51,50 +62,67 @@ class Catalogue(NamedTuple):
     trends: dict[str, Trend]  # by the name of the abscissa
     stiffness: Stiffness
     noise: Noise
+    threshold: float  # smallest stress drop that is found [Pa]
 
 
 def catalogue_of(series):
     """The `Catalogue` of a `Series`."""
-    rough, noise = detected(series)
+    rough, noise, threshold = detected(series)
     gaps = in_gaps(series.t, rough)
     rises, falls = _phases(series, rough)
     stiffness = Stiffness(series.K or math.nan, series.K_error, series.K_source)
     if series.K is None:
         stiffness = loading_stiffness(series, rises, falls, noise)
     found = _found(series, rough, gaps, noise)
-    values = measured_events(series, found, stiffness)
-    status = np.where(gaps, GAP, _status(series, rough, found))
+    status = np.where(gaps, GAP, _status(series, rough, found, noise))
+    values = with_several(measured_events(series, found, stiffness), status == SEVERAL)
+    unresolved = values["duration"][0] < _longest_steps(series, rough)
+    values["duration"] = tuple(np.where(unresolved, math.nan, x) for x in values["duration"])
     values["recurrence"], why = _recurrence(series, values["event_time"], status)
     kind = kinds(values, stiffness.K, series.M)
-    message = _messages(status, why, values["stress_drop"][0], stiffness)
+    drop, V_lp = values["stress_drop"][0], values["V_lp"][0]
+    usual = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
+    reports = {
+        "few": drop < SAFE * threshold,
+        "lost": _lost(series, rough, noise),
+        "short": unresolved,
+        "large": found.sparse & (drop > LARGE * usual) & (status != SEVERAL),
+    }
+    message = _messages(status, why, drop, stiffness, reports)
     # (of events that were loaded at one V_lp from the last one on)
     whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
-    drop, V_lp = np.where(whole, values["stress_drop"][0], np.nan), values["V_lp"][0]
+    drop = np.where(whole, drop, np.nan)
     abscissae = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
     trends = {name: trend(values[name][0], drop, V_lp, what) for name, what in abscissae.items()}
-    return Catalogue(
-        values, Columns(kind, found.samples, status, message), trends, stiffness, noise
-    )
+    columns = Columns(kind, found.samples, status, message)
+    return Catalogue(values, columns, trends, stiffness, noise, threshold)
 
 
 def detected(series):
-    """list of `Rough` events, and the `Noise`: of the loading, if that is larger than the white.
+    """list of `Rough` events; `Noise`: of the loading, if larger than the white; threshold [Pa].
 
     None of a record whose stress merely wanders; outliers of one or two samples are no events.
     """
     if series.V is not None:
-        return rough_events(series.tau, LEAST * series.resolution), Noise(0.0)
-    white = white_noise(series.tau)
+        rough, threshold = rough_events(series.tau, LEAST * series.resolution)
+        return rough, Noise(0.0), threshold
+    white = max(white_noise(series.tau), series.resolution)
     series = series._replace(tau=without_outliers(series.tau, white))
     noise = Noise(white)
-    rough = rough_events(series.tau, white)
+    rough, threshold = _rough(series, noise)
     for _ in range(2):
         rises = _phases(series, rough)[0]
         noise = loading_noise(series.t, series.tau, rises, white)
         if noise.sd < LARGER * white:
             break
-        rough = rough_events(series.tau, noise.sd, noise.inflation)
-    return (rough if is_stick_slip(series, rough) else []), noise
+        rough, threshold = _rough(series, noise)
+    return (rough if is_stick_slip(series, rough) else []), noise, threshold
+
+
+def _rough(series, noise):
+    """list of `Rough` events in noise, each with its rebound, and the threshold [Pa]."""
+    rough, threshold = rough_events(series.tau, noise.sd, noise.inflation)
+    return without_rebounds(series.tau, series.load.moved(series.t[0], series.t), rough), threshold
 
 
 def _phases(series, rough):
@@ -118,38 +146,53 @@ def _found(series, rough, gaps, noise):
     if series.V is not None:
         groups = [np.flatnonzero(whole)] if whole.any() else []
     else:
-        groups = _groups(series, rough, np.flatnonzero(whole))
+        groups = _groups(series, rough, np.flatnonzero(whole), noise)
     for rows in groups:
         some = [rough[k] for k in rows]
         if series.V is not None:
             part = computed.found_events(series, some)
         else:
-            before = [max(rough[k - 1].trough, 0) if k else 0 for k in rows]
-            after = [rough[k + 1].peak if k + 1 < len(rough) else series.t.size - 1 for k in rows]
-            spans = np.array([before, after])
+            spans = np.array([_span(series, rough, k) for k in rows])[:, [0, 3]].T
             part = recorded.found_events(series.t, series.tau, some, spans, noise)
         for column, of_part in zip(found, part, strict=True):
             column[rows] = of_part
+    for rows in (found.peak, found.trough) if series.V is None else ():
+        rows[:, 1] = np.hypot(rows[:, 1], series.resolution)
+        rows[:, 3] = np.hypot(rows[:, 3], series.t_resolution)
+    found.middle[:, 1] = np.hypot(found.middle[:, 1], series.t_resolution)
     return found
 
 
-def _groups(series, rough, whole):
+def _groups(series, rough, whole, noise):
     """Rows of events that are alike: at one V_lp, with much the same drop; else each by itself."""
     if not whole.size:
         return []
     peaks, troughs = (np.array([rough[k][i] for k in whole]) for i in (0, 1))
     drop = series.tau[peaks] - series.tau[troughs]
+    loading = np.array([_loading(series, rough, k) for k in whole])
     speed = speed_groups(series.load.speed(0.5 * (series.t[peaks] + series.t[troughs]))[0])
     groups = []
     for number in range(speed.max() + 1):
         rows, own = whole[speed == number], drop[speed == number]
-        near = np.abs(own - np.median(own)) <= ALIKE * np.median(own)
+        allowed = math.hypot(ALIKE * np.median(own), BY_NOISE * noise.sd)
+        near = np.abs(own - np.median(own)) <= allowed
+        own = loading[speed == number]
+        near &= own > CLOSE * np.median(own)
         groups += [rows[near]] if near.any() else []
         groups += [rows[[i]] for i in np.flatnonzero(~near)]
     return groups
 
 
-def _status(series, rough, found):
+def _loading(series, rough, k):
+    """Shorter time of loading beside a whole event [s]; one that the record cuts does not count."""
+    last, peak, trough, following = _span(series, rough, k)
+    before, after = series.t[peak] - series.t[last], series.t[following] - series.t[trough]
+    if k == 0 or k + 1 == len(rough):
+        return max(before, after)
+    return min(before, after)
+
+
+def _status(series, rough, found, noise):
     """(m,) status of all events."""
     status = np.where(found.sparse, UNDERSAMPLED, WHOLE)
     for k, one in enumerate(rough):
@@ -157,7 +200,33 @@ def _status(series, rough, found):
             status[k] = CUT_BY_START if one.peak < 0 else CUT_BY_END
         elif series.load.varies(series.t[one.peak], series.t[one.trough], CHANGES):
             status[k] = LOAD_CHANGES
+        elif series.V is None and has_several(series.tau, _span(series, rough, k), noise):
+            status[k] = SEVERAL
     return status
+
+
+def _span(series, rough, k):
+    """Samples of the last trough, of an event's peak and trough, and of the next peak."""
+    last = max(rough[k - 1].trough, 0) if k else 0
+    following = rough[k + 1].peak if k + 1 < len(rough) else series.t.size - 1
+    return last, *rough[k], following
+
+
+def _longest_steps(series, rough):
+    """(m,) longest step between samples in the fall of each event [s]."""
+    steps = np.diff(series.t, prepend=series.t[0])
+    whole = [max(one.peak, 0) for one in rough], [max(*one, 0) for one in rough]
+    return np.array([steps[i : j + 1].max() for i, j in zip(*whole, strict=True)])
+
+
+def _lost(series, rough, noise):
+    """(m,) whether the loading before each event has a smaller fall that noise does not make."""
+    lost = np.zeros(len(rough), bool)
+    for k, (last, one) in enumerate(itertools.pairwise(rough), 1):
+        if series.V is None and min(last.trough, *one) >= 0:
+            rise, drop = slice(last.trough, one.peak), series.tau[one.peak] - series.tau[one.trough]
+            lost[k] = has_step_down(series.t[rise], series.tau[rise], drop, noise)
+    return lost
 
 
 def _recurrence(series, event_time, status):
@@ -178,9 +247,13 @@ def _recurrence(series, event_time, status):
     return (values, errors), why
 
 
-def _messages(status, why, drop, stiffness):
-    """(m,) what must be known of each event."""
+def _messages(status, why, drop, stiffness, reports):
+    """(m,) what must be known of each event.
+
+    reports : name of a message -> (m,) whether it holds
+    """
     names = {CUT_BY_START: "start", CUT_BY_END: "end", LOAD_CHANGES: "load", GAP: "gap"}
+    names[SEVERAL] = "several"
     messages = []
     for k, code in enumerate(status):
         texts = []
@@ -190,6 +263,7 @@ def _messages(status, why, drop, stiffness):
             texts.append(sentence("message.unmeasured"))
         elif code == UNDERSAMPLED:
             texts.append(sentence("message.sparse"))
+        texts += [sentence(f"message.{name}") for name, holds in reports.items() if holds[k]]
         if why[k] and code not in (CUT_BY_START, CUT_BY_END):
             texts.append(sentence(f"message.{why[k]}"))
         if not math.isfinite(stiffness.K):

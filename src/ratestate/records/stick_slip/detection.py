@@ -5,6 +5,7 @@ threshold; what is between a maximum and the next minimum is an event.  The thre
 range that noise alone reaches in a series of this length, so that noise makes no event.
 """
 
+import itertools
 import math
 from typing import NamedTuple
 
@@ -17,6 +18,8 @@ CLEAR = 40.0
 LONGEST = 0.01
 #: standard deviations beyond the expected range of the noise
 MARGIN = 3.0
+#: rise of stress for the load point's way, over the usual one, from which no spring does it
+STEEP = 3.0
 #: steps between samples on either side of a gap, and how many times as long it is
 BESIDE, LONG = 20, 10.0
 
@@ -29,9 +32,10 @@ class Rough(NamedTuple):
 
 
 def rough_events(y, noise, inflation=1.0):
-    """list of `Rough` events of a series (n,) with noise of this standard deviation.
+    """list of `Rough` events of a series (n,) with noise of this standard deviation; threshold.
 
-    One that the record's start or end cuts is among them, with -1 for what is missing.
+    One that the record's start or end cuts is among them, with -1 for what is missing.  Falls that
+    are smaller than the threshold are not found.
 
     inflation : variance of a mean of samples over that with white noise
     """
@@ -42,9 +46,38 @@ def rough_events(y, noise, inflation=1.0):
     smooth = uniform_filter1d(y, width, mode="nearest") if width > 1 else y
     independent = max(y.size / width, 2.0)
     expected = 2.0 * math.sqrt(2.0 * math.log(independent))
-    of_mean = noise * math.sqrt(min(inflation / width, 1.0))
-    turns, leaves = turning_points(smooth, (expected + MARGIN) * of_mean)
-    return _paired(turns, leaves)
+    threshold = (expected + MARGIN) * noise * math.sqrt(min(inflation / width, 1.0))
+    turns, leaves = turning_points(smooth, threshold)
+    return _paired(turns, leaves), threshold
+
+
+def without_rebounds(y, moved, rough):
+    """`Rough` events (m) in which stress that swings back after a fall belongs to the same event.
+
+    Load point and spring load the block no faster than they do elsewhere.
+
+    moved : (n,) displacement of the load point [m]
+    """
+    pairs = [*itertools.pairwise(rough)]
+    rises = np.array([y[b.peak] - y[a.trough] for a, b in pairs])
+    way = np.array([moved[b.peak] - moved[a.trough] for a, b in pairs])
+    if rises.size < 2 or not (way > 0.0).all():
+        return rough
+    stiffness, order = rises / way, np.argsort(rises / way)
+    middle = np.searchsorted(np.cumsum(rises[order]), 0.5 * rises.sum())
+    kept = [rough[0]]
+    for one, too_steep in zip(rough[1:], stiffness > STEEP * stiffness[order][middle], strict=True):
+        last = kept[-1]
+        if (
+            too_steep
+            and min(last.peak, last.trough, one.trough) >= 0
+            and y[one.peak] < y[last.peak]
+        ):
+            lower = min(last.trough, one.trough, key=lambda i: y[i])
+            kept[-1] = Rough(last.peak, lower)
+        else:
+            kept.append(one)
+    return kept
 
 
 def in_gaps(t, rough):

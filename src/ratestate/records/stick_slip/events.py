@@ -44,7 +44,8 @@ def events(data, *, K=None, M=None, sigma=None):
         Along ``abscissa`` ("recurrence", "V_lp") the line stress_drop = A + B log10(x), x in SI, of
         whole events loaded at one V_lp: ``trend_A``, ``trend_B`` [Pa], their errors,
         ``trend_events`` and ``trend_message``.  ``K``, ``K_error`` [Pa/m]; ``tau_noise`` [Pa] and
-        ``tau_noise_correlation`` of neighbouring samples, as found in the loading; ``tau`` along
+        ``tau_noise_correlation`` of neighbouring samples, as found in the loading;
+        ``detection_threshold`` [Pa], the smallest stress drop that is found; ``tau`` along
         ``time``, thinned where it is long.
 
     Raises
@@ -59,7 +60,18 @@ def events(data, *, K=None, M=None, sigma=None):
     polynomials, in windows that are as wide as the noise hides what a polynomial cannot follow, and
     without the bias of largest samples.  Errors are from the noise in the loading phases, white or
     correlated.  Errors of slip, slip rate and energies contain that of K, which all events share.
-    Of a fall whose middle half has fewer than 8 samples the peak slip rate is the mean there: a
+    The rounding of stresses and times to the record's digits is part of every error.  If the
+    samples next to a fall show that a peak or trough lies between samples, it is put halfway to
+    where the lines through these samples meet, with that distance as its error.  The duration is
+    NaN if it is less than one step between samples.
+
+    Two events are found as one fall if the loading between them raises the stress by less than the
+    detection threshold.  A fall that slackens and gains speed again is several events (status 6);
+    its errors cover any one of them.  Messages name a drop of more than 1.5 times the median one in
+    few samples, which may be several events; a smaller fall in the loading before an event; and a
+    drop of less than twice the threshold, so that similar events may be lost.
+
+    If the middle half of a fall has fewer than 8 samples, the peak slip rate is the mean there: a
     lower bound.
 
     Examples

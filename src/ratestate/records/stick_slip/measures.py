@@ -15,6 +15,8 @@ import numpy as np
 CHANGES = 0.02
 #: peak slip rate over the inertial limit, or over V_lp, from which an event is fast
 INERTIAL, FAST = 0.5, 100.0
+#: quantities that are energies
+ENERGIES = ("spring_energy", "friction_work")
 #: status of an event -> what it means; the first that holds counts
 STATUSES = {
     0: "whole",
@@ -23,8 +25,9 @@ STATUSES = {
     3: "V_lp changes",
     4: "undersampled",
     5: "gap in the record",
+    6: "several events",
 }
-WHOLE, CUT_BY_START, CUT_BY_END, LOAD_CHANGES, UNDERSAMPLED, GAP = STATUSES
+WHOLE, CUT_BY_START, CUT_BY_END, LOAD_CHANGES, UNDERSAMPLED, GAP, SEVERAL = STATUSES
 
 
 def measured_events(series, found, stiffness):
@@ -83,6 +86,29 @@ def _load_work(series, start, end):
     steps = 0.5 * (tau[1:] + tau[:-1]) * series.load.moved(t[:-1], t[1:])
     total = np.concatenate([[0.0], np.cumsum(steps)])
     return np.interp(end, t, total) - np.interp(start, t, total)
+
+
+def with_several(values, several):
+    """Values with errors that hold for each of the events that were measured as one.
+
+    several : (m,) whether an event is several; each of them has at least nothing and at most all
+    """
+    values = dict(values)
+    for name in (
+        "stress_drop",
+        "friction_drop",
+        "duration",
+        "slip",
+        "spring_energy",
+        "friction_work",
+    ):
+        if name in values:
+            value, error = values[name]
+            values[name] = value, np.where(several, np.hypot(error, 0.5 * value), error)
+    time, error = values["event_time"]
+    half = 0.5 * values["duration"][0]
+    values["event_time"] = time, np.where(several, np.hypot(error, half), error)
+    return values
 
 
 def kinds(values, K, M):

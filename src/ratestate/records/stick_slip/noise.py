@@ -31,9 +31,14 @@ class Noise(NamedTuple):
 
 def white_noise(y):
     """Standard deviation of the white noise of a series (n,): that of rounding at least."""
+    return max(sample_noise(y), rounding(y))
+
+
+def rounding(y):
+    """Standard deviation of the rounding of a series (n,) to its last digit; 0 of a constant."""
     steps = np.abs(np.diff(y))
     digit = float(steps[steps > 0.0].min(initial=math.inf))
-    return max(sample_noise(y), digit / math.sqrt(12.0) if math.isfinite(digit) else 0.0)
+    return digit / math.sqrt(12.0) if math.isfinite(digit) else 0.0
 
 
 def loading_noise(t, y, rises, white):

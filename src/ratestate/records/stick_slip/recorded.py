@@ -8,10 +8,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
-from .crossings import middles
-from .polynomials import NOTHING, Window
-from .windows import chosen_window, extremes
+from .crossings import NEAR, middles
+from .polynomials import Window, extremes
+from .spikes import with_spikes
+from .windows import biased_errors, chosen_window
 
 #: extents of windows on the side of the loading, over the time of loading; shortest [samples]
 LOADING = np.geomspace(0.02, 0.85, 9)
@@ -19,12 +21,17 @@ SHORTEST = 6.0
 #: ends of windows on the side of the fall, over the time from its middle to the extreme; and in
 #: samples from the middle
 FALL, CLOSE = (0.1, 0.25, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0), (0.5, 1.0, 1.5, 2.0, 3.0)
+#: least ends of windows on the side of the fall, in samples, or over the time of loading if that is
+#: less: noise can hide a sample that is still in the fall
+LEAST, OF_LOADING = 1.0, 0.05
 #: half extents of windows for the slip rate, over the time of the fall
 STEEP = np.geomspace(0.05, 0.8, 8)
 #: samples in the middle half of a fall below which its mean slope there is taken, a lower bound
 SPARSE = 8
 #: fewest samples of a fall through which a line is drawn
 LINE = 3
+#: standard errors of a mean of samples by which the middle of a fall is within a quarter drop
+CLEAR = 4.0
 #: times that windows are placed about what the last ones gave
 ROUNDS = 2
 
@@ -55,14 +62,19 @@ def found_events(t, y, rough, spans, noise):
     peaks = np.array([one.peak for one in rough])
     troughs = np.array([one.trough for one in rough])
     spacing = float(np.median(np.diff(t)))
-    rough_levels = np.stack([y[peaks], y[troughs]])
-    middle = middles(t, y, peaks, troughs, rough_levels, np.zeros(peaks.size), noise)
+    means, width = _means(y, peaks, troughs, noise)
+    rough_levels = np.stack([means[peaks], means[troughs]])
+    middle = middles(t, means, peaks, troughs, rough_levels, np.zeros(peaks.size), noise)
     results = []
     for sign, at, loading in (
         (1, t[peaks], float(np.median(t[peaks] - t[before]))),
         (-1, t[troughs], float(np.median(t[after] - t[troughs]))),
     ):
-        results.append(_stress_extremes(t, y, middle[:, 0], at, sign, loading, spacing, noise))
+        found = _stress_extremes(t, y, middle[:, 0], at, sign, loading, spacing, noise)
+        results.append(with_spikes(t, y, middle[:, 0], found, sign, noise))
+    if width > 1:  # (a sample far from the fall may pass its middle by noise)
+        peaks = np.maximum(peaks, np.searchsorted(t, results[0][:, 2]) - width)
+        troughs = np.minimum(troughs, np.searchsorted(t, results[1][:, 2]) + width)
     levels = np.stack([results[0][:, 0], results[1][:, 0]])
     level_error = 0.5 * np.hypot(results[0][:, 1], results[1][:, 1])
     middle = middles(t, y, peaks, troughs, levels, level_error, noise)
@@ -70,6 +82,14 @@ def found_events(t, y, rough, spans, noise):
     samples = np.maximum(inside, 0)
     slope, few = _slopes(t, y, middle[:, 0], peaks, troughs, noise)
     return Found(results[0], results[1], middle, slope, samples, few)
+
+
+def _means(y, peaks, troughs, noise):
+    """Running means of a series (n,) in which noise does not hide the middles of falls; width."""
+    drop = float(np.median(y[peaks] - y[troughs]))
+    width = math.ceil((CLEAR * noise.sd / (NEAR * drop)) ** 2 * noise.inflation)
+    width = min(width, max(int(np.min(troughs - peaks)) // 2, 1))
+    return (uniform_filter1d(y, width) if width > 1 else y), width
 
 
 def _stress_extremes(t, y, middle, at, sign, loading, spacing, noise):
@@ -82,25 +102,25 @@ def _stress_extremes(t, y, middle, at, sign, loading, spacing, noise):
         windows = list(_windows(offset, loading, spacing, sign))
         window = chosen_window(t, y, middle, windows, 0, sign, noise)
         if window is None:
-            found = [NOTHING] * middle.size
-            break
+            return np.full((middle.size, 4), math.nan)
         found = extremes(t, y, middle, window, 0, sign, noise)
-        at = np.array([one.time for one in found])
-        at = np.where(np.isfinite(at), at, middle + offset)
+        at = np.where(np.isfinite(found.time), found.time, middle + offset)
     # (a peak is before the middle of its fall, whatever the noise makes of it)
-    times = [sign * min(sign * e.time, sign * at) for e, at in zip(found, middle, strict=True)]
-    rows = [(e.value, e.error, at, e.time_error) for e, at in zip(found, times, strict=True)]
-    return np.array(rows)
+    time = sign * np.minimum(sign * found.time, sign * middle)
+    return np.column_stack([found.value, biased_errors(found), time, found.time_error])
 
 
 def _windows(offset, loading, spacing, sign):
     """`Window`s that have an extreme this long after the middle of the fall (peaks: < 0)."""
     reach, shortest = abs(offset), SHORTEST * spacing
+    least = min(LEAST * spacing, OF_LOADING * loading)
     nears = [part * reach for part in FALL]
     nears += [j * spacing for j in CLOSE if j * spacing <= reach + spacing]
-    for extent, near in itertools.product(LOADING * loading, sorted(set(nears))):
+    nears = sorted({max(near, least) for near in nears})
+    for extent, near in itertools.product(LOADING * loading, nears):
         far = max(reach + extent, near + shortest)
-        yield Window(-far, -near, 1) if sign > 0 else Window(near, far, -1)
+        if far < reach + loading:  # (beyond is the next fall)
+            yield Window(-far, -near, 1) if sign > 0 else Window(near, far, -1)
 
 
 def _slopes(t, y, middle, peaks, troughs, noise):
@@ -118,10 +138,10 @@ def _slopes(t, y, middle, peaks, troughs, noise):
         if window is None:
             break
         found = extremes(t, y, middle, window, 1, -1, noise)
-        time = float(np.nanmedian([one.time for one in found] - middle))
+        time = float(np.nanmedian(found.time - middle))
     if window is None:
         return np.column_stack([rows[:, 1], rows[:, 3]]), np.ones(middle.size, bool)
-    values = np.array([(-e.value, e.error) for e in found])
+    values = np.column_stack([-found.value, biased_errors(found)])
     result = np.where(few[:, None], rows[:, [1, 3]], values)
     return result, few | ~np.isfinite(result[:, 0])
 

@@ -32,6 +32,7 @@ def dataset(data, series, catalogue):
     stiffness, noise = catalogue.stiffness, catalogue.noise
     numbers = {"K": stiffness.K, "K_error": stiffness.error, "tau_noise": noise.sd}
     numbers["tau_noise_correlation"] = noise.correlation
+    numbers["detection_threshold"] = catalogue.threshold
     variables |= {name: ((), value, attrs(name)) for name, value in numbers.items()}
     time, tau = _thinned(series.t, series.tau)
     variables["tau"] = ("time", tau, attrs("tau"))

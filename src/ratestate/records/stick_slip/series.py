@@ -11,6 +11,7 @@ from ...model.conversion import in_si
 from ...model.units import is_array, to_si
 from ..reading.segments import segments_from_displacement, segments_from_velocity, stored_segments
 from ..reading.sizes import constant_in_si, typical_stress
+from .noise import rounding
 from .refusals import refusal
 
 #: least samples
@@ -60,7 +61,8 @@ class Series(NamedTuple):
     K_source: str  # sentence of the table `stiffness`
     M: float | None  # [kg/m^2]
     V: np.ndarray | None  # (n,) [m/s], of a run without noise
-    resolution: float  # error of tau in a run without noise [Pa]; 0 of a record
+    resolution: float  # error of tau in a run without noise, or by a record's digits [Pa]
+    t_resolution: float = 0.0  # error of times by a record's digits [s]
 
 
 def series_of(data, K=None, M=None, sigma=None):
@@ -129,14 +131,17 @@ def _of_record(data, t, own):
         typical_stress(recorded)
         recorded = np.resize(recorded, t.size)  # one number holds for all samples
     sigma = recorded if sigma is None else sigma
+    resolution = 0.0
     if "tau" in data.variables:
         tau = _column(data, "tau")
+        resolution = rounding(tau)
     elif "friction" not in data.variables:
         raise refusal("data.no_stress", variables=_names(data))
     elif sigma is None:
         raise refusal("data.no_sigma")
     else:
-        tau = _column(data, "friction") * sigma
+        friction = _column(data, "friction")
+        tau, resolution = friction * sigma, rounding(friction) * float(np.abs(sigma).max())
     if recorded is not None:
         sigma = uniform_filter1d(recorded, SMOOTH, mode="nearest")
     return Series(
@@ -149,7 +154,9 @@ def _of_record(data, t, own):
         K_source="given",
         M=own["M"],
         V=None,
-        resolution=0.0,
+        resolution=resolution,
+        # (times of even samples are even to their last digit)
+        t_resolution=rounding(np.diff(t)),
     )
 
 

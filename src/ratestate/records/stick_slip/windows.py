@@ -1,17 +1,17 @@
-"""The window around the extremes of alike events, and these extremes.
+"""The window around the extremes of alike events.
 
 All events at one load-point velocity share a window, counted from the middles of their falls: the
 one with the least error in which a polynomial of the lowest degree with an extreme is not
 contradicted by one two degrees higher, in value and slope.  (Lepskii 1991, doi:10.1137/1135065,
-chooses windows by such comparisons.)  What the degrees still differ by, in the mean of all events,
-moves the extremes, and half of that is part of their error.
+chooses windows by such comparisons.)  The mean difference of the degrees over all events is part
+of the error of each extreme.
 """
 
 import math
 
 import numpy as np
 
-from .polynomials import Extreme, Window, extreme
+from .polynomials import Window, extremes
 
 #: events from which a window is chosen, at most; part of them that must have samples enough
 MOST, ENOUGH = 16, 0.8
@@ -19,85 +19,39 @@ MOST, ENOUGH = 16, 0.8
 AGREE = 1.5
 #: standard deviations of the sum of squares that a window may have too much
 ROUGH = 4.0
-#: largest shift of a place, over the extent of the window
-FARTHEST = 0.5
+#: power of the contradiction by which an error must be smaller
+PRICE = 4
 
 
 def chosen_window(t, y, middles, windows, k, sign, noise):
-    """The `Window` among these in which an extreme is least uncertain and not contradicted.
+    """The `Window` among these in which extremes are least uncertain and not contradicted.
 
-    Where all are contradicted, the one that is so least; None where none has samples enough.
+    The more the degrees contradict each other, the smaller the error must be in return.  None if no
+    window has samples enough.
     """
     some = middles[:: math.ceil(middles.size / MOST)]
-    agree: list[tuple[float, Window]] = []
-    contradicted: list[tuple[float, Window]] = []
+    choices: list[tuple[float, Window]] = []
     for window in windows:
-        found = [extreme(t, y, middle, window, k, sign, noise) for middle in some]
-        found = [one for one in found if math.isfinite(one.value)]
-        if len(found) < ENOUGH * len(some):
+        found = extremes(t, y, some, window, k, sign, noise)
+        if np.isfinite(found.value).mean() < ENOUGH:
             continue
-        column = dict(zip(Extreme._fields, np.array(found).T, strict=True))
-        against = _contradiction(column)
-        if against <= 1.0:
-            agree.append((float(np.mean(column["error"] ** 2)), window))
-        else:
-            contradicted.append((against, window))
-    return min(agree or contradicted, default=(0.0, None))[1]
+        error = math.sqrt(float(np.nanmean(found.error**2)))
+        choices.append((error * max(_contradiction(found), 1.0) ** PRICE, window))
+    return min(choices, default=(0.0, None))[1]
 
 
-def _contradiction(column):
-    """How far the degrees are apart, and samples from them, over what is allowed.
-
-    column : field of `Extreme` -> (events,) numbers
-    """
-    excess = column["excess"]
+def _contradiction(found):
+    """How far the degrees are apart, and samples from them, over what is allowed."""
+    excess = found.excess[np.isfinite(found.excess)]
     parts = [excess.sum() / ROUGH / math.sqrt(excess.size)]
-    for off, variance in (("difference", "variance"), ("turn", "turn_variance")):
-        spread = math.sqrt(max(column[variance].sum(), 1e-300))
-        parts.append(abs(column[off].sum()) / AGREE / spread)
+    pairs = (found.difference, found.variance), (found.turn, found.turn_variance)
+    for off, variance in pairs:
+        spread = math.sqrt(max(np.nansum(variance), 1e-300))
+        parts.append(abs(np.nansum(off)) / AGREE / spread)
     return float(max(parts))
 
 
-def extremes(t, y, middles, window, k, sign, noise):
-    """list of `Extreme` of all events in one window.
-
-    Where most have a vertex, those that noise leaves without one are taken where the others are.
-    """
-    found = [extreme(t, y, middle, window, k, sign, noise) for middle in middles]
-    found = _moved(found, sign, k)
-    inside = np.array([one.inside == 1.0 for one in found])
-    if 0.5 < inside.mean() < 1.0:
-        after = np.array([one.time for one in found])[inside] - middles[inside]
-        known = float(np.median(after)), float(after.std())
-        for i in np.flatnonzero(~inside):
-            found[i] = extreme(t, y, middles[i], window, k, sign, noise, known)
-    bias = _bias(found)
-    return [one._replace(error=math.hypot(one.error, bias)) for one in found]
-
-
-def _moved(found, sign, k):
-    """`Extreme`s whose vertices are moved by what the degrees' slopes differ by, in the mean."""
-    vertices = [one for one in found if one.inside == 1.0]
-    if not vertices:
-        return found
-    turn = float(np.mean([one.turn for one in vertices]))
-    variance = float(np.mean([one.turn_variance for one in vertices])) / len(vertices)
-    beyond = 0.5 * max(turn**2 - variance, 0.0)
-    moved = []
-    for one in found:
-        if one.inside == 1.0:
-            shift = float(np.clip(-turn / one.curvature, -FARTHEST, FARTHEST))
-            more = math.hypot(math.sqrt(variance) / abs(one.curvature), 0.5 * shift)
-            one = one._replace(
-                time=one.time + shift * one.extent,
-                time_error=math.hypot(one.time_error, more * one.extent),
-                value=one.value + sign * beyond / abs(one.curvature) / one.extent**k,
-            )
-        moved.append(one)
-    return moved
-
-
-def _bias(found):
-    """What all `Extreme`s in one window may be off: the mean difference of the degrees; or nan."""
-    differences = [one.difference for one in found if math.isfinite(one.difference)]
-    return abs(float(np.mean(differences))) if differences else math.nan
+def biased_errors(found):
+    """(m,) errors of `Extremes` with what all may be off: the mean difference of the degrees."""
+    known = found.difference[np.isfinite(found.difference)]
+    return np.hypot(found.error, abs(known.mean()) if known.size else math.nan)

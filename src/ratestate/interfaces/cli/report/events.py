@@ -7,7 +7,7 @@ import xarray
 from rich.table import Column
 from rich.text import Text
 
-from ....model.quantities import QUANTITIES, power_of, prefixed_unit, with_error
+from ....model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
 from .rows import plain_table
 
 #: relative error that is not shown
@@ -43,7 +43,12 @@ def tables(catalogue: xarray.Dataset) -> list[Any]:
         )
         return [Text(text, style="bold")]
     title = Text(f"{count} event{'' if count == 1 else 's'}", style="bold")
-    below = [*_messages(catalogue), _stiffness(catalogue), *_lines(catalogue)]
+    below = [
+        *_messages(catalogue),
+        _threshold(catalogue),
+        _stiffness(catalogue),
+        *_lines(catalogue),
+    ]
     return [title, made, *below]
 
 
@@ -78,6 +83,13 @@ def _cell(one: xarray.Dataset, name: str, size: float) -> str:
     if not np.isfinite(value):
         return "-"
     return with_error(value / size, error / size if error > EXACT * abs(value) else 0.0)
+
+
+def _threshold(catalogue: xarray.Dataset) -> Text:
+    """The smallest stress drop that is found."""
+    threshold = float(catalogue.detection_threshold)
+    text = f"Stress drops below {readable('stress_drop', threshold)} are not found."
+    return Text(f"{text} Events between which the stress rises by less are one fall.")
 
 
 def _stiffness(catalogue: xarray.Dataset) -> Text:
