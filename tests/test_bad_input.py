@@ -221,6 +221,9 @@ def test_sizes_beyond_double_precision():
     for start in ({"V_start": 2.6e-267}, {"initial": {"V": 2.6e-267}}):
         with pytest.raises(ParameterError, match=r"V.* = 2\.6e-267 m/s is out of range: .* V0"):
             simulate(slider, loading, 1.0, **start)
+    with pytest.raises(ParameterError, match=r"V_start = 2\.6e-264 m/s is .* times V_lp = 0\.001"):
+        limit_cycle(slider, axis([1e-3, 1e-6]), V_start=2.6e-264)
+    assert int(limit_cycle(slider, 1e-3, V_start=2.7e-264).status) == 0
     run = simulate(slider, loading, 1.0, V_start=2.7e-267, times=[0.0, 1.0])
     assert float(run.V[0]) == pytest.approx(2.7e-267, rel=1e-12)
     assert np.isfinite(run.mu).all()

@@ -17,6 +17,7 @@ VISIBLE, REPEATS = 1e-3, 0.1
 EXACT, ERRORS = 1e-4, 100.0
 # How often stress maxima turn back, among those that are known, where a motion is irregular; and
 # what part of their earlier changes the later ones then are, for it may be on its way to a period.
+# Where changes after a period grow it is irregular too: it leaves an orbit that it came near to.
 REVERSALS, LASTING = 3, 0.5
 
 
@@ -33,15 +34,13 @@ def close_cycle(s, l, law, here, x_high):
 
 
 @inner
-def change(s, home, rows, cycles, p):
-    """Largest change of a maximum or minimum of x after p returns, in the later half of those kept.
-
-    (In chaos a few returns may repeat by chance.)
+def change(s, home, rows, first, end, p):
+    """Largest change of a maximum or minimum of x after p returns, at the returns first to end - 1.
 
     home : the column where they are kept
     """
     most = 0.0
-    for k in range(cycles - min(cycles, R.RING) // 2, cycles):
+    for k in range(first, end):
         now, before = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
         most = max(most, abs(s[rows.highs + now] - s[rows.highs + before]))
         most = max(most, abs(s[rows.lows + now] - s[rows.lows + before]))
@@ -63,15 +62,20 @@ def last_period(s, l, law):
     last = ((cycles - 1) % R.RING) * R.LANES + home
     amplitude = s[rows.highs + last] - s[rows.lows + last]
     visible = VISIBLE * amplitude
-    exact = max(EXACT * amplitude, min(visible, ERRORS * s[R.TOLERANCE + l]))
-    returns, left = 1, change(s, home, rows, cycles, 1) if cycles > 1 else 0.0
+    errors = ERRORS * s[R.TOLERANCE + l]
+    exact = max(EXACT * amplitude, min(visible, errors))
+    first = cycles - known // 2  # in chaos a few returns may repeat by chance
+    returns, left = 1, change(s, home, rows, first, cycles, 1)
     for p in range(2, known // 2 + 1):
         if left > (visible if returns == 1 else exact):
-            by_p = change(s, home, rows, cycles, p)
+            by_p = change(s, home, rows, first, cycles, p)
             if by_p < REPEATS * left:
                 returns, left = p, by_p
     changes = left > (visible if returns == 1 else exact)
-    irregular = changes and is_irregular(s, home, rows, cycles, visible)
+    half = first + known // 4
+    before = max(errors, change(s, home, rows, first, half, returns))
+    grows = (changes or returns > 1) and change(s, home, rows, half, cycles, returns) > before
+    irregular = (changes or grows) and is_irregular(s, home, rows, cycles, visible, grows)
     over = known // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
     for k in range(cycles - over, cycles):
@@ -82,8 +86,11 @@ def last_period(s, l, law):
 
 
 @inner
-def is_irregular(s, home, rows, cycles, visible):
-    """Whether stress maxima go up and down visibly, and lately not much less than before."""
+def is_irregular(s, home, rows, cycles, visible, grows):
+    """Whether stress maxima go up and down visibly, and lately not much less than before.
+
+    grows : whether changes after a period grow; then changes after a return need not last
+    """
     count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
     known = min(cycles, R.RING)
     for k in range(cycles - known + 1, cycles):
@@ -96,4 +103,4 @@ def is_irregular(s, home, rows, cycles, visible):
             earlier = max(earlier, abs(rise))
         else:
             later = max(later, abs(rise))
-    return count >= REVERSALS and later > LASTING * earlier
+    return count >= REVERSALS and (grows or later > LASTING * earlier)

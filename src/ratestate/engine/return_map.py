@@ -1,8 +1,8 @@
 """The return map: from a point of the section V = V_lp to the next, with its derivative.
 
-Speeds are in units of a constant V_lp and times in Dc/V_lp, so the section is v = 0.  On it dx/dT
-vanishes: an upward crossing is a maximum of the stress and the point to return to, a downward
-one its minimum.
+Speeds are in units of a constant V_lp and times in Dc/V_lp, so the section is w = 1: v = 0, where v
+is ln(V/V_lp), but v = mu/a under regularized friction.  On it dx/dT vanishes: an upward crossing is
+a maximum of the stress and the point to return to, a downward one its minimum.
 """
 
 import math
@@ -56,10 +56,11 @@ class ReturnResults(NamedTuple):
     status: np.ndarray  # (n,) int8
 
 
-#: Dimensionless; G is dv/dT at the return, v_max and v_min are ln(V/V_lp), slow is the time below
-#: V_lp/10, and the four after it integrals over T of x, x^2, x cos and x sin
-#: (2 pi T/`Starts.period`).  x_low is NaN without a stress minimum.  Where `Starts.observe` is 0,
-#: extremes are those of the ends of steps; without a waveform slow and the integrals are 0.
+#: Dimensionless; G is d ln V/dT at the return, v_max and v_min are v, at psi = 0, of the extreme
+#: speeds (ln(V/V_lp), but mu/a under regularized friction), slow is the time below V_lp/10, and the
+#: four after it integrals over T of x, x^2, x cos and x sin (2 pi T/`Starts.period`).  x_low is NaN
+#: without a stress minimum.  Where `Starts.observe` is 0, extremes are those of the ends of steps;
+#: without a waveform slow and the integrals are 0.
 ReturnNumbers = namedtuple(
     "ReturnNumbers",
     "period x G x_low trace v_max v_min g_max slow mean square cosine sine steps f_min xf_min",

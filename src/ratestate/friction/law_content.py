@@ -104,7 +104,7 @@ class _Reader:
         """Yield the texts of what `pickle` would make any other object again from."""
         try:
             parts = value.__reduce_ex__(2)
-        except Exception as error:
+        except Exception as error:  # a user's object may raise anything from `__reduce_ex__`
             raise ParameterError(
                 f"the law refers to {name}, a {type(value).__name__}, which cannot be recorded "
                 f"with the results; refer to numbers, tuples, arrays and functions only"

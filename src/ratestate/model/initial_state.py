@@ -55,7 +55,7 @@ def initial_state(law, batch, V_load):
     given = {s: batch.flat(f"{s}_initial") for s in names}
     p = law.coefficient_arrays(V0, batch.columns)
     for label, V in ("V_start", batch.flat("V_start")), ("initial V", given.get("V", V0)):
-        _check_ratio(law, label, V, V0)
+        check_ratio(law, label, V, "V0", V0)
     v, states = steady_state(law, batch, batch.flat("V_start"))
     x = stress(law, v, states, p)
     states = [
@@ -149,14 +149,18 @@ def _speed_by_stress(law, x, v, states, p, where):
     return np.where(where, root(off, v, where), v)
 
 
-def _check_ratio(law, label, V, V0):
-    """Raise the ParameterError about a speed at which V/V0 is beyond the solver's exponentials."""
+def check_ratio(law, label, V, reference, V_ref):
+    """Raise the ParameterError about speeds V whose ratio to V_ref the engine cannot hold.
+
+    label, reference : the symbols of V and V_ref
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
-        beyond = np.abs(np.log(np.abs(V) / V0)) > LIMIT
+        beyond = np.abs(np.log(np.abs(V) / V_ref)) > LIMIT
     if not law.reverses and beyond.any():
         raise ParameterError(
             f"{label} = {V[beyond][0]:.6g} m/s is out of range: the solver follows speeds from "
-            f"1e-260 to 1e260 times V0 = {V0[beyond][0]:.6g} m/s. Give another speed or V0."
+            f"1e-260 to 1e260 times {reference} = {V_ref[beyond][0]:.6g} m/s. "
+            f"Give another {label} or {reference}."
         )
 
 

@@ -9,6 +9,7 @@ import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from ...model.batch import Batch
+from ...model.initial_state import check_ratio
 from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked
 from ...model.units import to_si
@@ -140,10 +141,15 @@ class LimitCycleCall:
     def batch(self):
         """`Batch` of the slider's parameters, V_lp and V_start.
 
-        ParameterError where dimensions or coordinates clash with each other or with the result's.
+        ParameterError where dimensions or coordinates clash with each other or with the result's,
+        or V_start is beyond 1e-260 or 1e260 times V_lp.
         """
         start = {} if self.V_start is None else {"V_start": self.V_start}
-        return Batch({**self.slider.values, "V_lp": self.V_lp, **start}, taken=VARIABLES)
+        batch = Batch({**self.slider.values, "V_lp": self.V_lp, **start}, taken=VARIABLES)
+        if start:
+            speeds = batch.flat("V_start"), "V_lp", batch.flat("V_lp")
+            check_ratio(self.slider.friction_law, "V_start", *speeds)
+        return batch
 
     def blank(self):
         """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""

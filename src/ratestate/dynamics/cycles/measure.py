@@ -16,8 +16,10 @@ from .shooting import change_along, effective_tolerance, multipliers, newton_ste
 from .system import distance, small_amplitude, tightest
 
 # Of the error estimate: its safety factor, and the errors of a return due to rounding, relative and
-# absolute: however small a cycle is, V/V_lp is rounded to parts of 1.
+# absolute: however small a cycle is, V/V_lp is rounded to parts of 1, and x, v and psi to parts of
+# their steady values, as mu/a under regularized friction.
 SAFETY, ROUNDING_OF_RETURN, ROUNDING_OF_SPEED = 3.0, 60.0 * 2.0**-52, 4.0 * 2.0**-52
+ROUNDING_OF_STATE = 0.25 * 2.0**-52
 # The error of a multiplier, which is absolute, over the relative one that is asked for.
 OF_MULTIPLIER = 3.0
 # Measurements, each with finer returns than the last, of a cycle that is not accurate enough yet.
@@ -147,7 +149,9 @@ def _errors(orbits, floquet, changes):
     scale = np.minimum(1.0, np.abs(small_amplitude(system, cycles.u)))
     # Where the stress is large and the cycle hardly attracts, rounding can feign a cycle.
     feigned = ROUNDING_OF_RETURN * distance(system, cycles.u) > 1e-4 * attraction
-    rounding = ROUNDING_OF_RETURN + np.where(fixed, 0.0, ROUNDING_OF_SPEED / scale)
+    of_state = ROUNDING_OF_STATE * np.abs(system.rest).max(axis=1)
+    absolute = np.maximum(ROUNDING_OF_SPEED, of_state)
+    rounding = ROUNDING_OF_RETURN + np.where(fixed, 0.0, absolute / scale)
     least = tol / scale + np.where(feigned & ~fixed, np.inf, rounding / attraction)
     accumulated, of_multipliers = _accumulated_errors(orbits, floquet)
     accumulated = np.where(fixed[:, None], 0.0, accumulated)

@@ -99,8 +99,9 @@ def simulate(
         ``frequency`` [Hz] of the last period (0 if there is none or if its amplitude is below
         10 a rtol), ``returns`` (how many of those maxima make that period: 1, or more, up to 32,
         if unequal ones follow each other in a fixed order throughout the later half of the last
-        64; 0 if they do so in none: then amplitude is that of this half, and frequency how many
-        there are in a second), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its
+        64 and do not leave it; 0 if they do so in none: then amplitude is that of this half, and
+        frequency how many there are in a second; 1 also if there are too few to tell, below 20 or
+        so), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its
         largest |M dV/dt|/sigma, without damping |tau/sigma - mu|; this and amplitude are over sigma
         at t = 0).  Without mass V_max may be inf: beyond double precision, and yet a motion that
         comes back.
