@@ -9,12 +9,14 @@ from .reading.overshoots import without_overshoots
 
 
 class Segments(NamedTuple):
-    """Starts [s] and speeds [m/s] of n segments, and when the last one ends."""
+    """Starts [s] and speeds [m/s] of n segments without overshoots, and of all m with them."""
 
     t: np.ndarray  # (n,)
     V: np.ndarray  # (n,)
-    end: float
+    end: float  # when the last one ends [s]
     t_error: np.ndarray  # (n,) of the starts [s]; 0 of those that are given
+    all_t: np.ndarray  # (m,)
+    all_V: np.ndarray  # (m,)
 
     @property
     def ends(self):
@@ -23,24 +25,24 @@ class Segments(NamedTuple):
 
     def displacement(self, t):
         """Load-point displacement [m] at times t, from the first segment's start on."""
-        moved = np.concatenate([[0.0], np.cumsum(self.V * (self.ends - self.t))])
-        return np.interp(t, np.append(self.t, self.end), moved)
+        ends = np.append(self.all_t, self.end)
+        moved = np.concatenate([[0.0], np.cumsum(self.all_V * np.diff(ends))])
+        return np.interp(t, ends, moved)
 
 
 def segments_of(raw, loading=None):
     """The `Segments` of a `RawRecord`, as recorded or of a loading (t = 0 at the first sample).
 
-    Without overshoots, if as recorded.
+    A loading that is given has no overshoots.
     """
+    end = float(raw.time[-1])
     if loading is None:
-        found, V = recorded_segments(raw.data, raw.time)
-        t, V, kept = without_overshoots(found, V, raw.time[-1])
-        t_error = _start_errors(raw.data, found)[kept]
-    else:
-        checked = loading_of(raw, loading)
-        t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
-        t_error = np.zeros(t.size)
-    return Segments(t, V, float(raw.time[-1]), t_error)
+        all_t, all_V = recorded_segments(raw.data, raw.time)
+        t, V, _ = without_overshoots(all_t, all_V, end)
+        return Segments(t, V, end, _start_errors(raw.data, t), all_t, all_V)
+    checked = loading_of(raw, loading)
+    t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
+    return Segments(t, V, end, np.zeros(t.size), t, V)
 
 
 def _start_errors(data, starts):

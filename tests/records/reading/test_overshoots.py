@@ -21,15 +21,13 @@ SLOW, FAST = 1e-5, 1e-4
     ],
 )
 def test_overshoots_belong_to_their_step(V, lasts):
-    """The step is placed where the displacement afterwards is that of the record."""
+    """The step begins where its first brief speed does."""
     V, lasts = np.array(V), np.array(lasts)
     starts = np.append(0.0, np.cumsum(lasts))
     t, speeds, kept = without_overshoots(starts[:-1], V, starts[-1])
     assert speeds.tolist() == [V[0], V[-1]]
     assert kept.tolist() == [0, V.size - 1]
-    assert abs(t[1] - starts[1]) < 0.25
-    moved = speeds[0] * t[1] + speeds[1] * (starts[-1] - t[1])
-    assert moved == pytest.approx(V @ lasts, rel=1e-12)
+    assert t.tolist() == starts[:2].tolist()
 
 
 @pytest.mark.parametrize(

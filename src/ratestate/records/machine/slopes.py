@@ -84,7 +84,8 @@ def _after_change(t, friction, rows, segments, i):
     if last < FEWEST or smooth[extreme] < LEAST * noise:
         return None
     rows = np.concatenate([before, rows[:last]])
-    x = V * (t[rows] - start)
+    moved = segments.displacement(t[rows]) - segments.displacement(start)
+    x = np.where(t[rows] < start, V * (t[rows] - start), moved)
     kind = "reload" if rested else "step_down" if last_V > V else "step_up"
     errors = {"x_error": V * segments.t_error[i], "state_error": STATE_ERROR[kind]}
     curve = fit_loading_curve(t[rows], x, friction[rows], last_V / V, rested=rested, **errors)

@@ -16,21 +16,19 @@ def without_overshoots(t, V, end):
 
     t, V : (n,) of all segments; end : of the last one [s]
 
-    A step with an overshoot is where the displacement after it comes out right.
+    A step with an overshoot begins where the overshoot begins.
     """
     lasts = np.diff(np.append(t, end))
-    starts, kept = [t[0]], [0]
+    starts, kept = [0], [0]
     while kept[-1] < V.size - 1:
         before = kept[-1]
         after = next(
             (k for k in range(V.size - 1, before + 1, -1) if _overshoots(V, lasts, before, k)),
             before + 1,
         )
-        brief = slice(before + 1, after)
-        moved = (V[brief] - V[before]) @ lasts[brief]
-        starts.append(t[after] - (moved / (V[after] - V[before]) if moved else 0.0))
+        starts.append(before + 1)
         kept.append(after)
-    return np.array(starts), V[kept], np.array(kept)
+    return t[starts], V[kept], np.array(kept)
 
 
 def _overshoots(V, lasts, before, after):
