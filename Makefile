@@ -45,7 +45,7 @@ cuda: .venv/.uv-$(UV_VERSION) ## compile the kernels for an NVIDIA GPU, which is
 	build/cuda/bin/python -c 'from numba.cuda.cudadrv import nvvm; assert nvvm.is_available()'
 	build/cuda/bin/python -m pytest tests/engine/test_cuda.py -k compiler $(ARGS)
 
-# Of the tests, those that meet the most of what dependencies do.
+# Tests that use the dependencies most.
 QUICK := tests/files/test_files.py tests/sweeps/test_store.py tests/model \
     tests/interfaces/explorer/test_impatient.py
 

@@ -203,6 +203,13 @@ def test_wrong_kind_of_argument(call):
         call(1e-3)
 
 
+def test_a_speed_beyond_double_precision_without_mass():
+    slider = SLIDER.replace(M=0.0)
+    assert rs.stability(slider, 0.9e50).eta == 0.0
+    with pytest.raises(ParameterError, match=r"^V_lp\^2 = 10\^320 is beyond .* units of V_lp\."):
+        rs.stability(slider, 1e160)
+
+
 def test_sizes_beyond_double_precision():
     """Both sides of each limit, of numbers whose powers and exponentials no double holds."""
     slider = rs.SpringSlider(a=0.005, b=0.008, Dc=1e-5, sigma=4e6, M=100.0, K=0.96e9, V0=1e-6)

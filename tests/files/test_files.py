@@ -245,9 +245,12 @@ def test_only_results_are_replaced(results, tmp_path):
     results["cycle"].drop_encoding().to_zarr(deep, group="checksums/of", consolidated=False)
     foreign = tmp_path / "foreign.zarr"
     results["cycle"].drop_encoding().to_zarr(foreign, consolidated=False)
-    for path in (store, other, deep, foreign, tmp_path):
-        with pytest.raises(ParameterError, match=r"expected a name|is not replaced"):
+    file = tmp_path / "file.zarr"
+    file.write_text("years of work")
+    for path in (store, other, deep, foreign, tmp_path, file):
+        with pytest.raises(ParameterError, match=r"expected a name|is not replaced|is a file"):
             files.write(results["cycle"], path)
+    assert file.read_text() == "years of work"
     assert (store / "sweep").is_dir()
     assert (other / "thesis.txt").exists()
     assert (deep / "checksums/of").is_dir()
@@ -432,6 +435,16 @@ def test_data_of_another_file_are_not_read(make, reader, tmp_path):
     ) as error:
         reader(path)
     assert "x.nc is not read" in str(error.value)
+
+
+def test_a_virtual_dataset_of_its_own_file_is_read(tmp_path):
+    with h5py.File(tmp_path / "x.h5", "w") as file:
+        file["time"] = file["x"] = np.arange(3.0)
+        layout = h5py.VirtualLayout((3,), "f8")
+        layout[:] = h5py.VirtualSource(".", "x", (3,))
+        file.create_virtual_dataset("mu", layout)
+    columns = {column.title: column.values for column in read_hdf5(tmp_path / "x.h5").columns}
+    np.testing.assert_array_equal(columns["mu"], np.arange(3.0))
 
 
 # Zarr folders that run code ------------------------------------------------------------------

@@ -183,7 +183,7 @@ def test_series_of_named_arrays():
         ),
         ((1.0, (2, 2.0), (2, 3.0)), "t = 2.0 s of step 2 must come after t = 2.0 s"),
         ((1.0, ("1 m", 2.0)), "t of step 1 = '1 m' is a length [m]; expected a time [s]"),
-        ((1.0, (logspace("t", 1, 2, 3), 2.0)), "the time of a step is one number"),
+        ((1.0, (logspace("t", 1, 2, 3), 2.0)), "t of step 1 is an array and not one number"),
         ((1.0, 2.0), "step 2.0 is not a pair"),
         (
             (logspace("V_lp", 1, 2, 3), (1.0, logspace("V_lp", 1, 3, 3))),
@@ -300,8 +300,12 @@ def test_events_with_named_arrays():
         (lambda x: x.hold(6, 1e-17), "hold = 1e-17 is too short or too long after t = 6.0 s"),
         (lambda x: x.ramp(6, 1, "1 m"), "ramp = '1 m' is a length [m]; expected a time"),
         (lambda x: x.ramp(6, 1e300, 1e-15), "ramp = 1e-15 is too short; for a jump leave it out"),
-        (lambda x: x.step(logspace("t", 6, 7, 2), 1.0), "the time of a step is one number"),
-        (lambda x: x.hold(6, logspace("t", 6, 7, 2)), "the duration of a hold is one number"),
+        (
+            lambda x: x.step(logspace("t", 6, 7, 2), 1.0),
+            "t is an array and not one number; expected a time",
+        ),
+        (lambda x: x.step([6.0, 7.0], 1.0), "t is an array and not one number; expected a time"),
+        (lambda x: x.hold(6, logspace("t", 6, 7, 2)), "hold is an array and not one number"),
         (lambda x: x.step(5, 3.0), "t = 5.0 s must come after t = 5.0 s"),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
         (
@@ -449,3 +453,14 @@ def test_times_of_a_loading_may_carry_units(function):
         for sigma in ("3 s", None, [2e6], -1.0, np.nan):
             with pytest.raises(ParameterError, match=r"^sigma\b"):
                 at(3.0, sigma)
+
+
+@pytest.mark.parametrize("pull", [Loading.constant(1.0), Loading.constant(1.0).sigma_step(1, 5e6)])
+def test_slider_at_takes_one_time(pull):
+    slider = SpringSlider(a=0.01, b=0.015, Dc=1e-5, sigma=2e6, K=1e9)
+    after = 5e6 if pull.normal_stress else 2e6
+    for t in (2.0, "2 s", np.float64(2.0), xr.DataArray(2.0), np.inf):
+        assert pull.slider_at(t, slider).sigma == after
+    for t in ("2 m", np.timedelta64(2, "s"), -1.0, [1.0, 2.0], xr.DataArray([1.0], dims="t")):
+        with pytest.raises(ParameterError, match=r"^t "):
+            pull.slider_at(t, slider)

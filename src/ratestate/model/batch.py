@@ -11,12 +11,13 @@ from .arrays import check_aligned
 from .quantities import QUANTITIES, attrs
 from .units import RESERVED, is_array
 
-#: dimensionless numbers of a slider -> powers of what they consist of
+#: numbers that the equations hold -> powers of what they consist of
 PRODUCTS = {
     "K Dc/(a sigma)": {"K": 1, "Dc": 1, "a": -1, "sigma": -1},
     "a sigma/(K Dc)": {"a": 1, "sigma": 1, "K": -1, "Dc": -1},
     "M V_lp^2/(a sigma Dc)": {"M": 1, "V_lp": 2, "a": -1, "sigma": -1, "Dc": -1},
     "M V_start^2/(a sigma Dc)": {"M": 1, "V_start": 2, "a": -1, "sigma": -1, "Dc": -1},
+    "V_lp^2": {"V_lp": 2},  # (computed without mass too)
 }
 #: of 10, beyond which their squares and cubes overflow
 LARGEST_EXPONENT = 100.0

@@ -126,12 +126,13 @@ def to_si(symbol, value, *, label=None, bound=None):
     return x
 
 
-def one_in_si(symbol, value, **how):
-    """`to_si` of a single number; ParameterError for an array."""
-    number = to_si(symbol, value, **how)
-    if is_array(number):
-        raise ParameterError(f"{symbol} is an array; {expected(symbol)}, one for the whole record")
-    return number
+def one_in_si(symbol, value, *, label=None, bound=None):
+    """Return `to_si` of a single number, as a float; ParameterError for an array or a list."""
+    if isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0:
+        raise ParameterError(
+            f"{label or symbol} is an array and not one number; {expected(symbol)}"
+        )
+    return float(to_si(symbol, value, label=label, bound=bound))
 
 
 def _shown(symbol, x):

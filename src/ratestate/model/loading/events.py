@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..arrays import appended, check_aligned
-from ..units import is_array, to_si
+from ..units import is_array, one_in_si, to_si
 
 
 def step(loading, t, V):
@@ -46,7 +46,7 @@ def _time(loading, t):
             f"the history ends at t = {loading.t_last!r} s, and nothing can follow; "
             f"give steps to a constant speed, or put them into the rows of the series"
         )
-    t = one_time(t, "the time of a step")
+    t = one_in_si("t", t, bound="> 0")
     return time_after(t, float(loading.t[-1]), loading.returns, "the history")
 
 
@@ -62,14 +62,6 @@ def time_after(t, last, returns, what):
     return t
 
 
-def one_time(t, what, label=None):
-    """A time [s], > 0, as a float; ParameterError for any other, or an array."""
-    t = to_si("t", t, label=label, bound="> 0")
-    if is_array(t):
-        raise ParameterError(f"{what} is one number, common to all cases")
-    return t
-
-
 def speed_from(t, V):
     """The speed [m/s], >= 0, from t [s] on: float or DataArray, else ParameterError."""
     return to_si("V_lp", V, label=f"V_lp from t = {t!r} s on", bound=">= 0")
@@ -77,7 +69,7 @@ def speed_from(t, V):
 
 def end_of(t, duration, label):
     """When an event is over [s]."""
-    lasting = one_time(duration, f"the duration of a {label}", label)
+    lasting = one_in_si("t", duration, label=label, bound="> 0")
     if not t < t + lasting < np.inf:
         raise ParameterError(f"{label} = {duration!r} is too short or too long after t = {t!r} s")
     return t + lasting

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..arrays import stack
-from ..units import is_array, to_si
+from ..units import is_array, one_in_si, to_si
 from . import events, record
 from .normal_stress import NormalStress
 from .shapes import Sine
@@ -89,7 +89,7 @@ class Loading(StressHistory):
         for step in steps:
             if not isinstance(step, tuple | list) or len(step) != 2:
                 raise ParameterError(f"step {step!r} is not a pair (t, V) such as (1.0, 3.2e-3)")
-            t = events.one_time(step[0], "the time of a step", f"t of step {len(times)}")
+            t = one_in_si("t", step[0], label=f"t of step {len(times)}", bound="> 0")
             if t <= times[-1]:
                 raise ParameterError(
                     f"t = {t!r} s of step {len(times)} must come after t = {times[-1]!r} s; "

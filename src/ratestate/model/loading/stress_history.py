@@ -6,8 +6,8 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..arrays import check_aligned
-from ..units import is_array, to_si
-from .events import end_of, one_time, time_after
+from ..units import one_in_si, to_si
+from .events import end_of, time_after
 from .normal_stress import NormalStress
 from .segments import Segments
 from .shapes import period_of
@@ -140,7 +140,7 @@ class StressHistory(Segments):
 
         Parameters
         ----------
-        t : float
+        t : float, str or pint.Quantity
             Time [s], >= 0; inf for the normal stress that the history comes to in the end, or,
             under a sinusoid, then oscillates about.
         slider : SpringSlider
@@ -154,7 +154,8 @@ class StressHistory(Segments):
         Raises
         ------
         ParameterError
-            A time before 0 or, but for inf, after the end of a series.
+            A time before 0 or, but for inf, after the end of a series; a value that is not
+            one time.
 
         Examples
         --------
@@ -164,15 +165,12 @@ class StressHistory(Segments):
         >>> [pull.slider_at(t, slider).sigma for t in (0.0, 2.5, float("inf"))]
         [2000000.0, 3000000.0, 4000000.0]
         """
-        if (stress := self.normal_stress) is None:
-            return slider
+        stress = self.normal_stress or NormalStress()
         if isinstance(t, float) and t == np.inf:
-            return slider.replace(sigma=stress.last(slider.sigma))
-        t = to_si("t", t)
-        if is_array(t):
-            raise ParameterError("t is an array; a slider can be given at one time only")
-        sigma = self.sigma(t, slider.sigma)
-        return slider.replace(sigma=sigma)
+            sigma = stress.last(slider.sigma)
+        else:
+            sigma = self.sigma(one_in_si("t", t), slider.sigma)
+        return slider.replace(sigma=sigma) if self.normal_stress else slider
 
     @property
     def stress_oscillates(self):
@@ -189,7 +187,7 @@ class StressHistory(Segments):
 
     def _stress_before(self, t):
         """That so far, and t [s], when an event begins: after the last, and within the history."""
-        stress, t = self._stress_so_far(), one_time(t, "the time of a step")
+        stress, t = self._stress_so_far(), one_in_si("t", t, bound="> 0")
         if t >= self.t_last:
             raise ParameterError(
                 f"t = {t!r} s is not before the end of the history, {self.t_last!r} s"

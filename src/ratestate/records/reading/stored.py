@@ -61,7 +61,8 @@ def refuse_other_files(file, name):
     def other_of_data(title, item):
         if isinstance(item, h5py.Dataset):
             others = [other for other, *_ in item.external or ()]
-            others += [one.file_name for one in item.virtual_sources()] if item.is_virtual else []
+            sources = item.virtual_sources() if item.is_virtual else []
+            others += [one.file_name for one in sources if one.file_name != "."]  # this file
             return (title, others[0]) if others else None
 
     def other_of_link(title, link):
