@@ -25,7 +25,7 @@ from .sizes import (
 )
 from .stress_steps import stress_steps
 from .table import Column, quoted
-from .values import drop_codes, drop_impossible, flip_signs
+from .values import drop_codes, drop_dropouts, drop_impossible, flip_signs
 
 
 def record_of(
@@ -69,6 +69,7 @@ def record_of(
     kept.check_enough()
     for symbol, column in kept.columns.items():
         check_sizes(symbol, kept.record[symbol], column, part.units[symbol])
+    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
     signs, turned = flip_signs(kept.record, lab.signs)
     if constant is not None:
         kept.add_constant("sigma", constant)
