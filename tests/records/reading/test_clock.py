@@ -84,3 +84,18 @@ def test_a_record_with_clock_times(tmp_path, title, delimiter):
     data = read_lab(path)
     np.testing.assert_allclose(data.time - 86390.0, t, atol=1e-9)
     np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-6)
+
+
+@pytest.mark.parametrize("clock", ["Time", "Timestamp", "Date/Time", "Uhrzeit"])
+def test_seconds_beside_a_clock_are_read(tmp_path, clock):
+    """The clock has whole seconds: of ten rows nine would have the time of the row before."""
+    t = np.arange(300) * 0.1
+    rows = [
+        f"12:00:{int(s):02d},{s:.1f},{s if s < 15 else 10 * s - 135:.4f},{0.6 + 0.01 * np.sin(s)}"
+        for s in t.tolist()
+    ]
+    path = tmp_path / "r.csv"
+    path.write_text("\n".join([f"{clock},Elapsed time (s),Disp (um),Friction", *rows]))
+    data = read_lab(path)
+    np.testing.assert_allclose(data.time, t)
+    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-6)

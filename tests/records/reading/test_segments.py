@@ -384,3 +384,28 @@ def test_errors_come_from_the_noise_of_their_own_rate():
     assert (np.abs(np.std(scaled, axis=0) - 1.0) < 0.25).all()
     slow = 0.07e-6 / np.sqrt(2500 * 250.0**2 / 12.0)
     assert found.V_error[0] == pytest.approx(slow, rel=0.15)
+
+
+@pytest.mark.parametrize("jump", [-100e-6, -30e-6, 30e-6, 100e-6])
+@pytest.mark.parametrize("noise", [0.0, 0.2e-6])
+def test_a_jump_at_a_step_moves_no_step(jump, noise):
+    """A sensor that is set to zero when the speed changes, as the next slide begins."""
+    t = np.arange(600) * 0.1
+    x = history(t, [0, 29.95], [1e-6, 1e-5]) + jump * (t > 29.95)
+    x += noise * np.random.default_rng(2).standard_normal(t.size)
+    found = segments_from_displacement(t, x)
+    np.testing.assert_allclose(found.V, [1e-6, 1e-5], rtol=0.01)
+    assert abs(found.t[1] - 29.95) < 0.051
+    np.testing.assert_allclose(found.t_error[1], 0.1 / 12**0.5, rtol=0.01)
+    assert sum("its speed changes there as well" in note for note in found.notes) == 1
+
+
+def test_a_sensor_that_sticks_is_reported():
+    """It gives a hold that was none, which ends with a jump; a hold that was one does not."""
+    t = np.arange(600) * 0.1
+    stuck, held = (history(t, [0, 20, 25], [1e-5, 0, 1e-5]) for _ in range(2))
+    stuck[t >= 25] += 50e-6
+    for x, jumps in ((stuck, True), (held, False)):
+        found = segments_from_displacement(t, x)
+        assert found.V[1] == 0.0
+        assert any("jumps by 49 um at 25 s" in note for note in found.notes) == jumps

@@ -74,7 +74,12 @@ def test_the_history_has_them_in_order_of_time(tmp_path, speed, first):
     columns = np.column_stack([T, moved, friction, sigma])
     head = "Time(s)\tDispl(microns)\tFriction\tNormal_stress(MPa)"
     np.savetxt(path, columns, "%.9g", "\t", header=head, comments="")
-    before, last = read_lab(path).attrs["found"].split("; ")
+    data = read_lab(path)
+    assert "no step or hold is found" not in data.attrs["notes"]
+    before, last = data.attrs["found"].split("; ")
     assert before.startswith(first)
     at = 100.0 + speed * 300.25
     assert last == f"step of normal stress 8 -> 8.8 MPa at 400.2 s ({at:.0f} um)"
+    columns[:, 3] = 8.0
+    np.savetxt(path, columns, "%.9g", "\t", header=head, comments="")
+    assert ("no step or hold is found" in read_lab(path).attrs["notes"]) == (speed == 1.0)

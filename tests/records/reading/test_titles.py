@@ -260,3 +260,47 @@ def test_a_prefix_keeps_its_meaning(tmp_path, unit):
     refused = pytest.raises(rs.ParameterError, match="no record is of such a size")
     with refused if unit == "mPa" else told:
         read_lab(write(tmp_path / "r.txt", columns), units={"tau": unit})
+
+
+@pytest.mark.parametrize(
+    "title",
+    ["Normal stress effective (MPa)", "Normal stress (effective) [MPa]", "Net normal stress (MPa)",
+     "Normal stress minus pore pressure (MPa)", "sigma_n' (MPa)", "\u03c3'n (MPa)",
+     "Sn\u2019 (MPa)", "eff. Normalspannung [MPa]", "Normalspannung effektiv [MPa]",
+     "Contrainte effective normale (MPa)"],
+)  # fmt: skip
+def test_titles_of_an_effective_stress(tmp_path, title):
+    """The pore pressure beside it is not subtracted a second time."""
+    columns = without("Normal stress (MPa)") | {title: SIGMA, "Pp (MPa)": 0.0 * T + 3.0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        data = read_lab(write(tmp_path / "r.txt", columns))
+    np.testing.assert_allclose(data.friction, MU)
+
+
+def test_without_a_prime_the_pore_pressure_is_subtracted(tmp_path):
+    columns = without("Normal stress (MPa)") | {
+        "sigma_n (MPa)": SIGMA + 3,
+        "PWP (MPa)": 0.0 * T + 3,
+    }
+    with pytest.warns(RecordWarning, match="is subtracted from 'sigma_n"):
+        data = read_lab(write(tmp_path / "r.txt", columns))
+    np.testing.assert_allclose(data.sigma, 5e6)
+
+
+@pytest.mark.parametrize(("pore", "turned"), [(3.0, False), (-3.0, True)])
+def test_the_sign_of_the_pore_pressure_follows_the_stress(tmp_path, pore, turned):
+    """Where tension is positive, both are negative."""
+    columns = without("Normal stress (MPa)")
+    columns |= {"Normal stress (MPa)": -(SIGMA + 3.0), "Pore pressure (MPa)": 0.0 * T + pore}
+    with pytest.warns(RecordWarning, match="sigma is the effective normal stress"):
+        data = read_lab(write(tmp_path / "r.txt", columns))
+    np.testing.assert_allclose(data.sigma, 5e6)
+    assert ("pore_pressure is negative throughout" in data.attrs["notes"]) == turned
+
+
+def test_suction_keeps_its_sign(tmp_path):
+    columns = BASE | {"Pore pressure (MPa)": 0.0 * T - 0.01}
+    with pytest.warns(RecordWarning, match="sigma is the effective normal stress"):
+        data = read_lab(write(tmp_path / "r.txt", columns))
+    np.testing.assert_allclose(data.sigma, 5.01e6)

@@ -283,3 +283,11 @@ def test_every_dropout_is_found_and_nothing_else():
         for first in rng.integers(5, n - 20, 3):
             wanted[first : first + int(rng.integers(1, 12))] = True
         np.testing.assert_array_equal(dropouts(np.where(wanted, 0.0, x), 0.0, n // 2), wanted)
+
+
+def test_zeros_at_the_end_do_not_turn_the_load_point(tmp_path):
+    """More than a twentieth of the rows: its end is below its beginning."""
+    x = np.where(np.arange(N) < N - 40, X + 1.0, 0.0)
+    path = write(tmp_path / "r.txt", T, x, MU)
+    left(path, r"40 rows are left out as a dropout", np.arange(N - 40, N))
+    assert float(told_by(path)[0].segment_V[-1]) == pytest.approx(1e-5, rel=1e-3)

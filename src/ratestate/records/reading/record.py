@@ -25,7 +25,7 @@ from .sizes import (
 )
 from .stress_steps import stress_steps
 from .table import Column, quoted
-from .values import drop_codes, drop_impossible, flip_signs
+from .values import drop_codes, drop_dropouts, drop_impossible, flip_signs
 
 
 def record_of(
@@ -69,6 +69,7 @@ def record_of(
     kept.check_enough()
     for symbol, column in kept.columns.items():
         check_sizes(symbol, kept.record[symbol], column, part.units[symbol])
+    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
     signs, turned = flip_signs(kept.record, lab.signs)
     if constant is not None:
         kept.add_constant("sigma", constant)
@@ -81,7 +82,9 @@ def record_of(
     record = kept.record
     segments = _segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
-    if segments.V.size == 1:
+    time, has_sigma = record["time"], "sigma" in record
+    stress = stress_steps(time, record["sigma"]) if has_sigma and not coarse else []
+    if segments.V.size == 1 and not stress:
         turned.append(message("notes.no_step"))
     messages = kept.warnings + notes + of_files + unusual(record, segments.V)
     messages += disagreements(kept, coarse)
@@ -93,7 +96,7 @@ def record_of(
     }
     data.attrs = {
         "title": "ratestate read_lab",
-        "found": coarse or _history(record, segments),
+        "found": coarse or segments.history(time, record.get("delta_lp"), stress),
         "source": ", ".join(names),
         "columns": json.dumps(sources),
         "notes": json.dumps(messages + turned + segments.notes),
@@ -180,13 +183,6 @@ def _segments(record, gaps):
     if symbol == "delta_lp":
         return segments_from_displacement(t, x)
     return segments_from_velocity(t, x)
-
-
-def _history(record, segments):
-    """What the load point and the normal stress do."""
-    time = record["time"]
-    steps = stress_steps(time, record["sigma"]) if "sigma" in record else ()
-    return segments.history(time, record.get("delta_lp"), steps)
 
 
 def _dataset(record, segments):

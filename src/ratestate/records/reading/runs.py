@@ -85,8 +85,9 @@ class Run:
 def breakpoints(runs):
     """Times [s] at which each run meets the next, and how long they are open [s]: (runs - 1,) each.
 
-    Midway between if they hardly meet.  In a gap in time, at its end if they meet beyond it by no
-    more than noise; else anywhere: the middle of the gap, open for as long as it lasts.
+    Midway between if they hardly meet.  If the displacement jumps there, anywhere between the two
+    rows.  In a gap in time, at its end if they meet beyond it by no more than noise; else anywhere:
+    the middle of the gap, open for as long as it lasts.
     """
     times, spans = [], []
     for one, other in itertools.pairwise(runs):
@@ -95,6 +96,8 @@ def breakpoints(runs):
         meet = middle + (other.at(middle, 0) - one.at(middle, -1)) / change if change else middle
         near = one.t[one.rows[-1][0]] < meet < one.t[other.rows[0][1] - 1]
         span = 0.0
+        if jump_between(one, other):
+            near, span = False, other.start - one.end
         if is_gap(one, other):
             inside = min(max(meet, one.end), other.start)
             near = abs(meet - inside) <= _distance_by_noise(one, other)
@@ -102,6 +105,21 @@ def breakpoints(runs):
         times.append(float(meet if near else middle))
         spans.append(span)
     return np.array(times), np.array(spans)
+
+
+def jump_between(one, other):
+    """Jump [m], of either sign, between runs at two speeds that are next to each other; 0 if none.
+
+    It is the part of the move from row to row that neither speed explains.
+    """
+    samples, row = one.samples, other.first
+    if one.last != row or is_gap(one, other):
+        return 0.0
+    moved, lasts = (float(y[row] - y[row - 1]) for y in (samples.x, samples.t))
+    low, high = sorted((one.V * lasts, other.V * lasts))
+    jump = moved - min(max(moved, low), high)
+    noise = float(samples.noise[row - 1] + samples.noise[row])
+    return jump if abs(jump) > max(JUMP * math.sqrt(noise), abs(high - low)) else 0.0
 
 
 def is_gap(one, other):

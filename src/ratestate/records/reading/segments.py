@@ -8,7 +8,7 @@ import numpy as np
 from ...model.quantities import power_of, prefixed_unit, readable, readable_change
 from .messages import message, refusal
 from .overshoots import without_overshoots
-from .runs import breakpoints, noise_variances
+from .runs import breakpoints, is_gap, noise_variances
 from .splits import RowSums, cut, drop_weak_cuts
 from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
 
@@ -144,8 +144,8 @@ def segments_from_displacement(t, x):
             at, spans, runs, runs[1:], noise, noise[1:], strict=False
         )
     ]
-    for tau, span in zip(at, spans, strict=True):
-        if span:
+    for tau, span, one, other in zip(at, spans, runs, runs[1:], strict=False):
+        if span and is_gap(one, other):
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
             notes.append(message("notes.step_in_gap", **ends))
     # (a row at a break, to rounding, is before it: nothing has changed there)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..sample_noise import sample_noise
 from .messages import message
-from .runs import JUMP, Run, Samples, jump_size, noise_variances, refine_breakpoints
+from .runs import JUMP, Run, Samples, jump_between, jump_size, noise_variances, refine_breakpoints
 from .sampling_noise import SHORTEST
 from .splits import RowSums, cut, drop_weak_cuts
 
@@ -175,6 +175,9 @@ def _oddities(t, x, runs):
             if gap := jump_size(t, x, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(message("notes.jump", gap=gap, t=t[first], lost=lost))
+    for one, other in itertools.pairwise(runs):
+        if gap := jump_between(one, other):
+            notes.append(message("notes.jump_at_step", gap=gap, t=t[other.first]))
     scatter, steps = _scatter_of(runs)
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x), _digit(x)):
         notes.append(message("notes.wanders", scatter=scatter, steps=steps))

@@ -17,6 +17,7 @@ from .header import check_headers, end_of_labview, header_of
 from .messages import refusal
 from .sizes import CLOCK
 from .table import Column, Table, quoted
+from .titles import match_rank
 
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
 LOOK = 200  # lines from which the layout is found
@@ -26,6 +27,7 @@ MOST_ABOVE = 2_000  # lines above the numbers
 BLOCK = 1 << 22  # characters read at once
 NEEDED = 3  # columns of a record: time, displacement and friction
 FEWEST = 10  # whole rows beside short ones
+CLOCK_TIME = "clock time"  # a name of times that ranks below names of seconds
 #: minus signs and blanks that numbers are printed with -> what they mean
 _PRINTED = [
     (re.compile(r"(?:[\u2212\ufe63\uff0d]|(?<![^\s;,])\u2013)(?=[\d.,])"), "-"),
@@ -70,6 +72,8 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         column = values[j]
         if j in clocks:
             column, unit, other = continuous(column, clocks[j]), "s", ""
+            # a column of seconds beside it is finer, or as fine
+            name = CLOCK_TIME if match_rank(name, "time") is not None else name
         columns.append(Column(titles[j], name, unit, column, other))
     return Table(columns, "line", odd, numbers)
 

@@ -24,6 +24,8 @@ _WEIGHT = re.compile(rf"\b(?:{'|'.join(WEIGHTS)})(?=/(?:mm|cm|m|in|inch|ft)(?:\^
 _WORDS = {word: unit for unit, of in TABLE["units"]["words"].items() for word in of.split()}
 _OPEN, _CLOSE = r"\[({<\uff08\uff3b\u3010", r"\])}>\uff09\uff3d\u3011"  # also in full width
 _BRACKET = re.compile(rf"[{_OPEN}]\s*([^{_OPEN}{_CLOSE}]*)[{_CLOSE}]")
+#: a prime at a symbol of normal stress, the mark of an effective stress: "sigma_n'"
+_PRIME = re.compile(r"(?i)(?<![^\W_])((?:\u03c3|sigma|s)[ _]?n?)['\u2019\u2032]")
 #: name, what parts it from the unit, unit: "disp_um" before "t/s", for "speed um/s" is the former
 _AFTER = [re.compile(rf"(.*[^\W_].*?){gap}([^\s_,;:]+)") for gap in (r"[\s_,;:]+", r"\s*/\s*")]
 
@@ -47,7 +49,8 @@ for _symbol, _of in TABLE["quantities"].items():
 
 def split(title):
     """(name, unit) of a title such as "time [s]", "Stress, MPa" or "disp_um"; "" for no unit."""
-    title = " ".join(title.split()).strip("'\"")
+    title = " ".join(title.split()).strip('"')
+    title = title.strip("'") if title.startswith("'") else title
     if matches := [*_BRACKET.finditer(title)]:
         of_unit = next((one for one in matches if is_unit(one[1])), matches[-1])
         name = f"{title[: of_unit.start()].rstrip(' _,:')} {title[of_unit.end() :].strip()}"
@@ -119,7 +122,7 @@ def letters(name):
 
 def spaced(name):
     """A name in small letters, with a blank between words: "LPDisp_um" is "lp disp um"."""
-    name = name.translate(str.maketrans(TABLE["letters"]))
+    name = _PRIME.sub(r"\1 eff ", name).translate(str.maketrans(TABLE["letters"]))
     name = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name)
     return re.sub(r"[\W_]+", " ", _plain_letters(name)).strip()
 

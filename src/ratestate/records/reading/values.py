@@ -55,14 +55,19 @@ def drop_impossible(rows):
     high = USUAL["friction"][1]
     bad = np.abs(rows.record["friction"]) > high
     _drop(rows, "friction", bad, f"with friction that no rock has (more than {high:g})")
-    for symbol in [s for s in ("friction", "tau", "delta_lp", "V_load") if s in rows.record]:
+    drop_dropouts(rows, "friction", "tau")
+    return notes
+
+
+def drop_dropouts(rows, *symbols):
+    """Leave out rows that are `dropouts` of any of these symbols."""
+    for symbol in [s for s in symbols if s in rows.record]:
         values = rows.record[symbol]
         stress = symbol in ("friction", "tau")
         least = LEAST * float(np.median(np.abs(values))) if stress else 0.0
         # the speed is off for longer in every hold
         bad = dropouts(values, least, 1 if symbol == "V_load" else values.size // 2)
         _drop(rows, symbol, bad, "as a dropout, far off from the rows before and after")
-    return notes
 
 
 def _drop(rows, symbol, bad, why):
@@ -132,15 +137,20 @@ def _jumps(values, least):
 def flip_signs(record, signs):
     """Turn what is negative throughout, and a load point that moves down: symbols, notes (lists).
 
-    Negative: friction, tau or sigma with a 90 % quantile below 0.  Down: the median of the last
-    twentieth of delta_lp is below that of the first or, without delta_lp, that of V_load below 0.
+    Friction, tau or sigma is negative if its 90 % quantile is below 0.  The pore pressure is turned
+    too if both its quantile and the quantile of sigma are below 0.  The load point moves down if
+    the median of delta_lp in the last twentieth is below the median in the first twentieth or,
+    without delta_lp, if the median of V_load is below 0.
 
     record : symbol -> array, with delta_lp or V_load; entries are replaced, arrays left as they are
     signs : symbol -> 1 or -1, for those that are known
     """
     notes = {s: f"the sign of {s} is turned, as the format says" for s in signs if signs[s] < 0}
-    for symbol in ("friction", "tau", "sigma"):
-        if symbol in record and symbol not in signs and np.quantile(record[symbol], 0.9) < 0.0:
+    for symbol in ("friction", "tau", "sigma", "pore_pressure"):
+        # a pore pressure may be a little below 0; its sign follows the sign of sigma
+        follows = symbol != "pore_pressure" or "sigma" in notes
+        known = symbol in signs or symbol not in record
+        if follows and not known and np.quantile(record[symbol], 0.9) < 0.0:
             notes[symbol] = f"{symbol} is negative throughout; its sign is turned"
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     x = record[symbol]
