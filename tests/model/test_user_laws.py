@@ -356,7 +356,7 @@ def test_files_and_folders_that_are_no_laws(tmp_path):
         with pytest.raises(rs.ParameterError, match="cannot be read"):
             rs.register(path)
     for value in (None, 3, dict):
-        with pytest.raises(rs.ParameterError, match=r"no class that derives from"):
+        with pytest.raises(rs.ParameterError, match=r"must be a class that derives from"):
             rs.register(value)
 
 
@@ -383,7 +383,7 @@ def test_a_law_of_one_length_has_its_series(law_file):
     ("path", "why"),
     [
         ("none.py", "No such file or directory"),
-        ("/dev/zero", "it is no file"),
+        ("/dev/zero", "it is not a file"),
         ("a\0b", "embedded null"),
     ],
 )

@@ -31,6 +31,7 @@ from numba.core.compiler import CompileResult
 from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 
+from ..friction.user_law import check_unchanged
 from .vectorisation import products
 
 CHECKSUM = hashlib.sha256().digest_size
@@ -72,10 +73,13 @@ class KernelCache(_Cache):
     def load_overload(self, sig, target_context):
         """The code for these types of arguments; None if it must be compiled.
 
+        ParameterError if it is of a user's law that has changed since: code is kept by its name.
         A file that is damaged, or another user may have written, is reported on stderr; one that
         cannot be read is passed over.
         """
         target_context.refresh()
+        if law := _law_of(sig):
+            check_unchanged(law)
         if not self._enabled:
             return None
         file = self._file(sig, target_context.codegen())
@@ -149,13 +153,18 @@ class KernelCache(_Cache):
                 path.unlink(missing_ok=True)
 
 
+def _law_of(sig):
+    """The law among the types of a kernel's arguments, or None."""
+    return next((one.law for one in sig if hasattr(one, "law")), None)
+
+
 def _law_name(sig):
-    """The name of the law among the types of a kernel's arguments; "" where it takes none."""
-    return next((one.law.name for one in sig if hasattr(one, "law")), "")
+    law = _law_of(sig)
+    return law.name if law else ""
 
 
 def _machine(codegen):
-    """What of a file's name tells for which programs, and which kind of processor, it is."""
+    """The part of a file's name that stands for the programs and the kind of processor."""
     return _short_hash((PROGRAMS, codegen.magic_tuple()))
 
 

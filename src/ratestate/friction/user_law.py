@@ -17,7 +17,7 @@ from ..errors import ParameterError
 from .law import FrictionLaw
 from .law_content import LAW_FILE, content_of
 
-#: between a law's own name and the hash of its source
+#: between a law's own name and the hash of its content
 MARK = "@"
 #: what a user's code may raise, but for an interrupt
 RAISED = (Exception, SystemExit)
@@ -28,7 +28,7 @@ def law_of_file(path):
     """The class of laws in a Python file, which is run; ParameterError unless there is just one."""
     try:
         if Path(path).exists() and not Path(path).is_file():  # a folder, or a device without end
-            raise OSError(0, "it is no file")
+            raise OSError(0, "it is not a file")
         text = Path(path).read_text("utf-8")
     except (OSError, ValueError) as error:  # (another encoding, or a null character in the path)
         reason = getattr(error, "strerror", None) or error
@@ -73,12 +73,12 @@ def reason_of(error):
 
 
 def named_law(kind):
-    """An instance of a class of laws, under its name with the hash of its source.
+    """An instance of a class of laws, under its name with the hash of its content.
 
-    ParameterError where it is no such class, or its name is none.
+    ParameterError if it is not such a class, or its name is not a valid one.
     """
     if not _is_law(kind):
-        raise ParameterError(f"{kind!r} is no class that derives from ratestate.FrictionLaw")
+        raise ParameterError(f"{kind!r} must be a class that derives from ratestate.FrictionLaw")
     name = getattr(kind, "name", None)
     if not (isinstance(name, str) and NAME.fullmatch(name)):
         raise ParameterError(
@@ -86,10 +86,23 @@ def named_law(kind):
             f"as name = 'mine'"
         )
     law = kind()
-    law.name = f"{name}{MARK}{_hash(content_of(kind))}"
+    law.name = _full_name(kind)
     if not isinstance(getattr(kind, "label", None), str):
         law.label = f"{name} law"
     return law
+
+
+def check_unchanged(law):
+    """ParameterError for a user's law if what it refers to has changed since it was registered."""
+    if MARK in law.name and law.name != _full_name(type(law)):
+        raise ParameterError(
+            f"law {law.name} has changed since it was registered: something that it refers to has "
+            f"another value; register it again and use the name that register returns"
+        )
+
+
+def _full_name(kind):
+    return f"{kind.name}{MARK}{_hash(content_of(kind))}"
 
 
 def _is_law(value):

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...engine.noise import whiten
-from ...model.units import one_in_si, to_si
+from ...model.units import one_in_si
 from .refusals import refusal
 
 
@@ -85,4 +85,5 @@ def given_noise(noise):
     )
     if not white + red > 0.0:
         raise refusal("noise.zero")
-    return Noise(white, red, to_si("t", noise.get("time", 1.0), label="noise time", bound="> 0"))
+    time = one_in_si("t", noise.get("time", 1.0), label="noise time", bound="> 0")
+    return Noise(white, red, time)

@@ -8,7 +8,7 @@ from scipy.ndimage import uniform_filter1d
 
 from ...dynamics.results import parameter
 from ...model.conversion import in_si
-from ...model.units import is_array, to_si
+from ...model.units import one_in_si
 from ..reading.segments import segments_from_displacement, segments_from_velocity, stored_segments
 from ..reading.sizes import constant_in_si, typical_stress
 from .noise import rounding
@@ -180,12 +180,7 @@ def _recorded_load(data, t):
 
 
 def _scalar(symbol, value):
-    """A value in SI, or None; ParameterError for several."""
-    if value is None:
-        return None
-    if is_array(value) or (hasattr(value, "__len__") and not isinstance(value, str)):
-        raise refusal("data.array", symbol=symbol)
-    return float(to_si(symbol, value))
+    return None if value is None else one_in_si(symbol, value)
 
 
 def _column(data, name):

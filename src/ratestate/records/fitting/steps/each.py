@@ -11,6 +11,7 @@ from ..diagnostics.misfit import is_misfit
 from ..likelihood.uncertainty import inflation_of
 from ..one_record import datasets_of, inferences_of, single_blas
 from ..refusals import refusal, sentence
+from ..score import responds
 from .fitted import Fitted, Separate, Task, shared_coordinates
 from .stick_slip import stick_slip_about, stick_slip_slides
 from .windows import windows_of
@@ -158,6 +159,7 @@ def _separate(task):
             inflation_of(inference, shared_coordinates(one.unknowns, settings)),
             one.converged,
             is_misfit(inference),
+            responds(one),
         )
         for (law, result), inference in zip(results.items(), inferences, strict=True)
         for one in [inference.solution]

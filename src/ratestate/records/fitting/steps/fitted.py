@@ -46,6 +46,7 @@ class Separate(NamedTuple):
     inflation: Inflation  # of the coordinates that steps share
     converged: bool  # whether the search has
     is_misfit: bool  # whether the residuals are more than noise
+    responds: bool  # whether friction does, beyond noise
 
     @property
     def at_bound(self):
@@ -74,11 +75,13 @@ class Fitted(NamedTuple):
     def usable(self, law):
         """The `Separate` of a law if all steps may be judged by it, or None.
 
-        Not if its search has not converged, a parameter is at its bound, or normal stress varies.
+        Not if its search has not converged, friction does not respond, a parameter is at its bound,
+        or normal stress varies.
         """
         separate = self.of(law)
-        good = separate and separate.converged and not separate.at_bound and not self.is_spoilt
-        return separate if good else None
+        if not separate or not (separate.converged and separate.responds):
+            return None
+        return None if separate.at_bound or self.is_spoilt else separate
 
     def remarks(self, law):
         """Sentences (list) on why all steps leave out one that is fitted under a law."""
