@@ -229,6 +229,29 @@ def test_a_peak_between_two_samples_is_not_resolved():
     assert statuses(rs.healing(coarse))[0] == "peak_not_resolved"
 
 
+@pytest.mark.parametrize(
+    ("change", "hold", "noise", "low", "high"),
+    [
+        # the largest window is off by 1.4 errors from noise alone
+        ({"a": 0.007, "b": 0.008, "K": "15 GPa/m"}, 10.0, 7e-5, 0.75, 1.0),
+        # the largest window is off by 0.2 errors
+        ({"a": 0.007, "b": 0.008, "K": "15 GPa/m"}, 10.0, 3e-4, 0.55, 0.65),
+        # the smallest window is off by 2.7 errors, and no other passes
+        ({"K": "30 GPa/m"}, 100.0, 2.4e-4, 1.6, 2.3),
+        # the smallest window is off by 0.9 errors, which its samples do not show
+        ({"K": "30 GPa/m"}, 100.0, 7e-4, 0.65, 0.75),
+    ],
+)
+def test_the_error_of_a_peak_includes_the_misfit(change, hold, noise, low, high):
+    """Without noise in the samples; low and high bound the error divided by the noise assumed."""
+    slider = SLIDER.replace(Dc="5 um", **change)
+    result = rs.healing(clean(slider, (hold,)), noise=noise)
+    error = float(result.friction_peak_error[0])
+    assert low < error / noise < high
+    off = float(result.friction_peak[0]) - slider.mu0 - truth(slider, (hold,))[0, 0]
+    assert abs(off) < error
+
+
 def test_friction_of_the_interface():
     data = noisy(12, holds=(10.0,)).rename(friction="mu")
     result = rs.healing(data, SLIDER)

@@ -1,12 +1,13 @@
 """Healing and relaxation of one hold, with standard errors."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from ..regression import generalized_least_squares
 from ..sample_noise import OF_STEP, resolution
-from .peak import maximum_of, peak_window
+from .peak import FEW, maximum_of, peak_window
 from .polynomial_windows import GROWTH, fewest_samples, largest_straight, window_of
 from .slide_noise import FEWEST
 from .sliding import Level
@@ -128,7 +129,7 @@ def _peak(record, hold, noise, low):
 
     low : friction at the end of the hold
     """
-    window, own = peak_window(record, hold.after, noise)
+    window, smaller, own = peak_window(record, hold.after, noise)
     fit = _fit(record, window, record.t, own)
     at = maximum_of(window, fit.coefficients)
     if at is None:
@@ -136,14 +137,31 @@ def _peak(record, hold, noise, low):
     if np.count_nonzero(record.t[hold.after] > window.high) < FEWEST:
         return ENDS, np.nan, None
     peak, error = _maximum(window, at, fit)
-    if own.level > noise.level and error > COARSE * (peak - low):
+    if own.level > FEW * noise.level and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
     late = hold.after[-FEWEST:]
     change = np.interp(at, record.t, record.level - record.friction)
     height = peak + change - record.level[late].mean()
     if height < RESOLVED * np.hypot(error, np.hypot(noise.white * FEWEST**-0.5, noise.red)):
         return NO_PEAK, np.nan, None
+    if smaller is not None:
+        error = math.hypot(error, _misfit(record, smaller, own, peak, error))
     return EVALUATED, at, (peak, error)
+
+
+def _misfit(record, smaller, noise, peak, error):
+    """By how much the polynomial of a peak may be off: the peak's change in the smaller window.
+
+    A window grows until the misfit is significant.  Just before, it may exceed the standard error.
+    The larger window has the samples of the smaller one, so noise changes the peak by the
+    difference of their variances, which is subtracted.
+    """
+    fit = _fit(record, smaller, record.t, noise)
+    at = maximum_of(smaller, fit.coefficients)
+    if at is None:
+        return 0.0
+    other, larger_error = _maximum(smaller, at, fit)
+    return math.sqrt(max((other - peak) ** 2 - (larger_error**2 - error**2), 0.0))
 
 
 def _maximum(window, at, fit):

@@ -21,6 +21,8 @@ from .polynomial_windows import (
 
 #: orders: of the polynomial that is tested, and of the one that is used; orders of a test
 TESTED, USED, ORDERS = 3, 5, 2
+#: noise about a peak, as a multiple of the record's, if samples are too few for all its orders
+FEW = math.sqrt(CERTAIN / ORDERS)
 #: successive windows that must fail: noise about the largest sample may be odd in one
 FAILED = 2
 #: a peak is within this part of its window about the middle
@@ -30,12 +32,13 @@ POINTS = 801
 
 
 def peak_window(record, slide, noise):
-    """The `Window` about the peak of a slide (rows), and the noise about a polynomial there.
+    """The `Window` about the peak of a slide (rows), the next smaller one, and the noise in them.
 
-    The noise is larger than that of the record if even the smallest windows need higher orders.
+    If no smaller window passes the test, it is None, and the noise is at least the misfit.
     """
     t, friction = record.t, record.friction
-    best, width, failed = None, float(fewest_samples(USED)), 0
+    best = smaller = None
+    width, failed = float(fewest_samples(USED)), 0
     while width <= slide.size and failed < FAILED:
         rows = _about_maximum(record.level, slide, int(width))
         width *= GROWTH
@@ -44,12 +47,13 @@ def peak_window(record, slide, noise):
         if curvature(t, t, friction, rows, order, noise) > least:
             failed += 1
         else:
-            best, failed = rows, 0
+            smaller, best, failed = best, rows, 0
     if best is None:
         best = _about_maximum(record.level, slide, fewest_samples(USED))
-        excess = curvature(t, t, friction, best, USED, noise)
-        noise = _enlarged(noise, math.sqrt(excess / ORDERS))
-    return window_of(t, best, USED), noise
+    if smaller is not None:
+        return window_of(t, best, USED), window_of(t, smaller, USED), noise
+    excess = curvature(t, t, friction, best, USED, noise)
+    return window_of(t, best, USED), None, _enlarged(noise, max(math.sqrt(excess / ORDERS), 1.0))
 
 
 def _enlarged(noise, factor):
