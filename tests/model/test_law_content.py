@@ -8,6 +8,7 @@ from user_laws import PLAIN
 
 import ratestate as rs
 from ratestate.friction.law_content import content_of
+from ratestate.friction.user_law import is_unchanged
 
 #: what a law refers to -> an import, the factor of its rates, and two modules with a value
 MADE_OF = {
@@ -68,13 +69,16 @@ def test_attributes_of_one_name_with_a_global_do_not_count():
     assert content(1.0) == content(2.0) == content(sys.stdout)
 
 
-def test_a_law_that_has_changed_since_it_was_registered_is_not_compiled(monkeypatch):
-    """Its kernel would be kept under the name of the law as it was."""
+@pytest.mark.parametrize("part", [{}, {"damping": 1e4}, {"friction": "regularized"}])
+def test_kernels_of_a_law_that_has_changed_since_it_was_registered_are_not_kept(part, monkeypatch):
+    """They would be kept under the name of the law as it was."""
     home = types.ModuleType("home")
     home.__file__ = "home.py"
     monkeypatch.setitem(sys.modules, "home", home)
     exec("G = 1.0" + PLAIN.replace("(-w *", "(-G * w *").replace("- w,", "- G * w,"), vars(home))
-    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=home.Plain)
+    common = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
+    law = rs.SpringSlider(**common, law=home.Plain, **part).friction_law
+    assert is_unchanged(law)
     home.G = 2.0
-    with pytest.raises(rs.ParameterError, match=r"has changed since it was registered: .*again"):
-        rs.simulate(slider, rs.Loading.constant(1e-3), 1e-4, V_start=1e-4)
+    assert not is_unchanged(law)
+    assert is_unchanged(rs.SpringSlider(**common, law="aging", **part).friction_law)

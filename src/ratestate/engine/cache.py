@@ -31,7 +31,7 @@ from numba.core.compiler import CompileResult
 from numba.core.registry import cpu_target
 from numba.core.serialize import dumps
 
-from ..friction.user_law import check_unchanged
+from ..friction.user_law import is_unchanged
 from .vectorisation import products
 
 CHECKSUM = hashlib.sha256().digest_size
@@ -73,13 +73,10 @@ class KernelCache(_Cache):
     def load_overload(self, sig, target_context):
         """The code for these types of arguments; None if it must be compiled.
 
-        ParameterError if it is of a user's law that has changed since: code is kept by its name.
         A file that is damaged, or another user may have written, is reported on stderr; one that
         cannot be read is passed over.
         """
         target_context.refresh()
-        if law := _law_of(sig):
-            check_unchanged(law)
         if not self._enabled:
             return None
         file = self._file(sig, target_context.codegen())
@@ -98,9 +95,14 @@ class KernelCache(_Cache):
         return None
 
     def save_overload(self, sig, data):
-        """Keep compiled code in the first folder that takes it; tell on stderr which do not."""
+        """Keep compiled code in the first folder that takes it; tell on stderr which do not.
+
+        Code of a law that has changed since it was registered is not kept: its name says otherwise.
+        """
         counted = self.products[_law_name(sig)] = products(data.library)
         if not self._enabled or data.library.has_dynamic_globals:  # (addresses of this process)
+            return
+        if (law := _law_of(sig)) and not is_unchanged(law):
             return
         code = dumps((counted, data._reduce()))
         content = hashlib.sha256(code).digest() + code

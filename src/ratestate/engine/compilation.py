@@ -16,7 +16,7 @@ from typing import Any
 
 from numba.core import targetconfig
 
-from ..errors import CompilationError, ParameterError, RunWarning
+from ..errors import CompilationError, RunWarning
 from ..friction.law import FrictionLaw
 from ..friction.user_law import MARK
 from .cache import report
@@ -31,7 +31,6 @@ _elsewhere: dict = {}  # (kernel, law) -> the process that compiles it
 def call(kernel, *arguments):
     """What a kernel returns; an exception becomes a `CompilationError`: compiled code has none.
 
-    ParameterError if it is to be compiled for a user's law that has changed since registration.
     `RunWarning`, once, for a user's law for which the loops over lanes are compiled but not
     vectorised.
     """
@@ -40,8 +39,6 @@ def call(kernel, *arguments):
     try:
         with contextlib.nullcontext() if known else _quick_compilation():
             result = kernel(*arguments)
-    except ParameterError:  # of a user's law that has changed
-        raise
     except Exception as error:  # none of a case's: compiled code has but status codes
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
         if law is not None and MARK in law.name:

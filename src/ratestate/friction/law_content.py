@@ -121,14 +121,8 @@ class _Reader:
         read = set()
         for code in _codes(function.__code__):
             self._names.update(code.co_names)
-            for one in dis.get_instructions(code):
-                if one.opname in ("LOAD_GLOBAL", "LOAD_NAME"):
-                    read.add(one.argval)
-                if one.opname == "IMPORT_NAME":
-                    raise ParameterError(
-                        f"{name} of the law imports {one.argval} when it runs. "
-                        f"Import it at the top of the file."
-                    )
+            loads = dis.get_instructions(code)
+            read |= {one.argval for one in loads if one.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
             if home.startswith(LAW_FILE):
                 yield home
                 continue

@@ -92,13 +92,14 @@ def named_law(kind):
     return law
 
 
-def check_unchanged(law):
-    """ParameterError for a user's law if what it refers to has changed since it was registered."""
-    if MARK in law.name and law.name != _full_name(type(law)):
-        raise ParameterError(
-            f"law {law.name} has changed since it was registered: something that it refers to has "
-            f"another value; register it again and use the name that register returns"
-        )
+def is_unchanged(law):
+    """Whether all that a law refers to is as it was when the law was registered."""
+    while hasattr(law, "inner"):  # it is composed of another law and damping, say
+        law = law.inner
+    try:
+        return MARK not in law.name or law.name == _full_name(type(law))
+    except ParameterError:  # of what cannot be recorded
+        return False
 
 
 def _full_name(kind):

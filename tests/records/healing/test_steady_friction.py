@@ -144,7 +144,7 @@ def test_a_record_without_noise_has_the_errors_of_its_digits(digits, step):
     assert exact[0, 0] == pytest.approx(0.0204361, abs=1e-6)
     for name, known in (("delta_mu", exact[:, 0]), ("delta_mu_c", exact[:, 1])):
         error = result[f"{name}_error"]
-        assert (error >= step * 12**-0.5 * 0.999).all()
+        assert (error >= step * 6**-0.5 * 0.999).all()
         assert (error < max(10.0 * step, 1e-6)).all()
         assert (np.abs(result[name] - known) < 5.0 * error + 1e-7).all()
 

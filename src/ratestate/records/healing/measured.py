@@ -35,14 +35,9 @@ STATUSES = (
 (EVALUATED, NO_SLIDE, UNSTEADY, SHORT, ENDS, NO_PEAK, UNRESOLVED) = range(len(STATUSES))
 
 #: what is measured of a hold; each has a standard error
-NAMES = (
-    "friction_before",
-    "friction_min",
-    "friction_peak",
-    "friction_after",
-    "delta_mu",
-    "delta_mu_c",
-)
+FRICTIONS = ("friction_before", "friction_min", "friction_peak", "friction_after")
+DIFFERENCES = ("delta_mu", "delta_mu_c")
+NAMES = (*FRICTIONS, *DIFFERENCES)
 
 
 class Measured(NamedTuple):
@@ -58,7 +53,8 @@ class Measured(NamedTuple):
 def measure(record, hold, noise, levels):
     """`Measured` of a `Hold` of a `HealingRecord` with this noise, and `levels_of` it.
 
-    No standard error is less than that of rounding to the digits of friction.  The mean of samples
+    No standard error is less than that of rounding to the digits of friction; a difference is of
+    two rounded values.  The mean of samples
     has less of it, if noise is larger than the last digit (Widrow, Kollar & Liu 1996
     doi:10.1109/19.492748).
     """
@@ -66,7 +62,10 @@ def measure(record, hold, noise, levels):
     step = resolution(record.friction)
     other = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
     least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * other / step**2) if step else 0.0
-    found = {name: (value, max(error, least)) for name, (value, error) in one.found.items()}
+    found = {}
+    for name, (value, error) in one.found.items():
+        values = 2 if name in DIFFERENCES else 1
+        found[name] = value, max(error, math.sqrt(values) * least)
     return one._replace(found=found)
 
 

@@ -13,8 +13,9 @@ from .slide_noise import FEWEST
 
 #: what has a rate per decade -> that rate
 RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}
-#: errors of the level before a hold beyond which its drift up to the peak is mentioned
-DRIFT = 3.0
+#: errors of the level before a hold, and part of healing, beyond which its drift up to the peak is
+#: mentioned
+DRIFT, OF_HEALING = 3.0, 0.001
 #: errors of the peak beyond which it is mentioned that a slide does not give its level by itself
 TRANSIENT = 2.0
 
@@ -102,7 +103,7 @@ def _remarks(hold, measured):
         remarks.append(message("evaluated.other_speed", **speeds))
     level, error = before.at(before.end)
     drift = before.at(measured.along)[0] - level
-    if abs(drift) > DRIFT * error:
+    if abs(drift) > max(DRIFT * error, OF_HEALING * abs(measured.found["delta_mu"][0])):
         remarks.append(message("evaluated.drift", drift=drift, error=error))
     if before.own_error > TRANSIENT * measured.found["friction_peak"][1]:
         remarks.append(message("evaluated.transient"))
