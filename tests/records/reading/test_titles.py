@@ -278,6 +278,11 @@ def test_titles_of_an_effective_stress(tmp_path, title):
     np.testing.assert_allclose(data.friction, MU)
 
 
+@pytest.mark.parametrize("title", ["Kinetic normal stress", "Normal stress (magnetic cell)"])
+def test_net_within_a_word_is_not_effective(title):
+    assert match_rank("Normal stress, net", "sigma") == 0 < match_rank(title, "sigma")
+
+
 def test_without_a_prime_the_pore_pressure_is_subtracted(tmp_path):
     columns = without("Normal stress (MPa)") | {
         "sigma_n (MPa)": SIGMA + 3,

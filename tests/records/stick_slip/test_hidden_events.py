@@ -153,6 +153,19 @@ def test_small_falls_in_the_loading_are_told(size, found):
     assert count == (4 if found else 0)
 
 
+def test_outliers_are_not_hidden_events():
+    """One in the loading, and one in a fall."""
+    rng, part = np.random.default_rng(0), np.linspace(0.0, 1.0, 100)
+    one = DROP * np.concatenate([np.linspace(0.0, 1.0, 400), 0.5 + 0.5 * np.cos(np.pi * part)])
+    tau = np.tile(one, 8) + 0.003 * DROP * rng.normal(size=4000)
+    tau[[1700, 2475]] += 0.4 * DROP
+    t = 0.01 * np.arange(4000)
+    record = xarray.Dataset({"tau": ("time", tau), "delta_lp": ("time", 1e-5 * t)}, {"time": t})
+    events = rs.events(record)
+    assert SEVERAL not in events.event_status
+    assert not any("may span two events" in text for text in messages(events))
+
+
 def test_a_smooth_loading_has_no_step():
     rng, t = np.random.default_rng(0), np.arange(300.0)
     y = 1e5 * np.tanh(t / 150.0)

@@ -74,7 +74,10 @@ def catalogue_of(series):
     if series.K is None:
         stiffness = loading_stiffness(series, rises, falls, noise)
     found = _found(series, rough, gaps, noise)
-    status = np.where(gaps, GAP, _status(series, rough, found, noise))
+    clean = series
+    if series.V is None:  # (an outlier is not a hidden event)
+        clean = series._replace(tau=without_outliers(series.tau, noise.sd))
+    status = np.where(gaps, GAP, _status(clean, rough, found, noise))
     values = with_several(measured_events(series, found, stiffness), status == SEVERAL)
     unresolved = values["duration"][0] < _longest_steps(series, rough)
     values["duration"] = tuple(np.where(unresolved, math.nan, x) for x in values["duration"])
@@ -84,7 +87,7 @@ def catalogue_of(series):
     usual = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
     reports = {
         "few": drop < SAFE * threshold,
-        "lost": _lost(series, rough, noise),
+        "lost": _lost(clean, rough, noise),
         "short": unresolved,
         "large": found.sparse & (drop > LARGE * usual) & (status != SEVERAL),
     }

@@ -15,8 +15,6 @@ import numpy as np
 CHANGES = 0.02
 #: peak slip rate over the inertial limit, or over V_lp, from which an event is fast
 INERTIAL, FAST = 0.5, 100.0
-#: quantities that are energies
-ENERGIES = ("spring_energy", "friction_work")
 #: status of an event -> what it means; the first that holds counts
 STATUSES = {
     0: "whole",
