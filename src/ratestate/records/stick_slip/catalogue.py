@@ -85,7 +85,9 @@ def catalogue_of(series):
     kind = kinds(values, stiffness.K, series.M)
     drop, V_lp = values["stress_drop"][0], values["V_lp"][0]
     usual = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
+    bounded = found.sparse & np.isfinite(drop) & np.isin(status, (UNDERSAMPLED, SEVERAL))
     reports = {
+        "sparse": bounded,
         "few": drop < SAFE * threshold,
         "lost": _lost(clean, rough, noise),
         "short": unresolved,
@@ -264,8 +266,6 @@ def _messages(status, why, drop, stiffness, reports):
             texts.append(sentence(f"message.{names[code]}"))
         elif not math.isfinite(drop[k]):
             texts.append(sentence("message.unmeasured"))
-        elif code == UNDERSAMPLED:
-            texts.append(sentence("message.sparse"))
         texts += [sentence(f"message.{name}") for name, holds in reports.items() if holds[k]]
         if why[k] and code not in (CUT_BY_START, CUT_BY_END):
             texts.append(sentence(f"message.{why[k]}"))
