@@ -60,7 +60,7 @@ nb_execution_in_temp = True  # pages write files
 nb_execution_cache_path = str(BUILD / "notebooks" / _digest)
 get_cache(nb_execution_cache_path).list_cache_records()  # made here, not by two processes at once
 nb_execution_raise_on_error = True
-nb_execution_timeout = 120
+nb_execution_timeout = 300
 nb_merge_streams = True
 nb_render_markdown_format = "gfm"
 nb_mime_priority_overrides = [("html", "image/svg+xml", 0)]
