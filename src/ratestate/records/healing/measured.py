@@ -54,9 +54,8 @@ def measure(record, hold, noise, levels):
     """`Measured` of a `Hold` of a `HealingRecord` with this noise, and `levels_of` it.
 
     No standard error is less than that of rounding to the digits of friction; a difference is of
-    two rounded values.  The mean of samples
-    has less of it, if noise is larger than the last digit (Widrow, Kollar & Liu 1996
-    doi:10.1109/19.492748).
+    two rounded values.  The mean of samples has less of it, if noise is larger than the last digit
+    (Widrow, Kollar & Liu 1996 doi:10.1109/19.492748).
     """
     one = _measure(record, hold, noise, levels)
     step = resolution(record.friction)
