@@ -176,6 +176,17 @@ def test_another_speed_of_reloading_is_mentioned():
     assert abs(change - step) < 3.5 * float(both[0])
 
 
+def test_normal_stress_that_varies_is_mentioned():
+    data = noisy(1)
+    t = data.time.values
+    noise = 1.0 + 1e-3 * np.random.default_rng(1).normal(size=t.size)
+    drift = 0.02 * np.interp(t, [130.0, 250.0], [0.0, 1.0])  # from the slide before the last hold
+    for change, numbers in ((0.0 * t, []), (drift, [3])):
+        result = rs.healing(data.assign(sigma=("time", 1e7 * (1.0 + change) * noise)))
+        found = ["normal stress varies by" in text for text in result.hold_message.values]
+        assert np.flatnonzero(found).tolist() == numbers
+
+
 def test_a_record_that_ends_too_soon():
     data = noisy(6)
     last = float(data.time[-1]) - SLIDE + 1.0

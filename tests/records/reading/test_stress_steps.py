@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import xarray
+from synthetic_records import power_law
 
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.stress_steps import stress_range, stress_steps
+from ratestate.records.reading.stress_steps import VARIABLE, stress_range, stress_steps
 
 T = np.arange(1200) * 0.5
 NOISE = 5e3 * np.random.default_rng(3).normal(size=T.size)
@@ -42,12 +44,41 @@ def test_a_level_lasts_twice_as_long_as_the_change():
         assert len(stress_steps(T[T < 600.0], (sigma + NOISE)[T < 600.0])) == count
 
 
+def range_of(sigma):
+    return stress_range(xarray.Dataset({"sigma": ("time", sigma)}, {"time": T[: sigma.size]}))
+
+
 def test_the_range_of_normal_stress_is_without_its_noise():
-    assert stress_range(T, 8e6 + 20.0 * NOISE) < 0.02
-    assert stress_range(T, 8e6 + NOISE) == 0.0
+    assert range_of(8e6 + 20.0 * NOISE) == range_of(8e6 + NOISE) == range_of(8e6 + 0.0 * T) == 0.0
     bump = 0.05 * np.interp(T, [300.0, 310.0, 320.0], [0.0, 1.0, 0.0])
-    assert stress_range(T, 8e6 * (1.0 + bump) + NOISE) == pytest.approx(0.05, rel=0.05)
-    assert stress_range(T, np.where(T > 200.0, np.nan, 8e6)) == 0.0
+    assert range_of(8e6 * (1.0 + bump) + NOISE) == pytest.approx(0.05, rel=0.1)
+    assert range_of(np.where(T > 200.0, -8e6, 8e6)) == 0.0
+    assert stress_range(xarray.Dataset({"sigma": 8e6})) == 0.0
+    assert stress_range(xarray.Dataset()) == 0.0
+
+
+SHAPES = {
+    "none": lambda t: 0.0 * t,
+    "drift": lambda t: t / 600.0,
+    "servo": lambda t: np.where(t > 301.0, 1.0 - np.exp(-(t - 301.0) / 1.5), 0.0),
+    "returns": lambda t: np.where(t > 301.0, np.exp(-(t - 301.0) / 12.0), 0.0),
+    "sinusoid": lambda t: 0.5 * np.sin(2.0 * np.pi * t / 40.0),
+    "half a period": lambda t: np.sin(np.pi * t / 600.0),
+}
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("exponent", [0.0, 1.0])
+def test_normal_stress_varies_by_two_per_cent_or_by_noise(shape, exponent):
+    """Noise of 0.2 %, white or 1/f, in which no more than 5 % of constant records seem to vary."""
+    found = []
+    for seed in range(40):
+        noise = power_law(T.size, exponent, np.random.default_rng(seed))
+        found.append(range_of(8e6 * (1.0 + 0.02 * SHAPES[shape](T) + 2e-3 * noise)))
+    varies = np.mean(np.array(found) > VARIABLE)
+    assert varies <= 0.05 if shape == "none" else varies >= 0.95
+    if shape != "none":
+        assert 0.012 < np.median(found) < 0.027
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,10 @@
 """Normal stress in a record: whether it varies, and its history as few straight lines."""
 
 import numpy as np
+from scipy.interpolate import make_lsq_spline
 
 from ...model.loading.normal_stress import NormalStress
-from ..reading.stress_steps import varies
+from ..reading.stress_steps import VARIABLE, stress_range
 from ..sample_noise import sample_noise
 from .refusals import refusal
 
@@ -26,19 +27,21 @@ def recorded_stress(data, t, sigma):
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return None
     recorded = np.asarray(data["sigma"].values, float)
-    if not varies(recorded):
+    if not np.isfinite(recorded).all() or stress_range(data) <= VARIABLE:
         return None
     tolerance = max(NOISES * sample_noise(recorded), LEAST * recorded.mean())
     knots = corners(t, recorded, tolerance)
     if knots.size > MOST:
         raise refusal("record.stress_lines", lines=knots.size, most=MOST)
-    values = recorded[knots] * (sigma / recorded[0])
+    at = t[knots]
+    values = make_lsq_spline(t, recorded, [at[0], *at, at[-1]], 1).c
+    values *= sigma / values[0]
     end = np.append(values[1:], values[-1])
     # from one sample to the next it jumps, and the later one is after it
     jumps = np.diff(knots, append=t.size) == 1
     jumps &= np.abs(end - values) > JUMP * tolerance
     end[jumps] = values[jumps]
-    return NormalStress(t[knots], values, end)
+    return NormalStress(at, values, end)
 
 
 def corners(t, values, tolerance):

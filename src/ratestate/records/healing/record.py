@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+import xarray
 
 from ..fitting.raw_record import raw_record
 from ..load_point import Segments, segments_of
@@ -36,6 +37,7 @@ class HealingRecord(NamedTuple):
     slip: np.ndarray  # of the fault [m]; of the load point if k is not resolved
     k: float  # stiffness over normal stress [1/m]; inf if it is not resolved
     level: np.ndarray  # friction without a rough estimate of its drift
+    data: xarray.Dataset  # as given, in SI
 
     @property
     def spacing(self):
@@ -71,7 +73,7 @@ def healing_record(data, loading, trend):
     level = raw.friction - (_drift(raw.friction, slip, holds) * slip if trend else 0.0)
     slides = _slides(level, holds)
     return HealingRecord(
-        raw.time, raw.friction, raw.kind, trend, segments, holds, slides, slip, k, level
+        raw.time, raw.friction, raw.kind, trend, segments, holds, slides, slip, k, level, data
     )
 
 

@@ -5,6 +5,7 @@ import xarray
 
 from ...dynamics.results import flags
 from ..fitting.result import labelled
+from ..reading.stress_steps import VARIABLE, stress_range
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
 from .messages import message
 from .rate import line_of, slope_of, times_along
@@ -30,7 +31,9 @@ def dataset_of(record, noise, measured, sliders, predicted):
     lines = labelled("time", friction=record.friction, friction_steady=_steady(record, measured))
     result = result.assign(lines)
     result = result.assign(_rates(result))
-    messages = [_message(hold, one) for hold, one in zip(record.holds, measured, strict=True)]
+    messages = [
+        _message(record, hold, one) for hold, one in zip(record.holds, measured, strict=True)
+    ]
     if predicted:
         result = result.assign_coords(law=list(predicted))
         result = result.assign(_predictions(result, sliders, predicted))
@@ -85,22 +88,25 @@ def _steady(record, measured):
     return steady
 
 
-def _message(hold, measured):
+def _message(record, hold, measured):
     """Why something is not known of a hold, or what must be known of it; "" if nothing."""
     if measured.status == EVALUATED:
-        return "; ".join(_remarks(hold, measured))
+        return "; ".join(_remarks(record, hold, measured))
     short = measured.status == SHORT
     samples, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
     name = STATUSES[measured.status]
     return message(f"status.{name}", samples=samples.size, fewest=fewest)
 
 
-def _remarks(hold, measured):
+def _remarks(record, hold, measured):
     """What must be known of a hold that is evaluated (list of str)."""
     remarks, before = [], measured.before
     if not is_same(hold.V_before, hold.V_after):
         speeds = {"before": hold.V_before, "after": hold.V_after}
         remarks.append(message("evaluated.other_speed", **speeds))
+    change = stress_range(record.data, slice(hold.before[0], hold.after[-1] + 1))
+    if change > VARIABLE:
+        remarks.append(message("evaluated.stress_varies", percent=100.0 * change))
     level, error = before.at(before.end)
     drift = before.at(measured.along)[0] - level
     if abs(drift) > max(DRIFT * error, OF_HEALING * abs(measured.found["delta_mu"][0])):

@@ -6,16 +6,21 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import ParameterError
+from ..sample_noise import OF_SECOND
 from .runs import Run, Samples
 from .sampling_noise import SHORTEST
 from .splits import RowSums, cut
 
-#: standard deviation, or change between levels, over the mean, from which a normal stress varies
+#: change of a normal stress, as a multiple of its mean, from which it varies
 VARIABLE = 0.01
 #: least time at one level, over the time that the change to the next level takes
 REST = 2.0
 #: rows of a change whose ends lines do not tell, and part of the change that is outside of it
 SUDDEN, EDGE = 2 * SHORTEST, 0.05
+#: fewest and most means of rows; their range, as a multiple of the range of white noise, beyond 1/f
+FEWEST, MOST, BEYOND = 16, 1000, 2.4
+#: standard deviation of normal noise, over the mean of its size
+OF_MEAN = (0.5 * np.pi) ** 0.5
 
 
 class StressStep(NamedTuple):
@@ -33,11 +38,6 @@ class _Level(NamedTuple):
     begin: float  # midway between its first row and the row before [s]
     end: float
     sigma: float  # mean [Pa]
-
-
-def varies(sigma):
-    """Whether a normal stress (n,) is positive everywhere, finite, and varies."""
-    return bool(_is_stress(sigma) and sigma.std() > VARIABLE * sigma.mean())
 
 
 def stress_steps(time, sigma):
@@ -72,10 +72,35 @@ def _between(time, sigma, one, other):
     return StressStep(float(begin), one.sigma, other.sigma, float(end))
 
 
-def stress_range(time, sigma):
-    """Return the range of a normal stress (n,) over its mean, without its noise; 0 if unknown."""
-    ends = [run.at(t, end) for run in _lines(time, sigma) for t, end in _ends(run)]
-    return float(np.ptp(ends) / sigma.mean()) if ends else 0.0
+def stress_range(data, rows=slice(None)):
+    """Return the range of normal stress beyond its noise, as a multiple of its mean.
+
+    data : a Dataset; rows : those of ``time`` that count
+
+    It is 0 if the range is only noise, or if no positive normal stress is recorded along ``time``.
+    Rows without one are left out.
+
+    Notes
+    -----
+    The range is the largest one of means over more and more rows, less what white noise adds.  The
+    noise of the means is the least that second differences show for these or fewer rows: a sinusoid
+    adds to it only near its period, white noise falls, and noise of 1/f stays the same.
+    """
+    if "sigma" not in data.variables or data["sigma"].dims != ("time",):
+        return 0.0
+    sigma = np.asarray(data["sigma"].values, float)[rows]
+    sigma = sigma[np.isfinite(sigma)]
+    if not _is_stress(sigma):
+        return 0.0
+    largest, noise, rows = 0.0, np.inf, max(sigma.size // MOST, 1)
+    while sigma.size >= FEWEST * rows:
+        means = sigma[: sigma.size // rows * rows].reshape(-1, rows).mean(axis=1)
+        noise = min(noise, np.abs(np.diff(means, 2)).mean() * OF_MEAN / OF_SECOND)
+        by_noise = 2.0 * np.sqrt(2.0 * np.log(means.size)) * noise
+        if np.ptp(means) > BEYOND * by_noise:
+            largest = max(largest, np.ptp(means) - by_noise)
+        rows *= 2
+    return float(largest / sigma.mean())
 
 
 def _lines(time, sigma):
@@ -89,10 +114,6 @@ def _lines(time, sigma):
         return []
     samples = Samples(time, sigma, rows.noise, rows.rates)
     return [Run(samples, [two]) for two in itertools.pairwise(rows.at[cuts].tolist())]
-
-
-def _ends(run):
-    return (run.start, 0), (run.end, -1)
 
 
 def _change(run):

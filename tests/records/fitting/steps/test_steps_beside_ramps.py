@@ -64,9 +64,7 @@ def test_a_step_in_which_normal_stress_varies_is_left_out_of_all():
     assert result.kind.values.tolist() == ["step"] * 3
     assert int(result.shared_degrees) == int(two.shared_degrees) == 3
     spoilt = str(result.warnings[2].item())
-    assert (
-        "normal stress varies by 4 % in this window, and alpha is held at its guess, 0.1" in spoilt
-    )
+    assert "normal stress varies by 4 % in this window, and alpha is held at 0.1," in spoilt
     assert "leave this step out" in spoilt
     assert "normal stress varies" not in "".join(result.warnings.values[:2].tolist())
     assert np.abs(deviations(result, slice(0, 2))).max() < 3.5

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....model.quantities import readable
 from ....model.sentences import Sentences
-from ...reading.stress_steps import VARIABLE
+from ...reading.stress_steps import VARIABLE, stress_range
 from ..likelihood.transients import longest_distance
 from ..record import changes
 from ..score import responds, response
@@ -29,7 +29,7 @@ def diagnose(inference, data):
     solution = inference.solution
     if not responds(solution):
         warning = _no_response(solution)
-        return f"Nothing is determined: {warning}.", [warning]
+        return f"Nothing is determined: {warning}.", [warning, *_normal_stress(solution, data)]
     note, warnings = identifiability(inference)
     name, D, high = longest_distance(inference.estimates, solution.problem.slider)
     return note, [
@@ -39,7 +39,7 @@ def diagnose(inference, data):
         *_ends_early(solution.problem.record, name, D, high),
         *misfit_warnings(inference),
         *trend_warnings(inference),
-        *_normal_stress(solution.problem, data),
+        *_normal_stress(solution, data),
         *left_out(solution),
     ]
 
@@ -76,19 +76,23 @@ def _ends_early(record, name, D, high):
         yield SENTENCES("end.early", slip=slip, name=name, over_D=slip / D, wanted=STEADY * D)
 
 
-def _normal_stress(problem, data):
-    """Warnings if the recorded normal stress is not the slider's, or varies unfollowed."""
+def _normal_stress(solution, data):
+    """Warnings if the recorded normal stress is not the slider's, or varies."""
+    problem = solution.problem
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return
     recorded = np.asarray(data["sigma"].values, float)[problem.record.order]
     recorded = recorded[np.isfinite(recorded)]
     if not recorded.size:
         return
-    mean, varies = float(recorded.mean()), problem.record.loading.normal_stress is not None
-    stress = float(recorded[0]) if varies else mean  # it varies from the slider's on
-    if abs(stress / problem.slider.sigma - 1.0) > OFF:
-        where = "at the start" if varies else "on average"
-        sigma = problem.slider.sigma
-        yield SENTENCES("normal_stress.other", stress=stress, where=where, sigma=sigma)
-    if problem.record.loading.normal_stress is None and recorded.std() > VARIABLE * mean:
-        yield SENTENCES("normal_stress.variable", spread=100 * recorded.std() / mean, mean=mean)
+    followed, slider = problem.record.loading.normal_stress is not None, problem.slider
+    mean = float(recorded.mean())
+    stress = float(recorded[0]) if followed else mean  # it varies from the slider's on
+    if abs(stress / slider.sigma - 1.0) > OFF:
+        where = "at the start" if followed else "on average"
+        yield SENTENCES("normal_stress.other", stress=stress, where=where, sigma=slider.sigma)
+    change = stress_range(data)
+    if change > VARIABLE and not followed:
+        yield SENTENCES("normal_stress.unfollowed", percent=100.0 * change, mean=mean)
+    elif change > VARIABLE and "alpha" not in solution.unknowns.names:
+        yield SENTENCES("normal_stress.varies", percent=100.0 * change, alpha=slider.alpha)

@@ -31,10 +31,6 @@ def identifiability(inference):
     solution = inference.solution
     if starts_of(solution.problem.law)[0] in solution.unknowns.names:
         sentences.append(SENTENCES("note.start"))
-    varies = inference.solution.problem.record.loading.normal_stress is not None
-    if varies and "alpha" not in inference.solution.unknowns.names:
-        alpha = inference.solution.problem.slider.alpha
-        sentences.append(SENTENCES("note.alpha", alpha=alpha))
     return " ".join(sentences), warnings
 
 

@@ -5,7 +5,6 @@ import numpy as np
 from ....dynamics.progress import bar
 from ....errors import RateStateError
 from ...child_process import mapped
-from ...reading.stress_steps import stress_range
 from ..by_law import value_of
 from ..diagnostics.misfit import is_misfit
 from ..likelihood.uncertainty import inflation_of
@@ -99,10 +98,7 @@ def task_of(window, data, settings):
     if window.kind != "normal stress":
         free = tuple(name for name in settings.free if name != "alpha")
     sliders = [slider.replace(sigma=_stress(window, part, slider)) for slider in settings.sliders]
-    task = Task(window, part, settings._replace(free=free, sliders=sliders), each)
-    if "sigma" in part.variables and part["sigma"].dims == ("time",):
-        return task._replace(stress_range=stress_range(part["time"].values, part["sigma"].values))
-    return task
+    return Task(window, part, settings._replace(free=free, sliders=sliders), each)
 
 
 def _averaged(part):

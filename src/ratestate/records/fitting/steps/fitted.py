@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ...reading.stress_steps import VARIABLE
+from ...reading.stress_steps import VARIABLE, stress_range
 from ..likelihood.noise_uncertainty import Inflation
 from ..noise import Noise
 from ..record import Record
@@ -27,7 +27,6 @@ class Task(NamedTuple):
     data: xarray.Dataset  # its rows
     settings: Settings  # with the sliders from where the searches begin
     rows_per_sample: int  # of the record, which are averaged
-    stress_range: float = 0.0  # of normal stress beside its change, over its mean
 
     def with_sliders(self, sliders):
         """The `Task` with other sliders (list)."""
@@ -70,7 +69,8 @@ class Fitted(NamedTuple):
     @property
     def is_spoilt(self):
         """Whether normal stress varies under a step or hold of the load point."""
-        return self.task.window.kind != "normal stress" and self.task.stress_range > VARIABLE
+        of_stress = self.task.window.kind == "normal stress"
+        return not of_stress and stress_range(self.task.data) > VARIABLE
 
     def usable(self, law):
         """The `Separate` of a law if all steps may be judged by it, or None.
@@ -85,11 +85,7 @@ class Fitted(NamedTuple):
 
     def remarks(self, law):
         """Sentences (list) on why all steps leave out one that is fitted under a law."""
-        slider = self.task.settings.sliders[self.task.settings.laws.index(law)]
-        found = []
-        if self.is_spoilt:
-            values = {"percent": 100.0 * self.task.stress_range, "alpha": slider.alpha}
-            found.append(sentence("each.stress_varies", **values))
+        found = [sentence("each.stress_varies")] if self.is_spoilt else []
         if names := self.of(law).at_bound:
             found.append(sentence("each.at_bound", names=" and ".join(names)))
         return found
