@@ -56,7 +56,7 @@ def refine(system, cycles, rtol):
     first = _small_cycle_multiplier(system.at(small), measures["period"][small])
     off = SAFETY * np.abs(first - found[:, 0])
     better = off < of_found[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         second = np.prod(found, axis=1) / first
     measures["multipliers"][small[better]] = np.stack([first, second], axis=1)[better]
     measures["multipliers_error"][small[better], 0] = off[better]
