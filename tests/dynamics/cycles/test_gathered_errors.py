@@ -110,6 +110,42 @@ def test_errors_beside_the_hopf_point_of_two_states(V, values):
     assert np.median(error / off) < 500.0
 
 
+# Regularized friction: law, V [m/s]; a, b, mu0, V0 [m/s], Dc [m], sigma [Pa], M [kg/m^2].
+REGULARIZED = [
+    ("slip", 2.02206e-6, (0.018353, 0.076643, 0.41753, 4.1173e-8, 5.7225e-7, 101145.0, 968189.0)),
+    ("aging", 7.9509e-7, (0.0052647, 0.046097, 0.65844, 3.6457e-8, 4.2286e-6, 520574.0, 2.1744e10)),
+]
+
+
+def regularized_K_c(*, a, b, mu0, V0, Dc, sigma, M, V):
+    """K_c [Pa/m] under regularized friction, in 64 bits of mantissa."""
+    a, b, mu0, V0, Dc, sigma, M, V = map(np.longdouble, (a, b, mu0, V0, Dc, sigma, M, V))
+    friction = np.arcsinh(0.5 * V / V0 * np.exp((mu0 + b * np.log(V0 / V)) / a))
+    return (b - a) * sigma / Dc * (np.tanh(friction) + M * V**2 / (a * sigma * Dc))
+
+
+@pytest.mark.parametrize(("law", "V", "values"), REGULARIZED)
+def test_errors_beside_the_hopf_point_of_regularized_friction(law, V, values):
+    """Each step rounds mu/a, 10 and 125 here, and the weak attraction of the cycle amplifies that.
+
+    The normal form gives amplitudes; the last cycle, far from K_c, gives the next term of it.
+    """
+    given = dict(zip(("a", "b", "mu0", "V0", "Dc", "sigma", "M"), values, strict=True))
+    K_c = regularized_K_c(**given, V=V)
+    below = np.append(np.geomspace(5e-8, 1e-6, 24), 1e-4)
+    K = xr.DataArray((K_c * (1.0 - below)).astype(float), dims="K")
+    slider = rs.SpringSlider(law=law, friction="regularized", **given, K=K)
+    cycles = rs.limit_cycle(slider, V)
+    coefficient = float(rs.hopf(slider.replace(K=float(K_c)), V).amplitude_coefficient)
+    distance = (1.0 - K.values / K_c).astype(float)
+    ratio = cycles.amplitude.values / (coefficient * np.sqrt(distance))
+    off = np.abs(ratio - 1.0 - (ratio[-1] - 1.0) * distance / distance[-1])[:-1]
+    found, error = (cycles.status.values == 0)[:-1], cycles.error.values[:-1]
+    assert found.sum() >= 15
+    assert (off <= error)[found].all()
+    assert np.median((error / off)[found]) < 50.0
+
+
 def test_multipliers_are_as_accurate_as_stated():
     """With cut-offs the orbit is known far better than its derivative."""
     slider = rs.SpringSlider(law="aging", friction="cut-off", **CUT_OFF)

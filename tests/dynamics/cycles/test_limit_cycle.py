@@ -1,7 +1,9 @@
 """limit_cycle: its contract, its statuses, and what physics says must not matter."""
 
+import contextlib
 import json
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -523,3 +525,45 @@ def test_runs_away_late(law, beta):
     """Without inertia and barely softer than K_c_qs, after some 300 returns."""
     found = limit_cycle(sliders([0.9999], [beta], [0.0], law), 1e-3, rtol=1e-6)
     assert found.status == RUNAWAY
+
+
+@pytest.mark.parametrize(
+    ("V_lp", "values"),
+    [
+        # b/a = 62 and eta = 1e-27: a leap divides by less than the smallest normal numbers
+        (
+            1.6419010190734186e-12,
+            {
+                "a": 0.4178780182907628,
+                "b": 25.964722866337695,
+                "Dc": 5.219450366639041e-07,
+                "sigma": 319980822.5903632,
+                "mu0": 0.2819964488391411,
+                "V0": 4.153486472338758e-11,
+                "M": 0.03504002391400254,
+                "K": 1.5661611321438102e16,
+                "law": "slip",
+            },
+        ),
+        # b - a = 2e-6 a: returns whose derivatives are not finite
+        (
+            1.5254458845804432e-10,
+            {
+                "a": 6.558388334583894e-05,
+                "b": 6.558400926982032e-05,
+                "Dc": 1.5190640691350459,
+                "sigma": 2.0900807128179326,
+                "mu0": 0.6472560618972623,
+                "V0": 2.1030758218787744e-10,
+                "M": 1.530020272873964e-07,
+                "damping": 0.09907421804265333,
+                "K": 1.6330978904422534e-10,
+                "law": "aging",
+            },
+        ),
+    ],
+)
+def test_extreme_parameters_warn_of_nothing(V_lp, values):
+    with warnings.catch_warnings(), contextlib.suppress(rs.SolverError):
+        warnings.simplefilter("error")
+        limit_cycle(SpringSlider(**values), V_lp)

@@ -13,13 +13,10 @@ from .sensitivity import (
     stiffness_sensitivity,
 )
 from .shooting import change_along, effective_tolerance, multipliers, newton_step
-from .system import distance, small_amplitude, tightest
+from .system import distance, frequency, small_amplitude, tightest
 
-# Of the error estimate: its safety factor, and the errors of a return due to rounding, relative and
-# absolute: however small a cycle is, V/V_lp is rounded to parts of 1, and x, v and psi to parts of
-# their steady values, as mu/a under regularized friction.
-SAFETY, ROUNDING_OF_RETURN, ROUNDING_OF_SPEED = 3.0, 60.0 * 2.0**-52, 4.0 * 2.0**-52
-ROUNDING_OF_STATE = 0.25 * 2.0**-52
+# Safety factor of the error estimate; relative errors, due to rounding, of a return and a number.
+SAFETY, ROUNDING_OF_RETURN, EPS = 3.0, 60.0 * 2.0**-52, 2.0**-52
 # The error of a multiplier, which is absolute, over the relative one that is asked for.
 OF_MULTIPLIER = 3.0
 # Measurements, each with finer returns than the last, of a cycle that is not accurate enough yet.
@@ -59,7 +56,7 @@ def refine(system, cycles, rtol):
     first = _small_cycle_multiplier(system.at(small), measures["period"][small])
     off = SAFETY * np.abs(first - found[:, 0])
     better = off < of_found[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         second = np.prod(found, axis=1) / first
     measures["multipliers"][small[better]] = np.stack([first, second], axis=1)[better]
     measures["multipliers_error"][small[better], 0] = off[better]
@@ -149,8 +146,7 @@ def _errors(orbits, floquet, changes):
     scale = np.minimum(1.0, np.abs(small_amplitude(system, cycles.u)))
     # Where the stress is large and the cycle hardly attracts, rounding can feign a cycle.
     feigned = ROUNDING_OF_RETURN * distance(system, cycles.u) > 1e-4 * attraction
-    of_state = ROUNDING_OF_STATE * np.abs(system.rest).max(axis=1)
-    absolute = np.maximum(ROUNDING_OF_SPEED, of_state)
+    absolute = _rounding_of_state(system, orbits.returns.numbers["steps"])
     rounding = ROUNDING_OF_RETURN + np.where(fixed, 0.0, absolute / scale)
     least = tol / scale + np.where(feigned & ~fixed, np.inf, rounding / attraction)
     accumulated, of_multipliers = _accumulated_errors(orbits, floquet)
@@ -165,6 +161,19 @@ def _errors(orbits, floquet, changes):
     errors = cycles.error + SAFETY * parts
     moved = errors[0] + SAFETY * changes[:, :2].max(axis=1)
     return errors, SAFETY * of_multipliers + np.abs(floquet) * moved[:, None]
+
+
+def _rounding_of_state(system, steps):
+    """Return the error of ln V (n,) that rounding in the steps (n,) of a return adds up to.
+
+    Each step rounds V/V_lp relative to 1, and x, v and psi relative to their steady values, such as
+    mu/a under regularized friction, however small the cycle is.  Independent errors add up like
+    the root of their number.  An error of stress changes the amplitude of ln V by omega/kappa.
+    """
+    x, v, psi = system.rest[:, :1], system.rest[:, 1:2], system.rest[:, 2:]
+    per_stress = (frequency(system) / system.kappa)[:, None]
+    sizes = np.concatenate([v, per_stress * x, per_stress * system.weights[:, :-1] * psi], axis=1)
+    return EPS * np.sqrt(steps) * np.maximum(1.0, np.abs(sizes).max(axis=1))
 
 
 def _accumulated_errors(orbits, floquet):

@@ -164,7 +164,7 @@ def _leap(system, returns, u, local, may):
     """
     move, size = returns.image - u, distance(system, u)
     first, slow = local.first, move.astype(complex)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for other in local.others.T:
             matrix = returns.jacobian - other[:, None, None] * np.eye(u.shape[1])
             slow = (matrix @ slow[:, :, None])[:, :, 0] / (first - other)[:, None]
@@ -195,10 +195,10 @@ def _nonlinearity(system, returns, search, local):
     the point where the orbit was left.
     """
     begin, image = search["u"] - local.target, search["image"] - local.target
-    linear = (returns.jacobian @ begin[:, :, None])[:, :, 0]
     departure, first = search["multiplier"], local.first
     change = np.hypot(departure.real - first.real, np.abs(departure.imag) - np.abs(first.imag))
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        linear = (returns.jacobian @ begin[:, :, None])[:, :, 0]
         off = np.nan_to_num(distance(system, image - linear) / distance(system, begin))
         return np.maximum(off, change) / (1.0 - np.abs(first))
 

@@ -54,7 +54,7 @@ def orbits_of_one_period(system, cycles, tol, *, waveform=False):
     period = cycles.period if waveform else None
     returns = iterated_map(system, cycles.u, tol, cycles.n_returns, observe=True, period=period)
     numbers, gradients = returns.numbers, returns.gradients
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         amplitude, period = numbers["x_high"] - numbers["x_low"], numbers["period"]
         by_u = [
             (gradients["x_high"] - gradients["x_low"]) / amplitude[:, None],

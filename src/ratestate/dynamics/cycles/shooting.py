@@ -157,7 +157,7 @@ def _many_multipliers(jacobian, product):
     found = np.take_along_axis(found, np.argsort(-np.abs(found), axis=1, kind="stable"), axis=1)
     others = np.prod(found[:, :-1], axis=1)
     alone = found[:, -1].imag == 0.0  # (else it is one of a pair, and known as well as that)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         last = np.where(np.abs(others) < TINY, 0.0, product / others)
     found[:, -1] = np.where(alone, last, found[:, -1])
     found[~finite] = np.nan
@@ -179,7 +179,7 @@ def newton_step(returns, u):
     if u.shape[1] == 2:
         (a, b), (c, d) = np.moveaxis(matrix, 0, -1)
         psi, G = off.T
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             return np.stack([d * psi - b * G, a * G - c * psi], axis=1) / (a * d - b * c)[:, None]
     return solve_each(matrix, off)
 

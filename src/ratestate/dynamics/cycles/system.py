@@ -203,7 +203,7 @@ def linear_section(system):
     Where steady sliding is stable at any K, for a frequency of 1.
     """
     law, p, psi = system.friction_law, system.coefficients, tuple(system.steady.T)
-    omega = _frequency(system)
+    omega = frequency(system)
     f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
     # v = sin(omega T) is 0 there, and rises
     states = [(f / (1j * omega - g)).imag for f, g in zip(f_v, f_psi, strict=True)]
@@ -219,10 +219,10 @@ def small_amplitude(system, u):
     """
     if u.shape[1] > 2:
         return np.abs(u / linear_section(system)).max(axis=1)
-    return (system.weights * u).sum(axis=1) * _frequency(system) / system.kappa
+    return (system.weights * u).sum(axis=1) * frequency(system) / system.kappa
 
 
-def _frequency(system):
+def frequency(system):
     """(n,) omega_c [V_lp/Dc]; 1 where steady sliding is stable at any K."""
     omega = system.critical.omega
     return np.where(omega > 0.0, omega, 1.0)
