@@ -90,33 +90,65 @@ def exact_resistance(form, q, v, *psi):
     return (q.mu0 - q.a * mp.log(1 + q.V1 / V) + cut) / q.a
 
 
+class Exact:
+    """The functions of mpmath's numbers, for `evaluate`."""
+
+    exp, log, expm1, log1p, sqrt = mp.exp, mp.log, mp.expm1, mp.log1p, mp.sqrt
+    sinh, cosh, tanh, asinh, abs = mp.sinh, mp.cosh, mp.tanh, mp.asinh, abs
+
+    @staticmethod
+    def softplus(x):
+        return mp.log(1 + mp.exp(x))
+
+    @staticmethod
+    def logistic(x):
+        return 1 / (1 + mp.exp(-x))
+
+    @staticmethod
+    def asinh_of_exp(x):
+        return mp.asinh(mp.exp(x))
+
+
 @EVERY
 def test_derivatives_far_from_all_that_slips(name, form):
+    """Formulas against the sources; each derivative, as an expression, against a difference of the
+    one before; and its value in doubles.
+    """
     rng = np.random.default_rng([*f"{name} {form}".encode()])
     found, q = equations(LAWS[name], form), drawn(rng)
     # (friction that would be negative has no steady sliding under flash heating)
     low = -12 if name == "flash-heating" else -300
-    v = math.log(10) * rng.uniform(low, 2) - math.log(q["V_ref"])
     n = len(found.psi)
-    psi = [
-        math.log(10) * rng.uniform(-300, 2) + math.log(q["V_ref"] / q[D])
-        for D in LAWS[name].states.values()
-    ]
+    ages = [10.0 ** rng.uniform(-300, 2) / q[D] for D in LAWS[name].states.values()]
+    y = [math.log(10) * rng.uniform(low, 2) - math.log(q["V_ref"])]
+    y += [math.log(age) + math.log(q["V_ref"]) for age in ages]
     p = found.coefficients(q["V_ref"], {k: np.float64(x) for k, x in q.items()})
+    step = mp.mpf(10) ** -650
     with mp.workdps(1300):  # of differences of terms that may be 1e600 apart
-        exact = SimpleNamespace(**{symbol: mp.mpf(x) for symbol, x in q.items()})
-        at = [mp.mpf(x) for x in (v, *psi)]
-        truths = [lambda *y, k=k: exact_rate(name, k, exact, *y) for k in range(n)]
-        at_reference = exact_resistance(form, exact, *[mp.mpf(0)] * (1 + n))
-        truths.append(lambda *y: exact_resistance(form, exact, *y) - at_reference)
+        numbers = {symbol: mp.mpf(x) for symbol, x in q.items()}
+        exact, at = SimpleNamespace(**numbers), [mp.mpf(x) for x in y]
+        exact_p = found.coefficients(numbers["V_ref"], numbers, Exact)
+
+        def value_of(expression, *y):
+            return found.values([expression], y[0], y[1:], exact_p, Exact)[0]
+
+        truths = [exact_rate(name, k, exact, *at) for k in range(n)]
+        rest = exact_resistance(form, exact, *[mp.mpf(0)] * (1 + n))
+        truths.append(exact_resistance(form, exact, *at) - rest)
         for root, truth in zip([*found.rates, found.resistance], truths, strict=True):
+            assert mp.almosteq(value_of(root, *at), truth, 1e-15)
             for by in orders(1 + n):
                 symbols = [(found.v, *found.psi)[i] for i in by]
+                expression = found.derivative(root, *symbols)
+                true = value_of(expression, *at)
                 with np.errstate(under="ignore"):
-                    (value,) = found.values([found.derivative(root, *symbols)], v, psi, p)
-                times = tuple(by.count(i) for i in range(1 + n))
-                true = mp.diff(truth, at, times) if by else truth(*at)
-                assert abs(value - true) <= 1e-12 * abs(true) + 1e-300, (str(root), by)
+                    (value,) = found.values([expression], y[0], y[1:], p)
+                assert abs(value - true) <= 1e-12 * abs(true) + 1e-300, by
+                if by:
+                    before = found.derivative(root, *symbols[:-1])
+                    moved = [x + step * (i == by[-1]) for i, x in enumerate(at)]
+                    slope = (value_of(before, *moved) - value_of(before, *at)) / step
+                    assert mp.almosteq(slope, true, 1e-20, 1e-300), by
 
 
 @EVERY

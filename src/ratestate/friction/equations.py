@@ -64,14 +64,14 @@ class Equations:
         self._graph, self._constants = hoisting.graph, hoisting.constants
         self._parameters = symbols | {"V_ref": V_ref}
 
-    def coefficients(self, V_ref, values):
+    def coefficients(self, V_ref, values, functions=Real):
         """The numbers p that stand for what is constant, a tuple.
 
         values : symbol -> float or array, of the parameters [SI]
         """
         values = {**values, "V_ref": V_ref}
         known = {one: values[symbol] for symbol, one in self._parameters.items()}
-        return tuple(evaluate(self._constants.values(), known))
+        return tuple(evaluate(self._constants.values(), known, functions))
 
     def derivative(self, x, *by):
         """The derivative of an expression by `v` or one of `psi`, by several in turn."""
