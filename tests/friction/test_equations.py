@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from types import SimpleNamespace
+from types import MappingProxyType, SimpleNamespace
 
 import mpmath as mp
 import numpy as np
@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from ratestate.friction.composition import composed, forms_of
 from ratestate.friction.derivatives import DERIVATIVES, Derivative
+from ratestate.friction.elementary import sqrt, where
 from ratestate.friction.equations import COMMON, Equations, friction_of_logarithms
 from ratestate.friction.evaluation import evaluate
-from ratestate.friction.expressions import FUNCTIONS, Graph, exp, log, sqrt, where
+from ratestate.friction.expressions import FUNCTIONS, Graph, exp, log
 from ratestate.friction.forms import FORMS
 from ratestate.friction.law import FrictionLaw, Parameter
 from ratestate.friction.laws import LAWS
@@ -27,9 +28,7 @@ EVERY = pytest.mark.parametrize(("name", "form"), PAIRS)
 
 def equations(law, form):
     """`Equations` of a law under a form of friction."""
-    states = {
-        state: (b, D) for (state, D), b in zip(law.states.items(), ("b", "b2"), strict=False)
-    }
+    states = {state: (b, D) for (state, D), b in zip(law.states.items(), ("b", "b2"), strict=False)}
     own = FORMS[form].OWN if form in FORMS else {}
     friction = FORMS[form].friction if form in FORMS else friction_of_logarithms
     return Equations(law, states, {**law.parameters, **own}, friction)
@@ -48,9 +47,7 @@ def drawn(rng):
 def orders(n):
     """By which of n variables derivatives are taken, up to the third."""
     return [
-        by
-        for order in range(4)
-        for by in itertools.combinations_with_replacement(range(n), order)
+        by for order in range(4) for by in itertools.combinations_with_replacement(range(n), order)
     ]
 
 
@@ -182,7 +179,7 @@ def test_derivatives_are_those_by_hand(name, form, seed):
 def test_what_is_constant_is_computed_once():
     class Powers(FrictionLaw):
         name = "powers"
-        parameters = {"n": Parameter("1", "exponent", "> 0")}
+        parameters = MappingProxyType({"n": Parameter("1", "exponent", "> 0")})
 
         def evolution(self, V, theta, p):
             """(1 - (V theta/Dc)^n)/n."""

@@ -1,6 +1,7 @@
 """Derivatives of expressions, each function by one rule in which nothing cancels or overflows."""
 
-from .expressions import cosh, exp, power, sinh, softplus, where
+from .elementary import cosh, sinh, where
+from .expressions import exp, power, softplus
 
 #: function -> its derivative, an expression, from its argument x and its value y
 DERIVATIVES = {

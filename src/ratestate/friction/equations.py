@@ -14,8 +14,8 @@ from types import SimpleNamespace
 
 from .derivatives import Derivative
 from .evaluation import Real, evaluate
-from .expressions import Graph, exp, log, replaced, times_each
-from .hoisting import Hoisting
+from .expressions import Graph, exp, log
+from .rewriting import Hoisting, replaced, times_each
 
 #: parameters of every slider that formulas are given; those of them that are > 0
 COMMON, POSITIVE = ("a", "b", "Dc", "mu0", "V0"), ("a", "Dc", "V0")

@@ -245,9 +245,9 @@ def power(x, exponent):
     exponent = float(exponent.parts[0] if isinstance(exponent, Expression) else exponent)
     if not isinstance(x, Expression):
         return x**exponent
-    if x.kind == "sum" and x.is_positive and not x.is_constant and x.graph.merges:
-        if exponent < 0.0 or exponent != int(exponent):
-            return exp(exponent * log(x))  # a denominator may be beyond all numbers
+    is_root = exponent < 0.0 or exponent != int(exponent)
+    if is_root and x.kind == "sum" and x.is_positive and not x.is_constant and x.graph.merges:
+        return exp(exponent * log(x))  # (a denominator may be beyond all numbers)
     factor, powers = x.powers
     if exponent == int(exponent) or (factor > 0.0 and all(one.is_positive for one in powers)):
         raised = {one: exponent * n for one, n in powers.items()}
@@ -288,77 +288,14 @@ def log(x):
     if x.kind == "sinh":  # of x > 0; of others there is none
         return x.parts[0] + log(1.0 - exp(-2.0 * x.parts[0])) - math.log(2.0)
     if x.kind == "sum" and x.is_positive:
-        logs = [log(one) + math.log(factor) for one, factor in x.parts]
-        return functools.reduce(lambda one, other: one + softplus(other - one), logs)
+        each = [log(one) + math.log(factor) for one, factor in x.parts]
+        return functools.reduce(lambda one, other: one + softplus(other - one), each)
     return x.graph.call("log", x)
 
 
 def softplus(x):
     """ln(1 + e**x)."""
     return x.graph.call("softplus", x)
-
-
-def asinh(x):
-    """The inverse of sinh; of a positive product from its logarithm."""
-    if not isinstance(x, Expression):
-        return math.asinh(x)
-    return x.graph.call("asinh_of_exp", log(x)) if x.is_positive else x.graph.call("asinh", x)
-
-
-def log1p(x):
-    """ln(1 + x)."""
-    if not isinstance(x, Expression):
-        return math.log1p(x)
-    return softplus(log(x)) if x.is_positive else x.graph.call("log1p", x)
-
-
-def _function(name):
-    def function(x):
-        return x.graph.call(name, x) if isinstance(x, Expression) else getattr(math, name)(x)
-
-    function.__name__ = name
-    function.__doc__ = f"{name} x."
-    return function
-
-
-sinh, cosh, tanh, expm1 = map(_function, ("sinh", "cosh", "tanh", "expm1"))
-
-
-def sqrt(x):
-    """The root of x, x >= 0."""
-    return power(x, 0.5)
-
-
-def where(condition, x, y):
-    """x where a condition holds, else y."""
-    if not isinstance(condition, Expression):
-        return x if condition else y
-    graph = condition.graph
-    return graph.call("where", condition, graph.number(x), graph.number(y))
-
-
-def maximum(x, y):
-    """The larger of both."""
-    return where(x < y, y, x)
-
-
-def minimum(x, y):
-    """The smaller of both."""
-    return where(y < x, y, x)
-
-
-def times_each(x, factor):
-    """x times a factor, which multiplies each term of a sum, and of a constant times a sum."""
-    if x.kind == "sum" and len(x.parts) > 1:
-        products = (n * times_each(one, factor) for one, n in x.parts)
-        return functools.reduce(operator.add, products)
-    outer, powers = x.powers
-    changing = {one: n for one, n in powers.items() if not one.is_constant}
-    if [(one.kind, n) for one, n in changing.items()] != [("sum", 1.0)]:
-        return x * factor
-    (whole,) = changing
-    del powers[whole]
-    return times_each(whole, x.graph.product(outer, powers) * factor)
 
 
 def ordered(roots):
@@ -374,25 +311,3 @@ def ordered(roots):
     for root in roots:
         find(root)
     return list(found)
-
-
-def replaced(x, by):
-    """An expression with others in the place of symbols; by : dict symbol -> expression."""
-    done = dict(by)
-    for one in ordered([x]):
-        if one not in done:
-            done[one] = one if one.is_constant else _made_again(one, done)
-    return done[x]
-
-
-def _made_again(x, done):
-    """An expression whose operands are replaced."""
-    if x.kind == "sum":
-        return sum((factor * done[one] for one, factor in x.parts), x.graph.number(0.0))
-    if x.kind == "product":
-        raised = (power(done[one], exponent) for one, exponent in x.parts)
-        return functools.reduce(operator.mul, raised)
-    arguments = [done[one] for one in x.parts]
-    if x.kind in ("exp", "log"):
-        return exp(*arguments) if x.kind == "exp" else log(*arguments)
-    return x.graph.call(x.kind, *arguments)

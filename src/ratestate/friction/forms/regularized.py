@@ -3,8 +3,9 @@
 import functools
 from types import MappingProxyType
 
+from ..elementary import asinh
 from ..equations import friction_of_logarithms
-from ..expressions import asinh, exp
+from ..expressions import exp
 from ..functions import asinh_of_exp, scaled, weighted_sum
 from ..law import FrictionLaw
 from ..reversing import Reversing

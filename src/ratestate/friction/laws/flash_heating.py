@@ -2,8 +2,9 @@
 
 from types import MappingProxyType
 
+from ..elementary import sinh
+from ..expressions import log
 from ..functions import coth, flash, log_2_sinh, logistic
-from ..expressions import log, sinh
 from ..law import FrictionLaw, Parameter
 
 
