@@ -19,8 +19,8 @@ class ConstantNormalStress:
     # of `kinematics`
     resistance_in_v: Any
     resistance_slopes: Any
-    evolution: Any
-    evolution_slopes: Any
+    state_rates: Any
+    state_rate_slopes: Any
 
     def strength_in_v(self, v, w, psi, p):
         """N: friction R, unless normal stress varies."""
@@ -43,12 +43,12 @@ class ConstantNormalStress:
         return self.strength_slopes(v, w, psi, e, p)
 
     def rates_in_v(self, v, w, psi, e, p):
-        """d psi/dT: `evolution`, unless normal stress varies."""
-        return self.evolution(v, w, psi, e, p)
+        """d psi/dT: `state_rates`, unless normal stress varies."""
+        return self.state_rates(v, w, psi, e, p)
 
     def rate_slopes(self, v, w, psi, e, p):
-        """Slopes of `rates_in_v`, as of `evolution`."""
-        return self.evolution_slopes(v, w, psi, e, p)
+        """Slopes of `rates_in_v`, as of `state_rates`."""
+        return self.state_rate_slopes(v, w, psi, e, p)
 
     def rate_drift(self, v, w, psi, p):
         """d/dT of `rates_in_v` at constant v and psi, a tuple; () where that is 0."""

@@ -109,12 +109,12 @@ class Forward(ConstantNormalStress):
         by_v, by_psi = slopes
         return by_v + g, by_psi
 
-    def evolution(self, v, w, psi, e, p):
+    def state_rates(self, v, w, psi, e, p):
         """The law's `rates`."""
         return self.rates(v, w, psi, e, p)
 
-    def evolution_slopes(self, v, w, psi, e, p):
-        """Slopes of `evolution`: by omega, a tuple, and each by its own state, a tuple."""
+    def state_rate_slopes(self, v, w, psi, e, p):
+        """Slopes of `state_rates`: by omega, a tuple, and each by its own state, a tuple."""
         return self.rate_partials(v, w, psi, e, p)
 
     def v_at(self, w, psi, p):

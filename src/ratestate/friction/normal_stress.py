@@ -69,11 +69,11 @@ def varying_at(i, n):
         def rates_in_v(self, v, w, psi, e, p):
             """d psi/dT: the law's, and what normal stress adds."""
             jumps = self.jumps(v, w, psi, p)
-            return added(self.evolution(v, w, psi, e, p), scaled(p[DS] / p[S], jumps))
+            return added(self.state_rates(v, w, psi, e, p), scaled(p[DS] / p[S], jumps))
 
         def rate_slopes(self, v, w, psi, e, p):
             """Slopes of `rates_in_v`; only a law of one state has h_k1, so none but its own."""
-            by_omega, by_psi = self.evolution_slopes(v, w, psi, e, p)
+            by_omega, by_psi = self.state_rate_slopes(v, w, psi, e, p)
             R_omega, R_psi = self.resistance_slopes(v, w, psi, e, p)
             by_R = scaled(p[DS] / p[S], p[k:last])
             return added(by_omega, scaled(R_omega, by_R)), added(by_psi, weighted(by_R, R_psi))

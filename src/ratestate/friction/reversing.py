@@ -113,13 +113,13 @@ class Reversing(Forward):
         drop = scaled(-bend * (g + evolution * t), effects)
         return by_omega + g * t - evolution * bend, added(by_psi, drop)
 
-    def evolution(self, v, w, psi, e, p):
+    def state_rates(self, v, w, psi, e, p):
         """The law's `rates` at |V|."""
         size = self.size(w)
         return self.rates(log(size), size, psi, e[1:], p)
 
-    def evolution_slopes(self, v, w, psi, e, p):
-        """Slopes of `evolution`: by omega, a tuple, and each by its own state, a tuple."""
+    def state_rate_slopes(self, v, w, psi, e, p):
+        """Slopes of `state_rates`: by omega, a tuple, and each by its own state, a tuple."""
         size = self.size(w)
         by_log, by_psi = self.rate_partials(log(size), size, psi, e[1:], p)
         return scaled(self.log_slope(w, e), by_log), by_psi
@@ -130,7 +130,7 @@ class Reversing(Forward):
         return (c if w > 0.0 else -c) / self.size(w)
 
     def rates_bent(self, w, psi, e, p, one, other, bend_of_w):
-        """Second derivatives of `evolution` in two directions.
+        """Second derivatives of `state_rates` in two directions.
 
         one, other : d omega and d psi of each; bend_of_w : of w the second derivative, over c
         """

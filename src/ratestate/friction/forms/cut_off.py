@@ -4,6 +4,7 @@ import functools
 import math
 from types import MappingProxyType
 
+from ..expressions import log
 from ..functions import (
     bent_each,
     diagonal,
@@ -29,6 +30,12 @@ OWN = MappingProxyType(
         "V2": Parameter("m/s", "cut-off speed of the state", "> 0", "'1 m/s'"),
     }
 )
+
+
+def friction(V, ages, p, effects):
+    """mu = mu0 - a ln(1 + V1/V) + sum_k b_k ln(1 + V2 theta_k/D_k), from the theta_k/D_k."""
+    mu = p.mu0 - p.a * log(1.0 + p.V1 / V)
+    return sum((b * log(1.0 + p.V2 * age) for b, age in zip(effects, ages, strict=True)), mu)
 
 
 @functools.cache

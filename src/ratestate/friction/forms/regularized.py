@@ -3,6 +3,9 @@
 import functools
 from types import MappingProxyType
 
+from ..elementary import asinh
+from ..equations import friction_of_logarithms
+from ..expressions import exp
 from ..functions import asinh_of_exp, scaled, weighted_sum
 from ..law import FrictionLaw
 from ..reversing import Reversing
@@ -10,6 +13,12 @@ from ..reversing import Reversing
 NAME = "regularized"
 #: symbol -> what it is, of its parameters: none
 OWN: MappingProxyType = MappingProxyType({})
+
+
+def friction(V, ages, p, effects):
+    """mu = a asinh(V/(2 V0) exp((mu0 + sum_k b_k ln(V0 theta_k/D_k))/a)), from the theta_k/D_k."""
+    states = friction_of_logarithms(p.V0, ages, p, effects)
+    return p.a * asinh(0.5 * V / p.V0 * exp(states / p.a))
 
 
 @functools.cache

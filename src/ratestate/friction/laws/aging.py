@@ -17,6 +17,10 @@ class AgingLaw(FrictionLaw):
     one_length = True
     series = tuple((-1) ** k / math.factorial(k) for k in range(2, 15))  # h = exp(-z) - 1
 
+    def evolution(self, V, theta, p):
+        """1 - V theta/Dc."""
+        return 1.0 - V * theta / p.Dc
+
     def exponents(self, v, w, psi, p):
         """e = (exp(-psi),)."""
         return (-psi[0],)

@@ -2,6 +2,8 @@
 
 from types import MappingProxyType
 
+from ..elementary import sinh
+from ..expressions import log
 from ..functions import coth, flash, log_2_sinh, logistic
 from ..law import FrictionLaw, Parameter
 
@@ -30,6 +32,14 @@ class FlashHeatingLaw(FrictionLaw):
             "mu_w": Parameter("1", "friction at seismic speeds", ">= 0", "0.2"),
         }
     )
+
+    def evolution(self, V, theta, p):
+        """-(theta/b) (V/Dc) (Psi - Psi_ss), by d Psi = (b/theta) d theta."""
+        mu_lv = p.mu0 - (p.b - p.a) * log(V / p.V0)
+        mu_ss = p.mu_w + (mu_lv - p.mu_w) / (1.0 + (V / p.V_w) ** 8) ** 0.125
+        Psi_ss = p.a * log(2.0 * p.V0 / V * sinh(mu_ss / p.a))
+        Psi = p.mu0 + p.b * log(p.V0 * theta / p.Dc)
+        return -(theta / p.b) * (V / p.Dc) * (Psi - Psi_ss)
 
     def coefficients(self, V_ref, slider):
         """p = (b/a, mu_w/a, ln(V_w/V_ref), mu_lv(V_ref)/a)."""

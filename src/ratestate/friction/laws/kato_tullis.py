@@ -2,6 +2,7 @@
 
 from types import MappingProxyType
 
+from ..expressions import exp, log
 from ..law import FrictionLaw, Parameter
 
 
@@ -17,6 +18,10 @@ class KatoTullisLaw(FrictionLaw):
     parameters = MappingProxyType(
         {"V_cut": Parameter("m/s", "speed below which state heals at rest", "> 0", "'1e-8 m/s'")}
     )
+
+    def evolution(self, V, theta, p):
+        """exp(-V/V_cut) - (V theta/Dc) ln(V theta/Dc)."""
+        return exp(-V / p.V_cut) - (V * theta / p.Dc) * log(V * theta / p.Dc)
 
     def coefficients(self, V_ref, slider):
         """p = (b/a, V_ref/V_cut)."""

@@ -21,6 +21,10 @@ class PRZLaw(FrictionLaw):
     # h = -sinh(z)
     series = tuple(-(k % 2) / math.factorial(k) for k in range(2, 16))
 
+    def evolution(self, V, theta, p):
+        """(1 - (V theta/Dc)^2)/2."""
+        return (1.0 - (V * theta / p.Dc) ** 2) / 2.0
+
     def exponents(self, v, w, psi, p):
         """e = (exp(-psi),)."""
         return (-psi[0],)

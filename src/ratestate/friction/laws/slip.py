@@ -2,6 +2,7 @@
 
 import math
 
+from ..expressions import log
 from ..law import FrictionLaw
 
 
@@ -17,6 +18,10 @@ class SlipLaw(FrictionLaw):
     synonyms = ("ruina",)
     one_length = True
     series = (0.0,)
+
+    def evolution(self, V, theta, p):
+        """-(V theta/Dc) ln(V theta/Dc)."""
+        return -(V * theta / p.Dc) * log(V * theta / p.Dc)
 
     def rates(self, v, w, psi, e, p):
         """d psi/dT = -w (v + psi)."""

@@ -12,6 +12,10 @@ class TwoStateAgingLaw(TwoStateLaw):
     label = "two-state aging law"
     synonyms = ("two-state-ageing", "two-state-dieterich")
 
+    def evolution(self, V, theta, p):
+        """1 - V theta_k/D_k of each."""
+        return 1.0 - V * theta[0] / p.Dc, 1.0 - V * theta[1] / p.Dc2
+
     def exponents(self, v, w, psi, p):
         """e = (exp(-psi_1), exp(-psi_2))."""
         return -psi[0], -psi[1]

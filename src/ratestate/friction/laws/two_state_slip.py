@@ -2,6 +2,7 @@
 
 import math
 
+from ..expressions import log
 from ..two_states import TwoStateLaw
 
 
@@ -11,6 +12,11 @@ class TwoStateSlipLaw(TwoStateLaw):
     name = "two-state-slip"
     label = "two-state slip law"
     synonyms = ("two-state-ruina",)
+
+    def evolution(self, V, theta, p):
+        """-(V theta_k/D_k) ln(V theta_k/D_k) of each."""
+        ages = V * theta[0] / p.Dc, V * theta[1] / p.Dc2
+        return tuple(-age * log(age) for age in ages)
 
     def rates(self, v, w, psi, e, p):
         """d psi_1/dT = -w (v + psi_1), d psi_2/dT = -(Dc/Dc2) w (v + psi_2)."""

@@ -1,0 +1,313 @@
+"""Formulas as graphs: what a formula leaves behind that is run once with expressions for numbers.
+
+An `Expression` is a number, a symbol, a sum of multiples, a product of powers, a function of other
+expressions, or a choice between two.  Each stands in its `Graph` once.
+
+The exponentials in a product are one, of the sum of their exponents, and the logarithm of a product
+of positive factors is the sum of theirs.  So a positive quantity such as V = V_ref exp(v) carries
+its logarithm, and V theta/Dc is exp(v + psi) whatever units they have: nothing overflows or is
+lost on the way, however slow the slip.
+"""
+
+import functools
+import math
+import operator
+
+#: functions of one argument that are nodes of a graph -> whether their values are positive
+FUNCTIONS = {
+    "exp": True,
+    "log": False,
+    "softplus": True,  # ln(1 + e**x)
+    "logistic": True,  # 1/(1 + e**-x)
+    "asinh_of_exp": True,  # asinh(e**x)
+    "sinh": False,
+    "cosh": True,
+    "tanh": False,
+    "asinh": False,
+    "expm1": False,
+    "log1p": False,
+    "abs": False,
+}
+
+
+class Graph:
+    """The expressions of some formulas, each of them once.
+
+    merges : whether the exponentials in a product become one.  Derivatives are better without, of
+        which they are the very exponentials of what is differentiated.
+    """
+
+    def __init__(self, merges=True):
+        self.merges, self._known = merges, {}
+        self.one = self._node("number", (1.0,), is_constant=True)
+
+    def number(self, x):
+        """A number as an expression; an expression as it is."""
+        if isinstance(x, Expression):
+            return x
+        if not isinstance(x, (int, float)):
+            raise TypeError(f"{x!r} is no number")
+        return self._node("number", (float(x),), is_constant=True)
+
+    def symbol(self, name, is_constant=True, is_positive=False):
+        """A quantity that is known by a name."""
+        kind = "positive" if is_positive else "symbol"
+        return self._node(kind, (name,), is_constant=is_constant)
+
+    def sum(self, terms):
+        """The sum of multiples; terms : dict expression -> factor, a float."""
+        terms = {one: factor for one, factor in terms.items() if factor != 0.0}
+        if not terms:
+            return self.number(0.0)
+        if len(terms) == 1:
+            ((one, factor),) = terms.items()
+            if one is self.one:
+                return self.number(factor)
+            if factor == 1.0:
+                return one
+        parts = tuple(terms.items())
+        return self._node("sum", parts, key=frozenset(parts))
+
+    def product(self, factor, powers):
+        """A product; factor : float; powers : dict expression -> exponent, a float."""
+        exponent, kept = self.number(0.0), {}
+        for base, power in powers.items():
+            if base.kind == "exp" and self.merges:
+                exponent = exponent + power * base.parts[0]
+            elif base.kind == "number":
+                factor *= base.parts[0] ** power
+            elif power != 0.0:
+                kept[base] = power
+        if exponent.kind == "number":
+            factor *= math.exp(exponent.parts[0])
+        else:
+            kept[self.call("exp", exponent)] = 1.0
+        if factor == 0.0 or not kept:
+            return self.number(factor)
+        if len(kept) == 1 and next(iter(kept.values())) == 1.0:
+            (whole,) = kept
+        else:
+            parts = tuple(kept.items())
+            whole = self._node("product", parts, key=frozenset(parts))
+        return self.sum({one: factor * x for one, x in whole.terms.items()})
+
+    def call(self, name, *arguments):
+        """A function of expressions, which are not simplified."""
+        return self._node(name, arguments)
+
+    def _node(self, kind, parts, is_constant=None, key=None):
+        key = kind, key or parts
+        if key not in self._known:
+            self._known[key] = Expression(self, kind, parts, is_constant)
+        return self._known[key]
+
+
+class Expression:
+    """A node of a graph, immutable.
+
+    kind : "number", "symbol" or "positive" (a symbol), "sum", "product", "where", "less",
+        "less_equal", or one of `FUNCTIONS`
+    parts : what it is made of: arguments; of sums and products pairs, with factors or exponents
+    """
+
+    __slots__ = ("graph", "is_constant", "kind", "parts")
+
+    def __init__(self, graph, kind, parts, is_constant=None):
+        self.graph, self.kind, self.parts = graph, kind, parts
+        if is_constant is None:
+            is_constant = all(one.is_constant for one in self.operands)
+        self.is_constant = is_constant
+
+    @property
+    def operands(self):
+        """The expressions that it is made of, a tuple."""
+        if self.kind in ("number", "symbol", "positive"):
+            return ()
+        if self.kind in ("sum", "product"):
+            return tuple(one for one, _ in self.parts)
+        return self.parts
+
+    @property
+    def terms(self):
+        """The expression as a sum: dict expression -> factor."""
+        if self.kind == "sum":
+            return dict(self.parts)
+        return {self.graph.one: self.parts[0]} if self.kind == "number" else {self: 1.0}
+
+    @property
+    def powers(self):
+        """The expression as a product: a factor, and a dict expression -> exponent."""
+        if self.kind == "number":
+            return self.parts[0], {}
+        if self.kind == "product":
+            return 1.0, dict(self.parts)
+        if self.kind == "sum" and len(self.parts) == 1:
+            ((one, factor),) = self.parts
+            return factor, one.powers[1]
+        return 1.0, {self: 1.0}
+
+    @property
+    def is_positive(self):
+        """Whether it is positive for sure."""
+        if self.kind == "number":
+            return self.parts[0] > 0.0
+        if self.kind == "sum":
+            return all(one.is_positive and factor > 0.0 for one, factor in self.parts)
+        if self.kind == "product":
+            return all(one.is_positive for one, _ in self.parts)
+        if self.kind == "where":
+            return self.parts[1].is_positive and self.parts[2].is_positive
+        return self.kind == "positive" or FUNCTIONS.get(self.kind, False)
+
+    def __add__(self, other):
+        return _added(self, other)
+
+    def __radd__(self, other):
+        return _added(other, self)
+
+    def __sub__(self, other):
+        return _added(self, -1.0 * other)
+
+    def __rsub__(self, other):
+        return _added(other, -1.0 * self)
+
+    def __neg__(self):
+        return -1.0 * self
+
+    def __mul__(self, other):
+        return _multiplied(self, other)
+
+    def __rmul__(self, other):
+        return _multiplied(other, self)
+
+    def __truediv__(self, other):
+        return _multiplied(self, power(other, -1.0))
+
+    def __rtruediv__(self, other):
+        return _multiplied(other, power(self, -1.0))
+
+    def __pow__(self, exponent):
+        return power(self, exponent)
+
+    def __rpow__(self, base):
+        return power(self.graph.number(base), self)
+
+    def __abs__(self):
+        return self if self.is_positive else self.graph.call("abs", self)
+
+    def __lt__(self, other):
+        return self.graph.call("less", self, self.graph.number(other))
+
+    def __gt__(self, other):
+        return self.graph.call("less", self.graph.number(other), self)
+
+    def __le__(self, other):
+        return self.graph.call("less_equal", self, self.graph.number(other))
+
+    def __ge__(self, other):
+        return self.graph.call("less_equal", self.graph.number(other), self)
+
+    def __eq__(self, other):
+        raise TypeError("quantities of a formula are not compared by == or !=")
+
+    __hash__ = object.__hash__
+
+    def __bool__(self):
+        raise TypeError("a condition on a quantity of a formula; use where(condition, x, y)")
+
+    def __float__(self):
+        raise TypeError("a function of numbers, of math say; use that of ratestate.laws")
+
+
+def _added(x, y):
+    graph = x.graph if isinstance(x, Expression) else y.graph
+    x, y = graph.number(x), graph.number(y)
+    terms = x.terms
+    for one, factor in y.terms.items():
+        terms[one] = terms.get(one, 0.0) + factor
+    return graph.sum(terms)
+
+
+def _multiplied(x, y):
+    graph = x.graph if isinstance(x, Expression) else y.graph
+    (a, powers), (b, others) = graph.number(x).powers, graph.number(y).powers
+    for one, exponent in others.items():
+        powers[one] = powers.get(one, 0.0) + exponent
+    return graph.product(a * b, powers)
+
+
+def power(x, exponent):
+    """x**exponent: of any x for integers, else of x > 0."""
+    if not isinstance(exponent, Expression) and not isinstance(x, Expression):
+        return x**exponent
+    if isinstance(exponent, Expression) and exponent.kind != "number":
+        return exp(exponent * log(exponent.graph.number(x)))
+    exponent = float(exponent.parts[0] if isinstance(exponent, Expression) else exponent)
+    if not isinstance(x, Expression):
+        return x**exponent
+    is_root = exponent < 0.0 or exponent != int(exponent)
+    if is_root and x.kind == "sum" and x.is_positive and not x.is_constant and x.graph.merges:
+        return exp(exponent * log(x))  # (a denominator may be beyond all numbers)
+    factor, powers = x.powers
+    if exponent == int(exponent) or (factor > 0.0 and all(one.is_positive for one in powers)):
+        raised = {one: exponent * n for one, n in powers.items()}
+        return x.graph.product(factor**exponent, raised)
+    return x.graph.product(1.0, {x: exponent})
+
+
+def exp(x):
+    """e**x; logarithms in x are powers of what they are of."""
+    if not isinstance(x, Expression):
+        return math.exp(x)
+    whole, rest = x.graph.number(1.0), {}
+    for one, factor in x.terms.items():
+        if one.kind == "log":
+            whole = whole * power(one.parts[0], factor)
+        else:
+            rest[one] = factor
+    exponent = x.graph.sum(rest)
+    if exponent.kind == "number":
+        return math.exp(exponent.parts[0]) * whole
+    return whole * x.graph.call("exp", exponent)
+
+
+def log(x):
+    """ln x: of products of positive factors the sum, of sums of positive terms by `softplus`."""
+    if not isinstance(x, Expression):
+        return math.log(x)
+    factor, powers = x.powers
+    if len(powers) > 1 or list(powers.values()) != [1.0] or factor != 1.0:
+        if factor > 0.0 and all(one.is_positive or one.kind == "sinh" for one in powers):
+            logs = (n * log(one) for one, n in powers.items())
+            return functools.reduce(operator.add, logs, x.graph.number(math.log(factor)))
+        return x.graph.call("log", x)
+    if x.kind == "exp":
+        return x.parts[0]
+    if x.kind == "cosh":  # ln 2 cosh x = softplus(2 x) - x
+        return softplus(2.0 * x.parts[0]) - x.parts[0] - math.log(2.0)
+    if x.kind == "sinh":  # of x > 0; of others there is none
+        return x.parts[0] + log(1.0 - exp(-2.0 * x.parts[0])) - math.log(2.0)
+    if x.kind == "sum" and x.is_positive:
+        each = [log(one) + math.log(factor) for one, factor in x.parts]
+        return functools.reduce(lambda one, other: one + softplus(other - one), each)
+    return x.graph.call("log", x)
+
+
+def softplus(x):
+    """ln(1 + e**x)."""
+    return x.graph.call("softplus", x)
+
+
+def ordered(roots):
+    """All expressions that some are made of, and these, each after those that it is made of."""
+    found = {}
+
+    def find(one):
+        if one not in found:
+            for operand in one.operands:
+                find(operand)
+            found[one] = True
+
+    for root in roots:
+        find(root)
+    return list(found)

@@ -1,0 +1,272 @@
+"""The equations that are derived from a law's formula, held against mpmath and those by hand."""
+
+import itertools
+import math
+from types import MappingProxyType, SimpleNamespace
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ratestate.friction.composition import composed, forms_of
+from ratestate.friction.derivatives import DERIVATIVES, Derivative
+from ratestate.friction.elementary import sqrt, where
+from ratestate.friction.equations import COMMON, Equations, friction_of_logarithms
+from ratestate.friction.evaluation import evaluate
+from ratestate.friction.expressions import FUNCTIONS, Graph, exp, log
+from ratestate.friction.forms import FORMS
+from ratestate.friction.law import FrictionLaw, Parameter
+from ratestate.friction.laws import LAWS
+
+#: laws whose formula is theirs alone ("nagata" is written in another variable)
+NAMES = [name for name, law in LAWS.items() if hasattr(law, "evolution")]
+PAIRS = [(name, form) for name in NAMES for form in forms_of(LAWS[name])]
+EVERY = pytest.mark.parametrize(("name", "form"), PAIRS)
+
+
+def equations(law, form):
+    """`Equations` of a law under a form of friction."""
+    states = {state: (b, D) for (state, D), b in zip(law.states.items(), ("b", "b2"), strict=False)}
+    own = FORMS[form].OWN if form in FORMS else {}
+    friction = FORMS[form].friction if form in FORMS else friction_of_logarithms
+    return Equations(law, states, {**law.parameters, **own}, friction)
+
+
+def drawn(rng):
+    """Parameters [SI] of any law and form, and V_ref."""
+    log_uniform = {"a": (-3, -1), "Dc": (-7, -3), "V0": (-9, -3), "V_ref": (-9, -1)}
+    q = {symbol: 10.0 ** rng.uniform(*ends) for symbol, ends in log_uniform.items()}
+    q |= {"b": q["a"] * rng.uniform(0.3, 3.0), "b2": q["a"] * rng.uniform(-1.0, 1.0)}
+    q |= {"mu0": rng.uniform(0.3, 0.8), "Dc2": q["Dc"] * 10.0 ** rng.uniform(-2, 2), "mu_w": 0.1}
+    q |= {symbol: q["V0"] * 10.0 ** rng.uniform(0, 3) for symbol in ("V1", "V2", "V_cut", "V_w")}
+    return q
+
+
+def orders(n):
+    """By which of n variables derivatives are taken, up to the third."""
+    return [
+        by for order in range(4) for by in itertools.combinations_with_replacement(range(n), order)
+    ]
+
+
+# The oracle: formulas of the sources in mpmath
+
+
+def exact_rate(name, k, q, v, *psi):
+    """d psi_k/dT."""
+    V, D = q.V_ref * mp.exp(v), (q.Dc, q.Dc2)[k]
+    theta = D / q.V_ref * mp.exp(psi[k])
+    Omega = V * theta / D
+    if name.endswith("aging"):
+        rate = 1 - Omega
+    elif name.endswith("slip"):
+        rate = -Omega * mp.log(Omega)
+    elif name == "prz":
+        rate = (1 - Omega**2) / 2
+    elif name == "kato-tullis":
+        rate = mp.exp(-V / q.V_cut) - Omega * mp.log(Omega)
+    else:
+        mu_lv = q.mu0 - (q.b - q.a) * mp.log(V / q.V0)
+        mu_ss = q.mu_w + (mu_lv - q.mu_w) / mp.root(1 + (V / q.V_w) ** 8, 8)
+        Psi_ss = q.a * mp.log(2 * q.V0 / V * mp.sinh(mu_ss / q.a))
+        rate = -Omega / q.b * (q.mu0 + q.b * mp.log(q.V0 * theta / D) - Psi_ss)
+    return rate / theta * q.Dc / q.V_ref
+
+
+def exact_resistance(form, q, v, *psi):
+    """mu/a."""
+    V, ages, b = q.V_ref * mp.exp(v), [mp.exp(x) / q.V_ref for x in psi], (q.b, q.b2)
+    states = q.mu0 + sum(b_k * mp.log(q.V0 * age) for b_k, age in zip(b, ages, strict=False))
+    if form == "log":
+        return (states + q.a * mp.log(V / q.V0)) / q.a
+    if form == "regularized":
+        return mp.asinh(V / (2 * q.V0) * mp.exp(states / q.a))
+    cut = sum(b_k * mp.log(1 + q.V2 * age) for b_k, age in zip(b, ages, strict=False))
+    return (q.mu0 - q.a * mp.log(1 + q.V1 / V) + cut) / q.a
+
+
+class Exact:
+    """The functions of mpmath's numbers, for `evaluate`."""
+
+    exp, log, expm1, log1p, sqrt = mp.exp, mp.log, mp.expm1, mp.log1p, mp.sqrt
+    sinh, cosh, tanh, asinh, abs = mp.sinh, mp.cosh, mp.tanh, mp.asinh, abs
+
+    @staticmethod
+    def softplus(x):
+        return mp.log(1 + mp.exp(x))
+
+    @staticmethod
+    def logistic(x):
+        return 1 / (1 + mp.exp(-x))
+
+    @staticmethod
+    def asinh_of_exp(x):
+        return mp.asinh(mp.exp(x))
+
+
+@EVERY
+def test_derivatives_far_from_all_that_slips(name, form):
+    """Formulas against the sources; each derivative, as an expression, against a difference of the
+    one before; and its value in doubles.
+    """
+    rng = np.random.default_rng([*f"{name} {form}".encode()])
+    found, q = equations(LAWS[name], form), drawn(rng)
+    # (friction that would be negative has no steady sliding under flash heating)
+    low = -12 if name == "flash-heating" else -300
+    n = len(found.psi)
+    ages = [10.0 ** rng.uniform(-300, 2) / q[D] for D in LAWS[name].states.values()]
+    y = [math.log(10) * rng.uniform(low, 2) - math.log(q["V_ref"])]
+    y += [math.log(age) + math.log(q["V_ref"]) for age in ages]
+    p = found.coefficients(q["V_ref"], {k: np.float64(x) for k, x in q.items()})
+    step = mp.mpf(10) ** -650
+    with mp.workdps(1300):  # of differences of terms that may be 1e600 apart
+        numbers = {symbol: mp.mpf(x) for symbol, x in q.items()}
+        exact, at = SimpleNamespace(**numbers), [mp.mpf(x) for x in y]
+        exact_p = found.coefficients(numbers["V_ref"], numbers, Exact)
+
+        def value_of(expression, *y):
+            return found.values([expression], y[0], y[1:], exact_p, Exact)[0]
+
+        truths = [exact_rate(name, k, exact, *at) for k in range(n)]
+        rest = exact_resistance(form, exact, *[mp.mpf(0)] * (1 + n))
+        truths.append(exact_resistance(form, exact, *at) - rest)
+        for root, truth in zip([*found.rates, found.resistance], truths, strict=True):
+            assert mp.almosteq(value_of(root, *at), truth, 1e-15)
+            for by in orders(1 + n):
+                symbols = [(found.v, *found.psi)[i] for i in by]
+                expression = found.derivative(root, *symbols)
+                true = value_of(expression, *at)
+                with np.errstate(under="ignore"):
+                    (value,) = found.values([expression], y[0], y[1:], p)
+                assert abs(value - true) <= 1e-12 * abs(true) + 1e-300, by
+                if by:
+                    before = found.derivative(root, *symbols[:-1])
+                    moved = [x + step * (i == by[-1]) for i, x in enumerate(at)]
+                    slope = (value_of(before, *moved) - value_of(before, *at)) / step
+                    assert mp.almosteq(slope, true, 1e-20, 1e-300), by
+
+
+@EVERY
+@given(seed=st.integers(0, 10**6))
+def test_derivatives_are_those_by_hand(name, form, seed):
+    rng = np.random.default_rng(seed)
+    by_hand, found, q = composed(LAWS[name], form), equations(LAWS[name], form), drawn(rng)
+    q = {symbol: np.array([x]) for symbol, x in q.items()} | {"sigma": np.array([1e7])}
+    v, psi = 3.0 * rng.normal(size=1), [3.0 * rng.normal(size=1) for _ in found.psi]
+    p, w = by_hand.coefficient_arrays(q["V_ref"], q), np.exp(v)
+    e, mine = by_hand.exponentials(v, w, psi, p), found.coefficients(q["V_ref"], q)
+
+    def check(root, by, expected):
+        (value,) = found.values([found.derivative(root, *by)], v, psi, mine)
+        np.testing.assert_allclose(value, expected, rtol=1e-9, atol=1e-9)
+
+    for order in range(4):
+        method = "rates" if order == 0 else f"rate_partials{f'_{order}' if order > 1 else ''}"
+        expected = getattr(by_hand, method)(v, w, psi, e, p)
+        for m, row in enumerate(expected if order else [expected]):
+            for k, value in enumerate(row):
+                by = [found.v] * (order - m) + [found.psi[k]] * m
+                check(found.rates[k], by, value)
+    rest = by_hand.resistance(0 * v, 1.0, tuple(0 * x for x in psi), p)
+    check(found.resistance, [], by_hand.resistance(v, w, psi, p) - rest)
+    by_v, by_psi = by_hand.resistance_partials(v, w, psi, p)
+    for symbol, value in zip((found.v, *found.psi), (by_v, *by_psi), strict=True):
+        check(found.resistance, [symbol], value)
+
+
+def test_what_is_constant_is_computed_once():
+    class Powers(FrictionLaw):
+        name = "powers"
+        parameters = MappingProxyType({"n": Parameter("1", "exponent", "> 0")})
+
+        def evolution(self, V, theta, p):
+            """(1 - (V theta/Dc)^n)/n."""
+            return (1.0 - (V * theta / p.Dc) ** p.n) / p.n
+
+    found = equations(Powers(), "log")
+    values = dict.fromkeys(COMMON, 2.0) | {"b": 3.0, "n": 4.0}
+    # 1/n, -1/n, n and b/a; V_ref and Dc drop out
+    assert sorted(found.coefficients(7.0, values)) == [-0.25, 0.25, 1.5, 4.0]
+    p = found.coefficients(7.0, values)
+    (rate,) = found.values(found.rates, 0.3, [0.2], p)
+    assert rate == pytest.approx((1.0 - math.exp(2.0)) / 4.0 * math.exp(-0.2), rel=1e-15)
+
+
+# Expressions
+
+
+EXACT = {
+    "softplus": lambda x: mp.log(1 + mp.exp(x)),
+    "logistic": lambda x: 1 / (1 + mp.exp(-x)),
+    "asinh_of_exp": lambda x: mp.asinh(mp.exp(x)),
+    "log1p": lambda x: mp.log(1 + x),
+    "abs": abs,
+}
+OF_POSITIVE = {"log", "log1p"}
+
+
+@pytest.mark.parametrize("name", sorted(FUNCTIONS))
+@pytest.mark.parametrize("size", [1e-30, 1e-9, 0.3, 2.0, 30.0, 300.0])
+def test_each_function_has_exact_derivatives(name, size):
+    graph = Graph(merges=False)
+    x = graph.symbol("x", is_constant=False)
+    by_x = Derivative(graph, {x: graph.number(1.0)})
+    exact = EXACT[name] if name in EXACT else getattr(mp, name)
+    for at in (size,) if name in OF_POSITIVE else (size, -size):
+        y = graph.call(name, x)
+        for order in range(4):
+            value = evaluate([y], {x: at})[0]
+            with mp.workdps(800):
+                true = mp.diff(exact, mp.mpf(at), order) if order else exact(mp.mpf(at))
+                if name == "abs" and order > 1:
+                    true = 0
+            # (where a derivative is the small difference of two parts, rounding is of these)
+            floor = 1e-15 * abs(true) + 1e-300 if order < 2 else 1e-14
+            assert abs(value - true) <= max(1e-12 * abs(true), floor if order > 1 else 0.0), order
+            y = by_x(y)
+
+
+def test_every_function_has_a_derivative():
+    assert FUNCTIONS.keys() == DERIVATIVES.keys()
+
+
+def test_a_positive_quantity_carries_its_logarithm():
+    graph = Graph()
+    V0 = graph.symbol("V0", is_positive=True)
+    x, y = (graph.symbol(name, is_constant=False) for name in "xy")
+    V = V0 * exp(x)
+    assert log(V * exp(y) / V0) is x + y
+    assert log(V**2.5) - log(V0**2.5) is 2.5 * x
+    assert exp(log(V) + y) is V * exp(y)
+    assert log(1.0 + V / V0).kind == "softplus"
+    assert evaluate([1.0 / (1.0 + exp(x))], {x: 800.0})[0] == 0.0
+    assert evaluate([1.0 - exp(x)], {x: 1e-20})[0] == -1e-20
+    assert log(sqrt(V)).terms[x] == 0.5
+
+
+def test_the_side_that_is_not_chosen_leaves_no_trace():
+    graph = Graph()
+    x = graph.symbol("x", is_constant=False)
+    y = where(x > 0.0, log(abs(x)) * exp(-1.0 / x), x * x)
+    by_x = Derivative(graph, {x: graph.number(1.0)})
+    with np.errstate(all="ignore"):
+        found = evaluate([y, by_x(y)], {x: np.array([-3.0, 0.0])})
+    np.testing.assert_array_equal(found, [[9.0, 0.0], [-6.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("formula", "remedy"),
+    [
+        (lambda x: 1.0 if x > 0.0 else 2.0, "where"),
+        (lambda x: max(x, 1.0), "where"),
+        (lambda x: math.exp(x), "ratestate.laws"),
+        (lambda x: x == 1.0, "=="),
+        (lambda x: x + "1", "no number"),
+    ],
+)
+def test_what_no_graph_can_hold_is_refused(formula, remedy):
+    x = Graph().symbol("x", is_constant=False)
+    with pytest.raises(TypeError, match=remedy):
+        formula(x)
