@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .fitting.raw_record import loading_of, recorded_segments
+from .fitting.raw_record import constant_speeds_of, recorded_segments
 from .reading.overshoots import without_overshoots
 
 
@@ -40,7 +40,7 @@ def segments_of(raw, loading=None):
         all_t, all_V = recorded_segments(raw.data, raw.time)
         t, V, _ = without_overshoots(all_t, all_V, end)
         return Segments(t, V, end, _start_errors(raw.data, t), all_t, all_V)
-    checked = loading_of(raw, loading)
+    checked = constant_speeds_of(raw, loading)
     t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
     return Segments(t, V, end, np.zeros(t.size), t, V)
 

@@ -22,3 +22,8 @@ def resolution(values):
     """
     steps = np.diff(np.unique(values))
     return float(min(steps[steps > ROUNDING * np.abs(values).max()], default=0.0))
+
+
+def rounding(values):
+    """Return the standard deviation of the rounding of values (n,) to their last digit."""
+    return OF_STEP * resolution(values)

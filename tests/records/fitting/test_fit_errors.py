@@ -23,7 +23,7 @@ from ratestate.records.fitting.diagnostics.tradeoffs import (
 from ratestate.records.fitting.estimates import ROOTS, estimates_from
 from ratestate.records.fitting.generalized_least_squares import least_squares_fit
 from ratestate.records.fitting.likelihood import posterior as sampling
-from ratestate.records.fitting.likelihood import uncertainty
+from ratestate.records.fitting.likelihood import transients, uncertainty
 from ratestate.records.fitting.likelihood.constrained import ConstrainedProblem
 from ratestate.records.fitting.likelihood.posterior import Marginal, sample_posterior
 from ratestate.records.fitting.likelihood.profile import BetterPoint, Profile, compute_profile
@@ -532,6 +532,48 @@ def test_a_probability_of_misfit_is_uniform_under_the_right_law():
         found.append(chance_of_transients(solution, SLIDER.Dc))
     assert 0.35 < np.mean(found) < 0.7
     assert np.mean(np.array(found) < 0.05) < 0.12
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_law_that_could_not_be_tested_does_not_pass(good, monkeypatch):
+    """One march of several may fail; if all fail, the probability is NaN and a warning says so."""
+    effect, calls = transients._effect, []
+
+    def one_fails(*args):
+        calls.append(args)
+        return effect(*args) * (np.nan if len(calls) == 1 else 1.0)
+
+    told = "was not tested against transients"
+    monkeypatch.setattr(transients, "_effect", one_fails)
+    tested = rs.fit(good, SLIDER, errors="covariance")
+    assert len(calls) == len(transients.LENGTHS)
+    assert 0.01 < float(tested.misfit_p_value) < 1.0
+    assert told not in tested.warnings.item()
+    monkeypatch.setattr(transients, "_effect", lambda *args: effect(*args) * np.nan)
+    untested = rs.fit(good, SLIDER, errors="covariance")
+    assert np.isnan(untested.misfit_p_value)
+    assert told in untested.warnings.item()
+
+
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_load_point_that_accelerates_from_the_start_is_fitted():
+    """It has no step beside which samples are few, and none after which the law is tested."""
+    t = np.arange(0.0, 60.0, 0.1)
+    loading = rs.Loading.series([0.0, 60.0], ["1 um/s", "30 um/s"])
+    z = []
+    for seed in range(3):
+        data = record(SLIDER, loading, t, noise=1e-4, seed=seed)
+        result = rs.fit(data, SLIDER.replace(a=0.008, Dc="20 um"), loading=loading)
+        for name in ("a", "b", "Dc"):
+            error = result.standard_error.sel(parameter=name)
+            z.append(float((result[name] - getattr(SLIDER, name)) / error))
+        assert np.isnan(result.misfit_p_value)
+    assert 0.1 < np.sqrt(np.mean(np.square(z))) < 2.0
+    steady = rs.Loading.series([0.0, 60.0], ["1 um/s", "1 um/s"])
+    with pytest.raises(ParameterError, match=r"moves at 1e-06 m/s all the time"):
+        rs.fit(record(SLIDER, steady, t, noise=1e-4), SLIDER, loading=steady)
+    with pytest.raises(ParameterError, match="the loading accelerates between steps"):
+        rs.fit(data, SLIDER, ("a", "b"), loading=loading, against="cycles")
 
 
 def drifting(slope, begins):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ratestate.records.stick_slip.edges import edges
-from ratestate.records.stick_slip.noise import Noise, loading_noise, white_noise
+from ratestate.records.stick_slip.noise import Noise, loading_noise
 from ratestate.records.stick_slip.polynomials import UNBOUNDED, Window, extremes
 from ratestate.records.stick_slip.windows import biased_errors
 
@@ -153,10 +153,3 @@ def test_noise_of_the_loading():
     assert found.correlation == pytest.approx(0.6, abs=0.06)
     assert found.inflation == pytest.approx(4.0, rel=0.25)
     assert loading_noise(t, curve, [], 2.0) == Noise(2.0)
-
-
-def test_white_noise_is_rounding_at_least():
-    rng = np.random.default_rng(4)
-    assert white_noise(7.0 * rng.normal(size=5000)) == pytest.approx(7.0, rel=0.04)
-    steps = np.repeat(np.arange(500.0), 20)
-    assert white_noise(steps) == pytest.approx(12**-0.5)

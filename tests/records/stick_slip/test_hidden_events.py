@@ -7,10 +7,11 @@ from scipy.integrate import solve_ivp
 from synthetic_stick_slip import sawtooth
 
 import ratestate as rs
+from ratestate.records.sample_noise import rounding
 from ratestate.records.stick_slip.detection import Rough, without_rebounds
 from ratestate.records.stick_slip.hidden import has_several, has_step_down
 from ratestate.records.stick_slip.measures import SEVERAL, UNDERSAMPLED, WHOLE
-from ratestate.records.stick_slip.noise import Noise, rounding
+from ratestate.records.stick_slip.noise import Noise
 
 DROP = 1e5
 
@@ -123,6 +124,9 @@ def test_close_events_are_two_or_told(gap, noise):
         assert np.abs(late[np.isfinite(late) & ~large]).max() < 4.5
         told = ["this fall is several events" in text for text in messages(events)]
         assert told == several.tolist()
+        for name in ("stress_drop", "duration", "slip", "peak_slip_rate", "friction_work"):
+            half = events[f"{name}_error"].values >= 0.5 * np.abs(events[name].values)
+            assert (half | np.isnan(events[f"{name}_error"].values))[several].all()
 
 
 def test_a_single_fall_is_not_several():

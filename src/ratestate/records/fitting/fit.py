@@ -95,11 +95,11 @@ def fit(
         ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
         in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``noise_exponent`` (1 is 1/f noise,
         0 noise of one correlation time), ``rms``, ``chi2_white``, ``log_likelihood``, ``aic``,
-        ``bic``; ``misfit_p_value``, the probability that noise alone leaves the transients that
-        the residuals have after the steps.  Profiles: ``profile_value`` [SI] and
-        ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along ``sample``,
-        all of the same weight, ``log_evidence`` and the sampler's diagnostics; the attribute
-        ``prior``.  With several laws all this is in one Dataset along ``law``, with
+        ``bic``; ``misfit_p_value``, the probability that noise alone leaves the transients that the
+        residuals have after the steps, or NaN if it was not tested.  Profiles: ``profile_value``
+        [SI] and ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along
+        ``sample``, all of the same weight, ``log_evidence`` and the sampler's diagnostics; the
+        attribute ``prior``.  With several laws all this is in one Dataset along ``law``, with
         ``aic_difference``, ``akaike_weight``, ``log_bayes_factor`` and the attribute
         ``comparison``; what only some laws have is NaN or "" for the others.  The texts are
         ``warnings`` (a line each; "" if there are none) and ``identifiability``, a note on what is

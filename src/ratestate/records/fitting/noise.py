@@ -21,8 +21,8 @@ class Noise(NamedTuple):
     """Standard deviations of the white and the correlated part, and the latter's time [s].
 
     With an exponent, the spectrum of the correlated part falls as frequency to the power of
-    -exponent (0 to 2), down to 1/time: relaxations add up, about one a decade, whose times are from
-    `time` down to the usual time between samples.
+    -exponent, down to 1/time: relaxations add up, about one a decade, whose times are from `time`
+    down to the usual time between samples.
     """
 
     white: float

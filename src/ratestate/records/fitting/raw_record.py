@@ -142,6 +142,14 @@ def loading_of(raw, loading=None, sigma=None):
     return dataclasses.replace(loading, normal_stress=recorded_stress(raw.data, raw.t, sigma))
 
 
+def constant_speeds_of(raw, loading=None):
+    """Return the `Loading` as of `loading_of`; ParameterError if the load point accelerates."""
+    loading = loading_of(raw, loading)
+    if np.any(loading.rate):
+        raise refusal("load_point.accelerates")
+    return loading
+
+
 def _load_point_segments(data):
     """(segments,) starts [s] and speeds [m/s] of a record's load point, 0 in a hold."""
     if (stored := stored_segments(data)) is not None:

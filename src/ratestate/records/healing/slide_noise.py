@@ -6,7 +6,7 @@ import numpy as np
 
 from ..fitting.estimated_noise import estimated_noise
 from ..fitting.noise import Noise
-from ..sample_noise import OF_STEP, resolution
+from ..sample_noise import rounding
 from .polynomial_windows import window_of
 
 #: part of a slide that may be steady: its end; fewest samples of it
@@ -36,7 +36,7 @@ def noise_of_slides(t, friction, slides):
         return None
     chosen = np.unique(np.linspace(0, len(parts) - 1, SLIDES).round().astype(int))
     parts = [parts[i] for i in chosen]
-    least = max(resolution(friction) * OF_STEP, SINGLE * np.abs(friction).max())
+    least = max(rounding(friction), SINGLE * np.abs(friction).max())
     levels = np.array([_noise(t, friction, [rows], least).level for rows in parts])
     most = NOISIER * levels.min()
     return _noise(t, friction, [parts[i] for i in np.flatnonzero(levels <= most)], least)

@@ -25,8 +25,8 @@ def stress_drops(raw, sigma, segments):
         "sigma": ("time", np.full(raw.time.size, sigma)),
     }
     variables |= {"segment_t": ("segment", segments.t), "segment_V": ("segment", segments.V)}
-    series = series_of(xarray.Dataset(variables, {"time": raw.time}))
-    rough = [one for one in detected(series)[0] if min(one) >= 0]
+    series, rough, *_ = detected(series_of(xarray.Dataset(variables, {"time": raw.time})))
+    rough = [one for one in rough if min(one) >= 0]
     samples = np.array(rough, int).reshape(-1, 2)[~in_gaps(series.t, rough)]
     times, drops = series.t[samples], series.tau[samples] @ (1.0, -1.0)
     chosen = []

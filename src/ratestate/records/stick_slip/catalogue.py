@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..sample_noise import sample_noise
 from . import computed, recorded
 from .detection import in_gaps, rough_events, without_rebounds
 from .hidden import has_several, has_step_down
@@ -20,9 +21,8 @@ from .measures import (
     WHOLE,
     kinds,
     measured_events,
-    with_several,
 )
-from .noise import Noise, loading_noise, white_noise
+from .noise import Noise, loading_noise
 from .outliers import without_outliers
 from .refusals import sentence
 from .significance import is_stick_slip
@@ -67,18 +67,15 @@ class Catalogue(NamedTuple):
 
 def catalogue_of(series):
     """The `Catalogue` of a `Series`."""
-    rough, noise, threshold = detected(series)
+    clean, rough, noise, threshold = detected(series)
     gaps = in_gaps(series.t, rough)
     rises, falls = _phases(series, rough)
     stiffness = Stiffness(series.K or math.nan, series.K_error, series.K_source)
     if series.K is None:
         stiffness = loading_stiffness(series, rises, falls, noise)
     found = _found(series, rough, gaps, noise)
-    clean = series
-    if series.V is None:  # (an outlier is not a hidden event)
-        clean = series._replace(tau=without_outliers(series.tau, noise.sd))
     status = np.where(gaps, GAP, _status(clean, rough, found, noise))
-    values = with_several(measured_events(series, found, stiffness), status == SEVERAL)
+    values = measured_events(series, found, stiffness, status == SEVERAL)
     unresolved = values["duration"][0] < _longest_steps(series, rough)
     values["duration"] = tuple(np.where(unresolved, math.nan, x) for x in values["duration"])
     values["recurrence"], why = _recurrence(series, values["event_time"], status)
@@ -104,14 +101,15 @@ def catalogue_of(series):
 
 
 def detected(series):
-    """list of `Rough` events; `Noise`: of the loading, if larger than the white; threshold [Pa].
+    """Return a series without its outliers, its events, its noise, and the threshold [Pa].
 
-    None of a record whose stress merely wanders; outliers of one or two samples are no events.
+    The events are a list of `Rough`, empty if stress merely wanders.  The `Noise` is that of the
+    loading, if it is larger than white noise.
     """
     if series.V is not None:
         rough, threshold = rough_events(series.tau, LEAST * series.resolution)
-        return rough, Noise(0.0), threshold
-    white = max(white_noise(series.tau), series.resolution)
+        return series, rough, Noise(0.0), threshold
+    white = max(sample_noise(series.tau), series.resolution)
     series = series._replace(tau=without_outliers(series.tau, white))
     noise = Noise(white)
     rough, threshold = _rough(series, noise)
@@ -121,7 +119,7 @@ def detected(series):
         if noise.sd < LARGER * white:
             break
         rough, threshold = _rough(series, noise)
-    return (rough if is_stick_slip(series, rough) else []), noise, threshold
+    return series, rough if is_stick_slip(series, rough) else [], noise, threshold
 
 
 def _rough(series, noise):

@@ -28,54 +28,54 @@ STATUSES = {
 WHOLE, CUT_BY_START, CUT_BY_END, LOAD_CHANGES, UNDERSAMPLED, GAP, SEVERAL = STATUSES
 
 
-def measured_events(series, found, stiffness):
-    """Name -> (m,) values of all quantities of whole events, with ``NAME_error``.
+def measured_events(series, found, stiffness, several):
+    """Return name -> (values (m,), standard errors (m,)) of all quantities of whole events.
 
     found : `Found`
     stiffness : `Stiffness`
+    several : (m,) whether an event is several; the errors then hold for each of them, which has at
+        least nothing and at most all of what is measured
     """
     K, K_error = stiffness.K, stiffness.error
     high, low = found.peak, found.trough
     start, end = high[:, 2], low[:, 2]
     V_lp, V_lp_error = series.load.speed(found.middle[:, 0])
-    out = {
-        "event_time": (found.middle[:, 0], found.middle[:, 1]),
+    drop, drop_error = high[:, 0] - low[:, 0], np.hypot(high[:, 1], low[:, 1])
+    amounts = {"stress_drop": (drop, drop_error)}
+    if series.sigma is not None:
+        sigma = np.interp(np.stack([start, end]), series.t, series.sigma)
+        friction = high[:, 0] / sigma[0] - low[:, 0] / sigma[1]
+        error = np.hypot(high[:, 1] / sigma[0], low[:, 1] / sigma[1])
+        amounts["friction_drop"] = friction, error
+    duration, duration_error = end - start, np.hypot(high[:, 3], low[:, 3])
+    amounts["duration"] = duration, duration_error
+    slip = series.load.moved(start, end) + drop / K
+    error = np.hypot(np.hypot(drop_error, drop * K_error / K) / K, V_lp * duration_error)
+    amounts["slip"] = slip, error
+    fall, fall_error = found.slope.T
+    error = np.hypot(np.hypot(fall_error, fall * K_error / K) / K, V_lp_error)
+    amounts["peak_slip_rate"] = V_lp + fall / K, error
+    # of a whole event the place of an extreme, and its value, err independently
+    released = (high[:, 0] ** 2 - low[:, 0] ** 2) / (2.0 * K)
+    error = np.hypot(high[:, 0] * high[:, 1], low[:, 0] * low[:, 1]) / K
+    error = np.hypot(error, released * K_error / K)
+    amounts["spring_energy"] = released, error
+    load_error = 0.5 * (high[:, 0] + low[:, 0]) * V_lp * duration_error
+    work = _load_work(series, start, end) + released
+    amounts["friction_work"] = work, np.hypot(load_error, error)
+    time_error = np.hypot(found.middle[:, 1], np.where(several, 0.5 * duration, 0.0))
+    return {
+        "event_time": (found.middle[:, 0], time_error),
         "event_start": (start, high[:, 3]),
         "event_end": (end, low[:, 3]),
         "tau_max": (high[:, 0], high[:, 1]),
         "tau_min": (low[:, 0], low[:, 1]),
         "V_lp": (V_lp, V_lp_error),
+        **{
+            name: (value, np.hypot(error, np.where(several, 0.5 * value, 0.0)))
+            for name, (value, error) in amounts.items()
+        },
     }
-    drop, drop_error = high[:, 0] - low[:, 0], np.hypot(high[:, 1], low[:, 1])
-    out["stress_drop"] = drop, drop_error
-    if series.sigma is not None:
-        sigma = np.interp(np.stack([start, end]), series.t, series.sigma)
-        friction = high[:, 0] / sigma[0] - low[:, 0] / sigma[1]
-        out["friction_drop"] = friction, np.hypot(high[:, 1] / sigma[0], low[:, 1] / sigma[1])
-    out["duration"] = end - start, np.hypot(high[:, 3], low[:, 3])
-    out |= _slip(series, found, stiffness, out)
-    # of a whole event the place of an extreme, and its value, err independently
-    released = (high[:, 0] ** 2 - low[:, 0] ** 2) / (2.0 * K)
-    released_error = np.hypot(high[:, 0] * high[:, 1], low[:, 0] * low[:, 1]) / K
-    released_error = np.hypot(released_error, released * K_error / K)
-    out["spring_energy"] = released, released_error
-    load = _load_work(series, start, end)
-    load_error = 0.5 * (high[:, 0] + low[:, 0]) * V_lp * out["duration"][1]
-    out["friction_work"] = load + released, np.hypot(load_error, released_error)
-    return out
-
-
-def _slip(series, found, stiffness, out):
-    """Slip and peak slip rate with their errors."""
-    K, relative = stiffness.K, stiffness.error / stiffness.K
-    drop, drop_error = out["stress_drop"]
-    (V_lp, V_lp_error), duration_error = out["V_lp"], out["duration"][1]
-    slip = series.load.moved(out["event_start"][0], out["event_end"][0]) + drop / K
-    slip_error = np.hypot(np.hypot(drop_error / K, drop / K * relative), V_lp * duration_error)
-    fall, fall_error = found.slope.T
-    rate = V_lp + fall / K
-    rate_error = np.hypot(np.hypot(fall_error / K, fall / K * relative), V_lp_error)
-    return {"slip": (slip, slip_error), "peak_slip_rate": (rate, rate_error)}
 
 
 def _load_work(series, start, end):
@@ -84,29 +84,6 @@ def _load_work(series, start, end):
     steps = 0.5 * (tau[1:] + tau[:-1]) * series.load.moved(t[:-1], t[1:])
     total = np.concatenate([[0.0], np.cumsum(steps)])
     return np.interp(end, t, total) - np.interp(start, t, total)
-
-
-def with_several(values, several):
-    """Values with errors that hold for each of the events that were measured as one.
-
-    several : (m,) whether an event is several; each of them has at least nothing and at most all
-    """
-    values = dict(values)
-    for name in (
-        "stress_drop",
-        "friction_drop",
-        "duration",
-        "slip",
-        "spring_energy",
-        "friction_work",
-    ):
-        if name in values:
-            value, error = values[name]
-            values[name] = value, np.where(several, np.hypot(error, 0.5 * value), error)
-    time, error = values["event_time"]
-    half = 0.5 * values["duration"][0]
-    values["event_time"] = time, np.where(several, np.hypot(error, half), error)
-    return values
 
 
 def kinds(values, K, M):

@@ -5,8 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..sample_noise import sample_noise
-
 #: part of the rise of stress, in time, whose residuals are the noise
 CALM = (0.2, 0.6)
 #: degree of the polynomial there
@@ -27,18 +25,6 @@ class Noise(NamedTuple):
     def inflation(self):
         """Variance of a mean over that with white noise."""
         return (1.0 + self.correlation) / (1.0 - self.correlation)
-
-
-def white_noise(y):
-    """Standard deviation of the white noise of a series (n,): that of rounding at least."""
-    return max(sample_noise(y), rounding(y))
-
-
-def rounding(y):
-    """Standard deviation of the rounding of a series (n,) to its last digit; 0 of a constant."""
-    steps = np.abs(np.diff(y))
-    digit = float(steps[steps > 0.0].min(initial=math.inf))
-    return digit / math.sqrt(12.0) if math.isfinite(digit) else 0.0
 
 
 def loading_noise(t, y, rises, white):

@@ -11,7 +11,7 @@ from ...model.conversion import in_si
 from ...model.units import one_in_si
 from ..reading.segments import segments_from_displacement, segments_from_velocity, stored_segments
 from ..reading.sizes import constant_in_si, typical_stress
-from .noise import rounding
+from ..sample_noise import rounding
 from .refusals import refusal
 
 #: least samples

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ....model.sentences import Sentences
-from ..raw_record import loading_of, raw_record
+from ..raw_record import constant_speeds_of, raw_record
 from ..refusals import refusal
 from .folding import FEWEST_CYCLES, cut_cycles
 
@@ -30,13 +30,13 @@ class Segment(NamedTuple):
 def segments_of(record, slider, loading):
     """list of `Segment`s of a record, in each of which the load point moves at one speed.
 
-    ParameterError as of `raw_record` and `loading_of`, for a record of mu, and if no segment has
-    `FEWEST` samples.
+    ParameterError as of `raw_record` and `constant_speeds_of`, for a record of mu, and if
+    no segment has `FEWEST` samples.
     """
     raw = raw_record(record, slider)
     if raw.kind != "tau":
         raise refusal("cycles.of_mu")
-    loading, t = loading_of(raw, loading), raw.t
+    loading, t = constant_speeds_of(raw, loading), raw.t
     segments = []
     for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
         rows = (t >= start) & (t < end)

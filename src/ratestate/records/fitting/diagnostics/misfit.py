@@ -30,6 +30,8 @@ def misfit_warnings(inference):
         mass = "the machine's mass (M is 0), " if massless else ""
         values = {"chance": inference.chance, "mass": mass, "other": _other_law(solution)}
         yield SENTENCES("residuals.after_steps", **values)
+    elif np.isnan(inference.chance):
+        yield SENTENCES("residuals.not_tested")
 
 
 def _over_given(solution):

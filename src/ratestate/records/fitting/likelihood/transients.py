@@ -32,11 +32,13 @@ FINE = 1e-4
 
 
 def chance_of_transients(solution, D):
-    """Probability that noise alone leaves as large transients after the steps; 1 of a fine fit.
+    """Return the probability that noise alone leaves transients as large after the steps.
 
     D : distance [m] over which friction evolves
 
-    It is a mean over likely shapes of the noise, which is estimated even if it was given.
+    The probability is a mean over likely shapes of the noise, which is estimated even if it was
+    given.  It is 1 if the residuals are negligible, and NaN if nothing could be tested: without
+    steps, without a motion under any added friction, or without a possible noise.
     """
     record = solution.problem.record
     if np.sqrt(np.mean(solution.residual**2)) < FINE * record.scale:
@@ -44,11 +46,11 @@ def chance_of_transients(solution, D):
     added = _transients(solution, D)
     jacobian, count = np.column_stack([added, solution.jacobian]), added.shape[1]
     if not count:
-        return 1.0
+        return np.nan
     likelihood = RestrictedLikelihood(record.t, solution.residual, jacobian)
     shapes, weight = likely_shapes(likelihood)
     if not shapes:
-        return 1.0
+        return np.nan
     chances = []
     for one in shapes:
         root = one.root[:count]  # of the covariance of the transients
@@ -72,7 +74,8 @@ def _transients(solution, D):
     once = np.minimum(D / speeds, (end - times[some]) / LENGTHS[-1])
     steps = zip(times[some].tolist(), once.tolist(), strict=True)
     effects = [_effect(solution, t, length * unit) for t, unit in steps for length in LENGTHS]
-    columns = np.nan_to_num(np.reshape(effects, (-1, record.t.size))).T
+    columns = np.reshape(effects, (-1, record.t.size)).T
+    columns = columns[:, np.isfinite(columns).all(axis=0)]
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
     basis = np.linalg.qr(jacobian[:, jacobian.any(axis=0)])[0]
     rest, sizes, _ = np.linalg.svd(columns - basis @ (basis.T @ columns), full_matrices=False)

@@ -35,7 +35,7 @@ class Inference(NamedTuple):
     profiles: dict  # name -> `Profile`
     posterior: Posterior | None
     still_improving: bool  # even after `REFITS` a profile has a better point
-    chance: float  # that noise alone leaves such transients after the steps
+    chance: float  # that noise alone leaves such transients after the steps; NaN if not tested
 
 
 def infer(solution, noise, errors):
@@ -75,7 +75,7 @@ def infer(solution, noise, errors):
     }
     estimates = estimates.with_intervals(ends, "profile")
     _, D, _ = longest_distance(estimates, solution.problem.slider)
-    chance = chance_of_transients(solution, D) if responds(solution) else 1.0
+    chance = chance_of_transients(solution, D) if responds(solution) else np.nan
     return Inference(
         solution, likely, quantities, estimates, profiles, None, still_improving, chance
     )

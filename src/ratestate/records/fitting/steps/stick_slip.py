@@ -44,9 +44,10 @@ def _events_in(part, sigma):
         series = series_of(part, sigma=None if "sigma" in part.variables else sigma)
     except RateStateError:  # such as of missing values: the fit of the slide says so
         return 0
-    rough, friction = detected(series)[0], series.tau / series.sigma
+    series, rough, *_ = detected(series)
     if len(rough) < FEWEST:
         return 0
+    friction = series.tau / series.sigma
     drops = [friction[one.peak] - friction[one.trough] for one in rough if min(one) >= 0]
     high, low = np.percentile(friction, (99.0, 1.0))
     return len(rough) if np.median(drops) > DROP * (high - low) else 0
