@@ -293,6 +293,17 @@ def test_without_a_prime_the_pore_pressure_is_subtracted(tmp_path):
     np.testing.assert_allclose(data.sigma, 5e6)
 
 
+@pytest.mark.parametrize(
+    "title",
+    ["EPWP (MPa)", "Excess pore pressure (MPa)", "Porenwasser\u00fcberdruck (MPa)"],
+)
+def test_a_pressure_from_an_initial_one_is_not_subtracted(tmp_path, title):
+    path = write(tmp_path / "r.txt", BASE | {"Normal stress (MPa)": SIGMA, title: 0.1 * SIGMA})
+    with pytest.warns(RecordWarning, match="is counted from an initial pore pressure"):
+        data = read_lab(path)
+    np.testing.assert_allclose(data.sigma, 5e6)
+
+
 @pytest.mark.parametrize(("pore", "turned"), [(3.0, False), (-3.0, True)])
 def test_the_sign_of_the_pore_pressure_follows_the_stress(tmp_path, pore, turned):
     """Where tension is positive, both are negative."""

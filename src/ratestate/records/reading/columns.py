@@ -43,7 +43,7 @@ def choose_columns(table, columns, constants=()):
         # stresses are optional where friction is recorded
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
         index = column_by_name(table, symbol, chosen.values(), needed)
-        if index is not None:
+        if index is not None and not _is_excess(table, symbol, index):
             chosen[symbol] = index
     for need, ways in NEEDS.items():
         if not {*chosen, *constants} & set(ways):
@@ -60,6 +60,12 @@ def _is_effective(table, chosen, requested):
     if "sigma" not in chosen or "sigma" in requested:
         return True
     return _rank(table, chosen, "sigma") == 0
+
+
+def _is_excess(table, symbol, index):
+    """Whether a column of pore pressure is counted from an initial one."""
+    name = spaced(table.columns[index].name)
+    return symbol == "pore_pressure" and bool(WORDS["excess"].search(name))
 
 
 def _rank(table, chosen, symbol):
@@ -89,7 +95,8 @@ def title_warnings(table, chosen, requested, constants=()):
             free = i not in chosen.values() and not effective
             known = match_rank(column.name, "pore_pressure") is not None
             if free and (known or WORDS["pressure"].search(spaced(column.name))):
-                notes.append(message("notes.pore_pressure", title=quoted(column.title)))
+                kind = "excess" if _is_excess(table, "pore_pressure", i) else "pore"
+                notes.append(message(f"notes.{kind}_pressure", title=quoted(column.title)))
     return notes
 
 
