@@ -99,3 +99,15 @@ def test_seconds_beside_a_clock_are_read(tmp_path, clock):
     data = read_lab(path)
     np.testing.assert_allclose(data.time, t)
     np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-6)
+
+
+@pytest.mark.parametrize("form", ["%Y-%m-%d", "%d.%m.%Y", "%m/%d/%Y"])
+def test_a_date_and_a_clock_time_beside_two_columns(tmp_path, form):
+    """As many cells are numbers as are none; the record goes on past midnight."""
+    start, rows = datetime.datetime(2024, 3, 1, 23, 59), ["Date,Time,Displacement (um),Friction"]
+    for i in range(200):
+        now = start + datetime.timedelta(seconds=i)
+        rows.append(now.strftime(f"{form},%H:%M:%S,{5 * i},0.6{i:03d}"))
+    path = tmp_path / "r.csv"
+    path.write_text("\n".join(rows) + "\n")
+    np.testing.assert_array_equal(np.diff(read_lab(path).time), 1.0)

@@ -13,7 +13,8 @@ _TIME = re.compile(
     r"\s*(?P<half>[ap])?(?(half)\.?\s?m\.?)\s*(?:z|utc|[+-]\d\d:?\d\d)?",
     re.IGNORECASE,
 )
-_DATE = re.compile(r"(\d{1,4})([-./])(\d{1,2})\2(\d{1,4})")
+#: 2019-05-14, 14.05.2019, 5/14/2019
+DATE = re.compile(r"(\d{1,4})([-./])(\d{1,2})\2(\d{1,4})")
 
 
 class Clock(NamedTuple):
@@ -34,7 +35,7 @@ def clock_of(cell, unit=""):
     if alone and written not in ("hhmm", "hmm", "hm", "mmss", "mss", "ms"):
         return None  # hours and minutes, or minutes and seconds
     minutes = bool(match["part"]) or (alone and written in ("mmss", "mss", "ms"))
-    date = _DATE.fullmatch(match["date"] or "")
+    date = DATE.fullmatch(match["date"] or "")
     unsure = date is not None and len(date[1]) < 4 and date[2] != "."
     day = _day(match["date"], unsure)
     return Clock(minutes, 0 if np.isnan(day) else int(day), unsure)
@@ -107,7 +108,7 @@ def _day(date, unsure):
     if count := re.fullmatch(r"(\d+)\s*(?:d|days?)?", date):
         return float(count[1])
     if unsure:
-        match = _DATE.fullmatch(date)
+        match = DATE.fullmatch(date)
         if match is None:
             return np.nan
         year = int(match[4]) + 2000 * (len(match[4]) < 3)

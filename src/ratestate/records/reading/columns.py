@@ -95,8 +95,9 @@ def title_warnings(table, chosen, requested, constants=()):
             free = i not in chosen.values() and not effective
             known = match_rank(column.name, "pore_pressure") is not None
             if free and (known or WORDS["pressure"].search(spaced(column.name))):
-                kind = "excess" if _is_excess(table, "pore_pressure", i) else "pore"
-                notes.append(message(f"notes.{kind}_pressure", title=quoted(column.title)))
+                excess = _is_excess(table, "pore_pressure", i)
+                name = "notes.excess_pressure" if excess else "notes.pore_pressure"
+                notes.append(message(name, title=quoted(column.title)))
     return notes
 
 

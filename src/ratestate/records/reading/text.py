@@ -11,7 +11,7 @@ from collections import Counter
 import numpy as np
 
 from .cells import ODD, Layout, cells_of, is_full, number_in, rows_in, trimmed
-from .clock import clock_of, continuous
+from .clock import DATE, clock_of, continuous
 from .encodings import examined
 from .header import check_headers, end_of_labview, header_of
 from .messages import refusal
@@ -152,6 +152,8 @@ def _numbers(blocks, layout, start, most, header, name):
 def _is_data(cells, dense=True):
     """Whether these look like a row of a record: two cells or more, hardly one without a number.
 
+    Dates and clock times do not count.
+
     dense : whether empty cells count as being without a number
     """
     good = [cell for cell in cells if cell.lower() == "nan" or _is_number(cell)]
@@ -160,6 +162,7 @@ def _is_data(cells, dense=True):
         for cell in cells
     )
     filled = trimmed(cells) if dense else [cell for cell in cells if cell]
+    filled = [cell for cell in filled if not (CLOCK.search(cell) or DATE.fullmatch(cell))]
     return len(good) >= 2 and 2 * len(good) > len(filled) and not several
 
 
