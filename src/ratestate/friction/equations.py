@@ -61,7 +61,7 @@ class Equations:
         self.rates = [hoisting(rate) for rate in rates]
         self.resistance = hoisting(times_each(mu - mu_ref, 1.0 / p.a))
         self.v, *self.psi = map(hoisting, (v, *psi))
-        self._graph, self._constants = hoisting.graph, hoisting.constants
+        self.graph, self.constants = hoisting.graph, hoisting.constants
         self._parameters = symbols | {"V_ref": V_ref}
 
     def coefficients(self, V_ref, values, functions=Real):
@@ -71,7 +71,7 @@ class Equations:
         """
         values = {**values, "V_ref": V_ref}
         known = {one: values[symbol] for symbol, one in self._parameters.items()}
-        return tuple(evaluate(self._constants.values(), known, functions))
+        return tuple(evaluate(self.constants.values(), known, functions))
 
     def derivative(self, x, *by):
         """The derivative of an expression by `v` or one of `psi`, by several in turn."""
@@ -79,10 +79,10 @@ class Equations:
 
     @functools.cached_property
     def _derivatives(self):
-        one = self._graph.number(1.0)
-        return {x: Derivative(self._graph, {x: one}) for x in (self.v, *self.psi)}
+        one = self.graph.number(1.0)
+        return {x: Derivative(self.graph, {x: one}) for x in (self.v, *self.psi)}
 
     def values(self, expressions, v, psi, p, functions=Real):
         """Values of expressions where v, psi (a tuple) and the coefficients are these, a list."""
-        known = dict(zip((self.v, *self.psi, *self._constants), (v, *psi, *p), strict=True))
+        known = dict(zip((self.v, *self.psi, *self.constants), (v, *psi, *p), strict=True))
         return evaluate(expressions, known, functions)

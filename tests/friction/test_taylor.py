@@ -1,0 +1,101 @@
+"""Taylor coefficients in time of the equations that are derived from formulas."""
+
+import math
+from types import SimpleNamespace
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from ratestate.engine import recurrences
+from ratestate.friction.elementary import where
+from ratestate.friction.equations import Equations
+from ratestate.friction.expressions import FUNCTIONS, Graph, exp, power
+from ratestate.friction.laws import LAWS
+from ratestate.friction.taylor import NoSeries, expand
+
+ORDER = 8
+
+
+@pytest.mark.parametrize("name", sorted(FUNCTIONS.keys() - {"abs"}))
+def test_functions_of_a_series(name):
+    """Of x = 0.7 + 0.4 t, whose coefficients are derivatives over factorials."""
+    graph = Graph(merges=False)
+    x = graph.symbol("x", is_constant=False)
+    y = graph.call(name, x)
+    (_, (found,)) = expand({x: graph.number(0.4)}, [y], ORDER, {x: 0.7})
+    exact = EXACT[name] if name in EXACT else getattr(mp, name)
+    expected = mp.taylor(lambda t: exact(0.7 + 0.4 * t), 0, ORDER - 1)
+    np.testing.assert_allclose(np.array(found, float), np.array(expected, float), rtol=1e-11)
+
+
+EXACT = {
+    "softplus": lambda x: mp.log(1 + mp.exp(x)),
+    "logistic": lambda x: 1 / (1 + mp.exp(-x)),
+    "asinh_of_exp": lambda x: mp.asinh(mp.exp(x)),
+    "log1p": lambda x: mp.log(1 + x),
+}
+
+
+@pytest.mark.parametrize("exponent", [2.0, 3.0, -1.0, -2.0, 0.5, -1.7])
+def test_powers_of_a_series(exponent):
+    graph = Graph(merges=False)
+    x, a = graph.symbol("x", is_constant=False), graph.symbol("a")
+    y = a * power(x, exponent) * x / (1.0 + x)
+    (_, (found,)) = expand({x: graph.number(0.4)}, [y], ORDER, {x: 0.7, a: 3.0})
+
+    def exact(t):
+        z = 0.7 + 0.4 * t
+        return 3 * z ** (exponent + 1) / (1 + z)
+
+    expected = mp.taylor(exact, 0, ORDER - 1)
+    np.testing.assert_allclose(np.array(found, float), np.array(expected, float), rtol=1e-11)
+
+
+def test_a_motion():
+    """A pendulum-like pair: x' = y, y' = a - x exp(x), driven along a line a = 0.3 + 0.5 t."""
+    graph = Graph(merges=False)
+    x, y, a = (graph.symbol(name, is_constant=False) for name in "xya")
+    rates = {x: y, y: a - x * exp(x)}
+    (of_x, of_y), (work,) = expand(rates, [x * y], 20, {x: 0.2, y: 0.1, a: (0.3, 0.5)})
+    solution = mp.odefun(
+        lambda t, z: [z[1], 0.3 + 0.5 * t - z[0] * mp.exp(z[0])], 0, [mp.mpf(0.2), mp.mpf(0.1)]
+    )
+    t = 0.2
+    found = [math.fsum(c * t**k for k, c in enumerate(one)) for one in (of_x, of_y)]
+    np.testing.assert_allclose(found, np.array(solution(t), float), rtol=1e-14)
+    assert work[0] == pytest.approx(0.02)
+    assert len(work) == 20
+
+
+def test_a_choice_has_no_series():
+    graph = Graph(merges=False)
+    x = graph.symbol("x", is_constant=False)
+    with pytest.raises(NoSeries):
+        expand({x: where(x > 1.0, x, 1.0)}, [], 3, {x: 0.5})
+
+
+@pytest.mark.parametrize("name", ["slip", "aging", "prz", "two-state-aging"])
+def test_a_motion_under_a_law_is_that_of_the_engine(name):
+    """x' = kappa (w_lp - w), v' = (x - R)/(eta0 w), each psi' by the law."""
+    law, rng = LAWS[name], np.random.default_rng(0)
+    values = dict.fromkeys(("a", "b", "Dc", "mu0", "V0", "b2", "Dc2"), 1.0) | {"b": 1.7, "b2": 0.4}
+    symbols = {"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")}
+    states = {state: symbols[state] for state in law.states}
+    equations = Equations(law, states, law.parameters)
+    y, kappa, eta0, w_lp, ramp = rng.normal(size=2 + len(law.states)).tolist(), 0.6, 3.0, 1.3, 0.2
+    graph, w = equations.graph, exp(equations.v)
+    x, line = (graph.symbol(one, is_constant=False) for one in ("x", "w_lp"))
+    rates = {
+        x: kappa * (line - w),
+        equations.v: (x - equations.resistance) / (eta0 * w),
+        **dict(zip(equations.psi, equations.rates, strict=True)),
+    }
+    known = dict(zip(rates, y, strict=True)) | {line: (w_lp, ramp)}
+    known |= dict(zip(equations.constants, equations.coefficients(1.0, values), strict=True))
+    found, works = expand(rates, [x * line, equations.resistance * w], recurrences.ORDER, known)
+    p = law.coefficients(1.0, SimpleNamespace(**values))
+    e = [math.exp(one) for one in law.exponents(y[1], math.exp(y[1]), y[2:], p)]
+    expected = recurrences.coefficients(law, y, math.exp(y[1]), e, w_lp, ramp, kappa, eta0, p)
+    for mine, its in zip([*found, *works], [*expected[0], *expected[1]], strict=True):
+        np.testing.assert_allclose(mine, its, rtol=1e-11, atol=1e-13)
