@@ -12,13 +12,14 @@ from hypothesis import strategies as st
 
 from ratestate.friction.composition import composed, forms_of
 from ratestate.friction.derivatives import DERIVATIVES, Derivative
-from ratestate.friction.elementary import sqrt, where
+from ratestate.friction.elementary import asinh, cosh, maximum, sinh, sqrt, tanh, where
 from ratestate.friction.equations import COMMON, Equations, friction_of_logarithms
 from ratestate.friction.evaluation import evaluate
 from ratestate.friction.expressions import FUNCTIONS, Graph, exp, log
 from ratestate.friction.forms import FORMS
 from ratestate.friction.law import FrictionLaw, Parameter
 from ratestate.friction.laws import LAWS
+from ratestate.friction.rewriting import Hoisting
 
 #: laws whose formula is theirs alone ("nagata" is written in another variable)
 NAMES = [name for name, law in LAWS.items() if hasattr(law, "evolution")]
@@ -138,8 +139,7 @@ def test_derivatives_far_from_all_that_slips(name, form):
                 symbols = [(found.v, *found.psi)[i] for i in by]
                 expression = found.derivative(root, *symbols)
                 true = value_of(expression, *at)
-                with np.errstate(under="ignore"):
-                    (value,) = found.values([expression], y[0], y[1:], p)
+                (value,) = found.values([expression], y[0], y[1:], p)
                 assert abs(value - true) <= 1e-12 * abs(true) + 1e-300, by
                 if by:
                     before = found.derivative(root, *symbols[:-1])
@@ -246,13 +246,49 @@ def test_a_positive_quantity_carries_its_logarithm():
     assert log(sqrt(V)).terms[x] == 0.5
 
 
+#: formulas of u = e**x, and of n = 3, as a user may write them; x; the truth
+FORMULAS = [
+    (lambda u, n: (1.0 - u) ** 20, 1.0, lambda u: (1 - u) ** 20),
+    (lambda u, n: 1.0 / (n * (1.0 + u**8)), 23.0, lambda u: 1 / (3 * (1 + u**8))),
+    (lambda u, n: log(u + 1.0), -46.0, lambda u: mp.log(1 + u)),
+    (
+        lambda u, n: (u / 1e-6) ** 60 * (n * u) ** -40,
+        -60.0,
+        lambda u: mp.mpf(10) ** 360 * u**20 / mp.mpf(3) ** 40,
+    ),
+    (lambda u, n: maximum(1.0 - u, 0.0) ** n, 0.5, lambda u: mp.mpf(0) * u),
+    (lambda u, n: maximum(1.0 - u, 0.0) ** 1.5, -0.5, lambda u: (1 - u) ** 1.5),
+    (lambda u, n: ((1.0 - u) ** 2) ** 2.5, 0.1, lambda u: abs(1 - u) ** 5),
+    (lambda u, n: log(sinh(log(u)) ** 2), -1.0, lambda u: mp.log(mp.sinh(mp.log(u)) ** 2)),
+    (lambda u, n: u * where(u > 2.0, 1.0, 0.0) + abs(log(u)), -1.0, lambda u: -mp.log(u)),
+    (lambda u, n: 1.0 / cosh(u), 6.7, lambda u: 1 / mp.cosh(u)),
+    (lambda u, n: tanh(u) / u - asinh(u), 0.3, lambda u: mp.tanh(u) / u - mp.asinh(u)),
+    (lambda u, n: n**u + sqrt(u) * np.int64(2), 0.3, lambda u: 3**u + 2 * mp.sqrt(u)),
+]
+
+
+@pytest.mark.parametrize(("formula", "x", "truth"), FORMULAS)
+def test_formulas_as_a_user_may_write_them(formula, x, truth):
+    graph, hoisting = Graph(), Hoisting()
+    symbol, n = graph.symbol("x", is_constant=False), graph.symbol("n", is_positive=True)
+    y = hoisting(formula(exp(symbol), n))
+    at, one = hoisting(symbol), hoisting.graph.number(1.0)
+    constants = evaluate(hoisting.constants.values(), {n: 3.0})
+    known = dict(zip(hoisting.constants, constants, strict=True))
+    for order in range(3):
+        (value,) = evaluate([y], known | {at: x})
+        with mp.workdps(400):
+            true = mp.diff(lambda t: truth(mp.exp(t)), mp.mpf(x), order)
+        assert value == pytest.approx(float(true), rel=1e-11, abs=1e-300)
+        y = Derivative(hoisting.graph, {at: one})(y)
+
+
 def test_the_side_that_is_not_chosen_leaves_no_trace():
     graph = Graph()
     x = graph.symbol("x", is_constant=False)
     y = where(x > 0.0, log(abs(x)) * exp(-1.0 / x), x * x)
     by_x = Derivative(graph, {x: graph.number(1.0)})
-    with np.errstate(all="ignore"):
-        found = evaluate([y, by_x(y)], {x: np.array([-3.0, 0.0])})
+    found = evaluate([y, by_x(y)], {x: np.array([-3.0, 0.0])})
     np.testing.assert_array_equal(found, [[9.0, 0.0], [-6.0, 0.0]])
 
 
@@ -264,6 +300,8 @@ def test_the_side_that_is_not_chosen_leaves_no_trace():
         (lambda x: math.exp(x), "ratestate.laws"),
         (lambda x: x == 1.0, "=="),
         (lambda x: x + "1", "no number"),
+        (lambda x: x ** float("inf"), "no number"),
+        (lambda x: (x > 1.0) + (x > 2.0), "where"),
     ],
 )
 def test_what_no_graph_can_hold_is_refused(formula, remedy):

@@ -1,4 +1,4 @@
-"""Derivatives of expressions, each function by one rule in which nothing cancels or overflows."""
+"""Derivatives of expressions: one rule a function, of terms that do not cancel each other."""
 
 from .elementary import cosh, sinh, where
 from .expressions import exp, power, softplus
@@ -46,7 +46,8 @@ class Derivative:
                 total = total + factor * self(one)
         elif x.kind == "product":
             for base, exponent in x.parts:
-                total = total + exponent * (x / base) * self(base)
+                rest = self.graph.product(1.0, {**dict(x.parts), base: exponent - 1.0})
+                total = total + exponent * rest * self(base)
         elif x.kind == "where":
             condition, one, other = x.parts
             return where(condition, self(one), self(other))

@@ -43,7 +43,8 @@ class Equations:
     def __init__(self, law, states, parameters, friction=friction_of_logarithms):
         graph = Graph()
         positive = {*POSITIVE, *(name for name, one in parameters.items() if one.bound == "> 0")}
-        symbols = {x: graph.symbol(x, is_positive=x in positive) for x in (*COMMON, *parameters)}
+        names = (*COMMON, *parameters)
+        symbols = {x: graph.symbol(("p", x), is_positive=x in positive) for x in names}
         V_ref, v = graph.symbol("V_ref", is_positive=True), graph.symbol("v", is_constant=False)
         psi = [graph.symbol(("psi", k), is_constant=False) for k in range(len(states))]
         p = SimpleNamespace(**symbols)
@@ -55,22 +56,22 @@ class Equations:
             times_each(graph.number(rate), p.Dc / D * exp(-one))
             for rate, D, one in zip(rates if len(theta) > 1 else [rates], lengths, psi, strict=True)
         ]
-        mu = times_each(friction(V, ages, p, effects), graph.number(1.0))
+        mu = times_each(graph.number(friction(V, ages, p, effects)), graph.number(1.0))
         mu_ref = replaced(mu, dict.fromkeys([v, *psi], graph.number(0.0)))
         hoisting = Hoisting()
         self.rates = [hoisting(rate) for rate in rates]
         self.resistance = hoisting(times_each(mu - mu_ref, 1.0 / p.a))
         self.v, *self.psi = map(hoisting, (v, *psi))
         self.graph, self.constants = hoisting.graph, hoisting.constants
-        self._parameters = symbols | {"V_ref": V_ref}
+        self._parameters, self._V_ref = symbols, V_ref
 
     def coefficients(self, V_ref, values, functions=Real):
         """The numbers p that stand for what is constant, a tuple.
 
         values : symbol -> float or array, of the parameters [SI]
         """
-        values = {**values, "V_ref": V_ref}
         known = {one: values[symbol] for symbol, one in self._parameters.items()}
+        known[self._V_ref] = V_ref
         return tuple(evaluate(self.constants.values(), known, functions))
 
     def derivative(self, x, *by):

@@ -8,16 +8,18 @@ import numpy as np
 
 from .expressions import ordered
 
-#: products of powers up to this are multiplied out
-LARGEST_POWER = 16
-
 
 class Real:
     """The functions of floats and NumPy arrays."""
 
     exp, log, expm1, log1p = np.exp, np.log, np.expm1, np.log1p
     sinh, cosh, tanh, asinh = np.sinh, np.cosh, np.tanh, np.arcsinh
-    sqrt, abs, where = np.sqrt, np.abs, np.where
+    sqrt, abs = np.sqrt, np.abs
+
+    @staticmethod
+    def where(condition, x, y):
+        """x where a condition holds, else y."""
+        return np.where(condition, x, y)[()]
 
     @staticmethod
     def softplus(x):
@@ -44,9 +46,10 @@ def evaluate(roots, known, functions=Real):
     known : dict expression -> value, of all symbols in them and of what else is known
     """
     values = dict(known)
-    for one in ordered(roots):
-        if one not in values:
-            values[one] = _value(one, values, functions)
+    with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
+        for one in ordered(roots):
+            if one not in values:
+                values[one] = _value(one, values, functions)
     return [values[one] for one in roots]
 
 
@@ -103,7 +106,7 @@ def _power(x, exponent, functions):
     if exponent - whole == 0.5:
         root = functions.sqrt(x)
         return root if whole == 0 else root * _power(x, whole, functions)
-    if exponent != whole or whole > LARGEST_POWER:
+    if exponent != whole:
         return functions.exp(exponent * functions.log(x))
     half = None if whole == 1 else _power(x, whole // 2, functions)
     if half is None:

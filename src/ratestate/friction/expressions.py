@@ -5,12 +5,13 @@ expressions, or a choice between two.  Each stands in its `Graph` once.
 
 The exponentials in a product are one, of the sum of their exponents, and the logarithm of a product
 of positive factors is the sum of theirs.  So a positive quantity such as V = V_ref exp(v) carries
-its logarithm, and V theta/Dc is exp(v + psi) whatever units they have: nothing overflows or is
-lost on the way, however slow the slip.
+its logarithm, and V theta/Dc is exp(v + psi) in any units: neither a product nor a power of V and
+theta overflows on the way to a result that does not.
 """
 
 import functools
 import math
+import numbers
 import operator
 
 #: functions of one argument that are nodes of a graph -> whether their values are positive
@@ -30,11 +31,15 @@ FUNCTIONS = {
 }
 
 
+#: largest power of a positive quantity that is not computed from its logarithm
+LARGEST_POWER = 16
+
+
 class Graph:
     """The expressions of some formulas, each of them once.
 
-    merges : whether the exponentials in a product become one.  Derivatives are better without, of
-        which they are the very exponentials of what is differentiated.
+    merges : whether the exponentials in a product become one.  Derivatives are taken without
+        merging, so that they reuse the exponentials of the formula.
     """
 
     def __init__(self, merges=True):
@@ -44,8 +49,10 @@ class Graph:
     def number(self, x):
         """A number as an expression; an expression as it is."""
         if isinstance(x, Expression):
+            if x.kind in ("less", "less_equal"):
+                raise TypeError("a condition is no number; use where(condition, x, y)")
             return x
-        if not isinstance(x, (int, float)):
+        if not (isinstance(x, numbers.Real) and math.isfinite(x)):
             raise TypeError(f"{x!r} is no number")
         return self._node("number", (float(x),), is_constant=True)
 
@@ -237,22 +244,35 @@ def _multiplied(x, y):
 
 
 def power(x, exponent):
-    """x**exponent: of any x for integers, else of x > 0."""
-    if not isinstance(exponent, Expression) and not isinstance(x, Expression):
+    """x**exponent: of any x if that is an integer, else (a parameter, say) of x > 0."""
+    graph = x.graph if isinstance(x, Expression) else getattr(exponent, "graph", None)
+    if graph is None:
         return x**exponent
-    if isinstance(exponent, Expression) and exponent.kind != "number":
-        return exp(exponent * log(exponent.graph.number(x)))
-    exponent = float(exponent.parts[0] if isinstance(exponent, Expression) else exponent)
-    if not isinstance(x, Expression):
-        return x**exponent
-    is_root = exponent < 0.0 or exponent != int(exponent)
-    if is_root and x.kind == "sum" and x.is_positive and not x.is_constant and x.graph.merges:
-        return exp(exponent * log(x))  # (a denominator may be beyond all numbers)
+    x, exponent = graph.number(x), graph.number(exponent)
+    is_negative = exponent.kind == "number" and exponent.parts[0] < 0.0
+    if x.kind == "where" and not is_negative:  # (where x is 0 its logarithm is none)
+        condition, *sides = x.parts
+        return graph.call("where", condition, *(power(one, exponent) for one in sides))
+    if exponent.kind != "number":
+        return exp(exponent * log(x))
+    exponent = exponent.parts[0]
+    if graph.merges and x.is_positive and not x.is_constant and _needs_logarithm(x, exponent):
+        return exp(exponent * log(x))
     factor, powers = x.powers
-    if exponent == int(exponent) or (factor > 0.0 and all(one.is_positive for one in powers)):
-        raised = {one: exponent * n for one, n in powers.items()}
-        return x.graph.product(factor**exponent, raised)
-    return x.graph.product(1.0, {x: exponent})
+    is_integer = exponent == int(exponent)
+    if not (is_integer or (factor > 0.0 and all(one.is_positive for one in powers))):
+        return graph.product(1.0, {x: exponent})
+    if len(powers) == 1 and factor == 1.0:
+        return graph.product(1.0, {one: exponent * n for one, n in powers.items()})
+    each = (power(one, exponent * n) for one, n in powers.items())
+    return functools.reduce(operator.mul, each, graph.number(factor**exponent))
+
+
+def _needs_logarithm(x, exponent):
+    """Whether a power of x > 0 may be beyond all numbers on the way to one that is not."""
+    if abs(exponent) > LARGEST_POWER:
+        return True
+    return x.kind in ("sum", "cosh") and (exponent < 0.0 or exponent != int(exponent))
 
 
 def exp(x):
@@ -277,7 +297,8 @@ def log(x):
         return math.log(x)
     factor, powers = x.powers
     if len(powers) > 1 or list(powers.values()) != [1.0] or factor != 1.0:
-        if factor > 0.0 and all(one.is_positive or one.kind == "sinh" for one in powers):
+        others = [(one.kind, n) for one, n in powers.items() if not one.is_positive]
+        if factor > 0.0 and others in ([], [("sinh", 1.0)]):
             logs = (n * log(one) for one, n in powers.items())
             return functools.reduce(operator.add, logs, x.graph.number(math.log(factor)))
         return x.graph.call("log", x)
@@ -288,7 +309,8 @@ def log(x):
     if x.kind == "sinh":  # of x > 0; of others there is none
         return x.parts[0] + log(1.0 - exp(-2.0 * x.parts[0])) - math.log(2.0)
     if x.kind == "sum" and x.is_positive:
-        each = [log(one) + math.log(factor) for one, factor in x.parts]
+        first = sorted(x.parts, key=lambda part: not part[0].is_constant)
+        each = [log(one) + math.log(factor) for one, factor in first]
         return functools.reduce(lambda one, other: one + softplus(other - one), each)
     return x.graph.call("log", x)
 
