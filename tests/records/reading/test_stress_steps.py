@@ -81,6 +81,13 @@ def test_normal_stress_varies_by_two_per_cent_or_by_noise(shape, exponent):
         assert 0.012 < np.median(found) < 0.027
 
 
+def test_slow_noise_is_not_a_normal_stress_that_varies():
+    """1/f noise of 0.5 %, whose range is beyond 1 % of the mean."""
+    found = [power_law(250, 1.0, np.random.default_rng(seed)) for seed in range(40)]
+    ranges = [range_of(8e6 * (1.0 + 5e-3 * noise / noise.std())) for noise in found]
+    assert np.mean(np.array(ranges) > VARIABLE) <= 0.05
+
+
 @pytest.mark.parametrize(
     "sigma",
     [
