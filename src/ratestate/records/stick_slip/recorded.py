@@ -105,7 +105,7 @@ def _stress_extremes(t, y, middle, at, sign, loading, spacing, noise):
             return np.full((middle.size, 4), math.nan)
         found = extremes(t, y, middle, window, 0, sign, noise)
         at = np.where(np.isfinite(found.time), found.time, middle + offset)
-    # (a peak is before the middle of its fall, whatever the noise makes of it)
+    # (a peak is always before the middle of its fall; noise may place it after)
     time = sign * np.minimum(sign * found.time, sign * middle)
     return np.column_stack([found.value, biased_errors(found), time, found.time_error])
 
