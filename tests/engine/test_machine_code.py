@@ -5,6 +5,7 @@ import ctypes
 import mpmath as mp
 import numpy as np
 import pytest
+from exact_functions import exact_function
 
 from ratestate.engine.code import Code, Number, where
 from ratestate.engine.machine_code import compiled, loaded
@@ -24,11 +25,13 @@ def run(function, width, *columns):
     given = []
     for k in range(n):
         at = code.write(f"getelementptr double, ptr %in, i64 {k * width}", Number)
-        given.append(code.write(f"load {code.double}, ptr {at.name}, align 8", Number))
+        given.append(code.write(f"load {code.type(Number)}, ptr {at.name}, align 8", Number))
     results = function(*given)
     for k, one in enumerate(results):
         at = code.write(f"getelementptr double, ptr %out, i64 {k * width}", Number)
-        code.lines.append(f"store {code.double} {code.number(one)}, ptr {at.name}, align 8")
+        code.lines.append(
+            f"store {code.type(Number)} {code.text(Number, one)}, ptr {at.name}, align 8"
+        )
     head, end = "define void @f(ptr %in, ptr %out) {", ["ret void", "}"]
     text = "\n".join([*code.declarations.values(), head, *code.lines, *end])
     address = loaded(compiled(text), ["f"])["f"]
@@ -43,13 +46,6 @@ def run(function, width, *columns):
     return found
 
 
-EXACT = {
-    "softplus": lambda x: mp.log(1 + mp.exp(x)),
-    "logistic": lambda x: 1 / (1 + mp.exp(-x)),
-    "asinh_of_exp": lambda x: mp.asinh(mp.exp(x)),
-    "log1p": lambda x: mp.log(1 + x),
-    "abs": abs,
-}
 FUNCTIONS = [name for name in vars(Vectorised) if not name.startswith("_") and name != "where"]
 
 
@@ -61,7 +57,7 @@ def test_functions_are_accurate(name, width):
     positive = name in ("log", "log1p", "sqrt")
     x = sizes if positive else np.concatenate([sizes, -sizes])
     (found,) = run(lambda one: [getattr(Vectorised, name)(one)], width, x)
-    exact = EXACT[name] if name in EXACT else getattr(mp, name)
+    exact = exact_function(name)
     with mp.workdps(400):
         true = [exact(mp.mpf(float(one))) for one in x]
         off = [abs(mp.mpf(float(y)) - z) / abs(z) for y, z in zip(found, true, strict=True)]

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import mpmath as mp
 import numpy as np
 import pytest
+from exact_functions import exact_function
 
 from ratestate.engine import recurrences
 from ratestate.friction.elementary import where
@@ -24,17 +25,9 @@ def test_functions_of_a_series(name):
     x = graph.symbol("x", is_constant=False)
     y = graph.call(name, x)
     (_, (found,)) = expand({x: graph.number(0.4)}, [y], ORDER, {x: 0.7})
-    exact = EXACT[name] if name in EXACT else getattr(mp, name)
+    exact = exact_function(name)
     expected = mp.taylor(lambda t: exact(0.7 + 0.4 * t), 0, ORDER - 1)
     np.testing.assert_allclose(np.array(found, float), np.array(expected, float), rtol=1e-11)
-
-
-EXACT = {
-    "softplus": lambda x: mp.log(1 + mp.exp(x)),
-    "logistic": lambda x: 1 / (1 + mp.exp(-x)),
-    "asinh_of_exp": lambda x: mp.asinh(mp.exp(x)),
-    "log1p": lambda x: mp.log(1 + x),
-}
 
 
 @pytest.mark.parametrize("exponent", [2.0, 3.0, -1.0, -2.0, 0.5, -1.7])

@@ -17,16 +17,9 @@ class Code:
     def __init__(self, width):
         self.lines, self.declarations = [], {}
         self._known, self._width = {}, width
-        self.double, self.bits, self.bit = map(self._vector, ("double", "i64", "i1"))
 
     def _vector(self, item):
         return item if self._width == 1 else f"<{self._width} x {item}>"
-
-    def constant(self, kind, value):
-        """The text of a constant; kind : of its elements."""
-        if kind == "double":
-            value = f"0x{struct.pack('>d', value).hex().upper()}"
-        return f"{value}" if self._width == 1 else f"splat ({kind} {value})"
 
     def write(self, instruction, kind):
         """What an instruction gives, an instance of a kind of `Value`."""
@@ -39,28 +32,33 @@ class Code:
     def call(self, function, *numbers):
         """What a function of LLVM gives for numbers, such as "sqrt"."""
         name = f"@llvm.{function}.{f'v{self._width}' if self._width > 1 else ''}f64"
-        kinds = ", ".join([self.double] * len(numbers))
-        self.declarations[name] = f"declare {self.double} {name}({kinds})"
-        given = ", ".join(f"{self.double} {self.number(one)}" for one in numbers)
-        return self.write(f"call {self.double} {name}({given})", Number)
+        double = self.type(Number)
+        kinds = ", ".join([double] * len(numbers))
+        self.declarations[name] = f"declare {double} {name}({kinds})"
+        given = ", ".join(f"{double} {self.text(Number, one)}" for one in numbers)
+        return self.write(f"call {double} {name}({given})", Number)
 
-    def number(self, x):
-        """The text of a `Number` or a float."""
-        return x.name if isinstance(x, Number) else self.constant("double", float(x))
+    def type(self, kind):
+        """The type of a kind of `Value`."""
+        return self._vector(kind.item)
 
-    def integer(self, x):
-        """The text of `Bits` or an int."""
-        return x.name if isinstance(x, Bits) else self.constant("i64", x)
+    def text(self, kind, x):
+        """The text of a `Value` of this kind, or of a number."""
+        return x.name if isinstance(x, Value) else self._constant(kind.item, x)
 
-    def condition(self, x):
-        """The text of a `Condition` or a bool."""
-        return x.name if isinstance(x, Condition) else self.constant("i1", str(bool(x)).lower())
+    def _constant(self, item, x):
+        if item == "double":
+            x = f"0x{struct.pack('>d', float(x)).hex().upper()}"
+        elif item == "i1":
+            x = str(bool(x)).lower()
+        return f"{x}" if self._width == 1 else f"splat ({item} {x})"
 
 
 class Value:
     """What an instruction of some code gives, by its name there."""
 
     __slots__ = ("code", "name")
+    item: str  # type of an element
 
     def __init__(self, code, name):
         self.code, self.name = code, name
@@ -71,97 +69,81 @@ class Value:
     __hash__ = object.__hash__
 
 
+def _operator(instruction, result=None, is_from_the_right=False):
+    """An operator of two values of one kind, which gives that kind or another."""
+
+    def applied(self, other):
+        code, kind = self.code, type(self)
+        pair = (other, self) if is_from_the_right else (self, other)
+        values = ", ".join(code.text(kind, one) for one in pair)
+        return code.write(f"{instruction} {code.type(kind)} {values}", result or kind)
+
+    return applied
+
+
 def _arithmetic(instruction):
     """An operator of numbers, and the same from the right."""
-
-    def applied(code, x, y):
-        values = f"{code.number(x)}, {code.number(y)}"
-        return code.write(f"{instruction} contract {code.double} {values}", Number)
-
-    def left(self, other):
-        return applied(self.code, self, other)
-
-    def right(self, other):
-        return applied(self.code, other, self)
-
-    return left, right
+    contracted = f"{instruction} contract"
+    return _operator(contracted), _operator(contracted, is_from_the_right=True)
 
 
-def _comparison(relation):
-    def compared(self, other):
-        code = self.code
-        values = f"{code.number(self)}, {code.number(other)}"
-        return code.write(f"fcmp {relation} {code.double} {values}", Condition)
-
-    return compared
-
-
-class Number(Value):
-    """Doubles."""
-
-    __slots__ = ()
-
-    __add__, __radd__ = _arithmetic("fadd")
-    __sub__, __rsub__ = _arithmetic("fsub")
-    __mul__, __rmul__ = _arithmetic("fmul")
-    __truediv__, __rtruediv__ = _arithmetic("fdiv")
-    __lt__, __le__, __gt__, __ge__ = map(_comparison, ("olt", "ole", "ogt", "oge"))
-
-    def __neg__(self):
-        return self.code.write(f"fneg {self.code.double} {self.name}", Number)
-
-    def __abs__(self):
-        return self.code.call("fabs", self)
-
-    def bits(self):
-        """The same bits as integers."""
-        code = self.code
-        return code.write(f"bitcast {code.double} {self.name} to {code.bits}", Bits)
-
-
-def _of_integers(instruction):
-    def applied(self, other):
-        code = self.code
-        values = f"{code.integer(self)}, {code.integer(other)}"
-        return code.write(f"{instruction} {code.bits} {values}", Bits)
-
-    return applied
-
-
-class Bits(Value):
-    """64-bit integers."""
-
-    __slots__ = ()
-
-    __add__, __sub__, __and__ = map(_of_integers, ("add", "sub", "and"))
-    __lshift__, __rshift__ = map(_of_integers, ("shl", "ashr"))
-
-    def number(self):
-        """The same bits as doubles."""
-        code = self.code
-        return code.write(f"bitcast {code.bits} {self.name} to {code.double}", Number)
-
-
-def _of_conditions(instruction):
-    def applied(self, other):
-        code = self.code
-        values = f"{code.condition(self)}, {code.condition(other)}"
-        return code.write(f"{instruction} {code.bit} {values}", Condition)
-
-    return applied
+def _same_bits(value, kind):
+    """The bits of a value as another kind of value."""
+    code = value.code
+    given = f"{code.type(type(value))} {value.name}"
+    return code.write(f"bitcast {given} to {code.type(kind)}", kind)
 
 
 class Condition(Value):
     """Bits that are 1 where a condition holds."""
 
     __slots__ = ()
+    item = "i1"
 
-    __and__ = __rand__ = _of_conditions("and")
-    __or__ = __ror__ = _of_conditions("or")
-    __xor__ = _of_conditions("xor")
+    __and__ = __rand__ = _operator("and")
+    __or__ = __ror__ = _operator("or")
+    __xor__ = _operator("xor")
 
     def __invert__(self):
         return self ^ True
+
+
+class Bits(Value):
+    """64-bit integers."""
+
+    __slots__ = ()
+    item = "i64"
+
+    __add__, __sub__, __and__ = map(_operator, ("add", "sub", "and"))
+    __lshift__, __rshift__ = map(_operator, ("shl", "ashr"))
+
+    def number(self):
+        """The same bits as doubles."""
+        return _same_bits(self, Number)
+
+
+class Number(Value):
+    """Doubles."""
+
+    __slots__ = ()
+    item = "double"
+
+    __add__, __radd__ = _arithmetic("fadd")
+    __sub__, __rsub__ = _arithmetic("fsub")
+    __mul__, __rmul__ = _arithmetic("fmul")
+    __truediv__, __rtruediv__ = _arithmetic("fdiv")
+    __lt__, __le__ = _operator("fcmp olt", Condition), _operator("fcmp ole", Condition)
+    __gt__, __ge__ = _operator("fcmp ogt", Condition), _operator("fcmp oge", Condition)
+
+    def __neg__(self):
+        return self.code.write(f"fneg {self.code.type(Number)} {self.name}", Number)
+
+    def __abs__(self):
+        return self.code.call("fabs", self)
+
+    def bits(self):
+        """The same bits as integers."""
+        return _same_bits(self, Bits)
 
 
 def where(condition, x, y):
@@ -169,5 +151,5 @@ def where(condition, x, y):
     if not isinstance(condition, Condition):
         return x if condition else y
     code = condition.code
-    values = f"{code.double} {code.number(x)}, {code.double} {code.number(y)}"
-    return code.write(f"select {code.bit} {condition.name}, {values}", Number)
+    sides = ", ".join(f"{code.type(Number)} {code.text(Number, one)}" for one in (x, y))
+    return code.write(f"select {code.type(Condition)} {condition.name}, {sides}", Number)

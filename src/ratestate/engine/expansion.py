@@ -6,9 +6,7 @@ doi:10.1080/10586458.2005.10128904).  `expand` goes through these rules, order b
 kind of numbers: those of code that is being compiled, too (tracing.py).
 """
 
-import functools
-import operator
-
+from ..friction.taylor import convolution, times, total
 from .series import Series
 
 
@@ -80,15 +78,15 @@ class _Expansion:
     def add_slope(self, one, j, value):
         """Let j times the coefficient of order j be this."""
         self.slopes[one, j] = value
-        self.c[one, j] = _product(value, 1.0 / j)
+        self.c[one, j] = times(value, 1.0 / j)
 
     def _slope(self, one, j):
         if (one, j) not in self.slopes:
             terms = self._linear(one)
             if terms[0][1] is one:
-                self.slopes[one, j] = _product(self.at(one, j), float(j))
+                self.slopes[one, j] = times(self.at(one, j), float(j))
             else:
-                self.slopes[one, j] = _sum(_product(a, self._slope(x, j)) for a, x in terms)
+                self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
         return self.slopes[one, j]
 
     def _linear(self, one):
@@ -103,21 +101,21 @@ class _Expansion:
         return self.terms[one]
 
     def _scaled(self, terms, factor):
-        return [(_product(factor, a), x) for a, x in terms]
+        return [(times(factor, a), x) for a, x in terms]
 
     def _combination(self, terms, k):
         """The coefficient of order k of a sum of such terms."""
-        early = [_product(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
-        late = [(_product(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
-        return _sum([*early, *(_product(a, self.slopes[x, k]) for a, x in late)])
+        early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
+        late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
+        return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
 
     def _exp(self, k, one, x, start, rate):
         if k == 0:
             return self.known[start]
         # k e_k = rate sum_j j x_j e_(k-j)
         pairs = {j: (self._slope(x, j), self.at(one, k - j)) for j in range(1, k)}
-        last = _product(_product(self.at(one, 0), rate / k), self._slope(x, k))
-        return _sum([_product(_convolution(pairs, k), rate / k), last])
+        last = times(times(self.at(one, 0), rate / k), self._slope(x, k))
+        return total([times(convolution(pairs, k), rate / k), last])
 
     def _sum(self, k, one, x, y):
         if one.is_constant:
@@ -127,7 +125,7 @@ class _Expansion:
     def _product(self, k, one, x, y):
         if x.is_constant and not y.is_constant:
             return self._combination(self._linear(one), k)
-        return _convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
+        return convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
 
     def _quotient(self, k, one, x, y):
         if k == 0:
@@ -138,29 +136,6 @@ class _Expansion:
         terms, inverse = self.over[one]
         whole = self._combination(terms, k)
         pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
-        less = _product(_convolution(pairs, k), inverse)
-        last = _product(_product(self.at(one, 0), inverse), self.at(y, k))
-        return _sum([None if less is None else -less, whole, None if last is None else -last])
-
-
-def _product(x, y):
-    if x is None or y is None:
-        return None
-    if isinstance(x, float) and x == 1.0:
-        return y
-    return x * y
-
-
-def _sum(terms):
-    """Of those that are not 0, from the left."""
-    known = [one for one in terms if one is not None]
-    return functools.reduce(operator.add, known) if known else None
-
-
-def _convolution(pairs, k):
-    """The sum of products of which the factors are of order j and k - j, by j.
-
-    Those that are known last are added last.
-    """
-    ordered = sorted(pairs, key=lambda j: max(j, k - j))
-    return _sum([_product(*pairs[j]) for j in ordered])
+        less = times(convolution(pairs, k), inverse)
+        last = times(times(self.at(one, 0), inverse), self.at(y, k))
+        return total([None if less is None else -less, whole, None if last is None else -last])

@@ -85,28 +85,28 @@ class _Expansion:
             if k < 2 and isinstance(given, tuple):
                 self.c[one, k] = given[k]
             elif k == 0:
-                (self.c[one, 0],) = [given] if one in self.known else self._value(one)
+                self.c[one, 0] = given if one in self.known else self._value(one)
         else:
             self.c[one, k] = getattr(self, f"_{rule}")(k, one, *operands)
 
     def add_slope(self, one, j, value):
         """Let j times the coefficient of order j be this."""
         self.slopes[one, j] = value
-        self.c[one, j] = _product(value, 1.0 / j)
+        self.c[one, j] = times(value, 1.0 / j)
 
     def _value(self, one):
-        """The first coefficient, in a list, from those of the operands."""
+        """The first coefficient, from those of the operands."""
         values = {operand: self.at(operand, 0) for operand in one.operands}
         known = self.known | {x: value for x, value in values.items() if value is not None}
-        return evaluate([one], known, self.functions)
+        return evaluate([one], known, self.functions)[0]
 
     def _slope(self, one, j):
         if (one, j) not in self.slopes:
             terms = self._linear(one)
             if terms[0][1] is one:
-                self.slopes[one, j] = _product(self.at(one, j), float(j))
+                self.slopes[one, j] = times(self.at(one, j), float(j))
             else:
-                self.slopes[one, j] = _sum(_product(a, self._slope(x, j)) for a, x in terms)
+                self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
         return self.slopes[one, j]
 
     def _linear(self, one):
@@ -124,22 +124,21 @@ class _Expansion:
         return self.terms[one]
 
     def _scaled(self, terms, factor):
-        return [(_product(factor, a), x) for a, x in terms]
+        return [(times(factor, a), x) for a, x in terms]
 
     def _combination(self, terms, k):
         """The coefficient of order k of a sum of such terms."""
-        early = [_product(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
-        late = [(_product(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
-        return _sum([*early, *(_product(a, self.slopes[x, k]) for a, x in late)])
+        early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
+        late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
+        return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
 
     def _sum(self, k, one, *_):
         return self._combination(self._linear(one), k)
 
-    def _multiple(self, k, one, *_):
-        return self._combination(self._linear(one), k)
+    _multiple = _sum
 
     def _product(self, k, one, x, y):
-        return _convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
+        return convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
 
     def _quotient(self, k, one, x, y):
         if k == 0:
@@ -149,17 +148,17 @@ class _Expansion:
         # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
         terms, inverse = self.over[one]
         pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
-        less = _product(_convolution(pairs, k), inverse)
-        last = _product(_product(self.at(one, 0), inverse), self.at(y, k))
-        return _sum([_negative(less), self._combination(terms, k), _negative(last)])
+        less = times(convolution(pairs, k), inverse)
+        last = times(times(self.at(one, 0), inverse), self.at(y, k))
+        return total([_negative(less), self._combination(terms, k), _negative(last)])
 
     def _function(self, k, one, x, inner):
         """From f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
         if k == 0:
-            return self.known[one] if one in self.known else self._value(one)[0]
+            return self.known[one] if one in self.known else self._value(one)
         pairs = {j: (self._slope(x, j), self.at(inner, k - j)) for j in range(1, k)}
-        last = _product(_product(self.at(inner, 0), 1.0 / k), self._slope(x, k))
-        return _sum([_product(_convolution(pairs, k), 1.0 / k), last])
+        last = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
+        return total([times(convolution(pairs, k), 1.0 / k), last])
 
 
 def _rule(one):
@@ -198,7 +197,8 @@ def _negative(x):
     return None if x is None else -x
 
 
-def _product(x, y):
+def times(x, y):
+    """The product of two coefficients; None is 0."""
     if x is None or y is None:
         return None
     if isinstance(x, float) and x == 1.0:
@@ -206,16 +206,16 @@ def _product(x, y):
     return x * y
 
 
-def _sum(terms):
-    """Of those that are not 0, from the left."""
+def total(terms):
+    """The sum of coefficients that are not None, from the left; None if all are."""
     known = [one for one in terms if one is not None]
     return functools.reduce(operator.add, known) if known else None
 
 
-def _convolution(pairs, k):
+def convolution(pairs, k):
     """The sum of products of which the factors are of order j and k - j, by j.
 
     Those that are known last are added last.
     """
     ordered = sorted(pairs, key=lambda j: max(j, k - j))
-    return _sum([_product(*pairs[j]) for j in ordered])
+    return total([times(*pairs[j]) for j in ordered])
