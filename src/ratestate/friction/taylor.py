@@ -38,20 +38,71 @@ def expand(derivatives, integrands, order, known, functions=Real):
     return unknowns, [[found.at(one, k) for k in range(order)] for one in integrands]
 
 
-class _Expansion:
+class Recurrences:
     """Coefficients of expressions, as far as they are found; None is one that is always 0.
 
     Each order waits for the one before.  So what is known last is added last, and by as few
     operations as there can be: an unknown's coefficient as its slope, of which that is a part.
     """
 
-    def __init__(self, known, functions):
-        self.known, self.functions = known, functions
+    def __init__(self, known):
+        self.known = known
         self.c = {}  # (expression, order) -> coefficient
         self.slopes = {}  # (expression, j) -> j times the coefficient of order j
-        self.rules = {}  # expression -> what `_rule` gives
         self.terms = {}  # expression -> what `_linear` gives
         self.over = {}  # quotient -> its dividend's terms over the divisor; and one over that
+
+    def at(self, one, k):
+        """The coefficient of order k; None beyond those of constants and lines."""
+        return self.c.get((one, k))
+
+    def add_slope(self, one, j, value):
+        """Let j times the coefficient of order j be this."""
+        self.slopes[one, j] = value
+        self.c[one, j] = times(value, 1.0 / j)
+
+    def _slope(self, one, j):
+        if (one, j) not in self.slopes:
+            terms = self._linear(one)
+            if terms[0][1] is one:
+                self.slopes[one, j] = times(self.at(one, j), float(j))
+            else:
+                self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
+        return self.slopes[one, j]
+
+    def _linear(self, one):
+        """Constant factors and expressions whose sum it is: itself, if it is no sum."""
+        raise NotImplementedError
+
+    def _scaled(self, terms, factor):
+        return [(times(factor, a), x) for a, x in terms]
+
+    def _combination(self, terms, k):
+        """The coefficient of order k of a sum of such terms."""
+        early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
+        late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
+        return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
+
+    def _quotient(self, k, one, x, y):
+        if k == 0:
+            inverse = 1.0 / self.at(y, 0)
+            self.over[one] = self._scaled(self._linear(x), inverse), inverse
+            return self._combination(self.over[one][0], 0)
+        # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
+        terms, inverse = self.over[one]
+        pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
+        less = times(convolution(pairs, k), inverse)
+        last = times(times(self.at(one, 0), inverse), self.at(y, k))
+        return total([_negative(less), self._combination(terms, k), _negative(last)])
+
+
+class _Expansion(Recurrences):
+    """Those of expressions.py."""
+
+    def __init__(self, known, functions):
+        super().__init__(known)
+        self.functions = functions
+        self.rules = {}  # expression -> what `_rule` gives
 
     def ordered(self, roots):
         """All that some expressions follow from, and these, each after what it follows from."""
@@ -71,10 +122,6 @@ class _Expansion:
             find(waiting.pop(0))
         return list(nodes)
 
-    def at(self, one, k):
-        """The coefficient of order k; None beyond those of constants and lines."""
-        return self.c.get((one, k))
-
     def add(self, one, k):
         """Find the coefficient of order k, after those of lower order, and of its operands."""
         rule, *operands = self.rules[one]
@@ -89,28 +136,13 @@ class _Expansion:
         else:
             self.c[one, k] = getattr(self, f"_{rule}")(k, one, *operands)
 
-    def add_slope(self, one, j, value):
-        """Let j times the coefficient of order j be this."""
-        self.slopes[one, j] = value
-        self.c[one, j] = times(value, 1.0 / j)
-
     def _value(self, one):
         """The first coefficient, from those of the operands."""
         values = {operand: self.at(operand, 0) for operand in one.operands}
         known = self.known | {x: value for x, value in values.items() if value is not None}
         return evaluate([one], known, self.functions)[0]
 
-    def _slope(self, one, j):
-        if (one, j) not in self.slopes:
-            terms = self._linear(one)
-            if terms[0][1] is one:
-                self.slopes[one, j] = times(self.at(one, j), float(j))
-            else:
-                self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
-        return self.slopes[one, j]
-
     def _linear(self, one):
-        """Constant factors and expressions whose sum it is: itself, if it is no sum."""
         if one not in self.terms:
             rule, *operands = self.rules[one]
             self.terms[one] = [(1.0, one)]
@@ -123,15 +155,6 @@ class _Expansion:
                 self.terms[one] = self._scaled(self._linear(x), self.at(factor, 0))
         return self.terms[one]
 
-    def _scaled(self, terms, factor):
-        return [(times(factor, a), x) for a, x in terms]
-
-    def _combination(self, terms, k):
-        """The coefficient of order k of a sum of such terms."""
-        early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
-        late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
-        return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
-
     def _sum(self, k, one, *_):
         return self._combination(self._linear(one), k)
 
@@ -139,18 +162,6 @@ class _Expansion:
 
     def _product(self, k, one, x, y):
         return convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
-
-    def _quotient(self, k, one, x, y):
-        if k == 0:
-            inverse = 1.0 / self.at(y, 0)
-            self.over[one] = self._scaled(self._linear(x), inverse), inverse
-            return self._combination(self.over[one][0], 0)
-        # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
-        terms, inverse = self.over[one]
-        pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
-        less = times(convolution(pairs, k), inverse)
-        last = times(times(self.at(one, 0), inverse), self.at(y, k))
-        return total([_negative(less), self._combination(terms, k), _negative(last)])
 
     def _function(self, k, one, x, inner):
         """From f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
