@@ -38,7 +38,7 @@ class Problem:
         part._reference = part._numbers = None
         return part
 
-    def cases(self, rtol, observe=0.0, dt=None):
+    def cases(self, rtol, observe=0.0):
         """The engine's `Cases`."""
         return engine_cases(
             self.law,
@@ -47,14 +47,13 @@ class Problem:
             t_end=np.full(self.batch.n, self.t_end),
             loading=np.arange(self.batch.n),
             times=np.zeros(self.batch.n, np.int64),
-            dt=dt,
             rtol=rtol,
             observe=observe,
         )
 
-    def job(self, rtol=1e-6, observe=0.0, method="auto", dt=None):
+    def job(self, rtol=1e-6, observe=0.0, method="auto"):
         """A function of nothing that marches the problem by the engine and returns `Results`."""
-        cases = self.cases(rtol, observe, dt)
+        cases = self.cases(rtol, observe)
         V_lp = self.batch.flat("V_lp")[:, None].copy()
         loads, none = Loads(np.zeros(1), V_lp, np.zeros_like(V_lp)), np.empty((1, 0))
         return lambda: run_cases(method, self.law, cases, loads, none, self.which)

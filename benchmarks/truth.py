@@ -21,7 +21,7 @@ import ratestate as rs
 from ratestate.dynamics.continuation import family
 from ratestate.dynamics.continuation.coexistence import folds
 from ratestate.dynamics.cycles.limit_cycle import limit_cycle_call
-from ratestate.engine.exp import LIMIT
+from ratestate.friction.expressions import LIMIT
 
 MEASURES = ("amplitude", "period", "V_max", "V_min")
 ERRORS = ("error", "error", "V_max_error", "V_min_error")

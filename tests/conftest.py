@@ -1,17 +1,12 @@
-"""Seeds that are the same each time; kernels that parallel workers compile once."""
+"""Seeds that are the same each time; laws that a test registers are forgotten after it."""
 
-import fcntl
 import gc
-import os
-from pathlib import Path
 
 import hypothesis
 import pytest
-from textbook import OF_LAW
 from threadpoolctl import threadpool_limits
 
-import ratestate as rs
-from ratestate.friction.laws import LAW_OF, LAWS, ONE_LENGTH
+from ratestate.friction.laws import LAW_OF, LAWS
 from ratestate.model.quantities import QUANTITIES
 
 # Other examples at each run, and more of them: --hypothesis-profile=default.  A busy machine
@@ -21,16 +16,6 @@ hypothesis.settings.register_profile(
 )
 hypothesis.settings.load_profile("reproducible")
 
-SLIDERS = [
-    rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law, **own)
-    for law, own in OF_LAW.items()
-]
-#: A kernel's source -> what compiles it for a slider's law, or loads it from the cache
-KERNELS = {
-    "return_map.py": lambda slider: rs.limit_cycle(slider, 1e-2, rtol=1e-3),
-    "march.py": lambda slider: rs.simulate(slider, rs.Loading.constant(1e-2), 1e-4, V_start=1e-3),
-}
-
 
 def pytest_addoption(parser):
     parser.addoption("--draw-anew", action="store_true", help="take pictures as they are for right")
@@ -39,7 +24,7 @@ def pytest_addoption(parser):
 @pytest.fixture(autouse=True)
 def laws_as_before():
     """Forget, after each test, the laws that it has registered: others list all laws there are."""
-    before = [(table, dict(table)) for table in (LAWS, LAW_OF, ONE_LENGTH, QUANTITIES)]
+    before = [(table, dict(table)) for table in (LAWS, LAW_OF, QUANTITIES)]
     yield
     for table, old in before:
         table.clear()
@@ -74,17 +59,5 @@ def pytest_collection_finish():
 
 
 def pytest_sessionstart():
-    """Let workers begin with different kernels, and wait for those that others are compiling.
-
-    Of BLAS each has one thread: more than there are cores spin for longer than they work.
-    """
+    """Give BLAS one thread a worker: more than there are cores spin for longer than they work."""
     threadpool_limits(1, user_api="blas")
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "")
-    if not worker:
-        return
-    sources, first = list(KERNELS), int(worker.removeprefix("gw")) % len(KERNELS)
-    for source in sources[first:] + sources[:first]:
-        with (Path(rs.__file__).parent / "engine" / source).open() as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            for slider in SLIDERS:
-                KERNELS[source](slider)

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 import ratestate as rs
-from ratestate.engine.exp import LIMIT
+from ratestate.friction.expressions import LIMIT
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 bounded = settings(

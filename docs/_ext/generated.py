@@ -110,7 +110,6 @@ OTHERWISE = {
     "frequency run": "of `frequency_response` alone; default: decades around the resonance",
     "rtol run": "default: `1e-6`; for another `verb`, `1e-8`",
     "method run": 'default: `"auto"`',
-    "dt run": "required for im2017, which alone uses it",
     "verb run": 'default: `"simulate"`',
     "verb sweep": "required",
 }

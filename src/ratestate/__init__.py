@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         RateStateError,
         SolverError,
     )
-    from .friction.law import FrictionLaw, Parameter
+    from .friction.law import FrictionLaw
     from .interfaces.explorer.notebook import explore
     from .model.arrays import logspace
     from .model.conversion import in_units
@@ -45,7 +45,6 @@ __all__ = [
     "FrictionLaw",
     "Loading",
     "NotConverged",
-    "Parameter",
     "ParameterError",
     "QuasiStaticInstability",
     "RateStateError",
@@ -77,7 +76,6 @@ _HOMES = {
     "FrictionLaw": "friction.law",
     "Loading": "model.loading",
     "NotConverged": "errors",
-    "Parameter": "friction.law",
     "ParameterError": "errors",
     "QuasiStaticInstability": "errors",
     "RateStateError": "errors",
@@ -105,15 +103,15 @@ _HOMES = {
     "sweep": "sweeps.sweep",
 }
 #: packages that are where they are documented
-_PACKAGES = ("files", "paper", "plot")
+_PACKAGES = ("files", "laws", "paper", "plot")
 #: module as it is documented, and was when all modules lay side by side -> where it is now
 _MODULES = {
     "atlas": "dynamics.atlas",
     "basin": "dynamics.basin",
     "fitting": "records.fitting",
+    "formulas": "friction.formulas",
     "hopf": "dynamics.hopf",
     "lab": "records.reading",
-    "laws": "friction.rate_and_state",
     "orbit": "dynamics.cycles.orbit",
     "quasi_static": "friction.quasi_static",
     "regimes": "dynamics.cycles.regimes",

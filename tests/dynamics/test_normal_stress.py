@@ -370,8 +370,6 @@ def test_what_may_just_be():
     assert int(rs.simulate(stiff, early, 0.6, times=[0.1]).status) == 0
     with pytest.raises(rs.ParameterError, match="would fall"):
         rs.simulate(stiff, early, 0.63)
-    with pytest.raises(rs.ParameterError, match="a constant sigma"):
-        rs.simulate(rs.SpringSlider(**SLIDER), deep, 0.1, method="im2017", dt=1e-5)
 
 
 def test_a_dimension_called_sigma_is_refused():
@@ -424,19 +422,17 @@ def test_alpha_and_constant_normal_stress_change_nothing():
 
 
 def test_a_rigid_slider_is_seen_in_each_period():
-    """Where 200 periods are fewer than the points that the motion would be shown at."""
+    """By its own steps, however many periods there are."""
     changes = {"a": 0.008, "mu0": 0.3, "K": math.inf, "M": 0.0, "damping": 0.0}
     slider = rs.SpringSlider(**(SLIDER | changes), alpha=0.5)
     loading = rs.Loading.constant(1e-5).sigma_sinusoid(1.9e6, period=0.05)
     run = rs.simulate(slider, loading, 1.0)
     dense = rs.simulate(slider, loading, 1.0, times=np.linspace(0.0, 1.0, 4001))
     margin = (dense.tau + dense.sigma * dense.mu) / 2e6
-    assert float(run.mu_min) == pytest.approx(float(dense.mu.min()), abs=1e-4)
-    assert float(run.reversal_margin) == pytest.approx(float(margin.min()), abs=3e-4)
+    assert -1e-4 < float(run.mu_min - dense.mu.min()) < 1e-12
+    assert -1e-4 < float(run.reversal_margin - margin.min()) < 1e-12
     assert float(run.mu_min) < -0.15
     assert int(run.outside_domain) == 3
-    with pytest.raises(rs.ParameterError, match="periods of the normal stress, and 5000"):
-        rs.simulate(slider, loading, 251.0)
 
 
 def test_a_rigid_slider_at_a_step_at_the_end():

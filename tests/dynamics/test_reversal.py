@@ -12,6 +12,7 @@ from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.shooting import return_map
 from ratestate.dynamics.cycles.system import System, state
 from ratestate.dynamics.verdict import verdict
+from ratestate.friction.composition import composed_law
 
 RTOL = 1e-6
 #: overshoots, sticks and slides back in each cycle
@@ -246,8 +247,6 @@ def test_friction_keeps_its_digits_where_it_is_nearly_0(M):
 
 
 def test_what_does_not_reverse_says_so():
-    with pytest.raises(rs.ParameterError, match="im2017 is for slip that never reverses; use"):
-        rs.simulate(SWINGING, rs.Loading.constant(0.1), 1.0, V_start=0.05, method="im2017", dt=1e-5)
     with pytest.raises(rs.ParameterError, match=r"^initial V = 0 m/s must be > 0"):
         rs.simulate(
             SWINGING.replace(friction="log"), rs.Loading.constant(0.1), 1.0, initial={"V": 0.0}
@@ -258,7 +257,8 @@ def test_what_does_not_reverse_says_so():
 def test_a_return_takes_time(barrier):
     """Though rounding may put a start on the section on either side of it."""
     n, rng = 300, np.random.default_rng(0)
-    p = np.tile([1.769, barrier], (n, 1))
+    values = {"a": 1.0, "b": 1.769, "Dc": 1.0, "sigma": 1.0, "mu0": barrier, "V0": np.ones(n)}
+    p = np.stack(composed_law("aging+regularized").coefficient_arrays(1.0, values), axis=-1)
     infinite = np.full(n, np.inf)
     system = System("aging+regularized", np.full(n, 0.885), p, np.full(n, 0.0309), infinite)
     u = rng.uniform(0.1, 1.0, (n, 2))

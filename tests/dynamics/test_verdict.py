@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from user_laws import PLAIN
 
 import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import limit_cycle
@@ -291,20 +290,3 @@ def test_readable_limits():
     assert readable("M", 0.0) == "0 kg/m^2"
     assert readable("V", 1e-3) == "1 mm/s"
     assert readable("a", 0.0031) == "0.0031"
-
-
-@pytest.mark.parametrize(
-    ("ratio", "begin"),
-    [
-        (1.003, "Steady sliding at 10 um/s is stable; whether a large"),
-        (0.9, "The attractor is not"),
-    ],
-)
-def test_a_law_without_the_derivatives_for_a_cycle_has_a_verdict(ratio, begin, law_file):
-    """Also near K_c, where those for a fold would be wanted."""
-    law = rs.register(law_file(PLAIN.replace("    name", "    one_length = True\n    name")))
-    found = verdict(FIG2.replace(law=law, K=ratio * FIG2.K_c(1e-5)), 1e-5)
-    assert (found.regime, found.stable, found.K_fold) == ("unknown", ratio > 1.0, None)
-    assert found.sentences[0].startswith(begin)
-    assert f"law = '{law}': limit_cycle needs derivatives that the law does not" in found.text
-    assert f"{'above' if ratio > 1.0 else 'below'} K_c = 600 MPa/m" in found.sentences[1]

@@ -1,24 +1,22 @@
 """What the engine finds inside a step: extremes and crossings of the dense output."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from numba import njit
 
-from ratestate.engine import (
-    dense_output,
-    extremes,
-    law_methods,  # noqa: F401  (compiled code calls methods of laws)
-)
+from ratestate.engine import dense_output, extremes
 from ratestate.engine import rows as R
+from ratestate.engine.calls import WORK
+from ratestate.engine.units import MarchUnits, in_python
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.laws.slip import SlipLaw
 
 LANE = 3
-ROWS = R.rows_of(SlipLaw())
 
 
 def lane(law, c, p=(), h=1.0):
-    """A buffer in which the lane LANE has made a step of this dense output.
+    """A run of which the lane LANE has made a step of this dense output.
 
     c : coefficients of x, v and psi, of a step of Rodas5P if there are 5 of each
     """
@@ -29,7 +27,8 @@ def lane(law, c, p=(), h=1.0):
         s[np.add(row[: len(coefficients)], LANE)] = coefficients
     s[np.add(rows.p, LANE)] = p
     s[np.add(rows.y, LANE)] = np.transpose(c)[0]
-    return s
+    units = in_python(law, MarchUnits)
+    return SimpleNamespace(s=s, shape=R.shape_of(law), units=units, work=np.zeros(WORK))
 
 
 def of_v(c):
@@ -37,9 +36,8 @@ def of_v(c):
     return lane(SlipLaw(), [np.zeros(len(c)), c, np.zeros(len(c))], (1.5,))
 
 
-@njit
-def extreme(s):
-    return dense_output.extreme(s, LANE, ROWS.c[1])
+def extreme(run):
+    return dense_output.extreme_of_v(run, LANE)
 
 
 def from_derivative(terms, *roots):
@@ -77,22 +75,17 @@ def test_where_a_step_has_its_extreme(roots, at, sign, terms):
 
 def test_where_a_step_of_high_order_has_its_extreme():
     """All coefficients count, and those of the step before, of another method, do not."""
-    s = of_v(from_derivative(13, *MANY))
-    assert extreme(s) == pytest.approx(0.4, abs=1e-13)
-    s[R.TAYLOR + LANE] = 0.0
+    run = of_v(from_derivative(13, *MANY))
+    assert extreme(run) == pytest.approx(0.4, abs=1e-13)
+    run.s[R.TAYLOR + LANE] = 0.0
     of_rodas5p = np.polynomial.Polynomial(from_derivative(13, *MANY)[:5]).deriv().roots()
     inside = [z.real for z in of_rodas5p if abs(z.imag) < 1e-9 and 0.0 < z.real < 1.0]
-    assert extreme(s) == pytest.approx(inside[0], abs=1e-13)
+    assert extreme(run) == pytest.approx(inside[0], abs=1e-13)
     assert abs(inside[0] - 0.4) > 1e-3
 
 
-@njit
-def _crossing(s, load):
-    return extremes.crossing_of_v(s, LANE, ROWS.c[1], load, 0.0, 1.0)
-
-
 def crossing(c, *load):
-    return _crossing(of_v(c), load)
+    return extremes.crossing_of_v(of_v(c), LANE, load, 0.0, 1.0)
 
 
 @TERMS
@@ -126,13 +119,8 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
     assert crossing(c, 2.0, 2.0, np.nan) == pytest.approx(0.5, abs=1e-12)
 
 
-@njit
-def _extreme_value(s, law, parts):
-    return extremes.extreme_value(s, LANE, law, parts, 0.0)
-
-
 def extreme_value(c, parts, h, law, p):
-    return _extreme_value(lane(law, c, p, h), law, parts)
+    return extremes.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
 
 
 class Viscous(SlipLaw):
@@ -161,7 +149,7 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
     s = np.linspace(0.0, 1.0, 20_001)
     changes = {0: 0, 1: 0, 3: 0}
     for _ in range(200):
-        c, p = rng.normal(size=(3, 5)), (rng.uniform(1.1, 5.0), *([0.2] if damped else []))
+        c, p = rng.normal(size=(3, 5)), (rng.uniform(1.1, 5.0), 1.0, *([0.2] if damped else []))
         x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
         friction = v + p[0] * psi + (0.3 * np.exp(v) if isinstance(law, Viscous) else 0.0)
         stress = friction + (0.2 * np.exp(v) if damped else 0.0)
@@ -190,7 +178,7 @@ def test_extreme_forces_where_normal_stress_varies(parts):
     s, h, minima = np.linspace(0.0, 1.0, 100_001), 0.4, 0
     for _ in range(100):
         c, beta = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
-        own = (beta, 3.0, 0.0, 0.0, 1.1, 0.2, 0.1, 1.0, 0.3, 1.0, 0.0, 0.0)
+        own = (beta, 1.0, 3.0, 0.0, 0.0, 1.1, 0.2, 0.1, 1.0, 0.3, 1.0, 0.0, 0.0)
         p = tuple(map(float, law.at_time(own, 1.1, 0.2, 0.3)))
         x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
         ratio = 1.1 + 0.2 * h * s + 0.1 * np.sin(2.0 * np.pi * (0.3 + h * s))

@@ -1,26 +1,24 @@
 """The same bits wherever a slider marches: lane, batch, order, threads, or alone."""
 
-import json
-import os
-import subprocess
-import sys
 import threading
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 import xarray as xr
-from numba import njit
+from machine_control import Machine
 from synthetic_records import SLIDER, STEP, record
-from textbook import OF_LAW
 
 import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.simulation.simulate import SimulateCall
-from ratestate.engine import backend, dispatch, lanes
+from ratestate.engine import backend, cache, dispatch, lanes, programs
 from ratestate.engine import rows as R
-from ratestate.engine.march import march
-from ratestate.engine.return_map import march_to_section
+from ratestate.engine.calls import call_lanes
+from ratestate.engine.programs import units_of
+from ratestate.engine.step_control import control_step
+from ratestate.engine.units import MarchUnits
 from ratestate.friction.laws import LAWS as FORMULAS
 from ratestate.friction.laws import friction_law
 
@@ -55,18 +53,25 @@ def same(one, other):
         np.testing.assert_array_equal(one[name].values, other[name].values, err_msg=name)
 
 
-@njit
-def commit_often(s, law, h, n):
-    s[R.H_USED], s[R.OK], s[R.BREAKPOINT] = h, 1.0, np.inf
+class Commits(NamedTuple):
+    """Lanes, and a law's unit that commits their steps."""
+
+    commit: int
+    s: np.ndarray
+
+
+def commit_often(run, n):
     for _ in range(n):
-        lanes.commit(s, law, 1)
+        call_lanes(run.commit, run.s, 0, 1)
+    return True
 
 
 def test_a_million_steps_lose_no_time():
     """Time is known to twice the digits of its first part: 1e6 steps of 0.1 are its 1e6-fold."""
     law = FORMULAS["aging"]
     s = np.zeros(R.rows_of(law).size)
-    commit_often(s, law, 0.1, 10**6)
+    s[R.H_USED], s[R.OK], s[R.BREAKPOINT] = 0.1, 1.0, np.inf
+    assert Machine(commit_often, Commits(units_of(law, MarchUnits).commit, s))(10**6)
     exact = 10**6 * Fraction(0.1)
     off = Fraction(s[R.T]) + Fraction(s[R.T_LOW]) - exact
     assert abs(off) < 1e-20 * exact
@@ -86,8 +91,8 @@ def test_a_step_that_is_no_number_is_rejected(where, wrong):
     y, error = [[2.0, 0.0, 0.5], [3e-7, 0.0, 1e-7]]
     (error if where < 3 else y)[where % 3] += wrong
     dense = ((0.0,) * R.OF_RODAS5P,) * 3
-    lanes.record.py_func(s, l, law, 0.1, (tuple(y), 1.0, ()), tuple(error), dense)
-    lanes.control_step.py_func(s, l)
+    lanes.record(s, l, law, 0.1, (tuple(y), 1.0, ()), tuple(error), dense)
+    control_step(s, l)
     assert s[R.OK + l] == (wrong == 0.0)
     assert s[R.BAD + l] == (wrong != 0.0)
     if wrong == 0.0:
@@ -95,11 +100,9 @@ def test_a_step_that_is_no_number_is_rejected(where, wrong):
 
 
 def test_where_nothing_marches_no_kernel_is_loaded(monkeypatch):
-    """Motion with K = inf is known in closed form."""
-    monkeypatch.setattr(dispatch, "march", None)
+    """There is no cycle with K = inf."""
     monkeypatch.setattr(dispatch, "march_to_section", None)
     rigid = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=np.inf)
-    assert float(rs.simulate(rigid, rs.Loading.constant(1e-3), 0.2).status) == 0
     assert float(rs.limit_cycle(rigid, 1e-3).status) == 1
 
 
@@ -188,82 +191,22 @@ def test_limit_cycles(law):
         np.testing.assert_array_equal(part[name], whole[name][pick], err_msg=name)
 
 
-def test_a_kernel_is_compiled_once():
-    """An array of another layout would have it compiled again, for some 10 s."""
+def test_code_is_made_once(monkeypatch):
+    """Arrays of another layout or origin need no other: it is of laws, and of the control."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=6.06e8, M=3e3, law="aging")
     many = slider.replace(M=rs.logspace("M", 3e3, 3.1e3, 2))
-    for one in (slider, many):
-        rs.limit_cycle(one, 1e-2)
-        times = np.linspace(0.0, 1e-3, 9)[::2]
-        rs.simulate(one, rs.Loading.constant(1e-2), 1e-3, V_start=9e-3, times=times)
-        escape(one, 3.6e-4)
-    t = np.linspace(0.0, 140.0, 400)
-    rs.fit(record(SLIDER, STEP, t, noise=1e-4), SLIDER, errors="covariance")
-    for kernel in (march, march_to_section):
-        compiled = [one for types in kernel.signatures for one in types if hasattr(one, "law")]
-        assert len(compiled) == len(set(compiled)) > 0
+    fitted = record(SLIDER, STEP, np.linspace(0.0, 140.0, 400), noise=1e-4)
 
+    def work(slider, times):
+        rs.limit_cycle(slider, 1e-2)
+        rs.simulate(slider, rs.Loading.constant(1e-2), 1e-3, V_start=9e-3, times=times)
 
-SCRIPT = """
-import json, sys
-import ratestate as rs
-
-def runs(law, M):
-    slider = rs.SpringSlider(a=.003, b=.006, Dc=1e-5, sigma=2e6, M=M, K=3e9, V0=1e-9, law=law)
-    loading = rs.Loading.series([0, .005, .005, .01, .02], [1e-3, 1e-3, 2e-3, 0, 1e-3])
-    one = rs.simulate(slider, loading, .02, times=[.001, .008, .02])
-    two = rs.simulate(slider.replace(sigma=rs.logspace("sigma", 1e6, 2e6, 2)), loading, .02)
-    heavy = slider.replace(M=1e3)
-    old = rs.simulate(heavy, loading, .02, method="im2017", dt=1e-4, times=[.02])
-    out = [one.V, one.theta, one.tau, two.V, two.theta, old.V, one.V_max, one.V_min]
-    counts = [one.steps, two.steps]
-    return [[v.values.ravel().tolist() for v in vs] for vs in (out, counts)]
-"""
-CASES = [("slip", 3e3), ("aging", 3e3), ("slip", 0.0)]
-
-
-@pytest.fixture(scope="module")
-def plain():
-    """(law, M) -> what the kernels find as plain Python."""
-    code = f"{SCRIPT}\nfor case in {CASES}: print(json.dumps(runs(*case)))"
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", code],
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return dict(zip(CASES, map(json.loads, done.stdout.splitlines()[-3:]), strict=True))
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_without_the_compiler(case, plain):
-    """The kernels are plain Python too, and do the same."""
-    script = {}
-    exec(SCRIPT, script)
-    for one, other in zip(script["runs"](*case)[0], plain[case][0], strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-9)
-    assert script["runs"](*case)[1] == plain[case][1]
-
-
-@pytest.mark.skipif(not hasattr(march, "_cache"), reason="the compiler is off")
-@pytest.mark.parametrize(
-    "own",
-    [
-        *({"law": law, **more} for law, more in OF_LAW.items()),
-        {"damping": 1e5},
-        {"friction": "cut-off", "V1": 1e-2, "V2": 1.0},
-    ],
-    ids=str,
-)
-def test_loops_over_lanes_are_vectorised(own):
-    """By the code that was compiled: a product of vectors for each left for single lanes."""
-    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, **own)
-    law = slider.friction_law.name
-    rs.simulate(slider, rs.Loading.constant(1e-2), 1e-4, V_start=1e-3)
-    rs.limit_cycle(slider, 1e-2, rtol=1e-3)
-    for kernel in (march, march_to_section):
-        alone, vectors = kernel._cache.products[law]
-        assert vectors > 490
-        assert alone < 0.02 * vectors
+    work(slider, np.linspace(0.0, 1e-3, 5))
+    rs.fit(fitted, SLIDER, errors="covariance")
+    before = list(programs._functions)
+    assert len({function for function, _ in before}) == len(before)  # each for one kind of record
+    monkeypatch.setattr(cache, "obtained", None)
+    work(many, np.linspace(0.0, 1e-3, 9)[::2])
+    escape(slider, 3.6e-4)
+    rs.fit(fitted, SLIDER, errors="covariance")
+    assert list(programs._functions) == before

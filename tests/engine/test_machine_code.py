@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 from exact_functions import exact_function
 
+from ratestate.engine import machine_code
 from ratestate.engine.code import Code, Number, where
-from ratestate.engine.machine_code import compiled, loaded
+from ratestate.engine.equations import exponentials
+from ratestate.engine.machine_code import compiled, loaded, target
+from ratestate.engine.rows import LANES, WIDTH, rows_of
+from ratestate.engine.unit_code import unit_text
+from ratestate.engine.units import MarchUnits, ReturnUnits, lane_units, point_units
 from ratestate.engine.vector_functions import Vectorised
-from ratestate.friction.equations import Equations
-from ratestate.friction.evaluation import evaluate
-from ratestate.friction.expressions import exp
+from ratestate.friction.evaluation import Real
 from ratestate.friction.laws import LAWS
 
 WIDTHS = (1, 2, 4, 8)
@@ -46,28 +49,36 @@ def run(function, width, *columns):
     return found
 
 
-FUNCTIONS = [name for name in vars(Vectorised) if not name.startswith("_") and name != "where"]
+#: those that are tested by themselves
+OTHERS = "where", "exp_and_inverse", "rough_log2", "cosine"
+FUNCTIONS = [name for name in vars(Vectorised) if name[0] != "_" and name not in OTHERS]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-@pytest.mark.parametrize("width", WIDTHS)
-def test_functions_are_accurate(name, width):
+def test_functions_are_accurate(name):
     """To a few units in the last place, of sizes from 1e-200 up to where e**x saturates."""
-    sizes = np.concatenate([np.geomspace(1e-200, 1e-3, 24), np.geomspace(1e-3, 590.0, 72)])
-    positive = name in ("log", "log1p", "sqrt")
-    x = sizes if positive else np.concatenate([sizes, -sizes])
-    (found,) = run(lambda one: [getattr(Vectorised, name)(one)], width, x)
+    sizes = np.concatenate([np.geomspace(1e-200, 1e-3, 16), np.geomspace(1e-3, 590.0, 40)])
+    x = sizes if name in ("log", "log1p", "sqrt") else np.concatenate([sizes, -sizes])
+    if name == "log":  # of what is near 1 it is as good as 1 is rounded
+        x = x[abs(x - 1.0) > 1e-3]
     exact = exact_function(name)
     with mp.workdps(400):
         true = [exact(mp.mpf(float(one))) for one in x]
+    for width in WIDTHS:
+        (found,) = run(lambda one: [getattr(Vectorised, name)(one)], width, x)
         off = [abs(mp.mpf(float(y)) - z) / abs(z) for y, z in zip(found, true, strict=True)]
-        # near 0 the logarithm of what is near 1 is as good as 1 is rounded
-        worst = (
-            max(off)
-            if name != "log"
-            else max(o for o, one in zip(off, x, strict=True) if abs(one - 1.0) > 1e-3)
-        )
-    assert worst < 2e-15
+        assert max(off) < 2e-15, width
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_other_functions(width):
+    x = np.linspace(-8.0, 8.0, 64)
+    exp, inverse = run(Vectorised.exp_and_inverse, width, x)
+    np.testing.assert_allclose([exp, inverse], np.exp([x, -x]), rtol=2e-15)
+    (cosine,) = run(lambda one: [Vectorised.cosine(one)], width, x)
+    np.testing.assert_allclose(cosine, Real.cosine(x), rtol=0, atol=5e-16)
+    (rough,) = run(lambda one: [Vectorised.rough_log2(one)], width, 10.0 ** (35.0 * x))
+    np.testing.assert_allclose(rough, Real.rough_log2(10.0 ** (35.0 * x)), rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["exp", "expm1", "softplus", "tanh", "asinh", "asinh_of_exp"])
@@ -106,31 +117,63 @@ def test_missing_functions_are_seen_before_they_are_called():
         loaded(code, ["f", "g"])
 
 
-@pytest.mark.parametrize("name", [name for name in LAWS if hasattr(LAWS[name], "evolution")])
+@pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("width", WIDTHS)
 def test_rates_of_laws(name, width):
-    """As NumPy has them, to rounding, and the same bits in any lane."""
+    """As in NumPy's numbers, to rounding, and the same bits in any lane."""
     law, rng, n = LAWS[name], np.random.default_rng(1), 64
-    symbols = {"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")}
-    states = {state: symbols[state] for state in law.states}
-    found = Equations(law, states, law.parameters)
-    values = {"a": 0.01, "b": 0.014, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-6, "b2": 0.003, "Dc2": 1e-4}
-    values |= {"V_cut": 1e-8, "V_w": 0.1, "mu_w": 0.2}
-    p = [float(one) for one in found.coefficients(2e-6, values)]
-    v, *psi = 4.0 * rng.normal(size=(1 + len(found.psi), n))
-    roots = [
-        *found.rates,
-        *(found.derivative(rate, found.v) for rate in found.rates),
-        *(found.derivative(x, y) for x, y in zip(found.rates, found.psi, strict=True)),
-    ]
+    p = tuple(rng.uniform(0.2, 0.9, law.n_coefficients).tolist())
+    y = rng.normal(size=(2 + len(law.states), n))
 
-    def written(v, *psi):
-        known = {found.v: v, exp(found.v): Vectorised.exp(v)}
-        known |= dict(zip(found.psi, psi, strict=True)) | dict(zip(found.constants, p, strict=True))
-        return evaluate(roots, known, Vectorised)
+    def rates(*y):
+        w, _, e = exponentials(y, law, p)
+        return law.rates_in_v(y[1], w, y[2:], e, p)
 
-    mine = run(written, width, v, *psi)
-    np.testing.assert_allclose(mine, found.values(roots, v, psi, p), rtol=1e-11)
+    mine = run(rates, width, *y)
+    np.testing.assert_allclose(mine, np.transpose([rates(*one) for one in y.T]), rtol=1e-12)
     order = rng.permutation(n)
-    again = run(written, width, v[order], *(one[order] for one in psi))
-    np.testing.assert_array_equal(again, mine[:, order])
+    np.testing.assert_array_equal(run(rates, width, *y[:, order]), mine[:, order])
+
+
+# ------------------------------------------------------------------------------ other processors
+
+
+@pytest.mark.parametrize(
+    ("triple", "cpu"),
+    [("x86_64-unknown-linux-gnu", "x86-64"), ("aarch64-unknown-linux-gnu", "generic")],
+)
+@pytest.mark.parametrize("kind", [MarchUnits, ReturnUnits])
+def test_objects_for_other_processors(triple, cpu, kind):
+    """x86-64 without AVX, and aarch64: of a law's units, for vectors of two doubles."""
+    names = [*lane_units(LAWS["slip"], kind), *point_units(LAWS["slip"], kind)]
+    code = compiled(unit_text(LAWS["slip"], kind, 2), target(cpu, "", triple))
+    assert code[:4] == b"\x7fELF"
+    assert code[18] == {"x86_64": 62, "aarch64": 183}[triple.partition("-")[0]]
+    assert all(name.encode() in code for name in names)
+
+
+def test_this_processor_without_avx(monkeypatch):
+    """The same steps from vectors of two doubles, and of this processor's width."""
+    law, name = LAWS["aging"], "step"
+    s = np.random.default_rng(2).uniform(0.1, 0.9, rows_of(law).size)
+    found = []
+    for width, machine in ((2, target("x86-64", "")), (WIDTH, target())):
+        code = compiled(unit_text(law, MarchUnits, width), machine)
+        buffer = s.copy()
+        call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
+        call(loaded(code, [name])[name])(buffer.ctypes.data, LANES // width)
+        found.append(buffer)
+    assert (found[0] != s).any()
+    np.testing.assert_allclose(*found, rtol=1e-8, atol=1e-12)
+
+
+def test_the_width_is_that_in_which_this_processor_is_fastest(monkeypatch):
+    def width(name, **features):
+        monkeypatch.setattr(machine_code.llvm, "get_host_cpu_name", lambda: name)
+        monkeypatch.setattr(machine_code.llvm, "get_host_cpu_features", lambda: features)
+        return machine_code.doubles_of_vector()
+
+    assert width("skylake-avx512", avx=True, avx512f=True) == 4
+    assert width("znver4", avx=True, avx512f=True) == 8
+    assert width("znver2", avx=True, avx512f=False) == 4
+    assert width("x86-64", sse2=True) == width("apple-m1", neon=True) == 2

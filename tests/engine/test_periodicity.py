@@ -1,10 +1,11 @@
 """Of how many returns the period of a run is, by maxima of maps whose periods are known."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
-from numba import njit
+from machine_control import Machine
 
-from ratestate.engine import law_methods  # noqa: F401  (compiled code calls methods of laws)
 from ratestate.engine import rows as R
 from ratestate.engine.periodicity import last_period
 from ratestate.friction.laws import LAWS
@@ -13,19 +14,33 @@ LAW = LAWS["slip"]
 ROWS = R.rows_of(LAW)
 
 
-@njit
-def period_of(s, law):
-    return last_period(s, 0, law)
+class Ends(NamedTuple):
+    """A march that has ended, and its amplitude, period and number of returns."""
+
+    shape: R.Shape
+    s: np.ndarray
+    found: np.ndarray
+
+
+def write_period(run, _):
+    run.found[0], run.found[1], returns = last_period(run, 0)
+    run.found[2] = float(returns)
+    return True
+
+
+RUN = Ends(R.shape_of(LAW), np.zeros(ROWS.size), np.zeros(3))
+WRITE = Machine(write_period, RUN)
 
 
 def returns_of(highs, lows, tolerance=0.0):
     """How many returns make the last period of a run with these stress maxima and minima."""
-    s, n = np.zeros(ROWS.size), len(highs)
+    s, n = RUN.s, len(highs)
     s[R.CYCLES], s[R.TOLERANCE] = n, tolerance
     for k in range(max(n - R.RING, 0), n):
         at = (k % R.RING) * R.LANES
         s[ROWS.highs + at], s[ROWS.lows + at], s[ROWS.spans + at] = highs[k], lows[k], 1.0
-    amplitude, period, returns = period_of(s, LAW)
+    assert WRITE()
+    amplitude, period, returns = RUN.found
     assert amplitude > 0.0
     if returns:
         assert period == pytest.approx(returns)

@@ -1,10 +1,6 @@
 """The return map and its derivative: differences, SciPy's variational equations, lanes."""
 
-import json
 import math
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -296,51 +292,6 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
         monkeypatch.setattr(dispatch, "cores", lambda cores=cores: cores)
         pick = rng.permutation(np.tile(np.arange(40), 3))
         np.testing.assert_array_equal(run(pick), whole[pick])
-
-
-SCRIPT = """
-import json
-import numpy as np
-from ratestate.dynamics.cycles.shooting import return_map
-from ratestate.dynamics.cycles.system import one_length_system, state
-
-out = []
-for law in ("slip", "aging"):
-    system = one_length_system(law, np.array([0.9, 0.48]), np.array([2.0, 1.6]),
-                               np.array([0.1, 1e-10]), np.full(2, np.inf))
-    y = state(system, np.array([[0.3, 0.5], [0.4, 1.6 * 0.4]]))
-    found = return_map(system, y, 1e-6, observe=True, period=np.full(2, 7.0))
-    values = found.numbers | {f"{k} by {c}": d[:, c] for k, d in found.gradients.items()
-                              for c in (0, 1)}
-    out.append([found.status.tolist(), {name: value.tolist() for name, value in values.items()},
-                found.jacobian.tolist()])
-print(json.dumps(out))
-"""
-
-
-def test_without_the_compiler():
-    """The kernel is plain Python too, and does the same."""
-    results = []
-    for jit in ("1", "0"):
-        done = subprocess.run(
-            [sys.executable, "-W", "ignore", "-c", SCRIPT],
-            env=os.environ | {"NUMBA_DISABLE_JIT": jit},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
-        results.append(json.loads(done.stdout.splitlines()[-1]))
-    for plain, compiled in zip(*results, strict=True):
-        assert plain[0] == compiled[0] == [FINISHED, FINISHED]
-        assert plain[1]["steps"] == compiled[1]["steps"]
-        assert plain[1].keys() == compiled[1].keys() >= {*RETURN_NUMBERS, "x_low by 1"}
-        for name, other in compiled[1].items():
-            one = plain[1][name]
-            # of the second case inertia is all but lost in rounding
-            assert one[0] == pytest.approx(other[0], rel=1e-8, abs=1e-12), name
-            assert one[1] == pytest.approx(other[1], rel=1e-5, abs=1e-12), name
-        np.testing.assert_allclose(plain[2], compiled[2], rtol=1e-5, atol=1e-12)
 
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9])

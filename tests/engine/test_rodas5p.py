@@ -6,14 +6,13 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from machine_control import Formula
 from naive import Naive
-from numba import njit
 
 import ratestate as rs
-from ratestate.engine import exp as ours
-from ratestate.engine import law_methods  # noqa: F401  (compiled code calls methods of laws)
 from ratestate.engine import rodas5p as M
 from ratestate.engine import tableau as R
+from ratestate.engine.equations import exponentials
 from ratestate.friction.laws import LAWS
 
 # The published (transformed) coefficients as full matrices: stage i starts from y + sum_j A_ij k_j.
@@ -117,12 +116,20 @@ def test_quadrature_weights():
 # One step of the engine ---------------------------------------------------------------------------
 
 
-@njit
+@functools.cache
+def step_of(law):
+    """`rodas5p.step` under this law as machine code."""
+
+    def step(y, w_lp, ramp, h, kappa, eta0, p):
+        w, _, e = exponentials(y, law, p)
+        return M.step(y, w, e, w_lp, ramp, h, (law, kappa, eta0, p))
+
+    return Formula(step, (0.0,) * 3, *[0.0] * 5, (0.0,))
+
+
 def step(y, w_lp, ramp, h, system):
-    law, _, _, p = system
-    w = math.exp(y[1])
-    e = ours.exp_each_alone(law.exponents(y[1], w, y[2:], p))
-    return M.step(y, w, e, w_lp, ramp, h, system)
+    law, kappa, eta0, p = system
+    return step_of(law)(tuple(y), w_lp, ramp, h, kappa, eta0, p)
 
 
 def plain_step(f, jacobian, f_t, y, h):
@@ -233,43 +240,6 @@ def test_order_of_the_tableau_on_other_problems(problem):
     assert 4.7 < math.log2(errors[0] / errors[1]) < 5.3
 
 
-# The exponential ----------------------------------------------------------------------------------
-
-
-@njit
-def exp_in_lanes(x):
-    out = np.empty(x.size)
-    for i in range(x.size):
-        out[i] = ours.exp(x[i])
-    return out
-
-
-def test_exp_within_3_ulp():
-    rng = np.random.default_rng(8)
-    near = [0.0, -0.0, 1e-300, -1e-17, *(math.log(2) * (k + 0.5) for k in range(-40, 41))]
-    x = np.concatenate([rng.uniform(-599, 599, 3000), rng.uniform(-1, 1, 500), near])
-    with mpmath.workprec(120):
-        exact = [mpmath.exp(mpmath.mpf(float(v))) for v in x]
-        got = exp_in_lanes(x)
-        ulps = [
-            abs(mpmath.mpf(float(g)) - e) / math.ulp(float(e))
-            for g, e in zip(got, exact, strict=True)
-        ]
-    assert max(ulps) < 3.0
-    assert np.mean([float(u) for u in ulps]) < 0.6
-    assert exp_in_lanes(np.zeros(3)).tolist() == [1.0, 1.0, 1.0]
-
-
-def test_exp_saturates_and_keeps_nan():
-    far = exp_in_lanes(np.array([-1e4, -np.inf, 1e4, np.inf, np.nan]))
-    assert np.isnan(far[4])
-    assert far[0] == far[1] > 0
-    assert far[2] == far[3] < np.inf
-    assert far[0] < 1e-250
-    assert far[2] > 1e250
-    assert (np.diff(exp_in_lanes(np.linspace(-900, 900, 1801))) >= 0).all()
-
-
 # Orders seen by a user ----------------------------------------------------------------------------
 
 STABLE = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3000.0, "K": 9e8, "V0": 1e-9}
@@ -280,29 +250,6 @@ def final(slider, t_end, **settings):
         slider, rs.Loading.constant(2e-3), t_end, V_start=1e-3, times=[t_end], **settings
     )
     return np.array([run.tau[0] / 6e3, np.log(run.V[0]), np.log(run.theta[0])])
-
-
-@pytest.mark.parametrize(
-    ("law", "method"), [("slip", "im2017"), ("aging", "im2017"), ("aging", "im2017_euler")]
-)
-def test_order_of_the_papers_scheme(law, method):
-    slider = rs.SpringSlider(**STABLE, law=law)
-    exact = final(slider, 0.02, rtol=1e-12)
-    errors = [
-        np.abs(final(slider, 0.02, method=method, dt=0.02 / n) - exact).max()
-        for n in (1000, 2000, 4000)
-    ]
-    slopes = np.log2([errors[0] / errors[1], errors[1] / errors[2]])
-    assert ((slopes > 0.9) & (slopes < 1.1)).all(), slopes
-    assert errors[0] > 1e-4  # else it would not be this scheme
-
-
-@pytest.mark.parametrize("dt", [1e-5, 1e-6, 1e-7])
-def test_the_papers_scheme_takes_small_steps(dt):
-    """Small steps are accurate ones: no root is lost to rounding."""
-    slider = rs.SpringSlider(**STABLE)
-    error = final(slider, 0.02, method="im2017", dt=dt) - final(slider, 0.02, rtol=1e-10)
-    assert 500 * dt < np.abs(error).max() < 800 * dt
 
 
 @pytest.mark.parametrize("law", ["slip", "aging"])

@@ -1,17 +1,18 @@
 """One step with its derivative: by complex steps and by differences of the step, its trace."""
 
+import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from dimensionless import jacobian, rates
-from numba import njit
+from machine_control import Formula
 from test_rodas5p import A, C
 
 from ratestate.engine import rodas5p as R
 from ratestate.engine import tangent as T
-from ratestate.engine.exp import exp_alone, exp_each_alone
+from ratestate.engine.equations import exponentials
 from ratestate.engine.tableau import GAMMA
 from ratestate.friction.laws import LAWS as FORMULAS
 
@@ -41,28 +42,31 @@ class Step(NamedTuple):
         return self.z[1]
 
 
-@njit
-def exponentials(y, system):
-    law, _, _, p = system
-    w = exp_alone(y[1])
-    return w, exp_each_alone(law.exponents(y[1], w, y[2:], p))
+@functools.cache
+def steps_of(law):
+    """`tangent.step` with two perturbations, and `rodas5p.step`, as machine code."""
 
+    def step(y, z, h, kappa, eta, p):
+        w, _, e = exponentials(y, law, p)
+        return T.step(y, w, e, z, 1.0, h, (law, kappa, eta, p))
 
-@njit
-def compiled_step(y, z, h, system):
-    w, e = exponentials(y, system)
-    return T.step(y, w, e, z, 1.0, h, system)
+    def base_step(y, h, kappa, eta, p):
+        w, _, e = exponentials(y, law, p)
+        return R.step(y, w, e, 1.0, 0.0, h, (law, kappa, eta, p))
+
+    y, p, others = (0.0,) * 3, (0.0,), [0.0] * 3
+    return Formula(step, y, (y, y), *others, p), Formula(base_step, y, *others, p)
 
 
 def step(y, y1, y2, h, system):
     """With two perturbations."""
-    return Step(*compiled_step(tuple(y), (tuple(y1), tuple(y2)), h, system))
+    law, *others = system
+    return Step(*steps_of(law)[0](tuple(y), (tuple(y1), tuple(y2)), h, *others))
 
 
-@njit
 def base_step(y, h, system):
-    w, e = exponentials(y, system)
-    return R.step(y, w, e, 1.0, 0.0, h, system)
+    law, *others = system
+    return steps_of(law)[1](tuple(y), h, *others)
 
 
 # The method as in the books, and derivatives by complex steps ------------------------------------

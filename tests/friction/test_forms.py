@@ -1,27 +1,20 @@
-"""Forms of friction beside that of eq. 1: their formulas, in Python and compiled, and what takes
-them.
-"""
+"""Forms of friction beside that of eq. 1: their formulas, and which laws take them."""
 
-import itertools
 import math
 import pickle
 
-import mpmath
 import numpy as np
 import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from load_step import load_step
-from numba import njit
 from textbook import OF_LAW, Textbook, drawn
 
 import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.results import law_of_result, parameter
-from ratestate.engine import functions as compiled
-from ratestate.friction import functions
-from ratestate.friction.composition import composed, composed_law, takes_forms
+from ratestate.friction.composition import composed, composed_law, forms_of, takes_forms
 from ratestate.friction.forms import FORMS
 from ratestate.friction.laws import LAWS
 from ratestate.interfaces import scenario
@@ -29,7 +22,6 @@ from ratestate.interfaces import scenario
 TAKING = [name for name, law in LAWS.items() if takes_forms(law) and law.form == "log"]
 NAMES = pytest.mark.parametrize("law", TAKING)
 BOTH = pytest.mark.parametrize("form", FORMS)
-SMALL = 1e-30
 RTOL = 1e-6
 CUT = rs.SpringSlider(
     a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8, friction="cut-off", V1=1e-2, V2=1.0
@@ -64,106 +56,57 @@ def at_random(name, form, seed):
     return law, 3.0 * rng.normal(), tuple(3.0 * rng.normal(size=len(law.states))), p
 
 
-@njit
-def in_code(x):
-    return functions.softplus(x), functions.logistic(x)
+@pytest.mark.parametrize(
+    ("law", "form"), [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
+)
+@pytest.mark.parametrize("damping", [0.0, 0.3])
+def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
+    """Each method of derivatives against differences of the one of the order below."""
+    rng = np.random.default_rng(5)
+    parameters, V = WITH.get(form, drawn)(law, rng)
+    parameters.pop("friction", None)
+    parameters["damping"] = damping * parameters["a"] * parameters["sigma"] / V
+    values = {symbol: np.array([x]) for symbol, x in parameters.items()}
+    law = composed(LAWS[law], form, damped=damping > 0.0)
+    p = tuple(float(x[0]) for x in law.coefficient_arrays(V, values))
+    y, n = rng.normal(size=1 + len(law.states)), len(law.states)
 
+    def stress(order, y):
+        """An array with an axis (v, psi) for each derivative."""
+        method = "stress" if order == 0 else f"stress_partials{f'_{order}' if order > 1 else ''}"
+        found = getattr(law, method)(y[0], math.exp(y[0]), tuple(y[1:]), p)
+        if order == 0:
+            return np.array(found)
+        whole = np.full((1 + n,) * order, np.nan)
+        for k, part in enumerate(found):  # k derivatives by psi, after those by v
+            whole[(0,) * (order - k) + (slice(1, None),) * k] = part
+        return whole
 
-@given(st.floats(-700, 700))
-def test_functions_in_compiled_code(x):
-    exact = max(x, 0.0) + math.log1p(math.exp(-abs(x)))
-    found, slope = in_code(x)
-    for value in (found, float(functions.softplus(x))):
-        assert value == pytest.approx(exact, rel=4e-16, abs=3e-16)
-    exact = 1.0 / (1.0 + math.exp(-x)) if x > -690 else math.exp(x)
-    assert slope == pytest.approx(exact, rel=1e-14, abs=1e-260)
-    assert float(functions.logistic(x)) == pytest.approx(exact, rel=1e-14)
-    assert 0.5 * math.log(2.0) == compiled.LN_SQRT2
+    def rates(order, y):
+        """An array (k, state) of derivatives: k of them by the state, the others by v."""
+        method = "rates" if order == 0 else f"rate_partials{f'_{order}' if order > 1 else ''}"
+        w, psi = math.exp(y[0]), tuple(y[1:])
+        found = np.array(getattr(law, method)(y[0], w, psi, law.exponentials(y[0], w, psi, p), p))
+        return found if order else found[None]
 
+    def slope(function, order, j):
+        h, step = 1e-3, np.eye(1 + n)[j]
+        each = [function(order, y + k * h * step) for k in (2, 1, -1, -2)]
+        return (8 * (each[1] - each[2]) - (each[0] - each[3])) / (12 * h)
 
-@njit
-def more_in_code(x, y):
-    logarithm = functions.log(abs(x) + 5e-324)
-    return logarithm, functions.larger(x, y), functions.asinh_of(x, y), functions.tanh(x)
-
-
-@given(st.floats(-300, 300), st.floats(-1, 1))
-def test_logarithms_in_compiled_code(power, sign):
-    x = math.copysign(10.0**power, sign)
-    y = 600.0 * sign
-    found = more_in_code(x, y)
-    assert found[0] == pytest.approx(math.log(abs(x)), rel=4e-16, abs=2e-16)
-    assert found[1] == max(x, y) == functions.larger(x, y)
-    with mpmath.workdps(30):
-        exact = float(mpmath.asinh(mpmath.mpf(x) * mpmath.exp(mpmath.mpf(y)) / 2))
-        tanh = float(mpmath.tanh(mpmath.mpf(x)))
-    for value in (found[2], float(functions.asinh_of(x, y))):
-        assert value == pytest.approx(exact, rel=1e-12)
-    for value in (found[3], float(functions.tanh(x))):
-        assert value == pytest.approx(tanh, rel=1e-15)
-    assert more_in_code(0.0, y)[2] == functions.asinh_of(0.0, y) == 0.0
-
-
-@njit
-def heat_in_code(x):
-    return functions.flash(x), functions.log_2_sinh(abs(x)), functions.coth(abs(x))
-
-
-@given(st.floats(1e-3, 70.0), st.sampled_from([-1.0, 1.0]))
-def test_functions_of_flash_heating_in_compiled_code(size, sign):
-    x = sign * size
-    with mpmath.workdps(30):
-        exact = (
-            (1 + mpmath.exp(8 * mpmath.mpf(x))) ** (-mpmath.mpf(1) / 8),
-            mpmath.log(2 * mpmath.sinh(size)),
-            mpmath.coth(size),
-        )
-    python = functions.flash(x), functions.log_2_sinh(size), functions.coth(size)
-    for wanted, one, other in zip(map(float, exact), heat_in_code(x), python, strict=True):
-        assert one == pytest.approx(wanted, rel=1e-12, abs=1e-13)
-        assert float(other) == pytest.approx(wanted, rel=1e-13, abs=1e-15)
-
-
-def test_a_nan_stays_one():
-    assert all(math.isnan(x) for x in in_code(math.nan))
-
-
-@NAMES
-@BOTH
-@given(seed=st.integers(0, 10**6))
-def test_derivatives_by_complex_steps(law, form, seed):
-    law, v, psi, p = at_random(law, form, seed)
-    n, w = range(len(psi)), math.exp(v)
-    orders = [f"resistance_partials{order}" for order in ("", "_2", "_3")]
-
-    def all_of(name, v, psi):
-        """Its numbers as one array, a derivative along each of the last axes (v, psi)."""
-        value = getattr(law, name)(v, np.exp(v), psi, p)
-        if name == "resistance":
-            return np.array(value)
-        if name == orders[0]:
-            return np.array([value[0], *value[1]])
-        if name == orders[1]:
-            by_vv, by_vpsi, by_psipsi = value
-            return np.array([[by_vv, *by_vpsi], *([by_vpsi[k], *by_psipsi[k]] for k in n)])
-        by_vvv, by_vvpsi, by_vpsipsi, by_psi_3 = value
-        first = [[by_vvv, *by_vvpsi], *([by_vvpsi[k], *by_vpsipsi[k]] for k in n)]
-        rest = [
-            [[by_vvpsi[k], *by_vpsipsi[k]], *([by_vpsipsi[k][j], *by_psi_3[k][j]] for j in n)]
-            for k in n
-        ]
-        return np.array([first, *rest])
-
-    for lower, upper in itertools.pairwise(["resistance", *orders]):
-        found = all_of(upper, v, psi)
-        steps = [np.imag(all_of(lower, v + 1j * SMALL, psi)) / SMALL]
-        for k in n:
-            moved = tuple(x + (1j * SMALL if j == k else 0.0) for j, x in enumerate(psi))
-            steps.append(np.imag(all_of(lower, v, moved)) / SMALL)
-        np.testing.assert_allclose(found, np.array(steps), rtol=1e-11, atol=1e-14)
-    if form == "cut-off":
-        assert law.resistance(0.0, 1.0, (0.0,) * len(psi), p) == pytest.approx(0.0, abs=1e-13)
-    assert w > 0
+    for order in range(3):
+        above = stress(order + 1, y)
+        scale = 1e-7 * np.nanmax(np.abs(above)) + 1e-9
+        for j in range(1 + n):
+            known = ~np.isnan(above[..., j])
+            wanted = slope(stress, order, j)
+            known &= ~np.isnan(wanted)
+            np.testing.assert_allclose(above[..., j][known], wanted[known], rtol=0, atol=scale)
+        above = rates(order + 1, y)
+        scale = 1e-7 * np.abs(above).max() + 1e-9
+        np.testing.assert_allclose(above[:-1], slope(rates, order, 0), rtol=0, atol=scale)
+        by_psi = np.array([slope(rates, order, 1 + k)[:, k] for k in range(n)]).T
+        np.testing.assert_allclose(above[1:], by_psi, rtol=0, atol=scale)
 
 
 @NAMES
@@ -180,9 +123,6 @@ def test_friction_is_that_of_the_textbook(law, form, seed):
     reference = friction.reference_friction(np.array([V]), values)[0]
     mu = reference + parameters["a"] * friction.resistance(v, math.exp(v), psi, p)
     assert mu == pytest.approx(twin.mu(V * math.exp(v), theta), abs=1e-12)
-    slower = friction.rescaled(p, 0.5)
-    exact = friction.coefficient_arrays(0.5 * V, values)
-    np.testing.assert_allclose(slower, [float(x[0]) for x in exact], rtol=1e-13)
     steady = twin.mu(V, twin.steady_theta(V))
     assert friction.steady_friction(np.array([V]), values)[0] == pytest.approx(steady, abs=1e-12)
 
@@ -203,7 +143,8 @@ def test_a_step_is_that_of_the_textbook(law, mass, damping):
     assert twin.differs(run, exact) < 100 * RTOL
     assert abs(float(run.energy_residual)) < 10 * RTOL
     whole = simulate(rtol=RTOL)
-    assert float(run.mu_min) == float(whole.mu_min) <= float(whole.mu.min())
+    rounding = 1e-2 * RTOL * parameters["a"]  # of where in a step friction is smallest
+    assert float(run.mu_min) == float(whole.mu_min) <= float(whole.mu.min()) + rounding
     assert float(run.mu_min) == pytest.approx(float(whole.mu.min()), abs=0.02 * parameters["a"])
 
 

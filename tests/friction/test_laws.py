@@ -1,6 +1,7 @@
 """The friction law and the evolution laws against their definitions (eqs 1-3)."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ratestate import ParameterError
+from ratestate.friction import formulas as rsf
 from ratestate.friction import laws
-from ratestate.friction import rate_and_state as rsf
 from ratestate.paper import laws as paper
 
 LAWS = list(paper.LAWS)
@@ -54,7 +55,8 @@ def test_evolution_is_that_of_the_textbook(law, log_V, log_omega):
 
 def rates(law, v, w, psi, method="rates"):
     """`rates` of a law with one state, or another of its methods of the same arguments."""
-    law, p = laws.LAWS[law], (2.0,)
+    law = laws.LAWS[law]
+    p = law.coefficients(1.0, SimpleNamespace(**FRICTION))
     e = law.exponentials(v, w, (psi,), p)
     return getattr(law, method)(v, w, (psi,), e, p)
 

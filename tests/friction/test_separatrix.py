@@ -1,6 +1,7 @@
 """Runaway without inertia: its edge, and that only what crosses it is called one."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -127,7 +128,9 @@ def test_criteria():
 
     def runs_away(law, y, kappa, c):
         """Of ln(V theta/Dc) = y, whatever V is; c = b/a - 1."""
-        found = {LAWS[law].runs_away(v, (y - v,), kappa, (1.0 + c,)) for v in (0.0, 0.25, -4.0)}
+        values = {"a": 1.0, "b": 1.0 + c, "Dc": 1.0, "mu0": 0.6, "V0": 1.0}
+        p = LAWS[law].coefficients(1.0, SimpleNamespace(**values))
+        found = {bool(LAWS[law].runs_away(v, (y - v,), kappa, p)) for v in (0.0, 0.25, -4.0)}
         assert len(found) == 1
         return found.pop()
 

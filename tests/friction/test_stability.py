@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import ratestate as rs
 from ratestate import stability
-from ratestate.friction import rate_and_state as rsf
+from ratestate.friction import formulas as rsf
 from ratestate.friction.eigenvalues import steady_modes
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}

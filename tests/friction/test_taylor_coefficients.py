@@ -1,18 +1,14 @@
 """Taylor coefficients in time of the equations that are derived from formulas."""
 
 import math
-from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
 import pytest
 from exact_functions import exact_function
 
-from ratestate.engine import recurrences
 from ratestate.friction.elementary import where
-from ratestate.friction.equations import Equations
 from ratestate.friction.expressions import FUNCTIONS, Graph, exp, power
-from ratestate.friction.laws import LAWS
 from ratestate.friction.taylor import NoSeries, expand
 
 ORDER = 8
@@ -66,29 +62,3 @@ def test_a_choice_has_no_series():
     x = graph.symbol("x", is_constant=False)
     with pytest.raises(NoSeries):
         expand({x: where(x > 1.0, x, 1.0)}, [], 3, {x: 0.5})
-
-
-@pytest.mark.parametrize("name", ["slip", "aging", "prz", "two-state-aging"])
-def test_a_motion_under_a_law_is_that_of_the_engine(name):
-    """x' = kappa (w_lp - w), v' = (x - R)/(eta0 w), each psi' by the law."""
-    law, rng = LAWS[name], np.random.default_rng(0)
-    values = dict.fromkeys(("a", "b", "Dc", "mu0", "V0", "b2", "Dc2"), 1.0) | {"b": 1.7, "b2": 0.4}
-    symbols = {"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")}
-    states = {state: symbols[state] for state in law.states}
-    equations = Equations(law, states, law.parameters)
-    y, kappa, eta0, w_lp, ramp = rng.normal(size=2 + len(law.states)).tolist(), 0.6, 3.0, 1.3, 0.2
-    graph, w = equations.graph, exp(equations.v)
-    x, line = (graph.symbol(one, is_constant=False) for one in ("x", "w_lp"))
-    rates = {
-        x: kappa * (line - w),
-        equations.v: (x - equations.resistance) / (eta0 * w),
-        **dict(zip(equations.psi, equations.rates, strict=True)),
-    }
-    known = dict(zip(rates, y, strict=True)) | {line: (w_lp, ramp)}
-    known |= dict(zip(equations.constants, equations.coefficients(1.0, values), strict=True))
-    found, works = expand(rates, [x * line, equations.resistance * w], recurrences.ORDER, known)
-    p = law.coefficients(1.0, SimpleNamespace(**values))
-    e = [math.exp(one) for one in law.exponents(y[1], math.exp(y[1]), y[2:], p)]
-    expected = recurrences.coefficients(law, y, math.exp(y[1]), e, w_lp, ramp, kappa, eta0, p)
-    for mine, its in zip([*found, *works], [*expected[0], *expected[1]], strict=True):
-        np.testing.assert_allclose(mine, its, rtol=1e-11, atol=1e-13)

@@ -9,6 +9,7 @@ EXACT = {
     "asinh_of_exp": lambda x: mp.asinh(mp.exp(x)),
     "log1p": lambda x: mp.log(1 + x),
     "abs": abs,
+    "bounded_exp": mp.exp,
 }
 
 

@@ -163,19 +163,15 @@ EULER = {0.1: 2.987, 0.05: 3.073, 0.02: 3.126, 0.01: 3.144}
 
 
 @pytest.mark.parametrize(
-    ("law", "method", "expected"),
-    [
-        ("slip", "im2017", EXACT_STATE),
-        ("aging", "im2017", EXACT_STATE),
-        ("aging", "im2017_euler", EULER),
-    ],
+    ("law", "euler", "expected"),
+    [("slip", False, EXACT_STATE), ("aging", False, EXACT_STATE), ("aging", True, EULER)],
 )
-def test_critical_velocity_of_the_scheme(law, method, expected):
+def test_critical_velocity_of_the_scheme(law, euler, expected):
     slider = FIG2.replace(law=law)
     for omega_dt, V_c in expected.items():
-        assert 1e3 * critical_velocity(slider, omega_dt, method) == pytest.approx(V_c, rel=0.01)
+        assert 1e3 * critical_velocity(slider, omega_dt, euler) == pytest.approx(V_c, rel=0.01)
     # order 1: the error is proportional to the step
-    error = [1 - critical_velocity(slider, od, method) / slider.V_c for od in (0.01, 0.005)]
+    error = [1 - critical_velocity(slider, od, euler) / slider.V_c for od in (0.01, 0.005)]
     assert error[0] / error[1] == pytest.approx(2.0, rel=0.02)
 
 
@@ -205,7 +201,7 @@ def test_critical_velocity_without_a_critical_one():
     ],
 )
 def test_limit_cycle_of_the_scheme(omega_dt, V_min, V_max):
-    run = step_response(FIG2, FIG2_START, 3.2e-3, 10.0, omega_dt, "im2017", last=0.1)
+    run = step_response(FIG2, FIG2_START, 3.2e-3, 10.0, omega_dt)
     assert 1e3 * float(run.V.min()) == pytest.approx(V_min, rel=0.01)
     assert 1e3 * float(run.V.max()) == pytest.approx(V_max, rel=0.01)
     np.testing.assert_allclose(np.diff(run.time), time_step(FIG2, omega_dt), rtol=1e-6)
@@ -215,7 +211,7 @@ def test_multiplier_tends_to_that_of_the_modes():
     """exp(growth rate * dt), once the scheme's error of order dt is extrapolated away."""
     V = 3.3e-3
     coarse, fine = (
-        math.log(multiplier(FIG2, V, omega_dt, "im2017")) / time_step(FIG2, omega_dt)
+        math.log(multiplier(FIG2, V, omega_dt, False)) / time_step(FIG2, omega_dt)
         for omega_dt in (0.02, 0.01)
     )
     growth = float(stability(FIG2, V).growth_rate)
@@ -230,7 +226,7 @@ def test_scheme_figure(monkeypatch):
     error = abs(data[["V_c_scheme", "V_min", "V_max", "amplitude"]] - _truth(data))
     for name in error:  # smaller for smaller steps, and everywhere smaller by backward Euler
         assert (error[name].diff("omega_dt") < 0).all(), name
-        assert (error[name].sel(scheme="im2017_euler") < error[name].sel(scheme="im2017")).all()
+        assert (error[name].sel(scheme="euler") < error[name].sel(scheme="exact")).all()
     assert len(scheme.draw(data).axes) == 3
 
 

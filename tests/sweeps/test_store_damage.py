@@ -342,7 +342,10 @@ def other_origin(monkeypatch):
 FOREIGN = {
     "processor": ({"cpu": "i386"}, r"processor: \S+ made the store, i386 is here$"),
     "features": ({"lack": ["sse2"]}, r"is here \(only there: sse2\)$"),
-    "numba": ({"numba": "0.1"}, r"version of numba: 0\.\d.* made the store, 0\.1 is here$"),
+    "llvmlite": (
+        {"llvmlite": "0.1"},
+        r"version of llvmlite: 0\.\d.* made the store, 0\.1 is here$",
+    ),
     "kernels": ({"kernels": "abc", "ratestate": "9"}, "kernels: .* made the store, abc is here"),
 }
 

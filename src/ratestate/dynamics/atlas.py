@@ -18,7 +18,7 @@ from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import REGIMES, classify
 from .hopf import bautin, hopf
-from .refusals import check_orders, refusal
+from .refusals import refusal
 from .results import flags, provenance
 
 #: first and last value of the axes: faults at the bottom left, brakes at the top
@@ -79,7 +79,6 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
     3
     """
     friction = friction_law(law)
-    check_orders("atlas", friction, 3)
     for symbol, value in {**parameters, **({} if M is None else {"M": M})}.items():
         if symbol not in (*friction.parameters, "M"):
             raise refusal("atlas.parameter", law=friction.name, symbol=symbol)

@@ -20,7 +20,6 @@ from .cycles.measure import refine
 from .cycles.system import state, system_of
 from .disturbances import KINDS, smallest_escapes
 from .progress import bar
-from .refusals import check_orders
 from .results import columns, provenance
 
 #: measures of the limit cycle beyond, and of the unstable one between
@@ -79,9 +78,8 @@ def escape(slider, V_lp):
     >>> str(edge.outcome.values), round(float(edge.step_up), 2)
     ('runaway', 2.11)
     """
-    check_orders("escape", checked(slider).friction_law, 2)
     V_lp = to_si("V_lp", V_lp)
-    batch = Batch({**slider.values, "V_lp": V_lp}, taken=VARIABLES)
+    batch = Batch({**checked(slider).values, "V_lp": V_lp}, taken=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     system = system_of(slider.friction_law.name, **batch.columns)
     alone = batch.shape == ()

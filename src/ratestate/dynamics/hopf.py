@@ -20,7 +20,7 @@ from ..model.batch import Batch
 from ..model.names import keywords_checked
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si
-from .refusals import check_one_length, check_orders, refusal
+from .refusals import check_one_length, refusal
 
 VARIABLES = (
     "V_c K_c eta omega_c frequency eigenvalue_3 lyapunov_1 type amplitude_coefficient".split()
@@ -83,7 +83,6 @@ def hopf(slider, V_lp=None):
     ('supercritical', 50.33)
     """
     law = checked(slider).friction_law
-    check_orders("hopf", law, 3)
     values = slider.values
     parameter = "V_lp" if V_lp is None else "K"
     other = {"K": values["K"]} if V_lp is None else {"V_lp": to_si("V_lp", V_lp)}

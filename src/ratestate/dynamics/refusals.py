@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..friction.composition import JOINT, composed_law
 from ..friction.forms import FORMS
-from ..friction.laws import ONE_LENGTH
+from ..friction.laws import of_one_length
 from ..model.sentences import Sentences
 
 sentence = Sentences(Path(__file__).with_suffix(".toml"))
@@ -16,17 +16,10 @@ sentence = Sentences(Path(__file__).with_suffix(".toml"))
 refusal = sentence.refusal
 
 
-def check_orders(function, law, orders):
-    """Raise ParameterError, for a function by name, where a law lacks derivatives of an order."""
-    if law.orders < orders:
-        lacks = "rate_partials_2" if orders == 2 or law.orders == 1 else "rate_partials_3"
-        raise refusal("law.orders", function=function, law=law.name, lacks=lacks)
-
-
 def check_one_length(function, law):
     """Raise ParameterError, for a function by name, unless a law, by name, is of one length."""
     if not composed_law(law).one_length:
-        names = " and ".join(map(repr, ONE_LENGTH))
+        names = " and ".join(map(repr, of_one_length()))
         own, *parts = law.split(JOINT)
         parts = [f"friction = {part!r}" if part in FORMS else part for part in parts]
         law = " with ".join(filter(None, (repr(own), " and ".join(parts))))

@@ -58,7 +58,7 @@ def provenance(function, slider, **settings):
 @functools.cache
 def versions():
     """Versions of the programs that compute the numbers, as JSON (a look-up takes 1 ms)."""
-    programs = {name: version(name) for name in ("ratestate", "numba", "numpy")}
+    programs = {name: version(name) for name in ("ratestate", "llvmlite", "numpy")}
     return json.dumps(programs | {"kernels": DIGEST})
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..engine.model import STEADY_SLIDING
-from ..errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
+from ..errors import NotConverged, QuasiStaticInstability, SolverError
 from ..model.conversion import in_si
 from ..model.slider import SpringSlider, checked
 from ..model.units import is_array, to_si
@@ -160,23 +160,16 @@ def verdict(slider, V_lp):
     V_lp = to_si("V_lp", V_lp)
     if is_array(V_lp) or any(map(is_array, checked(slider).values.values())):
         raise refusal("verdict.of_sweep", slider=slider)
-    cycle = result_or_error(slider, lambda: limit_cycle(slider, V_lp))
+    cycle = result_or_error(lambda: limit_cycle(slider, V_lp))
     return verdict_of_cycle(slider, V_lp, cycle)
 
 
-def result_or_error(slider, search):
-    """What a search for the slider's limit cycle returns, or the SolverError that it raises.
-
-    One too where the law lacks the derivatives for such a search.
-    """
+def result_or_error(search):
+    """What a search for a limit cycle returns, or the SolverError that it raises."""
     try:
         return search()
     except SolverError as error:
         return error
-    except ParameterError as error:
-        if slider.friction_law.orders >= 2:
-            raise
-        return SolverError(str(error))
 
 
 def verdict_of_cycle(slider, V_lp, cycle):
@@ -208,7 +201,7 @@ def verdict_of_cycle(slider, V_lp, cycle):
             values["returns"] = int(numbers["returns"])
         values |= {name: float(numbers[name]) for name in names}
     near = values["stable"] and 0.0 < slider.K < FOLDS_BELOW * values["K_c"]
-    if near and slider.friction_law.one_length and slider.friction_law.orders == 3:
+    if near and slider.friction_law.one_length:
         kappa = float(folds(slider.law, slider.b / slider.a, [values["eta"]]).kappa[0])
         if np.isfinite(kappa):
             values["K_fold"] = kappa * slider.a * slider.sigma / slider.Dc

@@ -1,11 +1,8 @@
-"""Compiled kernels on disk: each in one file of a name of its own, checked before it is used.
+"""Machine code on disk: each object in one file of a name of its own, checked before it is used.
 
-numba's own cache goes stale when a function in another file changes, loads machine code without a
-look at it, and ends a call for a file that is damaged or a disk that is full.  Here the folder's
-name is a hash of all the kernels' sources, a file's name one of all else that the machine code
-depends on, and a file begins with the SHA-256 of its content.  A kernel that cannot be loaded is
-compiled anew; one that cannot be kept is used all the same.  With the code goes what was counted in
-it when it was compiled: machine code that is loaded has no text.
+The folder's name is a hash of all the engine's sources, a file's name one of all else that the
+code depends on, and a file begins with the SHA-256 of its content.  An object that cannot be loaded
+is compiled anew; one that cannot be kept is used all the same.
 
 Loading a file runs what is in it.  So only files and folders are used that nobody but this user
 can have written (`_distrust`, `_read`).
@@ -15,32 +12,26 @@ import contextlib
 import functools
 import hashlib
 import os
-import pickle
 import stat
 import sys
-import sysconfig
 import tempfile
+import time
 import uuid
 from pathlib import Path
-from typing import Any
 
 import llvmlite
-import numba
-from numba.core.caching import _Cache
-from numba.core.compiler import CompileResult
-from numba.core.registry import cpu_target
-from numba.core.serialize import dumps
 
-from ..friction.user_law import is_unchanged
-from .vectorisation import products
+from .machine_code import processor
 
 CHECKSUM = hashlib.sha256().digest_size
-#: what machine code depends on, beside its sources, the types of its arguments and the processor
-PROGRAMS = (numba.__version__, llvmlite.__version__, sysconfig.get_config_var("SOABI"))
+#: from how many seconds on it is reported how long code took to make
+LONG = 1.0
+_seconds: list = []  # of each code that was made and kept, until they are reported
+_reported: list = []  # what was
 
 
 def _digest():
-    """A hash of all sources of the kernels: the packages engine and friction, whole."""
+    """A hash of all sources of machine code: the packages engine and friction, whole."""
     package = Path(__file__).parent.parent
     folders = package / "engine", package / "friction"
     paths = sorted(path for folder in folders for path in folder.rglob("*.py"))
@@ -50,127 +41,73 @@ def _digest():
 DIGEST = _digest()
 
 
-class KernelCache(_Cache):
-    """What numba asks for, and hands, the compiled code of one function.
+def obtained(name, make):
+    """Machine code of this name, bytes: that which is kept, else what `make` gives, which is kept.
 
-    Parameters
-    ----------
-    function : the function that is compiled
-    name : by which its code is kept
+    A file that is damaged, or another user may have written, is reported on stderr; one that
+    cannot be read is passed over.  It is told which folders do not take it.
     """
-
-    def __init__(self, function, name):
-        self._name = f"{function.__module__.rpartition('.')[2]}.{name}"
-        self._enabled = True
-        #: name of a law, "" of none -> `vectorisation.products` of the code compiled or loaded
-        self.products: dict[str, tuple[int, int]] = {}
-
-    @property
-    def cache_path(self):
-        """The folders from which kernels are loaded, as one text."""
-        return os.pathsep.join(map(str, _folders()))
-
-    def load_overload(self, sig, target_context):
-        """The code for these types of arguments; None if it must be compiled.
-
-        A file that is damaged, or another user may have written, is reported on stderr; one that
-        cannot be read is passed over.
-        """
-        target_context.refresh()
-        if not self._enabled:
-            return None
-        file = self._file(sig, target_context.codegen())
-        for folder in _folders():
-            path = folder / file
-            if (content := _read(path)) is None:
-                continue
-            checksum, code = content[:CHECKSUM], content[CHECKSUM:]
-            if hashlib.sha256(code).digest() == checksum:
-                with contextlib.suppress(Exception):  # of another build of numba, say
-                    counted, parts = pickle.loads(code)
-                    result = CompileResult._rebuild(target_context, *parts)
-                    self.products[_law_name(sig)] = counted
-                    return result
-            say(f"the compiled kernel {path} is damaged; it is compiled anew")
-        return None
-
-    def save_overload(self, sig, data):
-        """Keep compiled code in the first folder that takes it; tell on stderr which do not.
-
-        Code of a law that has changed since it was registered is not kept: its name says otherwise.
-        """
-        counted = self.products[_law_name(sig)] = products(data.library)
-        if not self._enabled or data.library.has_dynamic_globals:  # (addresses of this process)
-            return
-        if (law := _law_of(sig)) and not is_unchanged(law):
-            return
-        code = dumps((counted, data._reduce()))
-        content = hashlib.sha256(code).digest() + code
-        refusals = []
-        for folder in _folders():
-            try:
-                for part in (*reversed(folder.parents), folder):
-                    with contextlib.suppress(FileExistsError, IsADirectoryError):
-                        part.mkdir(mode=0o700)
-                _write(folder / self._file(sig, data.codegen), content)
-            except OSError as error:
-                refusals.append(f"{folder} ({error.strerror or error})")
-                continue
-            if refusals:
-                say(f"compiled kernels cannot be kept in {refusals[0]}; they are in {folder}")
-            return
-        say(
-            f"compiled kernels cannot be kept in {' nor in '.join(refusals) or 'any folder'}: each "
-            f"process compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be "
-            f"written to"
-        )
-
-    @staticmethod
-    def is_empty():
-        """Whether no kernel is there."""
-        return not any(any(folder.glob("*.nbc")) for folder in _folders())
-
-    def kept(self, law):
-        """Whether code for this law is there, for some types of the other arguments."""
-        files = f"{self._name}-{law.name}-{_machine(cpu_target.target_context.codegen())}-*.nbc"
-        return any(any(folder.glob(files)) for folder in _folders())
-
-    def _file(self, sig, codegen):
-        law = _law_name(sig)
-        name = f"{self._name}-{law}" if law else self._name
-        return f"{name}-{_machine(codegen)}-{_short_hash(sig)}.nbc"
-
-    def enable(self):
-        """Load and keep code from now on."""
-        self._enabled = True
-
-    def disable(self):
-        """Neither load nor keep code from now on."""
-        self._enabled = False
-
-    def flush(self):
-        """Remove what is kept; OSError where that is not possible."""
-        for folder in _folders():
-            for path in folder.glob(f"{self._name}-*.nbc"):
-                path.unlink(missing_ok=True)
+    file = f"{name}-{_machine()}.o"
+    for folder in _folders():
+        if (content := _read(folder / file)) is None:
+            continue
+        checksum, code = content[:CHECKSUM], content[CHECKSUM:]
+        if hashlib.sha256(code).digest() == checksum:
+            return code
+        say(f"the machine code {folder / file} is damaged; it is compiled anew")
+    return made(name, make)
 
 
-def _law_of(sig):
-    """The law among the types of a kernel's arguments, or None."""
-    return next((one.law for one in sig if hasattr(one, "law")), None)
+def made(name, make):
+    """Machine code of this name that `make` gives; it is kept."""
+    start = time.perf_counter()
+    code = make()
+    seconds = time.perf_counter() - start
+    if _keep(f"{name}-{_machine()}.o", hashlib.sha256(code).digest() + code):
+        _seconds.append(seconds)
+    return code
 
 
-def _law_name(sig):
-    law = _law_of(sig)
-    return law.name if law else ""
+def report_time():
+    """Say, once in this process, how long it took to make code since the last call."""
+    seconds = sum(_seconds)
+    _seconds.clear()
+    if seconds >= LONG and not _reported:
+        _reported.append(seconds)
+        report(f"compiled the solver for this machine in {seconds:.1f} s; it is kept")
 
 
-def _machine(codegen):
-    """The part of a file's name that stands for the programs and the kind of processor."""
-    return _short_hash((PROGRAMS, codegen.magic_tuple()))
+def _keep(file, content):
+    """Write a file into the first folder that takes it; whether one does."""
+    refusals = []
+    for folder in _folders():
+        try:
+            for part in (*reversed(folder.parents), folder):
+                with contextlib.suppress(FileExistsError, IsADirectoryError):
+                    part.mkdir(mode=0o700)
+            _write(folder / file, content)
+        except OSError as error:
+            refusals.append(f"{folder} ({error.strerror or error})")
+            continue
+        if refusals:
+            say(f"machine code cannot be kept in {refusals[0]}; it is in {folder}")
+        return True
+    say(
+        f"machine code cannot be kept in {' nor in '.join(refusals) or 'any folder'}: each "
+        f"process compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be "
+        f"written to"
+    )
+    return False
 
 
-def _short_hash(value):
+@functools.cache
+def _machine():
+    """The part of a file's name that stands for the processor and for what made the code."""
+    return short_hash((*processor(), llvmlite.__version__))
+
+
+def short_hash(value):
+    """A hash of what a value is written as."""
     return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
 
 
@@ -179,8 +116,7 @@ def _folders():
 
     A folder that others may have put code into is left out, which is said on stderr.
     """
-    config: Any = numba.config  # it sets its attributes at run time
-    base: Any = config.CACHE_DIR or os.environ.get("XDG_CACHE_HOME")
+    base = os.environ.get("XDG_CACHE_HOME")
     name, found = f"kernels-{DIGEST}", []
     with contextlib.suppress(RuntimeError):  # no home
         found.append(Path(base or Path.home() / ".cache").resolve() / "ratestate" / name)
@@ -190,7 +126,7 @@ def _folders():
     reasons = {folder: _distrust(folder) for folder in found}
     for folder, reason in reasons.items():
         if reason:
-            say(f"compiled kernels in {folder.parent} are not used: {reason}")
+            say(f"machine code in {folder.parent} is not used: {reason}")
     return [folder for folder, reason in reasons.items() if not reason]
 
 
@@ -230,7 +166,7 @@ def _read(path):
             mine = found.st_uid == os.geteuid() and not found.st_mode & 0o022
             if mine and stat.S_ISREG(found.st_mode):
                 return file.read()
-        say(f"the compiled kernel {path} may be another user's; it is compiled anew")
+        say(f"the machine code {path} may be another user's; it is compiled anew")
     return None
 
 

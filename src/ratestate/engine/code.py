@@ -5,18 +5,25 @@ instructions to the `Code` that it belongs to, each of them once; conditions bec
 `where` selects.  Contraction (a*b + c in one rounding) is the only liberty taken.
 """
 
+import functools
+import operator
 import struct
+
+
+def double(x):
+    """A double as LLVM text, to its last digit."""
+    return f"0x{struct.pack('>d', float(x)).hex().upper()}"
 
 
 class Code:
     """Instructions that are being written, in their order.
 
-    width : doubles that go together
+    width : doubles that go together; letter : with which names begin
     """
 
-    def __init__(self, width):
+    def __init__(self, width, letter="v"):
         self.lines, self.declarations = [], {}
-        self._known, self._width = {}, width
+        self._known, self._width, self._letter = {}, width, letter
 
     def _vector(self, item):
         return item if self._width == 1 else f"<{self._width} x {item}>"
@@ -24,7 +31,7 @@ class Code:
     def write(self, instruction, kind):
         """What an instruction gives, an instance of a kind of `Value`."""
         if instruction not in self._known:
-            name = f"%v{len(self._known)}"
+            name = f"%{self._letter}{len(self._known)}"
             self.lines.append(f"{name} = {instruction}")
             self._known[instruction] = kind(self, name)
         return self._known[instruction]
@@ -38,6 +45,24 @@ class Code:
         given = ", ".join(f"{double} {self.text(Number, one)}" for one in numbers)
         return self.write(f"call {double} {name}({given})", Number)
 
+    def number(self, x):
+        """A number as a `Number` of this code."""
+        return x if isinstance(x, Number) else Number(self, self.text(Number, x))
+
+    def place(self, start, at):
+        """Where, behind a place, the double of this number stands."""
+        return self.write(f"getelementptr double, ptr {start}, i64 {at}", Value).name
+
+    def load(self, start, at):
+        """The double, or the doubles from there on, that stand behind a place."""
+        place = self.place(start, at)
+        return self.write(f"load {self.type(Number)}, ptr {place}, align 8", Number)
+
+    def store(self, value, start, at):
+        """Put a `Number` there."""
+        place = self.place(start, at)
+        self.lines.append(f"store {self.type(Number)} {value.name}, ptr {place}, align 8")
+
     def type(self, kind):
         """The type of a kind of `Value`."""
         return self._vector(kind.item)
@@ -48,7 +73,7 @@ class Code:
 
     def _constant(self, item, x):
         if item == "double":
-            x = f"0x{struct.pack('>d', float(x)).hex().upper()}"
+            x = double(x)
         elif item == "i1":
             x = str(bool(x)).lower()
         return f"{x}" if self._width == 1 else f"splat ({item} {x})"
@@ -58,6 +83,7 @@ class Value:
     """What an instruction of some code gives, by its name there."""
 
     __slots__ = ("code", "name")
+    functions: type  # of this kind of number (friction/functions.py)
     item: str  # type of an element
 
     def __init__(self, code, name):
@@ -115,6 +141,7 @@ class Bits(Value):
     item = "i64"
 
     __add__, __sub__, __and__ = map(_operator, ("add", "sub", "and"))
+    __rsub__ = _operator("sub", is_from_the_right=True)
     __lshift__, __rshift__ = map(_operator, ("shl", "ashr"))
 
     def number(self):
@@ -134,6 +161,11 @@ class Number(Value):
     __truediv__, __rtruediv__ = _arithmetic("fdiv")
     __lt__, __le__ = _operator("fcmp olt", Condition), _operator("fcmp ole", Condition)
     __gt__, __ge__ = _operator("fcmp ogt", Condition), _operator("fcmp oge", Condition)
+    __eq__, __ne__ = _operator("fcmp oeq", Condition), _operator("fcmp une", Condition)
+    __hash__ = Value.__hash__
+
+    def __pow__(self, n):
+        return functools.reduce(operator.mul, (self,) * n)  # of a whole n > 0
 
     def __neg__(self):
         return self.code.write(f"fneg {self.code.type(Number)} {self.name}", Number)

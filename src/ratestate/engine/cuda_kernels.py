@@ -1,192 +1,181 @@
-"""The CUDA kernels: the engine's own functions of (lane buffer, lane), one slider a thread.
+"""The GPU's kernels: the units of a law and the control, with one slider a thread, as PTX.
 
-numba-cuda compiles the functions that numba compiled for the CPU, from the same source, so that
-not one formula stands here: only what `march.march` and `return_map.march_to_section` do with a
-lane, in their order.  Thread t works in lane t % LANES of row t // LANES of `buffers`.  A row of
-the lane buffer is then 16 neighbouring doubles, and what a warp reads or writes of it, two whole
-lines of 128 bytes.
+No formula stands here.  `kernel` joins three texts in LLVM's language: the units of a law for
+vectors of one lane (unit_code.py); the control, which the compiler of the CPU's control makes from
+`march_lane` or `march_lane_to_section`; and the entry, which gives each thread its number.  The
+control calls units by name, so LLVM puts the steps into the loop.  Arrays are in the GPU's global
+memory, LLVM's address space 1.  `ptx` turns the text into PTX, which NVIDIA's driver assembles.
 
-A thread whose case is done takes the next of the queue, as a lane does on the CPU: cases differ
-in cost by orders of magnitude, and a warp is as slow as its slowest thread.  A launch ends after
-`budget` steps at the latest and what is under way stays in `buffers`; so the host can look up,
-and no display driver loses patience.
+Thread t works in lane t % LANES of set t // LANES of the lane buffer.  A row of a set is 16
+neighbouring doubles.  So a warp reads or writes a row as two whole lines of 128 bytes.
 
-Threads of a warp take steps of both methods, one kind after the other, and wait for those that see
-to events.  That each does in its turn what most of its warp waits for was tried on an H100: it
-costs more than it saves.
+A thread whose case is done takes the next case of the queue, as a lane does on the CPU.  Cases
+differ in cost by orders of magnitude, and a warp is as slow as its slowest thread.  A launch ends
+after `budget` steps of each thread, and unfinished cases stay in the buffer.  So the host can
+report progress or stop.
 
-A kernel is made for one law, so that only that law's step is in it.  With both in it, and a
-branch between them, it would have twice the code to keep in the instruction cache.
+Threads of a warp take steps of both methods, one kind after the other, and wait for threads that
+handle events.  Letting each warp do what most of its threads wait for costs more than it saves (on
+an H100).
 """
 
-import functools
-from typing import Any
+import re
+from typing import NamedTuple
 
-from numba import cuda as numba_cuda
+import numpy as np
 
-from . import lanes as L
-from . import return_events, return_lanes, return_map, return_taylor_lanes, taylor_lanes, waveform
+from . import return_events, return_map
 from . import rows as R
+from .calls import WORK, add, call_lanes
+from .compiler import kernel_text
 from .events import handle_events
-from .jit import inner
+from .instructions import Array
 from .lane_case import IDLE
-from .march import end_segment, finish, load
+from .lanes import saves
+from .machine_code import optimized, target
+from .march import Run, end_segment, finish, load
 from .model import RUNNING
-from .rows import OF_RODAS5P, rows_of
+from .programs import LEVEL
+from .return_map import ReturnRun
 from .saving import save
-from .step_control import control_step
+from .unit_code import unit_text
+from .units import MarchUnits, ReturnUnits, unit_names
 
-cuda: Any = numba_cuda  # which of its two modules it is, is known at run time
+#: the oldest GPUs that add doubles atomically; the driver assembles their PTX for newer GPUs too
+OLDEST = "sm_60"
+#: `run.work`: each thread has its own
+OWN = Array("%work", 1, np.dtype(np.float64))
+ENTRY = """
+declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+declare i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
+declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+
+define internal i32 @thread() {
+  %block = call i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
+  %size = call i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
+  %place = call i32 @llvm.nvvm.read.ptx.sreg.tid.x()
+  %first = mul i32 %block, %size
+  %thread = add i32 %first, %place
+  ret i32 %thread
+}
+
+define ptx_kernel void @kernel(ptr addrspace(1) %context, i64 %budget) {
+  %work = alloca [WORK x double]
+  %number = call i32 @thread()
+  %thread = zext i32 %number to i64
+  call i1 @CONTROL(ptr addrspace(1) %context, ptr %work, i64 %thread, i64 %budget)
+  ret void
+}
+"""
 
 
-@functools.cache
-def vacating_kernel():
-    """The kernel that leaves all lanes free."""
+class Threads(NamedTuple):
+    """All that the threads work on."""
 
-    @cuda.jit
-    def vacate_on_gpu(buffers):
-        s, l = place(buffers)
-        s[R.CASE + l], s[R.HOME + l] = IDLE, l
-
-    return vacate_on_gpu
+    run: Run | ReturnRun
+    under_way: np.ndarray  # (1,) sum of the fractions done of unfinished cases
 
 
-@functools.cache
-def march_kernel(law, taylor):
-    """The kernel of `march.march` for this law.
+def units_by_name(law, kind):
+    """The LLVM names of a law's units; kind : `MarchUnits` or `ReturnUnits`."""
+    names = unit_names(law, kind)
+    # LLVM deletes code that would call "null", a unit that the law does not have.
+    return kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
 
-    taylor : bool, whether steps may be of the Taylor method, if the law allows
+
+def kernel(control, law, context):
+    """LLVM text of ``void kernel(context, budget)``.
+
+    control : `march_lane` or `march_lane_to_section`; context : `Context` of its `Threads`
     """
-
-    @cuda.jit
-    def march_on_gpu(
-        buffers, queue, position, under_way, cases, loads, save_times, results, budget
-    ):
-        """March the cases of a queue.
-
-        Parameters
-        ----------
-        buffers : (rows, size) the lanes; CASE = IDLE in those that are free
-        queue : (n,) case numbers, in the order in which to start them
-        position : (2,) int64: next in queue; cases done
-        under_way : (1,) to which the fractions done of unfinished cases are added
-        budget : int, steps a thread
-        """
-        s, l = place(buffers)
-        for _ in range(budget):
-            if s[R.CASE + l] == IDLE:
-                n = cuda.atomic.add(position, 0, 1)
-                if n >= queue.size:
-                    return
-                load(s, l, law, queue[n], cases, loads, save_times, results)
-            try_step(rows_of(law).c[0], s, l, law, taylor)
-            L.has_event(s, l, law)
-            if s[R.CALL + l] > 0.0:
-                handle_events(s, l, law)
-                if L.saves(s, l):
-                    save(s, l, law, cases, save_times, results.saved)
-            L.commit_lane(s, l, law)
-            if s[R.BREAK + l] > 0.0:
-                end_segment(s, l, law, cases, loads, save_times, results.saved)
-                if s[R.STATUS + l] != RUNNING:
-                    finish(s, l, law, cases, results)
-                    cuda.atomic.add(position, 1, 1)
-            change_method(s, l)
-        if s[R.CASE + l] != IDLE:
-            cuda.atomic.add(under_way, 0, s[R.T + l] / s[R.T_END + l])
-
-    return march_on_gpu
+    kind = ReturnUnits if control is march_lane_to_section else MarchUnits
+    units = unit_text(law, kind, 1)
+    units = units.replace("i64 %n)", "i64 %n) alwaysinline")
+    text = kernel_text(control, context.layout(), "ptr addrspace(1)", ", ptr %work")
+    entry = ENTRY.replace("WORK", str(WORK)).replace("CONTROL", control.__name__)
+    functions = re.sub("define (void|i1)", r"define internal \1", f"{units}\n{text}")
+    lines = f"{functions}\n{entry}".splitlines()
+    # LLVM refuses to declare a function twice.
+    first = dict.fromkeys(line for line in lines if line.startswith("declare"))
+    return "\n".join([*first, *(line for line in lines if line not in first)])
 
 
-@functools.cache
-def return_kernel(law):
-    """The kernel of `return_map.march_to_section` for this law."""
-
-    @cuda.jit
-    def return_map_on_gpu(buffers, queue, position, under_way, starts, results, budget):
-        """Take the cases of a queue to their next upward crossing of the section.
-
-        Parameters as for `march_on_gpu`; how far an unfinished case has come is not known.
-        """
-        s, l = place(buffers)
-        for _ in range(budget):
-            if s[R.CASE + l] == IDLE:
-                n = cuda.atomic.add(position, 0, 1)
-                if n >= queue.size:
-                    return
-                return_map.load(s, l, law, queue[n], starts)
-            try_step_of_return(rows_of(law).c[0], s, l, law)
-            L.has_event(s, l, law)
-            waveform.find_slow(s, l)
-            if s[R.CALL + l] > 0.0:
-                return_events.handle_events(s, l, law)
-            L.commit_lane(s, l, law)
-            return_lanes.commit_lane(s, l, law)
-            if s[R.GUESS + l] > 0.0:
-                add_to_waveform(s, l, law)
-            if s[R.BREAK + l] > 0.0:
-                return_map.finish(s, l, law, results)
-                cuda.atomic.add(position, 1, 1)
-            change_method(s, l)
-
-    return return_map_on_gpu
+def ptx(text):
+    """PTX, bytes, of LLVM text."""
+    machine = target(OLDEST, "", "nvptx64-nvidia-cuda")
+    return machine.emit_assembly(optimized(text, machine, LEVEL)).encode()
 
 
-@inner
-def place(buffers):
-    """The lane buffer and the lane of this thread.
-
-    That the lane is no negative number is to be seen, or each index is tested for that.
-    """
-    t = cuda.grid(1)
-    return buffers[t // R.LANES], t & (R.LANES - 1)
+def column_of(run, thread):
+    """The column of a thread's lane."""
+    return thread // R.LANES * run.shape.size + thread % R.LANES
 
 
-@inner
-def try_step(rows, s, l, law, taylor):
-    """Try one step of the lane, and see by which method the next one is.
-
-    rows : of the coefficients of x; by their number the compiler leaves out the Taylor method where
-        the law has no recurrences, but only if `OF_RODAS5P` is a name of this module
-    """
-    if len(rows) > OF_RODAS5P and s[R.TAYLOR + l] > 0.0:
-        taylor_lanes.try_step(s, l, law)
-    else:
-        L.try_step(s, l, law)
-        assess(rows, s, l, law, taylor)
+def take(run):
+    """Take the next case of the queue: its number, or -1 if there is none."""
+    n = add(run.position, 0, 1)
+    return run.queue[n] if n < run.queue.shape[0] else -1
 
 
-@inner
-def try_step_of_return(rows, s, l, law):
-    """`try_step` of a return map."""
-    if len(rows) > OF_RODAS5P and s[R.TAYLOR + l] > 0.0:
-        return_taylor_lanes.try_step(s, l, law)
-    else:
-        return_lanes.try_step(s, l, law)
-        assess(rows, s, l, law, True)
+def march_lane(threads, thread, budget):
+    """Do the work of `march.march` in one lane; whether no case is left."""
+    run = threads.run
+    s, l = run.s, column_of(run, thread)
+    for _ in range(budget):
+        if s[R.CASE + l] == IDLE:
+            i = take(run)
+            if i < 0:
+                return True
+            load(run, l, i)
+        if run.taylor and s[R.TAYLOR + l] > 0.0:
+            call_lanes(run.units.taylor, s, l, 1)
+        else:
+            call_lanes(run.units.step, s, l, 1)
+        if s[R.CALL + l] > 0.0:
+            handle_events(run, l)
+            if saves(s, l):
+                save(run, l)
+        call_lanes(run.units.commit, s, l, 1)
+        if s[R.BREAK + l] > 0.0:
+            end_segment(run, l)
+            if s[R.STATUS + l] != RUNNING:
+                finish(run, l)
+                add(run.position, 1, 1)
+        if run.taylor and s[R.CHANGES + l] > 0.0:
+            s[R.TAYLOR + l] = 1.0 - s[R.TAYLOR + l]
+    if s[R.CASE + l] != IDLE:
+        add(threads.under_way, 0, s[R.T + l] / s[R.T_END + l])
+    return False
 
 
-@inner
-def assess(rows, s, l, law, taylor):
-    """Accept a step of Rodas5P or not, and see whether the Taylor method takes the next one."""
-    control_step(s, l)
-    if len(rows) > OF_RODAS5P and taylor:
-        taylor_lanes.find_calm(s, l, law)
-
-
-@inner
-def add_to_waveform(s, l, law):
-    """`waveform.add_step`, of a step of either method."""
-    rows = rows_of(law).c[0]
-    if s[R.TAYLOR + l] > 0.0:
-        waveform.add_step(s, l, rows)
-    else:
-        waveform.add_step(s, l, rows[:OF_RODAS5P])
-
-
-@inner
-def change_method(s, l):
-    """Let the lane's next step be of the other method where it is to."""
-    if s[R.CHANGES + l] > 0.0:
-        s[R.TAYLOR + l] = 1.0 - s[R.TAYLOR + l]
-        s[R.CHANGES + l] = 0.0
+def march_lane_to_section(threads, thread, budget):
+    """Do the work of `return_map.march_to_section` in one lane; whether no case is left."""
+    run = threads.run
+    s, l = run.s, column_of(run, thread)
+    for _ in range(budget):
+        if s[R.CASE + l] == IDLE:
+            i = take(run)
+            if i < 0:
+                return True
+            return_map.load(run, l, i)
+        if run.taylor and s[R.TAYLOR + l] > 0.0:
+            call_lanes(run.units.taylor, s, l, 1)
+        else:
+            call_lanes(run.units.step, s, l, 1)
+        waveform = s[R.GUESS + l] > 0.0
+        if waveform:
+            call_lanes(run.units.find_slow, s, l, 1)
+        if s[R.CALL + l] > 0.0:
+            return_events.handle_events(run, l)
+        call_lanes(run.units.commit, s, l, 1)
+        if waveform:
+            if run.taylor and s[R.TAYLOR + l] > 0.0:
+                call_lanes(run.units.add_taylor, s, l, 1)
+            else:
+                call_lanes(run.units.add_rodas5p, s, l, 1)
+        if s[R.BREAK + l] > 0.0:
+            return_map.finish(run, l)
+            add(run.position, 1, 1)
+        if run.taylor and s[R.CHANGES + l] > 0.0:
+            s[R.TAYLOR + l] = 1.0 - s[R.TAYLOR + l]
+    return False

@@ -5,120 +5,50 @@ of Rodas5P, of `recurrences.ORDER` after one of the Taylor method.
 """
 
 from . import rows as R
-from .jit import inlined, inner, unrolled
-from .rows import rows_of
-from .tracing import traced
-from .tuples import each, load_each, read_rows
 
 #: the last step of Newton's method, in fractions of a step: its square is below rounding
 CONVERGED = 1e-9
 
 
-@inner
-def state(s, l, law, at):
-    """x, v and each psi at a place in the lane's step."""
-    rows = rows_of(law).c
-    if by_taylor(s, l, rows[0]):
-        return values(load_each(s, rows, l), at)
-    return values(load_each(s, first_terms(rows), l), at)
+def terms_of(run, l):
+    """How many coefficients each number's polynomial has in the lane's step."""
+    return run.shape.terms if run.s[R.TAYLOR + l] > 0.0 else R.OF_RODAS5P
 
 
-@inner
-def state_and_slopes(s, l, law, at):
-    """`state`, and its derivatives by the fraction of the step: two tuples."""
-    rows = rows_of(law).c
-    if by_taylor(s, l, rows[0]):
-        return values_and_slopes(load_each(s, rows, l), at)
-    return values_and_slopes(load_each(s, first_terms(rows), l), at)
+def component(run, l, i, at):
+    """Number i of (x, v, psi...) at a place in the lane's step; its first and second derivative."""
+    s, shape = run.s, run.shape
+    row, last = shape.c + i * shape.terms * R.LANES + l, terms_of(run, l) - 1
+    y, dy, bend = s[row + last * R.LANES], 0.0, 0.0
+    for k in range(1, last + 1):
+        bend = dy + at * bend
+        dy = y + at * dy
+        y = s[row + (last - k) * R.LANES] + at * y
+    return y, dy, 2.0 * bend
 
 
-@inlined
-def component(s, l, rows, at):
-    """One number of `state`; rows : of its coefficients."""
-    if by_taylor(s, l, rows):
-        return value(read_rows(s, rows, l), at)
-    return value(read_rows(s, rows[: R.OF_RODAS5P], l), at)
+def state_at(run, l, at, work, place):
+    """Put x, v and each psi at a place in the lane's step into `work`, and their derivatives."""
+    n = 2 + run.shape.states
+    for i in range(n):
+        y, dy, _ = component(run, l, i, at)
+        work[place + i], work[place + n + i] = y, dy
 
 
-@inlined
-def component_and_slope(s, l, rows, at):
-    """`component`, and its derivative."""
-    if by_taylor(s, l, rows):
-        return value_and_slope(read_rows(s, rows, l), at)
-    return value_and_slope(read_rows(s, rows[: R.OF_RODAS5P], l), at)
+def extreme_of_v(run, l):
+    """Where in 0..1 v is extreme (Newton inside a bracket).
 
-
-@inlined
-def slope_and_bend(s, l, rows, at):
-    """The first and second derivative of `component`."""
-    if by_taylor(s, l, rows):
-        return two_derivatives(read_rows(s, rows, l), at)
-    return two_derivatives(read_rows(s, rows[: R.OF_RODAS5P], l), at)
-
-
-@inlined
-def by_taylor(s, l, rows):
-    """Whether the lane's step is of the Taylor method; rows : of the coefficients of a number."""
-    return len(rows) > R.OF_RODAS5P and s[R.TAYLOR + l] > 0.0
-
-
-@unrolled
-def first_terms(rows):
-    """The rows of the coefficients that a step of Rodas5P has, of each of some tuples."""
-    return each("rows[#][: R.OF_RODAS5P]", rows)
-
-
-@traced
-def value(c, at):
-    """The value of the polynomial of these coefficients, by Horner's rule."""
-    result = c[-1]
-    for one in c[-2::-1]:
-        result = one + at * result
-    return result
-
-
-@traced
-def value_and_slope(c, at):
-    """`value`, and its derivative."""
-    result, slope = c[-2] + at * c[-1], c[-1]
-    for one in c[-3::-1]:
-        slope = result + at * slope
-        result = one + at * result
-    return result, slope
-
-
-@traced
-def two_derivatives(c, at):
-    """The first and second derivative of the polynomial of these coefficients."""
-    return value_and_slope(tuple(k * one for k, one in enumerate(c) if k > 0), at)
-
-
-@traced
-def values(polynomials, at):
-    """The `value` of each."""
-    return tuple(value(c, at) for c in polynomials)
-
-
-@traced
-def values_and_slopes(polynomials, at):
-    """The values of all, and their derivatives."""
-    return tuple(zip(*(value_and_slope(c, at) for c in polynomials), strict=True))
-
-
-@inner
-def extreme(s, l, rows):
-    """Where in 0..1 the derivative of a `component` vanishes (Newton inside a bracket).
-
-    Where the derivative has one sign at both ends, the end (0.0 or 1.0) where it is smaller in
+    Where its derivative has one sign at both ends, the end (0.0 or 1.0) where it is smaller in
     size.
     """
     low, high = 0.0, 1.0
-    (d_low, _), (d_high, _) = slope_and_bend(s, l, rows, low), slope_and_bend(s, l, rows, high)
+    _, d_low, _ = component(run, l, 1, low)
+    _, d_high, _ = component(run, l, 1, high)
     if (d_low < 0.0) == (d_high < 0.0):
         return 0.0 if abs(d_low) < abs(d_high) else 1.0
     at = d_low / (d_low - d_high)
     for _ in range(60):
-        d, bend = slope_and_bend(s, l, rows, at)
+        _, d, bend = component(run, l, 1, at)
         if (d < 0.0) == (d_low < 0.0):
             low = at
         else:

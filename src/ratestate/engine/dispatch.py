@@ -6,14 +6,16 @@ from concurrent.futures import ThreadPoolExecutor, wait
 import numpy as np
 
 from ..machine import cores
-from . import backend
+from . import backend, cache
 from . import rows as R
-from .compilation import announce, call
+from .calls import WORK
 from .lane_case import IDLE
-from .lane_sets import SETS
-from .march import march, march_im2017
-from .model import NUMBERS, RODAS5P, STEP_LIMIT, empty_results
-from .return_map import empty_return_results, march_to_section
+from .lane_sets import SETS, idle_lanes
+from .march import Run, march
+from .model import NUMBERS, STEP_LIMIT, empty_results
+from .programs import Program, units_of
+from .return_map import ReturnRun, empty_return_results, march_to_section
+from .units import MarchUnits, ReturnUnits, RigidUnits
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
@@ -21,33 +23,34 @@ PATH_ROWS = 8192
 MAX_ROWS = 10_000_000  # of a path, 320 MB; then STEP_LIMIT
 
 
-def run_march(method, law, cases, loads, save_times, order, progress=None):
+def run_march(taylor, law, cases, loads, save_times, order, progress=None):
     """`Results` of all cases, on one thread a core, but no more than full sets of lanes.
 
-    At most `backend.Backend.threads`, or on its device.  No case raises: its status says how it
-    ended, RUNNING and NaN that it is not in `order`.  `backend.Stopped` where the backend stops it;
-    `CompilationError`, and on "cuda" what `cuda.run_march` raises.  The arguments are not checked.
+    At most `backend.Backend.threads`, or on its device; those of K = inf on the CPU.  No case
+    raises: its status says how it ended, RUNNING and NaN that it is not in `order`.
+    `backend.Stopped` where the backend stops it; `CompilationError`, and on "cuda" what
+    `cuda.run` raises.  The arguments are not checked.
 
-    cases, loads : Cases, Loads (model.py); method : of `METHODS`; law : of `friction.laws.LAWS`
+    taylor : of `METHODS`; law : of `friction.laws.LAWS`; cases, loads : Cases, Loads (model.py)
     save_times : (rows, n_times) [s], increasing
     order : (m,) numbers of the cases to run, most costly first
     progress : callable, optional, given the fraction done, 0 to 1, many times a second
     """
-    if backend.current().device == "cuda":
-        from . import cuda
-
-        return cuda.run_march(law, method.taylor, cases, loads, save_times, order, progress)
+    cases, loads = _uniform(cases), _uniform(loads)
     results = empty_results(cases.y, save_times.shape[1])
-    fixed = (cases, loads, save_times, results, np.empty((0, 1 + cases.y.shape[1])))
-
-    _share(order, lambda queue: _marcher(method, law, queue, fixed), progress)
+    given = {"cases": cases, "loads": loads, "results": results}
+    given["save_times"] = np.ascontiguousarray(save_times, float)
+    given["path"] = np.empty((0, 1 + cases.y.shape[1]))
+    is_rigid = np.isinf(cases.kappa[order])
+    _run(march, law, taylor, [order[~is_rigid], order[is_rigid]], progress, given)
     return results
 
 
-def _marcher(method, law, queue, fixed):
-    """The `_Worker` of a queue of cases that are marched by this method."""
-    kernel = march if method.code is RODAS5P else march_im2017
-    return _Worker(kernel, (method.code,), law, method.taylor, queue, fixed)
+def _uniform(arrays):
+    """A named tuple with contiguous arrays of doubles, and of integers for indices."""
+    each = arrays._asdict().items()
+    kinds = {"loading": np.int64, "times": np.int64}
+    return type(arrays)(*(np.ascontiguousarray(x, kinds.get(name, float)) for name, x in each))
 
 
 def run_returns(law, starts):
@@ -55,29 +58,37 @@ def run_returns(law, starts):
 
     Threads, device, exceptions, `law` as for `run_march`.
     """
-    if backend.current().device == "cuda":
-        from . import cuda
-
-        return cuda.run_returns(law, starts)
     results = empty_return_results(starts.y)
-
-    def worker(queue):
-        return _Worker(march_to_section, (), law, True, queue, (starts, results))
-
-    _share(np.arange(len(starts.y)), worker)
+    given = {"starts": _uniform(starts), "results": results}
+    _run(march_to_section, law, True, [np.arange(len(starts.y))], None, given)
     return results
 
 
-def _share(order, worker, progress=None):
+def _run(kernel, law, taylor, orders, progress, given):
+    """Let a kernel do cases, the first of `orders` on the backend's device.
+
+    orders : list of (m,) numbers of cases, those of each for workers of their own; others are as
+        for `_Worker`
+    """
+    if backend.current().device == "cuda" and len(orders[0]):
+        from . import cuda
+
+        cuda.run(kernel, law, taylor, orders[0], progress, given)
+        orders = orders[1:]
+    _share(orders, lambda queue: _Worker(kernel, law, taylor, queue, **given), progress)
+
+
+def _share(orders, worker, progress):
     """Let workers (callable, queue -> `_Worker`) take all cases: one a core, with full lanes."""
-    n = len(order)
-    if n == 0:  # nothing for which to load, or even compile, the kernels
-        return
+    n = sum(map(len, orders))
     threads = max(1, min(backend.current().threads or cores(), n // R.LANES))
-    workers = [worker(np.ascontiguousarray(order[i::threads])) for i in range(threads)]
+    queues = [order[i::threads] for order in orders for i in range(threads)]
+    # (of no cases, kernels are neither loaded nor even compiled)
+    workers = [worker(np.ascontiguousarray(queue)) for queue in queues if len(queue)]
     if threads == 1:
-        while not workers[0].go():
-            _report(workers, n, progress)
+        for one in workers:
+            while not one.go():
+                _report(workers, n, progress)
         return
     stop = threading.Event()
 
@@ -103,7 +114,7 @@ def _report(workers, n, progress):
         progress(_fraction(workers, n))
 
 
-def run_path(method, law, cases, loads, progress=None):
+def run_path(taylor, law, cases, loads, progress=None):
     """March the one case and keep every step: its path and `Results`.
 
     The path is (m, 1 + len(y)), T and y = (x, v, psi), from t = 0 on.
@@ -111,11 +122,13 @@ def run_path(method, law, cases, loads, progress=None):
     However it ends, the path is as far as it came; beyond `MAX_ROWS` the status is STEP_LIMIT.
     On the CPU, whatever the backend's device; exceptions as for `run_march`.
     """
+    cases, loads = _uniform(cases), _uniform(loads)
     results = empty_results(cases.y, 0)
     buffer = np.empty((PATH_ROWS, 1 + cases.y.shape[1]))
-    fixed = (cases, loads, np.empty((1, 0)), results, buffer)
-    worker = _marcher(method, law, np.zeros(1, np.int64), fixed)
-    pieces = [np.array([[0.0, *cases.y[0]]])]
+    given = {"cases": cases, "loads": loads, "save_times": np.empty((1, 0)), "results": results}
+    queue = np.zeros(1, np.int64)
+    worker = _Worker(march, law, taylor, queue, path=buffer, **given)
+    pieces: list[np.ndarray] = []
     done = False
     rows = 0
     while not done and rows < MAX_ROWS:
@@ -133,26 +146,30 @@ def run_path(method, law, cases, loads, progress=None):
 class _Worker:
     """Sets of lanes, their queue, and the kernel that works it off.
 
-    codes : what the kernel is given before the law
+    kernel : `march` or `march_to_section`
     taylor : whether steps may be of the Taylor method, if the law allows
+    queue : numbers of cases; those of a march all have K = inf, or none has
+    given : what else the kernel's record has
     """
 
-    def __init__(self, kernel, codes, law, taylor, queue, fixed):
-        announce(kernel, law)
-        rows = R.rows_of(law)
-        taylor = taylor and len(rows.c[0]) > R.OF_RODAS5P
-        sets = SETS if taylor else 1
-        self.s = np.zeros(sets * rows.size)
-        self.columns = np.add.outer(rows.size * np.arange(sets), np.arange(R.LANES))
-        self.s[R.CASE + self.columns] = IDLE
-        self.s[R.HOME + self.columns] = self.columns
+    def __init__(self, kernel, law, taylor, queue, **given):
+        record, kind = (Run, MarchUnits) if kernel is march else (ReturnRun, ReturnUnits)
+        rigid = kernel is march and np.isinf(given["cases"].kappa[queue[0]])
+        kind = RigidUnits if rigid else kind
+        shape = R.shape_of(law)._replace(rigid=int(rigid))
+        taylor = taylor and not rigid and shape.terms > R.OF_RODAS5P
+        self.s, self.columns = idle_lanes(shape, SETS if taylor else 1)
         self.position = np.zeros(3, np.int64)
-        self.kernel = kernel
-        self.arguments = (*codes, law, taylor, self.s, queue, self.position, *fixed)
+        lanes = {"s": self.s, "queue": queue, "position": self.position, "work": np.zeros(WORK)}
+        units = units_of(law, kind)
+        self._program = Program(
+            kernel, record(shape=shape, units=units, taylor=int(taylor), **lanes, **given)
+        )
+        cache.report_time()
 
     def go(self):
         """Work for a while; whether all is done."""
-        return call(self.kernel, *self.arguments, BUDGET)
+        return self._program(BUDGET)
 
 
 def _fraction(workers, n):

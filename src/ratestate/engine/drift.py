@@ -5,8 +5,6 @@ They do where the load point accelerates, and where normal stress varies.
 
 from typing import NamedTuple
 
-from .jit import inlined
-from .tracing import traced
 from .tuples import minus_dot, plus, times
 
 #: weight of what is a tuple of one number, or of none where normal stress is constant
@@ -21,7 +19,6 @@ class Drift(NamedTuple):
     psi: tuple  # of d psi/dT; this and v are () unless normal stress varies
 
 
-@inlined
 def drift_of(y, w, h, ramp, system, start):
     """The `Drift` of a step from y."""
     law, kappa, _, p = system
@@ -30,7 +27,6 @@ def drift_of(y, w, h, ramp, system, start):
     return Drift(h * kappa * ramp, less_share(strength, start, psi), psi)
 
 
-@traced
 def less_share(strength, start, psi):
     """Of m dv/dT, where it has any: the strength's, and what the states take."""
     if len(strength) == 0:
@@ -38,14 +34,12 @@ def less_share(strength, start, psi):
     return (minus_dot(strength[0], times(start.m, start.shares), psi),)
 
 
-@traced
 def with_drift(rest, drift, d):
     """sum_j (C_ij/h) k_j + h d_i df/dT at a stage of this d_i; v's apart."""
     psi = with_states(rest[2:], d, drift.psi)
     return (rest[0] + d * drift.x, rest[1], *psi), times(d, drift.v)
 
 
-@traced
 def with_states(rest, d, drift):
     """rest + d drift, where there is a drift."""
     if len(drift) == 0:

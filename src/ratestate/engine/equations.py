@@ -4,51 +4,29 @@ A point is u or y = (x, v, psi), with a psi for each of the law's variables; the
 of `model`.
 """
 
-from . import law_methods  # noqa: F401  (compiled code calls methods of laws)
-from .exp import exp_alone, exp_and_inverse, exp_each, exp_each_alone
-from .jit import inlined
+from ..friction.functions import bounded_exp, functions_of
 
 
-@inlined
 def exponentials(u, law, p):
     """w, 1/c and e of `kinematics` at u."""
-    forward, inverse = exp_and_inverse(u[1])
-    jumps = exp_each(law.jump_exponents(u[1], u[2:], p))
+    forward, inverse = functions_of(u[1]).exp_and_inverse(u[1])
+    jumps = tuple(map(bounded_exp, law.jump_exponents(u[1], u[2:], p)))
     w, c_inverse, kept = law.net_speed(u[1], forward, inverse, jumps)
-    return w, c_inverse, (*kept, *exp_each(law.own_exponents(u[1], w, u[2:], p)))
+    return w, c_inverse, (*kept, *map(bounded_exp, law.own_exponents(u[1], w, u[2:], p)))
 
 
-@inlined
-def speed_alone(u, law, p):
-    """w, and the first of e, as of `exponentials`, of one slider alone."""
-    forward = exp_alone(u[1])
-    jumps = exp_each_alone(law.jump_exponents(u[1], u[2:], p))
-    w, _, kept = law.net_speed(u[1], forward, forward, jumps)
-    return w, kept
-
-
-@inlined
-def exponentials_alone(u, law, p):
-    """w and e as of `exponentials`, of one slider alone."""
-    w, kept = speed_alone(u, law, p)
-    return w, (*kept, *exp_each_alone(law.own_exponents(u[1], w, u[2:], p)))
-
-
-@inlined
 def inertial_force(y, w, e, law, p):
     """g = x - S, and the slopes of the stress S by omega and by psi, at y = (x, v, psi)."""
     S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
     return y[0] - law.stress_in_v(y[1], w, y[2:], p), S_v, S_psi
 
 
-@inlined
 def later(system, dT):
     """The system at a time dT later."""
     law, kappa, eta0, p = system
     return law, kappa, eta0, law.later(p, dT)
 
 
-@inlined
 def works(u, w, w_lp, system):
     """Powers per a sigma V0 beyond their mu_ref part: of the load point; of what opposes motion."""
     return u[0] * w_lp, system[0].stress_in_v(u[1], w, u[2:], system[3]) * w

@@ -3,55 +3,36 @@
 Places are fractions of the step, 0 to 1.
 """
 
-import math
+from ..friction.functions import log
+from .calls import FOUND, call_point
+from .dense_output import CONVERGED, component, extreme_of_v, state_at
 
-from . import rows as R
-from .dense_output import (
-    CONVERGED,
-    component,
-    component_and_slope,
-    extreme,
-    state,
-    state_and_slopes,
-)
-from .drift import UNITY
-from .equations import speed_alone
-from .jit import inlined, inner, recursive
-from .rows import rows_of
-from .tracing import traced
-from .tuples import dot_onto, read_rows, times
-
-FORCE, SPEED, LEAD = (), (0.0,), (0.0, 0.0)
-# Parts of x, the stress S that opposes motion, the strength N and friction R: `force_and_slope`.
-INERTIAL_FORCE, FRICTION = (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
+#: what `of_step` finds: with its slope a force, or a speed; a speed less the load point's
+FORCE, SPEED, LEAD = 0, 1, 2
+# Parts of x, the stress S that opposes motion, the strength N and friction R: `units.force`.
+NONE, INERTIAL_FORCE, FRICTION = (0.0, 0.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
+NO_LOAD = (0.0, 0.0, 0.0)
 
 
-@inlined
-def v_ahead(s, l, rows, load, at):
-    """How far v is above the load point's, and its slope.
-
-    rows : of the coefficients of v; load : as of `crossing`
-    """
+def v_ahead(run, l, load, at):
+    """How far v is above the load point's, and its slope; load : as of `crossing`."""
     w_lp, dw, log_w_lp = load
-    v, slope = component_and_slope(s, l, rows, at)
+    v, slope, _ = component(run, l, 1, at)
     if dw == 0.0:
         return v - log_w_lp, slope
     w = w_lp + dw * at
-    return v - math.log(w), slope - dw / w
+    return v - log(w), slope - dw / w
 
 
-@inner
-def crossing_of_v(s, l, rows, load, low, high):
-    """Where from low to high v is ln(w_lp + dw at), of speeds > 0.
-
-    rows, load : as of `v_ahead`
-    """
-    (start, _), (end, _) = v_ahead(s, l, rows, load, low), v_ahead(s, l, rows, load, high)
+def crossing_of_v(run, l, load, low, high):
+    """Where from low to high v is ln(w_lp + dw at), of speeds > 0; load : as of `crossing`."""
+    start, _ = v_ahead(run, l, load, low)
+    end, _ = v_ahead(run, l, load, high)
     between = start / (start - end) if (start < 0.0) != (end < 0.0) else 0.5
     at = low + (high - low) * between
     for _ in range(60):
-        ahead, slope = v_ahead(s, l, rows, load, at)
+        ahead, slope = v_ahead(run, l, load, at)
         if (ahead < 0.0) == (start < 0.0):
             low = at
         else:
@@ -65,73 +46,25 @@ def crossing_of_v(s, l, rows, load, low, high):
     return at
 
 
-@inner
-def force_and_slope(s, l, law, at, parts):
-    """A sum of parts of x, S, N and R at a place in the lane's step; its slope."""
-    h = s[R.H_USED + l]
-    p = law.later(read_rows(s, rows_of(law).p, l), at * h)
-    y, dy = state_and_slopes(s, l, law, at)
-    w, e = speed_alone(y, law, p)
-    by_x, d_omega, by_psi = slopes_along(dy, w, e, law, p)
-    here = y[1], w, y[2:], e, p
-    drift = times(h, law.strength_drift(y[1], w, y[2:], p))
-    by_S = dot_onto(along(law.stress_slopes(*here), d_omega, by_psi), drift, UNITY)
-    by_N = dot_onto(along(law.strength_slopes(*here), d_omega, by_psi), drift, UNITY)
-    by_R = along(law.resistance_slopes(*here), d_omega, by_psi)
-    force = parts[0] * y[0] + parts[1] * law.stress_in_v(y[1], w, y[2:], p)
-    force += parts[2] * law.strength_in_v(y[1], w, y[2:], p)
-    force += parts[3] * law.resistance_in_v(y[1], w, y[2:], p)
-    return force, parts[0] * by_x + parts[1] * by_S + parts[2] * by_N + parts[3] * by_R
+def of_step(run, l, what, parts, load, at):
+    """A force, a sum of parts of x, S, N and R, or a speed, w, at a place in the lane's step.
 
-
-@traced
-def along(slopes, d_omega, d_psi):
-    """The change of what has these slopes."""
-    return dot_onto(slopes[0] * d_omega, slopes[1], d_psi)
-
-
-@inner
-def speed_and_slope(s, l, law, at):
-    """w at a place in the lane's step, and its slope."""
-    y, dy = state_and_slopes(s, l, law, at)
-    p = read_rows(s, rows_of(law).p, l)
-    w, e = speed_alone(y, law, p)
-    return w, law.speed_slope(w, e) * slopes_along(dy, w, e, law, p)[1]
-
-
-@inlined
-def slopes_along(dy, w, e, law, p):
-    """Derivatives of x, omega (`kinematics`) and psi, a tuple, of those of x, v and psi."""
-    shares = law.shares(w, 1.0 / law.speed_slope(w, e), p)
-    return dy[0], dot_onto(dy[1], shares, dy[2:]), dy[2:]
-
-
-@inner
-def lead(s, l, law, at, load):
-    """v at a place in the lane's step, and less that of the load point's speed there.
-
-    load : its speed at the start of the step, and its change in the step
+    And what is to vanish: its slope or, of a LEAD, how far v is ahead of the load point's.
     """
-    y = state(s, l, law, at)
-    p = read_rows(s, rows_of(law).p, l)
-    return y[1], y[1] - law.v_at(load[0] + load[1] * at, y[2:], p)
+    work = run.work
+    if what == FORCE:
+        work[0] = at
+        work[1], work[2], work[3], work[4] = parts
+        state_at(run, l, at, work, 5)
+        call_point(run.units.force, run.s, l, work)
+        return work[FOUND], work[FOUND + 1]
+    work[0] = load[0] + load[1] * at
+    state_at(run, l, at, work, 1)
+    call_point(run.units.speed, run.s, l, work)
+    return work[FOUND], work[FOUND + 1] if what == SPEED else work[FOUND + 2]
 
 
-@recursive
-def of_step(what, s, l, law, at, of):
-    """`force_and_slope`, `speed_and_slope` or `lead`: as there are 0, 1 or 2 of `what`.
-
-    (A function that is passed on has an address, with which no kernel can be kept on disk.)
-    """
-    if len(what) == 0:
-        return force_and_slope(s, l, law, at, of)
-    if len(what) == 1:
-        return speed_and_slope(s, l, law, at)
-    return lead(s, l, law, at, of)
-
-
-@inner
-def root(what, s, l, law, of, low, high, enough):
+def root(run, l, what, parts, load, low, high, enough):
     """Where from low to high the second of what `of_step` gives vanishes, and the first there.
 
     By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
@@ -139,14 +72,14 @@ def root(what, s, l, law, of, low, high, enough):
 
     enough : the error that the first may have, of which the second is the slope; 0 if it is not
     """
-    first, at_low = of_step(what, s, l, law, low, of)
-    here, at_high = of_step(what, s, l, law, high, of)
+    first, at_low = of_step(run, l, what, parts, load, low)
+    here, at_high = of_step(run, l, what, parts, load, high)
     if (at_low < 0.0) == (at_high < 0.0):
         return (low, first) if abs(at_low) < abs(at_high) else (high, here)
     side, at, last = 0, high, 2.0
     for _ in range(100):
         at = (low * at_high - high * at_low) / (at_high - at_low)
-        here, off = of_step(what, s, l, law, at, of)
+        here, off = of_step(run, l, what, parts, load, at)
         if off == 0.0 or abs(at - last) < 1e-14 or abs(off * (at - last)) < enough:
             break
         last = at
@@ -161,46 +94,28 @@ def root(what, s, l, law, of, low, high, enough):
     return at, here
 
 
-@inner
-def extreme_value(s, l, law, parts, enough):
+def extreme_value(run, l, parts, enough):
     """The value of a sum of parts where in the lane's step its slope vanishes, as of `root`."""
-    return root(FORCE, s, l, law, parts, 0.0, 1.0, enough)[1]
+    _, value = root(run, l, FORCE, parts, NO_LOAD, 0.0, 1.0, enough)
+    return value
 
 
-@inner
-def extreme_speed(s, l, law):
+def extreme_speed(run, l):
     """Where in the lane's step the speed is extreme, and its `order_of_speed`."""
-    return _extreme_speed(backward(s, l, law), s, l, law)
+    if run.shape.reverses:
+        return root(run, l, SPEED, NONE, NO_LOAD, 0.0, 1.0, 0.0)
+    at = extreme_of_v(run, l)
+    v, _, _ = component(run, l, 1, at)
+    return at, v
 
 
-@inner
-def crossing(s, l, law, load, low, high):
+def crossing(run, l, load, low, high):
     """Where from low to high the speed is the load point's, which the caller has seen it cross.
 
     load : the load point's speed at the start of the step, its change in the step, and, if that is
         0, the logarithm of the speed
     """
-    return _crossing(backward(s, l, law), s, l, law, load, low, high)
-
-
-@inlined
-def backward(s, l, law):
-    """The law's `jump_exponents` at the start of the step: () if v alone gives the speed."""
-    y = read_rows(s, rows_of(law).y, l)
-    return law.jump_exponents(y[1], y[2:], read_rows(s, rows_of(law).p, l))
-
-
-@recursive
-def _extreme_speed(back, s, l, law):
-    if len(back) == 0:
-        rows = rows_of(law).c[1]
-        at = extreme(s, l, rows)
-        return at, component(s, l, rows, at)
-    return root(SPEED, s, l, law, (), 0.0, 1.0, 0.0)
-
-
-@recursive
-def _crossing(back, s, l, law, load, low, high):
-    if len(back) == 0:
-        return crossing_of_v(s, l, rows_of(law).c[1], load, low, high)
-    return root(LEAD, s, l, law, load[:2], low, high, 0.0)[0]
+    if run.shape.reverses:
+        at, _ = root(run, l, LEAD, NONE, load, low, high, 0.0)
+        return at
+    return crossing_of_v(run, l, load, low, high)

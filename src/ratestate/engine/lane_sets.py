@@ -8,16 +8,24 @@ A set is a lane buffer (rows.py) of its own, behind the one before.  So a slider
 one number, its column: its lane, and where its set begins.
 """
 
+import numpy as np
+
 from . import rows as R
-from .jit import inner
 from .lane_case import IDLE
-from .rows import rows_of
 
 #: sets of a march that may take steps of the Taylor method: for Rodas5P, for these, to wait in
 SETS = 3
 
 
-@inner
+def idle_lanes(shape, sets):
+    """A lane buffer of free lanes, and the columns of each of its sets."""
+    s = np.zeros(sets * shape.size)
+    columns = np.add.outer(shape.size * np.arange(sets), np.arange(R.LANES))
+    s[R.CASE + columns] = IDLE
+    s[R.HOME + columns] = columns
+    return s, columns
+
+
 def idle_column(s, first):
     """The first column of a set that holds no slider, or -1."""
     for l in range(first, first + R.LANES):
@@ -26,7 +34,6 @@ def idle_column(s, first):
     return -1
 
 
-@inner
 def busy_columns(s, first):
     """How many columns of a set hold a slider."""
     busy = 0
@@ -35,19 +42,16 @@ def busy_columns(s, first):
     return busy
 
 
-@inner
-def room(s, law, taylor):
+def room(s, shape, taylor):
     """A column for one more slider.
 
     taylor : 1.0 if it takes steps of the Taylor method, 0.0 if of Rodas5P
     """
-    size = rows_of(law).size
-    l = idle_column(s, size if taylor > 0.0 else 0)
-    return l if l >= 0 else idle_column(s, 2 * size)
+    l = idle_column(s, shape.size if taylor > 0.0 else 0)
+    return l if l >= 0 else idle_column(s, 2 * shape.size)
 
 
-@inner
-def next_set(s, law, taylor):
+def next_set(s, shape, taylor):
     """Where the set begins that goes next, and how many vectors of its lanes: 0 without sliders.
 
     Of the two of the methods, or without `taylor` of the only one, that of which more lanes are
@@ -56,53 +60,49 @@ def next_set(s, law, taylor):
     first, busy = 0, busy_columns(s, 0)
     n = vectors_for(busy)
     if taylor:
-        size = rows_of(law).size
-        others = busy_columns(s, size)
+        others = busy_columns(s, shape.size)
         n_others = vectors_for(others)
-        if (others * n, others) > (busy * n_others, busy):
-            first, n = size, n_others
+        more = others * n - busy * n_others
+        if more > 0 or (more == 0 and others > busy):
+            first, n = shape.size, n_others
     for l in range(first + R.WIDTH * n, first + R.LANES):
         if s[R.CASE + l] != IDLE:
-            move(s, law, l, idle_column(s, first))
+            move(s, shape, l, idle_column(s, first))
     return first, n
 
 
-@inner
 def vectors_for(busy):
     """How many vectors of lanes go if so many lanes are busy, the first ones."""
     return (busy + R.WIDTH - 1) // R.WIDTH
 
 
-@inner
-def move(s, law, l, to):
+def move(s, shape, l, to):
     """Move the slider of column l to another, which is idle."""
-    for row in range(R.HOME + R.LANES, rows_of(law).kept, R.LANES):
+    for row in range(R.HOME + R.LANES, shape.kept, R.LANES):
         s[row + to] = s[row + l]
     s[R.HOME + l], s[R.HOME + to] = s[R.HOME + to], s[R.HOME + l]
     s[R.CASE + l] = IDLE
 
 
-@inner
-def any_changes(s, n):
+def any_changes(s, first, n):
     """Whether a slider in the first n vectors of lanes of a set changes its method."""
-    for l in range(R.WIDTH * n):
+    for l in range(first, first + R.WIDTH * n):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             return True
     return False
 
 
-@inner
-def change_sets(s, law, first):
+def change_sets(s, shape, first):
     """Move those of a set that change their method, and call in sliders that wait for its lanes."""
-    size = rows_of(law).size
+    size = shape.size
     taylor = 1.0 if first == size else 0.0
     for l in range(first, first + R.LANES):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             s[R.TAYLOR + l] = 1.0 - taylor
-            move(s, law, l, room(s, law, 1.0 - taylor))
+            move(s, shape, l, room(s, shape, 1.0 - taylor))
     for l in range(2 * size, 2 * size + R.LANES):
         if s[R.CASE + l] != IDLE and s[R.TAYLOR + l] == taylor:
             to = idle_column(s, first)
             if to < 0:
                 break
-            move(s, law, l, to)
+            move(s, shape, l, to)

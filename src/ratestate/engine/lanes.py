@@ -1,19 +1,19 @@
-"""The lanes: many sliders side by side in one buffer (rows.py), and the loops that SIMD runs.
+"""The lanes: many sliders side by side in one buffer (rows.py): a step of each, and its events.
 
-Every loop here runs over whole vectors of lanes, idle ones too, so that a slider goes through the
+Code of these goes over whole vectors of lanes, idle ones too, so that a slider goes through the
 same instructions, and gets the same bits, wherever it sits.
 """
 
 import math
 
+from ..friction.functions import larger, where
 from . import rows as R
 from .drift import UNITY
 from .equations import inertial_force, later
-from .jit import inlined, lanewise
 from .model import RUNNING
 from .rodas5p import step as rodas5p_step
 from .rows import rows_of
-from .step_control import control_step, step_size
+from .step_control import step_size
 from .tuples import (
     dot,
     dot_onto,
@@ -38,7 +38,6 @@ ROUNDING = 1e-15
 ROUNDING_OF_FORCE = 1e-13
 
 
-@inlined
 def extremum_conditions(y, w, e, w_lp, system):
     """Four numbers with the signs of dw/dT, dg/dT, df/dT and d(x + N)/dT.
 
@@ -55,13 +54,12 @@ def extremum_conditions(y, w, e, w_lp, system):
     lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
     m = eta0 * law.speed_slope(w, e)
     # d omega/dT is `by` over `unit`
-    by, unit = (drive, S_v) if lost else (g, m)
+    by, unit = select(lost, (drive, S_v), (g, m))
     friction = R_v * by + unit * dot(R_psi, f_psi)
     strength = N_v * by + unit * dot_onto(dot(N_psi, f_psi), drift, UNITY)
     return by, m * drive - S_v * g, friction, strength + unit * f_x
 
 
-@inlined
 def extrema(s, l, law):
     """Whether V and g have an extreme in the step, f and x + N a minimum: four bools."""
     rows, system = rows_of(law), system_of(s, l, law)
@@ -73,10 +71,9 @@ def extrema(s, l, law):
     at_end = later(system, s[R.H_USED + l])
     a1, b1, c1, d1 = extremum_conditions(y1, s[R.W_NEW + l], e1, w_lp_new, at_end)
     f_extremum, xf_extremum = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
-    return (a0 < 0.0) != (a1 < 0.0), (b0 < 0.0) != (b1 < 0.0), f_extremum, xf_extremum
+    return (a0 < 0.0) ^ (a1 < 0.0), (b0 < 0.0) ^ (b1 < 0.0), f_extremum, xf_extremum
 
 
-@inlined
 def saves(s, l):
     """Whether the next saved time lies in the step.
 
@@ -85,7 +82,6 @@ def saves(s, l):
     return s[R.H_USED + l] >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]
 
 
-@inlined
 def nears_load_point(s, l, law):
     """Whether V, at the rate of the step's start, comes up to V_lp within the step."""
     rows = rows_of(law)
@@ -94,7 +90,6 @@ def nears_load_point(s, l, law):
     return (gap * g > 0.0) & (abs(gap) * s[R.ETA0 + l] < abs(g) * s[R.H_USED + l])
 
 
-@inlined
 def steadies(s, l, law):
     """Whether the step ends within the lane's tolerance of steady sliding.
 
@@ -105,7 +100,6 @@ def steadies(s, l, law):
     return largest(off) < s[R.STEADY + l]
 
 
-@inlined
 def beyond_limit(s, l, law):
     """Whether the step ends at a speed beyond the lane's limit."""
     rows = rows_of(law)
@@ -114,28 +108,28 @@ def beyond_limit(s, l, law):
     return v_new > s[R.V_LIMIT + l]
 
 
-@inlined
 def has_event(s, l, law):
-    """Set CALL: whether the step is accepted and holds anything for the scalar code."""
+    """Set EVENTS, and CALL: whether the step is accepted and holds anything for the control."""
     w_lp = s[R.W_LP + l]
-    crosses = (s[R.W + l] < w_lp) != (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
-    v_extremum, g_extremum, f_extremum, xf_extremum = extrema(s, l, law)
-    grazes = v_extremum & nears_load_point(s, l, law)
-    s[R.GRAZES + l] = 1.0 if grazes else 0.0
-    extreme = (v_extremum | g_extremum | f_extremum | xf_extremum) & (s[R.OBSERVE + l] > 0.0)
-    runs_away = beyond_limit(s, l, law)
-    flag = crosses | grazes | extreme | saves(s, l) | steadies(s, l, law) | runs_away
+    crosses = (s[R.W + l] < w_lp) ^ (s[R.W_NEW + l] < w_lp + s[R.H_USED + l] * s[R.RAMP + l])
+    v, g, f, xf = extrema(s, l, law)
+    grazes, beyond = v & nears_load_point(s, l, law), beyond_limit(s, l, law)
+    steady = steadies(s, l, law)
+    bits = 0.0
+    for bit, event in zip(R.BITS, (v, g, f, xf, grazes, beyond, steady), strict=True):
+        bits = bits + where(event, float(bit), 0.0)
+    s[R.EVENTS + l] = bits
+    extreme = (v | g | f | xf) & (s[R.OBSERVE + l] > 0.0)
+    flag = crosses | grazes | extreme | saves(s, l) | steady | beyond
     flag = flag | (s[R.EVERY_STEP + l] > 0.0)
-    s[R.CALL + l] = 1.0 if (s[R.OK + l] > 0.0) & flag else 0.0
+    s[R.CALL + l] = where((s[R.OK + l] > 0.0) & flag, 1.0, 0.0)
 
 
-@inlined
 def system_of(s, l, law):
     """(law, kappa, eta0, p) of the lane's slider, for which a step is taken."""
     return law, s[R.KAPPA + l], s[R.ETA0 + l], read_rows(s, rows_of(law).p, l)
 
 
-@inlined
 def record(s, l, law, h, new, error, dense):
     """Put the outcome of a step into its rows.
 
@@ -148,19 +142,18 @@ def record(s, l, law, h, new, error, dense):
     store_each(s, rows.c, l, dense)
     s[R.H_USED + l] = h
     # (v is far larger at rest, and means nothing there)
-    size = max(abs(new[0][0]), largest(new[0][2:]))
+    size = larger(abs(new[0][0]), largest(new[0][2:]))
     fastest = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.W_LP + l]
-    allowed = max(s[R.TOLERANCE + l], ROUNDING * size)
+    allowed = larger(s[R.TOLERANCE + l], ROUNDING * size)
     p, inertia = read_rows(s, rows.p, l), s[R.ETA0 + l] / h
     of_v = law.error_of_v(error, new[1], new[2], p, fastest)
     of_v = law.without_rounding(of_v, *new, p, inertia, ROUNDING, size, allowed)
-    largest_error = max(max(abs(error[0]), abs(of_v)), largest(error[2:]))
+    largest_error = larger(larger(abs(error[0]), abs(of_v)), largest(error[2:]))
     # of a NaN and a number either may be the larger: it hangs on their order, and on the machine
     finite = abs(total(new[0]) + total(error)) < math.inf
-    s[R.ERROR + l] = largest_error / allowed if finite else math.inf
+    s[R.ERROR + l] = where(finite, largest_error / allowed, math.inf)
 
 
-@inlined
 def try_step(s, l, law):
     """Try one step of the lane by Rodas5P and record its outcome."""
     h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
@@ -172,7 +165,6 @@ def try_step(s, l, law):
     record(s, l, law, h, new, error, dense)
 
 
-@inlined
 def commit_lane(s, l, law):
     """Move an accepted step's outcome into the state; time is summed in two parts (Kahan).
 
@@ -206,58 +198,24 @@ def commit_lane(s, l, law):
     w_lp1 = w_lp + h * ramp
     load1 = load + d_load
     friction1 = friction + d_friction
-    s[R.T + l], s[R.T_LOW + l] = t1 if ok else t, low1 if ok else low
+    s[R.T + l], s[R.T_LOW + l] = select(ok, (t1, low1), (t, low))
     write_rows(s, rows.y, l, select(ok, y1, y))
     write_rows(s, rows.e, l, select(ok, e1, e))
     write_rows(s, rows.history, l, select(ok, law.history(p1), law.history(p)))
-    s[R.W + l], s[R.W_LP + l] = w1 if ok else w, w_lp1 if ok else w_lp
-    s[R.V_HIGH + l] = v1 if ok & (v1 > v_high) else v_high
-    s[R.V_LOW + l] = v1 if ok & (v1 < v_low) else v_low
-    s[R.G_HIGH + l] = g1 if ok & (g1 > g_high) else g_high
-    s[R.F_LOW + l] = f1 if ok & (f1 < f_low) else f_low
-    s[R.XF_LOW + l] = xf1 if ok & (xf1 < xf_low) else xf_low
-    s[R.LOAD_WORK + l] = load1 if ok else load
-    s[R.DISSIPATION + l] = friction1 if ok else friction
-    s[R.MEMORY + l] = memory if ok else 1.0
+    s[R.W + l], s[R.W_LP + l] = select(ok, (w1, w_lp1), (w, w_lp))
+    s[R.V_HIGH + l] = where(ok & (v1 > v_high), v1, v_high)
+    s[R.V_LOW + l] = where(ok & (v1 < v_low), v1, v_low)
+    s[R.G_HIGH + l] = where(ok & (g1 > g_high), g1, g_high)
+    s[R.F_LOW + l] = where(ok & (f1 < f_low), f1, f_low)
+    s[R.XF_LOW + l] = where(ok & (xf1 < xf_low), xf1, xf_low)
+    s[R.LOAD_WORK + l] = where(ok, load1, load)
+    s[R.DISSIPATION + l] = where(ok, friction1, friction)
+    s[R.MEMORY + l] = where(ok, memory, 1.0)
     s[R.STEPS + l], s[R.REJECTED + l] = steps + accepted, rejected + (1.0 - accepted)
     failures = (failures + 1.0) * (1.0 - accepted)
     s[R.FAILURES + l] = failures
     arrived = ok & ((t_break - t1) - low1 <= 1e-12 * h)
     spent = steps + rejected + 1.0 >= max_steps
     over = arrived | spent | (failures > TOO_MANY_FAILURES) | (status != RUNNING)
-    s[R.BREAK + l] = 1.0 if over else 0.0
+    s[R.BREAK + l] = where(over, 1.0, 0.0)
     s[R.H + l] = h_next
-
-
-@inlined
-def assess(s, law, n):
-    """Accept or reject steps in the first n vectors of lanes, and see whether they hold events."""
-    for l in range(R.WIDTH * n):
-        control_step(s, l)
-    find_events(s, law, n)
-
-
-@lanewise
-def find_events(s, law, n):
-    """`has_event` in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        has_event(s, l, law)
-
-
-@lanewise
-def advance(s, law, n):
-    """Try a step in the first n vectors of lanes, accept it or not, and see whether it has events.
-
-    There are several loops since LLVM vectorises each but not their union.  They go over whole
-    vectors, and so have no remainder of single lanes; a slider alone takes a vector.
-    """
-    for l in range(R.WIDTH * n):
-        try_step(s, l, law)
-    assess(s, law, n)
-
-
-@lanewise
-def commit(s, law, n):
-    """`commit_lane` in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        commit_lane(s, l, law)

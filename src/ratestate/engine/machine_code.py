@@ -9,31 +9,58 @@ _LOADED: list = []
 
 
 @functools.cache
-def _initialized():
-    llvm.initialize_native_target()
-    llvm.initialize_native_asmprinter()
-    return llvm.Target.from_triple(llvm.get_process_triple())
+def _initialized(triple):
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    return llvm.Target.from_triple(triple)
 
 
-def target(cpu=None, features=None):
+def processor():
+    """LLVM's names of this machine, its kind of processor, and the features that code may use."""
+    features = llvm.get_host_cpu_features().flatten()
+    return llvm.get_process_triple(), llvm.get_host_cpu_name(), features
+
+
+def doubles_of_vector():
+    """How many doubles the vectors have in which this processor is fastest."""
+    features, processor = llvm.get_host_cpu_features(), llvm.get_host_cpu_name()
+    if features.get("avx512f") and processor.startswith(("znver", "knl", "knm")):
+        return 8  # (others slow down where they use their widest)
+    return 4 if features.get("avx") else 2
+
+
+def target(cpu=None, features=None, triple=None):
     """The machine for which code is made: this one, or one of this kind of processor."""
-    native = llvm.get_host_cpu_features().flatten() if features is None else features
-    return _initialized().create_target_machine(
-        cpu=cpu or llvm.get_host_cpu_name(),
-        features=native,
+    here, own, native = processor()
+    return _initialized(triple or here).create_target_machine(
+        cpu=cpu or own,
+        features=native if features is None else features,
         opt=3,
         reloc="pic",
         codemodel="small",
     )
 
 
-def compiled(text, machine=None):
-    """The object, bytes, of LLVM text, which is taken as it is: its optimiser brings nothing."""
-    machine = machine or target()
-    module = llvm.parse_assembly(text)
-    module.triple, module.data_layout = llvm.get_process_triple(), str(machine.target_data)
+def optimized(text, machine, level):
+    """Return LLVM text as a module for a machine; level : of optimisation."""
+    layout = f'target datalayout = "{machine.target_data}"\ntarget triple = "{machine.triple}"\n'
+    module = llvm.parse_assembly(layout + text)
     module.verify()
-    return machine.emit_object(module)
+    if level > 0:
+        options = llvm.create_pipeline_tuning_options(speed_level=level)
+        options.loop_vectorization = options.slp_vectorization = False
+        passes = llvm.create_pass_builder(machine, options)
+        passes.getModulePassManager().run(module, passes)
+    return module
+
+
+def compiled(text, machine=None, level=0):
+    """The object, bytes, of LLVM text.
+
+    level : of optimisation; straight lines of code, which say each thing once, need none
+    """
+    machine = machine or target()
+    return machine.emit_object(optimized(text, machine, level))
 
 
 def loaded(code, names):

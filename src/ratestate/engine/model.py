@@ -26,7 +26,6 @@ NOT_FINITE = 2
 STEP_UNDERFLOW = 3
 STEP_LIMIT = 4
 RUNAWAY = 5
-NO_ROOT = 6
 NO_CONVERGENCE = 7
 RIGID_REST = 8
 CRASHED = 9
@@ -41,30 +40,8 @@ _TABLE = tomllib.loads(Path(__file__).with_name("statuses.toml").read_text("utf-
 #: status code -> (name, what happened and what helps)
 STATUSES = {row["code"]: (name, row["message"]) for name, row in _TABLE.items()}
 
-# Codes of methods.  None is of a type of its own, for which numba leaves out the other methods.
-RODAS5P, IM2017, IM2017_EULER = None, 0, 1
-
-
-class Method(NamedTuple):
-    """A row of `METHODS`: its code inside the engine, and what a run by it needs.
-
-    `simulate` checks that it has that; the engine does not.
-    """
-
-    code: int | None
-    needs_dt: bool = False  # it does not choose its steps itself
-    needs_mass: bool = False  # and a spring: it steps by sqrt(K/M)
-    needs_law: str = ""  # a method of the law's
-    taylor: bool = False  # steps that are not stiff may be of the Taylor method
-
-
-#: name of a method -> what it is
-METHODS = {
-    "auto": Method(RODAS5P, taylor=True),
-    "rodas5p": Method(RODAS5P),
-    "im2017": Method(IM2017, needs_dt=True, needs_mass=True, needs_law="held"),
-    "im2017_euler": Method(IM2017_EULER, needs_dt=True, needs_mass=True, needs_law="held_by_euler"),
-}
+#: name of a method -> whether steps that are not stiff may be of the Taylor method
+METHODS = {"auto": True, "rodas5p": False}
 
 
 class Cases(NamedTuple):
@@ -77,7 +54,6 @@ class Cases(NamedTuple):
     V0: np.ndarray  # [m/s]
     y: np.ndarray  # (n, len(y)) initial x, v, psi
     t_end: np.ndarray  # [s]
-    dt: np.ndarray  # [s], fixed-step methods only
     sigma: np.ndarray  # initial normal stress [Pa]
     loading: np.ndarray  # row of the Loads tables
     times: np.ndarray  # row of the saved times

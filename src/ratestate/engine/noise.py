@@ -7,55 +7,79 @@ triangular; L^-1 takes O(n), whatever the sampling times (a semi-separable matri
 doi:10.1115/1.3662552).
 """
 
-import math
+from typing import NamedTuple
 
 import numpy as np
 
-from .jit import kernel
+from ..friction.functions import exp, log, sqrt
+from .programs import Program
 
 
-@kernel
-def whiten(dt, white, variances, times, columns, out):
-    """Put L^-1 applied to each column of `columns` into `out`; return ln det Sigma.
+class Filter(NamedTuple):
+    """What `_filter` works on."""
+
+    dt: np.ndarray  # (n - 1,) steps between the samples
+    white: np.ndarray  # (1,)
+    variances: np.ndarray  # (m,) of the relaxations
+    times: np.ndarray  # (m,)
+    columns: np.ndarray  # (n, k)
+    out: np.ndarray  # (n, k)
+    log_determinant: np.ndarray  # (1,)
+    # the covariance of z and its mean, before the sample is seen
+    covariance: np.ndarray  # (m, m)
+    predicted: np.ndarray  # (m, k)
+    gain: np.ndarray  # (m,)
+    keep: np.ndarray  # (m,)
+
+
+def whiten(dt, white, variances, times, columns):
+    """L^-1 applied to each column, and ln det Sigma.
 
     Parameters
     ----------
     dt : (n - 1,) steps between the samples [s], >= 0
     white : variance of the white part, >= 0
     variances, times : (m,) variances of the relaxations, >= 0, and their times [s], > 0
-    columns, out : (n, k), n >= 1; the result goes into `out`
+    columns : (n, k), n >= 1
 
     Not all variances are 0.  Nothing is checked here.
     """
-    n, k = columns.shape
-    m = variances.size
-    log_determinant, last = 0.0, -1.0
-    # the covariance of z and its mean, before the sample is seen
-    covariance, predicted = np.diag(variances), np.zeros((m, k))
-    gain, keep = np.zeros(m), np.zeros(m)
+    n, m = len(columns), len(variances)
+    given = (np.ascontiguousarray(x, float) for x in (dt, [white], variances, times, columns))
+    shapes = columns.shape, (1,), (m, m), (m, columns.shape[1]), (m,), (m,)
+    filter_ = Filter(*given, *(np.zeros(shape) for shape in shapes))
+    filter_.covariance[...] = np.diag(variances)
+    Program(_filter, filter_)(n)
+    return filter_.out, float(filter_.log_determinant[0])
+
+
+def _filter(run, n):
+    gain, keep, covariance, predicted = run.gain, run.keep, run.covariance, run.predicted
+    k, m, log_determinant, last = run.columns.shape[1], gain.shape[0], 0.0, -1.0
     for i in range(n):
-        total = white
+        total = run.white[0]
         for a in range(m):
             gain[a] = 0.0
             for b in range(m):
                 gain[a] += covariance[a, b]
             total += gain[a]
-        log_determinant += math.log(total)
-        root = 1.0 / math.sqrt(total)
-        if i + 1 < n and dt[i] != last:
-            last = dt[i]
+        log_determinant += log(total)
+        root = 1.0 / sqrt(total)
+        if i + 1 < n and run.dt[i] != last:
+            last = run.dt[i]
             for a in range(m):
-                keep[a] = math.exp(-last / times[a])
+                keep[a] = exp(-last / run.times[a])
         for j in range(k):
-            innovation = columns[i, j]
+            innovation = run.columns[i, j]
             for a in range(m):
                 innovation -= predicted[a, j]
-            out[i, j] = innovation * root
+            run.out[i, j] = innovation * root
             for a in range(m):
                 predicted[a, j] = keep[a] * (predicted[a, j] + gain[a] / total * innovation)
         for a in range(m):
             for b in range(m):
                 left = covariance[a, b] - gain[a] * gain[b] / total
                 covariance[a, b] = keep[a] * keep[b] * left
-            covariance[a, a] += variances[a] * (1.0 - keep[a] * keep[a])
-    return log_determinant
+            covariance[a, a] += run.variances[a] * (1.0 - keep[a] * keep[a])
+    run.log_determinant[0] = log_determinant
+    return True

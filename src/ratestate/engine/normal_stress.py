@@ -1,19 +1,10 @@
-"""Normal stress in a lane: its segments, and what happens where it jumps.
+"""Normal stress in a lane: its segments, and what happens where it jumps."""
 
-For a law under constant normal stress `rows.history` is (), and nothing here is compiled.
-"""
-
-import math
-
-from ..friction.kinematics import LIMIT
-from ..friction.normal_stress import PHASE, S
+from ..friction.expressions import LIMIT
+from ..friction.functions import log
 from . import rows as R
-from .equations import exponentials_alone
-from .jit import inner, recursive
-from .lane_case import take_note
+from .calls import FOUND, call_point
 from .model import NOT_FINITE, RUNAWAY
-from .rows import rows_of
-from .tuples import read_rows, write_rows
 
 # Parts of sigma by which a segment may begin beside the end of the one before, without a jump.
 AGREE = 1e-12
@@ -21,82 +12,61 @@ AGREE = 1e-12
 WIDEST, MOST = 4096.0, 200
 
 
-@recursive
-def enter_stress(history, s, l, law, loads, row, k, sigma, scale):
-    """Put the lane's normal stress at the start of segment k; whether it jumps there.
+def enter_stress(run, l, i, row, k):
+    """Put the lane's normal stress, of case i, at the start of segment k; whether it jumps there.
 
-    history : `rows.history`; sigma : initial normal stress [Pa]; scale : V0/Dc
+    row : of the history of the loading
     """
-    if len(history) == 0:
+    if run.shape.varies == 0:
         return False
-    return _enter(s, l, law, loads, row, k, sigma, scale)
-
-
-@inner
-def _enter(s, l, law, loads, row, k, sigma, scale):
-    rows = rows_of(law)
+    loads, work = run.loads, run.work
+    sigma = run.cases.sigma[i]
     start, end = loads.sigma[row, k] / sigma, loads.sigma_end[row, k] / sigma
     rate = 0.0
     if end != start:
-        rate = (end - start) / ((loads.t[k + 1] - loads.t[k]) * scale)
-    p = read_rows(s, rows.p, l)
-    before, phase = p[S], p[PHASE]
-    p = law.at_time(p, start, rate, phase)
-    write_rows(s, rows.history, l, law.history(p))
-    if abs(p[S] - before) <= AGREE * p[S]:
+        rate = (end - start) / ((loads.t[k + 1] - loads.t[k]) * run.cases.scale[i])
+    work[0], work[1] = start, rate
+    call_point(run.units.enter_stress, run.s, l, work)
+    before, now = work[FOUND], work[FOUND + 1]
+    if abs(now - before) <= AGREE * now:
         return False
-    jump(s, l, law, math.log(p[S] / before))
+    jump(run, l, log(now / before))
     return True
 
 
-@inner
-def jump(s, l, law, rise):
+def jump(run, l, rise):
     """Change the lane's state as a jump of ln sigma by `rise` changes it."""
-    rows = rows_of(law)
-    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
-    w = s[R.W + l]
-    psi = law.after_jump(y[1], w, y[2:], e, p, rise)
-    v = v_at_speed(law.jump_exponents(y[1], y[2:], p), y[1], w, psi, law, p)
-    if s[R.ETA0 + l] == 0.0:
-        v = balanced(y[0], v, psi, law, p)
-        log_w = law.log_of_faster(v, psi, p)
-        if log_w > LIMIT:  # of a slider without mass or damping that nothing holds
-            away = law.runs_away(log_w, psi, law.stiffness(s[R.KAPPA + l], p), p)
-            s[R.STATUS + l] = RUNAWAY if away else NOT_FINITE
-    after = (y[0], v, *psi)
-    w, e = exponentials_alone(after, law, p)
-    write_rows(s, rows.y, l, after)
-    s[R.W + l] = w
-    write_rows(s, rows.e, l, e)
-    take_note(s, l, law)
+    s, work = run.s, run.work
+    work[0] = rise
+    call_point(run.units.jump, s, l, work)  # psi, and v at the same speed
+    v = work[FOUND]
+    if s[R.ETA0 + l] == 0.0 and not run.shape.rigid:
+        v = balanced(run, l, v)
+        work[0] = v
+        call_point(run.units.pull, s, l, work)
+        if work[FOUND + 1] > LIMIT:  # of a slider without mass or damping that nothing holds
+            s[R.STATUS + l] = RUNAWAY if work[FOUND + 2] > 0.0 else NOT_FINITE
+    s[R.V + l] = v
+    call_point(run.units.note, s, l, work)
 
 
-@recursive
-def v_at_speed(jumps, v, w, psi, law, p):
-    """v of the same speed w under another psi; jumps : the law's `jump_exponents`."""
-    if len(jumps) == 0:
-        return v
-    return law.v_at(w, psi, p)
+def force(run, l, v):
+    """x - S at another v."""
+    run.work[0] = v
+    call_point(run.units.pull, run.s, l, run.work)
+    return run.work[FOUND]
 
 
-@inner
-def force(x, v, psi, law, p):
-    """x - S."""
-    w, _ = exponentials_alone((x, v, *psi), law, p)
-    return x - law.stress_in_v(v, w, psi, p)
-
-
-@inner
-def balanced(x, v, psi, law, p):
+def balanced(run, l, v):
     """v at which the stress that opposes motion is the spring's, from another, by bisection.
 
     Where there is none, a speed beyond all: friction that no longer rises with speed.
     """
-    pulls = force(x, v, psi, law, p) > 0.0
+    pulls = force(run, l, v) > 0.0
     reach = 1.0
     while reach < WIDEST:
         beyond = v + reach if pulls else v - reach
-        if (force(x, beyond, psi, law, p) > 0.0) != pulls:
+        if (force(run, l, beyond) > 0.0) != pulls:
             break
         reach *= 2.0
     low, high = (v, v + reach) if pulls else (v - reach, v)
@@ -104,7 +74,7 @@ def balanced(x, v, psi, law, p):
         middle = 0.5 * (low + high)
         if middle <= low or middle >= high:
             break
-        if force(x, middle, psi, law, p) > 0.0:
+        if force(run, l, middle) > 0.0:
             low = middle
         else:
             high = middle

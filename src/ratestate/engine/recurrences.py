@@ -1,49 +1,54 @@
-"""The equations of motion under a law as recurrences of Taylor coefficients (expansion.py)."""
+"""The equations of motion under a law, and Taylor coefficients of it (friction/taylor.py)."""
 
 import functools
 from typing import NamedTuple
 
-from .expansion import expand
-from .series import Graph, NotASeries
+from ..friction.derivatives import Derivative
+from ..friction.functions import functions_of
+from ..friction.taylor import NoSeries, expand
 
 #: order of the Taylor method: degree of its polynomials in time
 ORDER = 12
 
 
 class Equations(NamedTuple):
-    """The equations of motion as `Series`."""
+    """The equations of motion as expressions of the law's graph."""
 
+    symbols: dict  # name -> symbol of what is no quantity of the law
+    p: tuple  # symbols of all coefficients
     derivatives: dict  # x, v and each psi -> derivative in T
     integrands: list  # powers of `works`
 
 
 @functools.cache
 def equations(law):
-    """`Equations` under a law; NotASeries where it has no recurrences."""
-    graph = Graph()
-    x, v, *states = (graph.unknown(("y", i)) for i in range(2 + len(law.states)))
-    psi, p = tuple(states), tuple(graph.name(("p", i)) for i in range(law.n_coefficients))
-    w, w_lp = graph.exp(v, "w"), graph.line("w_lp", "ramp")
-    try:
-        if law.reverses or law.history(p):
-            raise NotASeries("slip that may reverse, or normal stress that varies")
-        exponents = law.own_exponents(v, w, psi, p)
-        e = tuple(graph.exp(graph.series(one), ("e", i)) for i, one in enumerate(exponents))
-        stress = graph.series(law.stress_in_v(v, w, psi, p))
-        rates = law.rates_in_v(v, w, psi, e, p)
-        acceleration = graph.name("1/eta0") * (x - stress)
-        derivatives = [graph.name("kappa") * (w_lp - w), acceleration / w, *rates]
-        named = zip((x, v, *psi), map(graph.series, derivatives), strict=True)
-    except Exception as error:  # (where it gets no numbers, a law of a user may raise anything)
-        raise NotASeries(f"the law {law.name}") from error
-    return Equations(dict(named), [x * w_lp, stress * w])
+    """`Equations` under a law; NoSeries where it has no recurrences."""
+    own = law.equations
+    graph = own.graph
+    if law.reverses or law.history((0.0,) * law.n_coefficients):
+        raise NoSeries("slip that may reverse, or normal stress that varies")
+    names = "stiffness", "1/eta0"
+    symbols = {name: graph.symbol(name) for name in names}
+    symbols |= {name: graph.symbol(name, is_constant=False) for name in ("x", "w_lp")}
+    more = range(len(own.constants), law.n_coefficients)
+    p = (*own.constants, *(graph.symbol(("more", k)) for k in more))
+    x, v, w, psi = symbols["x"], own.v, own.w, tuple(own.psi)
+    stress = law.stress_in_v(v, w, psi, p)
+    rates = law.rates_in_v(v, w, psi, tuple(own.exponentials), p)
+    motion = {
+        x: symbols["stiffness"] * (symbols["w_lp"] - w),
+        v: symbols["1/eta0"] * (x - stress) / w,
+        **dict(zip(psi, map(graph.number, rates), strict=True)),
+    }
+    return Equations(symbols, p, motion, [x * symbols["w_lp"], stress * w])
 
 
+@functools.cache
 def has_recurrences(law):
     """Whether all that a law's equations hold has a rule."""
     try:
-        equations(law)
-    except NotASeries:
+        expand(equations(law).derivatives, [], 0, {})
+    except NoSeries:
         return False
     return True
 
@@ -52,20 +57,18 @@ def has_recurrences(law):
 def variational_equations(law):
     """The equations of motion, and those of as many small perturbations as a return map follows.
 
-    `Equations` whose derivatives are x, v and each psi, then these of each perturbation, and whose
-    only integrand is the trace of the Jacobian matrix.
+    Symbols of the perturbations, a list of lists; x, v and each psi, then these, -> derivatives;
+    and the trace of the Jacobian matrix.
     """
-    derivatives, _ = equations(law)
-    graph, y = next(iter(derivatives)).graph, list(derivatives)
-    everything = dict(derivatives)
-    for j in range(len(y) - 1):
-        z = [graph.unknown(("z", j, i)) for i in range(len(y))]
-        changes = dict(zip(y, z, strict=True))
-        rates = [graph.differential(rate, changes) for rate in derivatives.values()]
-        everything |= dict(zip(z, rates, strict=True))
-    unit = {one: {other: graph.series(float(other is one)) for other in y} for one in y}
-    diagonal = [graph.differential(rate, unit[one]) for one, rate in derivatives.items()]
-    return Equations(everything, [sum(diagonal, graph.series(0.0))])
+    motion, graph = equations(law).derivatives, law.equations.graph
+    everything, perturbations = dict(motion), []
+    for j in range(len(motion) - 1):
+        z = [graph.symbol(("z", j, i), is_constant=False) for i in range(len(motion))]
+        along = Derivative(graph, dict(zip(motion, z, strict=True)))
+        everything |= dict(zip(z, map(along, motion.values()), strict=True))
+        perturbations.append(z)
+    diagonal = (Derivative(graph, {y: graph.one})(rate) for y, rate in motion.items())
+    return perturbations, everything, sum(diagonal, graph.number(0.0))
 
 
 def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
@@ -73,9 +76,9 @@ def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
 
     Lists, the latter of one less; arguments as of `rodas5p.step`, any kind of numbers.
     """
-    known = _known(y, w, e, w_lp, kappa, eta0, p) | {"ramp": ramp}
-    derivatives, powers = equations(law)
-    return expand(derivatives, powers, ORDER, known)
+    known = _known(law, y, w, e, (w_lp, ramp), kappa, eta0, p)
+    of_law = equations(law)
+    return expand(of_law.derivatives, of_law.integrands, ORDER, known, functions_of(w))
 
 
 def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
@@ -85,17 +88,20 @@ def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
 
     z : perturbations of the state
     """
-    known = _known(y, w, e, 1.0, kappa, eta0, p) | {"ramp": None}
-    known |= {("z", j, i): value for j, one in enumerate(z) for i, value in enumerate(one)}
-    derivatives, integrands = variational_equations(law)
-    found, (trace,) = expand(derivatives, integrands, ORDER, known)
+    known = _known(law, y, w, e, 1.0, kappa, eta0, p)
+    perturbations, derivatives, trace = variational_equations(law)
+    for symbols, one in zip(perturbations, z, strict=True):
+        known |= zip(symbols, one, strict=True)
+    found, (of_trace,) = expand(derivatives, [trace], ORDER, known, functions_of(w))
     n = len(y)
-    return found[:n], found[n:], trace
+    return found[:n], found[n:], of_trace
 
 
-def _known(y, w, e, w_lp, kappa, eta0, p):
-    """What `equations` has names for; but for the ramp."""
-    known = {"w": w, "1/eta0": 1.0 / eta0, "kappa": kappa, "w_lp": w_lp}
-    for name, values in ("y", y), ("e", e), ("p", p):
-        known |= {(name, i): value for i, value in enumerate(values)}
-    return known
+def _known(law, y, w, e, w_lp, kappa, eta0, p):
+    """Values of all symbols and exponentials of `equations`."""
+    of_law, own = equations(law), law.equations
+    known = {of_law.symbols["stiffness"]: kappa, of_law.symbols["1/eta0"]: 1.0 / eta0}
+    known |= {own.w: w, of_law.symbols["w_lp"]: w_lp}
+    known |= zip(of_law.derivatives, y, strict=True)
+    known |= zip(of_law.p, p, strict=True)
+    return known | dict(zip(own.exponentials, e, strict=True))

@@ -1,12 +1,11 @@
 """Loops over the lanes of a return map: the state's step, and that of perturbations of it."""
 
+from ..friction.functions import larger, where
 from . import lanes as L
 from . import rows as R
 from .equations import inertial_force
-from .jit import inlined, lanewise, recursive
 from .rows import rows_of
 from .tangent import step as tangent_step
-from .tracing import traced
 from .tuples import (
     dot,
     dot_onto,
@@ -23,13 +22,11 @@ from .tuples import (
 )
 
 
-@traced
 def changes_of_speed(z, shares):
     """The change of omega (`kinematics`) by each of the perturbations z."""
     return tuple(dot_onto(one[1], shares, one[2:]) for one in z)
 
 
-@inlined
 def step_of_lane(s, l, law, h):
     """What `tangent.step` gives for a step of size h from where the lane is."""
     rows = rows_of(law)
@@ -37,7 +34,6 @@ def step_of_lane(s, l, law, h):
     return tangent_step(y, s[R.W + l], e, z, 1.0, h, L.system_of(s, l, law))
 
 
-@inlined
 def try_step(s, l, law):
     """Try one step of the lane by Rodas5P, perturbations included, and record its outcome."""
     h = s[R.H + l]
@@ -46,29 +42,6 @@ def try_step(s, l, law):
     L.record(s, l, law, h, new, error, dense)
 
 
-@lanewise
-def advance(s, law, n):
-    """Try a step in the first n vectors of lanes, accept it or not, see whether it has events."""
-    for l in range(R.WIDTH * n):
-        try_step(s, l, law)
-    L.assess(s, law, n)
-
-
-@recursive
-def without_shift(z, z_new, direction, share, ok):
-    """The perturbations without what they have along the orbit, and how much that was.
-
-    z : before the step, which they stay where it is not accepted
-    """
-    if len(z) == 0:
-        return (), ()
-    along = share * dot(z_new[0], direction)
-    kept, shifts = without_shift(z[1:], z_new[1:], direction, share, ok)
-    first = select(ok, plus(z_new[0], -along, direction), z[0])
-    return (first, *kept), (along, *shifts)
-
-
-@inlined
 def commit_lane(s, l, law):
     """`lanes.commit_lane` for what a return map adds, once that is done.
 
@@ -92,22 +65,16 @@ def commit_lane(s, l, law):
     c = law.speed_slope(w, e)
     m = s[R.ETA0 + l] * c
     lost = (abs(g) <= rounding) | (m == 0.0)
-    f_omega = (f_x - dot(S_psi, f_psi)) / S_v if lost else g / m
+    f_omega = where(lost, (f_x - dot(S_psi, f_psi)) / S_v, g / m)
     f_v = minus_dot(f_omega, law.shares(w, 1.0 / c, system[3]), f_psi)
-    pace = max(max(abs(f_x), abs(f_v)), max(largest(f_psi), 1e-300))
+    pace = larger(larger(abs(f_x), abs(f_v)), larger(largest(f_psi), 1e-300))
     direction = (f_x / pace, f_v / pace, *times(1.0 / pace, f_psi))
     share = 1.0 / dot(direction, direction)
     z, z_new = load_each(s, rows.z, l), load_each(s, rows.z_new, l)
-    kept, shifts = without_shift(z, z_new, direction, share, ok)
-    store_each(s, rows.z, l, kept)
+    shifts = tuple(share * dot(one, direction) for one in z_new)
+    for of_one, one, new, along in zip(rows.z, z, z_new, shifts, strict=True):
+        write_rows(s, of_one, l, select(ok, plus(new, -along, direction), one))
     early = read_rows(s, rows.early, l)
     write_rows(s, rows.early, l, select(ok, plus(early, 1.0 / pace, shifts), early))
-    s[R.TRACE + l] += s[R.D_TRACE + l] if ok else 0.0
+    s[R.TRACE + l] += where(ok, s[R.D_TRACE + l], 0.0)
     s[R.SINCE + l] += s[R.OK + l]
-
-
-@lanewise
-def commit(s, law, n):
-    """`commit_lane` in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        commit_lane(s, l, law)

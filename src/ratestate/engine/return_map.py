@@ -7,22 +7,16 @@ a maximum of the stress and the point to return to, a downward one its minimum.
 
 import math
 from collections import namedtuple
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from . import lanes as L
 from . import rows as R
-from .jit import inner, kernel, recursive
-from .lane_case import IDLE, choose_first_step, enter_inertia, fill, next_case, stuck
+from .calls import FOUND, call_lanes, call_point
+from .lane_case import IDLE, fill, next_case, stuck
 from .lane_sets import any_changes, change_sets, next_set, room
 from .model import RUNNING
-from .return_events import handle_events, rates
-from .return_lanes import changes_of_speed, commit
-from .return_taylor_lanes import advance
-from .rows import rows_of
-from .tuples import dot_onto, load_each, load_rows, of_each, plus, read_rows, times, write
-from .waveform import add_rodas5p, add_taylor, find_slow_lanes
+from .return_events import handle_events
 
 
 class Starts(NamedTuple):
@@ -79,54 +73,54 @@ def empty_return_results(y):
     return ReturnResults(numbers, psi, along, psi_along, np.full(n, RUNNING, np.int8))
 
 
-@inner
-def load(s, l, law, i, starts):
+class ReturnRun(NamedTuple):
+    """All that a return map works on, as `march.Run`."""
+
+    shape: R.Shape
+    units: Any  # `units.ReturnUnits`
+    taylor: int
+    s: np.ndarray
+    queue: np.ndarray
+    position: np.ndarray
+    work: np.ndarray
+    starts: Starts
+    results: ReturnResults
+
+
+def load(run, l, i):
     """Put case i into lane l."""
-    rows = rows_of(law)
-    fill(s, l, law, i, starts)
-    enter_inertia(s, l, starts.eta[i], starts.atol[i])
-    for k in range(len(rows.z)):
-        load_rows(s, rows.z[k], l, starts.along[i, k])
-    load_rows(s, rows.steady, l, starts.steady[i])
-    s[R.UNSTABLE + l] = starts.unstable[i]
-    s[R.W_LP + l] = 1.0
+    s, shape, starts = run.s, run.shape, run.starts
+    n = 2 + shape.states
+    fill(run, l, i, starts, starts.eta[i], starts.atol[i])
+    for k in range(n):
+        s[shape.steady + k * R.LANES + l] = starts.steady[i, k]
+        for j in range(n - 1):
+            s[shape.z + (j * n + k) * R.LANES + l] = starts.along[i, j, k]
+    s[R.UNSTABLE + l], s[R.W_LP + l] = starts.unstable[i], 1.0
     s[R.T_END + l] = s[R.BREAKPOINT + l] = s[R.SAVE_AT + l] = math.inf
     s[R.STEADY + l], s[R.GUESS + l] = starts.steady_tol[i], starts.period[i]
     s[R.X_LOW + l] = math.nan
-    for row in rows.x_low:
-        s[row + l] = math.nan
+    for j in range(n - 1):
+        s[shape.x_low + j * R.LANES + l] = math.nan
     # SINCE is 0: the first step is too short to reach a crossing.  If it begins on the section,
     # rounding may put V below V_lp there.
-    choose_first_step(s, l, law)
+    call_point(run.units.first_step, s, l, run.work)
 
 
-@recursive
-def write_psi_along(z, shifts, f_psi, out):
-    """Write the derivatives of psi at the return along each of the perturbations z."""
-    if len(z) > 0:
-        write(out[0], 0, plus(z[0][2:], -shifts[0], f_psi))
-        write_psi_along(z[1:], shifts[1:], f_psi, out[1:])
-
-
-@inner
-def finish(s, l, law, results):
+def finish(run, l):
     """Write the outcome of the lane's case; derivatives are those of the section's points."""
-    i = int(s[R.CASE + l])
-    status = int(s[R.STATUS + l])
+    s, shape, results, work = run.s, run.shape, run.results, run.work
+    i, status, states = int(s[R.CASE + l]), int(s[R.STATUS + l]), shape.states
     results.status[i] = status if status != RUNNING else stuck(s, l)
-    rows = rows_of(law)
-    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
-    speeds = rates(s, l, law, y, s[R.W + l], e)
-    shares = law.shares(s[R.W + l], 1.0 / law.speed_slope(s[R.W + l], e), p)
-    omega = dot_onto(speeds[1], shares, speeds[2:])
+    call_point(run.units.outcome, s, l, work)
     numbers = ReturnNumbers(
         period=s[R.T + l] + s[R.T_LOW + l],
-        x=y[0],
-        G=omega * law.speed_slope(s[R.W + l], e),
+        x=s[R.X + l],
+        G=work[FOUND],
         x_low=s[R.X_LOW + l],
         trace=s[R.TRACE + l],
-        v_max=law.v_of_order(s[R.V_HIGH + l], y[2:], p),
-        v_min=law.v_of_order(s[R.V_LOW + l], y[2:], p),
+        v_max=work[FOUND + 1],
+        v_min=work[FOUND + 2],
         g_max=s[R.G_HIGH + l],
         slow=s[R.SLOW + l],
         mean=s[R.MEAN + l],
@@ -137,67 +131,64 @@ def finish(s, l, law, results):
         f_min=s[R.F_LOW + l],
         xf_min=s[R.XF_LOW + l],
     )
-    for k in range(len(numbers)):
-        results.numbers[i, k] = numbers[k]
-    write(results.psi[i], 0, y[2:])
-    z = load_each(s, rows.z, l)
-    shifts = times(1.0 / omega, changes_of_speed(z, shares))
-    early = read_rows(s, rows.early, l)
-    derivatives = Derivatives(
-        period=times(-1.0, plus(shifts, 1.0, early)),
-        x=of_each(z, 0),
-        x_low=read_rows(s, rows.x_low, l),
-        v_max=read_rows(s, rows.v_high, l),
-        v_min=read_rows(s, rows.v_low, l),
-    )
-    for k in range(len(derivatives)):
-        write(results.along[i, :, k], 0, derivatives[k])
-    write_psi_along(z, shifts, speeds[2:], results.psi_along[i])
+    k = 0
+    for number in numbers:
+        results.numbers[i, k] = number
+        k += 1
+    for j in range(states + 1):
+        z = shape.z + j * (2 + states) * R.LANES + l
+        shift = work[FOUND + 3 + j]  # in time, to the section
+        results.along[i, j, 0] = -(shift + s[shape.early + j * R.LANES + l])
+        results.along[i, j, 1] = s[z]
+        results.along[i, j, 2] = s[shape.x_low + j * R.LANES + l]
+        results.along[i, j, 3] = s[shape.v_high + j * R.LANES + l]
+        results.along[i, j, 4] = s[shape.v_low + j * R.LANES + l]
+        for k in range(states):
+            rate = work[FOUND + 4 + states + k]
+            results.psi_along[i, j, k] = s[z + (2 + k) * R.LANES] - shift * rate
+    for k in range(states):
+        results.psi[i, k] = s[R.y_row(shape, 2 + k) + l]
     s[R.CASE + l] = IDLE
 
 
-@kernel
-def march_to_section(law, taylor, s, queue, position, starts, results, budget):
+def march_to_section(run, budget):
     """Take the cases of a queue to their next upward crossing of the section; whether all are done.
 
-    Parameters as for `march.march`.
+    budget : int, sweeps over the lanes
     """
-    rows = rows_of(law)
-    capacity = 2 * R.LANES if taylor else R.LANES
-    first, n, lanes = 0, 0, s[: rows.size]
+    s, shape, units, position = run.s, run.shape, run.units, run.position
+    capacity = 2 * R.LANES if run.taylor else R.LANES
+    first, n = 0, 0
     vacant = regroup = True
-    waveform = starts.period[0] > 0.0
+    waveform = run.starts.period[0] > 0.0
     for _ in range(budget):
         if vacant:
             while position[0] - position[1] < capacity:
-                i = next_case(queue, position)
+                i = next_case(run.queue, position)
                 if i < 0:
                     break
-                load(s, room(s, law, 0.0), law, i, starts)
+                load(run, room(s, shape, 0.0), i)
             vacant = False
         if regroup:
-            first, n = next_set(s, law, taylor)
+            first, n = next_set(s, shape, run.taylor)
             if n == 0:
                 return True
-            lanes, regroup = s[first : first + rows.size], False
-        advance(rows.c[0], lanes, law, n, first > 0)
+            regroup = False
+        call_lanes(units.taylor if first > 0 else units.step, s, first, n)
         if waveform:
-            find_slow_lanes(lanes, n)
+            call_lanes(units.find_slow, s, first, n)
         for l in range(first, first + R.WIDTH * n):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
-                handle_events(s, l, law)
-        L.commit(lanes, law, n)
-        commit(lanes, law, n)
-        if waveform and first > 0:
-            add_taylor(lanes, law, n)
-        elif waveform:
-            add_rodas5p(lanes, law, n)
+                handle_events(run, l)
+        call_lanes(units.commit, s, first, n)
+        if waveform:
+            call_lanes(units.add_taylor if first > 0 else units.add_rodas5p, s, first, n)
         for l in range(first, first + R.WIDTH * n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
-                finish(s, l, law, results)
+                finish(run, l)
                 position[1] += 1
                 vacant = regroup = True
-        if taylor and (vacant or any_changes(lanes, n)):
-            change_sets(s, law, first)
+        if run.taylor and (vacant or any_changes(s, first, n)):
+            change_sets(s, shape, first)
             regroup = True
     return False

@@ -8,13 +8,12 @@ r            change of ln c, t q - sigma
 ===========  ================================================================================
 """
 
-from ..friction.kinematics import LIMIT
+from ..friction.expressions import LIMIT
+from ..friction.functions import where
 from .equations import inertial_force
-from .jit import inlined
 from .tuples import dot, plus, product, times, total
 
 
-@inlined
 def speeds(w, e, law):
     """c, t and bend."""
     c = law.speed_slope(w, e)
@@ -22,14 +21,12 @@ def speeds(w, e, law):
     return c, t, (1.0 - t) * (1.0 + t)
 
 
-@inlined
 def changes(z, t, effects):
     """sigma, q and omega of a direction z."""
     sigma = dot(effects, z[2:])
     return sigma, z[1], z[1] - t * sigma
 
 
-@inlined
 def slopes(u, at, system, start):
     """As `tangent.slopes`."""
     w, c_inverse, e = at
@@ -37,7 +34,7 @@ def slopes(u, at, system, start):
     effects = law.evolution_effects(p)
     f_v, f_psi = law.rate_slopes(u[1], w, u[2:], e, p)
     g, S_v, _ = inertial_force(u, w, e, law, p)
-    g = g if law.log_of_faster(u[1], u[2:], p) > -LIMIT else 0.0
+    g = where(law.log_of_faster(u[1], u[2:], p) > -LIMIT, g, 0.0)
     c, t, bend = speeds(w, e, law)
     F = dot(effects, law.rates_in_v(u[1], w, u[2:], e, p))
     trace = total(f_psi) - (S_v + g * t) * (c_inverse / eta0) + bend * F
@@ -45,7 +42,6 @@ def slopes(u, at, system, start):
     return (*of_speed, F, effects, f_v, f_psi), trace
 
 
-@inlined
 def change_of_rows(du, at, m):
     """J du, its v row times m, from what `slopes` gave."""
     ratio, g, kappa_c, S_v, t, bend, F, effects, f_v, f_psi = at
@@ -56,14 +52,13 @@ def change_of_rows(du, at, m):
     return -kappa_c * omega, inertia + m * (bend * F * q + t * dot(effects, df)), *df
 
 
-@inlined
 def second_derivatives(y, w, e, z, system):
     """What `bent` needs of J'(y) z: of the point, and of the direction."""
     law, _, _, p = system
     effects = law.evolution_effects(p)
     f_v, f_psi = law.rate_slopes(y[1], w, y[2:], e, p)
     g, S_v, _ = inertial_force(y, w, e, law, p)
-    moves = 1.0 if law.log_of_faster(y[1], y[2:], p) > -LIMIT else 0.0
+    moves = where(law.log_of_faster(y[1], y[2:], p) > -LIMIT, 1.0, 0.0)
     c, t, bend = speeds(w, e, law)
     sigma, q, omega = changes(z, t, effects)
     df = plus(times(omega, f_v), 1.0, product(f_psi, z[2:]))
@@ -73,7 +68,6 @@ def second_derivatives(y, w, e, z, system):
     return point, (z, sigma, q, omega, moves * (t * q - sigma), dg, dot(effects, df))
 
 
-@inlined
 def bent(curvature, k):
     """(J'(y) z) k, its v row times eta0 c, from what `second_derivatives` gave."""
     point, along = curvature
@@ -96,7 +90,6 @@ def bent(curvature, k):
     return -kappa * c * w_bent, inertia - eta0 * c * evolution, *f_bent
 
 
-@inlined
 def trace_along(y, w, e, dy, system):
     """The derivative of the trace of J in the direction dy."""
     law, _, eta0, p = system
@@ -110,7 +103,6 @@ def trace_along(y, w, e, dy, system):
     return decay - pull / (eta0 * c) + bend * (dF - 2.0 * t * q * F)
 
 
-@inlined
 def right_hand_side(du, at, k, rest, curvature, r, m):
     """As `tangent.right_hand_side`."""
     first, second = change_of_rows(du, at, m), bent(curvature, k)

@@ -1,101 +1,117 @@
-"""The state where the slider moves with its load point (K = inf): theta or s along given speeds.
+"""A slider that moves with its load point (K = inf): its speed is given, only its states evolve.
 
-With the velocity given, and constant normal stress, some laws are linear, in theta or in
-ln(V theta/Dc).  The initial value decays over the slip distance Dc; the forcing adds an integral
-over the slip.
+    dpsi/dT = f(v, psi),     v that of the speed w_lp(T),     x = S(v, psi) + eta0 dw_lp/dT
+
+Speeds jump with the load point's.  No state is coupled to another, so that the matrix of a step of
+Rodas5P (`tableau`) is diagonal.  Its dense output has psi alone, from which x and v follow.
 """
 
 import math
 
-import numpy as np
-
-from .jit import inner, kernel
-
-# What was forced more than 45 Dc of slip ago has decayed below rounding.
-MEMORY = 45.0
-# Where the speed at the oldest of that is less than this part of the last, it spans decades.
-WIDE = 0.7
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
-
-
-@kernel
-def states(law, psi0, t, starts, V, rate, Dc, V0, out):
-    """Put psi = ln(V0 theta/Dc) at times t into `out`.  Speeds are not checked: see `rigid_motion`.
-
-    Parameters
-    ----------
-    law : of `friction.laws.LAWS`
-    psi0 : float, psi at t = 0
-    t : (n,) increasing times [s], >= 0
-    starts, V, rate : (segments,) of the loading: [s], [m/s] > 0, [m/s^2]
-    Dc, V0 : float [m], [m/s]
-    out : (n,)
-    """
-    psi, k, now = psi0, 0, 0.0
-    for i in range(t.size):
-        while k + 1 < starts.size and starts[k + 1] <= t[i]:
-            speed = V[k] + rate[k] * (now - starts[k])
-            psi = _relax(law, psi, speed, rate[k], starts[k + 1] - now, Dc, V0)
-            k += 1
-            now = starts[k]
-        speed = V[k] + rate[k] * (now - starts[k])
-        psi = _relax(law, psi, speed, rate[k], t[i] - now, Dc, V0)
-        now = t[i]
-        out[i] = psi
+from ..friction.functions import larger, where
+from . import rows as R
+from .drift import with_states
+from .equations import exponentials
+from .lanes import ROUNDING, saves
+from .rodas5p import dense_output, leaves, next_point
+from .rows import rows_of
+from .step_control import step_size
+from .tableau import GAMMA, NODES, A, D, H
+from .tuples import (
+    dot,
+    dot_onto,
+    largest,
+    plus,
+    plus_sum,
+    product,
+    read_rows,
+    store_each,
+    sum_of,
+    times,
+    total,
+    write_rows,
+)
 
 
-@inner
-def _relax(law, psi, V, rate, dt, Dc, V0):
-    """psi after a time dt in which the velocity goes from V at a constant rate."""
-    if dt == 0.0:
-        return psi
-    V_end = V + rate * dt
-    slip = dt * 0.5 * (V + V_end) / Dc
-    forced = _forced(law, V, V_end, rate, slip, Dc, V0)
-    return law.relaxed(psi, math.log(V / V0), math.log(V_end / V0), slip, forced)
+def point(s, l, law, dT, psi):
+    """y, w, e and the law's coefficients at a time dT into the lane's step, where psi is this."""
+    p = law.later(read_rows(s, rows_of(law).p, l), dT)
+    v = law.v_at(s[R.W_LP + l] + dT * s[R.RAMP + l], psi, p)
+    w, _, e = exponentials((0.0, v, *psi), law, p)
+    return (law.stress_in_v(v, w, psi, p) + s[R.ETA0 + l] * s[R.RAMP + l], v, *psi), w, e, p
 
 
-@inner
-def _forced(law, V, V_end, rate, slip, Dc, V0):
-    """Integral of the law's forcing times exp(-y) over y, the slip still to come over Dc.
+def slopes(y, w, e, p, ramp, law, of_psi):
+    """d/dT of friction R, of the strength N and of x; of_psi : d psi/dT."""
+    d_omega, here = ramp / law.speed_slope(w, e), (y[1], w, y[2:])
 
-    Gauss's rule on panels: of at most 1 in y, and 1/2 in ln V.  Where V spans decades it goes over
-    z = ln(V_end/V) in place of y, with dy = (2/curvature) (V/V_end)^2 dz.
+    def along(partials):
+        return dot_onto(partials[0] * d_omega, partials[1], of_psi)
 
-    ======  =======================================================
-    curvature    change of (V/V_end)^2 with y, and so 1 - curvature y is that
-    oldest  V/V_end where the integral ends, at y = slip
-    end     of y, or of z
-    ======  =======================================================
-    """
-    curvature = 2.0 * rate * Dc / V_end / V_end
-    oldest = V / V_end
-    if slip > MEMORY:
-        slip = MEMORY
-        oldest = math.sqrt(max(1.0 - curvature * slip, min(oldest, 1.0) ** 2))
-    decades = -math.log(oldest)
-    wide = oldest < WIDE
-    end = decades if wide else slip
-    by_slip, by_speed = int(slip) + 1, int(2.0 * abs(decades)) + 1
-    total, here, i, j = 0.0, 0.0, 1, 1
-    while here < end:
-        y, z = slip * i / by_slip, decades * j / by_speed
-        if wide:
-            near = -0.5 * math.log1p(-curvature * y) if i < by_slip else end
-            far = z if j < by_speed else end
-        else:
-            near = y if i < by_slip else end
-            far = -math.expm1(-2.0 * z) / curvature if j < by_speed else end
-        there = min(near, far, end)
-        i, j = i + (near <= there), j + (far <= there)
-        half = 0.5 * (there - here)
-        for node, weight in zip(NODES, WEIGHTS):  # noqa: B905  (strict is unknown to numba)
-            at = here + half * (1.0 + node)
-            part = math.exp(-2.0 * at) if wide else 1.0 - curvature * at  # (V/V_end)^2
-            y = (1.0 - part) / curvature if wide else at
-            force = law.forcing(curvature, part, V_end / V0)
-            total += (
-                half * weight * force * math.exp(-y) * (2.0 * part / curvature if wide else 1.0)
-            )
-        here = there
-    return total
+    drift = total(law.strength_drift(*here, p))
+    friction = along(law.resistance_slopes(*here, e, p))
+    strength = along(law.strength_slopes(*here, e, p)) + drift
+    return friction, strength, along(law.stress_slopes(*here, e, p)) + drift
+
+
+def try_step(s, l, law):
+    """Try one step of the lane and record its outcome."""
+    h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
+    rows = rows_of(law)
+    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
+    w, psi = s[R.W + l], y[2:]
+    by_omega, by_psi = law.rate_slopes(y[1], w, psi, e, p)
+    d_omega = s[R.RAMP + l] / law.speed_slope(w, e)
+    drift = with_states(times(d_omega, by_omega), 1.0, law.rate_drift(y[1], w, psi, p))
+    pivots = leaves(GAMMA * h, by_psi)
+    k: tuple = ()
+    for node, d in zip(NODES, D, strict=True):
+        u, coupling = next_point(psi, k)
+        at, w, e, p = point(s, l, law, node * h, u)
+        right = plus(law.rates_in_v(at[1], w, u, e, p), 1.0 / h, coupling)
+        k = *k, product(pivots, plus(right, h * d, drift))
+    end = plus_sum(psi, A[8], k)
+    y_new, s[R.W_NEW + l], e_new, _ = point(s, l, law, h, end)
+    write_rows(s, rows.y_new, l, y_new)
+    write_rows(s, rows.e_new, l, e_new)
+    store_each(s, rows.c[2:], l, dense_output(psi, end, *(sum_of(row, k) for row in H)))
+    s[R.H_USED + l] = h
+    allowed = larger(s[R.TOLERANCE + l], ROUNDING * largest(end))
+    finite = abs(total(y_new) + total(k[7])) < math.inf
+    s[R.ERROR + l] = where(finite, largest(k[7]) / allowed, math.inf)
+
+
+def has_event(s, l, law):
+    """Set EVENTS and CALL, as `lanes.has_event`: R and x + N may have minima inside the step."""
+    rows, h, bits = rows_of(law), s[R.H_USED + l], 0.0
+    ends = (0.0, R.W, rows.y, rows.e), (h, R.W_NEW, rows.y_new, rows.e_new)
+    sides = []
+    for dT, w, y, e in ends:
+        p = law.later(read_rows(s, rows.p, l), dT)
+        w, y, e = s[w + l], read_rows(s, y, l), read_rows(s, e, l)
+        rates = law.rates_in_v(y[1], w, y[2:], e, p)
+        friction, strength, stress = slopes(y, w, e, p, s[R.RAMP + l], law, rates)
+        sides.append((friction, strength + stress))
+    for bit, start, end in zip((R.F_EXTREME, R.XF_EXTREME), *sides, strict=True):
+        bits = bits + where((start < 0.0) & (end >= 0.0), float(bit), 0.0)
+    s[R.EVENTS + l] = bits
+    called = ((bits > 0.0) & (s[R.OBSERVE + l] > 0.0)) | saves(s, l)
+    s[R.CALL + l] = where((s[R.OK + l] > 0.0) & called, 1.0, 0.0)
+
+
+def state(s, l, law, at, *given):
+    """x and v at a place in the lane's step; given : x and v, which are ignored, and psi there."""
+    y, _, _, _ = point(s, l, law, at * s[R.H_USED + l], given[2:])
+    return y[:2]
+
+
+def force(s, l, law, at, *given):
+    """Find the same as `units.force`, but ignore x and v among the given."""
+    n, h = 2 + len(law.states), s[R.H_USED + l]
+    parts, psi, d_psi = given[:4], given[6 : 4 + n], given[6 + n :]
+    y, w, e, p = point(s, l, law, at * h, psi)
+    here, of_psi = (y[1], w, psi), times(1.0 / h, d_psi)
+    friction, strength, stress = slopes(y, w, e, p, s[R.RAMP + l], law, of_psi)
+    opposing = law.stress_in_v(*here, p)
+    values = y[0], opposing, law.strength_in_v(*here, p), law.resistance_in_v(*here, p)
+    return dot(parts, values), h * dot(parts, (stress, stress, strength, friction))

@@ -16,12 +16,11 @@ weights `B` that the method implies for a pure quadrature.
 
 from typing import NamedTuple
 
-from ..friction.kinematics import LIMIT
+from ..friction.expressions import LIMIT
+from ..friction.functions import larger, where
 from .drift import UNITY, drift_of, with_drift
 from .equations import exponentials, inertial_force, later, works
-from .jit import inlined, recursive
 from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
-from .tracing import traced
 from .tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, zeros
 
 
@@ -39,7 +38,6 @@ class Arrow(NamedTuple):
     shares: tuple
 
 
-@inlined
 def prepare(y, w, e, h, system):
     """What the first point y of a step fixes: the arrow matrix, and its pivot."""
     law, kappa, eta0, p = system
@@ -51,20 +49,18 @@ def prepare(y, w, e, h, system):
     kappa_c = kappa * c
     a_psi = leaves(gamma_h, f_psi)
     # at rest w is a constant (exp.py)
-    g = g if law.log_of_faster(y[1], y[2:], p) > -LIMIT else 0.0
+    g = where(law.log_of_faster(y[1], y[2:], p) > -LIMIT, g, 0.0)
     diagonal, g_psi = law.inertia_slopes(g, (S_v, S_psi), m, y[1], w, y[2:], e, p)
     pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_c, product(g_psi, a_psi), f_v)
     shares = law.shares(w, 1.0 / c, p)
     return Arrow(c, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares)
 
 
-@traced
 def leaves(gamma_h, f_psi):
     """One over each diagonal element of the arrow that belongs to a state."""
     return tuple(gamma_h / (1.0 - gamma_h * slope) for slope in f_psi)
 
 
-@traced
 def solve_arrow(r, start):
     """The k that solves the arrow matrix of `prepare` for this right-hand side (x, v, psi).
 
@@ -77,7 +73,6 @@ def solve_arrow(r, start):
     return gamma_h * (r[0] - kappa_c * k_omega), minus_dot(k_omega, shares, k_psi), *k_psi
 
 
-@inlined
 def on_manifold(y, w, e, v_start, h, system):
     """y with v held where friction balances the spring, and whether it is, if inertia is lost.
 
@@ -88,12 +83,11 @@ def on_manifold(y, w, e, v_start, h, system):
     """
     law, _, eta0, p = system
     g, S_v, _ = inertial_force(y, w, e, law, p)
-    negligible = eta0 * law.speed_slope(w, e) * max(1.0, abs(y[1] - v_start)) < 1e-14 * h
-    v = y[1] + g / S_v if negligible else y[1]
+    negligible = eta0 * law.speed_slope(w, e) * larger(1.0, abs(y[1] - v_start)) < 1e-14 * h
+    v = where(negligible, y[1] + g / S_v, y[1])
     return (y[0], v, *y[2:]), negligible
 
 
-@inlined
 def increment(u, at, w_lp, rest, drift, system, start):
     """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
 
@@ -110,37 +104,12 @@ def increment(u, at, w_lp, rest, drift, system, start):
     return solve_arrow((r_x, r_v, *plus(f, 1.0, rest[2:])), start)
 
 
-@traced
 def next_point(y, k):
     """Where the stage after those of the increments k is taken: its u, and sum_j C_ij k_j."""
     i = len(k)
-    return plus_sum(y, A[i], k), sum_of(C[i], k)
+    return plus_sum(y, A[i], k), sum_of(C[i], k) if k else zeros(y)
 
 
-@recursive
-def stages(k, powers, y, w_lp, dw, h, drift, system, start):
-    """The increments of all eight stages, `works` at each but the first, and w, 1/c and e last.
-
-    k, powers : those so far; dw : change of w_lp in the step; drift : what `drift_of` gave
-    """
-    i = len(k)
-    u, c = next_point(y, k)
-    rest, drift_of_v = with_drift(times(1.0 / h, c), drift, D[i])
-    here = later(system, NODES[i] * h)
-    k_new, power, at = stage(u, w_lp + NODES[i] * dw, rest, drift_of_v, here, start)
-    if len(k) == 7:
-        return (*k, k_new), (*powers, power), at
-    return stages((*k, k_new), (*powers, power), y, w_lp, dw, h, drift, system, start)
-
-
-@inlined
-def stage(u, w_lp, rest, drift, system, start):
-    """The increment of the stage at u, `works` there, and w, 1/c and e; arguments as there."""
-    at = exponentials(u, system[0], system[3])
-    return increment(u, at, w_lp, rest, drift, system, start), works(u, at[0], w_lp, system), at
-
-
-@inlined
 def end_of_step(y, k, last, h, system):
     """The state (y, w, e) at the end; whether v is held; the estimated error; dense output.
 
@@ -154,7 +123,6 @@ def end_of_step(y, k, last, h, system):
     return (y_new, w_new, e_new), held, error, dense
 
 
-@traced
 def dense_output(y0, y1, k1, k2, k3):
     """Polynomials in the fraction of the step, each a tuple of coefficients, the constant first.
 
@@ -164,7 +132,6 @@ def dense_output(y0, y1, k1, k2, k3):
     return tuple((u0, (u1 - u0) + a, b - a, c - b, -c) for u0, u1, a, b, c in each)
 
 
-@inlined
 def step(y, w, e, w_lp, ramp, h, system):
     """One step of size h from y = (x, v, psi).
 
@@ -184,11 +151,17 @@ def step(y, w, e, w_lp, ramp, h, system):
     law, _, _, p = system
     start = prepare(y, w, e, h, system)
     dw, drift = h * ramp, drift_of(y, w, h, ramp, system, start)
-    rest, drift_of_v = with_drift(zeros(y), drift, D[0])
-    first = increment(y, (w, 1.0 / start.c, e), w_lp, rest, drift_of_v, system, start)
-    powers = (works(y, w, w_lp, system),)
-    k, powers, last = stages((first,), powers, y, w_lp, dw, h, drift, system, start)
-    new, _, error, dense = end_of_step(y, k, last, h, later(system, h))
+    at: tuple = (w, 1.0 / start.c, e)
+    k: tuple = ()
+    powers: list = []
+    for node, d in zip(NODES, D, strict=True):
+        u, c = next_point(y, k)
+        here, w_lp_here = later(system, node * h), w_lp + node * dw
+        at = exponentials(u, law, here[3]) if k else at
+        rest, drift_of_v = with_drift(times(1.0 / h, c), drift, d)
+        powers.append(works(u, at[0], w_lp_here, here))
+        k = *k, increment(u, at, w_lp_here, rest, drift_of_v, here, start)
+    new, _, error, dense = end_of_step(y, k, at, h, later(system, h))
 
     # The two quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
     dy = sum_of(B, k)

@@ -10,14 +10,14 @@ import functools
 import itertools
 from typing import NamedTuple
 
+from .machine_code import doubles_of_vector
 from .recurrences import ORDER, has_recurrences
-from .vectorisation import doubles_of_vector
 
 LANES = 16
 WIDTH = doubles_of_vector()  # lanes that go together
 OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 73
+COMMON_ROWS = 72
 
 # fmt: off
 (
@@ -33,7 +33,7 @@ COMMON_ROWS = 73
     D_LOAD, D_FRICTION,                     # its works
     ERROR, H_USED, H_NEXT, MEMORY_NEW,      # for step control
     OK, CALL, BAD, BREAK,                   # 1 if accepted; eventful; not finite; at a break;
-    GRAZES,                                 # where V may reach V_lp and turn back
+    EVENTS,                                 # what the step holds, as a sum of `BITS`
     TAYLOR, CHANGES,                        # 1 where steps are Taylor's; where the next is of the
     LIMITED,                                # other method; steps in a row cut short to be stable
     FREQUENCY, RATE,                        # of free vibrations, sqrt(kappa/eta0); the fastest one
@@ -46,7 +46,7 @@ COMMON_ROWS = 73
     # of a march
     CROSS_T, CROSS_LOW,                     # time in two parts of the last rise of V through V_lp
     CYCLES,                                 # number of returns
-    SEGMENT, SAVED, T_END, DT,
+    SEGMENT, SAVED, T_END,
     # of a return map
     UNSTABLE,                               # 1 where steady sliding is
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
@@ -56,6 +56,12 @@ COMMON_ROWS = 73
     SLOW_PART,                              # how much of the step is slow
 ) = range(0, COMMON_ROWS * LANES, LANES)
 # fmt: on
+
+#: of EVENTS: extremes of V, |g|, f and x + N; V may reach V_lp and turn back; the step ends beyond
+#: the limit of speed; in steady sliding
+BITS = V_EXTREME, G_EXTREME, F_EXTREME, XF_EXTREME, GRAZES, BEYOND, STEADIES = [
+    2**k for k in range(7)
+]
 
 
 class LawRows(NamedTuple):
@@ -88,6 +94,71 @@ class LawRows(NamedTuple):
     lows: int
     spans: int
     size: int  # of the buffer
+
+
+class Shape(NamedTuple):
+    """What the control (march.py, return_map.py) knows of a law: where its rows begin.
+
+    Rows of a kind follow each other; of z, z_new and c_z there are those of each perturbation in
+    turn.
+    """
+
+    states: int  # how many
+    coefficients: int  # of p
+    reverses: int  # 1 if slip may reverse
+    varies: int  # 1 if normal stress varies
+    p: int
+    psi: int
+    c: int
+    terms: int  # of each of c, and of c_z
+    c_z: int
+    z: int
+    z_new: int
+    early: int
+    x_low: int
+    v_high: int
+    v_low: int
+    steady: int
+    kept: int
+    highs: int
+    lows: int
+    spans: int
+    size: int
+    rigid: int = 0  # 1 if sliders move with their load points (K = inf)
+
+
+@functools.cache
+def shape_of(law):
+    """`Shape` of a law."""
+    rows = rows_of(law)
+    return Shape(
+        states=len(law.states),
+        coefficients=len(rows.p),
+        reverses=int(law.reverses),
+        varies=int(len(rows.history) > 0),
+        p=rows.p[0] if rows.p else 0,
+        psi=rows.y[2],
+        c=rows.c[0][0],
+        terms=len(rows.c[0]),
+        c_z=rows.c_z[0][0] if rows.c_z else 0,
+        z=rows.z[0][0],
+        z_new=rows.z_new[0][0],
+        early=rows.early[0],
+        x_low=rows.x_low[0],
+        v_high=rows.v_high[0],
+        v_low=rows.v_low[0],
+        steady=rows.steady[0],
+        kept=rows.kept,
+        highs=rows.highs,
+        lows=rows.lows,
+        spans=rows.spans,
+        size=rows.size,
+    )
+
+
+def y_row(shape, k):
+    """The row of number k of the state (x, v, psi...)."""
+    return X + k * LANES if k < 2 else shape.psi + (k - 2) * LANES
 
 
 @functools.cache

@@ -1,22 +1,18 @@
 """Step control: whether a step of Rodas5P is accepted, and how large the next one is."""
 
-import math
-
+from ..friction.functions import sqrt, where
 from . import rows as R
-from .jit import inlined
 
 # A factor below 1/5 or above 5 says more about the estimate than about the solution.
 SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 
-@inlined
 def step_size(h, t_break, t, t_low):
     """The step to try, in T: never past the next breakpoint, nor just short of it."""
     left = (t_break - t) - t_low
-    return left if h * (1.0 + 1e-9) >= left else h
+    return where(h * (1.0 + 1e-9) >= left, left, h)
 
 
-@inlined
 def control_step(s, l):
     """Accept or reject a step of lane l (OK, BAD) and choose the next size, by a PI controller.
 
@@ -25,19 +21,19 @@ def control_step(s, l):
     err, h, planned = s[R.ERROR + l], s[R.H_USED + l], s[R.H + l]
     finite = err < 1e300
     ok = err <= 1.0
-    quarter = math.sqrt(math.sqrt(err))
-    eighth = math.sqrt(quarter)
-    sixteenth = math.sqrt(eighth)
+    quarter = sqrt(sqrt(err))
+    eighth = sqrt(quarter)
+    sixteenth = sqrt(eighth)
     factor = SAFETY * s[R.MEMORY + l] / (eighth * sixteenth)
     rejected = SAFETY / quarter
-    factor = factor if ok else rejected
-    factor = factor if factor < GROW else GROW
-    factor = factor if factor > SHRINK else SHRINK
-    factor = factor if finite else SHRINK
+    factor = where(ok, factor, rejected)
+    factor = where(factor < GROW, factor, GROW)
+    factor = where(factor > SHRINK, factor, SHRINK)
+    factor = where(finite, factor, SHRINK)
     h_next = h * factor
     # A step cut short by a breakpoint says nothing against the size planned before it.
-    h_next = planned if ok & (h < planned) & (h_next < planned) else h_next
-    s[R.OK + l] = 1.0 if ok else 0.0
-    s[R.BAD + l] = 0.0 if finite else 1.0
+    h_next = where(ok & (h < planned) & (h_next < planned), planned, h_next)
+    s[R.OK + l] = where(ok, 1.0, 0.0)
+    s[R.BAD + l] = where(finite, 0.0, 1.0)
     s[R.H_NEXT + l] = h_next
-    s[R.MEMORY_NEW + l] = sixteenth if sixteenth > 0.05 else 0.05
+    s[R.MEMORY_NEW + l] = where(sixteenth > 0.05, sixteenth, 0.05)

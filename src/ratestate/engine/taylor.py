@@ -6,14 +6,9 @@ The polynomial of the step is its dense output too.  The step follows from the l
 
 import math
 
-import numpy as np
-
+from ..friction.functions import exp, functions_of, larger, where
 from . import recurrences
-from .exp import ROUND, exp
-from .functions import ROUND_BITS
-from .jit import inlined
 from .recurrences import ORDER
-from .tracing import traced
 from .tuples import largest, pairwise_sums, product, product_each
 
 #: part of the tolerance that the last terms of a step may reach
@@ -25,14 +20,12 @@ LN2 = math.log(2.0)
 OF_INTEGRAL = tuple(1.0 / (k + 1.0) for k in range(ORDER))
 
 
-@traced
 def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
     """`recurrences.coefficients`, as tuples of tuples."""
     found = recurrences.coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p)
     return tuple(map(_numbers, found))
 
 
-@traced
 def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
     """`recurrences.variational_coefficients`, as tuples of tuples."""
     c, c_z, trace = recurrences.variational_coefficients(law, y, w, e, z, kappa, eta0, p)
@@ -44,7 +37,6 @@ def _numbers(polynomials):
     return tuple(tuple(0.0 if c is None else c for c in one) for one in polynomials)
 
 
-@inlined
 def longest(last, before, tolerance):
     """The step that the sizes of the last two coefficients allow, to 1 %.
 
@@ -53,28 +45,24 @@ def longest(last, before, tolerance):
     allowed = rough_log2(PART * tolerance)
     by_last = (allowed - rough_log2(last)) * (1.0 / ORDER)
     by_before = (allowed - rough_log2(before)) * (1.0 / (ORDER - 1))
-    return exp(LN2 * (by_last if by_last < by_before else by_before))
+    return exp(LN2 * where(by_last < by_before, by_last, by_before))
 
 
-@inlined
 def rough_log2(x):
     """log2 x, less up to 0.09, of a normal x > 0: between powers of 2 its bits are linear in x."""
-    bits = np.int64((np.float64(x).view(np.int64) >> np.int64(12)) + ROUND_BITS)
-    return (bits.view(np.float64) - ROUND) * 2.0**-40 - 1023.0
+    return functions_of(x).rough_log2(x)
 
 
-@inlined
 def size(y, momentum):
     """The largest size of x, v and each psi; `LEAST` at least.
 
     momentum : how many times larger an error of v becomes one of x, if that is more than once:
         sqrt(kappa eta0) w, the amplitude in x of a free vibration of this speed
     """
-    weight = momentum if momentum > 1.0 else 1.0
-    return max(max(abs(y[0]), weight * abs(y[1])), max(largest(y[2:]), LEAST))
+    weight = where(momentum > 1.0, momentum, 1.0)
+    return larger(larger(abs(y[0]), weight * abs(y[1])), larger(largest(y[2:]), LEAST))
 
 
-@traced
 def powers(h):
     """h**k for k from 0 to `ORDER`."""
     found = [1.0, h]
@@ -83,7 +71,6 @@ def powers(h):
     return tuple(found)
 
 
-@traced
 def integrals(c, h):
     """The integrals of polynomials over a step, over its length; h : its `powers`."""
     weights = product(OF_INTEGRAL, h)

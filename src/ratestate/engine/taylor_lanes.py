@@ -5,12 +5,12 @@ equations is no faster than what a step, to be accurate, has to follow.  Each sl
 that suit it.
 """
 
+from ..friction.functions import larger, where
 from . import lanes as L
 from . import rows as R
 from .equations import exponentials
-from .jit import inlined, inner, lanewise
 from .recurrences import ORDER
-from .rows import OF_RODAS5P, rows_of
+from .rows import rows_of
 from .step_control import step_size
 from .taylor import coefficients, integrals, longest, powers, size
 from .tuples import (
@@ -38,35 +38,30 @@ CALM = 2.0
 FASTEST = 1e20
 
 
-@inlined
 def fastest_rate(y, w, e, frequency, system):
     """The fastest of these: how v relaxes, how each state does, how the slider vibrates."""
     law, _, eta0, p = system
     S_v, _ = law.stress_slopes(y[1], w, y[2:], e, p)
     _, f_psi = law.rate_partials(y[1], w, y[2:], e, p)
-    return max(max(abs(S_v) / (eta0 * w), frequency), largest(f_psi))
+    return larger(larger(abs(S_v) / (eta0 * w), frequency), largest(f_psi))
 
 
-@inlined
 def last_sizes(c, momentum):
     """Sizes of the last two of `coefficients`."""
     return size(of_each(c, ORDER), momentum), size(of_each(c, ORDER - 1), momentum)
 
 
-@inlined
 def momentum_of(s, l):
     """The momentum of the lane's slider, as of `taylor.size`."""
     return s[R.ETA0 + l] * s[R.FREQUENCY + l] * s[R.W + l]
 
 
-@inlined
 def step_lengths(s, l, sizes):
     """How long a step may be to be accurate, and to be stable, by its `last_sizes`."""
     accurate = longest(sizes[0], sizes[1], s[R.TOLERANCE + l])
     return accurate, STABLE / s[R.RATE + l]
 
 
-@inlined
 def record(s, l, law, h, h_powers, c, lengths, also):
     """Put the outcome of a step into its rows, and see whether the next is Rodas5P's.
 
@@ -83,26 +78,26 @@ def record(s, l, law, h, h_powers, c, lengths, also):
     write_rows(s, rows.e_new, l, e_new)
     s[R.W_NEW + l], s[R.H_USED + l] = w_new, h
     ok = abs(total(y_new) + also) < 1e300
+    fails = ok ^ True
     rate = fastest_rate(y_new, w_new, e_new, s[R.FREQUENCY + l], system)
-    stable = STABLE / rate if ok else stable
+    stable = where(ok, STABLE / rate, stable)
     # (if the step is taken back, to end at a crossing, a rate nearby will do for the shorter one)
     s[R.RATE + l] = rate
-    limited = s[R.LIMITED + l] + 1.0 if accurate > stable else 0.0
-    stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | (not ok)
-    s[R.LIMITED + l] = 0.0 if stiff else limited
-    s[R.OK + l], s[R.CHANGES + l] = 1.0 if ok else 0.0, 1.0 if stiff else 0.0
+    limited = where(accurate > stable, s[R.LIMITED + l] + 1.0, 0.0)
+    stiff = (accurate > STIFF * stable) | (limited > PATIENCE) | fails
+    s[R.LIMITED + l] = where(stiff, 0.0, limited)
+    s[R.OK + l], s[R.CHANGES + l] = where(ok, 1.0, 0.0), where(stiff, 1.0, 0.0)
     # (of the first step of Rodas5P, if that comes next)
     s[R.H_NEXT + l], s[R.MEMORY_NEW + l] = stable, 1.0
 
 
-@inlined
 def try_step(s, l, law):
     """Take one step of the lane by the Taylor method."""
     rows, system = rows_of(law), L.system_of(s, l, law)
     y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
     c, rates_of_work = coefficients(law, y, w, e, s[R.W_LP + l], s[R.RAMP + l], *system[1:])
     lengths = step_lengths(s, l, last_sizes(c, momentum_of(s, l)))
-    h = lengths[0] if lengths[0] < lengths[1] else lengths[1]
+    h = where(lengths[0] < lengths[1], lengths[0], lengths[1])
     h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     h_powers = powers(h)
     load, friction = integrals(rates_of_work, h_powers)
@@ -110,7 +105,6 @@ def try_step(s, l, law):
     record(s, l, law, h, h_powers, c, lengths, load + friction)
 
 
-@inlined
 def find_calm(s, l, law):
     """Set CHANGES: whether, after a step of Rodas5P, the next one is not too long for Taylor's."""
     rows, system = rows_of(law), L.system_of(s, l, law)
@@ -118,34 +112,4 @@ def find_calm(s, l, law):
     rate = fastest_rate(y, s[R.W_NEW + l], e, s[R.FREQUENCY + l], system)
     s[R.RATE + l] = rate
     calm = (s[R.H_NEXT + l] * rate < CALM) & (rate < FASTEST) & (rate > 1.0 / FASTEST)
-    s[R.CHANGES + l] = 1.0 if calm & (s[R.OK + l] > 0.0) else 0.0
-
-
-@lanewise
-def advance_by_taylor(s, law, n):
-    """Take a step by the Taylor method in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        try_step(s, l, law)
-    L.find_events(s, law, n)
-
-
-@lanewise
-def find_calms(s, law, n):
-    """`find_calm` in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        find_calm(s, l, law)
-
-
-@inner
-def advance(rows, s, law, n, taylor):
-    """A step in the first n vectors of lanes, of the Taylor method or of Rodas5P.
-
-    rows : those of the dense output of a variable: `OF_RODAS5P` where there is that alone
-    """
-    if len(rows) == OF_RODAS5P:
-        L.advance(s, law, n)
-    elif taylor:
-        advance_by_taylor(s, law, n)
-    else:
-        L.advance(s, law, n)
-        find_calms(s, law, n)
+    s[R.CHANGES + l] = where(calm & (s[R.OK + l] > 0.0), 1.0, 0.0)

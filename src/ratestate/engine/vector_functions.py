@@ -8,7 +8,8 @@ NaN.
 import math
 import struct
 
-from ..friction.kinematics import LIMIT
+from ..friction.expressions import LIMIT
+from .code import Condition, Number
 from .code import where as select
 
 LOG2_E, SQRT2 = 1.4426950408889634, 1.4142135623730951
@@ -26,6 +27,10 @@ def _bits(x):
 HALF_BITS, ROUND_BITS, MANTISSA = _bits(math.sqrt(0.5)), _bits(ROUND), (1 << 52) - 1
 #: numbers beyond which x*x + 1 is no double
 HUGE = 1e150
+#: Taylor coefficients of sin(2 pi q), of odd powers of q: to 1e-17 where |q| <= 1/4
+SINE = tuple(
+    (-1) ** k * (2.0 * math.pi) ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(12)
+)
 
 
 def _parts(x):
@@ -82,6 +87,15 @@ class Vectorised:
         n, even, odd = _parts(x)
         return (1.0 + even + odd) * _power_of_2(n)
 
+    bounded_exp = exp
+
+    @staticmethod
+    def exp_and_inverse(x):
+        """e**x and e**-x; no division."""
+        n, even, odd = _parts(x)
+        power, inverse = _power_of_2(n), _power_of_2(0 - n)
+        return (1.0 + even + odd) * power, (1.0 + even - odd) * inverse
+
     @staticmethod
     def expm1(x):
         """e**x - 1, nearly to its last digit where x is small."""
@@ -97,6 +111,23 @@ class Vectorised:
         n = ((bits >> 52) + ROUND_BITS).number() - ROUND
         found = n * LN2_HIGH + (n * LN2_LOW + 2.0 * _artanh((m - 1.0) / (m + 1.0)))
         return select(x > 0.0, found, (x - x) / (x - x))
+
+    @staticmethod
+    def rough_log2(x):
+        """log2 x, less up to 0.09, of a normal x > 0: between powers of 2 its bits are linear."""
+        return ((((x.bits() >> 12) + ROUND_BITS).number()) - ROUND) * 2.0**-40 - 1023.0
+
+    @staticmethod
+    def cosine(x):
+        """cos(2 pi x), off by some 1e-16 and by what 2 pi times the rounding of x makes."""
+        q = 0.25 - abs(x - ((x + ROUND) - ROUND))
+        z = q * q
+        z2 = z * z
+        z4 = z2 * z2
+        low = (SINE[0] + z * SINE[1]) + z2 * (SINE[2] + z * SINE[3])
+        middle = (SINE[4] + z * SINE[5]) + z2 * (SINE[6] + z * SINE[7])
+        high = (SINE[8] + z * SINE[9]) + z2 * (SINE[10] + z * SINE[11])
+        return q * (low + z4 * (middle + z4 * high))
 
     @staticmethod
     def log1p(x):
@@ -156,3 +187,6 @@ class Vectorised:
         """asinh(e**x), which is x + ln 2 for large x."""
         far = x + Vectorised.log1p(Vectorised.sqrt(1.0 + Vectorised.exp(-2.0 * abs(x))))
         return select(x > 0.0, far, Vectorised.asinh(Vectorised.exp(x)))
+
+
+Condition.functions = Number.functions = Vectorised

@@ -7,12 +7,9 @@ import functools
 
 import numpy as np
 
+from ..friction.functions import cosine, sine, where
 from . import rows as R
-from .extremes import crossing
-from .functions import cosine_of_periods
-from .jit import inlined, inner, lanewise
-from .rows import OF_RODAS5P, rows_of
-from .tracing import traced
+from .rows import rows_of
 from .tuples import plus, read_rows, select, write_rows
 
 # V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
@@ -25,30 +22,25 @@ SUMS = R.SLOW, R.MEAN, R.SQUARE, R.COSINE, R.SINE
 STEP = R.OK, R.H_USED, R.GUESS, R.T, R.T_LOW, R.SLOW_PART
 
 
-@inlined
-def find_slow(s, l):
+def find_slow(s, l, law):
     """Set SLOW_PART as the step ends, and CALL where that changes; before it is committed."""
     slow, slow_before = s[R.W_NEW + l] < SLOW_BELOW, s[R.W + l] < SLOW_BELOW
-    s[R.SLOW_PART + l] = 1.0 if slow else 0.0
-    changes = (slow != slow_before) & (s[R.GUESS + l] > 0.0) & (s[R.OK + l] > 0.0)
-    s[R.CALL + l] = 1.0 if changes else s[R.CALL + l]
+    s[R.SLOW_PART + l] = where(slow, 1.0, 0.0)
+    changes = (slow ^ slow_before) & (s[R.GUESS + l] > 0.0) & (s[R.OK + l] > 0.0)
+    s[R.CALL + l] = where(changes, 1.0, s[R.CALL + l])
 
 
-@inner
-def split(s, l, law):
-    """Set SLOW_PART, where it is wanted, if the step crosses the speed that is slow."""
-    slow = s[R.W_NEW + l] < SLOW_BELOW
-    if s[R.GUESS + l] > 0.0 and slow != (s[R.W + l] < SLOW_BELOW):
-        at = crossing(s, l, law, (SLOW_BELOW, 0.0, LOG_SLOW_BELOW), 0.0, 1.0)
-        s[R.SLOW_PART + l] = 1.0 - at if slow else at
+def add_rodas5p(s, l, law):
+    """Add the step of Rodas5P that has been committed, if it was, to the sums."""
+    _add(s, l, rows_of(law).c[0][: R.OF_RODAS5P])
 
 
-@inlined
-def add_step(s, l, rows):
-    """Add the step that has been committed, if it was, to the sums.
+def add_taylor(s, l, law):
+    """The same of a step of the Taylor method."""
+    _add(s, l, rows_of(law).c[0])
 
-    rows : of the coefficients of x
-    """
+
+def _add(s, l, rows):
     sums, c = read_rows(s, SUMS, l), read_rows(s, rows, l)
     accepted, h, period, t, t_low, slow = read_rows(s, STEP, l)
     more = plus(sums, h, (slow, *means(c, (t + (t_low - h)) / period, h / period)))
@@ -62,7 +54,6 @@ def gauss_legendre(n):
     return tuple(zip((0.5 + 0.5 * nodes).tolist(), (0.5 * weights).tolist(), strict=True))
 
 
-@traced
 def means(c, start, h):
     """Means over a step of a polynomial x, of x^2, and of x cos and x sin of a phase.
 
@@ -74,28 +65,6 @@ def means(c, start, h):
         for one in c[-2::-1]:
             x = one + node * x
         phase, weighted = start + node * h, weight * x
-        cosine, sine = cosine_of_periods(phase), cosine_of_periods(phase - 0.25)
-        terms = weighted, weighted * x, weighted * cosine, weighted * sine
+        terms = weighted, weighted * x, weighted * cosine(phase), weighted * sine(phase)
         sums = [one + term for one, term in zip(sums, terms, strict=True)]
     return tuple(sums)
-
-
-@lanewise
-def find_slow_lanes(s, n):
-    """`find_slow` in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        find_slow(s, l)
-
-
-@lanewise
-def add_rodas5p(s, law, n):
-    """`add_step` of Rodas5P in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        add_step(s, l, rows_of(law).c[0][:OF_RODAS5P])
-
-
-@lanewise
-def add_taylor(s, law, n):
-    """`add_step` of the Taylor method in the first n vectors of lanes."""
-    for l in range(R.WIDTH * n):
-        add_step(s, l, rows_of(law).c[0])

@@ -9,10 +9,9 @@ import functools
 from ..errors import ParameterError
 from . import damping
 from .forms import FORMS, form_name
-from .law import LOG, FrictionLaw
+from .law import LOG
 from .laws import friction_law
 from .normal_stress import varying_at
-from .two_states import TwoStateLaw
 
 #: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
 EXTRAS = damping.OWN
@@ -74,8 +73,7 @@ def under_varying_stress(law):
 
 def takes_forms(law):
     """Whether friction under a law of `laws.LAWS` is that of eq. 1 in the states themselves."""
-    of_eq_1 = type(law).resistance in (FrictionLaw.resistance, TwoStateLaw.resistance)
-    return of_eq_1 and not law.gives("variables")
+    return not law.gives("friction") and not law.gives("log_theta")
 
 
 def forms_of(law):
@@ -89,10 +87,7 @@ def _with(law, part):
     kind, changes = type(law), _changes(law, part)
     own = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _made_again}
     made = type(f"{changes.__name__}{kind.__name__}", (changes, kind), own)()
-    vars(made).update(vars(law))  # of a user's law there are functions of arrays among them
-    for method in vars(law).keys() & vars(changes).keys():
-        delattr(made, method)
-    made.name = f"{law.name}{JOINT}{part}"
+    made.name, made.label = f"{law.name}{JOINT}{part}", law.label
     made.parameters = {**law.parameters, **changes.own}
     made.inner, made.part = law, part
     return made
@@ -104,7 +99,7 @@ def _changes(law, part):
         return damping.damped_at(law.n_coefficients)
     if part == VARYING:
         return varying_at(law.n_coefficients, len(law.states))
-    return FORMS[part].form_at(law.n_coefficients)
+    return FORMS[part].FORM
 
 
 def _made_again(law):

@@ -24,7 +24,7 @@ def damped_at(i):
 
         own = OWN
         # what is known of a law of one length, and of runaway without mass, is without a dashpot
-        one_length, series = False, ()
+        one_length, series, has_own_speed = False, None, True
         excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
         inner: FrictionLaw  # the law without the dashpot
 
@@ -35,10 +35,6 @@ def damped_at(i):
             with np.errstate(over="ignore"):  # at speeds at which V_c is sought
                 zeta = slider.damping * V_ref / (slider.a * slider.sigma)
             return (*self.inner.coefficients(V_ref, slider), zeta)
-
-        def rescaled(self, p, ratio):
-            """`coefficients` for V_ref times `ratio`."""
-            return (*self.inner.rescaled(p[:i], ratio), p[i] * ratio)
 
         def stress(self, v, w, psi, p):
             """What opposes the motion, R + zeta w."""
@@ -70,6 +66,6 @@ def damped_at(i):
 
         def runs_away(self, v, psi, kappa, p):
             """Never, at any speed the dashpot holds what friction does not; unless it is none."""
-            return p[i] == 0.0 and v > 600.0
+            return (p[i] <= 0.0) & (v > 600.0)
 
     return Damped

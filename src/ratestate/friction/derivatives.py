@@ -1,28 +1,23 @@
 """Derivatives of expressions: one rule a function, of terms that do not cancel each other."""
 
-from .elementary import cosh, sinh, where
+from .elementary import OfExpressions, cosh, sinh, where
 from .expressions import exp, power, softplus
 
 #: function -> its derivative, an expression, from its argument x and its value y
 DERIVATIVES = {
     "exp": lambda x, y: y,
     "log": lambda x, y: 1.0 / x,
-    "softplus": lambda x, y: logistic(x),
-    "logistic": lambda x, y: y * logistic(-x),
+    "softplus": lambda x, y: OfExpressions.logistic(x),
+    "logistic": lambda x, y: y * OfExpressions.logistic(-x),
     "asinh_of_exp": lambda x, y: exp(-0.5 * softplus(-2.0 * x)),
     "sinh": lambda x, y: cosh(x),
     "cosh": lambda x, y: sinh(x),
-    "tanh": lambda x, y: 4.0 * logistic(2.0 * x) * logistic(-2.0 * x),
+    "tanh": lambda x, y: 4.0 * OfExpressions.logistic(2.0 * x) * OfExpressions.logistic(-2.0 * x),
     "asinh": lambda x, y: power(1.0 + x * x, -0.5),
     "expm1": lambda x, y: exp(x),
     "log1p": lambda x, y: 1.0 / (1.0 + x),
     "abs": lambda x, y: where(x < 0.0, -1.0, 1.0),
 }
-
-
-def logistic(x):
-    """1/(1 + e**-x)."""
-    return x.graph.call("logistic", x)
 
 
 class Derivative:

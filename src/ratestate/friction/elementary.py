@@ -2,7 +2,7 @@
 
 import math
 
-from .expressions import Expression, log, power, softplus
+from .expressions import CONDITIONS, Expression, FormulaError, exp, log, power, softplus
 
 
 def asinh(x):
@@ -40,15 +40,31 @@ def where(condition, x, y):
     """x where a condition holds, else y."""
     if not isinstance(condition, Expression):
         return x if condition else y
+    if condition.kind not in CONDITIONS:
+        raise FormulaError(
+            "the condition of where is a number. Give a comparison, such as V > p.V0."
+        )
     graph = condition.graph
-    return graph.call("where", condition, graph.number(x), graph.number(y))
+    x, y = graph.number(x), graph.number(y)
+    return x if x is y else graph.call("where", condition, x, y)
 
 
-def maximum(x, y):
-    """The larger of both."""
-    return where(x < y, y, x)
+class OfExpressions:
+    """The functions of expressions, of which functions.py chooses."""
+
+    exp, expm1, log, log1p, sqrt = map(staticmethod, (exp, expm1, log, log1p, sqrt))
+    sinh, cosh, tanh, asinh, where = map(staticmethod, (sinh, cosh, tanh, asinh, where))
+    softplus, abs = staticmethod(softplus), staticmethod(abs)
+
+    @staticmethod
+    def logistic(x):
+        """1/(1 + e**-x)."""
+        return x.graph.call("logistic", x)
+
+    @staticmethod
+    def asinh_of_exp(x):
+        """asinh(e**x)."""
+        return x.graph.call("asinh_of_exp", x)
 
 
-def minimum(x, y):
-    """The smaller of both."""
-    return where(y < x, y, x)
+Expression.functions = OfExpressions

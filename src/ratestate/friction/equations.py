@@ -1,6 +1,7 @@
-"""The equations of motion under a law, derived from its formula.
+"""The equations of motion under a law, derived from its formulas.
 
-The formula, d theta/dt of V, theta and the parameters p, is run once with expressions, in which
+The formulas, d theta/dt and perhaps friction of V, theta and the parameters p, are run once with
+expressions (expressions.py), in which
 
     V = V_ref exp(v),    theta_k = (D_k/V_ref) exp(psi_k),    T = t V_ref/Dc,
 
@@ -12,67 +13,127 @@ are computed in numbers of any kind (evaluation.py).
 import functools
 from types import SimpleNamespace
 
+import numpy as np
+
 from .derivatives import Derivative
-from .evaluation import Real, evaluate
-from .expressions import Graph, exp, log
+from .elementary import OfExpressions  # noqa: F401  (they are those of expressions)
+from .evaluation import Real, function_of
+from .expressions import FormulaError, Graph, description, exp, ordered
+from .law_properties import EXAMPLE
 from .rewriting import Hoisting, replaced, times_each
 
-#: parameters of every slider that formulas are given; those of them that are > 0
-COMMON, POSITIVE = ("a", "b", "Dc", "mu0", "V0"), ("a", "Dc", "V0")
-
-
-def friction_of_logarithms(V, ages, p, effects):
-    """mu = mu0 + a ln(V/V0) + sum_k b_k ln(V0 theta_k/D_k) (eq. 1), from the theta_k/D_k."""
-    mu = p.mu0 + p.a * log(V / p.V0)
-    return sum((b * log(p.V0 * age) for b, age in zip(effects, ages, strict=True)), mu)
+#: parameters of every slider that are > 0
+POSITIVE = ("a", "Dc", "V0")
 
 
 class Equations:
     """d psi_k/dT and resistance R = (mu - mu_ref)/a as expressions in v and psi.
 
-    mu_ref is friction at V_ref and theta_k = D_k/V_ref.
-
-    Parameters
+    Attributes
     ----------
-    law : with `evolution`, and perhaps `friction`
-    states : dict state -> the symbols of b_k and D_k
-    parameters : dict symbol -> `Parameter`, of those beside `COMMON`
-    friction : function of V, the theta_k/D_k, p and the b_k which gives mu; a form of friction
+    v, w, psi, kappa : the symbols; w = exp(v)
+    rates, resistance : of each state; R: lists, as are all expressions that are to be computed
+    exponentials, exponents : those that rates hold, beside w, and of what
+    runs_away : a condition, or None if the law does not know
+    log_theta, variables : ln(V_ref theta_k/D_k) of v and psi, and psi of v and these, the symbols
+        psi too; None where they are the same
+    effects : b_k/a
+    named : name -> another constant expression, what the law's `constants` gives
+    constants : symbol -> constant expression in parameters and V_ref: the coefficients
+    friction_at_reference : mu_ref, such an expression: mu at V_ref and theta_k = D_k/V_ref
     """
 
-    def __init__(self, law, states, parameters, friction=friction_of_logarithms):
+    def __init__(self, law):
         graph = Graph()
-        positive = {*POSITIVE, *(name for name, one in parameters.items() if one.bound == "> 0")}
-        names = (*COMMON, *parameters)
+        positive = {
+            *POSITIVE,
+            *(name for name, one in law.parameters.items() if one.bound == "> 0"),
+        }
+        names = (*EXAMPLE, *law.parameters)
         symbols = {x: graph.symbol(("p", x), is_positive=x in positive) for x in names}
         V_ref, v = graph.symbol("V_ref", is_positive=True), graph.symbol("v", is_constant=False)
-        psi = [graph.symbol(("psi", k), is_constant=False) for k in range(len(states))]
+        psi = [graph.symbol(("psi", k), is_constant=False) for k in range(len(law.states))]
+        kappa = graph.symbol("kappa", is_constant=False)
         p = SimpleNamespace(**symbols)
-        effects, lengths = zip(*((symbols[b], symbols[D]) for b, D in states.values()), strict=True)
-        V, ages = V_ref * exp(v), [exp(one) / V_ref for one in psi]
-        theta = tuple(D * age for D, age in zip(lengths, ages, strict=True))
-        rates = law.evolution(V, theta[0] if len(theta) == 1 else theta, p)
+        b, D = zip(*((symbols[b], symbols[D]) for b, D in law.states.values()), strict=True)
+        logs = law.log_theta(v, psi, p)
+        V, ages = V_ref * exp(v), [exp(one) / V_ref for one in logs]
+        theta = tuple(length * age for length, age in zip(D, ages, strict=True))
+        found = law.evolution(V, theta[0] if len(theta) == 1 else theta, p)
         rates = [
-            times_each(graph.number(rate), p.Dc / D * exp(-one))
-            for rate, D, one in zip(rates if len(theta) > 1 else [rates], lengths, psi, strict=True)
+            times_each(rate, p.Dc / length * exp(-one))
+            for rate, length, one in zip(_returned(graph, found, law), D, logs, strict=True)
         ]
-        mu = times_each(graph.number(friction(V, ages, p, effects)), graph.number(1.0))
-        mu_ref = replaced(mu, dict.fromkeys([v, *psi], graph.number(0.0)))
+        mu = law.mu(V, theta, ages, p, b)
+        mu = times_each(_number_from(graph, mu, "friction"), graph.number(1.0))
+        zero = graph.number(0.0)
+        mu_ref = law.reference(replaced(mu, dict.fromkeys([v, *psi], zero)))
+        self.friction_at_reference = [mu_ref]
+
         hoisting = Hoisting()
-        self.rates = [hoisting(rate) for rate in rates]
-        self.resistance = hoisting(times_each(mu - mu_ref, 1.0 / p.a))
-        self.v, *self.psi = map(hoisting, (v, *psi))
         self.graph, self.constants = hoisting.graph, hoisting.constants
         self._parameters, self._V_ref = symbols, V_ref
+        self.effects = [hoisting(one / p.a) for one in b]
+        self.rates = [hoisting(rate) for rate in rates]
+        self.resistance = [hoisting(times_each(mu - mu_ref, 1.0 / p.a))]
+        of_law = law.constants(SimpleNamespace(**symbols, V_ref=V_ref), b)
+        self.named = {name: [hoisting(graph.number(one))] for name, one in of_law.items()}
+        self._programs = {}  # what `function_of` gave
+        self.v, self.kappa, *self.psi = map(hoisting, (v, kappa, *psi))
+        self.w = hoisting(exp(v))
+        away = law.runaway(v, tuple(psi), kappa, p)
+        self.runs_away = None if away is None else [hoisting(away)]
+        self.log_theta = self.variables = None
+        if any(one is not other for one, other in zip(logs, psi, strict=True)):
+            self.log_theta = [hoisting(one) for one in logs]
+            self.variables = [hoisting(one) for one in law.variables_of(v, psi, p)]
+        self.exponentials = [
+            one
+            for one in ordered(self.rates)
+            if one.kind == "exp" and not one.is_constant and one is not self.w
+        ]
+        self.exponents = [one.parts[0] for one in self.exponentials]
+        self.first, self.second  # noqa: B018  (in this order: sums are then of one order too)
 
-    def coefficients(self, V_ref, values, functions=Real):
+    def coefficients(self, V_ref, values):
         """The numbers p that stand for what is constant, a tuple.
 
         values : symbol -> float or array, of the parameters [SI]
         """
-        known = {one: values[symbol] for symbol, one in self._parameters.items()}
-        known[self._V_ref] = V_ref
-        return tuple(evaluate(self.constants.values(), known, functions))
+        return tuple(self._of_parameters("constants", V_ref, values))
+
+    def reference_friction(self, V_ref, values):
+        """mu_ref; values as for `coefficients`."""
+        return self._of_parameters("friction_at_reference", V_ref, values)[0]
+
+    def _of_parameters(self, what, V_ref, values):
+        names = self._parameters
+        if what not in self._programs:
+            expressions = (
+                [*self.constants.values()] if what == "constants" else self.friction_at_reference
+            )
+            self._programs[what] = function_of(expressions, [*names.values(), self._V_ref])
+        of_names = (values.get(name) for name in names)
+        given = [x if x is None else np.asarray(x, float)[()] for x in of_names]
+        with np.errstate(all="ignore"):
+            return self._programs[what](Real, *given, V_ref)
+
+    @property
+    def text(self):
+        """Text that tells these equations from others."""
+        optional = self.runs_away, self.log_theta, self.variables, *self.named.values()
+        own = [*self.effects, *self.rates, *self.resistance]
+        own += [one for some in optional for one in some or []]
+        constants = [*self.constants.values(), *self.friction_at_reference]
+        return f"{description(own)}\n{description(constants)}"
+
+    @functools.cached_property
+    def used(self):
+        """Symbols of the parameters on which coefficients depend, a set; "V_ref" may be one."""
+        found = ordered(self.constants.values())
+        named = {one for one in found if one.kind in ("symbol", "positive")}
+        symbols = {name for name, one in self._parameters.items() if one in named}
+        return symbols | ({"V_ref"} & {one.parts[0] for one in named})
 
     def derivative(self, x, *by):
         """The derivative of an expression by `v` or one of `psi`, by several in turn."""
@@ -83,7 +144,70 @@ class Equations:
         one = self.graph.number(1.0)
         return {x: Derivative(self.graph, {x: one}) for x in (self.v, *self.psi)}
 
-    def values(self, expressions, v, psi, p, functions=Real):
-        """Values of expressions where v, psi (a tuple) and the coefficients are these, a list."""
-        known = dict(zip((self.v, *self.psi, *self.constants), (v, *psi, *p), strict=True))
-        return evaluate(expressions, known, functions)
+    @functools.cached_property
+    def first(self):
+        """Derivatives of R by v and each psi; of each rate by v, and by its own psi: lists."""
+        return self._orders(1)
+
+    @functools.cached_property
+    def second(self):
+        """Second derivatives of R, by v and each psi of each of `first`; of rates vv, v psi, ..."""
+        return self._orders(2)
+
+    @functools.cached_property
+    def third(self):
+        """Third derivatives, likewise."""
+        return self._orders(3)
+
+    def _orders(self, n):
+        y = (self.v, *self.psi)
+        R = self.resistance
+        for _ in range(n):
+            R = [self.derivative(one, symbol) for one in R for symbol in y]
+        rates = []
+        for k in range(n + 1):
+            by = [(self.v,) * (n - k) + (psi,) * k for psi in self.psi]
+            rates += [self.derivative(one, *x) for one, x in zip(self.rates, by, strict=True)]
+        return R, rates
+
+    def values(self, expressions, v, w, psi, p, e=None, kappa=None, functions=Real):
+        """Values of expressions where v, w, psi (a tuple), p and exponentials are these, a list.
+
+        expressions : a list of which this is asked again and again
+        w, e : None if they are to be computed from v and psi
+        functions : of this kind of number
+        """
+        key = id(expressions), w is None, e is None
+        if key not in self._programs:
+            known = [self.v, self.kappa, *self.psi, *self.constants]
+            known += [] if w is None else [self.w]
+            known += [] if e is None else self.exponentials
+            self._programs[key] = function_of(expressions, known), expressions
+        program, _ = self._programs[key]
+        p = (*p, *[None] * (len(self.constants) - len(p)))[: len(self.constants)]
+        given = (*psi, *p, *(() if w is None else (w,)), *(e or ()))
+        if functions is not Real:
+            return program(functions, v, kappa, *given)
+        with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
+            return program(functions, v, kappa, *given)
+
+
+def _returned(graph, found, law):
+    """What `evolution` returns, as expressions: one a state."""
+    rates = found if isinstance(found, tuple | list) else (found,)
+    if len(rates) != len(law.states):
+        raise FormulaError(
+            f"evolution returns {len(rates)} rates, and states has {len(law.states)}. Return "
+            f"d theta/dt of each state, in the order of states.",
+            "evolution",
+        )
+    return [_number_from(graph, rate, "evolution") for rate in rates]
+
+
+def _number_from(graph, x, method):
+    if x is None:
+        raise FormulaError(f"{method} returns None. Return the value of the formula.", method)
+    try:
+        return graph.number(x)
+    except FormulaError as error:
+        raise FormulaError(f"{method} returns what is not a number: {error}", method) from None

@@ -4,9 +4,11 @@ What a kind of number means by exp, log and so on is a class of functions; `Real
 and arrays.
 """
 
+from typing import Any
+
 import numpy as np
 
-from .expressions import ordered
+from .expressions import LIMIT, ordered
 
 
 class Real:
@@ -20,6 +22,27 @@ class Real:
     def where(condition, x, y):
         """x where a condition holds, else y."""
         return np.where(condition, x, y)[()]
+
+    @staticmethod
+    def bounded_exp(x):
+        """e**x, of x between -LIMIT and LIMIT at most."""
+        return np.exp(np.clip(x, -LIMIT, LIMIT))
+
+    @staticmethod
+    def exp_and_inverse(x):
+        """`bounded_exp` of x and of -x."""
+        return Real.bounded_exp(x), Real.bounded_exp(-x)
+
+    @staticmethod
+    def rough_log2(x):
+        """log2 x, less up to 0.09, of x > 0: between powers of 2 linear in x."""
+        fraction, exponent = np.frexp(x)
+        return exponent - 2.0 + 2.0 * fraction
+
+    @staticmethod
+    def cosine(x):
+        """cos(2 pi x)."""
+        return np.cos(2.0 * np.pi * (x - np.round(x)))
 
     @staticmethod
     def softplus(x):
@@ -38,6 +61,67 @@ class Real:
         small = np.exp(-2.0 * np.maximum(x, 0.0))
         above = x + np.log1p(np.sqrt(1.0 + small))
         return np.where(x > 0.0, above, np.arcsinh(np.exp(np.minimum(x, 0.0))))
+
+
+def function_of(roots, symbols):
+    """A Python function that computes some expressions: of a class of functions, and of values.
+
+    symbols : expressions, whose values it takes in this order
+    """
+    lines: list[str] = []
+    known = {one: _Text(lines, f"x{k}") for k, one in enumerate(symbols)}
+    found = ", ".join(map(str, evaluate(roots, known, _Functions(lines))))
+    arguments = ", ".join(["functions", *map(str, known.values())])
+    scope: dict[str, Any] = {}
+    exec("\n    ".join([f"def value({arguments}):", *lines, f"return [{found}]"]), scope)
+    return scope["value"]
+
+
+class _Text:
+    """A number as a name in Python text, which arithmetic goes on to write."""
+
+    def __init__(self, lines, name):
+        self.lines, self.name = lines, name
+
+    def __str__(self):
+        return self.name
+
+    def let(self, text):
+        """The name of what a line of text gives."""
+        self.lines.append(f"t{len(self.lines)} = {text}")
+        return _Text(self.lines, f"t{len(self.lines) - 1}")
+
+    def __neg__(self):
+        return self.let(f"-{self}")
+
+
+def _operator(sign, is_from_the_right=False):
+    def applied(self, other):
+        pair = (other, self) if is_from_the_right else (self, other)
+        return self.let(f" {sign} ".join(map(str, pair)))
+
+    return applied
+
+
+for _name, _sign in {"add": "+", "sub": "-", "mul": "*", "truediv": "/"}.items():
+    setattr(_Text, f"__{_name}__", _operator(_sign))
+    setattr(_Text, f"__r{_name}__", _operator(_sign, is_from_the_right=True))
+for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "and": "&", "or": "|"}.items():
+    setattr(_Text, f"__{_name}__", _operator(_sign))
+
+
+class _Functions:
+    """Functions of `_Text`, of which the text is a call."""
+
+    def __init__(self, lines):
+        self.lines = lines
+
+    def __getattr__(self, name):
+        def call(*arguments):
+            given = ", ".join(map(str, arguments))
+            return _Text(self.lines, "").let(f"functions.{name}({given})")
+
+        return call
 
 
 def evaluate(roots, known, functions=Real):
@@ -65,6 +149,10 @@ def _value(x, values, functions):
         return arguments[0] < arguments[1]
     if x.kind == "less_equal":
         return arguments[0] <= arguments[1]
+    if x.kind == "both":
+        return arguments[0] & arguments[1]
+    if x.kind == "either":
+        return arguments[0] | arguments[1]
     return getattr(functions, x.kind)(*arguments)
 
 

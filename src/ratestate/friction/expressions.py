@@ -31,8 +31,39 @@ FUNCTIONS = {
 }
 
 
+#: nodes of a graph that are no numbers
+CONDITIONS = ("less", "less_equal", "both", "either")
+#: beyond it, either way, the engine's exponentials saturate: a speed of 1e-260 V_ref is rest
+LIMIT = 600.0
 #: largest power of a positive quantity that is not computed from its logarithm
 LARGEST_POWER = 16
+
+
+#: names of NumPy's functions that are operators -> the operator
+OPERATORS = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "power": operator.pow,
+    "less": operator.lt,
+    "less_equal": operator.le,
+    "greater": operator.gt,
+    "greater_equal": operator.ge,
+}
+#: NumPy's names of functions of `ratestate.laws` that it calls otherwise
+NUMPY_NAMES = {"arcsinh": "asinh", "absolute": "abs"}
+
+
+class FormulaError(TypeError):
+    """A formula that cannot be run with expressions: the problem, and the remedy.
+
+    method : the method of a law that it is about, if its code is not where the error came up
+    """
+
+    def __init__(self, text, method=""):
+        super().__init__(text)
+        self.method = method
 
 
 class Graph:
@@ -49,11 +80,15 @@ class Graph:
     def number(self, x):
         """A number as an expression; an expression as it is."""
         if isinstance(x, Expression):
-            if x.kind in ("less", "less_equal"):
-                raise TypeError("a condition is no number; use where(condition, x, y)")
+            if x.kind in CONDITIONS:
+                raise FormulaError(
+                    "a condition is not a number. Use ratestate.laws.where(condition, x, y)."
+                )
             return x
         if not (isinstance(x, numbers.Real) and math.isfinite(x)):
-            raise TypeError(f"{x!r} is no number")
+            raise FormulaError(
+                f"{x!r} is not a finite number. Write formulas with numbers, V, theta and p."
+            )
         return self._node("number", (float(x),), is_constant=True)
 
     def symbol(self, name, is_constant=True, is_positive=False):
@@ -112,12 +147,13 @@ class Graph:
 class Expression:
     """A node of a graph, immutable.
 
-    kind : "number", "symbol" or "positive" (a symbol), "sum", "product", "where", "less",
-        "less_equal", or one of `FUNCTIONS`
+    kind : "number", "symbol" or "positive" (a symbol), "sum", "product", "where", one of
+        `CONDITIONS` or of `FUNCTIONS`
     parts : what it is made of: arguments; of sums and products pairs, with factors or exponents
     """
 
     __slots__ = ("graph", "is_constant", "kind", "parts")
+    functions: type  # of expressions (functions.py)
 
     def __init__(self, graph, kind, parts, is_constant=None):
         self.graph, self.kind, self.parts = graph, kind, parts
@@ -214,16 +250,47 @@ class Expression:
     def __ge__(self, other):
         return self.graph.call("less_equal", self.graph.number(other), self)
 
+    def __and__(self, other):
+        return self._joined("both", other)
+
+    def __or__(self, other):
+        return self._joined("either", other)
+
+    def _joined(self, kind, other):
+        if not all(getattr(x, "kind", "") in CONDITIONS for x in (self, other)):
+            raise FormulaError("& and | join comparisons of V, theta or p, and nothing else.")
+        return self.graph.call(kind, self, other)
+
     def __eq__(self, other):
-        raise TypeError("quantities of a formula are not compared by == or !=")
+        raise FormulaError("V, theta or p is compared by == or !=. Compare by < or >.")
 
     __hash__ = object.__hash__
 
     def __bool__(self):
-        raise TypeError("a condition on a quantity of a formula; use where(condition, x, y)")
+        raise FormulaError(
+            "if, and, or, not, min or max depends on V, theta or p. Use ratestate.laws: "
+            "where(condition, x, y), minimum and maximum, and & and | between conditions."
+        )
 
     def __float__(self):
-        raise TypeError("a function of numbers, of math say; use that of ratestate.laws")
+        raise FormulaError(
+            "a function that takes plain numbers, such as math.exp, is given V, theta or p. Use "
+            "that of ratestate.laws."
+        )
+
+    def __array_ufunc__(self, function, method, *inputs, **others):
+        """Operators between numbers of NumPy and expressions."""
+        name = function.__name__
+        if name not in OPERATORS or method != "__call__":
+            ours = NUMPY_NAMES.get(name, name)
+            raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{ours}.")
+        x, y = (one if isinstance(one, Expression) else float(one) for one in inputs)
+        return OPERATORS[name](x, y)
+
+    def __array_function__(self, function, types, inputs, others):
+        """NumPy's other functions."""
+        name = function.__name__
+        raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{name}.")
 
 
 def _added(x, y):
@@ -320,16 +387,27 @@ def softplus(x):
     return x.graph.call("softplus", x)
 
 
+def description(roots):
+    """Text that tells expressions from others."""
+    places, lines = {}, []
+    for place, one in enumerate(ordered(roots)):
+        places[one] = place
+        if one.kind in ("sum", "product"):
+            parts = [f"{places[x]} {number!r}" for x, number in one.parts]
+        else:
+            parts = [repr(places.get(x, x) if isinstance(x, Expression) else x) for x in one.parts]
+        lines.append(f"{one.kind} {', '.join(parts)}")
+    return "\n".join([*lines, *(str(places[one]) for one in roots)])
+
+
 def ordered(roots):
     """All expressions that some are made of, and these, each after those that it is made of."""
-    found = {}
-
-    def find(one):
-        if one not in found:
-            for operand in one.operands:
-                find(operand)
-            found[one] = True
-
-    for root in roots:
-        find(root)
+    found, waiting = {}, list(reversed(list(roots)))
+    while waiting:
+        one = waiting[-1]
+        missing = [operand for operand in one.operands if operand not in found]
+        if missing:
+            waiting += reversed(missing)
+        else:
+            found[waiting.pop()] = True
     return list(found)

@@ -1,97 +1,79 @@
-"""Functions that forms of friction are written with, of numbers and of arrays.
+"""Functions of numbers of any kind, with which laws, forms and the engine are written.
 
-The engine has versions of its own (engine/functions.py), which loops over lanes can vectorise.
+Floats and NumPy arrays, and numbers of code that is being written (engine/code.py): each kind of
+number has its own in a class, `Real` or what the attribute `functions` of a number is.
 """
 
-
-def softplus(x):
-    """ln(1 + e**x)."""
-    import numpy as np  # slow to import, and `ratestate --help` needs the names of laws alone
-
-    size = np.where(np.real(x) < 0.0, -x, x)
-    return np.where(np.real(x) < 0.0, 0.0, x) + np.log1p(np.exp(-size))
+import math
 
 
-def logistic(x):
-    """1/(1 + e**-x), the derivative of `softplus`."""
-    import numpy as np
+def functions_of(*numbers):
+    """The class of functions for these kinds of numbers or conditions."""
+    for x in numbers:
+        if (found := getattr(x, "functions", None)) is not None:
+            return found
+    from .evaluation import Real  # NumPy is slow to import
 
-    small = np.exp(np.where(np.real(x) < 0.0, x, -x))
-    return np.where(np.real(x) < 0.0, small, 1.0) / (1.0 + small)
+    return Real
 
 
-def log(x):
-    """ln x, of x > 0."""
-    import numpy as np
+def _function(name, text):
+    def function(x):
+        return getattr(functions_of(x), name)(x)
 
-    return np.log(x)
+    function.__name__ = function.__qualname__ = name
+    function.__doc__ = text
+    return function
+
+
+exp = _function("exp", "e**x.")
+bounded_exp = _function(
+    "bounded_exp", "e**x, of x between -`kinematics.LIMIT` and that at most: rest is e**-600."
+)
+expm1 = _function("expm1", "e**x - 1.")
+log = _function("log", "ln x, of x > 0.")
+log1p = _function("log1p", "ln(1 + x).")
+sinh = _function("sinh", "sinh x.")
+cosh = _function("cosh", "cosh x.")
+sqrt = _function("sqrt", "The root of x.")
+tanh = _function("tanh", "tanh x.")
+asinh = _function("asinh", "The inverse of sinh.")
+softplus = _function("softplus", "ln(1 + e**x).")
+logistic = _function("logistic", "1/(1 + e**-x), the derivative of `softplus`.")
+cosine = _function("cosine", "cos(2 pi x).")
+
+
+def where(condition, x, y):
+    """x where a condition holds, else y."""
+    if condition is True or condition is False:
+        return x if condition else y
+    return functions_of(condition).where(condition, x, y)
 
 
 def larger(x, y):
-    """The larger of both."""
-    import numpy as np
-
-    return np.maximum(x, y)
+    """The larger of both; x if that is not to be said."""
+    return where(y > x, y, x)
 
 
-def tanh(x):
-    """tanh x."""
-    import numpy as np
-
-    return np.tanh(x)
-
-
-def asinh_of_exp(x):
-    """asinh(e**x/2), which is x for large x."""
-    import numpy as np
-
-    large = np.real(x) > 0.0
-    small = np.exp(-2.0 * np.where(large, x, 0.0))
-    root = np.sqrt(1.0 + 4.0 * small)
-    # ((1 + root)/2 less 1 is small/(1 + root) times 2, without cancellation)
-    above = x + np.log1p(2.0 * small / (1.0 + root))
-    return np.where(large, above, np.arcsinh(0.5 * np.exp(np.where(large, 0.0, x))))
-
-
-def asinh_of(w, x):
-    """asinh(w e**x/2)."""
-    import numpy as np
-
-    with np.errstate(divide="ignore"):
-        return np.sign(w) * asinh_of_exp(np.log(np.abs(w)) + x)
-
-
-def flash(x):
-    """(1 + e**(8 x))**(-1/8)."""
-    import numpy as np
-
-    return np.exp(-0.125 * softplus(8.0 * x))
-
-
-def log_2_sinh(x):
-    """ln(2 sinh x), of x > 0."""
-    import numpy as np
-
-    return x + np.log(-np.expm1(-2.0 * x))
-
-
-def coth(x):
-    """1/tanh x, of x > 0: the derivative of `log_2_sinh`."""
-    import numpy as np
-
-    return -1.0 - 2.0 / np.expm1(-2.0 * x)
+def smaller(x, y):
+    """The smaller of both; x if that is not to be said."""
+    return where(y < x, y, x)
 
 
 def sine(x):
     """sin(2 pi x)."""
-    import numpy as np
-
-    return np.sin(2.0 * np.pi * (x - np.round(x)))
+    return cosine(x - 0.25)
 
 
-def cosine(x):
-    """cos(2 pi x)."""
-    return sine(x + 0.25)
+def asinh_of_exp(x):
+    """asinh(e**x/2), which is x for large x."""
+    return functions_of(x).asinh_of_exp(x - math.log(2.0))
+
+
+def asinh_of(w, x):
+    """asinh(w e**x/2)."""
+    size = asinh_of_exp(log(larger(abs(w), 1e-300)) + x)
+    return where(abs(w) > 0.0, where(w < 0.0, -size, size), 0.0)
 
 
 # Of tuples with a number a state
@@ -107,21 +89,6 @@ def added(x, y):
     return tuple(one + other for one, other in zip(x, y, strict=True))
 
 
-def softplus_each(x, y):
-    """`softplus` of x + y_k."""
-    return tuple(softplus(x + one) for one in y)
-
-
-def logistic_each(x, y):
-    """`logistic` of x + y_k."""
-    return tuple(logistic(x + one) for one in y)
-
-
-def bent_each(y):
-    """y_k (1 - y_k): the derivative of a `logistic` from its value."""
-    return tuple(one * (1.0 - one) for one in y)
-
-
 def weighted(weights, y):
     """weight_k y_k."""
     return tuple(weight * one for weight, one in zip(weights, y, strict=True))
@@ -135,9 +102,3 @@ def weighted_sum(weights, y):
 def zeros_for(y):
     """As many zeros."""
     return tuple(0.0 for _ in y)
-
-
-def diagonal(y):
-    """A matrix, a tuple of rows, with y_k on its diagonal."""
-    n = range(len(y))
-    return tuple(tuple(y[k] if j == k else 0.0 for j in n) for k in n)

@@ -9,11 +9,9 @@ c = dw/dv.  If slip never reverses, c is w, and omega is v.
 
 from typing import Any
 
+from .expressions import LIMIT
 from .force_balance import ConstantNormalStress
 from .functions import log
-
-#: beyond it, either way, the engine's exponentials saturate: a speed of 1e-260 V_ref is rest
-LIMIT = 600.0
 
 
 class Forward(ConstantNormalStress):

@@ -1,28 +1,27 @@
-"""What a friction law is: a class of a few scalar functions, for which the engine is compiled.
+"""What a friction law is: the formula of how its states evolve, from which all else is derived.
 
-A law relates friction to the slip velocity V and to one state or more, and says how these evolve.
-It is written in the engine's log variables, with a reference velocity V_ref and T = t V_ref/Dc,
+Everything that is computed under a law is written in log variables, with a reference velocity V_ref
+and T = t V_ref/Dc,
 
     w = V/V_ref,   v = ln w,   psi_k = ln(V_ref theta_k/D_k),
 
-for one slider, in numbers, and the engine compiles this same source: so a method holds arithmetic,
-`math` and what else numba knows.  Friction and stress are divided by a:
+for numbers of any kind: floats, arrays, code that is being written.  Friction and stress are
+divided by a:
 
     resistance R = (mu - mu_ref)/a,   x = (tau/sigma - mu_ref)/a,
 
 and so is the `stress` that opposes motion, friction and what else there is (`composition`),
-
-with mu_ref the friction at V_ref and theta_k = D_k/V_ref.  So a law knows no velocity but V_ref,
-which may be chosen freely, and its own.
-
-Each state is coupled to v and to itself, not to other states.
+with mu_ref the friction at V_ref and theta_k = D_k/V_ref.  Each state is coupled to v and to
+itself, not to other states.
 """
 
 from collections.abc import Mapping
+from functools import cached_property
 from types import MappingProxyType
 from typing import NamedTuple
 
-from .kinematics import LIMIT
+from .expressions import LIMIT
+from .functions import functions_of, log
 from .law_properties import LawProperties
 
 #: the friction of eq. 1, a form by its name
@@ -50,50 +49,83 @@ class Parameter(NamedTuple):
     example: str = ""
 
 
+def eq_1(V, ages, p, effects):
+    """mu = mu0 + a ln(V/V0) + sum_k b_k ln(V0 theta_k/D_k), from the theta_k/D_k and b_k."""
+    mu = p.mu0 + p.a * log(V / p.V0)
+    return sum((b * log(p.V0 * age) for b, age in zip(effects, ages, strict=True)), mu)
+
+
 class FrictionLaw(LawProperties):
-    """What laws have in common; friction is that of eq. 1, in one state, unless a law has its own.
+    """A friction law: a name, and the formula of d theta/dt.
 
-    A subclass has `rates`, and their derivatives, at least.
+    Friction is that of eq. 1, mu0 + a ln(V/V0) + sum_k b_k ln(V0 theta_k/D_k), unless the law has a
+    `friction` of its own.
 
-    ==========  =============================================================
-    v, w        ln(V/V_ref) and V/V_ref
-    psi         tuple, a number a state
+    ==========  ==================================================================
+    V           slip rate [m/s], > 0, without sign
+    theta       state [s], > 0; of several states a tuple of them
+    p           a, b, Dc, mu0, V0 and the law's own parameters as attributes [SI]
+    v, w, psi   ln(V/V_ref), V/V_ref, and of each state ln(V_ref theta_k/D_k)
     e           tuple, e to the power of each of `exponents`
-    p           tuple, what `coefficients` gives: here (b/a,); with cut-offs or
-                damping more numbers follow, so take them by index
-    ==========  =============================================================
+    ==========  ==================================================================
     """
 
     name: str
     label: str  # in titles and legends
     synonyms: tuple[str, ...] = ()  # other names by which it is known, in small letters
-    #: of the derivatives that it has: 1 is enough for runs, 2 for limit cycles, 3 for `hopf`
-    orders: int = 3
-    #: whether friction is that of eq. 1 in one state with d theta/dt = h(V theta/Dc), h(1) = 0 and
-    #: h'(1) = -1: then eqs 6, 7 and 10 hold, and what else is known of such laws
-    one_length: bool = False
+    source: str = ""
     #: the form of friction (`forms`) that it is for; one for that of eq. 1 may take others too
     form = LOG
-    #: of each state, its name in results -> the symbol of the distance D_k over which it evolves
-    states: Mapping[str, str] = MappingProxyType({"theta": "Dc"})
+    #: of each state, its name in results -> the symbols of b_k and of D_k
+    states: Mapping[str, tuple[str, str]] = MappingProxyType({"theta": ("b", "Dc")})
     #: symbol -> what it is, of parameters beside a, b, Dc, mu0 and V0
     parameters: Mapping[str, Parameter] = MappingProxyType({})
 
-    #: symbols of other parameters of sliders that `coefficients` needs
-    of_slider: tuple[str, ...] = ()
+    # Formulas, run once with expressions: functions are those of `ratestate.laws`
 
-    # Of arrays too, in Python alone
+    def evolution(self, V, theta, p):
+        """d theta/dt [1]; of several states a tuple."""
+        raise NotImplementedError
 
-    def coefficients(self, V_ref, slider):
-        """The dimensionless numbers p that the other methods are given, a tuple.
+    def friction(self, V, theta, p):
+        """mu, of a law whose friction is not that of eq. 1."""
+        raise NotImplementedError
 
-        slider : with parameters [SI] as attributes, `symbols` and sigma among them
+    def mu(self, V, theta, ages, p, effects):
+        """mu by the law's form of friction, or its own; ages : theta_k/D_k; effects : b_k."""
+        if self.gives("friction"):
+            return self.friction(V, theta[0] if len(theta) == 1 else theta, p)
+        return eq_1(V, ages, p, effects)
+
+    def reference(self, mu):
+        """mu_ref, from mu at V_ref and theta_k = D_k/V_ref."""
+        return mu
+
+    def constants(self, p, effects):
+        """name -> other constants that methods need; p : as for formulas, and V_ref."""
+        return {}
+
+    def runaway(self, v, psi, kappa, p):
+        """Whether a slider without mass, at V >> V_lp, runs away for sure; else it turns back.
+
+        None: the law does not know.
+
+        kappa : K Dc/(a sigma)
         """
-        return (slider.b / slider.a,)
+        return None
 
-    def rescaled(self, p, ratio):
-        """`coefficients` for V_ref times `ratio`: others under a law with a speed of its own."""
-        return p
+    # A law whose rate needs that of the stress takes that into the variable that it integrates, in
+    # place of psi.  `evolution` is then theta times the rate of that variable.
+
+    def log_theta(self, v, psi, p):
+        """ln(V_ref theta_k/D_k) of each state from the variables psi, a list."""
+        return list(psi)
+
+    def variables_of(self, v, logs, p):
+        """The inverse of `log_theta`."""
+        return list(logs)
+
+    # Of arrays
 
     def complaint(self, slider):
         """What is wrong with its parameters together, and what helps, as text; "" if nothing."""
@@ -104,45 +136,79 @@ class FrictionLaw(LawProperties):
 
         By Linker & Dieterich (1992), theta of the first state falls by alpha/b.
 
-        mu : friction then; alpha : the slider's, 0 where b is; slider : as for `coefficients`
+        mu : friction then; alpha : the slider's, 0 where b is
+        slider : with parameters [SI] as attributes
         """
         return -alpha / (slider.b + 1.0 * (slider.b == 0.0)), *(0.0 for _ in list(self.states)[1:])
 
+    # Derived, in numbers of any kind
+
+    @cached_property
+    def equations(self):
+        """The law's `Equations`."""
+        from .equations import Equations  # (which needs NumPy)
+
+        return Equations(self)
+
+    def coefficients(self, V_ref, slider):
+        """The dimensionless numbers p that other methods are given, a tuple: b_k/a first.
+
+        slider : with parameters [SI] as attributes, `symbols` and sigma among them
+        """
+        return self.equations.coefficients(V_ref, vars(slider))
+
+    def constant(self, name, p):
+        """The value of one of `constants`."""
+        return self._of_constants(self.equations.named[name], p)[0]
+
+    def evolution_effects(self, p):
+        """Derivatives of the friction of eq. 1 by each of psi, a tuple: b_k/a."""
+        return tuple(self._of_constants(self.equations.effects, p))
+
+    def _of_constants(self, expressions, p):
+        return self.equations.values(expressions, 0.0, 1.0, self.reference_state, p)
+
+    def _values(self, expressions, v, w, psi, p, e=None, kappa=None):
+        functions = functions_of(v, w, *psi, *p)
+        return self.equations.values(expressions, v, w, psi, p, e, kappa, functions)
+
     def log_states(self, v, psi, p):
         """ln(V_ref theta_k/D_k) of each state as it is reported, a tuple, from the variables."""
-        return psi
+        found = self.equations.log_theta
+        return psi if found is None else tuple(self._values(found, v, None, psi, p))
 
     def variables(self, v, log_states, p):
         """The inverse of `log_states`."""
-        return log_states
-
-    def steady_variables(self, p):
-        """psi in steady sliding at V_ref, a tuple; found numerically, unless a law knows it."""
-        from .steady_state import steady_variables  # NumPy is slow to import
-
-        return steady_variables(self, p)
-
-    # In compiled code
+        found = self.equations.variables
+        return log_states if found is None else tuple(self._values(found, v, None, log_states, p))
 
     def exponents(self, v, w, psi, p):
-        """Of which numbers the rates need the exponential."""
-        return ()
+        """Of which numbers the rates need the exponential, a tuple."""
+        return tuple(self._values(self.equations.exponents, v, w, psi, p))
 
     def resistance(self, v, w, psi, p):
         """(mu - mu_ref)/a."""
-        return v + p[0] * psi[0]
+        return self._values(self.equations.resistance, v, w, psi, p)[0]
 
     def resistance_partials(self, v, w, psi, p):
         """Derivatives of `resistance` by v, > 0, and by each of psi, a tuple."""
-        return 1.0, (p[0],)
+        by_v, *by_psi = self._values(self.equations.first[0], v, w, psi, p)
+        return by_v, tuple(by_psi)
 
     def resistance_partials_2(self, v, w, psi, p):
         """Second derivatives of `resistance`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
-        return 0.0, (0.0,), ((0.0,),)
+        found = self._values(self.equations.second[0], v, w, psi, p)
+        return _second(_nested(found, 1 + len(psi), 2))
 
-    def evolution_effects(self, p):
-        """Derivatives of the friction of eq. 1 by each of psi, a tuple: b/a."""
-        return (p[0],)
+    def resistance_partials_3(self, v, w, psi, p):
+        """Third derivatives of `resistance`: vvv; v v psi_i; v psi_i psi_j; psi_i psi_j psi_k.
+
+        A number, a tuple, a tuple of tuples, and these in a tuple.
+        """
+        by_v, *by_psi = _nested(
+            self._values(self.equations.third[0], v, w, psi, p), 1 + len(psi), 3
+        )
+        return *_second(by_v), tuple(_second(one)[2] for one in by_psi)
 
     def stress(self, v, w, psi, p):
         """What opposes the motion, as x is counted: friction, unless there is more."""
@@ -156,34 +222,42 @@ class FrictionLaw(LawProperties):
         """Second derivatives of `stress`, as those of `resistance`."""
         return self.resistance_partials_2(v, w, psi, p)
 
+    def stress_partials_3(self, v, w, psi, p):
+        """Third derivatives of `stress`, as those of `resistance`."""
+        return self.resistance_partials_3(v, w, psi, p)
+
     def rates(self, v, w, psi, e, p):
         """d psi/dT of each state, a tuple."""
-        raise NotImplementedError
+        return tuple(self._values(self.equations.rates, v, w, psi, p, e))
 
     def rate_partials(self, v, w, psi, e, p):
         """Derivatives of each of `rates` by v, a tuple, and by its own state, a tuple."""
-        raise NotImplementedError
+        return self._rate_derivatives(self.equations.first[1], v, w, psi, e, p)
 
     def rate_partials_2(self, v, w, psi, e, p):
         """Second derivatives of `rates`: vv, v psi and psi psi, a tuple each."""
-        raise NotImplementedError
+        return self._rate_derivatives(self.equations.second[1], v, w, psi, e, p)
 
-    def heals_at_rest(self):
-        """Whether state evolves without slip."""
-        return False
+    def rate_partials_3(self, v, w, psi, e, p):
+        """Third derivatives of `rates`: vvv, vv psi, v psi psi, psi psi psi, a tuple each."""
+        return self._rate_derivatives(self.equations.third[1], v, w, psi, e, p)
+
+    def _rate_derivatives(self, expressions, v, w, psi, e, p):
+        n, found = len(psi), self._values(expressions, v, w, psi, p, e)
+        return tuple(tuple(found[k : k + n]) for k in range(0, len(found), n))
 
     def runs_away(self, v, psi, kappa, p):
-        """Whether a slider without mass, at V >> V_lp, runs away for sure; else it turns back.
-
-        Where a law does not know: at speeds that no double would follow much further.
-        """
-        return v > 600.0
+        """As `runaway` says; where a law does not know, beyond speeds that doubles can follow."""
+        condition = self.equations.runs_away
+        if condition is None:
+            return v > LIMIT
+        return self._values(condition, v, None, psi, p, kappa=kappa)[0]
 
     def is_lost(self, v, p):
         """Whether a slider without mass or damping cannot be followed further, though it may turn
         back: at speeds that saturate, but where states evolve with slip alone.
         """
-        return self.heals_at_rest() and v > LIMIT
+        return v > LIMIT if self.heals_at_rest else False
 
     def resolved(self, v_limit, p):
         """v up to which friction tells the speed of a slider without mass or damping: `v_limit`.
@@ -198,30 +272,6 @@ class FrictionLaw(LawProperties):
         """
         return False
 
-    # Where they are known, else not called
-
-    def held(self, psi, v, w, h, p):
-        """psi after a time h at the constant speed w = exp(v), and its derivative by v: tuples."""
-        return psi, psi
-
-    def held_by_euler(self, psi, v, w, h, p):
-        """What `held` would give, by one step of backward Euler."""
-        return psi, psi
-
-    def relaxed(self, psi, v, v_end, slip, forced):
-        """psi, a number, at the end of a slip [Dc] from the speed v to v_end, given the integral of
-        `forcing`.
-        """
-        raise NotImplementedError
-
-    def forcing(self, curvature, part, w_end):
-        """What drives the state with slip, where (V/V_end)^2 is `part`, of slope -`curvature`."""
-        raise NotImplementedError
-
-    #: c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ... for a law of one length, which `rates` is at
-    #: v = 0 and psi = z: to double precision for |z| < 0.5
-    series: tuple[float, ...] = ()
-
     def excursion(self, v, psi, kappa, beta):
         """How far a state without inertia is from steady sliding, of arrays: see `quasi_static`."""
         raise NotImplementedError
@@ -230,30 +280,25 @@ class FrictionLaw(LawProperties):
         """The smallest disturbances that run away without mass: `separatrix.Thresholds`."""
         raise NotImplementedError
 
-    def rate_partials_3(self, v, w, psi, e, p):
-        """Third derivatives of `rates`: vvv, vv psi, v psi psi, psi psi psi, a tuple each."""
-        raise NotImplementedError
-
-    def resistance_partials_3(self, v, w, psi, p):
-        """Third derivatives of `resistance`: vvv; v v psi_i; v psi_i psi_j; psi_i psi_j psi_k.
-
-        A number, a tuple, a tuple of tuples, and these in a tuple.
-        """
-        n = range(len(psi))
-        by_psi_psi = tuple(tuple(0.0 for _ in n) for _ in n)
-        return 0.0, tuple(0.0 for _ in n), by_psi_psi, tuple(by_psi_psi for _ in n)
-
-    def stress_partials_3(self, v, w, psi, p):
-        """Third derivatives of `stress`, as those of `resistance`."""
-        return self.resistance_partials_3(v, w, psi, p)
-
-    # Of the law itself
-
-    @property
-    def has_own_speed(self):
-        """Whether steady sliding is another problem at another speed."""
-        return self.gives("rescaled")
+    def __getstate__(self):
+        """What pickle takes along: not what is derived, which holds functions made here."""
+        kind = type(self)
+        derived = {x for x in vars(self) if isinstance(getattr(kind, x, None), cached_property)}
+        return {name: x for name, x in vars(self).items() if name not in derived}
 
     def gives(self, method):
         """Whether the law has a method, by name, that not every law has."""
         return getattr(type(self), method) is not getattr(FrictionLaw, method)
+
+
+def _nested(values, size, depth):
+    """Values in tuples of tuples, of this size each."""
+    for _ in range(depth - 1):
+        values = [tuple(values[k : k + size]) for k in range(0, len(values), size)]
+    return tuple(values)
+
+
+def _second(matrix):
+    """A symmetric matrix along (v, psi): vv, v psi, psi psi."""
+    (by_vv, *by_vpsi), *rows = matrix
+    return by_vv, tuple(by_vpsi), tuple(tuple(row[1:]) for row in rows)

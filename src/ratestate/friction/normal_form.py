@@ -7,7 +7,7 @@ With V0 := V_lp and time T = t V_lp/Dc, sliding near the bifurcation is
 where the growth rate is 0 at kappa_c = (beta - 1) (1 + eta), so that small cycles have
 r^2 = -growth/lyapunov_1; they attract (supercritical) where lyapunov_1 < 0.
 
-The law's rate is taken to be d psi/dT = w h(v + psi), as in `rate_and_state.dtheta_dt`, with its
+The law's rate is taken to be d psi/dT = w h(v + psi), as in `formulas.dtheta_dt`, with its
 scales chosen such that h(0) = 0 and h'(0) = -1; h2 and h3 are the second and third derivatives of h
 at 0, which are the law's own with respect to psi in steady sliding.  Kuznetsov (2004),
 doi:10.1007/978-1-4757-3978-7, section 5.4, gives the first Lyapunov coefficient of any system,
@@ -29,10 +29,9 @@ ROUNDING = 1e-14
 
 
 def law_curvatures(law):
-    """h2 and h3, two floats, of a law by name; ParameterError for an unknown one."""
-    steady = 0.0, 1.0, (0.0,), (1.0,), (1.0,)
-    second, third = (getattr(friction_law(law), f"rate_partials_{k}")(*steady) for k in (2, 3))
-    return second[-1][0], third[-1][0]
+    """h2 and h3, two floats, of a law of one length by name; ParameterError for an unknown one."""
+    c2, c3, *_ = friction_law(law).series
+    return 2.0 * c2, 6.0 * c3
 
 
 def third_order(b1, h2, h3):

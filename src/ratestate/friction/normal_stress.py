@@ -15,7 +15,7 @@ import functools
 import math
 from types import MappingProxyType
 
-from .functions import added, cosine, scaled, sine, weighted, weighted_sum
+from .functions import added, cosine, expm1, scaled, sine, weighted, weighted_sum, where
 from .law import FrictionLaw
 
 #: places, from the end of p, of a history: base, its rate, amplitude, frequency and phase [periods]
@@ -35,6 +35,7 @@ def varying_at(i, n):
         """
 
         own: MappingProxyType = MappingProxyType({})
+        S, PHASE = S, PHASE
         of_slider = ("mu0", "V0", "alpha", "sigma_amplitude", "sigma_period")
         inner: FrictionLaw  # the law under a constant sigma
 
@@ -90,7 +91,8 @@ def varying_at(i, n):
             """
             _, by_psi = self.resistance_slopes(v, w, psi, e, p)
             growth = rise * weighted_sum(by_psi, p[k:last])
-            effective = rise if growth == 0.0 else rise * math.expm1(growth) / growth
+            grows = abs(growth) > 0.0
+            effective = rise * where(grows, expm1(growth) / where(grows, growth, 1.0), 1.0)
             return added(psi, scaled(effective, self.jumps(v, w, psi, p)))
 
         def history(self, p):

@@ -9,20 +9,23 @@ but for V_ref instead of V0, and c = 2 cosh(v) exp(-Theta) the sum of all jumps.
 smooth at rest, and w keeps its digits however small friction is.
 """
 
-import math
-
+from .expressions import LIMIT
 from .functions import (
     added,
     asinh_of,
+    exp,
     larger,
     log,
     scaled,
+    smaller,
+    sqrt,
     tanh,
     weighted,
     weighted_sum,
+    where,
     zeros_for,
 )
-from .kinematics import LIMIT, Forward
+from .kinematics import Forward
 
 # The smallest |w| that laws of state are given, and the least part of c that is taken for the
 # fastest speed.
@@ -69,8 +72,10 @@ class Reversing(Forward):
 
     def order_slope(self, w, psi, e, p):
         """The derivative of `v_of_order` by omega: the sum of all jumps over that at psi = 0."""
-        rest = math.exp(-min(self.barrier(zeros_for(psi), p), LIMIT))
-        return self.speed_slope(w, e) / math.hypot(w, 2.0 * rest)
+        rest = 2.0 * exp(-smaller(self.barrier(zeros_for(psi), p), LIMIT))
+        size = larger(abs(w), rest)
+        part = smaller(abs(w), rest) / size
+        return self.speed_slope(w, e) / (size * sqrt(1.0 + part * part))
 
     def shares(self, w, c_inverse, p):
         """s_k of d omega = dv + sum_k s_k d psi_k, a tuple."""
@@ -127,7 +132,7 @@ class Reversing(Forward):
     def log_slope(self, w, e):
         """d ln |w|/d omega."""
         c = self.speed_slope(w, e)
-        return (c if w > 0.0 else -c) / self.size(w)
+        return where(w > 0.0, c, -c) / self.size(w)
 
     def rates_bent(self, w, psi, e, p, one, other, bend_of_w):
         """Second derivatives of `state_rates` in two directions.

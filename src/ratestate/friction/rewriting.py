@@ -3,7 +3,7 @@
 import functools
 import operator
 
-from .expressions import Graph, exp, log, ordered, power
+from .expressions import CONDITIONS, Graph, exp, log, ordered, power
 
 
 def times_each(x, factor):
@@ -59,6 +59,8 @@ class Hoisting:
         return self._done[x]
 
     def _made(self, x):
+        if x.kind in CONDITIONS:
+            return self.graph.call(x.kind, *map(self, x.parts))
         if x.is_constant:
             return self._symbol(x)
         if x.kind == "symbol":

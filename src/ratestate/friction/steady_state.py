@@ -1,4 +1,4 @@
-"""Steady sliding under a law that does not know it in closed form: its states, by root finding."""
+"""Steady sliding under a law: its states, by root finding."""
 
 import numpy as np
 
@@ -6,35 +6,43 @@ import numpy as np
 ITERATIONS = 20
 
 
-def steady_variables(law, p):
-    """psi of each state in steady sliding at V_ref, a tuple, under coefficients p, (n,) each."""
-    return tuple(_steady_variable(law, k, p) for k in range(len(law.states)))
+def steady_variables(law, p, v):
+    """psi of each state in steady sliding at V_ref exp(v), a tuple.
+
+    p : coefficients, (n,) each; v : (n,), or a number
+    """
+    v, *p = np.broadcast_arrays(v, *p)
+    start = law.variables(v, (-v,) * len(law.states), p)
+    return tuple(_steady_variable(law, k, p, v, start) for k in range(len(law.states)))
 
 
-def _steady_variable(law, k, p):
-    """psi_k; the rate of each state knows no other."""
-    p = np.broadcast_arrays(*p)
-    zero = np.zeros(p[0].shape)
+def _steady_variable(law, k, p, v, start):
+    """psi_k, sought from that of theta_k = D_k/V on; the rate of each state knows no other."""
 
-    def arguments(psi_k, p):
-        psi = tuple(psi_k if j == k else 0.0 * psi_k for j in range(len(law.states)))
-        return 0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p
+    def arguments(psi_k, v, p):
+        psi, w = (psi_k,) * len(law.states), np.exp(v)
+        return v, w, psi, law.exponentials(v, w, psi, p), p
 
-    def rate(psi_k, *p):
-        return law.rates(*arguments(psi_k, p))[k]
+    def rate(psi_k, v, *p):
+        return law.rates(*arguments(psi_k, v, p))[k]
 
-    found = zero
+    found, done = start[k], np.zeros(np.shape(start[k]), bool)
     with np.errstate(all="ignore"):  # of steps that lead nowhere
         for _ in range(ITERATIONS):
-            value = rate(found, *p)
-            if not np.any(value):
+            value = rate(found, v, *p)
+            slope = law.rate_partials(*arguments(found, v, p))[1][k]
+            step = np.where(value == 0.0, 0.0, value / slope)
+            found = np.where(done, found, found - step)
+            small = np.abs(step) <= 1e-15 * np.maximum(1.0, np.abs(found))
+            done = done | (small & np.isfinite(found))
+            if done.all():
                 return found
-            step = value / law.rate_partials(*arguments(found, p))[1][k]
-            found = found - step
-            if np.all(np.abs(step) <= 1e-15 * np.maximum(1.0, np.abs(found))):
-                return found
+        return np.where(done, found, _bracketed(rate, start[k], (v, *p)))
+
+
+def _bracketed(rate, start, p):
     from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
 
     # (these call it for the elements that have not converged yet)
-    found = bracket_root(rate, zero - 1.0, zero + 1.0, args=tuple(p))
-    return find_root(rate, found.bracket, args=tuple(p)).x
+    found = bracket_root(rate, start - 1.0, start + 1.0, args=p)
+    return find_root(rate, found.bracket, args=p).x

@@ -38,15 +38,16 @@ def expand(derivatives, integrands, order, known, functions=Real):
     return unknowns, [[found.at(one, k) for k in range(order)] for one in integrands]
 
 
-class Recurrences:
+class _Expansion:
     """Coefficients of expressions, as far as they are found; None is one that is always 0.
 
     Each order waits for the one before.  So what is known last is added last, and by as few
     operations as there can be: an unknown's coefficient as its slope, of which that is a part.
     """
 
-    def __init__(self, known):
-        self.known = known
+    def __init__(self, known, functions):
+        self.known, self.functions = known, functions
+        self.rules = {}  # expression -> what `_rule` gives
         self.c = {}  # (expression, order) -> coefficient
         self.slopes = {}  # (expression, j) -> j times the coefficient of order j
         self.terms = {}  # expression -> what `_linear` gives
@@ -70,10 +71,6 @@ class Recurrences:
                 self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
         return self.slopes[one, j]
 
-    def _linear(self, one):
-        """Constant factors and expressions whose sum it is: itself, if it is no sum."""
-        raise NotImplementedError
-
     def _scaled(self, terms, factor):
         return [(times(factor, a), x) for a, x in terms]
 
@@ -94,15 +91,6 @@ class Recurrences:
         less = times(convolution(pairs, k), inverse)
         last = times(times(self.at(one, 0), inverse), self.at(y, k))
         return total([_negative(less), self._combination(terms, k), _negative(last)])
-
-
-class _Expansion(Recurrences):
-    """Those of expressions.py."""
-
-    def __init__(self, known, functions):
-        super().__init__(known)
-        self.functions = functions
-        self.rules = {}  # expression -> what `_rule` gives
 
     def ordered(self, roots):
         """All that some expressions follow from, and these, each after what it follows from."""
@@ -143,6 +131,7 @@ class _Expansion(Recurrences):
         return evaluate([one], known, self.functions)[0]
 
     def _linear(self, one):
+        """Constant factors and expressions whose sum it is: itself, if it is no sum."""
         if one not in self.terms:
             rule, *operands = self.rules[one]
             self.terms[one] = [(1.0, one)]

@@ -1,9 +1,8 @@
-"""A law that a user brings: read from a file or a class, and named with a hash of its content.
+"""A law that a user brings: read from a file or a class, and named with a hash of its formula.
 
-The content is the source and everything outside the class that its methods refer to: constants,
-helper functions, base classes and closures (`law_content.py`).  An edited law therefore has another
-name and kernels of its own, and each result names the law that made it.  A law file is Python code
-that runs when it is read: only its user's own action reads it.
+The formula is what running it once leaves behind (equations.py), with all the constants in it.  So
+an edited law has another name and machine code of its own, and each result names the law that made
+it.  A law file is Python code that runs when it is read: only its user's own action reads it.
 """
 
 import hashlib
@@ -14,14 +13,24 @@ import types
 from pathlib import Path
 
 from ..errors import ParameterError
+from .expressions import FormulaError
 from .law import FrictionLaw
-from .law_content import LAW_FILE, content_of
+from .law_properties import EXAMPLE, MARK
 
-#: between a law's own name and the hash of its content
-MARK = "@"
 #: what a user's code may raise, but for an interrupt
 RAISED = (Exception, SystemExit)
 NAME = re.compile(r"[a-z][a-z0-9-]*")
+#: begins the name of the module that a law file is
+LAW_FILE = "ratestate_law_"
+#: what a class of laws may have of its own, beside what has other names
+OWN = (
+    *("name", "label", "synonyms", "source", "form", "states", "parameters", "evolution"),
+    *("friction", "runaway", "log_theta", "variables_of", "constants", "complaint"),
+    *("jumps_with_normal_stress", "excursion", "runaway_edge"),
+    *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
+)
+#: methods that are run once, with expressions
+FORMULAS = ("evolution", "friction", "runaway", "log_theta", "variables_of", "constants")
 
 
 def law_of_file(path):
@@ -52,14 +61,15 @@ def law_of_text(text, path):
         frames = traceback.extract_tb(error.__traceback__)
         lines = [frame.lineno for frame in frames if frame.filename == str(path)]
         line = getattr(error, "lineno", None) or (lines[-1] if lines else 1)
-        reason = reason_of(error)
-        raise ParameterError(f"law file {path} cannot be loaded, line {line}: {reason}") from None
+        raise ParameterError(
+            f"law file {path} cannot be loaded, line {line}: {reason_of(error)}. Mend that line."
+        ) from None
     if len(found) != 1:
         raise ParameterError(
-            f"law file {path} must hold one class that derives from ratestate.FrictionLaw; it "
-            f"holds {names}"
+            f"law file {path} must hold one class that derives from ratestate.FrictionLaw. It "
+            f"holds {names}."
         )
-    found[0].source = text
+    found[0].file_text = text
     return found[0]
 
 
@@ -73,9 +83,10 @@ def reason_of(error):
 
 
 def named_law(kind):
-    """An instance of a class of laws, under its name with the hash of its content.
+    """An instance of a class of laws, under its name with the hash of its formula.
 
-    ParameterError if it is not such a class, or its name is not a valid one.
+    ParameterError if it is not such a class, its name is not a valid one, or its formula cannot be
+    run.
     """
     if not _is_law(kind):
         raise ParameterError(f"{kind!r} must be a class that derives from ratestate.FrictionLaw")
@@ -86,24 +97,94 @@ def named_law(kind):
             f"as name = 'mine'"
         )
     law = kind()
-    law.name = _full_name(kind)
     if not isinstance(getattr(kind, "label", None), str):
         law.label = f"{name} law"
+    if "rates" in _own(kind):
+        raise ParameterError(
+            f"law {name!r} has the method rates, of an old form of laws. Replace it, and its "
+            f"derivatives, by evolution(self, V, theta, p), which returns d theta/dt."
+        )
+    if derived := sorted(x for x in _own(kind) if hasattr(FrictionLaw, x) and x not in OWN):
+        raise ParameterError(
+            f"law {name!r} has {derived[0]} of its own, which is derived from the formula. Remove "
+            f"it, or give it another name."
+        )
+    if "evolution" not in _own(kind):
+        raise ParameterError(
+            f"law {name!r} has no method evolution. Add evolution(self, V, theta, p), which "
+            f"returns d theta/dt."
+        )
+    try:
+        _check_states(law)
+        text = _content(law)
+    except RAISED as error:
+        raise ParameterError(located(name, law, error)) from error
+    law.name = f"{name}{MARK}{_hash(text)}"
     return law
 
 
-def is_unchanged(law):
-    """Whether all that a law refers to is as it was when the law was registered."""
-    while hasattr(law, "inner"):  # it is composed of another law and damping, say
-        law = law.inner
-    try:
-        return MARK not in law.name or law.name == _full_name(type(law))
-    except ParameterError:  # of what cannot be recorded
-        return False
+def located(name, law, error):
+    """What is wrong with the formula of a law, where in its code, and what helps."""
+    return f"law {name!r}{_place_of(error, law)}: {_remedy(error)}"
 
 
-def _full_name(kind):
-    return f"{kind.name}{MARK}{_hash(content_of(kind))}"
+def _content(law):
+    """Text that tells a law from others: its formula, and what else changes numbers or names."""
+    own = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
+    return f"{law.form} {dict(law.states)} {own}\n{law.equations.text}"
+
+
+def _check_states(law):
+    """Raise FormulaError for states that are not the law's parameters."""
+    known = (*EXAMPLE, *law.parameters)
+    if not law.states:
+        raise FormulaError("states is empty. Leave it out for theta alone.")
+    for state, symbols in law.states.items():
+        missing = [x for x in symbols if x not in known]
+        if missing or isinstance(symbols, str) or len(symbols) != 2:
+            raise FormulaError(
+                f"states[{state!r}] = {symbols!r} must be the symbols of b and Dc of this state. "
+                f"Add those that the law has of its own to parameters too."
+            )
+
+
+def _own(kind):
+    """Names in a class of laws and its bases, but for those that every law has."""
+    bases = kind.__mro__[: kind.__mro__.index(FrictionLaw)]
+    return {name for base in bases for name in vars(base)}
+
+
+def _place_of(error, law):
+    """The line of a law's code at which an error came up, or of the method that it is about."""
+    frames = traceback.extract_tb(error.__traceback__)
+    first = [k for k, one in enumerate(frames) if one.name in FORMULAS and not _is_ours(one)]
+    if first:
+        file = frames[first[0]].filename
+        line = [one.lineno for one in frames[first[0] :] if one.filename == file][-1]
+    elif code := getattr(getattr(law, getattr(error, "method", ""), None), "__code__", None):
+        file, line = code.co_filename, code.co_firstlineno
+    else:
+        return ""
+    return f", line {line} of {file}"
+
+
+def _is_ours(frame):
+    return Path(__file__).parent in Path(frame.filename).parents
+
+
+def _remedy(error):
+    """What is wrong with a formula that cannot be run, and what helps."""
+    if isinstance(error, FormulaError):
+        return str(error)
+    if isinstance(error, AttributeError) and isinstance(error.obj, types.SimpleNamespace):
+        known = ", ".join(vars(error.obj))
+        return (
+            f"p.{error.name} is not a parameter. Add {error.name} to parameters, or take one of "
+            f"{known}."
+        )
+    if isinstance(error, RecursionError):
+        return "the formula nests too many functions. Write it with fewer."
+    return f"{reason_of(error)}. Mend the formula, which is run with symbols for V, theta and p."
 
 
 def _is_law(value):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..errors import ParameterError
-from ..friction.kinematics import LIMIT
+from ..friction.expressions import LIMIT
 from ..friction.roots import root
 from .slider import PARAMETERS
 from .units import to_si
@@ -60,7 +60,7 @@ def initial_state(law, batch, V_load):
     x = stress(law, v, states, p)
     states = [
         np.log(V0 * given[name] / batch.flat(distance)) if name in given else state
-        for (name, distance), state in zip(law.states.items(), states, strict=True)
+        for name, distance, state in zip(law.states, law.lengths, states, strict=True)
     ]
     if "tau" in given:
         x = (given["tau"] / sigma - mu_ref) / a

@@ -6,6 +6,10 @@ import inspect
 
 from ..errors import ParameterError
 
+#: a method or argument of `simulate` that is gone -> the call in its place
+MOVED = dict.fromkeys(
+    ("im2017", "im2017_euler", "dt"), "ratestate.paper.im2017(slider, loading, t_end, dt)"
+)
 NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
 
 
@@ -25,6 +29,8 @@ def one_of(names, given=None, like=""):
 
     like : an example, such as ``a = 0.003``
     """
+    if isinstance(given, str) and given in MOVED:
+        return f"expected a call such as {MOVED[given]}"
     names = list(names)
     near = nearest(given, names)
     meant = f"; did you mean {near}?" if near else ""

@@ -5,9 +5,17 @@ import os
 
 from ..errors import ParameterError
 from ..friction import laws
-from ..friction.law_arrays import take_arrays
+from ..friction.expressions import FormulaError
 from ..friction.law_check import check
-from ..friction.user_law import MARK, RAISED, law_of_file, law_of_text, named_law, reason_of
+from ..friction.law_properties import MARK
+from ..friction.user_law import (
+    RAISED,
+    law_of_file,
+    law_of_text,
+    located,
+    named_law,
+    reason_of,
+)
 from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
 from .units import to_si
 
@@ -16,10 +24,6 @@ TAKEN = frozenset(
     "law law_file area values parameters friction replace slider loading method verb file plot"
     " steps times initial parameter start stop point case columns units".split()
 )
-# Parameters of the slider with which a law is tried [SI]: every law has the first four, and a law
-# that names the others in `of_slider` has them too.
-COMMON = {"a": 0.01, "b": 0.015, "Dc": 1e-5, "sigma": 5e6}
-OF_SLIDER = {"mu0": 0.6, "V0": 1e-6}
 
 
 def register(law):
@@ -28,34 +32,31 @@ def register(law):
     Parameters
     ----------
     law : type or path
-        A class that derives from `ratestate.FrictionLaw`, or a Python file with one such class,
-        which is run.
+        A class that derives from `ratestate.FrictionLaw`, with the method
+        ``evolution(self, V, theta, p)``, or a Python file with one such class, which is run.
 
     Returns
     -------
     str
-        Its name with the first digits of a hash of its content, such as "mine@1f6ac03b": results
-        have it under this name.  The content is the source and the constants, functions and base
-        classes that it uses.  Sliders take this name, the class, or the law's own name, "mine",
+        Its name with the first digits of a hash of its formula, such as "mine@1f6ac03b": results
+        have it under this name.  Sliders take this name, the class, or the law's own name, "mine",
         which stands for the law registered last.
 
     Raises
     ------
     ParameterError
-        A file that cannot be read or run, or does not hold one law; a value in use that cannot be
-        hashed; a name that a built-in law has; a parameter of a name or unit that cannot be; a
-        method that is missing; derivatives that differ from differences of the order before, or
-        steady sliding that is not steady.
+        A file that cannot be read or run, or does not hold one law; a name that a built-in law
+        has; a parameter of a name or unit that cannot be; a formula that cannot be run with
+        expressions, or gives no finite numbers; a state that depends on another; no steady
+        sliding, or several.
 
     Examples
     --------
     >>> import ratestate as rs
     >>> class Mine(rs.FrictionLaw):
     ...     name = "mine"
-    ...     def rates(self, v, w, psi, e, p):
-    ...         return (-2.0 * w * (v + psi[0]),)
-    ...     def rate_partials(self, v, w, psi, e, p):
-    ...         return (-2.0 * w * (v + psi[0] + 1.0),), (-2.0 * w,)
+    ...     def evolution(self, V, theta, p):
+    ...         return 1.0 - (V * theta / p.Dc) ** 1.5
     >>> rs.register(Mine).partition("@")[0]
     'mine'
     """
@@ -68,21 +69,19 @@ def register(law):
         raise ParameterError(f"law{_of(law)} cannot be made: {reason_of(error)}") from error
     own = new.name.partition(MARK)[0]
     if new.name in laws.LAWS:
-        laws.add(laws.LAWS[new.name], own)
+        laws.add(new, own)
         return new.name
     try:
         _check_names(new, own)
-        values = COMMON | {symbol: OF_SLIDER[symbol] for symbol in new.of_slider}
-        values |= {symbol: _example(symbol, new) for symbol in new.parameters}
-        take_arrays(new, values)
-        new.orders = check(new, values)
+        check(new, {symbol: _example(symbol, new) for symbol in new.parameters})
     except ParameterError as error:
         raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
+    except FormulaError as error:
+        raise ParameterError(located(own, new, error)) from None
     except RAISED as error:
-        reason = reason_of(error)
-        if isinstance(error, AttributeError) and error.name in OF_SLIDER:
-            reason = f"a method uses {error.name}. Add of_slider = ({error.name!r},) to the class."
-        raise ParameterError(f"law {own!r}{_of(law)} cannot be tried: {reason}") from error
+        raise ParameterError(
+            f"law {own!r}{_of(law)} cannot be tried: {reason_of(error)}"
+        ) from error
     add_quantities_of(new)
     laws.add(new, own)
     return new.name
@@ -109,16 +108,8 @@ def _check_names(law, own):
                 f"its parameter {symbol} has the unit {quantity.unit!r} and the bound "
                 f"{quantity.bound!r}; units are {units}; bounds '', '> 0' and '>= 0'"
             )
-    if not (isinstance(law.of_slider, tuple) and set(law.of_slider) <= OF_SLIDER.keys()):
-        names = ", ".join(map(repr, OF_SLIDER))
-        raise ParameterError(
-            f"of_slider = {law.of_slider!r} is not a tuple of parameters that every slider has. "
-            f"It may hold {names}; other parameters of the law belong in parameters."
-        )
-    if not law.states:
-        raise ParameterError("it has no states; leave states out for theta alone")
     known = {state for one in laws.LAWS.values() for state in one.states}
-    for state, distance in law.states.items():
+    for state, (_, distance) in law.states.items():
         if not _is_name(state) or (state in QUANTITIES and state not in known):
             raise ParameterError(
                 f"its state {state!r} is another quantity, or no name; rename it, as to theta2"
@@ -138,7 +129,8 @@ def _is_another(symbol, quantity, own):
     if not having:
         return symbol in QUANTITIES
     others = [name for name in having if name.partition(MARK)[0] != own]
-    return bool(others) and QUANTITIES[symbol] != quantity
+    known = QUANTITIES[symbol]
+    return bool(others) and (known.unit, known.bound) != (quantity.unit, quantity.bound)
 
 
 def _example(symbol, law):
@@ -168,7 +160,7 @@ def recorded(name):
     if MARK not in name:
         return None
     kind = type(laws.LAWS[name])
-    return vars(kind).get("source") or kind
+    return vars(kind).get("file_text") or kind
 
 
 def known_again(record):

@@ -12,7 +12,8 @@
 ``atlas``                     beyond the paper: the regimes, with its sliders on them
 ``branches``                  all limit cycles of Fig. 2's slider for three springs
 ``basins``                    which disturbances stable sliding survives
-``scheme``, ``scheme_map``    the error of the paper's scheme with its time step; its V_c
+``scheme_run``                a run by the paper's own scheme: `im2017`
+``scheme``, ``scheme_map``    the error of this scheme with its time step; its V_c
 ``claims.toml``               what the paper says, and the last digit it gives
 ``claim``                     which values a printed number covers; whether ours agree
 ``claims_steps``              measures those on Figs 1 to 3
@@ -24,3 +25,11 @@
 Each figure's module has `compute`, its numbers, and `draw`; so have all beyond the paper but
 `atlas`, whose numbers `make` computes.
 """
+
+
+def __getattr__(name):
+    if name != "im2017":
+        raise AttributeError(f"module 'ratestate.paper' has no attribute {name!r}")
+    from .scheme_run import im2017
+
+    return im2017

@@ -6,11 +6,12 @@ import numpy as np
 import xarray
 from scipy.interpolate import make_interp_spline
 
-from .. import Loading, limit_cycle, logspace, simulate
+from .. import Loading, limit_cycle, logspace
 from ..dynamics.cycles.orbit import orbit
 from .claim import LOOSE, SENTENCES, TIGHT, exact, floats, pair
 from .parameters import FIG4, FIG4_K
-from .scheme_map import LARGEST, METHOD, time_step
+from .scheme_map import EULER, LARGEST, last_cycle, time_step
+from .scheme_run import im2017
 
 SLOW = logspace("V_lp", 1e-5, 1e-3, 5)  # where the decrease is log-linear
 MIDDLE = logspace("V_lp", 1e-2, 1e-1, 21)  # about the smallest amplitude
@@ -111,9 +112,15 @@ def _fastest(slider):
 def _scheme(slider, cycles):
     """Amplitude and frequency that the scheme ends with, along the sweep."""
     # a few cycles of stick-slip are enough; fast ones relax in 2 M V/((b - a) sigma), 0.2 s a m/s
-    t_end = 4 * cycles.period + 0.2 + 2.0 * SWEEP
-    steps = {"method": METHOD[slider.law], "dt": time_step(slider, LARGEST)}
-    return simulate(slider, Loading.constant(SWEEP), t_end, V_start=0.1 * SWEEP, **steps)
+    how = {"dt": time_step(slider, LARGEST), "euler": EULER[slider.law]}
+    found = np.empty((2, SWEEP.size))
+    for i, V in enumerate(SWEEP.values.tolist()):
+        t_end = 4 * float(cycles.period[i]) + 0.2 + 2.0 * V
+        run = im2017(slider, Loading.constant(V), t_end, V_start=0.1 * V, **how)
+        found[:, i] = last_cycle(run)
+    amplitude, frequency = found
+    kept = {"amplitude": amplitude, "frequency": frequency, "status": np.zeros(SWEEP.size)}
+    return cycles[[*kept]].copy(data=kept)
 
 
 def _worst(cycles, by_scheme):

@@ -7,7 +7,7 @@ from ..dynamics.results import parameter
 from .claim import after_step, by_scheme, exact, pair
 from .fig6 import inertia
 from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES, FIG6, FIG6_SPEEDS
-from .scheme_map import FINER, LARGEST, step_response
+from .scheme_map import FINER, LARGEST, last_cycle, step_response
 
 CYCLES = 40  # after which the examples of Fig. 4 have settled
 SHARE = 0.01  # of the amplitude, beyond which inertia counts as acting
@@ -77,7 +77,7 @@ def on_slow_slip(law):
     settled = step_response(slider, slow, fast, SETTLED, LARGEST, last=FIRST)
     #: claim -> variable of the limit cycle; over what; the same by the scheme
     of_the_cycle = {
-        "slow_cycle": ("amplitude", 1.0, settled.amplitude),
+        "slow_cycle": ("amplitude", 1.0, last_cycle(settled)[0]),
         "slow_slip": ("V_max", fastest, settled.V.max()),
         "slow_inertia": ("inertia", 1.0, inertia(settled)),
     }

@@ -105,7 +105,7 @@ def _cycle(slider, V_lp):
         return 1e3 * cycle.V_min, 1e3 * cycle.V_max
 
     def of_scheme(omega_dt):
-        run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, omega_dt, last=LAST)
+        run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, omega_dt)
         return 1e3 * run.V.min(), 1e3 * run.V.max()
 
     return pair(measure) | by_scheme(of_scheme, slider, LARGEST, FINER)
@@ -141,20 +141,19 @@ def on_map(law):
     }
 
 
+def _is_wrong(slider, V_lp, omega_dt):
+    """Whether the scheme puts a case of Fig. 3 on the wrong side of V_c."""
+    run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, omega_dt)
+    return (_amplitude(run) > UNSTABLE) != (V_lp > slider.V_c)
+
+
 def _cases_by_scheme(law, V_lp):
     """Cases on the right side by the scheme, and how many its large step puts on the wrong one."""
     sliders = [FIG2.replace(law=law, M=float(M)) for M in logspace("M", *FIG3_M)]
-    wrong = []
-    for slider in sliders:
-        run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, LARGEST)
-        misplaced = (run.amplitude > UNSTABLE) != (V_lp > slider.V_c)
-        wrong += [(slider, float(V)) for V in V_lp[misplaced.values]]
-    still = 0
-    for slider, V in wrong:
-        run = step_response(slider, FIG2_START, V, FIG2_DURATION, FINER, last=LAST)
-        still += (_amplitude(run) > UNSTABLE) != (slider.V_c < V)
-    cases = len(sliders) * V_lp.size
-    counts = {LARGEST: cases - len(wrong), FINER: cases - still}
+    every = [(slider, V) for slider in sliders for V in V_lp.values.tolist()]
+    wrong = [case for case in every if _is_wrong(*case, LARGEST)]
+    still = sum(_is_wrong(*case, FINER) for case in wrong)
+    counts = {LARGEST: len(every) - len(wrong), FINER: len(every) - still}
     ends = sliders[0], sliders[-1]  # dt goes with sqrt(M)
     return {
         (od, *(time_step(slider, od) for slider in ends)): (float(n),) for od, n in counts.items()

@@ -9,7 +9,6 @@ from ..friction.laws import law_name
 from ..plot.labels import LAWS
 from . import claims_cycles, claims_regimes, claims_steps
 from .claim import CLOSED_FORM, SENTENCES, claim, statements
-from .scheme_map import METHOD
 
 #: what measures the claims: functions of a law that give id -> what `claim` takes
 MEASUREMENTS = [
@@ -26,6 +25,7 @@ STYLES = {
     "differs": "red",
     "no value given": "dim",
 }
+SCHEME = {"slip": "im2017", "aging": "im2017(euler=True)"}
 HEADINGS = ("Claim", "Paper", "Paper's scheme", "Converged", "Verdict")
 #: what JSON has of each row
 FIELDS = "id where claim paper covers unit scheme converged error error_from verdict note".split()
@@ -112,7 +112,7 @@ def markdown(rows, law):
     lines = [
         f"# Claims, {LAWS[law].name}",
         "",
-        SENTENCES("text.introduction", method=METHOD[law]),
+        SENTENCES("text.introduction", call=SCHEME[law]),
         f"{tally(rows)}.",
         "",
         "| | " + " | ".join(HEADINGS) + " |",
@@ -133,8 +133,8 @@ def record(rows, law):
     return {
         "paper": "doi:10.1016/j.jmps.2018.08.026",
         "law": law,
-        "scheme": METHOD[law],
-        "versions": {name: version(name) for name in ("ratestate", "numba", "numpy")},
+        "scheme": SCHEME[law],
+        "versions": {name: version(name) for name in ("ratestate", "llvmlite", "numpy")},
         "claims": [_plain(row) for row in rows],
     }
 

@@ -6,14 +6,14 @@ import xarray
 from .. import limit_cycle, plot
 from ..plot.layout import figure, letters, styled
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
-from .scheme_map import LAST, critical_velocity, step_response, time_step
+from .scheme_map import critical_velocity, last_cycle, step_response, time_step
 
 V_LP = FIG2_SPEEDS[-1]
 OMEGA_DT = [0.1, 0.07, 0.05, 0.035, 0.025, 0.02, 1 / 60, 0.0125, 0.01, 1 / 160, 1 / 320]
-METHODS = {"slip": ["im2017"], "aging": ["im2017", "im2017_euler"]}
+VARIANTS = {"slip": ["exact"], "aging": ["exact", "euler"]}
 STYLES = {
-    "im2017": {"label": "state advanced exactly", "color": "k", "marker": "o"},
-    "im2017_euler": {"label": "state by backward Euler", "color": plot.BLUE, "marker": "s"},
+    "exact": {"label": "state advanced exactly", "color": "k", "marker": "o"},
+    "euler": {"label": "state by backward Euler", "color": plot.BLUE, "marker": "s"},
 }
 #: title and axis of each panel -> what is measured of the scheme: unit, meaning
 PANELS = {
@@ -36,7 +36,7 @@ def compute(law):
     """`PANELS` along ``scheme`` and ``omega_dt``, and what they tend to: ``V_c``, ``cycle_...``."""
     slider = FIG2.replace(law=law)
     cycle = limit_cycle(slider, V_LP, rtol=1e-10)
-    found = np.array([[_measure(slider, od, m) for od in OMEGA_DT] for m in METHODS[law]])
+    found = np.array([[_measure(slider, od, one) for od in OMEGA_DT] for one in VARIANTS[law]])
     dims = ("scheme", "omega_dt")
     measured = (row for panel in PANELS.values() for row in panel.items())
     data = xarray.Dataset(
@@ -45,7 +45,7 @@ def compute(law):
             for i, (name, (unit, text)) in enumerate(measured)
         },
         {
-            "scheme": ("scheme", METHODS[law], {"units": "1", "long_name": "the scheme's variant"}),
+            "scheme": ("scheme", VARIANTS[law], {"units": "1", "long_name": "how state advances"}),
             "omega_dt": ("omega_dt", OMEGA_DT, {"units": "1", "long_name": "sqrt(K/M) dt"}),
         },
         cycle.attrs,
@@ -58,11 +58,12 @@ def compute(law):
     return data
 
 
-def _measure(slider, omega_dt, method):
+def _measure(slider, omega_dt, variant):
     """V_c, V_min, V_max and amplitude of the scheme."""
-    run = step_response(slider, FIG2_START, V_LP, FIG2_DURATION, omega_dt, method, LAST)
-    V_c = critical_velocity(slider, omega_dt, method)
-    return [V_c, float(run.V.min()), float(run.V.max()), float(run.amplitude)]
+    euler = variant == "euler"
+    run = step_response(slider, FIG2_START, V_LP, FIG2_DURATION, omega_dt, euler)
+    V_c = critical_velocity(slider, omega_dt, euler)
+    return [V_c, float(run.V.min()), float(run.V.max()), last_cycle(run)[0]]
 
 
 @styled
@@ -73,10 +74,10 @@ def draw(data):
     fig = figure(data, 3.6, "a b Dc sigma M K", f"; {step}")
     axes = fig.subplots(1, 3)
     for ax, ((_, ylabel), names) in zip(axes, PANELS.items(), strict=True):
-        for method in data.scheme.values:
+        for variant in data.scheme.values:
             for name in names:
-                y = 1e3 * data[name].sel(scheme=method)
-                ax.plot(data.omega_dt, y, ms=3, lw=1.0, **STYLES[method])
+                y = 1e3 * data[name].sel(scheme=variant)
+                ax.plot(data.omega_dt, y, ms=3, lw=1.0, **STYLES[variant])
         for name in names:
             true = data.V_c if name == "V_c_scheme" else data[f"cycle_{name}"]
             style = {"color": plot.RED, "ls": "--", "lw": 1.0, "label": "true: eq. 10, converged"}
@@ -87,7 +88,7 @@ def draw(data):
     # The curve of panel (c) leaves room for the legend of all three.
     axes[2].legend(*axes[0].get_legend_handles_labels(), loc="lower right")
     lines = [(axes[0], FIG2_SPEEDS[1], "3.1 mm/s")]
-    if "im2017_euler" not in data.scheme:
+    if "euler" not in data.scheme:
         lines += [(axes[1], V, f"paper: about {1e3 * V:g}") for V in PAPER_RANGE]
     for ax, V, text in lines:
         ax.axhline(1e3 * V, color=plot.GRAY, lw=0.8, ls=":")

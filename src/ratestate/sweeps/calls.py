@@ -14,10 +14,10 @@ from ..dynamics.frequency_response import frequency_response, frequency_response
 from ..dynamics.simulation.simulate import simulate, simulate_call
 from ..dynamics.simulation.undisturbed import undisturbed_warning
 from ..dynamics.steady_sliding import stability, stability_call
-from ..engine.model import METHODS
 from ..errors import ParameterError
 from ..model.arrays import cut
 from ..model.initial_state import initial_state
+from ..model.names import check_keywords
 from . import sentence
 from .chunks import chunks_of
 
@@ -50,8 +50,10 @@ def call_of(verb, slider, arguments):
     if name is None:
         raise ParameterError(sentence("call.unknown", verb=verb, names=", ".join(FUNCTIONS)))
     function, checked_call = FUNCTIONS[name]
+    signature = inspect.signature(function)
+    check_keywords(f"sweep of {name}", arguments, signature.parameters)
     try:
-        bound = inspect.signature(function).bind(slider, **arguments)
+        bound = signature.bind(slider, **arguments)
     except TypeError as error:
         raise ParameterError(f"sweep of {name}: {error}; see help(ratestate.{name})") from None
     bound.apply_defaults()
@@ -101,7 +103,3 @@ def check_device(name, call, device):
         raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
     if device == "cuda" and name in IN_CLOSED_FORM:
         raise ParameterError(f"device = 'cuda': {name} is in closed form; leave device out")
-    if device == "cuda" and name == "simulate" and METHODS[call.method].needs_dt:
-        raise ParameterError(
-            f"device = 'cuda' does not know method = {call.method!r}; choose auto or rodas5p"
-        )

@@ -2,15 +2,15 @@
 
 resume.py refuses a store of another origin, task.py a worker of another.
 
-A kind of processor is that for which numba compiles: ``target`` and ``cpu``, LLVM's names for it,
+A kind of processor is that for which code is compiled: ``target`` and ``cpu``, LLVM's names for it,
 the ``features`` that code may use and, for the device "cuda", ``gpu``.
 """
 
 import json
 
-from numba.core.registry import cpu_target
-
 from ..dynamics.results import versions
+from ..engine.cuda_driver import gpu_name
+from ..engine.machine_code import processor as this_processor
 
 
 def origin(device):
@@ -20,17 +20,12 @@ def origin(device):
 
 def processor(device):
     """The kind of processor that this process computes on: target, cpu, features, gpu -> str."""
-    target, cpu, features = cpu_target.target_context.codegen().magic_tuple()
+    target, cpu, features = this_processor()
     used = [name.removeprefix("+") for name in features.split(",") if name.startswith("+")]
     kind = {"target": target, "cpu": cpu, "features": " ".join(used)}
     if device == "cpu":
         return kind
-    from numba import cuda
-
-    gpu = cuda.get_current_device()
-    name = gpu.name.decode() if isinstance(gpu.name, bytes) else gpu.name
-    capability = ".".join(map(str, gpu.compute_capability))
-    return kind | {"gpu": f"{name}, compute capability {capability}"}
+    return kind | {"gpu": gpu_name()}
 
 
 def processor_name(processor):

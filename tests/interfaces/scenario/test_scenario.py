@@ -372,7 +372,7 @@ SIMULATED = [
     ({"times": "{from=0, to=1, n=1e6}"}, "[sweep] times.n: 1000000.0 cannot be the number"),
     ({"times": "[3]", "t_end": "[2, 4, 5]"}, "[sweep] times: reach 3 s, beyond t_end"),
     ({"rtol": "1e-15"}, "[sweep] rtol: 1e-15 is out of range, expected one number from 1e-13"),
-    ({"method": '"im2017"'}, "[sweep] method: stands in the wrong table, expected in [run]"),
+    ({"method": '"rodas5p"'}, "[sweep] method: stands in the wrong table, expected in [run]"),
 ]
 BROKEN = [
     ("[slider]\na = 0.003\nDc = 10 um\n", "line 3, 'Dc = 10 um': Expected newline or end"),

@@ -290,11 +290,6 @@ SCENARIOS = {
             "t_end": 1.0,
         },
     ),
-    "im2017": Scenario(
-        "simulate",
-        SLIDER,
-        {"loading": Loading.constant(1e-3), "t_end": 0.1, "method": "im2017", "dt": 1e-4},
-    ),
     "sweep": Scenario(
         "simulate",
         SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3)),

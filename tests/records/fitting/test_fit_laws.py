@@ -9,8 +9,8 @@ from synthetic_records import SLIDER, record
 
 import ratestate as rs
 from ratestate.friction.forms import FORMS, parameters_of
-from ratestate.friction.law import FrictionLaw, Parameter
 from ratestate.friction.laws import LAWS
+from ratestate.laws import FrictionLaw, Parameter, log
 from ratestate.model.quantities import with_error
 from ratestate.records import fitting
 from ratestate.records.fitting import generalized_least_squares
@@ -44,14 +44,8 @@ class Stronger(FrictionLaw):
         }
     )
 
-    def coefficients(self, V_ref, slider):
-        return slider.b / slider.a, slider.h_n + 0.0 * slider.a, slider.r_n + 0.0 * slider.a
-
-    def rates(self, v, w, psi, e, p):
-        return (-p[2] * w * (v + psi[0] - p[1]),)
-
-    def rate_partials(self, v, w, psi, e, p):
-        return (-p[2] * w * (v + psi[0] - p[1] + 1.0),), (-p[2] * w,)
+    def evolution(self, V, theta, p):
+        return -p.r_n * V * theta / p.Dc * (log(V * theta / p.Dc) - p.h_n)
 
 
 def by_scipy(slider, t):

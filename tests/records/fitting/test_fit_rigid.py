@@ -7,6 +7,9 @@ import pytest
 from synthetic_records import record
 
 import ratestate as rs
+from ratestate.records.fitting.forward import Forward
+from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.unknowns import to_coordinate
 
 RIGID = rs.SpringSlider(a=0.008, b=0.010, Dc=1e-5, sigma=1e7, V0=1e-6, K=np.inf, law="slip")
 T = np.arange(600) * 0.3
@@ -26,6 +29,40 @@ def test_a_sample_at_the_time_of_a_step_is_that_after_it(law, speeds):
         error = float(result.standard_error.sel(parameter=name))
         assert 0.0 < error < 0.01 * getattr(RIGID, name)
         assert abs(float(result[name]) - getattr(RIGID, name)) < 4.0 * error
+
+
+def test_a_hold_is_refused():
+    """Friction has no value at rest."""
+    truth = RIGID.replace(K=1e12)
+    for loading in (
+        rs.Loading.steps(1e-6, (T[200], 0.0), (T[400], 1e-6)),
+        rs.Loading.constant(1e-6).ramp(T[200], 0.0, 5.0),
+    ):
+        data = record(truth, loading, T, noise=1e-5).drop_vars("delta_lp")
+        with pytest.raises(rs.ParameterError, match=r"V_lp = 0 m/s with K = inf: .* finite K"):
+            rs.fit(data, RIGID, free=("a", "b", "Dc"), loading=loading)
+
+
+def test_derivatives_are_exact():
+    """After a step ln(V theta/Dc) decays with slip, so that friction has a closed form."""
+    loading = rs.Loading.steps(1e-6, (T[200], 5e-6))
+    data = record(RIGID, loading, T, noise=1e-5).drop_vars("delta_lp")
+    checked = record_of(data, RIGID, loading=loading, trend=None, against="time")
+    forward = Forward(checked, RIGID, ("a", "b", "Dc"))
+    slips = 5e-6 * np.maximum(T - T[200], 0.0) / RIGID.Dc
+    rise = np.where(np.arange(T.size) < 200, 0.0, np.log(5.0))
+    decay = np.exp(-slips)
+    exact = {
+        "a": RIGID.a * rise,
+        "b": rise * (decay - 1.0),
+        "Dc": RIGID.b * rise * slips * decay,
+    }
+    point = np.array([to_coordinate(name, getattr(RIGID, name)) for name in exact])
+    friction, slopes = forward.jacobian(point)
+    change = RIGID.a * rise + RIGID.b * rise * (decay - 1.0)
+    np.testing.assert_allclose(friction - friction[0], change, rtol=0, atol=1e-13)
+    for slope, truth in zip(slopes.T, exact.values(), strict=True):
+        np.testing.assert_allclose(slope, truth, rtol=0, atol=3e-8 * np.abs(truth).max())
 
 
 def warned(data, loading):

@@ -15,7 +15,7 @@ from ...model.slider import checked
 from ...model.units import is_array, to_si
 from ..cycles.variables import VARIABLES, cycle_variables
 from ..progress import bar
-from ..refusals import check_orders, refusal, sentence
+from ..refusals import refusal, sentence
 from ..results import provenance
 from ..simulation.settings import checked_rtol
 from .branch_start import beginning, hopf_measures, hopf_near
@@ -161,7 +161,6 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     ParameterError for any that it refuses before it looks for a cycle.
     """
     law = checked(slider).friction_law
-    check_orders("continue_cycle", law, 2)
     parameters = (*PARAMETERS, *law.parameters)
     if not isinstance(parameter, str) or parameter not in parameters:
         raise refusal("branch.parameter", parameter=parameter, names=", ".join(parameters))

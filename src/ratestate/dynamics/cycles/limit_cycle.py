@@ -14,7 +14,7 @@ from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked
 from ...model.units import to_si
 from ..progress import bar
-from ..refusals import check_orders, refusal
+from ..refusals import refusal
 from ..results import provenance
 from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
@@ -119,13 +119,12 @@ def limit_cycle_call(slider, V_lp, *, V_start=None, rtol):
     Whether their dimensions and coordinates fit together shows in its `batch`.
     """
     rtol = checked_rtol(rtol, "1e-12", "1e-2", "1e-8")
-    check_orders("limit_cycle", checked(slider).friction_law, 2)
     V_lp = to_si("V_lp", V_lp)
     if V_start is not None:
         V_start = to_si("V_start", V_start)
         if np.any(V_start == V_lp):
             raise refusal("cycles.undisturbed")
-    return LimitCycleCall(slider, V_lp, V_start, rtol)
+    return LimitCycleCall(checked(slider), V_lp, V_start, rtol)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

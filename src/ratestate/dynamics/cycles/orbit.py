@@ -74,7 +74,7 @@ def _period(slider, call, measures, rtol, progress):
     x, _, *psi = state(system, u).T
     states = law.log_states(0.0, tuple(psi), system.coefficients)
     initial = {"V_initial": V_lp}
-    for (name, distance), log_state in zip(law.states.items(), states, strict=True):
+    for name, distance, log_state in zip(law.states, law.lengths, states, strict=True):
         initial[f"{name}_initial"] = getattr(slider, distance) / V_lp * np.exp(log_state[0])
     if slider.M > 0.0:  # else the stress follows from these
         steady = law.reference_friction(np.array([V_lp]), columns)[0]

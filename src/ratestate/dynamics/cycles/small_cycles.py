@@ -94,13 +94,8 @@ def curvature(law, beta, eta):
 
 
 def hopf_curvature(system):
-    """`curvature` of a `System` under any law, (n,).
-
-    inf where the law lacks the third derivatives that it takes.
-    """
+    """`curvature` of a `System` under any law, (n,)."""
     law = system.friction_law
-    if law.orders < 3:
-        return np.full(len(system.kappa), np.inf)
     if law.one_length:
         return curvature(system.law, system.beta, system.eta)
     p, (kappa, omega) = system.coefficients, system.critical

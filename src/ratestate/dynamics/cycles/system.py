@@ -167,9 +167,7 @@ def state(system, u):
 def steady_sliding_at(system, w):
     """(n, len(y)) x, v, psi of steady sliding at w (n,) times V_lp."""
     law, p, log_w = system.friction_law, system.coefficients, np.log(w)
-    there = law.rescaled(p, w)
-    states = law.steady_log_states(there)
-    psi = law.variables(log_w, tuple(state - log_w for state in states), p)
+    psi = law.steady_variables(p, log_w)
     return np.stack([law.stress(log_w, w, psi, p), law.v_at(w, psi, p), *psi], axis=1)
 
 

@@ -22,16 +22,15 @@ V_LIMIT = 3e8
 MAX_STEPS = 1e7
 
 
-def engine_cases(law, batch, y0, *, t_end, loading, times, dt=None, rtol, observe=1.0):
+def engine_cases(law, batch, y0, *, t_end, loading, times, rtol, observe=1.0):
     """`Cases` of a batch that holds the slider's parameters; nothing is checked here.
 
     law : of `LAWS`; y0 : (n, len(y)) x, v, psi at t = 0; t_end : (n,) [s]
     loading, times : (n,) rows of the tables of load histories and of saved times
-    dt : [s], or None for a method that chooses its steps
     observe : 1 where extremes of V, friction and the inertial force are wanted
     """
     p = columns(batch)
-    settings = {"observe": observe, "max_steps": MAX_STEPS, "dt": dt or 0.0, "rtol": rtol}
+    settings = {"observe": observe, "max_steps": MAX_STEPS, "rtol": rtol}
     with np.errstate(over="ignore"):  # overflow ends as not finite
         eta0 = p.M * p.V0**2 / (p.a * p.sigma * p.Dc)
         unlimited = (p.M > 0.0) | (getattr(p, "damping", 0.0) > 0.0)

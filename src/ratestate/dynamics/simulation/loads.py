@@ -22,6 +22,18 @@ def engine_loads(batch, loading):
     return Loads(t, V, *(table for table, _ in others)), rows
 
 
+def comes_to_rest(loads, rows, t_end):
+    """(n,) whether the load point rests at any time before t_end, (n,) [s].
+
+    loads, rows : `Loads`, and the row of each case in its tables
+    """
+    ends, V, rate = np.append(loads.t[1:], np.inf), loads.V, loads.rate
+    slows = rate < 0.0
+    stop = (loads.t - V / np.where(slows, rate, 1.0)) * (1.0 - 1e-15)  # (rounding)
+    rest = np.where(slows & (stop < ends), stop, np.inf)
+    return np.where(V > 0.0, rest, loads.t).min(axis=1)[rows] < t_end
+
+
 def _speeds_at(loading, t):
     """Speed and acceleration in the segments that begin at t."""
     k = np.searchsorted(loading.t, t, side="right") - 1

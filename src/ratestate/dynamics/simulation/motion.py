@@ -8,25 +8,15 @@ import numpy as np
 import pandas
 import xarray
 
-from ...engine.model import (
-    FINISHED,
-    NO_CONVERGENCE,
-    NOT_FINITE,
-    NUMBERS,
-    RIGID_REST,
-    RUNAWAY,
-)
-from ...errors import SolverError
-from ...friction.kinematics import LIMIT
+from ...engine.model import FINISHED, NO_CONVERGENCE, NUMBERS, RIGID_REST, RUNAWAY
+from ...friction.expressions import LIMIT
 from ...model.initial_state import initial_state
 from ...model.quantities import attrs
 from ...model.units import is_array
 from ..domain import domain_variables
 from ..results import columns, status_variable
 from .cases import engine_cases, run_cases, run_path
-from .loads import engine_loads
-from .rigid import rigid_motion
-from .rigid_times import grid
+from .loads import comes_to_rest, engine_loads
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny
@@ -55,48 +45,20 @@ def move(call, progress):
     y0 = initial_state(call.slider.friction_law, batch, loads.V[rows, 0])
     t_end = batch.flat("t_end")
     save_times, time_rows = batch.rows(np.empty(0) if times is None else times)
-    settings = {"loading": rows, "times": time_rows, "dt": call.dt, "rtol": call.rtol}
+    settings = {"loading": rows, "times": time_rows, "rtol": call.rtol}
     cases = engine_cases(law, batch, y0, t_end=t_end, **settings)
-    is_rigid = np.isinf(batch.flat("K"))
-    own_steps = batch.alone and times is None
-    if own_steps and not is_rigid[0]:
+    rests = np.isinf(cases.kappa) & comes_to_rest(loads, rows, t_end)
+    if batch.alone and times is None and not rests[0]:
         t, states, results = run_path(call.method, law, cases, loads, progress)
     else:
-        which = np.flatnonzero(~is_rigid)
+        which = np.flatnonzero(~rests)
         results = run_cases(call.method, law, cases, loads, save_times, which, progress)
-        if own_steps:
-            t = grid(loads, 0, _case(batch, 0))
-            states = np.full((1, t.size, y0.shape[1]), np.nan)
-        else:
-            t = saved_at(batch, times)
-            states = results.final[:, None] if times is None else results.saved
+        results.status[rests] = RIGID_REST
+        t = saved_at(batch, times)
+        states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
     numbers["energy_residual"] = energy_residual(law, batch, loading, cases, y0, results)
-    motion = Motion(t, states, numbers, results.status)
-    for i in np.flatnonzero(is_rigid):
-        _put_rigid(motion, i, batch, law, y0[i, 2:], loads, rows[i])
-    return motion
-
-
-def _put_rigid(motion, i, batch, law, psi0, loads, row):
-    """Put the motion of the case of number i, of K = inf, into that of all."""
-    own = _case(batch, i)
-    t = motion.t if motion.t.ndim == 1 else motion.t[i]
-    try:
-        result = rigid_motion(law, psi0, t, loads, row, own)
-    except SolverError:
-        motion.status[i] = NOT_FINITE
-        return
-    motion.status[i] = RIGID_REST if result is None else FINISHED
-    if result is not None:
-        motion.states[i], numbers = result
-        for name, value in numbers.items():
-            motion.numbers[name][i] = value
-
-
-def _case(batch, i):
-    """The values of case i as attributes."""
-    return SimpleNamespace(**{symbol: values[i] for symbol, values in batch.columns.items()})
+    return Motion(t, states, numbers, results.status)
 
 
 def saved_at(batch, times):
@@ -124,7 +86,8 @@ def energy_residual(law, batch, loading, cases, y0, results):
     """(n,) (load work - dissipation - change of stored energy)/(sum of their sizes) [1].
 
     All of them in units of a sigma Dc per area; the parts that mu_ref contributes to work,
-    dissipation and spring energy cancel exactly, since slip is delta_lp - tau/K.
+    dissipation and spring energy cancel exactly, since slip is delta_lp - tau/K.  Where K = inf
+    the load point's work is all there is, which is not integrated: 0.
     """
     x0, v0, *psi0 = y0.T
     x1, v1, *psi1 = results.final.T
@@ -148,7 +111,8 @@ def energy_residual(law, batch, loading, cases, y0, results):
         + np.abs(base * slip + friction)
         + np.abs(spring + base * (x1 - x0) / cases.kappa + kinetic)
     )
-    residual = load - friction - spring - kinetic
+    solved = np.isinf(cases.kappa) & (results.status == FINISHED)
+    residual = np.where(solved, 0.0, load - friction - spring - kinetic)
     return residual / np.where(turnover > 0.0, turnover, 1.0)
 
 
@@ -183,11 +147,11 @@ def _series(slider, batch, loading, motion):
     delta_lp = batch.of(loading.delta_lp, t)
     w = law.speed(v, psi, coefficients)
     V = p.V0 * w
-    states = dict(zip(law.states, law.log_states(v, psi, coefficients), strict=True))
+    logs = law.log_states(v, psi, coefficients)
     with np.errstate(over="ignore"):
         states = {
-            name: getattr(p, law.states[name]) / p.V0 * np.exp(state)
-            for name, state in states.items()
+            name: getattr(p, D) / p.V0 * np.exp(state)
+            for name, D, state in zip(law.states, law.lengths, logs, strict=True)
         }
         friction = law.resistance_in_v(v, w, psi, coefficients)
     # Beyond double precision V and theta differ from those that friction was computed from.

@@ -1,4 +1,4 @@
-"""Arguments checked: rtol of all functions; method, time step and saved times of `simulate`.
+"""Arguments checked: rtol of all functions; method and saved times of `simulate`.
 
 The defaults are in the functions' signatures.
 """
@@ -6,8 +6,8 @@ The defaults are in the functions' signatures.
 import numpy as np
 
 from ...engine.model import METHODS
-from ...friction.laws import LAWS
 from ...model.arrays import column
+from ...model.names import one_of
 from ...model.units import is_array, to_si
 from ..refusals import refusal
 
@@ -23,61 +23,24 @@ def checked_rtol(rtol, least, most, example):
     return rtol
 
 
-def solver_settings(rtol, method, dt, slider):
-    """rtol and dt [s] as floats; dt is None for a method that chooses its steps.
-
-    ParameterError for an unknown method, rtol beyond 1e-13 to 0.1, dt given or missing against the
-    method, not > 0, or too long; and for a slider that the method is not for.
-    """
+def solver_settings(rtol, method):
+    """rtol as a float; ParameterError for an unknown method, and rtol beyond 1e-13 to 0.1."""
     rtol = checked_rtol(rtol, "1e-13", "0.1", "1e-6")
     if not isinstance(method, str) or method not in METHODS:
-        raise refusal("settings.method", method=method, choices=", ".join(METHODS))
-    needs = METHODS[method]
-    if not needs.needs_dt and dt is not None:
-        raise refusal("settings.dt_not_wanted", method=method, dt=dt)
-    if needs.needs_dt:
-        if dt is None:
-            raise refusal("settings.dt_missing", method=method)
-        dt = to_si("dt", dt)
-        if is_array(dt):
-            raise refusal("settings.dt_array")
-    if needs.needs_mass:
-        _check_oscillation(method, dt, slider)
-    if needs.needs_law and slider.friction_law.reverses:
-        raise refusal("settings.reverses", method=method, friction=slider.friction)
-    if slider.law not in _laws_for(method):
-        others = [name for name in METHODS if slider.law in _laws_for(name)]
-        laws = " or ".join(map(repr, _laws_for(method)))
-        raise refusal("settings.law", method=method, laws=laws, other=others[-1], law=slider.law)
-    return rtol, dt
+        raise refusal("settings.method", method=method, wanted=one_of(METHODS, method))
+    return rtol
 
 
-def check_normal_stress(loading, slider, t_end, method):
+def check_normal_stress(loading, slider, t_end):
     """Raise ParameterError for a normal stress that the loading cannot give this slider.
 
-    It must begin at the slider's, and stay > 0 up to t_end [s]; and the method must know it.
+    It must begin at the slider's, and stay > 0 up to t_end [s].
     """
     if loading.normal_stress is None:
         return
-    if METHODS[method].needs_dt:
-        raise refusal("settings.normal_stress", method=method)
     if "sigma" in getattr(slider.sigma, "dims", ()):
         raise refusal("settings.sigma_axis")
     loading.normal_stress.check(slider.sigma, t_end)
-
-
-def _laws_for(method):
-    """Names of the laws that a method is for."""
-    needs = METHODS[method].needs_law
-    return [name for name, law in LAWS.items() if not needs or law.gives(needs)]
-
-
-def _check_oscillation(method, dt, slider):
-    """Raise ParameterError for a slider without a natural period, or one too short for dt."""
-    if np.any(np.equal(slider.M, 0.0)) or np.any(np.isinf(slider.K)):
-        raise refusal("settings.mass_and_spring", method=method)
-    if dt and (angle := float(np.max((slider.K / slider.M) ** 0.5)) * dt) > np.pi:
-        raise refusal("settings.dt_long", dt=dt, angle=angle)
 
 
 def saved_times(times, t_end):

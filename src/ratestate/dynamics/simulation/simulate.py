@@ -47,7 +47,6 @@ def simulate(
     times=None,
     rtol=1e-6,
     method="auto",
-    dt=None,
 ):
     """March a slider, or a sweep of sliders, under a load-point history (eqs 1-4).
 
@@ -74,15 +73,11 @@ def simulate(
         series, and the final state for a sweep.
     rtol : float
         Error allowed in a step, in tau/(a sigma), ln V and ln theta: 1e-13 to 0.1, by default
-        1e-6.
-    method : {"auto", "rodas5p", "im2017", "im2017_euler"}
-        Adaptive: Taylor series of order 12 where the motion is not stiff and the law's formulas
-        are sums, products, quotients and exponentials of speed and state, and Rodas5P elsewhere;
-        or Rodas5P alone.  Or the paper's own scheme (eqs 8, 9) with fixed steps dt, where the
-        state advances exactly for constant V or, "im2017_euler", by backward Euler; for laws that
-        know it in closed form.
-    dt : float or str, optional
-        Time step of im2017 [s], > 0; the last one before a break of the loading is cut short.
+        1e-6.  If K = inf it is at most 1e-12.
+    method : {"auto", "rodas5p"}
+        Taylor series of order 12 where the motion is not stiff and the law's formulas are sums,
+        products, quotients and exponentials of speed and state, and Rodas5P elsewhere; or Rodas5P
+        alone.  The paper's own scheme is `ratestate.paper.im2017`.
 
     Returns
     -------
@@ -138,7 +133,7 @@ def simulate(
     >>> run.sizes["time"] > 1000 and int(run.status) == 0
     True
     """
-    settings = {"rtol": rtol, "method": method, "dt": dt}
+    settings = {"rtol": rtol, "method": method}
     start = {"V_start": V_start, "initial": initial}
     call = simulate_call(slider, loading, t_end, times=times, **start, **settings)
     call.check_fits()
@@ -148,7 +143,7 @@ def simulate(
         return call.result(progress)
 
 
-def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method, dt):
+def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method):
     """`SimulateCall` with these arguments of `simulate`; ParameterError where one is wrong.
 
     Whether their dimensions fit together, and a start at rest, shows in its `batch`; whether
@@ -157,14 +152,14 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
     checked(slider)
     if not isinstance(loading, Loading):
         raise refusal("simulate.loading", loading=loading)
-    rtol, dt = solver_settings(rtol, method, dt, slider)
+    rtol = solver_settings(rtol, method)
     t_end = to_si("t_end", t_end)
     V_start = None if V_start is None else to_si("V_start", V_start)
     initial = initial_values(initial, slider.friction_law)
     loading.covers(t_end)
-    check_normal_stress(loading, slider, t_end, method)
+    check_normal_stress(loading, slider, t_end)
     times = saved_times(times, t_end)
-    return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method, dt)
+    return SimulateCall(slider, loading, t_end, V_start, initial, times, rtol, method)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -179,7 +174,6 @@ class SimulateCall:
     times: Any = None
     rtol: float = 1e-6
     method: str = "auto"
-    dt: float | None = None
 
     @functools.cached_property
     def batch(self):
@@ -265,7 +259,7 @@ class SimulateCall:
         values = {symbol: self.batch.values[symbol] for symbol in ("V_start", "t_end")}
         if self.times is not None:
             values["times"] = "as saved"  # else the solver's own steps, or the end
-        settings = {"method": self.method, "rtol": self.rtol, "dt": self.dt, "initial": initial}
+        settings = {"method": self.method, "rtol": self.rtol, "initial": initial}
         attributes = provenance("simulate", self.slider, **settings, **values)
         result = xarray.Dataset(variables, coords, attributes)
         if "t" in variables:

@@ -20,7 +20,7 @@ def _built_in():
 
 
 #: name of a form -> its module, but for that of eq. 1: NAME, OWN, its parameters, and `form_at`, a
-#: function of the number of coefficients that a law has, which gives the class
+
 FORMS = _built_in()
 
 

@@ -9,7 +9,7 @@ import pkgutil
 
 from ...errors import ParameterError
 from ..law import FrictionLaw
-from ..user_law import MARK
+from ..law_properties import MARK
 
 #: the law of a slider that names none
 DEFAULT = "slip"
@@ -28,8 +28,6 @@ def _built_in():
 
 #: name of a friction law -> the law
 LAWS = _built_in()
-#: those of one length (law.py)
-ONE_LENGTH = {name: law for name, law in LAWS.items() if law.one_length}
 #: name or synonym -> name of the law
 LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.synonyms)}
 
@@ -37,9 +35,12 @@ LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.
 def add(law, own):
     """Let a law be found by its name and, from now on, by its own one and its synonyms."""
     LAWS[law.name] = law
-    if law.one_length:
-        ONE_LENGTH[law.name] = law
     LAW_OF.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
+
+
+def of_one_length():
+    """Names of the laws of one length (law_properties.py), a list."""
+    return [name for name, law in LAWS.items() if law.one_length]
 
 
 def own_parameters(laws):

@@ -6,7 +6,6 @@ from pathlib import Path
 import typer
 import xarray
 
-from ...dynamics.cycles.compilation import compile_cycles_elsewhere
 from ...dynamics.progress import on_terminal
 from ...dynamics.verdict import verdict_of_cycle
 from ...dynamics.whole_contact import whole_contact
@@ -22,7 +21,7 @@ from .command import pairs_of
 from .document import document, failed
 from .exits import FAILED, SOME_FAILED
 from .output import print_json, print_line, print_rich
-from .verdict_text import VerdictText, speed_of_verdict, verdict_text
+from .verdict_text import VerdictText, verdict_text
 
 #: the largest result of a sweep in memory: some 2e7 cases of limit_cycle or stability
 MOST_BYTES = 3 * 10**9
@@ -51,7 +50,6 @@ def do(
     run that no quasi-static motion continues.
     """
     output = output_paths(scenario, out, plot)
-    compile_ahead(scenario)
     problem = None
     try:
         result = compute(scenario)
@@ -108,17 +106,6 @@ def swept_dims(scenario: Scenario) -> dict[str, int]:
     values = filter(is_array, [*slider.values.values(), *settings.values(), speeds])
     sizes = {str(dim): size for value in values for dim, size in value.sizes.items()}
     return {dim: size for dim, size in sizes.items() if dim not in ("segment", "time", "frequency")}
-
-
-def compile_ahead(scenario: Scenario) -> None:
-    """Let what the verdict on a run needs be compiled beside what the run needs."""
-    if scenario.verb == "simulate" and not swept_dims(scenario):
-        slider, V_lp = scenario.slider, speed_of_verdict(scenario.settings["loading"])
-        sought = (
-            slider.b > slider.a and float("inf") != slider.K and slider.friction_law.orders >= 2
-        )
-        if V_lp and sought:
-            compile_cycles_elsewhere(slider.friction_law.name)
 
 
 def compute(scenario: Scenario) -> xarray.Dataset:

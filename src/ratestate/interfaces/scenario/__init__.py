@@ -31,8 +31,7 @@
     initial = { theta = "10 s" }
     times = { from = "0 s", to = "300 s", n = 301 }
     rtol = 1e-6
-    method = "im2017"
-    dt = "0.1 ms"
+    method = "rodas5p"
     verb = "limit_cycle"  # in place of "simulate"; rtol then is this verb's
 
     [sweep]  # comes before the other tables; V_lp stands for the last speed of [loading]

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...friction.user_law import MARK
+from ...friction.law_properties import MARK
 from ...model.loading import Loading
 from ...model.loading.normal_stress import NormalStress
 from ...model.loading.written import (

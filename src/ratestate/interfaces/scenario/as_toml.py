@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...friction.law import LOG
-from ...friction.user_law import MARK
+from ...friction.law_properties import MARK
 from ...model.loading import Loading
 from ...model.loading.normal_stress import NormalStress
 from ...model.loading.written import (

@@ -6,17 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ...dynamics.simulation.cases import MAX_STEPS
-from ...dynamics.simulation.settings import check_normal_stress, saved_times, solver_settings
-from ...engine.model import METHODS
-from ...errors import ParameterError
+from ...dynamics.simulation.settings import check_normal_stress, saved_times
 from ...model.batch import Batch
 from ...model.initial_state import initial_state, initial_values
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
 from .known_keys import INITIAL_LIKE
-from .model import ANY, FUNCTIONS
+from .model import FUNCTIONS
 from .problems import Place, expected, message
 
 FEW = 10**5  # cases that are checked one by one
@@ -36,24 +33,15 @@ def check_run(
     place: Callable[[str], Place],
 ) -> None:
     """Note arguments that `simulate` would refuse, of which some may be unknown or None."""
-    t_end, times, dt = (values.get(key) for key in ("t_end", "times", "dt"))
+    t_end, times = values.get("t_end"), values.get("times")
     check_rtol("simulate", values.get("rtol"), place("rtol"))
-    if all(values.get(key, "") is not None for key in ("method", "dt")):
-        _check_method(slider, values.get("method", "auto"), dt, place)
-        if dt and t_end is not None and (steps := float(np.max(t_end)) / dt) > MAX_STEPS:
-            sizes = {"dt": dt, "steps": steps, "most": MAX_STEPS}
-            place("dt").add("run.too_many_steps", **sizes, wanted=expected("dt"))
     if loading is not None and t_end is not None:
         place("t_end").noting(lambda: loading.covers(t_end), "t_end", expected("t_end"))
     stressed = loading is not None and loading.normal_stress is not None
     if stressed and slider is not None and t_end is not None:
-        method = values.get("method") or "auto"
-        check = functools.partial(check_normal_stress, loading, slider, t_end, method)
-        if not METHODS[method].needs_dt:
-            where = Place("[loading] sigma", place("K").problems)
-            where.noting(check, "sigma", message("loading.stress_wanted"))
-        else:
-            place("method").noting(check, "method", message("run.method_wanted"))
+        check = functools.partial(check_normal_stress, loading, slider, t_end)
+        where = Place("[loading] sigma", place("K").problems)
+        where.noting(check, "sigma", message("loading.stress_wanted"))
     if times is not None and t_end is not None:
         place("times").noting(
             lambda: saved_times(times, t_end), "times", message("run.times_wanted")
@@ -70,18 +58,6 @@ def check_run(
         place("V_start").add("run.no_start", wanted=expected("V_start"))
     if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
         Place("[slider] K", place("K").problems).add("run.rigid_rest")
-
-
-def _check_method(
-    slider: SpringSlider | None, method: str, dt: float | None, place: Callable[[str], Place]
-) -> None:
-    """Note a method and time step that are incompatible with each other or with the slider."""
-    try:
-        solver_settings(1e-6, method, dt, slider or ANY)
-    except ParameterError as error:
-        about_dt = str(error).startswith("dt") or "needs a time step" in str(error)
-        key = "dt" if about_dt else "method"
-        place(key).note(error, key, message(f"run.{key}_wanted"))
 
 
 def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loading | None) -> None:

@@ -41,7 +41,7 @@ TABLES = {
         *("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
         *("sigma", "sigma_steps", "sigma_sinusoid"),
     ),
-    "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "dt", "frequency"),
+    "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "frequency"),
     "sweep": ("verb", *SETTINGS),
     "output": ("file", "plot"),
 }

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from ...friction.law_properties import MARK
 from ...friction.laws import friction_law, known_law
-from ...friction.user_law import MARK
 from ...model.user_laws import register
 from .known_keys import example, keys_of, tables_with
 from .problems import Place, message, refusal

@@ -37,7 +37,7 @@ FUNCTIONS = {
         *SWEPT["simulate"],
         keys=("V_lp", "t_end", "V_start", "times", "rtol"),
         commands=("run", "sweep"),
-        check_rtol=lambda rtol: solver_settings(rtol, "auto", None, ANY),
+        check_rtol=lambda rtol: solver_settings(rtol, "auto"),
     ),
     "stability": Function(*SWEPT["stability"], keys=("V_lp",), commands=("stability", "sweep")),
     "frequency_response": Function(

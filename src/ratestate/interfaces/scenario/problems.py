@@ -65,11 +65,12 @@ class Place(NamedTuple):
     ) -> None:
         """Note an error, without its start `symbol`; `wanted` and `like` say what is expected.
 
-        Where no symbol is given, or an example, what the error itself says to give goes first.
+        Where no symbol is given, or an example, what the error itself says to give goes first.  A
+        message in sentences has its own remedy.
         """
         what = error_line(error).removeprefix(f"{symbol} = ").removeprefix(f"{symbol} ")
         what = what.removeprefix("[s] ")  # (of times)
-        if ", expected " not in what:
+        if ", expected " not in what and not what.endswith("."):
             wrong, own, remedy = what.rpartition("; give ")
             if own and (like or not symbol):
                 what, wanted = wrong, f"expected {remedy}"

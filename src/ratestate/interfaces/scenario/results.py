@@ -10,8 +10,8 @@ from ...dynamics import attributes
 from ...errors import ParameterError
 from ...friction.forms import parameters_of
 from ...friction.law import LOG
+from ...friction.law_properties import MARK
 from ...friction.laws import DEFAULT, friction_law, known_law
-from ...friction.user_law import MARK
 from ...model.conversion import in_si
 from ...model.slider import OPTIONAL, SpringSlider
 from ...model.units import is_array
@@ -141,4 +141,4 @@ def _setting(verb: str, result: Any, key: str) -> Any:
     if key in ("V_lp", "V_start", "t_end", "frequency"):
         follows = attrs.get("parameter") == key  # what a branch follows is between two ends
         return None if follows else value_of(result, key, key, attributes.from_json(result, key))
-    return attributes.number(result, key) if key != "dt" or key in attrs else None
+    return attributes.number(result, key)

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 from ...dynamics.continuation.family import PARAMETERS
 from ...friction.composition import EXTRAS
 from ...friction.law import FrictionLaw
+from ...friction.law_properties import MARK
 from ...friction.laws import known_law
-from ...friction.user_law import MARK
 from ...model.names import one_of
 from ...model.other_units import WHOLE_CONTACT
 from ...model.quantities import QUANTITIES

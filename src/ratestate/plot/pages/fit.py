@@ -135,7 +135,7 @@ def _close_ups(record):
 def _reach(part, change):
     """Displacement [m] in which a step is over: the spring loads, and the state evolves."""
     a, K, sigma = (value_of(part, symbol) for symbol in ("a", "K", "sigma"))
-    longest = max(value_of(part, symbol) for symbol in law_of(part).states.values())
+    longest = max(value_of(part, symbol) for symbol in law_of(part).lengths)
     before = change.V_before or QUIET * change.V
     return AFTER * longest + LOADING * a * sigma / K * abs(np.log(change.V / before))
 

@@ -8,7 +8,6 @@
 ``unknowns``                    parameters that may be free: coordinates, bounds, starts
 ``forward``                     friction of a slider, and its derivatives
 ``march``                       motions of many sliders at the samples, by the engine
-``rigid_machine``               K = inf, as the march has it
 ``problem``                     residuals, and where searches start
 ``noise``                       level and correlation of the noise, given or estimated
 ``estimated_noise``             these from residuals, by their ``restricted_likelihood``

@@ -9,11 +9,12 @@ cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6
 import numpy as np
 
 from ...dynamics.simulation.cases import V_LIMIT
-from ...dynamics.simulation.loads import engine_loads
+from ...dynamics.simulation.loads import comes_to_rest, engine_loads
+from ...engine.model import RIGID_REST, STATUSES
+from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
 from ...model.batch import Batch
 from .march import cases_of, marched
-from .rigid_machine import after_jumps, stiffness
 from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
 RTOL = 1e-8
@@ -33,13 +34,16 @@ class Forward:
         self.record, self.law, self.names = record, slider.friction_law, names
         of_motion = (*of_slider(self.law), "sigma", "alpha")
         self.fixed = {symbol: getattr(slider, symbol) for symbol in of_motion}
-        self.rigid = np.isinf(slider.K) and "K" not in names
-        if self.rigid:
-            self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
         self.sigma = slider.sigma
         loading = record.loading
         self.V0 = float(loading.V[0])  # the reference: v = 0 in steady sliding at it
-        self.loads, _ = engine_loads(Batch({"sigma": slider.sigma}), loading)
+        self.loads, row = engine_loads(Batch({"sigma": slider.sigma}), loading)
+        self.max_steps = MAX_STEPS_OF_FIT
+        if np.isinf(slider.K) and "K" not in names:
+            self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
+            self.max_steps *= 10.0  # (the march takes smaller ones)
+            if comes_to_rest(self.loads, row, record.t[-1:]):
+                raise ParameterError(STATUSES[RIGID_REST][1])
         self.stress = loading.normal_stress
         self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
         self.needs_mu0 = "mu0" in self.moving_law.of_slider
@@ -128,8 +132,6 @@ class Forward:
             for i, name in enumerate(self.names):
                 moved = points[:, i]
                 values[name] = np.exp(moved) if parameter(name).is_log else moved
-        if self.rigid:
-            values["K"] = stiffness(values["a"], values["Dc"], self.sigma)
         if self.needs_mu0:
             values["mu0"] = self.mu0(values, np.full(len(points), self.record.level))
         return values
@@ -179,8 +181,6 @@ class Forward:
         if "lag" in self.names:
             # samples from before the start take the value at the start
             times = times - values["lag"][:, None]
-        if self.rigid:
-            times = after_jumps(times, self.loads, Dc)
         which = np.arange(a.size) if len(times) > 1 else np.zeros(a.size, np.int64)
         end = np.maximum(times[:, -1], 1e-9 * self.record.t[-1])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -201,7 +201,7 @@ class Forward:
                 times=which,
                 rtol=RTOL,
                 v_limit=self.v_limit,
-                max_steps=MAX_STEPS_OF_FIT,
+                max_steps=self.max_steps,
             )
         return marched(self.moving_law, cases, self.loads, times)
 

@@ -3,12 +3,12 @@
 import numpy as np
 
 from ...engine import dispatch
-from ...engine.model import FINISHED, METHODS, Cases
+from ...engine.model import FINISHED, Cases
 
 
 def cases_of(*, kappa, **columns):
     """`Cases` of n sliders under one loading; a column may be one value for all of them."""
-    columns = {"dt": 0.0, "loading": 0, "observe": 0.0, "sigma": 1.0, "kappa": kappa} | columns
+    columns = {"loading": 0, "observe": 0.0, "sigma": 1.0, "kappa": kappa} | columns
     each = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
     return Cases(**each)
 
@@ -18,7 +18,6 @@ def marched(law, cases, loads, times):
 
     NaN where a run fails.
     """
-    method, which = METHODS["auto"], np.arange(cases.kappa.size)
-    results = dispatch.run_march(method, law, cases, loads, times, which)
+    results = dispatch.run_march(True, law, cases, loads, times, np.arange(cases.kappa.size))
     results.saved[results.status != FINISHED] = np.nan
     return results.saved

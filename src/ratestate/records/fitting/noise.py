@@ -46,9 +46,9 @@ class Noise(NamedTuple):
             out = columns / self.white
             log_determinant = 2.0 * t.size * math.log(self.white)
         else:
-            out, dt = np.empty_like(columns), np.diff(t)
+            dt = np.diff(t)
             variances, times = self.relaxations(float(np.median(dt)))
-            log_determinant = whiten(dt, self.white**2, variances, times, columns, out)
+            out, log_determinant = whiten(dt, self.white**2, variances, times, columns)
         return out, log_determinant
 
     @property

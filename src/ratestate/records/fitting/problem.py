@@ -48,7 +48,7 @@ class Problem:
 
         In the order of the slider's values, the longest last.
         """
-        free = [D for D in dict.fromkeys(self.law.states.values()) if D in self.unknowns.names]
+        free = [D for D in dict.fromkeys(self.law.lengths) if D in self.unknowns.names]
         by_length = sorted(free, key=lambda D: getattr(self.slider, D))
         return [self.unknowns.names.index(D) for D in by_length]
 

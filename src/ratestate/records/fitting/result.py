@@ -177,7 +177,7 @@ def _statistics(inference):
         at = forward.values(solution.point[None])
         v, logs = forward.start(at, forward.coefficients(at))
         values[V_start] = forward.V0 * np.exp(v.item())
-        for name, D, log in zip(states, law.states.values(), logs, strict=True):
+        for name, D, log in zip(states, law.lengths, logs, strict=True):
             values[name] = (at[D] / forward.V0 * np.exp(log)).item()
     return xarray.Dataset(labelled((), **values))
 

@@ -110,4 +110,4 @@ def test_a_law_file_is_in_the_menu(show):
     shown.page.select_option("#law", name)
     shown.wait()
     assert shown.entry("m") == "1.5"
-    assert "limit_cycle needs derivatives" in shown.text("#headline")
+    assert "peak-to-peak" in shown.text("#headline")

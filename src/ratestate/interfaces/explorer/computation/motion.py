@@ -31,7 +31,7 @@ class Plan:
 
     def call(self, t_end=None, times=None):
         """The `SimulateCall`, up to t_end [s] or, by default, the whole run."""
-        arguments: dict[str, Any] = dict.fromkeys(("V_start", "initial", "dt"))
+        arguments: dict[str, Any] = dict.fromkeys(("V_start", "initial"))
         arguments |= {"rtol": RTOL, "method": "auto", "times": times} | self.settings
         if t_end is not None:
             arguments["t_end"] = t_end
@@ -76,5 +76,5 @@ def durations(verdict, orbit):
         rings = MOST_CYCLES * 2.0 * np.pi / verdict.omega if verdict.omega > 0.0 else np.inf
         return decay, rings
     slider = verdict.slider
-    time = SLIP * max(map(slider.values.get, slider.friction_law.states.values())) / verdict.V_lp
+    time = SLIP * max(map(slider.values.get, slider.friction_law.lengths)) / verdict.V_lp
     return time, time

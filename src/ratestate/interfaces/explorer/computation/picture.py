@@ -117,7 +117,7 @@ def _attractor(slider, V, deadline):
     try:
         with deadline.part():
             found = result_or_error(
-                slider, lambda: cycle_and_orbit(slider, V, rtol=RTOL, progress=deadline)
+                lambda: cycle_and_orbit(slider, V, rtol=RTOL, progress=deadline)
             )
             return (found, None) if isinstance(found, SolverError) else found
     except TimeUp:

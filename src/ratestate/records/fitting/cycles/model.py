@@ -11,7 +11,7 @@ from ....dynamics.cycles.system import state, system_of
 from ....dynamics.simulation.cases import MAX_STEPS
 from ....engine.model import FINISHED, Loads
 from ....friction.composition import composed_law
-from ....friction.rate_and_state import mu_ss
+from ....friction.formulas import mu_ss
 from ..march import cases_of, marched
 from .features import FEATURES, profile_features, wave_profiles
 

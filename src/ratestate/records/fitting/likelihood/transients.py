@@ -113,7 +113,7 @@ def longest_distance(estimates, slider):
     its 95 % interval; the slider's value if it was given.
     """
     found = []
-    for symbol in slider.friction_law.states.values():
+    for symbol in slider.friction_law.lengths:
         given = float(getattr(slider, symbol))
         if symbol in estimates.names:
             estimate = estimates.of(symbol)

@@ -136,7 +136,7 @@ def _nearer(task, pilot):
 
 def _longest_distance(slider):
     """The longest distance [m] over which a state of a slider evolves."""
-    return max(float(getattr(slider, D)) for D in slider.friction_law.states.values())
+    return max(float(getattr(slider, D)) for D in slider.friction_law.lengths)
 
 
 def _separate(task):

@@ -13,10 +13,7 @@ doi:10.1029/JB088iB12p10359 (slip); equation numbers are those of Im, Marone & E
 import numpy as np
 
 from ..errors import ParameterError
-from .laws import LAWS, ONE_LENGTH, friction_law
-
-#: names that `ratestate.laws` has always had
-SLIP, AGING = LAWS["slip"], LAWS["aging"]
+from .laws import friction_law, of_one_length
 
 
 def friction(V, theta, *, a, b, mu0, V0, Dc):
@@ -94,7 +91,8 @@ def dtheta_dt(V, theta, *, Dc, law):
     omega = V * theta / Dc
     # Omega ln(Omega) -> 0 with Omega: the smallest float stands in for 0 under the logarithm
     v = np.log(np.maximum(omega, 5e-324))
-    return _one_length(law).rates(v, omega, (0.0,), (1.0,), (1.0,))[0]
+    found, psi = _one_length(law), (0.0,)
+    return found.rates(v, omega, psi, found.exponentials(v, omega, psi, ()), ())[0]
 
 
 def dtheta_dt_partials(V, theta, *, Dc, law):
@@ -125,14 +123,15 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
         Unknown law, or one with other parameters than Dc.
     """
     omega = V * theta / Dc
-    (slope,), _ = _one_length(law).rate_partials(0.0, 1.0, (np.log(omega),), (1 / omega,), (1.0,))
+    found, psi = _one_length(law), (np.log(omega),)
+    (slope,), _ = found.rate_partials(0.0, 1.0, psi, found.exponentials(0.0, 1.0, psi, ()), ())
     return slope * theta / Dc, slope * V / Dc
 
 
 def _one_length(law):
     """The law with this name; ParameterError unless it is one of one length."""
     if not (found := friction_law(law)).one_length:
-        names = " and ".join(map(repr, ONE_LENGTH))
+        names = " and ".join(map(repr, of_one_length()))
         raise ParameterError(f"law = {law!r} has other parameters than Dc; this serves {names}")
     return found
 

@@ -1,31 +1,30 @@
-"""Compiled kernels on disk: damaged, full, refused, another's; a call never fails for it."""
+"""Machine code on disk: damaged, full, refused, another's; a call never fails for it."""
 
+import contextlib
+import ctypes
 import errno
 import hashlib
 import os
-import pickle
 import shutil
+import signal
 import stat
 import subprocess
 import sys
+import time
 from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
 
-import ratestate as rs
-from ratestate.engine import cache, dispatch, jit
-from ratestate.engine.march import march
+from ratestate.engine import cache, machine_code, programs
+from ratestate.engine.units import ReturnUnits
 from ratestate.errors import CompilationError
-from ratestate.friction.composition import under_varying_stress
 from ratestate.friction.laws import LAWS
 
 CHECKSUM = hashlib.sha256().digest_size
 
 
-def add_three(x):
-    return x + 3.0
+TEXT = "define i64 @add_three(i64 %x) {{ %y = add i64 %x, {number}\nret i64 %y }}"
 
 
 @pytest.fixture
@@ -43,24 +42,28 @@ def temporary(tmp_path, usual):
     return tmp_path / "tmp" / f"ratestate-{os.geteuid()}" / f"kernels-{cache.DIGEST}"
 
 
-def called():
-    """Call the function, as a new process would; whether it was found compiled."""
-    found, compiled = [], jit.kernel(add_three)
-    load = compiled._cache.load_overload
-    compiled._cache.load_overload = lambda *a: found.append(load(*a)) or found[-1]
-    assert compiled(4.5) == 7.5
-    return [one is not None for one in found] == [True]
+def called(number=3):
+    """Whether code that adds 3 is found, as a new process would: else it is compiled."""
+    made = []
+
+    def make():
+        made.append(True)
+        return machine_code.compiled(TEXT.format(number=number))
+
+    code = cache.obtained("add_three", make)
+    add = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)
+    assert add(machine_code.loaded(code, ["add_three"])["add_three"])(4) == 4 + number
+    return not made
 
 
 def only(folder):
-    """The one file of a kernel in a folder."""
+    """The one file in a folder."""
     (path,) = folder.iterdir()
-    assert path.name.startswith("test_kernel_cache.add_three-")
-    assert path.suffix == ".nbc"
+    assert path.name == f"add_three-{cache._machine()}.o"
     return path
 
 
-def test_a_kernel_is_compiled_once(usual, temporary, capfd):
+def test_code_is_compiled_once(usual, temporary, capfd):
     assert [called(), called(), called()] == [False, True, True]
     content = only(usual).read_bytes()
     assert content[:CHECKSUM] == hashlib.sha256(content[CHECKSUM:]).digest()
@@ -68,18 +71,24 @@ def test_a_kernel_is_compiled_once(usual, temporary, capfd):
     assert capfd.readouterr().err == ""
 
 
-def test_one_file_for_types_and_programs(usual, monkeypatch):
-    called()
-    integer = jit.kernel(add_three)
-    assert integer(4) == 7.0
-    assert len(list(usual.iterdir())) == 2
-    monkeypatch.setattr(cache, "PROGRAMS", ("another numba",))
-    assert [called(), called()] == [False, True]
-    assert len(list(usual.iterdir())) == 3
+def test_one_file_for_each_processor_and_compiler(usual, monkeypatch):
+    assert not called()
+    names = {only(usual).name}
+    for module, name, value in (
+        (cache, "processor", lambda: ("x86_64-unknown-linux-gnu", "another", "+sse2")),
+        (cache.llvmlite, "__version__", "0.0"),
+    ):
+        monkeypatch.setattr(module, name, value)
+        cache._machine.cache_clear()
+        names.add(f"add_three-{cache._machine()}.o")
+        assert [called(), called()] == [False, True]
+    cache._machine.cache_clear()
+    assert {path.name for path in usual.iterdir()} == names
+    assert len(names) == 3
 
 
-def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
-    """A change of any file of the engine or of friction, or a new one, has other kernels."""
+def test_code_is_of_its_sources(tmp_path, monkeypatch):
+    """A change of any file of the engine or of friction, or a new one, has another folder."""
     package = Path(cache.__file__).parents[1]
     sources = [
         path for folder in ("engine", "friction") for path in (package / folder).rglob("*.py")
@@ -99,10 +108,6 @@ def test_kernels_are_of_their_sources(tmp_path, monkeypatch):
     assert cache._digest() != cache.DIGEST
 
 
-def signed(content):
-    return hashlib.sha256(content).digest() + content
-
-
 def flipped(content, place):
     changed = bytearray(content)
     changed[int(place * (len(content) - 1))] ^= 1
@@ -110,13 +115,10 @@ def flipped(content, place):
 
 
 DAMAGES = {
-    "cut": lambda content: content[:1000],
+    "cut": lambda content: content[:300],
     "empty": lambda content: b"",
     "noise": lambda content: np.random.default_rng(1).bytes(3000),
     **{f"bit at {x}": lambda content, x=x: flipped(content, x) for x in (0, 0.01, 0.3, 0.7, 1)},
-    "no pickle": lambda content: signed(b"\x1b" * 3000),
-    "another thing": lambda content: signed(pickle.dumps({"a": 1})),
-    "too few": lambda content: signed(pickle.dumps(pickle.loads(content[CHECKSUM:])[:1])),
 }
 
 
@@ -127,42 +129,79 @@ def test_a_damaged_file_is_replaced(damage, usual, capfd):
     whole = path.read_bytes()
     path.write_bytes(damage(whole))
     assert not called()
-    said = f"ratestate: the compiled kernel {path} is damaged; it is compiled anew\n"
+    said = f"ratestate: the machine code {path} is damaged; it is compiled anew\n"
     assert capfd.readouterr().err == said
     assert only(usual) == path
     content = path.read_bytes()
     assert content[:CHECKSUM] == hashlib.sha256(content[CHECKSUM:]).digest()
-    assert len(content) > 0.9 * len(whole)
+    assert content == whole
     assert called()
     assert capfd.readouterr().err == ""
 
 
+WHITEN = (
+    "import numpy as np; from ratestate.engine.noise import whiten;"
+    "print(*whiten(np.ones(2), 1.0, np.ones(1), np.ones(1), np.ones((3, 1))))"
+)
+
+
+def run(program, folder, **more):
+    """A process that runs a program, with its cache in a folder."""
+    place = os.environ | {"XDG_CACHE_HOME": str(folder)}
+    streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen([sys.executable, "-c", program], env=place, **streams)
+
+
 def test_a_flipped_bit_of_real_machine_code(tmp_path):
-    program = (
-        "import numpy as np; from ratestate.engine.noise import whiten; out = np.empty((3, 1));"
-        "print(whiten(np.ones(2), 1.0, np.ones(1), np.ones(1), np.ones((3, 1)), out), out)"
-    )
+    def answer():
+        process = run(WHITEN, tmp_path)
+        return (*process.communicate(), process.returncode)
 
-    def run():
-        place = os.environ | {"XDG_CACHE_HOME": str(tmp_path)}
-        command = [sys.executable, "-c", program]
-        return subprocess.run(command, env=place, capture_output=True, text=True, check=False)
-
-    first = run()
-    assert (first.returncode, first.stderr) == (0, "")
+    first = answer()
+    assert first[1:] == ("", 0)
     t = np.arange(3.0)
     log_determinant = np.linalg.slogdet(np.eye(3) + np.exp(-abs(t - t[:, None])))[1]
-    assert float(first.stdout.split()[0]) == pytest.approx(log_determinant, rel=1e-14)
-    (path,) = tmp_path.rglob("*.nbc")
+    assert float(first[0].split()[-1]) == pytest.approx(log_determinant, rel=1e-14)
+    (path,) = tmp_path.rglob("*.o")
     assert path.is_relative_to(tmp_path / "ratestate" / f"kernels-{cache.DIGEST}")
     content = path.read_bytes()
-    at = content.index(b"\x7fELF")  # the object file begins; behind its header there is code
-    start, end = at + 64, at + 400
+    assert content[CHECKSUM : CHECKSUM + 4] in (b"\x7fELF", b"\xcf\xfa\xed\xfe")
+    start = len(content) // 3
+    end = start + 300
     path.write_bytes(content[:start] + bytes(b ^ 1 for b in content[start:end]) + content[end:])
-    second, third = run(), run()
-    assert second.stdout == third.stdout == first.stdout
-    assert second.stderr.count("is damaged") == 1
-    assert (second.returncode, third.returncode, third.stderr) == (0, 0, "")
+    second, third = answer(), answer()
+    assert second[0] == third[0] == first[0]
+    assert second[1].count("is damaged") == 1
+    assert second[2:] == third[2:] == (0,)
+    assert third[1] == ""
+
+
+def test_two_processes_at_once_in_an_empty_folder(tmp_path):
+    """Each compiles, or uses what the other has; both answer, and files are whole."""
+    both = [run(WHITEN, tmp_path) for _ in range(2)]
+    answers = [(*one.communicate(), one.returncode) for one in both]
+    assert answers[0] == answers[1]
+    assert answers[0][1:] == ("", 0)
+    (path,) = tmp_path.rglob("*.o")
+    content = path.read_bytes()
+    assert content[:CHECKSUM] == hashlib.sha256(content[CHECKSUM:]).digest()
+    assert not list(tmp_path.rglob("*.partial"))
+
+
+def test_a_process_that_is_killed_while_it_writes(usual, tmp_path):
+    """What it leaves is not taken for code."""
+    stops = (
+        "import os, pathlib, time; from ratestate.engine import cache;"
+        "os.replace = pathlib.Path.replace = lambda *given: (print(flush=True), time.sleep(60));"
+        "cache.obtained('add_three', lambda: bytes(300_000))"
+    )
+    process = run(stops, tmp_path / "cache")
+    process.stdout.readline()
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    (partial,) = usual.iterdir()
+    assert partial.suffix == ".partial"
+    assert [called(), called()] == [False, True]
 
 
 # ------------------------------------------------------------------------------- nowhere to put it
@@ -186,8 +225,8 @@ def test_a_full_disk_leads_to_one_folder_of_this_user(usual, temporary, monkeypa
     only(temporary)
     assert stat.S_IMODE(temporary.parent.stat().st_mode) == 0o700
     assert capfd.readouterr().err == (
-        f"ratestate: compiled kernels cannot be kept in {usual} (No space left on device); "
-        f"they are in {temporary}\n"
+        f"ratestate: machine code cannot be kept in {usual} (No space left on device); "
+        f"it is in {temporary}\n"
     )
 
 
@@ -196,7 +235,7 @@ def test_a_folder_that_cannot_be_made(usual, temporary, tmp_path, capfd):
     assert [called(), called()] == [False, True]
     only(temporary)
     said = capfd.readouterr().err
-    assert f"cannot be kept in {usual} (Not a directory); they are in {temporary}" in said
+    assert f"cannot be kept in {usual} (Not a directory); it is in {temporary}" in said
 
 
 def test_no_place_at_all(usual, temporary, monkeypatch, capfd):
@@ -211,7 +250,7 @@ def test_no_place_at_all(usual, temporary, monkeypatch, capfd):
 def test_a_disk_that_fills_up_leaves_no_part_of_a_file(usual, temporary):
     from limits import largest_file
 
-    with largest_file(5000):
+    with largest_file(100):
         assert not called()
     assert [*usual.iterdir(), *temporary.iterdir()] == []
 
@@ -274,7 +313,7 @@ def test_a_folder_of_others_is_passed_over(level, change, reason, usual, tempora
         change(changed)
         assert folder not in cache._folders()
         said = capfd.readouterr().err
-        assert said.startswith(f"ratestate: compiled kernels in {folder.parent} are not used: ")
+        assert said.startswith(f"ratestate: machine code in {folder.parent} is not used: ")
         assert f"{changed}" in said
         assert reason in said
         assert said.count("\n") == 1  # once
@@ -295,26 +334,14 @@ def test_folders_that_are_safe_are_used(usual, temporary, capfd):
 
 
 @pytest.mark.parametrize("safe", [True, False])
-def test_code_of_others_does_not_run(safe, usual, temporary, tmp_path):
-    """A file that is made up as a kernel runs what it likes, from a safe folder alone."""
+def test_code_of_others_does_not_run(safe, usual, temporary):
+    """A file that is made up as code runs what it likes, from a safe folder alone."""
     called()
-    path = only(usual)
-    payload = pickle.dumps(Payload(str(tmp_path / "ran")))
-    path.write_bytes(hashlib.sha256(payload).digest() + payload)
+    path, other = only(usual), machine_code.compiled(TEXT.format(number=5))
+    path.write_bytes(hashlib.sha256(other).digest() + other)
     usual.parent.chmod(0o700 if safe else 0o707)
-    assert not called()
-    assert (tmp_path / "ran").exists() == safe
+    assert called(5 if safe else 3) == safe
     assert temporary.exists() != safe
-
-
-class Payload(tuple):
-    """Makes a folder when it is unpickled."""
-
-    def __new__(cls, path):
-        return super().__new__(cls, (path,))
-
-    def __reduce__(self):
-        return os.mkdir, tuple(self)
 
 
 @pytest.mark.parametrize("mask", [0, 0o002, 0o022, 0o077])
@@ -361,7 +388,7 @@ def test_a_file_of_others_is_not_loaded(change, told, usual, capfd):
     path = only(usual)
     change(path)
     assert not called()
-    said = f"the compiled kernel {path} may be another user's; it is compiled anew"
+    said = f"the machine code {path} may be another user's; it is compiled anew"
     assert (said in capfd.readouterr().err) == told
     if path.is_file():
         assert called()
@@ -374,7 +401,7 @@ def test_writers_at_once_leave_a_whole_file(usual):
         "for _ in range(40): cache._write(path, content)"
     )
     usual.mkdir(parents=True)
-    path = usual / "x.nbc"
+    path = usual / "x.o"
     cache._write(path, bytes(300_000))
     command = [sys.executable, "-c", program, str(path)]
     writers = [subprocess.Popen([*command, str(i)]) for i in (1, 2)]
@@ -385,38 +412,60 @@ def test_writers_at_once_leave_a_whole_file(usual):
     assert list(usual.iterdir()) == [path]
 
 
-# ------------------------------------------------------------------------- compiling itself fails
+# ------------------------------------------------------------------- what is loaded, and reported
 
 
-def test_a_kernel_that_cannot_be_compiled(monkeypatch):
-    @jit.kernel
-    def broken(x, budget):
-        return x.nothing
+def test_code_without_a_function_is_made_anew(usual):
+    texts = iter(["define void @other() { ret void }", TEXT.format(number=3)])
 
-    worker = dispatch._Worker(broken, (), LAWS["slip"], False, np.zeros(1), ())
-    worker.arguments = (1.0,)
-    with pytest.raises(CompilationError, match=r"the solver cannot be compiled.*TypingError"):
-        worker.go()
+    def make():
+        return machine_code.compiled(next(texts))
+
+    with contextlib.suppress(StopIteration):
+        assert programs._addresses("add_three", make, ["add_three"])["add_three"] > 0
+    assert next(texts, None) is None
+    assert called()  # it is kept
 
 
-@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
-@pytest.mark.parametrize(
-    "slider",
-    [
-        {"law": "slip", "damping": 1e4},
-        {"law": "slip", "friction": "regularized", "damping": 1e4},
-        {
-            "law": "two-state-aging",
-            "b2": 0.001,
-            "Dc2": 5e-5,
-            "friction": "cut-off",
-            "V1": 1,
-            "V2": 1,
-        },
-    ],
-)
-def test_kernels_of_all_that_a_slider_is_made_of_are_kept(slider):
-    """Not so a function that was handed to another in compiled code: it has an address."""
-    made = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3, **slider)
-    rs.simulate(made, rs.Loading.constant(1e-4).sigma_step(1e-3, 2.1e6), 2e-3)
-    assert march._cache.kept(under_varying_stress(made.friction_law))
+@pytest.mark.parametrize("text", ["define void @other() { ret void }", "define nothing"])
+def test_code_that_cannot_be_made_or_lacks_a_function_still(text, usual):
+    def make():
+        return machine_code.compiled(text)
+
+    with pytest.raises(CompilationError, match=r"cannot be compiled on this machine \(\w+Error: "):
+        programs._addresses("add_three", make, ["add_three"])
+
+
+def test_a_law_that_cannot_be_compiled_is_named(usual, monkeypatch):
+    def fails(*given):
+        raise TypeError("no number")
+
+    monkeypatch.setattr(programs, "unit_text", fails)
+    with pytest.raises(CompilationError, match=r"the law slip .*\(TypeError: no number\)"):
+        programs.units_of(type(LAWS["slip"])(), ReturnUnits)
+
+
+@pytest.mark.parametrize(("seconds", "reported"), [(0.6, "1.2"), (0.4, ""), (30.0, "60.0")])
+def test_a_long_time_is_reported_once(seconds, reported, usual, monkeypatch, capfd):
+    monkeypatch.setattr(cache, "_reported", [])
+    monkeypatch.setattr(cache, "_seconds", [])
+    clock = iter(np.arange(100) * seconds)
+    monkeypatch.setattr(time, "perf_counter", lambda: next(clock))
+    for _ in range(3):
+        for name in ("one", "other"):
+            cache.made(name, lambda: b"code")
+        cache.report_time()
+    said = f"ratestate: compiled the solver for this machine in {reported} s; it is kept\n"
+    assert capfd.readouterr().err == (said if reported else "")
+
+
+def test_nothing_is_reported_of_code_that_is_kept(usual, monkeypatch, capfd):
+    monkeypatch.setattr(cache, "LONG", 1e-9)
+    monkeypatch.setattr(cache, "_reported", [])
+    called()
+    cache.report_time()
+    assert "it is kept" in capfd.readouterr().err
+    cache._reported.clear()
+    called()
+    cache.report_time()
+    assert capfd.readouterr().err == ""

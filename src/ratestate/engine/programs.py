@@ -1,0 +1,96 @@
+"""Kernels run from Python: machine code of a control (compiler.py) and of a law's units.
+
+Each object is made when it is first needed, and kept on disk (cache.py).
+"""
+
+import contextlib
+import ctypes
+import functools
+
+from ..errors import CompilationError
+from . import cache
+from .compiler import kernel_text
+from .instructions import Context
+from .machine_code import compiled, loaded
+from .rows import WIDTH
+from .unit_code import unit_text
+from .units import unit_names
+
+#: the level of optimisation of a control: its code is no faster at 2, which takes 0.2 s more
+LEVEL = 1
+
+
+class Program:
+    """A function of a small part of Python that is run on a record as machine code.
+
+    Parameters
+    ----------
+    function : of a record and an int, which returns a bool
+    record : named tuple of ints, arrays, and such tuples: arrays are used as they are
+    """
+
+    def __init__(self, function, record):
+        self._context = Context(record)
+        self._words = self._context.words.ctypes.data
+        self._run = _compiled(function, self._context)
+
+    def __call__(self, budget):
+        """What the function returns; other threads of Python may run meanwhile."""
+        return self._run(self._words, budget)
+
+
+_functions: dict = {}  # (function, kinds of arrays) -> function of ctypes
+
+
+def _compiled(function, context):
+    key = function, tuple(context.kinds)
+    if key not in _functions:
+        name = function.__name__
+
+        def make():
+            return compiled(kernel_text(function, context.layout()), level=LEVEL)
+
+        addresses = _addresses(f"{name}-{cache.short_hash(key[1])}", make, [name])
+        kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)
+        _functions[key] = kind(addresses[name])
+    return _functions[key]
+
+
+@functools.cache
+def units_of(law, kind):
+    """The units of a law, loaded; kind : their class (units.py)."""
+    name, make = f"{law.name}-{kind.__name__}-{WIDTH}", lambda: compiled(_text(law, kind))
+    return kind(**_addresses(name, make, unit_names(law, kind)))
+
+
+def _text(law, kind):
+    try:
+        return unit_text(law, kind, WIDTH)
+    except Exception as error:
+        raise CompilationError(
+            f"the law {law.name} cannot be compiled ({_reason(error)}). Its methods may hold "
+            f"arithmetic, and functions that ratestate has for laws."
+        ) from error
+
+
+def _addresses(name, make, functions):
+    """Addresses of functions in machine code of this name, which is kept, else made.
+
+    Code that is kept and cannot be loaded is made anew.  CompilationError if that fails too.
+    """
+    try:
+        with contextlib.suppress(ImportError):
+            return loaded(cache.obtained(name, make), functions)
+        return loaded(cache.made(name, make), functions)
+    except (CompilationError, SyntaxError):  # of a law; of a control, which no user writes
+        raise
+    except Exception as error:  # none of a case's: machine code has but status codes
+        raise CompilationError(
+            f"the solver cannot be compiled on this machine ({_reason(error)}). No parameter is "
+            f"at fault: free memory, or install ratestate and llvmlite anew, and run the same "
+            f"again."
+        ) from error
+
+
+def _reason(error):
+    return f"{type(error).__name__}: {error}".splitlines()[0]

@@ -1,0 +1,30 @@
+"""What friction laws of one's own are written with.
+
+`FrictionLaw`, which they derive from, `Parameter`, and functions of the quantities in their
+formulas: exp, expm1, log, log1p, sqrt, sinh, cosh, tanh, asinh, abs, minimum, maximum, where.
+"""
+
+from builtins import abs  # noqa: A004  (a function of formulas too)
+
+from .friction.functions import asinh, cosh, exp, expm1, log, log1p, sinh, sqrt, tanh, where
+from .friction.functions import larger as maximum
+from .friction.functions import smaller as minimum
+from .friction.law import FrictionLaw, Parameter
+
+__all__ = [
+    "FrictionLaw",
+    "Parameter",
+    "abs",
+    "asinh",
+    "cosh",
+    "exp",
+    "expm1",
+    "log",
+    "log1p",
+    "maximum",
+    "minimum",
+    "sinh",
+    "sqrt",
+    "tanh",
+    "where",
+]

@@ -1,0 +1,231 @@
+"""A law that is one formula, (1 - (V theta/Dc)^m)/m, has all that built-in laws have."""
+
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import solve_ivp
+from synthetic_records import SLIDER, record
+from user_laws import MINE
+
+import ratestate as rs
+from ratestate.interfaces import scenario
+
+FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
+V = 4e-3
+LIKE = pytest.mark.parametrize(("m", "law"), [(1.0, "aging"), (2.0, "prz")])
+
+
+@pytest.fixture
+def pair(law_file):
+    """A slider under the formula with this m, and under the built-in law that it then is."""
+    path = law_file(MINE)
+
+    def made(m, law, slider=FIG2, **changes):
+        own = slider.replace(law=rs.register(path), m=m, **changes)
+        return own, slider.replace(law=law, **changes)
+
+    return made
+
+
+def assert_same(found, wanted, rtol=1e-9):
+    """All numbers of two results, beside those that tell only how they were found."""
+    how = {"steps", "rejected", "error", "residual", "energy_residual", "returns", "iterations"}
+    how |= {"inertial_force", "cycles"}  # (rounding, without mass)
+    for name in wanted.data_vars.keys() - how:
+        if wanted[name].dtype.kind in "fc" and "error" not in name:
+            size = np.abs(wanted[name]).max() if wanted[name].size > 1 else 0.0
+            np.testing.assert_allclose(
+                found[name], wanted[name], rtol=rtol, atol=rtol * size, err_msg=name
+            )
+        elif wanted[name].dtype.kind in "ib" and "error" not in name:
+            np.testing.assert_array_equal(found[name], wanted[name], err_msg=name)
+
+
+@LIKE
+@pytest.mark.parametrize(
+    "part",
+    [{}, {"M": 0.0, "K": 4e9}, {"damping": 1e5}, {"friction": "regularized"}, {"alpha": 0.3}],
+)
+def test_a_run(pair, m, law, part):
+    loading = rs.Loading.steps(V / 3, (0.02, V))
+    if "alpha" in part:
+        loading = loading.sigma_step(0.04, 2.1e6).sigma_sinusoid(5e4, period=0.03)
+    times = [0.01, 0.03, 0.06, 0.1]
+    runs = [rs.simulate(one, loading, 0.1, times=times, rtol=1e-11) for one in pair(m, law, **part)]
+    assert_same(*runs)
+
+
+@LIKE
+def test_stability_and_the_hopf_point(pair, m, law):
+    own, its = pair(m, law)
+    assert_same(rs.stability(own, V), rs.stability(its, V))
+    assert_same(rs.hopf(own, V), rs.hopf(its, V))
+    assert_same(rs.hopf(own), rs.hopf(its))
+
+
+@LIKE
+def test_cycles_large_and_small(pair, m, law):
+    own, its = pair(m, law)
+    K = float(its.K_c(V)) * xr.DataArray([0.3, 0.9, 0.999], dims="K")
+    cycles = [rs.limit_cycle(one.replace(K=K), V, rtol=1e-12) for one in (own, its)]
+    names = "amplitude period V_max V_min mu_min multipliers".split()
+    assert (cycles[1].status == 0).all()
+    for name in names:
+        np.testing.assert_allclose(
+            cycles[0][name], cycles[1][name], rtol=1e-9, atol=1e-9, err_msg=name
+        )
+
+
+@LIKE
+def test_a_branch(pair, m, law):
+    own, its = pair(m, law)
+    K_c = float(its.K_c(V))
+    one, other = (rs.continue_cycle(x, "K", 0.9 * K_c, 0.7 * K_c, V_lp=V) for x in (own, its))
+    ends = [float(x.amplitude[-1]) for x in (one, other)]
+    assert ends[0] == pytest.approx(ends[1], rel=1e-6)
+
+
+@LIKE
+def test_the_frequency_response(pair, m, law):
+    own, its = pair(m, law, K=2e9)
+    frequencies = [0.1, 3.0, 80.0]
+    assert_same(*(rs.frequency_response(x, V, frequencies) for x in (own, its)))
+
+
+@LIKE
+def test_a_fit(pair, m, law):
+    """With the exponent held; freed, it is found."""
+    times = np.linspace(30.0, 60.0, 200)
+    data = record(SLIDER.replace(law=law), rs.Loading.steps("1 um/s", (40.0, "10 um/s")), times)
+    start = pair(m, law, SLIDER.replace(a=0.006, b=0.012, K=3e10))
+    own, its = (rs.fit(data, one, ("a", "b", "Dc", "K")) for one in start)
+    for name in ("a", "b", "Dc", "K", "mu0"):
+        assert float(own[name]) == pytest.approx(float(its[name]), rel=1e-9), name
+    freed = rs.fit(data, start[0].replace(m=1.5), ("a", "b", "Dc", "K", "m"))
+    assert float(freed.m) == pytest.approx(m, rel=1e-3)
+
+
+def test_a_scenario_and_a_store(pair, tmp_path):
+    """The law file lies beside the scenario; two cases of a sweep, a chunk each."""
+    own, its = pair(2.0, "prz")
+    loading = rs.Loading.steps(V / 3, (0.01, V))
+    text = scenario.toml(scenario.from_result(rs.simulate(its, loading, 0.02)))
+    assert 'law = "prz"' in text
+    (tmp_path / "mine.toml").write_text(
+        text.replace('law = "prz"', 'law_file = "mine.py"\nm = 2.0')
+    )
+    result = scenario.run(scenario.load(tmp_path / "mine.toml"))
+    wanted = rs.simulate(own, loading, 0.02)
+    np.testing.assert_array_equal(result.tau, wanted.tau)
+    swept = own.replace(m=xr.DataArray([1.0, 2.0], dims="m"), K=6e8)
+    how = {"V_lp": V, "chunk": 1, "progress": False}
+    stored = rs.sweep("limit_cycle", swept, store=tmp_path / "s.zarr", **how)
+    for k, law in enumerate(("aging", "prz")):
+        cycle = rs.limit_cycle(its.replace(law=law, K=6e8), V)
+        assert float(stored.period[k]) == pytest.approx(float(cycle.period), rel=1e-6)
+
+
+class Sides(rs.FrictionLaw):
+    """Of either side of x = 3 the formula of the other side is no number a little further."""
+
+    name = "sides"
+
+    def evolution(self, V, theta, p):
+        x = V * theta / p.Dc
+        below = (1 - x) * (1 + 0.1 * rs.laws.sqrt(3.5 - x))
+        above = (1 - x) * (1 + 0.1 * 0.5**0.5) - (x - 3) * rs.laws.log(x - 2.5)
+        return rs.laws.where(x < 3, below, above)
+
+
+def by_scipy(slider, V, V_start, times):
+    """tau, V and theta at times from steady sliding at V_start, as columns."""
+    p = slider
+
+    def rates(t, y):
+        tau, v, theta = y[0], y[1], y[2]
+        x = np.exp(v) * theta / p.Dc
+        if x < 3:
+            rate = (1 - x) * (1 + 0.1 * np.sqrt(3.5 - x))
+        else:
+            rate = (1 - x) * (1 + 0.1 * np.sqrt(0.5)) - (x - 3) * np.log(x - 2.5)
+        mu = p.mu0 + p.a * (v - np.log(p.V0)) + p.b * np.log(p.V0 * theta / p.Dc)
+        return [p.K * (V - np.exp(v)), (tau - p.sigma * mu) / (p.M * np.exp(v)), rate]
+
+    mu = p.mu0 + (p.a - p.b) * np.log(V_start / p.V0)
+    start = [mu * p.sigma, np.log(V_start), p.Dc / V_start]
+    scales = [1e-11 * p.sigma, 1e-11, 1e-11 * p.Dc / V_start]
+    found = solve_ivp(
+        rates, (0.0, times[-1]), start, "LSODA", times, rtol=1e-11, atol=scales, max_step=1e-4
+    )
+    return found.y[0], np.exp(found.y[1]), found.y[2]
+
+
+def test_the_side_of_where_that_is_not_chosen_does_no_harm():
+    """In a run, whose x passes 3 both ways, and in the derivative."""
+    slider = FIG2.replace(law=Sides, K=2e9)
+    assert slider.K_c_qs == pytest.approx(0.003 * 2e6 / 1e-5 * (1 + 0.1 * 2.5**0.5), rel=1e-12)
+    times = np.linspace(0.0, 0.02, 41)
+    run = rs.simulate(slider, rs.Loading.constant(V), 0.02, V_start=V / 20, times=times, rtol=1e-9)
+    x = run.V.values * run.theta.values / 1e-5
+    assert x.min() < 1 < 3.5 < x.max()
+    for name, wanted in zip(("tau", "V", "theta"), by_scipy(slider, V, V / 20, times), strict=True):
+        np.testing.assert_allclose(run[name], wanted, rtol=1e-6, err_msg=name)
+
+
+def test_friction_that_falls_with_speed_is_refused():
+    """`register` sees it at the example of h alone."""
+
+    class Bent(rs.FrictionLaw):
+        name = "bent"
+        parameters = MappingProxyType({"h": rs.laws.Parameter("1", "direct effect", "", "0.01")})
+
+        def evolution(self, V, theta, p):
+            return 1 - V * theta / p.Dc
+
+        def friction(self, V, theta, p):
+            log = rs.laws.log
+            return p.mu0 + p.h * log(V / p.V0) + p.b * log(p.V0 * theta / p.Dc)
+
+    slider = FIG2.replace(law=Bent, h=0.003, M=0.0, K=2e9)
+    usual = FIG2.replace(law="aging", M=0.0, K=2e9)
+    loading, how = rs.Loading.constant(V), {"V_start": V / 3, "times": [0.01]}
+    found, wanted = (float(rs.simulate(x, loading, 0.01, **how).V[0]) for x in (slider, usual))
+    assert found == pytest.approx(wanted, rel=1e-6)
+    for h, part in ((0.0, "0"), (-0.003, "-1")):
+        falling = slider.replace(h=h)
+        for call in (
+            lambda s: rs.simulate(s, loading, 0.01, **how),
+            lambda s: rs.stability(s, V),
+            lambda s: rs.limit_cycle(s.replace(M=3e3), V),
+            lambda s: rs.hopf(s.replace(M=3e3)),
+        ):
+            with pytest.raises(rs.ParameterError) as error:
+                call(falling)
+            assert str(error.value) == (
+                f"law = '{slider.law}': friction does not rise with V in steady sliding, "
+                f"(d mu/d ln V)/a = {part}. Give other parameters."
+            )
+
+
+def test_other_parameters_than_the_examples_may_have_no_steady_sliding():
+    class Started(rs.FrictionLaw):
+        name = "started"
+        parameters = MappingProxyType({"r": rs.laws.Parameter("1", "steady V theta/Dc")})
+
+        def evolution(self, V, theta, p):
+            return p.r - V * theta / p.Dc
+
+    slider = FIG2.replace(law=Started, r=0.5, K=2e9)
+    run = rs.simulate(slider, rs.Loading.constant(V), 0.2, V_start=V / 2, times=[0.2])
+    assert float(run.theta[0]) == pytest.approx(0.5 * 1e-5 / V, rel=1e-6)
+    without = slider.replace(r=-1.0)
+    said = f"^law = '{slider.law}': theta has no steady value. Give other parameters.$"
+    for call in (
+        lambda: rs.simulate(without, rs.Loading.constant(V), 0.02, V_start=V / 2),
+        lambda: rs.stability(without, V),
+        lambda: rs.hopf(without),
+    ):
+        with pytest.raises(rs.ParameterError, match=said):
+            call()

@@ -1,0 +1,479 @@
+"""The compiler of the control, beside Python itself, and what it refuses."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as some
+from machine_control import Machine
+
+from ratestate.engine.compiler import kernel_text
+from ratestate.engine.instructions import Context
+from ratestate.friction.functions import exp, expm1, log, log1p, sqrt
+
+TWO, HALF = 2, 0.5
+
+
+class Inner(NamedTuple):
+    n: int
+    items: np.ndarray  # (6,) int64
+
+
+class Given(NamedTuple):
+    x: np.ndarray  # (4,)
+    k: np.ndarray  # (4,) int64
+    table: np.ndarray  # (2, 3)
+    cube: np.ndarray  # (2, 3, 4)
+    small: np.ndarray  # (4,) int8
+    inner: Inner
+    out: np.ndarray  # (8,)
+
+
+class Pair(NamedTuple):
+    first: float
+    second: int
+
+
+# ------------------------------------------------------------------------------ what it knows
+
+
+def arithmetic(run, n):
+    x, y, i = run.x[0], run.x[1], run.k[0]
+    run.out[0] = x + y * 3.0 - i / 4
+    run.out[1] = -x * TWO + HALF - (i - n)
+    run.out[2] = (i * 7 - 2) * n
+    run.out[3] = (i * i) // 3 + (i * i) % 5
+    run.out[4] = abs(x) - max(x, y, 0.25) + min(i, n, 3)
+    run.out[5] = -i + True
+    x += y
+    x *= 2
+    i -= 1
+    run.out[6] = x - i
+    run.out[7] -= 2.5
+    return x < y
+
+
+def functions(run, n):
+    x = abs(run.x[0]) + 0.25
+    run.out[0], run.out[1], run.out[2] = sqrt(x), float(n) / 3, int(run.x[1])
+    run.out[3], run.out[4] = log(x), exp(-x)
+    run.out[5], run.out[6] = expm1(x), log1p(x)
+    run.out[7] = sqrt(2.0) + math.pi
+    return True
+
+
+def conditions(run, n):
+    x, y, i = run.x[0], run.x[1], run.k[0]
+    run.out[0] = x < y <= run.x[2] != x
+    run.out[1] = (x and y) + (i or n) + (not i)
+    run.out[2] = (x if i > n else y) + (1 if x == y else 2)
+    first, second = (x, i) if n & 1 == 1 else (y, n)
+    run.out[3] = first + second
+    run.out[4] = 0 < i < run.inner.items.shape[0] and run.inner.items[i] > 0
+    run.out[5] = (x > y) == (i > n) or (x > y) > (i >= n) or (x <= y) < (i != n)
+    if i > n:
+        run.out[6] = 1.0
+    elif i < n:
+        run.out[6] = 2.0
+        if x:
+            run.out[6] = 4.0
+    else:
+        run.out[6] = 3.0
+    return x >= y
+
+
+def loops(run, n):
+    total, count = 0.0, 0
+    for i in range(1, run.x.shape[0], 2):
+        total += run.x[i]
+    for i in range(n & 7):
+        if i == 2:
+            continue
+        if run.k[i & 3] > 3:
+            break
+        count += i
+    while count < 20:
+        count += 3
+        if count & 1 == 1 and total > 0.5:
+            break
+    for one in (total, 2.0 * total, float(count)):
+        if one > 4.0:
+            break
+        if one < 0.0:
+            continue
+        run.out[0] += one
+    for a in range(2):
+        for b in range(3):
+            if b > run.k[a]:
+                break
+            run.out[1] += run.table[a, b]
+        run.out[2] += b
+    run.out[3], run.out[4] = total, count
+    return False
+
+
+def swapped(pair, by):
+    first, second = pair
+    return second, first + by
+
+
+def sum_from(run, start):
+    total = 0
+    for i in range(start, run.inner.items.shape[0]):
+        if run.inner.items[i] == 0:
+            return total
+        total += run.inner.items[i]
+    return total
+
+
+def add_to(run, at, x):
+    run.out[at] += x
+
+
+def tuples(run, n):
+    pair = run.x[0], run.k[0]
+    pair = (pair[0] + 1.0, pair[1])
+    for _ in range(2):
+        pair = (2.0 * pair[0], pair[1] + 1)
+    a, b = swapped(pair, HALF)
+    if n > 3:
+        pair = (0.5, 4)
+    made = Pair(second=n, first=a)
+    run.out[0], run.out[1], run.out[2] = pair[0], pair[1], b
+    for one in made:
+        add_to(run, 3, one)
+    c, d = b, float(a)
+    c, d = d, c
+    run.out[4] = c - 2.0 * d
+    run.out[5] = sum_from(run, 1) + sum_from(run, run.inner.n & 3)
+    return a > b
+
+
+def arrays(run, n):
+    i, j = run.k[0] & 1, n & 1
+    run.table[i, j] += run.cube[j, 2, i + 1]
+    run.cube[i, j, 3] = run.table[i, 2]
+    run.small[j] = run.small[i] - 3
+    run.inner.items[run.inner.n & 3] = n
+    items = run.inner.items
+    items[5] *= 2
+    run.out[0] = run.table.shape[1] + run.cube.shape[2] + run.small[j]
+    run.out[1] = run.table[i, j]
+    return items[0] > 0
+
+
+SHAPES = (4,), (4,), (2, 3), (2, 3, 4), (4,), (6,), (8,)
+TYPES = float, np.int64, float, float, np.int8, np.int64, float
+
+
+def record():
+    """A record of zeros, and its arrays."""
+    arrays = [np.zeros(*one) for one in zip(SHAPES, TYPES, strict=True)]
+    *others, items, out = arrays
+    return Given(*others, Inner(5, items), out), arrays
+
+
+def bits(array):
+    """To the last bit, but for NaN, of which Python keeps no sign."""
+    return np.where(np.isnan(array), np.nan, array).tobytes() if array.dtype == float else array
+
+
+FLOATS = some.lists(some.floats(-8.0, 8.0), min_size=1, max_size=34)
+INTS = some.lists(some.integers(-4, 5), min_size=1, max_size=14)
+
+
+@pytest.mark.parametrize("level", [0, 2])
+@pytest.mark.parametrize(
+    "function", [arithmetic, functions, conditions, loops, tuples, arrays], ids=lambda f: f.__name__
+)
+def test_as_python(function, level):
+    """Each statement and expression, on random numbers, to the last bit.
+
+    But for logarithms and exponentials, of which the engine has its own.
+    """
+    (ours, mine), (theirs, others) = record(), record()
+    machine = Machine(function, ours, level)
+
+    @given(FLOATS, INTS, some.integers(0, 9))
+    def compare(floats, ints, n):
+        for one, other in zip(mine, others, strict=True):
+            one[...] = np.resize(floats if one.dtype == float else ints, one.shape)
+            floats, ints = floats[::-1], ints[::-1]
+            other[...] = one
+        with np.errstate(all="ignore"):
+            assert machine(n) == bool(function(theirs, n))
+        for one, other in zip(mine, others, strict=True):
+            if function is functions:
+                np.testing.assert_allclose(one, other, rtol=2e-15, atol=0)
+            else:
+                np.testing.assert_array_equal(bits(one), bits(other))
+
+    compare()
+
+
+# ------------------------------------------------------------------------------ what it does not
+
+
+def no_such(run, n):
+    return nothing > 0  # noqa: F821
+
+
+def power(run, n):
+    return run.x[0] ** 2 > 0.0
+
+
+def assigned(run, n):
+    run.inner = 1
+    return True
+
+
+def field(run, n):
+    return run.nothing > 0
+
+
+def of_an_array(run, n):
+    return run.x.size > 0
+
+
+def of_a_number(run, n):
+    return run.x[0].real > 0.0
+
+
+def few(run, n):
+    return run.table[0] > 0.0
+
+
+def at_a_float(run, n):
+    return run.x[run.x[0]] > 0.0
+
+
+def sliced(run, n):
+    return run.x[1:][0] > 0.0
+
+
+def of_a_tuple(run, n):
+    pair = 1.0, 2.0
+    return pair[n] > 0.0
+
+
+def whole_of_floats(run, n):
+    return run.x[0] // 2 > 0.0
+
+
+def rest_of_floats(run, n):
+    return run.x[0] % 2 > 0.0
+
+
+def bits_of_floats(run, n):
+    return (run.x[0] & 1) > 0
+
+
+def another_kind(run, n):
+    total = 0
+    total += run.x[0]
+    return total > 0
+
+
+def number_for_bool(run, n):
+    flag = n > 0
+    flag = n
+    return flag
+
+
+def mixed(run, n):
+    return (n > 0 and n) > 0
+
+
+def tuple_for_number(run, n):
+    total = 0.0
+    if n > 3:
+        total = (1.0, 2.0)
+    return total > 0.0
+
+
+def longer(run, n):
+    pair = 1.0, 2.0
+    pair = 1.0, 2.0, 3.0
+    return pair[0] > 0.0
+
+
+def too_many(run, n):
+    a, b, c = 1.0, 2.0
+    return a > b > c
+
+
+def starred(run, n):
+    a, *b = 1.0, 2.0
+    return a > b[0]
+
+
+def other_function(run, n):
+    step = log if n > 0 else exp
+    return step(run.x[0]) > 0.0
+
+
+def returns_two(run, n):
+    if n > 0:
+        return True
+    return True, False
+
+
+def falls_off(run, n):
+    if n > 0:
+        return True
+
+
+def returns_none(run, n):
+    pass
+
+
+def returns_float(run, n):
+    return run.x[0]
+
+
+def itself(run, n):
+    return itself(run, n - 1)
+
+
+def else_of_a_loop(run, n):
+    for _ in range(n):
+        pass
+    else:
+        n += 1
+    return n > 0
+
+
+def backwards(run, n):
+    for _ in range(n, 0, -1):
+        pass
+    return True
+
+
+def over_an_array(run, n):
+    for x in run.x:
+        n += int(x)
+    return n > 0
+
+
+def by_name(run, n):
+    add_to(run, at=0, x=1.0)
+    return True
+
+
+def with_less(run, n):
+    add_to(run, 0)
+    return True
+
+
+def math_s_own(run, n):
+    return math.log(run.x[0]) > 0.0
+
+
+def is_none(run, n):
+    return run.x[0] is None
+
+
+def contains(run, n):
+    return n in (1, 2)
+
+
+def text(run, n):
+    return n > "1"
+
+
+def inverted(run, n):
+    return ~n > 0
+
+
+def raises(run, n):
+    raise ValueError(n)
+
+
+def comprehension(run, n):
+    return sum([2.0 * x for x in (1.0, 2.0)]) > n
+
+
+def walrus(run, n):
+    return (m := n + 1) > m
+
+
+def nested(run, n):
+    def inside():
+        return n
+
+    return inside() > 0
+
+
+def tried(run, n):
+    try:
+        n += 1
+    finally:
+        n += 2
+    return n > 0
+
+
+def decorated(run, n):
+    return cached(n) > 0
+
+
+@np.errstate(all="ignore")
+def cached(n):
+    return n
+
+
+def broken_inside(run, n):
+    return power(run, n)
+
+
+REFUSED = {
+    no_such: "nothing", power: "run.x[0] ** 2", assigned: "run.inner = 1", field: "run.nothing",
+    of_an_array: "run.x.size", of_a_number: "run.x[0].real", few: "run.table[0]",
+    at_a_float: "run.x[run.x[0]]", sliced: "1:", of_a_tuple: "pair[n]",
+    whole_of_floats: "run.x[0] // 2", rest_of_floats: "run.x[0] % 2",
+    bits_of_floats: "run.x[0] & 1", another_kind: "total += run.x[0]", number_for_bool: "flag = n",
+    mixed: "n > 0 and n", tuple_for_number: "total = (1.0, 2.0)", longer: "pair = (1.0, 2.0, 3.0)",
+    too_many: "a, b, c = (1.0, 2.0)", starred: "a, *b = (1.0, 2.0)",
+    other_function: "log if n > 0 else exp", returns_two: "return (True, False)",
+    falls_off: "def falls_off(run, n):", returns_none: "must return a bool",
+    returns_float: "must return a bool", itself: "itself(run, n - 1)",
+    else_of_a_loop: "for _ in range(n):", backwards: "for _ in range(n, 0, -1):",
+    over_an_array: "for x in run.x:", by_name: "add_to(run, at=0, x=1.0)",
+    with_less: "(run, at, x)", math_s_own: "math.log(run.x[0])", is_none: "run.x[0] is None",
+    contains: "n in (1, 2)", text: "n > '1'", inverted: "~n", raises: "raise ValueError(n)",
+    comprehension: "[2.0 * x for x in (1.0, 2.0)]", walrus: "(m := (n + 1))",
+    nested: "def inside():",
+    tried: "try:", decorated: "cached", broken_inside: "test_compiler.power",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("function", REFUSED, ids=lambda f: f.__name__)
+def test_what_is_not_known_is_refused(function):
+    """With the name of the function and the text."""
+    with pytest.raises(SyntaxError) as refused:
+        kernel_text(function, Context(record()[0]).layout())
+    text = str(refused.value)
+    assert REFUSED[function] in text
+    if function not in (with_less, decorated, broken_inside):  # there a function that it calls
+        assert text.startswith(f"test_compiler.{function.__name__} ")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [np.zeros(4)[::2], np.zeros(4, np.float32), np.zeros(4, ">f8"), np.zeros(4, bool), 0.5, None],
+    ids=["strided", "float32", "big-endian", "bool", "float", "None"],
+)
+def test_a_record_of_other_things_is_refused(wrong):
+    with pytest.raises(TypeError):
+        Context(record()[0]._replace(x=wrong))
+
+
+def test_arrays_that_are_empty_or_cannot_be_written_to():
+    given, _ = record()
+    fixed = np.arange(4.0)
+    fixed.flags.writeable = False
+    context = Context(given._replace(x=fixed, out=np.zeros(0)))
+    assert context.words[0] == fixed.ctypes.data
+    assert context.words[1] == 4
+    assert context.words[-1] == 0

@@ -1,0 +1,97 @@
+"""Whole runs as machine code and as plain Python, sweep by sweep, from the same numbers."""
+
+import ctypes
+
+import numpy as np
+import pytest
+from plain_python import Pairs, plainly
+
+import ratestate as rs
+from ratestate.engine import rows as R
+from ratestate.engine.calls import FOUND
+from ratestate.engine.programs import units_of
+from ratestate.engine.units import in_python, lane_units
+
+
+def called_from_python(law, kind):
+    """Machine code of a law's units, as functions that a control in Python calls."""
+    of_lanes = lane_units(law, kind)
+
+    def function(name, address):
+        if address == 0:
+            return 0
+        arguments = (ctypes.c_int64,) if name in of_lanes else (ctypes.c_void_p,) * 2
+        code = ctypes.CFUNCTYPE(None, ctypes.c_void_p, *arguments)(address)
+
+        def lanes(s, l):
+            if l % R.WIDTH == 0:
+                code(s.ctypes.data + 8 * l, 1)
+
+        def point(s, l, work):
+            code(s.ctypes.data + 8 * l, work.ctypes.data, work.ctypes.data + 8 * FOUND)
+
+        return lanes if name in of_lanes else point
+
+    addresses = units_of(law, kind)._asdict()
+    return kind(**{name: function(name, address) for name, address in addresses.items()})
+
+
+#: the control has no contraction (a b + c in one rounding), but logarithms of its own; units have
+UNITS = pytest.mark.parametrize(
+    ("units", "near"), [(called_from_python, 4e-16), (in_python, 1e-7)], ids=["control", "all"]
+)
+LAWS = pytest.mark.parametrize("law", ["slip", "two-state-aging"])
+SLIDER = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
+
+
+def slider(law, **more):
+    own = {"b2": 0.001, "Dc2": 5e-5} if law.startswith("two") else {}
+    return rs.SpringSlider(**SLIDER | own | more, law=law)
+
+
+def loading():
+    """Jumps of speed, one to rest, and a step of normal stress."""
+    return rs.Loading.steps(1e-2, (2e-3, 3e-2), (8e-3, 0.0), (9e-3, 1e-2)).sigma_step(5e-3, 2.2e6)
+
+
+@LAWS
+@UNITS
+def test_a_path(law, units, near, monkeypatch):
+    pairs = Pairs(monkeypatch, units, near)
+    path = rs.simulate(slider(law), loading(), 0.015, V_start=9e-3, rtol=1e-4)
+    assert int(path.steps) > 40
+    assert pairs.sweeps > 40
+
+
+@LAWS
+@UNITS
+def test_saved_times_of_a_batch(law, units, near, monkeypatch):
+    """Two sliders, one of which vibrates (steps of the Taylor method) and returns to V = V_lp."""
+    pairs = Pairs(monkeypatch, units, near)
+    many = slider(law, M=rs.logspace("M", 1e2, 1e5, 2))
+    times = np.linspace(0.0, 0.01, 8)
+    run = rs.simulate(many, rs.Loading.constant(1e-1), 0.01, V_start=0.08, times=times, rtol=1e-4)
+    assert int(run.cycles.max()) > 1
+    assert pairs.sweeps > 40
+
+
+@LAWS
+@UNITS
+def test_a_limit_cycle(law, units, near, monkeypatch):
+    pairs = Pairs(monkeypatch, units, near, most=80)
+    cycle = rs.limit_cycle(slider(law), 1e-2, rtol=1e-4)
+    assert int(cycle.status) == 0
+    assert pairs.sweeps > 40
+
+
+def test_in_python_alone(monkeypatch):
+    """From start to end, with nothing of the other: to what rounding has become."""
+    both = []
+    settings = {"V_start": 9e-3, "times": [0.006, 0.012], "rtol": 1e-4}
+    for prepare in (lambda: None, lambda: plainly(monkeypatch)):
+        prepare()
+        both.append(rs.simulate(slider("slip"), loading(), 0.012, **settings))
+    ours, theirs = both
+    assert int(ours.steps) == int(theirs.steps)
+    for name in ("V", "theta", "tau", "V_max", "V_min", "inertial_force", "energy_residual"):
+        np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-9, atol=1e-12, err_msg=name)

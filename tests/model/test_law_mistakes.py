@@ -1,0 +1,293 @@
+"""Mistakes in laws of users: each is refused by `register`, with its line and what helps."""
+
+import numpy as np
+import pytest
+from user_laws import PLAIN
+
+import ratestate as rs
+
+#: the line of PLAIN that returns its rate, and that before which attributes may be added
+RETURN = "        return -V * theta / p.Dc * rs.laws.log(V * theta / p.Dc)\n"
+FIRST = '    name = "plain"\n'
+X = "V * theta / p.Dc"
+TWO = """
+    states = {"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")}
+    parameters = {
+        "b2": rs.laws.Parameter("1", "evolution effect of the second state"),
+        "Dc2": rs.laws.Parameter("m", "critical slip distance of the second state", "> 0"),
+    }
+"""
+
+
+def message_of(law_file, text):
+    """What `register` says of a law file with this text; its path is written as FILE."""
+    path = law_file(text, "plain.py")
+    with pytest.raises(rs.ParameterError) as error:
+        rs.register(path)
+    return str(error.value).replace(str(path), "FILE")
+
+
+CONDITION = (
+    "if, and, or, not, min or max depends on V, theta or p. Use ratestate.laws: "
+    "where(condition, x, y), minimum and maximum, and & and | between conditions."
+)
+
+
+@pytest.mark.parametrize(
+    ("rate", "said"),
+    [
+        (f"1 - {X} if V > p.V0 else -{X}", CONDITION),
+        (f"1 - max({X}, 0.5)", CONDITION),
+        (f"1 - {X} * (V > 1e-3 and V < 1)", CONDITION),
+        (f"1 - {X} * (V != 0)", "V, theta or p is compared by == or !=. Compare by < or >."),
+        (
+            f"1 - math.sqrt({X})",
+            "a function that takes plain numbers, such as math.exp, is given V, theta or p. Use "
+            "that of ratestate.laws.",
+        ),
+        (f"1 - np.sqrt({X})", "numpy.sqrt is given V, theta or p. Use ratestate.laws.sqrt."),
+        (
+            f"np.arcsinh(1) - np.arcsinh({X})",
+            "numpy.arcsinh is given V, theta or p. Use ratestate.laws.asinh.",
+        ),
+        (
+            f"np.where(V > 1, 1, 1) - {X}",
+            "numpy.where is given V, theta or p. Use ratestate.laws.where.",
+        ),
+        (
+            f"1 - p.sigma * {X}",
+            "p.sigma is not a parameter. Add sigma to parameters, or take one of a, b, Dc, mu0, "
+            "V0.",
+        ),
+        (
+            f"1 - {X} * Dc",
+            "NameError: name 'Dc' is not defined. Mend the formula, which is run with symbols for "
+            "V, theta and p.",
+        ),
+        (
+            f"1 - {X} + math.inf",
+            "inf is not a finite number. Write formulas with numbers, V, theta and p.",
+        ),
+    ],
+)
+def test_lines_that_no_formula_has(law_file, rate, said):
+    text = PLAIN.replace(RETURN, f"        return {rate}\n")
+    text = text.replace("import ratestate as rs", "import math, numpy as np, ratestate as rs")
+    assert message_of(law_file, text) == f"law 'plain', line 8 of FILE: {said}"
+
+
+def test_a_mistake_in_a_function_of_the_file_has_the_line_there(law_file):
+    text = PLAIN.replace(RETURN, f"        return 1 - larger({X})\n")
+    text += "\ndef larger(x):\n    return x if x > 1 else 1\n"
+    assert message_of(law_file, text) == f"law 'plain', line 11 of FILE: {CONDITION}"
+
+
+@pytest.mark.parametrize(
+    ("returned", "said"),
+    [
+        (f"1 - {X}", "evolution returns None. Return the value of the formula."),
+        (
+            f"return 1 - {X}, 0.0",
+            "evolution returns 2 rates, and states has 1. Return d theta/dt of each state, in the "
+            "order of states.",
+        ),
+        (
+            f"return 1 > {X}",
+            "evolution returns what is not a number: a condition is not a number. Use "
+            "ratestate.laws.where(condition, x, y).",
+        ),
+        (
+            "return 'theta'",
+            "evolution returns what is not a number: 'theta' is not a finite number. Write "
+            "formulas with numbers, V, theta and p.",
+        ),
+        (
+            f"return 1 + {X}",
+            "theta has no steady value at V = 1e-12 m/s: d theta/dt has one sign for all V "
+            "theta/D from 2e-9 to 1e9. Mend evolution, or the examples of parameters.",
+        ),
+        (
+            f"return {X} - 1",
+            "theta has an unstable steady value at V = 1e-12 m/s: V theta/D near 0.905. A law "
+            "needs one, which theta goes to.",
+        ),
+        (
+            f"return (1 - {X}) * (2 - {X}) * (3 - {X})",
+            "theta has several steady values at V = 1e-12 m/s: V theta/D near 0.905 and 1.65 and "
+            "2.46. A law needs one, which theta goes to.",
+        ),
+        (
+            f"return 1 - {X} * rs.laws.where(V > 1e-2, 0, 1)",
+            "theta has no steady value at V = 0.0316 m/s: d theta/dt has one sign for all V "
+            "theta/D from 2e-9 to 1e9. Mend evolution, or the examples of parameters.",
+        ),
+        (
+            f"return 1 - {X} * rs.laws.sqrt(V / 0.02 - 1 + 1e-16)",
+            "evolution is infinite or NaN at V = 1e-12 m/s and V theta/D = 1.53e-09. Write another "
+            "formula there by ratestate.laws.where.",
+        ),
+    ],
+)
+def test_rates_that_no_state_has(law_file, returned, said):
+    """In these the line is that of the method."""
+    text = PLAIN.replace(RETURN, f"        {returned}\n")
+    assert message_of(law_file, text) == f"law 'plain', line 7 of FILE: {said}"
+
+
+@pytest.mark.parametrize(
+    ("friction", "said"),
+    [
+        ("p.mu0", "friction returns None. Return the value of the formula."),
+        (
+            "return p.mu0 - p.a * rs.laws.log(V / p.V0)",
+            "friction must rise with V at a constant state: d mu/d ln V = -0.01 at V = 1e-12 m/s "
+            "and V theta/D = 1.53e-09. Mend friction, or the examples of parameters.",
+        ),
+        (
+            "return p.mu0 + p.b * rs.laws.log(theta)",
+            "friction must rise with V at a constant state: d mu/d ln V = 0 at V = 1e-12 m/s and "
+            "V theta/D = 1.53e-09. Mend friction, or the examples of parameters.",
+        ),
+        (
+            "return p.mu0 + p.a * rs.laws.log(V - 0.01)",
+            "friction is infinite or NaN at V = 1e-12 m/s and V theta/D = 1.53e-09. Write another "
+            "formula there by ratestate.laws.where.",
+        ),
+    ],
+)
+def test_friction_that_no_law_has(law_file, friction, said):
+    text = PLAIN + f"\n    def friction(self, V, theta, p):\n        {friction}\n"
+    assert message_of(law_file, text) == f"law 'plain', line 10 of FILE: {said}"
+
+
+def test_a_state_that_depends_on_another_is_refused(law_file):
+    rates = "1 - V * theta[0] / p.Dc, 1 - V * theta[1] / p.Dc2 * theta[0] / theta[1]"
+    text = PLAIN.replace(FIRST, FIRST + TWO.replace("b2", "b3").replace("Dc2", "Dc3"))
+    text = text.replace(RETURN, f"        return {rates.replace('Dc2', 'Dc3')}\n")
+    assert message_of(law_file, text) == (
+        "law 'plain', line 13 of FILE: the rate of theta2 depends on theta. A state may depend on "
+        "V and itself alone."
+    )
+
+
+@pytest.mark.parametrize(
+    ("attribute", "said"),
+    [
+        (
+            'states = {"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")}',
+            "law 'plain': states['theta2'] = ('b2', 'Dc2') must be the symbols of b and Dc of "
+            "this state. Add "
+            "those that the law has of its own to parameters too.",
+        ),
+        (
+            'states = {"theta": "Dc"}',
+            "law 'plain': states['theta'] = 'Dc' must be the symbols of b and Dc of this state. "
+            "Add those "
+            "that the law has of its own to parameters too.",
+        ),
+        ("states = {}", "law 'plain': states is empty. Leave it out for theta alone."),
+        (
+            'states = {"tau": ("b", "Dc")}',
+            "law 'plain' of FILE: its state 'tau' is another quantity, or no name; rename it, as "
+            "to theta2",
+        ),
+        (
+            'parameters = {"K": rs.laws.Parameter("1", "another")}',
+            "law 'plain' of FILE: its parameter 'K' is another quantity; rename it",
+        ),
+        (
+            'parameters = {"law": rs.laws.Parameter("1", "another")}',
+            "law 'plain' of FILE: its parameter 'law' is another quantity; rename it",
+        ),
+        (
+            'parameters = {"q": rs.laws.Parameter("furlong", "length")}',
+            "law 'plain' of FILE: its parameter q has the unit 'furlong' and the bound ''; units "
+            "are",
+        ),
+        (
+            'parameters = {"q": rs.laws.Parameter("m", "length", "> 0", "3 kg")}',
+            "law 'plain' of FILE: the example of its parameter q is wrong: q = '3 kg' is a mass "
+            "[kg]",
+        ),
+        (
+            "def rates(self, v, w, psi, e, p): pass",
+            "law 'plain' has the method rates, of an old form of laws. Replace it, and its "
+            "derivatives, by "
+            "evolution(self, V, theta, p), which returns d theta/dt.",
+        ),
+        (
+            "name = 'slip'",
+            "law 'slip' of FILE: the name 'slip' is that of a built-in law; choose another",
+        ),
+        (
+            "name = 'ruina'",
+            "law 'ruina' of FILE: the name 'ruina' is that of a built-in law; choose another",
+        ),
+        ("name = 'Plain law'", "Plain.name = 'Plain law' must be a name in small letters, digits"),
+        ("def __init__(self): exit(3)", "law of FILE cannot be made: SystemExit: 3"),
+    ],
+)
+def test_attributes_that_no_law_has(law_file, attribute, said):
+    found = message_of(law_file, PLAIN.replace(FIRST, f"{FIRST}    {attribute}\n"))
+    assert found.startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("import ratestate as rs", "import nothing_like_it", "line 2: ModuleNotFoundError: No m"),
+        ("import ratestate as rs", "import ratestate as rs\n1 / 0", "line 3: ZeroDivisionError"),
+        ("import ratestate as rs", "import ratestate as rs\nexit(3)", "line 3: SystemExit: 3. Me"),
+        ("class Plain", "class Plain(:", "line 4: SyntaxError"),
+        ("rs.FrictionLaw", "rs.Frictionlaw", "line 4: AttributeError: module 'ratestate' has no"),
+        (
+            "class Plain",
+            "class E(Exception):\n    __str__ = None\nraise E()\nclass Plain",
+            "line 6: E. Mend that line.",
+        ),
+        (
+            "class Plain(rs.FrictionLaw)",
+            "class T(type):\n    def __getattribute__(cls, name): 1 / 0\n\n"
+            "class Plain(rs.FrictionLaw, metaclass=T)",
+            "line 5: ZeroDivisionError",
+        ),
+    ],
+)
+def test_files_that_cannot_be_run(law_file, old, new, said):
+    found = message_of(law_file, PLAIN.replace(old, new))
+    assert found.startswith(f"law file FILE cannot be loaded, {said}")
+    assert found.endswith(". Mend that line.")
+
+
+def test_a_file_without_a_law(law_file):
+    assert message_of(law_file, PLAIN.replace("(rs.FrictionLaw)", "")) == (
+        "law file FILE must hold one class that derives from ratestate.FrictionLaw. It holds none."
+    )
+
+
+def test_a_law_without_evolution(law_file):
+    assert message_of(law_file, PLAIN.replace("evolution", "evolve")) == (
+        "law 'plain' has no method evolution. Add evolution(self, V, theta, p), which returns d "
+        "theta/dt."
+    )
+
+
+def test_functions_nested_deeply_give_an_answer_or_say_so(law_file):
+    """Not a RecursionError, and in seconds."""
+    text = PLAIN.replace(
+        RETURN,
+        f"        x = {X}\n        for _ in range(100):\n            x = rs.laws.tanh(x)\n"
+        "        return 0.1 - x\n",
+    )
+    slider = rs.SpringSlider(
+        a=0.01, b=0.015, Dc=1e-5, sigma=1e6, K=1e9, law=rs.register(law_file(text, "plain.py"))
+    )
+    steady, slope = 0.1, 1.0
+    for _ in range(100):
+        slope *= 1.0 - steady**2
+        steady = np.arctanh(steady)
+    K_c = 0.005 * 1e6 / 1e-5 * slope  # (b - a) (sigma/Dc) times -d(d theta/dt)/d(V theta/Dc)
+    assert slider.K_c(1e-3) == pytest.approx(K_c, rel=1e-9)
+    assert message_of(law_file, text.replace("100", "5000")) == (
+        "law 'plain': the formula nests too many functions. Write it with fewer."
+    )
