@@ -6,6 +6,8 @@ Each object is made when it is first needed, and kept on disk (cache.py).
 import contextlib
 import ctypes
 import functools
+import inspect
+from pathlib import Path
 
 from ..errors import CompilationError
 from . import cache
@@ -50,7 +52,9 @@ def _compiled(function, context):
         def make():
             return compiled(kernel_text(function, context.layout()), level=LEVEL)
 
-        addresses = _addresses(f"{name}-{cache.short_hash(key[1])}", make, [name])
+        file = Path(inspect.getfile(function))  # it may be in another package
+        version = cache.short_hash((key[1], file.read_bytes()))
+        addresses = _addresses(f"{name}-{version}", make, [name])
         kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)
         _functions[key] = kind(addresses[name])
     return _functions[key]
