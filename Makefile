@@ -7,7 +7,7 @@ BUILD := tools/build.lock
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
-.PHONY: help setup figures explore test check docs cuda lowest newest wheel dist browser bench torture mutants slurm lock clean
+.PHONY: help setup figures explore test check docs cuda lowest newest wheel dist browser bench statistics torture mutants slurm lock clean
 .DEFAULT_GOAL := help
 
 help: ## show these targets
@@ -69,6 +69,9 @@ browser: ## install Debian's headless chromium for the explorer's tests, where t
 
 bench: .venv/.ready ## run the benchmark
 	$(BIN)/python benchmarks/run.py $(ARGS)
+
+statistics: .venv/.ready ## run the tests that fit or evaluate hundreds of records
+	$(BIN)/pytest -n 2 -m statistics $(ARGS)
 
 torture: .venv/.ready ## kill a sweep 30 times, and see that nothing is lost; ARGS="--kills 100 --seed 1"
 	$(BIN)/python tests/sweeps/torture.py $(ARGS)

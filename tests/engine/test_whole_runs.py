@@ -75,7 +75,7 @@ def test_saved_times_of_a_batch(law, units, near, monkeypatch):
     assert pairs.sweeps > 40
 
 
-@LAWS
+@pytest.mark.parametrize("law", ["slip"])
 @UNITS
 def test_a_limit_cycle(law, units, near, monkeypatch):
     pairs = Pairs(monkeypatch, units, near, most=80)

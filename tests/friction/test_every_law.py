@@ -62,7 +62,8 @@ def test_steady_sliding_is_steady(name):
         p = law.coefficient_arrays(V, values)
         psi = law.steady_variables(p)
         rates = law.rates(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
-        np.testing.assert_allclose(rates, 0.0, atol=4e-16)
+        rounding = 2e-14 if name == "flash-heating" else 4e-16  # its terms are mu/a
+        np.testing.assert_allclose(rates, 0.0, atol=rounding)
         theta = [
             D / V * math.exp(x[0])
             for D, x in zip(Textbook(name, parameters).D, law.log_states(0.0, psi, p), strict=True)

@@ -26,15 +26,17 @@ def _steady_variable(law, k, p, v, start):
     def rate(psi_k, v, *p):
         return law.rates(*arguments(psi_k, v, p))[k]
 
-    found, done = start[k], np.zeros(np.shape(start[k]), bool)
+    found, done, before = start[k], np.zeros(np.shape(start[k]), bool), np.inf
     with np.errstate(all="ignore"):  # of steps that lead nowhere
         for _ in range(ITERATIONS):
             value = rate(found, v, *p)
             slope = law.rate_partials(*arguments(found, v, p))[1][k]
             step = np.where(value == 0.0, 0.0, value / slope)
             found = np.where(done, found, found - step)
-            small = np.abs(step) <= 1e-15 * np.maximum(1.0, np.abs(found))
-            done = done | (small & np.isfinite(found))
+            size, moved = np.maximum(1.0, np.abs(found)), np.abs(step)
+            is_rounding = (moved < 1e-10 * size) & (moved >= 0.5 * before)
+            done = done | (((moved <= 1e-15 * size) | is_rounding) & np.isfinite(found))
+            before = moved
             if done.all():
                 return found
         return np.where(done, found, _bracketed(rate, start[k], (v, *p)))

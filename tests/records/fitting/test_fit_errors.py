@@ -521,6 +521,7 @@ def test_a_second_state_is_among_the_transients(slider, Dc2):
     assert np.linalg.norm(left) < 0.5 * np.linalg.norm(effect)
 
 
+@pytest.mark.statistics
 def test_a_probability_of_misfit_is_uniform_under_the_right_law():
     """Of 60 records with noise of one correlation time, by a search that is linear: a alone."""
     clean = record(SLIDER, STEP, T)

@@ -59,6 +59,7 @@ def coverage(draw, number):
     return np.mean(hold), np.mean(widths)
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("draw", [slow, flicker])
 def test_intervals_in_slow_noise_hold_the_truth(draw):
     hold, width = coverage(draw, number=60)
@@ -176,6 +177,7 @@ def test_inflation_of_several_coordinates_does_not_depend_on_their_units_or_axes
     assert likely_noise(more).inflation([3]) == (1.0, 0.0)
 
 
+@pytest.mark.statistics
 def test_inflation_makes_up_for_the_error_of_the_noise():
     """The mean square of deviations over errors is above 1, and 1 with the inflation."""
     squares, factors = [], []

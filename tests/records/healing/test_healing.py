@@ -41,6 +41,7 @@ def test_without_noise_it_is_exact():
     np.testing.assert_allclose(result.friction_peak - result.friction_before, result.delta_mu)
 
 
+@pytest.mark.statistics
 def test_estimates_are_unbiased_and_their_errors_hold():
     """Of 60 records, in every second of which the noise is correlated."""
     z = []

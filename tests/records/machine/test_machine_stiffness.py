@@ -203,6 +203,7 @@ def test_stiffness_mass_and_damping(one):
     assert pytest.approx(float(one.M)) == replaced.M
 
 
+@pytest.mark.statistics
 def test_errors_hold_the_truth():
     """Of 16 records, in every second of which the noise is correlated."""
     z = []

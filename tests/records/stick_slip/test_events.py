@@ -117,6 +117,7 @@ def errors_over_their_estimates(drawn):
     return {name: np.concatenate(parts) for name, parts in off.items()}
 
 
+@pytest.mark.statistics
 @pytest.mark.parametrize("name", HONEST)
 def test_errors_of_noisy_records_are_honest(errors_over_their_estimates, name):
     """Stresses unbiased, times outwards by 0.3 errors; benchmarks/events.py has 200 sliders.

@@ -473,6 +473,7 @@ def test_the_mean_of_estimates():
     assert np.isnan(group_of([], []).mean)
 
 
+@pytest.mark.statistics
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_intervals_of_experiments_hold_the_truth():
     """More in benchmarks/experiments.py; these few, with noise slower than the transient too."""
