@@ -26,7 +26,8 @@ def _steady_variable(law, k, p, v, start):
     def rate(psi_k, v, *p):
         return law.rates(*arguments(psi_k, v, p))[k]
 
-    found, done, before = start[k], np.zeros(np.shape(start[k]), bool), np.inf
+    found, done = start[k], np.zeros(np.shape(start[k]), bool)
+    before = np.full(np.shape(found), np.inf)
     with np.errstate(all="ignore"):  # of steps that lead nowhere
         for _ in range(ITERATIONS):
             value = rate(found, v, *p)
