@@ -23,7 +23,7 @@ WIDTHS = (1, 2, 4, 8)
 
 def run(function, width, *columns):
     """What compiled code of a function of numbers gives for columns (n,), an array (m, n)."""
-    code = Code(width)
+    code = Code(width, Vectorised)
     n = len(columns)
     given = []
     for k in range(n):
@@ -105,7 +105,7 @@ def test_conditions_select():
 
 
 def test_an_instruction_is_written_once():
-    code = Code(4)
+    code = Code(4, Vectorised)
     x = Number(code, "%x")
     assert (x + 1.0) * (x + 1.0) is (x + 1.0) * (x + 1.0)
     assert len(code.lines) == 2

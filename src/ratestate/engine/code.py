@@ -18,10 +18,12 @@ def double(x):
 class Code:
     """Instructions that are being written, in their order.
 
-    width : doubles that go together; letter : with which names begin
+    width : doubles that go together; functions : class of the functions of its numbers, such as
+    `vector_functions.Vectorised`; letter : with which names begin
     """
 
-    def __init__(self, width, letter="v"):
+    def __init__(self, width, functions, letter="v"):
+        self.functions = functions
         self.lines, self.declarations = [], {}
         self._known, self._width, self._letter = {}, width, letter
 
@@ -83,11 +85,15 @@ class Value:
     """What an instruction of some code gives, by its name there."""
 
     __slots__ = ("code", "name")
-    functions: type  # of this kind of number (friction/functions.py)
     item: str  # type of an element
 
     def __init__(self, code, name):
         self.code, self.name = code, name
+
+    @property
+    def functions(self):
+        """The class of functions for it, which functions.py asks for."""
+        return self.code.functions
 
     def __bool__(self):
         raise TypeError("a condition on numbers of code that is only being written")

@@ -19,10 +19,10 @@ import operator
 import textwrap
 
 from ..friction import functions
-from . import vector_functions  # noqa: F401  (they are those of numbers of code)
 from .calls import add, call_lanes, call_point
 from .code import Code, Number
 from .instructions import Array, Instructions, Record, Slot, Value, Word, as_value
+from .vector_functions import Vectorised
 
 #: operator -> instruction, and what it does to numbers that are known
 OPERATORS = {
@@ -109,7 +109,7 @@ class _Program:
         name = f"traced.{function.__name__}"
         if function not in self._known:
             self._known[function] = name
-            code = Code(1)
+            code = Code(1, Vectorised)
             found = function(Number(code, "%x"))
             self.declarations |= set(code.declarations.values())
             lines = "\n  ".join([*code.lines, f"ret double {code.text(Number, found)}"])
@@ -150,7 +150,7 @@ class _Function:
             return method(node, *more)
         except SyntaxError:
             raise
-        except Exception as error:
+        except Exception as error:  # tracing runs any method of the source's values
             text = ast.unparse(node).partition("\n")[0]
             reason = f"{type(error).__name__}: {error}"
             raise SyntaxError(

@@ -70,7 +70,7 @@ def units_of(law, kind):
 def _text(law, kind):
     try:
         return unit_text(law, kind, WIDTH)
-    except Exception as error:
+    except Exception as error:  # a law's methods are a user's, and may raise anything
         raise CompilationError(
             f"the law {law.name} cannot be compiled ({_reason(error)}). Its methods may hold "
             f"arithmetic, and functions that ratestate has for laws."

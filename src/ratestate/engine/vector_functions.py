@@ -9,7 +9,6 @@ import math
 import struct
 
 from ..friction.expressions import LIMIT
-from .code import Condition, Number
 from .code import where as select
 
 LOG2_E, SQRT2 = 1.4426950408889634, 1.4142135623730951
@@ -187,6 +186,3 @@ class Vectorised:
         """asinh(e**x), which is x + ln 2 for large x."""
         far = x + Vectorised.log1p(Vectorised.sqrt(1.0 + Vectorised.exp(-2.0 * abs(x))))
         return select(x > 0.0, far, Vectorised.asinh(Vectorised.exp(x)))
-
-
-Condition.functions = Number.functions = Vectorised

@@ -31,11 +31,6 @@ def composed_law(name):
     return composed(friction_law(own), form, DAMPED in parts)
 
 
-def own_name(name):
-    """The name of the law in `laws.LAWS` that a composed law has, from its name."""
-    return name.partition(JOINT)[0]
-
-
 def form_of(law, friction=None):
     """The name of this form of friction, in any capitals; by default that which the law is for.
 

@@ -16,7 +16,6 @@ from types import SimpleNamespace
 import numpy as np
 
 from .derivatives import Derivative
-from .elementary import OfExpressions  # noqa: F401  (they are those of expressions)
 from .evaluation import Real, function_of
 from .expressions import FormulaError, Graph, description, exp, ordered
 from .law_properties import EXAMPLE
@@ -41,6 +40,8 @@ class Equations:
     named : name -> another constant expression, what the law's `constants` gives
     constants : symbol -> constant expression in parameters and V_ref: the coefficients
     friction_at_reference : mu_ref, such an expression: mu at V_ref and theta_k = D_k/V_ref
+    first : derivatives of R by v and each psi; of each rate by v, and by its own psi: lists
+    second : those of R by v and each psi of each of `first`; of rates by v v, v psi, psi psi
     """
 
     def __init__(self, law):
@@ -93,7 +94,8 @@ class Equations:
             if one.kind == "exp" and not one.is_constant and one is not self.w
         ]
         self.exponents = [one.parts[0] for one in self.exponentials]
-        self.first, self.second  # noqa: B018  (in this order: sums are then of one order too)
+        # Now, and not when they are asked for: sums are in the order in which terms were made.
+        self.first, self.second = self._orders(1), self._orders(2)
 
     def coefficients(self, V_ref, values):
         """The numbers p that stand for what is constant, a tuple.
@@ -145,18 +147,8 @@ class Equations:
         return {x: Derivative(self.graph, {x: one}) for x in (self.v, *self.psi)}
 
     @functools.cached_property
-    def first(self):
-        """Derivatives of R by v and each psi; of each rate by v, and by its own psi: lists."""
-        return self._orders(1)
-
-    @functools.cached_property
-    def second(self):
-        """Second derivatives of R, by v and each psi of each of `first`; of rates vv, v psi, ..."""
-        return self._orders(2)
-
-    @functools.cached_property
     def third(self):
-        """Third derivatives, likewise."""
+        """Third derivatives, as `first` and `second`."""
         return self._orders(3)
 
     def _orders(self, n):

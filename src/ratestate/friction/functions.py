@@ -28,7 +28,7 @@ def _function(name, text):
 
 exp = _function("exp", "e**x.")
 bounded_exp = _function(
-    "bounded_exp", "e**x, of x between -`kinematics.LIMIT` and that at most: rest is e**-600."
+    "bounded_exp", "e**x, of x cut off at -`expressions.LIMIT` and at that: rest is e**-600."
 )
 expm1 = _function("expm1", "e**x - 1.")
 log = _function("log", "ln x, of x > 0.")
