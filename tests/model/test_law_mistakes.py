@@ -55,6 +55,10 @@ CONDITION = (
             "numpy.where is given V, theta or p. Use ratestate.laws.where.",
         ),
         (
+            f"rs.laws.where(rs.laws.log({X}), 1, 2) - {X}",
+            "the condition of where is a number. Give a comparison, such as V > p.V0.",
+        ),
+        (
             f"1 - p.sigma * {X}",
             "p.sigma is not a parameter. Add sigma to parameters, or take one of a, b, Dc, mu0, "
             "V0.",
@@ -115,6 +119,11 @@ def test_a_mistake_in_a_function_of_the_file_has_the_line_there(law_file):
             f"return (1 - {X}) * (2 - {X}) * (3 - {X})",
             "theta has several steady values at V = 1e-12 m/s: V theta/D near 0.905 and 1.65 and "
             "2.46. A law needs one, which theta goes to.",
+        ),
+        (
+            f"x = {X}; return rs.laws.where(x < 0.5, 0.5 - x, rs.laws.where(x < 2, 0, 2 - x))",
+            "theta does not go to its steady value: there d theta/dt does not fall with theta. "
+            "Mend evolution, or the examples of parameters.",
         ),
         (
             f"return 1 - {X} * rs.laws.where(V > 1e-2, 0, 1)",
@@ -214,6 +223,11 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
             "law 'plain' has the method rates, of an old form of laws. Replace it, and its "
             "derivatives, by "
             "evolution(self, V, theta, p), which returns d theta/dt.",
+        ),
+        (
+            "def stress_in_v(self, v, w, psi, p): return 2 * self.resistance(v, w, psi, p)",
+            "law 'plain' has stress_in_v of its own, which is derived from the formula. "
+            "Remove it, or give it another name.",
         ),
         (
             "name = 'slip'",

@@ -4,6 +4,7 @@ import numpy as np
 
 from .expressions import FormulaError
 from .law_properties import EXAMPLE
+from .steady_state import steady_variables
 
 #: speeds [m/s] and, at each, ln(V theta/D) at which a law is tried
 SPEEDS = 10.0 ** np.arange(-12.0, 1.5, 0.5)
@@ -109,7 +110,7 @@ def _check_steady(law, V, psi, p):
 
 
 def _check_root(law, p):
-    psi = law.steady_variables(tuple(np.array([x]) for x in p))
+    psi = steady_variables(law, tuple(np.array([x]) for x in p), 0.0)
     e = law.exponentials(0.0, 1.0, psi, p)
     slopes = law.rate_partials(0.0, 1.0, psi, e, p)
     if not all(np.isfinite(x).all() for x in _leaves(slopes)):
@@ -117,6 +118,13 @@ def _check_root(law, p):
             "a derivative of evolution is not a number in steady sliding. Write it another way.",
             "evolution",
         )
+    for name, slope in zip(law.states, slopes[1], strict=True):
+        if not np.all(slope < 0.0):
+            raise FormulaError(
+                f"{name} does not go to its steady value: there d {name}/dt does not fall with "
+                f"{name}. Mend evolution, or the examples of parameters.",
+                "evolution",
+            )
 
 
 def _check_variables(law, p):
