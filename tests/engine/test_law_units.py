@@ -10,8 +10,7 @@ from ratestate.engine import rows as R
 from ratestate.engine.calls import FOUND, WORK
 from ratestate.engine.equations import exponentials
 from ratestate.engine.programs import units_of
-from ratestate.engine.rows import rows_of
-from ratestate.engine.tuples import read_rows, write_rows
+from ratestate.engine.rows import read_rows, rows_of, write_rows
 from ratestate.engine.units import MarchUnits, ReturnUnits, in_python, lane_units
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.forms import FORMS

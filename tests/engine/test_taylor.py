@@ -14,7 +14,7 @@ from ratestate.engine import rows as R
 from ratestate.engine import taylor as T
 from ratestate.engine.recurrences import ORDER, has_recurrences
 from ratestate.engine.taylor import coefficients, variational_coefficients
-from ratestate.engine.tuples import pairwise_sums, product_each
+from ratestate.friction.tuples import pairwise_sums, product_each
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
 #: of a state in the dimensionless system: x, v, psi, w_lp, its rate, kappa, eta0

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from ratestate.engine import tuples, waveform
+from ratestate.engine import waveform
+from ratestate.friction import tuples
 
 X, Y = (0.3, -1.7, 2.9), (-0.4, 5.1, 0.7)
 

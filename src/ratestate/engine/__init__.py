@@ -14,7 +14,7 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``extremes``, ``dense_output``        find extremes and crossings on the polynomials of a step
 ``periodicity``                       find the period of a run
 ``normal_stress``                     segments and jumps of normal stress
-``rows``                              layout of the lane buffer
+``rows``                              layout of the lane buffer; tuples into it and out of it
 ``units``                             list of what depends on the law
 ``lanes``, ``taylor_lanes``           steps of a lane by either method, their commit, their events
 ``return_lanes``                      the same for a return map,
@@ -24,7 +24,7 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
 ``reversing``                         the derivative if slip may reverse
 ``taylor``, ``recurrences``           a Taylor step; the equations whose series it sums
-``step_control``, ``tuples``          accept a step and choose the next; arithmetic on tuples
+``step_control``                      accept a step and choose the next
 ``code``, ``vector_functions``        numbers that write LLVM text; their exp, log and others
 ``unit_code``                         units as LLVM text
 ``compiler``, ``instructions``        compile the control from a small part of Python

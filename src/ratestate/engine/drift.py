@@ -5,7 +5,7 @@ They do where the load point accelerates, and where normal stress varies.
 
 from typing import NamedTuple
 
-from .tuples import minus_dot, plus, times
+from ..friction.tuples import minus_dot, plus, times
 
 #: weight of what is a tuple of one number, or of none where normal stress is constant
 UNITY = (1.0,)

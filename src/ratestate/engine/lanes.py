@@ -7,26 +7,14 @@ same instructions, and gets the same bits, wherever it sits.
 import math
 
 from ..friction.functions import larger, where
+from ..friction.tuples import dot, dot_onto, largest, minus_dot, plus, select, size_of, total
 from . import rows as R
 from .drift import UNITY
 from .equations import inertial_force, later
 from .model import RUNNING
 from .rodas5p import step as rodas5p_step
-from .rows import rows_of
+from .rows import read_rows, rows_of, store_each, write_rows
 from .step_control import step_size
-from .tuples import (
-    dot,
-    dot_onto,
-    largest,
-    minus_dot,
-    plus,
-    read_rows,
-    select,
-    size_of,
-    store_each,
-    total,
-    write_rows,
-)
 
 # Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
 TOO_MANY_FAILURES = 400.0

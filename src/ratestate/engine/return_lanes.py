@@ -1,25 +1,12 @@
 """Loops over the lanes of a return map: the state's step, and that of perturbations of it."""
 
 from ..friction.functions import larger, where
+from ..friction.tuples import dot, dot_onto, largest, minus_dot, plus, select, size_of, times
 from . import lanes as L
 from . import rows as R
 from .equations import inertial_force
-from .rows import rows_of
+from .rows import load_each, read_rows, rows_of, store_each, write_rows
 from .tangent import step as tangent_step
-from .tuples import (
-    dot,
-    dot_onto,
-    largest,
-    load_each,
-    minus_dot,
-    plus,
-    read_rows,
-    select,
-    size_of,
-    store_each,
-    times,
-    write_rows,
-)
 
 
 def changes_of_speed(z, shares):

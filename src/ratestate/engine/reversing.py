@@ -10,8 +10,8 @@ r            change of ln c, t q - sigma
 
 from ..friction.expressions import LIMIT
 from ..friction.functions import where
+from ..friction.tuples import dot, plus, product, times, total
 from .equations import inertial_force
-from .tuples import dot, plus, product, times, total
 
 
 def speeds(w, e, law):

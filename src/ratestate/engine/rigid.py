@@ -9,28 +9,15 @@ Rodas5P (`tableau`) is diagonal.  Its dense output has psi alone, from which x a
 import math
 
 from ..friction.functions import larger, where
+from ..friction.tuples import dot, dot_onto, largest, plus, plus_sum, product, sum_of, times, total
 from . import rows as R
 from .drift import with_states
 from .equations import exponentials
 from .lanes import ROUNDING, saves
 from .rodas5p import dense_output, leaves, next_point
-from .rows import rows_of
+from .rows import read_rows, rows_of, store_each, write_rows
 from .step_control import step_size
 from .tableau import GAMMA, NODES, A, D, H
-from .tuples import (
-    dot,
-    dot_onto,
-    largest,
-    plus,
-    plus_sum,
-    product,
-    read_rows,
-    store_each,
-    sum_of,
-    times,
-    total,
-    write_rows,
-)
 
 
 def point(s, l, law, dT, psi):

@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 from ..friction.expressions import LIMIT
 from ..friction.functions import larger, where
+from ..friction.tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, zeros
 from .drift import UNITY, drift_of, with_drift
 from .equations import exponentials, inertial_force, later, works
 from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
-from .tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, zeros
 
 
 class Arrow(NamedTuple):

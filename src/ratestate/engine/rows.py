@@ -203,3 +203,25 @@ def rows_of(law):
         spans=highs + 2 * ring,
         size=highs + 3 * ring,
     )
+
+
+def read_rows(s, rows, l):
+    """What stands in these rows of lane l."""
+    return tuple(s[row + l] for row in rows)
+
+
+def write_rows(s, rows, l, values):
+    """Put values into these rows of lane l, or the first of them."""
+    for row, value in zip(rows, values, strict=False):
+        s[row + l] = value
+
+
+def load_each(s, rows, l):
+    """What stands in these tuples of rows of lane l."""
+    return tuple(read_rows(s, one, l) for one in rows)
+
+
+def store_each(s, rows, l, values):
+    """Put tuples into these tuples of rows of lane l."""
+    for one, of_one in zip(rows, values, strict=True):
+        write_rows(s, one, l, of_one)

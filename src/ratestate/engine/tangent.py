@@ -14,11 +14,7 @@ the logarithm of a volume of states grows.
 
 from ..friction.expressions import LIMIT
 from ..friction.functions import where
-from . import reversing
-from .equations import exponentials, inertial_force
-from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
-from .tableau import NODES, A, B
-from .tuples import (
+from ..friction.tuples import (
     dot,
     dot_each,
     minus_dot,
@@ -29,6 +25,10 @@ from .tuples import (
     times,
     total,
 )
+from . import reversing
+from .equations import exponentials, inertial_force
+from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
+from .tableau import NODES, A, B
 
 
 def change_of_g(z, S_v, S_psi):

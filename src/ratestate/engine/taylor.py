@@ -7,9 +7,9 @@ The polynomial of the step is its dense output too.  The step follows from the l
 import math
 
 from ..friction.functions import exp, functions_of, larger, where
+from ..friction.tuples import largest, pairwise_sums, product, product_each
 from . import recurrences
 from .recurrences import ORDER
-from .tuples import largest, pairwise_sums, product, product_each
 
 #: part of the tolerance that the last terms of a step may reach
 PART = 0.1

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..friction.functions import larger, smaller, sqrt, where
+from ..friction.tuples import dot, dot_onto, grouped, minus_dot, plus, sum_of_sizes, times
 from . import lanes, return_lanes, return_taylor_lanes, rigid, taylor_lanes, waveform
 from . import rows as R
 from .calls import FOUND
@@ -16,20 +17,8 @@ from .drift import UNITY
 from .equations import exponentials, inertial_force
 from .model import NOT_FINITE, RUNAWAY, SLAVED
 from .recurrences import has_recurrences
-from .rows import rows_of
+from .rows import load_each, read_rows, rows_of, write_rows
 from .step_control import control_step
-from .tuples import (
-    dot,
-    dot_onto,
-    grouped,
-    load_each,
-    minus_dot,
-    plus,
-    read_rows,
-    sum_of_sizes,
-    times,
-    write_rows,
-)
 
 
 class MarchUnits(NamedTuple):

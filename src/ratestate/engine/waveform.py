@@ -8,9 +8,9 @@ import functools
 import numpy as np
 
 from ..friction.functions import cosine, sine, where
+from ..friction.tuples import plus, select
 from . import rows as R
-from .rows import rows_of
-from .tuples import plus, read_rows, select, write_rows
+from .rows import read_rows, rows_of, write_rows
 
 # V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
 SLOW_BELOW, LOG_SLOW_BELOW = 0.1, -2.302585092994046

@@ -15,6 +15,7 @@
 ``taylor``           Taylor coefficients of expressions
 ``evaluation``       values of expressions, in numbers of any kind
 ``functions``        exp, log and others for numbers of any kind
+``tuples``           arithmetic on tuples of these numbers
 ``elementary``       the same functions for expressions
 ``kinematics``       slip rate as a function of the solver's variables
 ``reversing``        the same if slip may reverse

@@ -74,31 +74,3 @@ def asinh_of(w, x):
     """asinh(w e**x/2)."""
     size = asinh_of_exp(log(larger(abs(w), 1e-300)) + x)
     return where(abs(w) > 0.0, where(w < 0.0, -size, size), 0.0)
-
-
-# Of tuples with a number a state
-
-
-def scaled(x, y):
-    """x y_k."""
-    return tuple(x * one for one in y)
-
-
-def added(x, y):
-    """x_k + y_k."""
-    return tuple(one + other for one, other in zip(x, y, strict=True))
-
-
-def weighted(weights, y):
-    """weight_k y_k."""
-    return tuple(weight * one for weight, one in zip(weights, y, strict=True))
-
-
-def weighted_sum(weights, y):
-    """sum_k weight_k y_k, a number."""
-    return sum(weight * one for weight, one in zip(weights, y, strict=True))
-
-
-def zeros_for(y):
-    """As many zeros."""
-    return tuple(0.0 for _ in y)

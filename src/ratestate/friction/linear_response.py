@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .functions import weighted_sum
+from .tuples import dot
 
 
 class Response(NamedTuple):
@@ -45,15 +45,15 @@ def responses(law, p, kappa, inertia, mu, h, Omega):
     i = 1j * Omega
     by_v = [slope / (i - own) for slope, own in zip(f_v, f_psi, strict=True)]
     by_s = [i * jump / (i - own) for jump, own in zip(h, f_psi, strict=True)]
-    resisting = i * inertia + S_v + weighted_sum(S_psi, by_v)
-    push = mu + weighted_sum(S_psi, by_s)
+    resisting = i * inertia + S_v + dot(S_psi, by_v)
+    push = mu + dot(S_psi, by_s)
     with np.errstate(divide="ignore"):
         soft = i / kappa  # 0 where the slider moves as the load point does
 
     def of(w_lp, s):
         v = (w_lp - soft * push * s) / (1.0 + soft * resisting)
         x = (resisting * w_lp + push * s) / (1.0 + soft * resisting)
-        f = (R_v + weighted_sum(R_psi, by_v)) * v + weighted_sum(R_psi, by_s) * s
+        f = (R_v + dot(R_psi, by_v)) * v + dot(R_psi, by_s) * s
         return Response(v, x, f)
 
     return of(1.0, 0.0), of(0.0, 1.0)

@@ -10,22 +10,9 @@ smooth at rest, and w keeps its digits however small friction is.
 """
 
 from .expressions import LIMIT
-from .functions import (
-    added,
-    asinh_of,
-    exp,
-    larger,
-    log,
-    scaled,
-    smaller,
-    sqrt,
-    tanh,
-    weighted,
-    weighted_sum,
-    where,
-    zeros_for,
-)
+from .functions import asinh_of, exp, larger, log, smaller, sqrt, tanh, where
 from .kinematics import Forward
+from .tuples import added, dot, product, times, zeros
 
 # The smallest |w| that laws of state are given, and the least part of c that is taken for the
 # fastest speed.
@@ -68,18 +55,18 @@ class Reversing(Forward):
 
     def v_of_order(self, number, psi, p):
         """v, at psi = 0, of this speed."""
-        return self.v_at(number, zeros_for(psi), p)
+        return self.v_at(number, zeros(psi), p)
 
     def order_slope(self, w, psi, e, p):
         """The derivative of `v_of_order` by omega: the sum of all jumps over that at psi = 0."""
-        rest = 2.0 * exp(-smaller(self.barrier(zeros_for(psi), p), LIMIT))
+        rest = 2.0 * exp(-smaller(self.barrier(zeros(psi), p), LIMIT))
         size = larger(abs(w), rest)
         part = smaller(abs(w), rest) / size
         return self.speed_slope(w, e) / (size * sqrt(1.0 + part * part))
 
     def shares(self, w, c_inverse, p):
         """s_k of d omega = dv + sum_k s_k d psi_k, a tuple."""
-        return scaled(-w * c_inverse, self.evolution_effects(p))
+        return times(-w * c_inverse, self.evolution_effects(p))
 
     def error_of_v(self, error, w_new, e_new, p, fastest):
         """Error in omega or, if friction hardly depends on the speed, in the speed.
@@ -88,7 +75,7 @@ class Reversing(Forward):
         """
         c = self.speed_slope(w_new, e_new)
         shares = self.shares(w_new, 1.0 / c, p)
-        omega = abs(error[1] + weighted_sum(shares, error[2:]))
+        omega = abs(error[1] + dot(shares, error[2:]))
         largest = larger(larger(fastest[0], -fastest[1]), larger(abs(w_new), fastest[2]))
         return omega * larger(1.0, c / larger(largest, LEAST * c))
 
@@ -107,15 +94,15 @@ class Reversing(Forward):
 
     def resistance_slopes(self, v, w, psi, e, p):
         """Slopes of `resistance_in_v`: by omega and by each of psi, a tuple."""
-        return 1.0, scaled(w / self.speed_slope(w, e), self.evolution_effects(p))
+        return 1.0, times(w / self.speed_slope(w, e), self.evolution_effects(p))
 
     def inertia_slopes(self, g, slopes, m, v, w, psi, e, p):
         """Slopes of -m dv/dT, with those of 1/c and of s_k: of t = w/c they are 1 - t^2 by v."""
         effects, t = self.evolution_effects(p), w / self.speed_slope(w, e)
-        evolution = m * weighted_sum(effects, self.rates_in_v(v, w, psi, e, p))
+        evolution = m * dot(effects, self.rates_in_v(v, w, psi, e, p))
         bend = (1.0 - t) * (1.0 + t)
         by_omega, by_psi = slopes
-        drop = scaled(-bend * (g + evolution * t), effects)
+        drop = times(-bend * (g + evolution * t), effects)
         return by_omega + g * t - evolution * bend, added(by_psi, drop)
 
     def state_rates(self, v, w, psi, e, p):
@@ -127,7 +114,7 @@ class Reversing(Forward):
         """Slopes of `state_rates`: by omega, a tuple, and each by its own state, a tuple."""
         size = self.size(w)
         by_log, by_psi = self.rate_partials(log(size), size, psi, e[1:], p)
-        return scaled(self.log_slope(w, e), by_log), by_psi
+        return times(self.log_slope(w, e), by_log), by_psi
 
     def log_slope(self, w, e):
         """d ln |w|/d omega."""
@@ -144,17 +131,17 @@ class Reversing(Forward):
         by_log, _ = self.rate_partials(log_size, size, psi, e[1:], p)
         log_log, log_psi, psi_psi = self.rate_partials_2(log_size, size, psi, e[1:], p)
         first, second = slope * one[0], slope * other[0]
-        bent = scaled(slope * bend_of_w - first * second, by_log)
-        bent = added(bent, scaled(first * second, log_log))
-        mixed = added(scaled(first, other[1]), scaled(second, one[1]))
-        bent = added(bent, weighted(log_psi, mixed))
-        return added(bent, weighted(psi_psi, weighted(one[1], other[1])))
+        bent = times(slope * bend_of_w - first * second, by_log)
+        bent = added(bent, times(first * second, log_log))
+        mixed = added(times(first, other[1]), times(second, one[1]))
+        bent = added(bent, product(log_psi, mixed))
+        return added(bent, product(psi_psi, product(one[1], other[1])))
 
     def decay_slopes(self, w, psi, e, p):
         """Slopes of the derivative of each rate by its own state: by omega, and by that state."""
         size = self.size(w)
         _, log_psi, psi_psi = self.rate_partials_2(log(size), size, psi, e[1:], p)
-        return scaled(self.log_slope(w, e), log_psi), psi_psi
+        return times(self.log_slope(w, e), log_psi), psi_psi
 
     def v_at(self, w, psi, p):
         """v at the speed w, of arrays too."""

@@ -4,8 +4,9 @@ import math
 from types import MappingProxyType
 
 from ..expressions import LIMIT
-from ..functions import larger, log, smaller, softplus, weighted_sum, where
+from ..functions import larger, log, smaller, softplus, where
 from ..law import FrictionLaw, Parameter
+from ..tuples import dot
 
 NAME = "cut-off"
 # ln(V/V1) up to which double precision tells V from friction, there to 1e-5: by the slope e**-20.
@@ -75,7 +76,7 @@ class CutOff(FrictionLaw):
         to 0 within a slip of w1/w [Dc], in which neither the states nor sigma change.
         """
         _, left = self.resistance_partials(v, w, psi, p)
-        return -weighted_sum(left, self.rates(v, w, psi, e, p)) > kappa * w
+        return -dot(left, self.rates(v, w, psi, e, p)) > kappa * w
 
 
 FORM = CutOff

@@ -2,9 +2,10 @@
 
 from types import MappingProxyType
 
-from ..functions import asinh, exp, log, weighted_sum
+from ..functions import asinh, exp, log
 from ..law import FrictionLaw, eq_1
 from ..reversing import Reversing
+from ..tuples import dot
 
 NAME = "regularized"
 #: symbol -> what it is, of its parameters: none
@@ -43,7 +44,7 @@ class Regularized(Reversing, FrictionLaw):
 
     def barrier(self, psi, p):
         """Theta."""
-        return self.constant("barrier", p) + weighted_sum(self.evolution_effects(p), psi)
+        return self.constant("barrier", p) + dot(self.evolution_effects(p), psi)
 
 
 FORM = Regularized

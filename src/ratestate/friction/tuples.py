@@ -1,9 +1,9 @@
-"""Arithmetic on tuples of numbers of any length, and their way into the lane buffer and out."""
+"""Arithmetic on tuples of numbers of any kind (functions.py), of any length."""
 
 import functools
 import operator
 
-from ..friction.functions import larger, where
+from .functions import larger, where
 
 
 def _sum(terms):
@@ -20,6 +20,11 @@ def zeros(like):
 def plus(y, a, k):
     """y + a k."""
     return tuple(y_i + a * k_i for y_i, k_i in zip(y, k, strict=True))
+
+
+def added(x, y):
+    """x_i + y_i."""
+    return tuple(x_i + y_i for x_i, y_i in zip(x, y, strict=True))
 
 
 def times(a, k):
@@ -115,25 +120,3 @@ def of_each(rows, i):
 def select(condition, x, y):
     """x where the condition is true, else y."""
     return tuple(where(condition, x_i, y_i) for x_i, y_i in zip(x, y, strict=True))
-
-
-def read_rows(s, rows, l):
-    """What stands in these rows of lane l."""
-    return tuple(s[row + l] for row in rows)
-
-
-def write_rows(s, rows, l, values):
-    """Put values into these rows of lane l, or the first of them."""
-    for row, value in zip(rows, values, strict=False):
-        s[row + l] = value
-
-
-def load_each(s, rows, l):
-    """What stands in these tuples of rows of lane l."""
-    return tuple(read_rows(s, one, l) for one in rows)
-
-
-def store_each(s, rows, l, values):
-    """Put tuples into these tuples of rows of lane l."""
-    for one, of_one in zip(rows, values, strict=True):
-        write_rows(s, one, l, of_one)
