@@ -9,6 +9,8 @@ import functools
 import operator
 import struct
 
+from ..friction.functions import CODE
+
 
 def double(x):
     """A double as LLVM text, to its last digit."""
@@ -18,12 +20,10 @@ def double(x):
 class Code:
     """Instructions that are being written, in their order.
 
-    width : doubles that go together; functions : class of the functions of its numbers, such as
-    `vector_functions.Vectorised`; letter : with which names begin
+    width : doubles that go together; letter : with which names begin
     """
 
-    def __init__(self, width, functions, letter="v"):
-        self.functions = functions
+    def __init__(self, width, letter="v"):
         self.lines, self.declarations = [], {}
         self._known, self._width, self._letter = {}, width, letter
 
@@ -85,15 +85,11 @@ class Value:
     """What an instruction of some code gives, by its name there."""
 
     __slots__ = ("code", "name")
+    functions = CODE
     item: str  # type of an element
 
     def __init__(self, code, name):
         self.code, self.name = code, name
-
-    @property
-    def functions(self):
-        """The class of functions for it, which functions.py asks for."""
-        return self.code.functions
 
     def __bool__(self):
         raise TypeError("a condition on numbers of code that is only being written")
@@ -139,6 +135,12 @@ class Condition(Value):
     def __invert__(self):
         return self ^ True
 
+    def select(self, x, y):
+        """x where the condition holds, else y."""
+        code = self.code
+        sides = ", ".join(f"{code.type(Number)} {code.text(Number, one)}" for one in (x, y))
+        return code.write(f"select {code.type(Condition)} {self.name}, {sides}", Number)
+
 
 class Bits(Value):
     """64-bit integers."""
@@ -182,12 +184,3 @@ class Number(Value):
     def bits(self):
         """The same bits as integers."""
         return _same_bits(self, Bits)
-
-
-def where(condition, x, y):
-    """x where a condition holds, else y."""
-    if not isinstance(condition, Condition):
-        return x if condition else y
-    code = condition.code
-    sides = ", ".join(f"{code.type(Number)} {code.text(Number, one)}" for one in (x, y))
-    return code.write(f"select {code.type(Condition)} {condition.name}, {sides}", Number)

@@ -9,15 +9,15 @@ numbers of any kind.
 import functools
 import operator
 
-from .derivatives import DERIVATIVES
-from .evaluation import Real, evaluate
+from .functions import DERIVATIVES
+from .rewriting import function_of
 
 
 class NoSeries(TypeError):
     """An expression has no rule here, as a choice has none."""
 
 
-def expand(derivatives, integrands, order, known, functions=Real):
+def expand(derivatives, integrands, order, known):
     """Coefficients up to an order of each unknown, and of each integrand up to one less.
 
     Lists, in which None is a coefficient that is always 0.
@@ -27,7 +27,7 @@ def expand(derivatives, integrands, order, known, functions=Real):
     known : dict expression -> its value at the start, of each symbol and of what else is known; of
         a symbol that changes at a constant rate a pair, its value and that rate
     """
-    found = _Expansion(known, functions)
+    found = _Expansion(known)
     nodes = found.ordered([*derivatives, *derivatives.values(), *integrands])
     for k in range(order):
         for one in nodes:
@@ -45,8 +45,8 @@ class _Expansion:
     operations as there can be: an unknown's coefficient as its slope, of which that is a part.
     """
 
-    def __init__(self, known, functions):
-        self.known, self.functions = known, functions
+    def __init__(self, known):
+        self.known = known
         self.rules = {}  # expression -> what `_rule` gives
         self.c = {}  # (expression, order) -> coefficient
         self.slopes = {}  # (expression, j) -> j times the coefficient of order j
@@ -120,15 +120,17 @@ class _Expansion:
             if k < 2 and isinstance(given, tuple):
                 self.c[one, k] = given[k]
             elif k == 0:
-                self.c[one, 0] = given if one in self.known else self._value(one)
+                self.c[one, 0] = self._first(one)
         else:
             self.c[one, k] = getattr(self, f"_{rule}")(k, one, *operands)
 
-    def _value(self, one):
-        """The first coefficient, from those of the operands."""
-        values = {operand: self.at(operand, 0) for operand in one.operands}
-        known = self.known | {x: value for x, value in values.items() if value is not None}
-        return evaluate([one], known, self.functions)[0]
+    def _first(self, one):
+        """The coefficient of order 0, from those of the operands if it is not known."""
+        if (known := self.at(one, 0)) is not None:
+            return known
+        if one in self.known:
+            return self.known[one]
+        return _function(one)(*map(self._first, one.operands))[0]
 
     def _linear(self, one):
         """Constant factors and expressions whose sum it is: itself, if it is no sum."""
@@ -155,10 +157,15 @@ class _Expansion:
     def _function(self, k, one, x, inner):
         """From f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
         if k == 0:
-            return self.known[one] if one in self.known else self._value(one)
+            return self._first(one)
         pairs = {j: (self._slope(x, j), self.at(inner, k - j)) for j in range(1, k)}
         last = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
         return total([times(convolution(pairs, k), 1.0 / k), last])
+
+
+@functools.cache
+def _function(one):
+    return function_of([one], one.operands)
 
 
 def _rule(one):
