@@ -103,7 +103,7 @@ def test_derivatives_far_from_all_that_slips(name, form):
         exact, at = SimpleNamespace(**numbers), [mp.mpf(x) for x in y]
         symbols = {one: numbers.get(name) for name, one in found._parameters.items()}
         symbols |= {found._V_ref: numbers["V_ref"]}
-        values = evaluate(found.coefficient_list, symbols)
+        values = evaluate(found.constants.values(), symbols)
         exact_p = dict(zip(found.constants, values, strict=True))
 
         def value_of(expression, *y):

@@ -37,8 +37,7 @@ class Equations:
         psi too; None where they are the same
     effects : b_k/a
     named : name -> another constant expression, what the law's `constants` gives
-    constants : symbol -> constant expression in parameters and V_ref: the coefficients, which are
-        in `coefficient_list` too
+    constants : symbol -> constant expression in parameters and V_ref: the coefficients
     friction_at_reference : mu_ref, such an expression: mu at V_ref and theta_k = D_k/V_ref
     first : derivatives of R by v and each psi; of each rate by v, and by its own psi: lists
     second : those of R by v and each psi of each of `first`; of rates by v v, v psi, psi psi
@@ -46,10 +45,7 @@ class Equations:
 
     def __init__(self, law):
         graph = Graph()
-        positive = {
-            *POSITIVE,
-            *(name for name, one in law.parameters.items() if one.bound == "> 0"),
-        }
+        positive = {*POSITIVE, *(x for x, one in law.parameters.items() if one.bound == "> 0")}
         names = (*EXAMPLE, *law.parameters)
         symbols = {x: graph.symbol(("p", x), is_positive=x in positive) for x in names}
         V_ref, v = graph.symbol("V_ref", is_positive=True), graph.symbol("v", is_constant=False)
@@ -97,7 +93,6 @@ class Equations:
             if one.kind == "exp" and not one.is_constant and one is not self.w
         ]
         self.exponents = [one.parts[0] for one in self.exponentials]
-        self.coefficient_list = [*self.constants.values()]
         # Now, and not when they are asked for: sums are in the order in which terms were made.
         self.first, self.second = self._orders(1), self._orders(2)
 
@@ -106,7 +101,7 @@ class Equations:
 
         values : symbol -> float or array, of the parameters [SI]
         """
-        return tuple(self._of_parameters(self.coefficient_list, V_ref, values))
+        return tuple(self._of_parameters(self.constants.values(), V_ref, values))
 
     def reference_friction(self, V_ref, values):
         """mu_ref; values as for `coefficients`."""
@@ -124,13 +119,13 @@ class Equations:
         optional = self.runs_away, self.log_theta, self.variables, *self.named.values()
         own = [*self.effects, *self.rates, *self.resistance]
         own += [one for some in optional for one in some or []]
-        constants = description([*self.coefficient_list, *self.friction_at_reference])
+        constants = description([*self.constants.values(), *self.friction_at_reference])
         return f"{description(own)}\n{constants}"
 
     @functools.cached_property
     def used(self):
         """Symbols of the parameters on which coefficients depend, a set; "V_ref" may be one."""
-        found = ordered(self.coefficient_list)
+        found = ordered(self.constants.values())
         named = {one for one in found if one.kind in ("symbol", "positive")}
         symbols = {name for name, one in self._parameters.items() if one in named}
         return symbols | ({"V_ref"} & {one.parts[0] for one in named})
@@ -163,11 +158,10 @@ class Equations:
     def values(self, expressions, v, w, psi, p, e=None, kappa=None):
         """Values of expressions where v, w, psi (a tuple), p and exponentials are these, a list.
 
-        expressions : a list of which this is asked again and again
         w, e : None if they are to be computed from v and psi
         """
         known = {self.v: v, self.kappa: kappa, **dict(zip(self.psi, psi, strict=True))}
-        known |= dict.fromkeys(self.constants) | dict(zip(self.constants, p, strict=False))
+        known |= zip(self.constants, p, strict=False)
         if w is not None:
             known[self.w] = w
         if e is not None:
@@ -175,12 +169,12 @@ class Equations:
         return self._computed(expressions, known)
 
     def _computed(self, expressions, known):
-        """Values of a list of expressions; known : dict expression -> value."""
-        key = id(expressions), *known
+        """Values of expressions; known : dict expression -> value."""
+        key = tuple(expressions), tuple(known)
         if key not in self._programs:
-            self._programs[key] = function_of(expressions, known), expressions
+            self._programs[key] = function_of(*key)
         with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
-            return self._programs[key][0](*known.values())
+            return self._programs[key](*known.values())
 
 
 def _returned(graph, found, law):

@@ -13,17 +13,14 @@ import struct
 from .expressions import LIMIT, Expression
 
 
-def functions_of(*numbers):
-    """The functions for these kinds of numbers or conditions."""
-    for x in numbers:
-        if (found := getattr(x, "functions", None)) is not None:
-            return found
-    return ARRAYS
+def functions_of(x):
+    """The functions for this kind of number."""
+    return getattr(x, "functions", ARRAYS)
 
 
 def _function(name, text):
     def function(x):
-        return getattr(functions_of(x), name)(x)
+        return getattr(getattr(x, "functions", ARRAYS), name)(x)
 
     function.__name__ = function.__qualname__ = name
     function.__doc__ = text
@@ -165,6 +162,7 @@ class _OfArrays:
     def __getattr__(self, name):
         import numpy as np  # slow to import
 
+        setattr(self, name, getattr(np, name))
         return getattr(np, name)
 
     def asinh(self, x):
