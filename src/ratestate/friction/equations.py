@@ -15,10 +15,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .expressions import FormulaError, Graph, description, ordered
+from .expressions import FormulaError, Graph, ordered
 from .functions import exp
 from .law_properties import EXAMPLE
-from .rewriting import Derivative, Hoisting, function_of, times_each
+from .rewriting import Derivative, Hoisting, function_of, source_of, times_each
 
 #: parameters of every slider that are > 0
 POSITIVE = ("a", "Dc", "V0")
@@ -119,8 +119,9 @@ class Equations:
         optional = self.runs_away, self.log_theta, self.variables, *self.named.values()
         own = [*self.effects, *self.rates, *self.resistance]
         own += [one for some in optional for one in some or []]
-        constants = description([*self.constants.values(), *self.friction_at_reference])
-        return f"{description(own)}\n{constants}"
+        formulas = source_of(own, [self.v, self.kappa, *self.psi, *self.constants])
+        constants = [*self.constants.values(), *self.friction_at_reference]
+        return f"{formulas}\n{source_of(constants, self._parameters.values())}"
 
     @functools.cached_property
     def used(self):
