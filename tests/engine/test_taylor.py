@@ -14,7 +14,7 @@ from ratestate.engine import rows as R
 from ratestate.engine import taylor as T
 from ratestate.engine.recurrences import ORDER, has_recurrences
 from ratestate.engine.taylor import coefficients, variational_coefficients
-from ratestate.friction.tuples import pairwise_sums, product_each
+from ratestate.friction.tuples import pairwise_sum, product
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
 #: of a state in the dimensionless system: x, v, psi, w_lp, its rate, kappa, eta0
@@ -31,7 +31,7 @@ def rough_log2(x):
 
 def over_step(c, of_works, h):
     h_powers = T.powers(h)
-    return pairwise_sums(product_each(c, h_powers)), T.integrals(of_works, h_powers)
+    return tuple(pairwise_sum(product(one, h_powers)) for one in c), T.integrals(of_works, h_powers)
 
 
 # ----------------------------------------------------------------------------------- coefficients

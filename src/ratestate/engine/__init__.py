@@ -25,7 +25,7 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``reversing``                         the derivative if slip may reverse
 ``taylor``, ``recurrences``           a Taylor step; the equations whose series it sums
 ``step_control``                      accept a step and choose the next
-``code``, ``vector_functions``        numbers that write LLVM text; their exp, log and others
+``code``                              numbers that write LLVM text
 ``unit_code``                         units as LLVM text
 ``compiler``, ``instructions``        compile the control from a small part of Python
 ``calls``                             call a unit from the control

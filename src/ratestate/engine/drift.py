@@ -44,4 +44,4 @@ def with_states(rest, d, drift):
     """rest + d drift, where there is a drift."""
     if len(drift) == 0:
         return rest
-    return plus(rest, d, drift)
+    return plus(rest, times(d, drift))

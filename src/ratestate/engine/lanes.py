@@ -7,7 +7,7 @@ same instructions, and gets the same bits, wherever it sits.
 import math
 
 from ..friction.functions import larger, where
-from ..friction.tuples import dot, dot_onto, largest, minus_dot, plus, select, size_of, total
+from ..friction.tuples import dot, dot_onto, largest, minus_dot, plus, select, size_of, times, total
 from . import rows as R
 from .drift import UNITY
 from .equations import inertial_force, later
@@ -84,7 +84,7 @@ def steadies(s, l, law):
     Never in a march, whose lanes have the tolerance 0.
     """
     rows = rows_of(law)
-    off = plus(read_rows(s, rows.y_new, l), -1.0, read_rows(s, rows.steady, l))
+    off = plus(read_rows(s, rows.y_new, l), times(-1.0, read_rows(s, rows.steady, l)))
     return largest(off) < s[R.STEADY + l]
 
 

@@ -3,8 +3,7 @@
 import functools
 from typing import NamedTuple
 
-from ..friction.derivatives import Derivative
-from ..friction.functions import functions_of
+from ..friction.rewriting import Derivative
 from ..friction.taylor import NoSeries, expand
 
 #: order of the Taylor method: degree of its polynomials in time
@@ -78,7 +77,7 @@ def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
     """
     known = _known(law, y, w, e, (w_lp, ramp), kappa, eta0, p)
     of_law = equations(law)
-    return expand(of_law.derivatives, of_law.integrands, ORDER, known, functions_of(w))
+    return expand(of_law.derivatives, of_law.integrands, ORDER, known)
 
 
 def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
@@ -92,7 +91,7 @@ def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
     perturbations, derivatives, trace = variational_equations(law)
     for symbols, one in zip(perturbations, z, strict=True):
         known |= zip(symbols, one, strict=True)
-    found, (of_trace,) = expand(derivatives, [trace], ORDER, known, functions_of(w))
+    found, (of_trace,) = expand(derivatives, [trace], ORDER, known)
     n = len(y)
     return found[:n], found[n:], of_trace
 

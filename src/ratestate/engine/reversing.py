@@ -46,7 +46,7 @@ def change_of_rows(du, at, m):
     """J du, its v row times m, from what `slopes` gave."""
     ratio, g, kappa_c, S_v, t, bend, F, effects, f_v, f_psi = at
     sigma, q, omega = changes(du, t, effects)
-    df = plus(times(omega, f_v), 1.0, product(f_psi, du[2:]))
+    df = plus(times(omega, f_v), product(f_psi, du[2:]))
     dg = du[0] - S_v * omega - t * sigma
     inertia = ratio * (dg - g * (t * q - sigma))
     return -kappa_c * omega, inertia + m * (bend * F * q + t * dot(effects, df)), *df
@@ -61,7 +61,7 @@ def second_derivatives(y, w, e, z, system):
     moves = where(law.log_of_faster(y[1], y[2:], p) > -LIMIT, 1.0, 0.0)
     c, t, bend = speeds(w, e, law)
     sigma, q, omega = changes(z, t, effects)
-    df = plus(times(omega, f_v), 1.0, product(f_psi, z[2:]))
+    df = plus(times(omega, f_v), product(f_psi, z[2:]))
     F = dot(effects, law.rates_in_v(y[1], w, y[2:], e, p))
     dg = z[0] - S_v * omega - t * sigma
     point = y, w, e, system, effects, f_v, f_psi, moves * g, S_v, moves, c, t, bend, F
@@ -76,7 +76,7 @@ def bent(curvature, k):
     law, kappa, eta0, p = system
     sigma_k, q_k, omega_k = changes(k, t, effects)
     r_k = moves * (t * q_k - sigma_k)
-    df_k = plus(times(omega_k, f_v), 1.0, product(f_psi, k[2:]))
+    df_k = plus(times(omega_k, f_v), product(f_psi, k[2:]))
     dg_k = k[0] - S_v * omega_k - t * sigma_k
     # of forward jumps, (1 + t)/2 of all, q - sigma is the change of their logarithm; of backward
     # jumps -q - sigma
@@ -108,5 +108,5 @@ def right_hand_side(du, at, k, rest, curvature, r, m):
     first, second = change_of_rows(du, at, m), bent(curvature, k)
     r_x = r * rest[0] + first[0] + second[0]
     r_v = first[1] + (m * r) * rest[1] + second[1]
-    r_psi = plus(plus(first[2:], r, rest[2:]), 1.0, second[2:])
+    r_psi = plus(plus(first[2:], times(r, rest[2:])), second[2:])
     return r_x, r_v, *r_psi

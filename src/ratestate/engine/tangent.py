@@ -14,17 +14,7 @@ the logarithm of a volume of states grows.
 
 from ..friction.expressions import LIMIT
 from ..friction.functions import where
-from ..friction.tuples import (
-    dot,
-    dot_each,
-    minus_dot,
-    plus,
-    plus_sum,
-    product,
-    sum_of,
-    times,
-    total,
-)
+from ..friction.tuples import dot, minus_dot, plus, plus_sum, product, sum_of, times, total
 from . import reversing
 from .equations import exponentials, inertial_force
 from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
@@ -53,11 +43,11 @@ def second_derivatives(shares, y, w, e, z, system):
     moves = y[1] > -LIMIT
     dv = where(moves, z[1], 0.0)
     dS_v = S_vv * z[1] + dot(S_vpsi, z[2:])
-    dS_psi = plus(times(z[1], S_vpsi), 1.0, dot_each(S_psipsi, z[2:]))
+    dS_psi = plus(times(z[1], S_vpsi), tuple(dot(row, z[2:]) for row in S_psipsi))
     v_v = where(moves, (S_v + g) * dv - (dS_v + change_of_g(z, S_v, S_psi)), 0.0)
-    v_psi = plus(times(dv, S_psi), -1.0, dS_psi)
-    s_v = plus(times(z[1], s_vv), 1.0, product(s_vpsi, z[2:]))
-    s_psi = plus(times(z[1], s_vpsi), 1.0, product(s_psipsi, z[2:]))
+    v_psi = plus(times(dv, S_psi), times(-1.0, dS_psi))
+    s_v = plus(times(z[1], s_vv), product(s_vpsi, z[2:]))
+    s_psi = plus(times(z[1], s_vpsi), product(s_psipsi, z[2:]))
     return kappa * w * dv, dv, v_v, v_psi, s_v, s_psi
 
 
@@ -106,9 +96,9 @@ def right_hand_side(shares, du, at, k, rest, curvature, r, m):
     r_x = r * rest[0] - kappa_w * du[1] - x_v * k[1]
     r_v = (dg - g * du[1]) * ratio + (m * r) * rest[1]
     r_v += v_v * k[1] + dot(v_psi, k[2:]) - v_x * k[0]
-    r_psi = plus(times(du[1], f_v), 1.0, product(f_psi, du[2:]))
-    r_psi = plus(r_psi, r, rest[2:])
-    r_psi = plus(plus(r_psi, k[1], s_v), 1.0, product(s_psi, k[2:]))
+    r_psi = plus(times(du[1], f_v), product(f_psi, du[2:]))
+    r_psi = plus(r_psi, times(r, rest[2:]))
+    r_psi = plus(plus(r_psi, times(k[1], s_v)), product(s_psi, k[2:]))
     return r_x, r_v, *r_psi
 
 

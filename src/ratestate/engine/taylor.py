@@ -7,7 +7,7 @@ The polynomial of the step is its dense output too.  The step follows from the l
 import math
 
 from ..friction.functions import exp, functions_of, larger, where
-from ..friction.tuples import largest, pairwise_sums, product, product_each
+from ..friction.tuples import largest, pairwise_sum, product
 from . import recurrences
 from .recurrences import ORDER
 
@@ -74,4 +74,4 @@ def powers(h):
 def integrals(c, h):
     """The integrals of polynomials over a step, over its length; h : its `powers`."""
     weights = product(OF_INTEGRAL, h)
-    return pairwise_sums(product_each(c, weights))
+    return tuple(pairwise_sum(product(one, weights)) for one in c)

@@ -17,7 +17,7 @@ from types import MappingProxyType
 
 from .functions import cosine, expm1, sine, where
 from .law import FrictionLaw
-from .tuples import added, dot, product, times
+from .tuples import dot, plus, product, times
 
 #: places, from the end of p, of a history: base, its rate, amplitude, frequency and phase [periods]
 #: of a sinusoid on it; then s, ds/dT and d2s/dT2, to which the base, a straight line, adds nothing
@@ -66,19 +66,19 @@ def varying_at(i, n):
 
         def jumps(self, v, w, psi, p):
             """d psi_k/d ln s."""
-            return added(p[j:k], times(self.resistance_in_v(v, w, psi, p), p[k:last]))
+            return plus(p[j:k], times(self.resistance_in_v(v, w, psi, p), p[k:last]))
 
         def rates_in_v(self, v, w, psi, e, p):
             """d psi/dT: the law's, and what normal stress adds."""
             jumps = self.jumps(v, w, psi, p)
-            return added(self.state_rates(v, w, psi, e, p), times(p[DS] / p[S], jumps))
+            return plus(self.state_rates(v, w, psi, e, p), times(p[DS] / p[S], jumps))
 
         def rate_slopes(self, v, w, psi, e, p):
             """Slopes of `rates_in_v`; only a law of one state has h_k1, so none but its own."""
             by_omega, by_psi = self.state_rate_slopes(v, w, psi, e, p)
             R_omega, R_psi = self.resistance_slopes(v, w, psi, e, p)
             by_R = times(p[DS] / p[S], p[k:last])
-            return added(by_omega, times(R_omega, by_R)), added(by_psi, product(by_R, R_psi))
+            return plus(by_omega, times(R_omega, by_R)), plus(by_psi, product(by_R, R_psi))
 
         def rate_drift(self, v, w, psi, p):
             """d/dT of `rates_in_v` at constant v and psi."""
@@ -94,7 +94,7 @@ def varying_at(i, n):
             growth = rise * dot(by_psi, p[k:last])
             grows = abs(growth) > 0.0
             effective = rise * where(grows, expm1(growth) / where(grows, growth, 1.0), 1.0)
-            return added(psi, times(effective, self.jumps(v, w, psi, p)))
+            return plus(psi, times(effective, self.jumps(v, w, psi, p)))
 
         def history(self, p):
             """Those of p that belong to the history."""

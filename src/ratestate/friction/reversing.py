@@ -12,7 +12,7 @@ smooth at rest, and w keeps its digits however small friction is.
 from .expressions import LIMIT
 from .functions import asinh_of, exp, larger, log, smaller, sqrt, tanh, where
 from .kinematics import Forward
-from .tuples import added, dot, product, times, zeros
+from .tuples import dot, plus, product, times
 
 # The smallest |w| that laws of state are given, and the least part of c that is taken for the
 # fastest speed.
@@ -55,11 +55,11 @@ class Reversing(Forward):
 
     def v_of_order(self, number, psi, p):
         """v, at psi = 0, of this speed."""
-        return self.v_at(number, zeros(psi), p)
+        return self.v_at(number, (0.0,) * len(psi), p)
 
     def order_slope(self, w, psi, e, p):
         """The derivative of `v_of_order` by omega: the sum of all jumps over that at psi = 0."""
-        rest = 2.0 * exp(-smaller(self.barrier(zeros(psi), p), LIMIT))
+        rest = 2.0 * exp(-smaller(self.barrier((0.0,) * len(psi), p), LIMIT))
         size = larger(abs(w), rest)
         part = smaller(abs(w), rest) / size
         return self.speed_slope(w, e) / (size * sqrt(1.0 + part * part))
@@ -103,7 +103,7 @@ class Reversing(Forward):
         bend = (1.0 - t) * (1.0 + t)
         by_omega, by_psi = slopes
         drop = times(-bend * (g + evolution * t), effects)
-        return by_omega + g * t - evolution * bend, added(by_psi, drop)
+        return by_omega + g * t - evolution * bend, plus(by_psi, drop)
 
     def state_rates(self, v, w, psi, e, p):
         """The law's `rates` at |V|."""
@@ -132,10 +132,10 @@ class Reversing(Forward):
         log_log, log_psi, psi_psi = self.rate_partials_2(log_size, size, psi, e[1:], p)
         first, second = slope * one[0], slope * other[0]
         bent = times(slope * bend_of_w - first * second, by_log)
-        bent = added(bent, times(first * second, log_log))
-        mixed = added(times(first, other[1]), times(second, one[1]))
-        bent = added(bent, product(log_psi, mixed))
-        return added(bent, product(psi_psi, product(one[1], other[1])))
+        bent = plus(bent, times(first * second, log_log))
+        mixed = plus(times(first, other[1]), times(second, one[1]))
+        bent = plus(bent, product(log_psi, mixed))
+        return plus(bent, product(psi_psi, product(one[1], other[1])))
 
     def decay_slopes(self, w, psi, e, p):
         """Slopes of the derivative of each rate by its own state: by omega, and by that state."""
