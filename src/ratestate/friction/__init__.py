@@ -29,8 +29,7 @@
 ``critical_speeds``  speeds at which stability changes
 ``stability``        stability in closed form, laws of one length (eqs 5 to 7, 10)
 ``eigenvalues``      the three modes of steady sliding with one state
-``hopf_of_law``      type of the Hopf bifurcation under any law
-``normal_form``      the same in closed form, laws of one length
+``normal_form``      type of the Hopf bifurcation
 ``quasi_static``     excursions and runaway for M = 0, in closed form
 ``convex``           the function in which these are written
 ``separatrix``       threshold of runaway for M = 0 under the slip law
