@@ -3,8 +3,9 @@
 ==================== ============================================================================
 ``law``              what a friction law is: a formula
 ``law_properties``   what follows from the formula: kind of law, steady sliding
-``laws``, ``forms``  the built-in laws and forms of friction, a file each
-``two_states``       states and parameters of laws with two states
+``built_in_laws``    the built-in laws of friction
+``laws``             laws by their names
+``forms``            the built-in forms of friction, a file each
 ``user_law``         laws from a user's file or class, named with a hash of their formula
 ``law_check``        check a user's law: finite, uncoupled, one steady state
 ``formulas``         friction and state in SI (eqs 1 to 3), for users
@@ -30,9 +31,7 @@
 ``stability``        stability in closed form, laws of one length (eqs 5 to 7, 10)
 ``eigenvalues``      the three modes of steady sliding with one state
 ``normal_form``      type of the Hopf bifurcation
-``quasi_static``     excursions and runaway for M = 0, in closed form
-``convex``           the function in which these are written
-``separatrix``       threshold of runaway for M = 0 under the slip law
+``quasi_static``     sliding without inertia: excursions and the edge of runaway
 ``polynomials``      products and roots of polynomials in arrays
 ``roots``            roots of increasing functions of arrays
 ``elementwise``      let functions of arrays take floats and DataArrays

@@ -26,7 +26,7 @@ LAW_FILE = "ratestate_law_"
 OWN = (
     *("name", "label", "synonyms", "source", "form", "states", "parameters", "evolution"),
     *("friction", "runaway", "log_theta", "variables_of", "constants", "complaint"),
-    *("jumps_with_normal_stress", "excursion", "runaway_edge"),
+    "jumps_with_normal_stress",
     *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
 )
 #: methods that are run once, with expressions
