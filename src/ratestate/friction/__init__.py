@@ -25,15 +25,12 @@
 ``damping``          a dashpot in parallel with friction
 ``normal_stress``    normal stress that varies with time
 ``steady_state``     steady sliding by root finding
-``linear_stability`` stability of steady sliding under any law
-``linear_response``  response to small oscillations under any law
+``linear_stability`` stability of steady sliding under any law, and its response
 ``critical_speeds``  speeds at which stability changes
 ``stability``        stability in closed form, laws of one length (eqs 5 to 7, 10)
-``eigenvalues``      the three modes of steady sliding with one state
 ``normal_form``      type of the Hopf bifurcation
 ``quasi_static``     sliding without inertia: excursions and the edge of runaway
-``polynomials``      products and roots of polynomials in arrays
-``roots``            roots of increasing functions of arrays
+``roots``            roots of increasing functions and of polynomials, in arrays
 ``elementwise``      let functions of arrays take floats and DataArrays
 ==================== ============================================================================
 """

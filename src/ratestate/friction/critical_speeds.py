@@ -53,7 +53,7 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
     excess = K[..., None] - found.quasi_static * unit[..., None]
     rounding = stability.ROUNDING * np.abs(K)[..., None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        speed = np.sqrt(excess / (found.mass * (M / values["Dc"] ** 2)[..., None]))
+        speed = np.sqrt(excess / (found.z * (M / values["Dc"] ** 2)[..., None]))
     speed = np.where(excess > rounding, speed, 0.0)
     speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
     # just above each of these speeds, how many pairs are unstable
