@@ -6,8 +6,7 @@
 ``built_in_laws``    the built-in laws of friction
 ``laws``             laws by their names
 ``forms``            the built-in forms of friction, a file each
-``user_law``         laws from a user's file or class, named with a hash of their formula
-``law_check``        check a user's law: finite, uncoupled, one steady state
+``user_law``         laws from a user's file or class: named with a hash, and checked
 ``formulas``         friction and state in SI (eqs 1 to 3), for users
 ``equations``        a formula run once: rates and friction as expressions
 ``expressions``      graphs of expressions
