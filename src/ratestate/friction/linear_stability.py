@@ -151,28 +151,25 @@ def K_c(law, V, *, sigma, M, **values):
     """
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
-    inertia = _inertia(V, sigma=sigma, M=M, **values)
-    kappa = critical(law, _coefficients(law, V, sigma=sigma, **values), inertia).kappa
-    return kappa * values["a"] * sigma / values["Dc"]
+    return (
+        critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).kappa
+        * values["a"]
+        * sigma
+        / values["Dc"]
+    )
 
 
 def omega_c(law, V, *, sigma, M, **values):
     """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN where there is none."""
     if law.one_length:
         return stability.omega_c(V, **values)
-    inertia = _inertia(V, sigma=sigma, M=M, **values)
-    p = _coefficients(law, V, sigma=sigma, **values)
-    return V / values["Dc"] * critical(law, p, inertia).omega
+    return V / values["Dc"] * critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).omega
 
 
-def _coefficients(law, V, **values):
-    """The law's coefficients at V, a tuple of arrays."""
-    return law.coefficient_arrays(V, values)
-
-
-def _inertia(V, *, sigma, M, **values):
-    """eta (eq. 7) at V."""
-    return stability.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
+def _at_speed(law, V, *, sigma, M, **values):
+    """The law's coefficients at V, a tuple of arrays, and eta (eq. 7)."""
+    inertia = stability.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
+    return law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia
 
 
 def is_stable(law, V, *, sigma, K, M, **values):
@@ -180,9 +177,8 @@ def is_stable(law, V, *, sigma, K, M, **values):
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
     stiffness = K * values["Dc"] / (values["a"] * sigma)
-    inertia = _inertia(V, sigma=sigma, M=M, **values)
-    found = edges(law, _coefficients(law, V, sigma=sigma, **values))
-    return found.unstable_pairs(stiffness, inertia) <= 0
+    p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
+    return edges(law, p).unstable_pairs(stiffness, inertia) <= 0
 
 
 def eigenvalues(law, V, *, sigma, K, M, **values):
@@ -194,8 +190,8 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
     rigid = np.isinf(K)
     kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
-    p = _coefficients(law, V, sigma=sigma, **values)
-    found = modes(law, p, kappa, _inertia(V, sigma=sigma, M=M, **values))
+    p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
+    found = modes(law, p, kappa, inertia)
     relaxing = np.full(found.shape, -np.inf, complex)
     relaxing[..., :-2] = -np.sort(linearisation(law, p).rates, axis=-1)
     found = np.where(rigid[..., None], relaxing, found)

@@ -12,6 +12,7 @@ doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Els
 import numpy as np
 
 from .elementwise import elementwise
+from .roots import polynomial_roots
 
 # Of K/K_c_qs: a K this little above K_c_qs is not known to be.
 ROUNDING = 1e-15
@@ -256,23 +257,11 @@ def _isolated_root(eta, kappa, beta):
     """A positive root of x^3 - (1+eta) x^2 + eta (kappa+1-beta) x - eta^2 kappa, far from others.
 
     There is one, as the sign changes between 0 and infinity.  Of three real roots the one on the
-    emptier side of their mean cannot be a double root, and a single real root lies on that
-    side too; from beyond it Newton's method descends without overshooting.  At eta = 0 the
-    double root at x = 0 is the pair of the quasi-static system, and x = 1 is returned.
+    emptier side of their mean cannot be a double root, and a single real root lies farther from it
+    than the others too.  At eta = 0 the double root at x = 0 is the pair of the quasi-static
+    system, and x = 1 is returned.
     """
-    c2, c1, c0 = -(1 + eta), eta * (kappa + 1 - beta), -(eta**2) * kappa
-    mean = -c2 / 3
-    value = ((mean + c2) * mean + c1) * mean + c0
-    slope = (3 * mean + 2 * c2) * mean + c1
-    # y = x - mean solves y^3 + slope y + value = 0, so |y| is below this (1.3248^3 = 1.3248 + 1)
-    bound = np.maximum(np.cbrt(np.abs(value)), np.sqrt(np.maximum(-slope, 0)))
-    x = mean + np.where(value > 0, -1.3248, 1.3248) * bound
-    done = np.zeros(np.shape(x), bool)  # each by itself: what lies beside it changes no digit
-    for _ in range(200):  # a third nearer each time at worst; mostly five to ten are enough
-        derivative = (3 * x + 2 * c2) * x + c1
-        step = (((x + c2) * x + c1) * x + c0) / np.where(derivative == 0, np.inf, derivative)
-        x = np.where(done, x, x - step)
-        done |= np.abs(step) <= 4e-16 * np.abs(x)
-        if np.all(done):
-            break
-    return x
+    c = np.broadcast_arrays(1.0, -(1 + eta), eta * (kappa + 1 - beta), -(eta**2) * kappa)
+    x = polynomial_roots(np.stack(c, axis=-1)).real
+    farthest = np.abs(x - x.mean(axis=-1, keepdims=True)).argmax(axis=-1)
+    return np.take_along_axis(x, farthest[..., None], axis=-1)[..., 0]
