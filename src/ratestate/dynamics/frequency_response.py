@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ..friction.linear_response import responses
-from ..friction.linear_stability import eigenvalues, is_stable
+from ..friction.linear_stability import eigenvalues, is_stable, responses
 from ..friction.stability import eta, f_n
 from ..model.arrays import logspace
 from ..model.batch import Batch
