@@ -84,12 +84,8 @@ def _system(law, p, kappa, eta):
     """`System` of these sliders."""
     psi = law.steady_variables(p)
     e = law.exponentials(0.0, 1.0, psi, p)
-    rates = [
-        getattr(law, f"rate_partials{order}")(0.0, 1.0, psi, e, p) for order in ("", "_2", "_3")
-    ]
-    stress = [
-        getattr(law, f"stress_partials{order}")(0.0, 1.0, psi, p) for order in ("", "_2", "_3")
-    ]
+    rates = [law.rate_partials(0.0, 1.0, psi, e, p, order) for order in (1, 2, 3)]
+    stress = [law.stress_partials(0.0, 1.0, psi, p, order) for order in (1, 2, 3)]
     return System(_long(kappa), _long(eta), _nested(stress), _nested(rates))
 
 
