@@ -15,11 +15,8 @@
 ``functions``        what exp, log and others mean to numbers of any kind; their derivatives
 ``tuples``           arithmetic on tuples of these numbers
 ``kinematics``       slip rate as a function of the solver's variables
-``reversing``        the same if slip may reverse
-``force_balance``    stress, strength and friction in the equation of motion
+``motion``           the equations of motion and their derivatives, as expressions
 ``composition``      combine a law with a form of friction, damping and varying normal stress
-``damping``          a dashpot in parallel with friction
-``normal_stress``    normal stress that varies with time
 ``steady_state``     steady sliding by root finding
 ``linear_stability`` stability of steady sliding under any law, and its response
 ``critical_speeds``  speeds at which stability changes

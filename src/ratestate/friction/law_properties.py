@@ -36,6 +36,7 @@ class LawProperties(Forward):
     resistance: Any
     resistance_partials: Any
     rates: Any
+    rate_partials: Any
     stress: Any
     exponents: Any
     gives: Any

@@ -21,10 +21,10 @@ import functools
 
 import numpy as np
 
-from .derivatives import Derivative
-from .evaluation import Real, function_of
-from .expressions import Graph, exp
+from .expressions import Graph
+from .functions import exp
 from .laws import friction_law
+from .rewriting import Derivative, function_of
 from .tuples import dot
 
 # Rounding relative to the terms of a sum: of eta and beta - 1, and of a law's coefficients
@@ -121,7 +121,7 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
     def form(*vectors):
         """The second or third derivative of the equations along two or three vectors."""
         numbers = (x for vector in vectors for x in vector)
-        return _forms(law)[len(vectors)](Real, 0.0, 0.0, kappa, *psi, *p, *numbers)
+        return _forms(law)[len(vectors)](0.0, 0.0, kappa, *psi, *p, *numbers)
 
     def by_states(L, rest):
         """sum_k S_k rest_k/(L - f_k)."""

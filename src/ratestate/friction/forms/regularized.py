@@ -3,8 +3,8 @@
 from types import MappingProxyType
 
 from ..functions import asinh, exp, log
+from ..kinematics import Reversing
 from ..law import FrictionLaw, eq_1
-from ..reversing import Reversing
 from ..tuples import dot
 
 NAME = "regularized"
