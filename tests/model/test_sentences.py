@@ -2,7 +2,7 @@
 
 import pytest
 
-from ratestate.model.sentences import Sentences
+from ratestate.model.names import Sentences
 
 
 @pytest.fixture

@@ -6,66 +6,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ..errors import ParameterError
-from .other_units import quantity_of
-from .quantities import QUANTITIES, attrs, expected
-from .units import is_array, is_integer, to_si
-
-#: longest axis of a sweep
-MOST_VALUES = 10_000_000
-
-
-def logspace(name, start, stop, n):
-    """Axis of a sweep with geometric spacing.
-
-    Parameters
-    ----------
-    name : str
-        Symbol of the quantity, for example "M" [kg/m^2] or "V_lp" [m/s]; any other name makes an
-        axis of pure numbers.
-    start, stop : float, str or pint.Quantity
-        First and last value, both > 0 and both kept exactly.  In SI, unless they carry a unit; for
-        K, M and sigma one of any kind that `SpringSlider` takes, such as "1e-3/um" for K.
-    n : int
-        Number of values, at least 2.  Those between are rounded to 15 digits, so that
-        ``.sel(M=1000)`` finds the 1000 between 100 and 10000.
-
-    Returns
-    -------
-    xarray.DataArray
-        Shape (n,).  Name, dimension and coordinate are all `name`; the coordinate of a known
-        symbol has attributes ``units`` and ``long_name``.
-
-    Raises
-    ------
-    ParameterError
-        A name that is not a str; a value that is not > 0 or has a wrong unit; n that is not an
-        integer from 2 to 10,000,000.
-
-    Examples
-    --------
-    >>> logspace("M", 100, 1e5, 4).values.tolist()
-    [100.0, 1000.0, 10000.0, 100000.0]
-    """
-    import xarray
-
-    if not isinstance(name, str):
-        raise ParameterError(f"name = {name!r} must be a symbol in quotes, for example 'M'")
-    symbol = quantity_of(name, start) if name in QUANTITIES else "number"
-    ends = [
-        to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
-        for which, value in (("start", start), ("stop", stop))
-    ]
-    if any(is_array(end) or np.isinf(end) for end in ends):
-        raise ParameterError(f"{name}: start and stop must be finite numbers, not arrays")
-    if not is_integer(n) or not 2 <= n <= MOST_VALUES:
-        raise ParameterError(f"n = {n!r} must be an integer from 2 to {MOST_VALUES:,}, such as 12")
-    values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
-    values[[0, -1]] = ends
-    labels = attrs(symbol) if name in QUANTITIES else {}
-    # Unit and name sit on the coordinate only: xarray would carry those of the array through
-    # arithmetic, and V_lp = np.sqrt(eta * ...) would claim to be a pure number.
-    own = {} if symbol in (name, "number") else {"units": labels["units"]}
-    return xarray.DataArray(values, {name: (name, values, labels)}, (name,), name, own)
+from .quantities import expected
+from .units import is_array, to_si
 
 
 def check_aligned(values):
@@ -167,16 +109,26 @@ def running_sum(x):
     return total
 
 
-def appended(column, values, symbol):
-    """A column, ``segment`` last, with more values, floats or DataArrays, at its end.
+def continued(t, columns, pieces, symbol):
+    """Times and columns, ``segment`` last, up to the first of some pieces, and then the pieces.
 
-    ParameterError where DataArrays clash; symbol : what the values are
+    ParameterError if DataArrays clash.
+
+    t : (S,) starts of segments; pieces : tuples (start, value of each column), floats or DataArrays
+    symbol : what the values are
     """
+    starts, *added = zip(*pieces, strict=True)
+    kept = t < starts[0]
+    more = (_appended(x[..., kept], new, symbol) for x, new in zip(columns, added, strict=True))
+    return np.concatenate([t[kept], starts]), *more
+
+
+def _appended(column, values, symbol):
     if not any(map(is_array, (column, *values))):
         return np.append(column, values)
     import xarray
 
-    column = column if is_array(column) else xarray.DataArray(column, dims="segment")
+    column = as_column(column)
     ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
     named = {f"{symbol} {i}": value for i, value in enumerate(values)}
     check_aligned({f"{symbol} before": column.isel(segment=-1), **named})
@@ -185,3 +137,25 @@ def appended(column, values, symbol):
     data = np.concatenate([part.values for part in parts], axis=-1)
     coords = {name: c for part in parts for name, c in part.coords.items()}
     return xarray.DataArray(data, coords, parts[0].dims)
+
+
+def as_column(values):
+    """A column as a DataArray along ``segment``, if it is not one already."""
+    import xarray
+
+    return values if is_array(values) else xarray.DataArray(values, dims="segment")
+
+
+def picked(t, k, columns, numbers):
+    """Values of columns in the segments k of times t, and numbers of these times, a list.
+
+    All are arrays of the shape of t; or all DataArrays, with ``time`` last, if t or a column is.
+    """
+    if not any(map(is_array, (t, *columns))):
+        return [*(column[k] for column in columns), *numbers]
+    import xarray
+
+    frame = t if is_array(t) else xarray.DataArray(k, dims=["time"][: k.ndim])
+    found = (as_column(column).isel(segment=frame.copy(data=k)) for column in columns)
+    ordered = (values.transpose(..., "time", missing_dims="ignore") for values in found)
+    return [*ordered, *(frame.copy(data=values) for values in numbers)]

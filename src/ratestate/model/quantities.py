@@ -165,11 +165,7 @@ def readable(symbol, value, digits=4):
     >>> readable("V_lp", 0.0032)
     '3.2 mm/s'
     """
-    unit = QUANTITIES[symbol].unit
-    if unit == "1" or not abs(value) < float("inf"):
-        return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
-    power = power_of(unit, value)
-    return f"{value / 10.0**power:.{digits}g} {prefixed_unit(unit, power)}"
+    return _in_unit_for(symbol, value, f"{{:.{digits}g}}", value)
 
 
 def readable_range(symbol, low, high):
@@ -178,10 +174,7 @@ def readable_range(symbol, low, high):
     >>> readable_range("sigma", 5e5, 2e6)
     '0.5 to 2 MPa'
     """
-    unit = QUANTITIES[symbol].unit
-    power = power_of(unit, high) if math.isfinite(high) else 0
-    text = f"{low / 10.0**power:.6g} to {high / 10.0**power:.6g}"
-    return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
+    return _in_unit_for(symbol, high, "{:.6g} to {:.6g}", low, high)
 
 
 def readable_change(symbol, before, after):
@@ -190,10 +183,15 @@ def readable_change(symbol, before, after):
     >>> readable_change("V_lp", 3e-6, 1e-5)
     '3 -> 10 um/s'
     """
+    return _in_unit_for(symbol, max(abs(before), abs(after)), "{:.3g} -> {:.3g}", before, after)
+
+
+def _in_unit_for(symbol, size, form, *values):
+    """Values [SI] filled into a form, and the unit that fits this size."""
     unit = QUANTITIES[symbol].unit
-    power = power_of(unit, max(abs(before), abs(after)))
-    one, other = (f"{x / 10.0**power:.3g}" for x in (before, after))
-    return f"{one} -> {other} {prefixed_unit(unit, power)}"
+    power = power_of(unit, size) if math.isfinite(size) else 0
+    text = form.format(*(value / 10.0**power for value in values))
+    return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
 
 
 def readable_time(seconds, digits=4, both=False):

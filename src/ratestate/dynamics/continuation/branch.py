@@ -8,8 +8,8 @@ from ...engine.model import FINISHED
 from ...errors import NotConverged
 from ...friction.composition import composed_law
 from ...model.batch import Batch
-from ...model.contact import parameter_to_si
 from ...model.names import keywords_checked
+from ...model.parameters import parameter_to_si
 from ...model.quantities import QUANTITIES, attrs
 from ...model.slider import checked
 from ...model.units import is_array, to_si

@@ -1,26 +1,27 @@
-"""A history in the words that make it again, to the last bit."""
+"""The calls of `Loading` that reproduce a history exactly."""
 
 import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...errors import ParameterError
-from ..units import is_array
+from ..errors import ParameterError
+from .units import is_array
 
 #: segments; so many are those of a record, which has no holds
 MANY = 10_000
 
 
 class Event(NamedTuple):
-    """A call of a method of `Loading`: step(t, V), hold(t, duration) or ramp(t, V, duration).
+    """A call of a method of `Loading`: ``step(t, value)``, ``sigma_ramp(t, value, duration)``, ...
 
-    Speeds are floats, or DataArrays in those dimensions on which they depend.
+    The value, a speed or normal stress, is a float, or a DataArray in those dimensions on which it
+    depends; that of a hold is None.
     """
 
     kind: str
     t: float
-    V: Any = None
+    value: Any = None
     duration: float | None = None
 
 
@@ -30,65 +31,45 @@ def events_of(loading):
     ParameterError for ramps from other speeds than it has: no method of `Loading` makes them.
     A history with an end, such as a series, is for `rows_of`; that is not checked here.
     """
-    V, rate = np.asarray(loading.V), np.asarray(loading.rate)
-    ends, t = _ends(loading), loading.t.tolist()
-    found = [Event("step", 0.0, V[..., 0])]
-    k, now = 1, ends[..., 0]
-    ramps = [(rate[..., i] != 0.0).any() for i in range(len(t))]
-    sound = not ramps[-1] and not ramps[0]
-    while k < len(t):
-        following = k + 1 < len(t)
-        resumes = next((i for i in range(k, len(t)) if V[..., i].any()), None)
-        if ramps[k]:
-            sound &= np.array_equal(V[..., k], now)
-            now = ends[..., k]
-            found.append(Event("ramp", t[k], now, _lasting(t[k], t[k + 1])))
-        elif now.any() and resumes not in (None, k) and np.array_equal(V[..., resumes], now):
-            found.append(Event("hold", t[k], None, _lasting(t[k], t[k + 1])))
-        else:
-            now = V[..., k]
-            found.append(Event("step", t[k], now))
-        # what a hold or ramp leads to is no event of its own
-        returned = found[-1].kind != "step" and following
-        k += 2 if returned and not ramps[k + 1] and np.array_equal(V[..., k + 1], now) else 1
-    if not sound:
-        raise ParameterError("this loading cannot be written as steps, holds and ramps")
-    start, *events = _with_dimensions(loading, found)
-    return start.V, events
-
-
-class StressEvent(NamedTuple):
-    """A call of a method of `Loading`: sigma_step(t, sigma) or sigma_ramp(t, sigma, duration)."""
-
-    kind: str
-    t: float
-    sigma: Any
-    duration: float | None = None
+    rate, first = np.asarray(loading.rate), Event("step", 0.0, np.asarray(loading.V)[..., 0])
+    ramps = (rate != 0.0).any(axis=tuple(range(rate.ndim - 1)))
+    found = [first, *_events(loading.t, np.asarray(loading.V), _ends(loading), ramps)]
+    start, *events = _with_dimensions(loading.V, found)
+    return start.value, events
 
 
 def stress_events_of(stress):
-    """The list of `StressEvent`s that make a `NormalStress`, but for its sinusoid.
+    """The list of `Event`s that make a `NormalStress`, but for its sinusoid.
 
-    Of one that is no series; that is not checked here.
+    One that is a series is for `rows_of`; that is not checked here.
     """
-    found, k = [], 1
-    while k < stress.t.size:
-        first, last = stress.start[..., k], stress.end[..., k]
-        t, sigma = float(stress.t[k]), last if is_array(last) else float(last)
-        if np.array_equal(first, last):
-            found.append(StressEvent("sigma_step", t, sigma))
-            k += 1
-            continue
-        end = float(stress.t[k + 1])
-        found.append(StressEvent("sigma_ramp", t, sigma, _lasting(t, end)))
-        after = stress.start[..., k + 1 : k + 2]
-        k += 2 if np.array_equal(after[..., 0], last) and _rests(stress, k + 1) else 1
+    start, end = np.asarray(stress.start), np.asarray(stress.end)
+    ramps = ((start != end) & ~np.isnan(end)).any(axis=tuple(range(start.ndim - 1)))
+    found = _with_dimensions(stress.start, _events(stress.t, start, end, ramps))
+    return [event._replace(kind=f"sigma_{event.kind}") for event in found]
+
+
+def _events(t, start, end, ramps):
+    """The events after the first segment, each segment with its start, end and whether it moves."""
+    found, k, now = [], 1, end[..., 0]
+    sound = not ramps[0] and not ramps[-1]
+    while k < t.size and sound:
+        resumes = next((i for i in range(k, t.size) if start[..., i].any()), None)
+        if ramps[k]:
+            sound = np.array_equal(start[..., k], now, equal_nan=True)
+            now = end[..., k]
+            found.append(Event("ramp", float(t[k]), now, _lasting(t[k], t[k + 1])))
+        elif now.any() and resumes not in (None, k) and np.array_equal(start[..., resumes], now):
+            found.append(Event("hold", float(t[k]), None, _lasting(t[k], t[k + 1])))
+        else:
+            now = start[..., k]
+            found.append(Event("step", float(t[k]), now))
+        # what a hold or ramp leads to is no event of its own
+        returned = found[-1].kind != "step" and k + 1 < t.size and not ramps[k + 1]
+        k += 2 if returned and np.array_equal(start[..., k + 1], now) else 1
+    if not sound:
+        raise ParameterError("this loading cannot be written as steps, holds and ramps")
     return found
-
-
-def _rests(stress, k):
-    """Whether normal stress is constant in segment k."""
-    return np.array_equal(stress.start[..., k], stress.end[..., k])
 
 
 def has_stress_rows(loading):
@@ -174,22 +155,20 @@ def _lasting(t, end):
     raise ParameterError(f"no duration leads from t = {t!r} s to t = {end!r} s")
 
 
-def _with_dimensions(loading, events):
-    """Events with their speeds as floats, or DataArrays in the dimensions on which they depend."""
-    if not is_array(loading.V):
-        return [e._replace(V=None if e.V is None else float(e.V)) for e in events]
-    frame = loading.V.isel(segment=0)
-    speeds = {
-        i: _lean(frame.copy(data=event.V)) for i, event in enumerate(events) if event.V is not None
-    }
+def _with_dimensions(column, events):
+    """Events with values as floats, or DataArrays in the dimensions on which they depend."""
+    if not is_array(column) or not events:
+        return [e._replace(value=None if e.value is None else float(e.value)) for e in events]
+    frame = column.isel(segment=0)
+    values = {i: _lean(frame.copy(data=e.value)) for i, e in enumerate(events) if e.kind != "hold"}
     # a dimension on which none depends, such as one of a single value, stays with the last
-    lost = [d for d in frame.dims if all(d not in getattr(V, "dims", ()) for V in speeds.values())]
-    last = max(speeds)
+    lost = [d for d in frame.dims if all(d not in getattr(x, "dims", ()) for x in values.values())]
+    last = max(values)
     if lost:
-        kept = [d for d in frame.dims if d in lost or d in getattr(speeds[last], "dims", ())]
-        whole = frame.copy(data=events[last].V)
-        speeds[last] = whole.isel({d: 0 for d in frame.dims if d not in kept}, drop=True)
-    return [event._replace(V=speeds.get(i)) for i, event in enumerate(events)]
+        kept = [d for d in frame.dims if d in lost or d in getattr(values[last], "dims", ())]
+        whole = frame.copy(data=events[last].value)
+        values[last] = whole.isel({d: 0 for d in frame.dims if d not in kept}, drop=True)
+    return [event._replace(value=values.get(i)) for i, event in enumerate(events)]
 
 
 def _lean(array):
