@@ -10,7 +10,7 @@ import xarray
 from ..friction.linear_response import responses
 from ..friction.linear_stability import eigenvalues, is_stable
 from ..friction.stability import eta, f_n
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.parameters import logspace
 from ..model.slider import SpringSlider, checked
