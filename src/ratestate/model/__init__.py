@@ -9,6 +9,7 @@
 ``written``                         the calls that reproduce a history exactly
 ``initial_state``                   the state at t = 0, and which values for it agree
 ``quantities``, ``quantities.toml`` unit, range and name of each quantity; values as text
+``units.toml``                      what values in a unit are called, and how they are shown
 ``units``                           values read into SI, and messages about those that cannot be
 ``conversion``                      results in other units, and back to SI
 ``arrays``                          whether arrays of a sweep agree; columns of a record

@@ -153,6 +153,13 @@ def as_column(values):
     return values if is_array(values) else xarray.DataArray(values, dims="segment")
 
 
+def as_frame(t):
+    """Times as a DataArray, along ``time`` if they are an array of one dimension."""
+    import xarray
+
+    return t if is_array(t) else xarray.DataArray(t, dims=["time"][: np.ndim(t)])
+
+
 def picked(t, k, columns, numbers):
     """Values of columns in the segments k of times t, and numbers of these times, a list.
 
@@ -160,9 +167,7 @@ def picked(t, k, columns, numbers):
     """
     if not any(map(is_array, (t, *columns))):
         return [*(column[k] for column in columns), *numbers]
-    import xarray
-
-    frame = t if is_array(t) else xarray.DataArray(k, dims=["time"][: k.ndim])
+    frame = as_frame(t)
     found = (as_column(column).isel(segment=frame.copy(data=k)) for column in columns)
     ordered = (values.transpose(..., "time", missing_dims="ignore") for values in found)
     return [*ordered, *(frame.copy(data=values) for values in numbers)]

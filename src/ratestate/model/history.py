@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import as_column, column, continued, picked, running_sum
+from .arrays import as_column, as_frame, column, continued, picked, running_sum
 from .segments import Sine
 from .units import is_array, named, one_in_si, to_si
 
@@ -63,16 +63,12 @@ class NormalStress:
 
         Shapes are those of `History.V_load` for arrays.
         """
-        known = self.of_slider(sigma)
-        seconds = np.asarray(t, dtype=float)
+        known, seconds = self.of_slider(sigma), np.asarray(t, dtype=float)
         k = self.segments_at(seconds)
-        columns = known.start, known.end, self.amplitude, self.period
-        if not any(map(is_array, (t, *columns))):
-            start, end, when = known.start[k], known.end[k], seconds
-            part = self.part_passed(seconds, k)
-        else:
-            numbers = self.part_passed(seconds, k), seconds
-            start, end, part, when = picked(t, k, columns[:2], numbers)
+        numbers = self.part_passed(seconds, k), seconds
+        if any(map(is_array, (self.amplitude, self.period))):
+            t = as_frame(t)
+        start, end, part, when = picked(t, k, (known.start, known.end), numbers)
         phase = when / self.period
         wave = self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
         found = start + part * (end - start) + wave
