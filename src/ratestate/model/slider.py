@@ -193,8 +193,7 @@ class SpringSlider:
         Raises
         ------
         ParameterError
-            An unknown or mistyped parameter; a value of a wrong type, unit or range; arrays that
-            clash.
+            As from `SpringSlider`.
 
         Examples
         --------
@@ -205,11 +204,8 @@ class SpringSlider:
         """
         law = law_of(parameters.get("law", DEFAULT))
         own = _own_parameters(law, form_of(law, parameters.get("friction")))
-        whole = {
-            "normal_force": normal_force,
-            "stiffness": stiffness,
-            "mass": 0.0 if mass is None else mass,
-        }
+        mass = 0.0 if mass is None else mass
+        whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
         others = [name for name in COMMON if name not in ("sigma", "K", "M", "area")]
         known = ("area", "mass", "stiffness", "normal_force", *others, *own)
         check_keywords("SpringSlider.of_contact", parameters, known)
@@ -225,15 +221,11 @@ class SpringSlider:
 
         Without area, damping or alpha, if it has none, and a form of friction that is eq. 1's.
         """
-        area = ("area",) if self.has_area else ()
-        form = ("friction",) if self.friction != LOG else ()
-        names = (*PARAMETERS, "law", *area, *form, *self._more)
+        optional = {"area": self.has_area, "friction": self.friction != LOG}
+        given = [name for name, is_given in optional.items() if is_given]
+        alpha = ["alpha"] if self.has_alpha else []
+        names = (*PARAMETERS, "law", *given, *self.friction_law.parameters, *alpha)
         return {name: getattr(self, name) for name in names}
-
-    @property
-    def _more(self):
-        """Symbols of the parameters beside those of every slider and the area."""
-        return (*self.friction_law.parameters, *(("alpha",) if self.has_alpha else ()))
 
     @property
     def friction_law(self):

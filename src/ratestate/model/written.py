@@ -86,32 +86,32 @@ def rows_of(loading):
     ParameterError for a ramp that leads to no speed >= 0.  That the history has an end is not
     checked here.
     """
-    columns = [(loading.V, np.asarray(loading.V), _ends(loading))]
+    columns = [(loading.V, _ends(loading))]
     if has_stress_rows(loading):
         stress = loading.normal_stress
-        first, last = (column[..., :-1] for column in (stress.start, stress.end))
-        columns.append((first, np.asarray(first), np.asarray(last)))
+        columns.append((stress.start[..., :-1], stress.end[..., :-1]))
+    # the start and the end of each segment, but a start only if it differs from the end before
     starts = np.append(loading.t, loading.t_last)
-    jump = np.zeros(loading.t.size - 1, bool)
-    for _, first, last in columns:
-        jump |= (last[..., :-1] != first[..., 1:]).any(axis=tuple(range(first.ndim - 1)))
-    # each segment's end, and where the next begins at another speed or stress, that too
-    at = np.repeat(np.arange(loading.t.size), np.append(np.where(jump, 2, 1), 1))
-    is_end = np.append(True, np.diff(at) > 0)
-    rows = [_rows(*column, at, is_end) for column in columns]
-    return np.append(starts[0], starts[1:][at]), rows[0], rows[1] if len(rows) > 1 else None
+    kept = np.arange(2 * loading.t.size) % 2 == 1
+    kept[0] = True
+    for first, last in columns:
+        jumps = np.asarray(last)[..., :-1] != np.asarray(first)[..., 1:]
+        kept[2::2] |= jumps.any(axis=tuple(range(jumps.ndim - 1)))
+    rows = [_rows(*column)[..., kept] for column in columns]
+    times = np.stack([starts[:-1], starts[1:]], axis=-1).ravel()[kept]
+    return times, rows[0], rows[1] if len(rows) > 1 else None
 
 
-def _rows(column, first, last, at, is_end):
-    """Values of rows, from those at the starts and ends of segments."""
-    following = first[..., np.minimum(at + 1, first.shape[-1] - 1)]
-    values = np.append(first[..., :1], np.where(is_end, last[..., at], following), axis=-1)
-    if not is_array(column):
+def _rows(first, last):
+    """Values at the starts and ends of segments, in turn; a DataArray if `first` is."""
+    values = np.stack([first, last], axis=-1).reshape(*first.shape[:-1], -1)
+    if not is_array(first):
         return values
-    import xarray
-
-    coords = {k: c for k, c in column.coords.items() if "segment" not in c.dims}
-    return xarray.DataArray(values, coords, column.dims)
+    return (
+        first.isel(segment=0, drop=True)
+        .expand_dims(segment=values.shape[-1], axis=-1)
+        .copy(data=values)
+    )
 
 
 def _ends(loading):
