@@ -11,7 +11,7 @@ import numpy as np
 import xarray
 
 from ..errors import SolverError
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.slider import checked
 from ..model.units import to_si
 from .continuation.family import Family

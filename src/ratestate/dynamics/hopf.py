@@ -17,7 +17,7 @@ from ..friction.normal_form import (
     turning_point,
 )
 from ..friction.stability import eta
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si

@@ -13,7 +13,7 @@ from ...dynamics.simulation.loads import comes_to_rest, engine_loads
 from ...engine.model import RIGID_REST, STATUSES
 from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
-from ...model.batch import Batch
+from ...model.arrays import Batch
 from .march import cases_of, marched
 from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
