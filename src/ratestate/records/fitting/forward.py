@@ -145,9 +145,10 @@ class Forward:
         mu0 = level
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for _ in range(NEWTON):
-                here, above = (
-                    shown(self.V0, values | {"mu0": mu0 + step}) for step in (0.0, LINEAR_STEP)
-                )
+                here = shown(self.V0, values | {"mu0": mu0})
+                if np.allclose(here, level, rtol=1e-15, atol=0.0):
+                    break
+                above = shown(self.V0, values | {"mu0": mu0 + LINEAR_STEP})
                 mu0 = mu0 + (level - here) * LINEAR_STEP / (above - here)
         return mu0
 
