@@ -166,7 +166,7 @@ def columns(law):
     """The rate and its first, second and third derivatives in steady sliding, a tuple each."""
     row = FORMULAS[law]
     at = 0.0, 1.0, (0.0,), row.exponentials(0.0, 1.0, (0.0,), (2.0,)), (2.0,)
-    orders = row.rate_partials(*at), row.rate_partials_2(*at), row.rate_partials_3(*at)
+    orders = [row.rate_partials(*at, order) for order in (1, 2, 3)]
     # (of the one state that the law has)
     return row.rates(*at), *(tuple(one for (one,) in order) for order in orders)
 

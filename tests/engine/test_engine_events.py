@@ -9,8 +9,8 @@ from ratestate.engine import dense_output, extremes
 from ratestate.engine import rows as R
 from ratestate.engine.calls import WORK
 from ratestate.engine.units import MarchUnits, in_python
+from ratestate.friction.built_in_laws import SlipLaw
 from ratestate.friction.composition import composed, under_varying_stress
-from ratestate.friction.laws.slip import SlipLaw
 
 LANE = 3
 

@@ -167,5 +167,6 @@ def test_the_width_is_that_in_which_this_processor_is_fastest(monkeypatch):
 
     assert width("skylake-avx512", avx=True, avx512f=True) == 4
     assert width("znver4", avx=True, avx512f=True) == 8
+    assert width("sapphirerapids", avx=True, avx512f=True) == 8
     assert width("znver2", avx=True, avx512f=False) == 4
     assert width("x86-64", sse2=True) == width("apple-m1", neon=True) == 2

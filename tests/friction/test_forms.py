@@ -73,21 +73,19 @@ def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
 
     def stress(order, y):
         """An array with an axis (v, psi) for each derivative."""
-        method = "stress" if order == 0 else f"stress_partials{f'_{order}' if order > 1 else ''}"
-        found = getattr(law, method)(y[0], math.exp(y[0]), tuple(y[1:]), p)
+        at = y[0], math.exp(y[0]), tuple(y[1:]), p
         if order == 0:
-            return np.array(found)
+            return np.array(law.stress(*at))
         whole = np.full((1 + n,) * order, np.nan)
-        for k, part in enumerate(found):  # k derivatives by psi, after those by v
+        for k, part in enumerate(law.stress_partials(*at, order)):  # k derivatives by psi
             whole[(0,) * (order - k) + (slice(1, None),) * k] = part
         return whole
 
     def rates(order, y):
         """An array (k, state) of derivatives: k of them by the state, the others by v."""
-        method = "rates" if order == 0 else f"rate_partials{f'_{order}' if order > 1 else ''}"
         w, psi = math.exp(y[0]), tuple(y[1:])
-        found = np.array(getattr(law, method)(y[0], w, psi, law.exponentials(y[0], w, psi, p), p))
-        return found if order else found[None]
+        at = y[0], w, psi, law.exponentials(y[0], w, psi, p), p
+        return np.array(law.rate_partials(*at, order) if order else [law.rates(*at)])
 
     def slope(function, order, j):
         h, step = 1e-3, np.eye(1 + n)[j]

@@ -5,18 +5,19 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ..friction import hopf_of_law
 from ..friction.critical_speeds import V_c
 from ..friction.linear_stability import K_c, beside_the_pair, eigenvalues, linearisation, omega_c
 from ..friction.normal_form import (
     growth_slopes,
+    growth_slopes_of_law,
     law_curvatures,
     lyapunov_1,
+    lyapunov_1_of_law,
     stress_swing,
     turning_point,
 )
 from ..friction.stability import eta
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si
@@ -176,8 +177,8 @@ def _where_it_is(law, V, values):
     inertia = eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
     kappa = critical * values["Dc"] / (values["a"] * sigma)
     omega, p = omega_c(law, V, **values) * unit, law.coefficient_arrays(V, values)
-    coefficient, rounding = hopf_of_law.lyapunov_1(law, p, kappa, inertia, omega)
-    by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, inertia, omega)
+    coefficient, rounding = lyapunov_1_of_law(law, p, kappa, inertia, omega)
+    by_K, by_V = growth_slopes_of_law(linearisation(law, p), kappa, inertia, omega)
     if law.has_own_speed:
         by_V = _growth_by_speed(law, V, critical, values)
     modes = eigenvalues(law, V, K=critical, **values)

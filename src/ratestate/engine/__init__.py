@@ -20,9 +20,8 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``return_lanes``                      the same for a return map,
 ``return_taylor_lanes``, ``waveform`` with perturbations, and Fourier integrals of the stress
 ``rigid``                             steps of a slider that moves with its load point (K = inf)
-``equations``, ``drift``              the equations at one point; terms of varying loads
+``equations``                         the equations at one point
 ``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
-``reversing``                         the derivative if slip may reverse
 ``taylor``, ``recurrences``           a Taylor step; the equations whose series it sums
 ``step_control``                      accept a step and choose the next
 ``code``                              numbers that write LLVM text

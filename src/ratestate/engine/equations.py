@@ -4,7 +4,9 @@ A point is u or y = (x, v, psi), with a psi for each of the law's variables; the
 of `model`.
 """
 
-from ..friction.functions import bounded_exp, functions_of
+from ..friction.expressions import LIMIT
+from ..friction.functions import bounded_exp, functions_of, where
+from ..friction.tuples import dot
 
 
 def exponentials(u, law, p):
@@ -19,6 +21,15 @@ def inertial_force(y, w, e, law, p):
     """g = x - S, and the slopes of the stress S by omega and by psi, at y = (x, v, psi)."""
     S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
     return y[0] - law.stress_in_v(y[1], w, y[2:], p), S_v, S_psi
+
+
+def derived(name, y, w, e, law, p, **numbers):
+    """One of the lists of `motion.Motion` at y, in which q, m and others are these numbers."""
+    v, psi = y[1], y[2:]
+    # at rest w is a constant (vector_functions.py)
+    g = where(law.log_of_faster(v, psi, p) > -LIMIT, y[0] - law.stress_in_v(v, w, psi, p), 0.0)
+    F = dot(law.evolution_effects(p), law.rates_in_v(v, w, psi, e, p)) if law.reverses else 0.0
+    return law.motion(name, v, w, psi, p, e, **({"g": g, "F": F} | numbers))
 
 
 def later(system, dT):

@@ -7,9 +7,8 @@ same instructions, and gets the same bits, wherever it sits.
 import math
 
 from ..friction.functions import larger, where
-from ..friction.tuples import dot, dot_onto, largest, minus_dot, plus, select, size_of, times, total
+from ..friction.tuples import dot, largest, plus, select, size_of, times, total
 from . import rows as R
-from .drift import UNITY
 from .equations import inertial_force, later
 from .model import RUNNING
 from .rodas5p import step as rodas5p_step
@@ -38,13 +37,13 @@ def extremum_conditions(y, w, e, w_lp, system):
     R_v, R_psi = law.resistance_slopes(y[1], w, y[2:], e, p)
     N_v, N_psi = law.strength_slopes(y[1], w, y[2:], e, p)
     drift = law.strength_drift(y[1], w, y[2:], p)
-    drive = minus_dot(f_x - dot(S_psi, f_psi), drift, UNITY)
+    drive = f_x - dot(S_psi, f_psi) - total(drift)
     lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
     m = eta0 * law.speed_slope(w, e)
     # d omega/dT is `by` over `unit`
     by, unit = select(lost, (drive, S_v), (g, m))
     friction = R_v * by + unit * dot(R_psi, f_psi)
-    strength = N_v * by + unit * dot_onto(dot(N_psi, f_psi), drift, UNITY)
+    strength = N_v * by + unit * total((dot(N_psi, f_psi), *drift))
     return by, m * drive - S_v * g, friction, strength + unit * f_x
 
 

@@ -10,7 +10,7 @@ which is eqs 1-4 of Im, Marone & Elsworth (2019).  The stress S that opposes mot
 friction R = (mu - mu_ref)/a unless there is damping too, and the rates f are the friction law's
 (friction/law.py), with one psi or more: y = (x, v, psi) has as many numbers.  g = x - S is the
 inertial force over a sigma.  Where slip may reverse another w follows from v and psi, which
-friction/reversing.py has, and with it another equation of v.
+friction/kinematics.py has, and with it another equation of v.
 """
 
 import tomllib

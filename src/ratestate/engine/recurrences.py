@@ -22,24 +22,19 @@ class Equations(NamedTuple):
 @functools.cache
 def equations(law):
     """`Equations` under a law; NoSeries where it has no recurrences."""
-    own = law.equations
-    graph = own.graph
-    if law.reverses or law.history((0.0,) * law.n_coefficients):
+    if law.reverses or law.varies:
         raise NoSeries("slip that may reverse, or normal stress that varies")
-    names = "stiffness", "1/eta0"
+    motion = law.motion
+    graph, names = motion.graph, ("stiffness", "1/eta0")
     symbols = {name: graph.symbol(name) for name in names}
     symbols |= {name: graph.symbol(name, is_constant=False) for name in ("x", "w_lp")}
-    more = range(len(own.constants), law.n_coefficients)
-    p = (*own.constants, *(graph.symbol(("more", k)) for k in more))
-    x, v, w, psi = symbols["x"], own.v, own.w, tuple(own.psi)
-    stress = law.stress_in_v(v, w, psi, p)
-    rates = law.rates_in_v(v, w, psi, tuple(own.exponentials), p)
-    motion = {
+    x, v, w, (stress,) = symbols["x"], motion.v, motion.w, motion.stress
+    derivatives = {
         x: symbols["stiffness"] * (symbols["w_lp"] - w),
         v: symbols["1/eta0"] * (x - stress) / w,
-        **dict(zip(psi, map(graph.number, rates), strict=True)),
+        **dict(zip(motion.psi, motion.rates, strict=True)),
     }
-    return Equations(symbols, p, motion, [x * symbols["w_lp"], stress * w])
+    return Equations(symbols, motion.p, derivatives, [x * symbols["w_lp"], stress * w])
 
 
 @functools.cache

@@ -11,10 +11,9 @@ import math
 from ..friction.functions import larger, where
 from ..friction.tuples import dot, dot_onto, largest, plus, plus_sum, product, sum_of, times, total
 from . import rows as R
-from .drift import with_states
 from .equations import exponentials
 from .lanes import ROUNDING, saves
-from .rodas5p import dense_output, leaves, next_point
+from .rodas5p import dense_output, leaves, next_point, with_drift
 from .rows import read_rows, rows_of, store_each, write_rows
 from .step_control import step_size
 from .tableau import GAMMA, NODES, A, D, H
@@ -49,7 +48,7 @@ def try_step(s, l, law):
     w, psi = s[R.W + l], y[2:]
     by_omega, by_psi = law.rate_slopes(y[1], w, psi, e, p)
     d_omega = s[R.RAMP + l] / law.speed_slope(w, e)
-    drift = with_states(times(d_omega, by_omega), 1.0, law.rate_drift(y[1], w, psi, p))
+    drift = with_drift(times(d_omega, by_omega), law.rate_drift(y[1], w, psi, p), 1.0)
     pivots = leaves(GAMMA * h, by_psi)
     k: tuple = ()
     for node, d in zip(NODES, D, strict=True):

@@ -16,11 +16,18 @@ weights `B` that the method implies for a pure quadrature.
 
 from typing import NamedTuple
 
-from ..friction.expressions import LIMIT
 from ..friction.functions import larger, where
-from ..friction.tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times
-from .drift import UNITY, drift_of, with_drift
-from .equations import exponentials, inertial_force, later, works
+from ..friction.tuples import (
+    dot_onto,
+    minus_dot,
+    plus,
+    plus_sum,
+    product,
+    sum_of,
+    times,
+    total,
+)
+from .equations import derived, exponentials, inertial_force, later, works
 from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
 
 
@@ -38,22 +45,41 @@ class Arrow(NamedTuple):
     shares: tuple
 
 
+class Drift(NamedTuple):
+    """h d/dT of the equations at the start of a step, where x, v and psi are constant."""
+
+    x: float  # of dx/dT: the load point accelerates
+    v: tuple  # of m dv/dT, one number
+    psi: tuple  # of d psi/dT; this and v are () unless normal stress varies
+
+
 def prepare(y, w, e, h, system):
     """What the first point y of a step fixes: the arrow matrix, and its pivot."""
     law, kappa, eta0, p = system
     f_v, f_psi = law.rate_slopes(y[1], w, y[2:], e, p)
-    g, S_v, S_psi = inertial_force(y, w, e, law, p)
     c = law.speed_slope(w, e)
     gamma_h = GAMMA * h
     m = eta0 * c
     kappa_c = kappa * c
     a_psi = leaves(gamma_h, f_psi)
-    # at rest w is a constant (exp.py)
-    g = where(law.log_of_faster(y[1], y[2:], p) > -LIMIT, g, 0.0)
-    diagonal, g_psi = law.inertia_slopes(g, (S_v, S_psi), m, y[1], w, y[2:], e, p)
+    diagonal, *g_psi = derived("inertia_slopes", y, w, e, law, p, q=1.0, m=m)
     pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_c, product(g_psi, a_psi), f_v)
     shares = law.shares(w, 1.0 / c, p)
-    return Arrow(c, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares)
+    return Arrow(c, m, gamma_h, kappa_c, f_v, tuple(g_psi), a_psi, pivot, shares)
+
+
+def drift_of(y, w, h, ramp, system, start):
+    """The `Drift` of a step from y."""
+    law, kappa, _, p = system
+    psi = times(h, law.rate_drift(y[1], w, y[2:], p))
+    strength = times(-h, law.strength_drift(y[1], w, y[2:], p))
+    of_v = tuple(minus_dot(one, times(start.m, start.shares), psi) for one in strength)
+    return Drift(h * kappa * ramp, of_v, psi)
+
+
+def with_drift(rest, drift, d):
+    """rest + d drift of each state, where there is a drift."""
+    return plus(rest, times(d, drift)) if drift else rest
 
 
 def leaves(gamma_h, f_psi):
@@ -99,7 +125,7 @@ def increment(u, at, w_lp, rest, drift, system, start):
     g = u[0] - law.stress_in_v(u[1], w, u[2:], p)
     f = law.rates_in_v(u[1], w, u[2:], e, p)
     r_x = kappa * (w_lp - w) + rest[0]
-    r_v = dot_onto(g * (start.c * c_inverse) + start.m * rest[1], drift, UNITY)
+    r_v = total((g * (start.c * c_inverse) + start.m * rest[1], *drift))
     r_v = minus_dot(r_v, times(start.m, law.shares(w, c_inverse, p)), f)
     return solve_arrow((r_x, r_v, *plus(f, rest[2:])), start)
 
@@ -158,9 +184,10 @@ def step(y, w, e, w_lp, ramp, h, system):
         u, c = next_point(y, k)
         here, w_lp_here = later(system, node * h), w_lp + node * dw
         at = exponentials(u, law, here[3]) if k else at
-        rest, drift_of_v = with_drift(times(1.0 / h, c), drift, d)
+        rest = times(1.0 / h, c)
+        rest = rest[0] + d * drift.x, rest[1], *with_drift(rest[2:], drift.psi, d)
         powers.append(works(u, at[0], w_lp_here, here))
-        k = *k, increment(u, at, w_lp_here, rest, drift_of_v, here, start)
+        k = *k, increment(u, at, w_lp_here, rest, times(d, drift.v), here, start)
     new, _, error, dense = end_of_step(y, k, at, h, later(system, h))
 
     # The two quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
@@ -172,8 +199,6 @@ def step(y, w, e, w_lp, ramp, h, system):
     d_omega = dot_onto(dy[1], start.shares, dy[2:])
     load_work = w_lp * dy[0] + DRIFT * dw * y[0] + load_1 + load_2
     gradient = w * dot_onto(S_v * d_omega, S_psi, dy[2:]) + S * (start.c * d_omega)
-    gradient = dot_onto(
-        gradient, times(DRIFT * h * w, law.strength_drift(y[1], w, y[2:], p)), UNITY
-    )
-    dissipation = gradient + friction_1 + friction_2
+    of_drift = times(DRIFT * h * w, law.strength_drift(y[1], w, y[2:], p))
+    dissipation = total((gradient, *of_drift)) + friction_1 + friction_2
     return new, error, dense, h * load_work, h * dissipation

@@ -12,100 +12,39 @@ Beside them the step integrates the trace of J, which by Liouville's formula is 
 the logarithm of a volume of states grows.
 """
 
+import functools
+
 from ..friction.expressions import LIMIT
 from ..friction.functions import where
-from ..friction.tuples import dot, minus_dot, plus, plus_sum, product, sum_of, times, total
-from . import reversing
-from .equations import exponentials, inertial_force
+from ..friction.motion import product
+from ..friction.tuples import dot, dot_onto, minus_dot, plus_sum, sum_of, times
+from .equations import derived, exponentials
 from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
 from .tableau import NODES, A, B
 
 
-def change_of_g(z, S_v, S_psi):
-    """How g = x - S changes in the direction z."""
-    return minus_dot(z[0] - S_v * z[1], S_psi, z[2:])
-
-
-def second_derivatives(shares, y, w, e, z, system):
-    """J'(y) z: how J, its v row times eta0 w, changes in the direction z.
-
-    By row and column: -xv, -vx, vv; v psi, psi v and psi psi are tuples, a number a state.
-    At rest w is a constant (exp.py).
-
-    shares : of `kinematics`, () where slip never reverses: else as in `reversing`
-    """
-    if len(shares) > 0:
-        return reversing.second_derivatives(y, w, e, z, system)
-    law, kappa, _, p = system
-    s_vv, s_vpsi, s_psipsi = law.rate_partials_2(y[1], w, y[2:], e, p)
-    S_vv, S_vpsi, S_psipsi = law.stress_partials_2(y[1], w, y[2:], p)
-    g, S_v, S_psi = inertial_force(y, w, e, law, p)
-    moves = y[1] > -LIMIT
-    dv = where(moves, z[1], 0.0)
-    dS_v = S_vv * z[1] + dot(S_vpsi, z[2:])
-    dS_psi = plus(times(z[1], S_vpsi), tuple(dot(row, z[2:]) for row in S_psipsi))
-    v_v = where(moves, (S_v + g) * dv - (dS_v + change_of_g(z, S_v, S_psi)), 0.0)
-    v_psi = plus(times(dv, S_psi), times(-1.0, dS_psi))
-    s_v = plus(times(z[1], s_vv), product(s_vpsi, z[2:]))
-    s_psi = plus(times(z[1], s_vpsi), product(s_psipsi, z[2:]))
-    return kappa * w * dv, dv, v_v, v_psi, s_v, s_psi
-
-
-def trace_along(shares, y, w, e, dy, system):
-    """The derivative of the trace of J in the direction dy."""
-    if len(shares) > 0:
-        return reversing.trace_along(y, w, e, dy, system)
-    _, _, v_v, _, _, s_psi = second_derivatives(shares, y, w, e, dy, system)
-    return total(s_psi) + v_v * (1.0 / (system[2] * w))
-
-
-def slopes(shares, u, at, system, start):
-    """What `right_hand_side` needs of J at a stage's point, and the trace of J there.
-
-    at : w, 1/c and e at u
-    """
-    if len(shares) > 0:
-        return reversing.slopes(u, at, system, start)
-    w, w_inverse, e = at
-    law, kappa, eta0, p = system
-    f_v, f_psi = law.rate_partials(u[1], w, u[2:], e, p)
-    g, S_v, S_psi = inertial_force(u, w, e, law, p)
-    g = where(u[1] > -LIMIT, g, 0.0)
-    trace = total(f_psi) - (S_v + g) * (w_inverse / eta0)
-    return (start.c * w_inverse, g, kappa * w, S_v, S_psi, f_v, f_psi), trace
-
-
-def right_hand_side(shares, du, at, k, rest, curvature, r, m):
-    """Of the increment of the perturbation du at a stage's point: rest is sum_j C_ij dk_j.
+def right_hand_side(du, jacobian, k, rest, curvature, r, m):
+    """Of the increment of the perturbation du at a stage's point, its v row times m.
 
     As V falls, v's perturbation grows like 1/w and h shrinks like w: m/h comes before it.
 
-    =========  ==============================================================================
-    at         what `slopes` gave there: ratio w_start/w, g, kappa w, and derivatives of the law
-    curvature  what `second_derivatives` gave, row by column of J
-    dg         change of g by du
-    r_x, ...   right-hand side of each row
-    r          1/h
-    =========  ==============================================================================
+    =================  =========================================================================
+    jacobian           there, its v row times m (`motion.Motion`)
+    k, curvature       increment of the state, and how the Jacobian matrix changes along the
+                       perturbation, both at the start of the step
+    rest, r            sum_j C_ij dk_j, and 1/h
+    =================  =========================================================================
+
+    du and k are of x, omega and psi.
     """
-    if len(shares) > 0:
-        return reversing.right_hand_side(du, at, k, rest, curvature, r, m)
-    ratio, g, kappa_w, S_v, S_psi, f_v, f_psi = at
-    x_v, v_x, v_v, v_psi, s_v, s_psi = curvature
-    dg = change_of_g(du, S_v, S_psi)
-    r_x = r * rest[0] - kappa_w * du[1] - x_v * k[1]
-    r_v = (dg - g * du[1]) * ratio + (m * r) * rest[1]
-    r_v += v_v * k[1] + dot(v_psi, k[2:]) - v_x * k[0]
-    r_psi = plus(times(du[1], f_v), product(f_psi, du[2:]))
-    r_psi = plus(r_psi, times(r, rest[2:]))
-    r_psi = plus(plus(r_psi, times(k[1], s_v)), product(s_psi, k[2:]))
-    return r_x, r_v, *r_psi
+    first, second = product(jacobian, du), product(curvature, k)
+    scaled = r * rest[0], (m * r) * rest[1], *times(r, rest[2:])
+    return tuple(a + b + c for a, b, c in zip(first, scaled, second, strict=True))
 
 
-def tangent(at, k, du, rest, curvature, r, start):
-    """The increment of the perturbation du, as of `right_hand_side`."""
-    rows = right_hand_side(start.shares, du, at, k, rest, curvature, r, start.m)
-    return solve_arrow(rows, start)
+def in_omega(z, shares):
+    """Changes of x, omega and psi, from those of x, v and psi."""
+    return z[0], dot_onto(z[1], shares, z[2:]), *z[2:]
 
 
 def step_end(z, dk, held, S_v, S_psi, shares):
@@ -133,23 +72,30 @@ def step(y, w, e, z, w_lp, h, system):
     dense : what `rodas5p.dense_output` gives
     trace : integral of the trace of J
     """
-    law, _, _, p = system
+    law, kappa, eta0, p = system
     start = prepare(y, w, e, h, system)
-    r = 1.0 / h
-    curvatures = [second_derivatives(start.shares, y, w, e, one, system) for one in z]
-    at: tuple = (w, 1.0 / start.c, e)
+    r, c_inverse = 1.0 / h, 1.0 / start.c
+    moves = where(law.log_of_faster(y[1], y[2:], p) > -LIMIT, 1.0, 0.0)
+    at_start = functools.partial(derived, y=y, w=w, e=e, law=law, p=p, moves=moves, kappa=kappa)
+    curvatures = [at_start("curvature", z=one, q=1.0, m=start.m) for one in z]
+    at: tuple = (w, c_inverse, e)
     k: tuple = ()
     dk: list[tuple] = [() for _ in z]
     traces: list = []
     for _ in NODES:
         u, c = next_point(y, k)
         at = exponentials(u, law, p) if k else at
-        slope, trace = slopes(start.shares, u, at, system, start)
+        here = functools.partial(derived, y=u, w=at[0], e=at[2], law=law, p=p, kappa=kappa)
+        jacobian = here("jacobian", q=start.c * at[1], m=start.m)
+        shares = law.shares(at[0], at[1], p)
         k_new = increment(u, at, w_lp, times(r, c), (), system, start)
+        k_omega = in_omega(k_new, start.shares)
         for j, (one, curvature) in enumerate(zip(z, curvatures, strict=True)):
             du, rest = next_point(one, dk[j])
-            dk[j] = *dk[j], tangent(slope, k_new, du, rest, curvature, r, start)
-        k, traces = (*k, k_new), [*traces, trace]
+            du = in_omega(du, shares)
+            rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
+            dk[j] = *dk[j], solve_arrow(rows, start)
+        k, traces = (*k, k_new), [*traces, *here("trace", q=at[1] / eta0, m=1.0)]
     new, held, error, dense = end_of_step(y, k, at, h, system)
     S_v, S_psi = law.stress_slopes(new[0][1], new[1], new[0][2:], new[2], p)
     shares = law.shares(new[1], 1.0 / law.speed_slope(new[1], new[2]), p)
@@ -157,6 +103,5 @@ def step(y, w, e, z, w_lp, h, system):
         step_end(one, of_one, held, S_v, S_psi, shares) for one, of_one in zip(z, dk, strict=True)
     )
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
-    dy = sum_of(B, k)
-    integral = trace_along(start.shares, y, w, e, dy, system) + dot(B, traces)
-    return new, z_new, error, dense, h * integral
+    (gradient,) = at_start("change_of_trace", z=sum_of(B, k), q=moves * c_inverse / eta0, m=1.0)
+    return new, z_new, error, dense, h * (gradient + dot(B, traces))

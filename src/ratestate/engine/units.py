@@ -13,7 +13,6 @@ from ..friction.tuples import dot, dot_onto, grouped, minus_dot, plus, times, to
 from . import lanes, return_lanes, return_taylor_lanes, rigid, taylor_lanes, waveform
 from . import rows as R
 from .calls import FOUND
-from .drift import UNITY
 from .equations import exponentials, inertial_force
 from .model import NOT_FINITE, RUNAWAY, SLAVED
 from .recurrences import has_recurrences
@@ -132,8 +131,8 @@ def force(s, l, law, at, *given):
     )
     slopes = (
         by_x,
-        dot_onto(along(law.stress_slopes(*here, e, p)), drift, UNITY),
-        dot_onto(along(law.strength_slopes(*here, e, p)), drift, UNITY),
+        total((along(law.stress_slopes(*here, e, p)), *drift)),
+        total((along(law.strength_slopes(*here, e, p)), *drift)),
         along(law.resistance_slopes(*here, e, p)),
     )
     return dot(parts, values), dot(parts, slopes)

@@ -1,24 +1,150 @@
 """A friction law with what else stands in the balance of forces, as one law.
 
-Kernels are compiled for a law, and what a slider does not have costs it nothing: one with the
-friction of eq. 1 and without damping is that of the law of state alone.
+Code is written for a law, and what a slider does not have costs it nothing: one with the friction
+of eq. 1 and without damping is that of the law of state alone.
+
+Normal stress may vary with time: s(t) = sigma(t)/sigma(0), known from the loading.  Friction pushes
+with sigma(t) mu.  A change of normal stress changes the states too, by
+`FrictionLaw.jumps_with_normal_stress`: d psi_k = h_k d ln s, with h_k = h_k0 + h_k1 R.  Where sigma
+jumps, V stays as it is, and psi does what it does in a very short ramp at that V.  A slider without
+mass then is at once at the speed at which friction balances the spring: what one of ever smaller
+mass does.  (In a short ramp V follows the balance meanwhile, which the states feel where h_k1 is
+not 0, under the law of Nagata.)
+
+Source of the latter: Linker & Dieterich (1992) doi:10.1029/92JB00017.
 """
 
 import functools
+import math
+from types import MappingProxyType
+from typing import Any
 
 from ..errors import ParameterError
-from . import damping
+from .expressions import LIMIT
 from .forms import FORMS, form_name
-from .law import LOG
+from .functions import cosine, expm1, sine, where
+from .law import LOG, FrictionLaw, Parameter
 from .laws import friction_law
-from .normal_stress import varying_at
+from .tuples import dot, plus, times
 
 #: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
-EXTRAS = damping.OWN
+EXTRAS = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
 #: between the name of a law and of what it is composed with
 JOINT = "+"
 DAMPED = "damping"
 VARYING = "varying-sigma"
+#: places, from the end of p, of a history: base, its rate, amplitude, frequency and phase [periods]
+#: of a sinusoid on it; then s, ds/dT and d2s/dT2, to which the base, a straight line, adds nothing
+BASE, RATE, AMPLITUDE, FREQUENCY, PHASE, S, DS, DDS = range(-8, 0)
+
+
+class Damped(FrictionLaw):
+    """A friction law with damping: S = N + zeta w, with zeta = damping V_ref/(a sigma).
+
+    The dashpot is of the machine, or it stands for the waves that a fault radiates.
+
+    Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
+    """
+
+    own = EXTRAS
+    # what is known of a law of one length is without a dashpot
+    one_length, series, has_own_speed = False, None, True
+    inner: FrictionLaw  # the law without the dashpot
+
+    def coefficients(self, V_ref, slider):
+        """Those of the law without the dashpot, and zeta."""
+        import numpy as np
+
+        with np.errstate(over="ignore"):  # at speeds at which V_c is sought
+            zeta = slider.damping * V_ref / (slider.a * slider.sigma)
+        return (*self.inner.coefficients(V_ref, slider), zeta)
+
+    def _zeta(self, p):
+        return p[self.places[DAMPED]]
+
+    def stress_of(self, N, w, p):
+        """N + zeta w."""
+        return N + self._zeta(p) * w
+
+    def runs_away(self, v, psi, kappa, p):
+        """Never, at any speed the dashpot holds what friction does not; unless it is none."""
+        return (self._zeta(p) <= 0.0) & (v > LIMIT)
+
+
+class Varying(FrictionLaw):
+    """A friction law under normal stress sigma(t), which the engine alone is given.
+
+    After the law's own coefficients come mu_ref/a, h_k0 and h_k1 of each state, and the history.
+    """
+
+    own: MappingProxyType = MappingProxyType({})
+    S, PHASE = S, PHASE
+    of_slider = ("mu0", "V0", "alpha", "sigma_amplitude", "sigma_period")
+    varies = True
+    inner: FrictionLaw  # the law under a constant sigma
+
+    def coefficients(self, V_ref, slider):
+        """Those of the law under a constant sigma, those of its own, and sigma's history."""
+        of_law = self.inner.coefficients(V_ref, slider)
+        mu_ref = self.inner.reference_friction(V_ref, vars(slider))
+        jumps = self.inner.jumps_with_normal_stress
+        at_mu_ref, by_R = jumps(mu_ref, slider.alpha, slider), jumps(slider.a, 0.0, slider)
+        amplitude = slider.sigma_amplitude / slider.sigma
+        frequency = slider.Dc / (slider.sigma_period * V_ref)
+        history = 1.0, 0.0, amplitude, frequency, 0.0, 1.0, 0.0, 0.0
+        return (*of_law, mu_ref / slider.a, *at_mu_ref, *by_R, *history)
+
+    def strength_of(self, R, p):
+        """N = s R + (s - 1) mu_ref/a."""
+        return p[S] * R + (p[S] - 1.0) * p[self.places[VARYING]]
+
+    def _jumps(self, R, p):
+        """d psi_k/d ln s of each state, a tuple."""
+        return plus(self._h(0, p), times(R, self._h(1, p)))
+
+    def _h(self, k, p):
+        n, start = len(self.states), self.places[VARYING] + 1
+        return p[start + k * n : start + (k + 1) * n]
+
+    def rates_of(self, rates, R, p):
+        """d psi/dT: the law's, and what normal stress adds."""
+        return plus(rates, times(p[DS] / p[S], self._jumps(R, p)))
+
+    def after_jump(self, v, w, psi, e, p, rise):
+        """psi where ln s has risen by `rise` at once, at constant V, from which v then follows.
+
+        R changes in proportion to the jumps, which it makes larger or smaller.
+        """
+        _, by_psi = self.resistance_slopes(v, w, psi, e, p)
+        growth = rise * dot(by_psi, self._h(1, p))
+        grows = abs(growth) > 0.0
+        effective = rise * where(grows, expm1(growth) / where(grows, growth, 1.0), 1.0)
+        jumps = self._jumps(self.resistance_in_v(v, w, psi, p), p)
+        return plus(psi, times(effective, jumps))
+
+    def history(self, p):
+        """Those of p that belong to the history."""
+        return p[BASE:]
+
+    def changes_in_time(self, p):
+        """s and ds/dT, of expressions p, and their derivatives in T."""
+        return {p[S]: p[DS], p[DS]: p[DDS]}
+
+    def later(self, p, dT):
+        """p at a time dT later in the same segment."""
+        return self.at_time(p, p[BASE] + dT * p[RATE], p[RATE], p[PHASE] + dT * p[FREQUENCY])
+
+    def at_time(self, p, base, rate, phase):
+        """p where the base of normal stress, its rate, and the sinusoid's phase are these."""
+        amplitude, frequency = p[AMPLITUDE], p[FREQUENCY]
+        speed = 2.0 * math.pi * frequency
+        wave = amplitude * sine(phase)
+        ds, dds = rate + speed * amplitude * cosine(phase), -speed * speed * wave
+        return (*p[:BASE], base, rate, amplitude, frequency, phase, base + wave, ds, dds)
+
+    def stiffness(self, kappa, p):
+        """K Dc/(a sigma(t))."""
+        return kappa / p[S]
 
 
 def composed_law(name):
@@ -79,22 +205,15 @@ def forms_of(law):
 @functools.cache
 def _with(law, part):
     """A law of another name, to which a part of the force balance is added; else as the law."""
-    kind, changes = type(law), _changes(law, part)
+    kind = type(law)
+    changes: Any = {DAMPED: Damped, VARYING: Varying}.get(part) or FORMS[part].FORM
     own = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _made_again}
     made = type(f"{changes.__name__}{kind.__name__}", (changes, kind), own)()
     made.name, made.label = f"{law.name}{JOINT}{part}", law.label
     made.parameters = {**law.parameters, **changes.own}
     made.inner, made.part = law, part
+    made.places = {**law.places, part: law.n_coefficients}
     return made
-
-
-def _changes(law, part):
-    """The class that adds this part."""
-    if part == DAMPED:
-        return damping.damped_at(law.n_coefficients)
-    if part == VARYING:
-        return varying_at(law.n_coefficients, len(law.states))
-    return FORMS[part].FORM
 
 
 def _made_again(law):

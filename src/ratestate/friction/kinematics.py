@@ -1,39 +1,39 @@
 """How fast a slider slips, from the variables x, v and psi that the engine integrates.
 
 Under most laws V = V_ref exp(v), which is never 0 nor negative.  Friction that stays finite at rest
-lets slip reverse: there v is friction over a, mu/a (`reversing`).
+lets slip reverse.  There v is friction itself, and mu_ref is 0,
 
-Slopes are derivatives by omega at constant psi, and by psi at constant w, with d omega = dw/c and
-c = dw/dv.  If slip never reverses, c is w, and omega is v.
+    v = mu/a,     w = V/V_ref = exp(v - Theta) - exp(-v - Theta) = c t,     t = tanh v,
+
+with forward and backward jumps over barriers of the height Theta = mu0/a + sum_k beta_k psi_k,
+but for V_ref instead of V0, and c = 2 cosh(v) exp(-Theta) the sum of all jumps.  All of it is
+smooth at rest, and w keeps its digits however small friction is.
+
+In either case c = dw/dv at constant psi, and d omega = dw/c.  If slip never reverses, c is w, and
+omega is v.
 """
 
 from typing import Any
 
 from .expressions import LIMIT
-from .force_balance import ConstantNormalStress
-from .functions import log
+from .functions import asinh_of, exp, larger, log, smaller, sqrt, tanh
+from .tuples import dot, times
+
+# The smallest |w| that laws of state are given, and the least part of c that is taken for the
+# fastest speed.
+SMALLEST, LEAST = 1e-100, 1e-6
 
 
-class Forward(ConstantNormalStress):
+class Forward:
     """Slip that never reverses.
 
-    ==========  ================================================================
-    v, psi, p   as for a law, and w = V/V_ref
-    e           what `net_speed` keeps, then exponentials of `own_exponents`
-    c_inverse   1/c
-    ==========  ================================================================
+    v, psi and p are as for a law, w = V/V_ref, and e is what `net_speed` keeps, then exponentials
+    of `own_exponents`.
     """
 
     #: whether slip may reverse
     reverses = False
-    # of the law
-    exponents: Any
-    resistance: Any
-    resistance_partials: Any
-    evolution_effects: Any
-    rates: Any
-    rate_partials: Any
-    rate_partials_2: Any
+    exponents: Any  # of the law
 
     # In compiled code
 
@@ -91,30 +91,6 @@ class Forward(ConstantNormalStress):
         """The law's `exponents`."""
         return self.exponents(v, w, psi, p)
 
-    def resistance_in_v(self, v, w, psi, p):
-        """The law's `resistance`."""
-        return self.resistance(v, w, psi, p)
-
-    def resistance_slopes(self, v, w, psi, e, p):
-        """Slopes of `resistance_in_v`: by omega and by each of psi, a tuple."""
-        return self.resistance_partials(v, w, psi, p)
-
-    def inertia_slopes(self, g, slopes, m, v, w, psi, e, p):
-        """Slopes of -m dv/dT, where dv/dT = g/(eta0 c) - sum_k s_k dpsi_k/dT.
-
-        m : eta0 c, held constant; g : x less the stress, or 0 at rest; slopes : `stress_slopes`
-        """
-        by_v, by_psi = slopes
-        return by_v + g, by_psi
-
-    def state_rates(self, v, w, psi, e, p):
-        """The law's `rates`."""
-        return self.rates(v, w, psi, e, p)
-
-    def state_rate_slopes(self, v, w, psi, e, p):
-        """Slopes of `state_rates`: by omega, a tuple, and each by its own state, a tuple."""
-        return self.rate_partials(v, w, psi, e, p)
-
     def v_at(self, w, psi, p):
         """v at the speed w, of arrays too."""
         return log(w)
@@ -127,3 +103,86 @@ class Forward(ConstantNormalStress):
 
         with np.errstate(over="ignore"):  # without mass V may overflow, and come back
             return np.exp(np.maximum(v, -LIMIT))
+
+
+class Reversing(Forward):
+    """Slip that may reverse, where v is mu/a; laws of state are given |V|.
+
+    A law of this kind has `barrier`, and nothing but `evolution_effects` of each state.
+    """
+
+    reverses = True
+    evolution_effects: Any  # of the law
+
+    def barrier(self, psi, p):
+        """Theta."""
+        raise NotImplementedError
+
+    def jump_exponents(self, v, psi, p):
+        """`log_of_faster`, in a tuple."""
+        return (self.log_of_faster(v, psi, p),)
+
+    def net_speed(self, v, forward, inverse, jumps):
+        """w, 1/c, and c in a tuple."""
+        t = tanh(v)
+        c = jumps[0] * (2.0 / (1.0 + abs(t)))
+        return c * t, 1.0 / c, (c,)
+
+    def speed_slope(self, w, e):
+        """c, the sum of all jumps."""
+        return e[0]
+
+    def log_of_faster(self, v, psi, p):
+        """ln of the rate of forward or of backward jumps, whichever is larger."""
+        return abs(v) - self.barrier(psi, p)
+
+    def order_of_speed(self, v, w):
+        """w itself."""
+        return w
+
+    def v_of_order(self, number, psi, p):
+        """v, at psi = 0, of this speed."""
+        return self.v_at(number, (0.0,) * len(psi), p)
+
+    def order_slope(self, w, psi, e, p):
+        """The derivative of `v_of_order` by omega: the sum of all jumps over that at psi = 0."""
+        rest = 2.0 * exp(-smaller(self.barrier((0.0,) * len(psi), p), LIMIT))
+        size = larger(abs(w), rest)
+        part = smaller(abs(w), rest) / size
+        return self.speed_slope(w, e) / (size * sqrt(1.0 + part * part))
+
+    def shares(self, w, c_inverse, p):
+        """s_k = -t beta_k of d omega = dv + sum_k s_k d psi_k, a tuple."""
+        return times(-w * c_inverse, self.evolution_effects(p))
+
+    def error_of_v(self, error, w_new, e_new, p, fastest):
+        """Error in omega or, if friction hardly depends on the speed, in the speed.
+
+        The latter as a part of the fastest speed of the run.
+        """
+        c = self.speed_slope(w_new, e_new)
+        shares = self.shares(w_new, 1.0 / c, p)
+        omega = abs(error[1] + dot(shares, error[2:]))
+        largest = larger(larger(fastest[0], -fastest[1]), larger(abs(w_new), fastest[2]))
+        return omega * larger(1.0, c / larger(largest, LEAST * c))
+
+    def size(self, w):
+        """|w|, but not so small that its logarithm is lost."""
+        return larger(abs(w), SMALLEST)
+
+    def own_exponents(self, v, w, psi, p):
+        """The law's `exponents` at |V|."""
+        size = self.size(w)
+        return self.exponents(log(size), size, psi, p)
+
+    def v_at(self, w, psi, p):
+        """v at the speed w, of arrays too."""
+        return asinh_of(w, self.barrier(psi, p))
+
+    def speed(self, v, psi, p):
+        """w, but where the engine's saturates far up."""
+        import numpy as np
+
+        with np.errstate(over="ignore"):
+            jumps = np.exp(np.maximum(self.log_of_faster(v, psi, p), -LIMIT))
+        return self.net_speed(v, jumps, jumps, (jumps,))[0]

@@ -23,6 +23,7 @@ from typing import NamedTuple
 from .expressions import LIMIT
 from .functions import log
 from .law_properties import LawProperties
+from .tuples import grouped
 
 #: the friction of eq. 1, a form by its name
 LOG = "log"
@@ -189,61 +190,123 @@ class FrictionLaw(LawProperties):
         """(mu - mu_ref)/a."""
         return self._values(self.equations.resistance, v, w, psi, p)[0]
 
-    def resistance_partials(self, v, w, psi, p):
-        """Derivatives of `resistance` by v, > 0, and by each of psi, a tuple."""
-        by_v, *by_psi = self._values(self.equations.first[0], v, w, psi, p)
-        return by_v, tuple(by_psi)
+    def resistance_partials(self, v, w, psi, p, order=1):
+        """Derivatives of `resistance`, a tuple: by v, > 0, and by each of psi, a tuple.
 
-    def resistance_partials_2(self, v, w, psi, p):
-        """Second derivatives of `resistance`: vv; v psi_k, a tuple; psi_j psi_k, of tuples."""
-        found = self._values(self.equations.second[0], v, w, psi, p)
-        return _second(_nested(found, 1 + len(psi), 2))
-
-    def resistance_partials_3(self, v, w, psi, p):
-        """Third derivatives of `resistance`: vvv; v v psi_i; v psi_i psi_j; psi_i psi_j psi_k.
-
-        A number, a tuple, a tuple of tuples, and these in a tuple.
+        order : 2, vv; v psi_k, a tuple; psi_j psi_k, of tuples; likewise 3
         """
-        by_v, *by_psi = _nested(
-            self._values(self.equations.third[0], v, w, psi, p), 1 + len(psi), 3
-        )
-        return *_second(by_v), tuple(_second(one)[2] for one in by_psi)
+        found, _ = self._derivatives(order)
+        return _parts_of_tensor(self._values(found, v, w, psi, p), len(psi), order)
 
     def stress(self, v, w, psi, p):
-        """What opposes the motion, as x is counted: friction, unless there is more."""
-        return self.resistance(v, w, psi, p)
+        """What opposes the motion, as x is counted: friction, and damping."""
+        return self.stress_of(self.resistance(v, w, psi, p), w, p)
 
-    def stress_partials(self, v, w, psi, p):
-        """Derivatives of `stress`, as those of `resistance`."""
-        return self.resistance_partials(v, w, psi, p)
-
-    def stress_partials_2(self, v, w, psi, p):
-        """Second derivatives of `stress`, as those of `resistance`."""
-        return self.resistance_partials_2(v, w, psi, p)
-
-    def stress_partials_3(self, v, w, psi, p):
-        """Third derivatives of `stress`, as those of `resistance`."""
-        return self.resistance_partials_3(v, w, psi, p)
+    def stress_partials(self, v, w, psi, p, order=1):
+        """Derivatives of `stress`, as those of `resistance`; damping has the same ones by v."""
+        by_v, *others = self.resistance_partials(v, w, psi, p, order)
+        return self.stress_of(by_v, w, p), *others
 
     def rates(self, v, w, psi, e, p):
         """d psi/dT of each state, a tuple."""
         return tuple(self._values(self.equations.rates, v, w, psi, p, e))
 
-    def rate_partials(self, v, w, psi, e, p):
-        """Derivatives of each of `rates` by v, a tuple, and by its own state, a tuple."""
-        return self._rate_derivatives(self.equations.first[1], v, w, psi, e, p)
+    def rate_partials(self, v, w, psi, e, p, order=1):
+        """Derivatives of each of `rates` by v, a tuple, and by its own state, a tuple.
 
-    def rate_partials_2(self, v, w, psi, e, p):
-        """Second derivatives of `rates`: vv, v psi and psi psi, a tuple each."""
-        return self._rate_derivatives(self.equations.second[1], v, w, psi, e, p)
+        order : 2, by vv, v psi and psi psi, a tuple each; likewise 3
+        """
+        _, found = self._derivatives(order)
+        return grouped(tuple(self._values(found, v, w, psi, p, e)), psi)
 
-    def rate_partials_3(self, v, w, psi, e, p):
-        """Third derivatives of `rates`: vvv, vv psi, v psi psi, psi psi psi, a tuple each."""
-        return self._rate_derivatives(self.equations.third[1], v, w, psi, e, p)
+    def _derivatives(self, order):
+        return getattr(self.equations, ("first", "second", "third")[order - 1])
 
-    def _rate_derivatives(self, expressions, v, w, psi, e, p):
-        n, found = len(psi), self._values(expressions, v, w, psi, p, e)
-        return tuple(tuple(found[k : k + n]) for k in range(0, len(found), n))
+    # The balance of forces, of numbers or expressions (`motion`); `composition` adds to it
+
+    #: whether normal stress varies
+    varies = False
+    #: part of which it is composed -> place in p of the first coefficient of that
+    places: Mapping[str, int] = MappingProxyType({})
+
+    def strength_of(self, R, p):
+        """N: friction R, unless normal stress varies."""
+        return R
+
+    def stress_of(self, N, w, p):
+        """S: the strength N, unless there is damping."""
+        return N
+
+    def rates_of(self, rates, R, p):
+        """d psi/dT: the law's own, unless normal stress varies."""
+        return rates
+
+    def history(self, p):
+        """What of p changes with time, a tuple: of the last ones."""
+        return ()
+
+    def later(self, p, dT):
+        """p at a time dT later: others where normal stress varies."""
+        return p
+
+    def stiffness(self, kappa, p):
+        """K Dc/(a sigma(t)), of which kappa is that at t = 0: so stiff is the spring beside N/s."""
+        return kappa
+
+    @cached_property
+    def motion(self):
+        """The equations of motion, a `Motion`."""
+        from .motion import Motion
+
+        return Motion(self)
+
+    # In the variables that the engine integrates: e as of `kinematics`
+
+    def resistance_in_v(self, v, w, psi, p):
+        """R."""
+        return self.motion("resistance", v, w, psi, p)[0]
+
+    def strength_in_v(self, v, w, psi, p):
+        """N."""
+        return self.motion("strength", v, w, psi, p)[0]
+
+    def stress_in_v(self, v, w, psi, p):
+        """S."""
+        return self.motion("stress", v, w, psi, p)[0]
+
+    def rates_in_v(self, v, w, psi, e, p):
+        """d psi/dT."""
+        return self.motion("rates", v, w, psi, p, e)
+
+    def resistance_slopes(self, v, w, psi, e, p):
+        """Slopes of R: by omega and by each of psi, a tuple."""
+        return self._slopes("resistance_slopes", v, w, psi, e, p)
+
+    def strength_slopes(self, v, w, psi, e, p):
+        """Those of N."""
+        return self._slopes("strength_slopes", v, w, psi, e, p)
+
+    def stress_slopes(self, v, w, psi, e, p):
+        """Those of S."""
+        return self._slopes("stress_slopes", v, w, psi, e, p)
+
+    def _slopes(self, name, v, w, psi, e, p):
+        by_omega, *by_psi = self.motion(name, v, w, psi, p, e)
+        return by_omega, tuple(by_psi)
+
+    def strength_drift(self, v, w, psi, p):
+        """d/dT of N at constant v and psi, in a tuple; () unless normal stress varies."""
+        return self.motion("strength_drift", v, w, psi, p)
+
+    def rate_drift(self, v, w, psi, p):
+        """d/dT of the rates at constant v and psi, a tuple; () unless normal stress varies."""
+        return self.motion("rate_drift", v, w, psi, p)
+
+    def rate_slopes(self, v, w, psi, e, p):
+        """Slopes of `rates_in_v`: by omega, a tuple, and each by its own state, a tuple."""
+        return grouped(self.motion("rate_slopes", v, w, psi, p, e), psi)
+
+    # What a slider does at speeds beyond others
 
     def runs_away(self, v, psi, kappa, p):
         """As `runaway` says; where a law does not know, beyond speeds that doubles can follow."""
@@ -271,14 +334,6 @@ class FrictionLaw(LawProperties):
         """
         return False
 
-    def excursion(self, v, psi, kappa, beta):
-        """How far a state without inertia is from steady sliding, of arrays: see `quasi_static`."""
-        raise NotImplementedError
-
-    def runaway_edge(self, kappa, beta, largest):
-        """The smallest disturbances that run away without mass: `separatrix.Thresholds`."""
-        raise NotImplementedError
-
     def __getstate__(self):
         """What pickle takes along: not what is derived, which holds functions made here."""
         kind = type(self)
@@ -290,14 +345,13 @@ class FrictionLaw(LawProperties):
         return getattr(type(self), method) is not getattr(FrictionLaw, method)
 
 
-def _nested(values, size, depth):
-    """Values in tuples of tuples, of this size each."""
-    for _ in range(depth - 1):
-        values = [tuple(values[k : k + size]) for k in range(0, len(values), size)]
-    return tuple(values)
+def _parts_of_tensor(values, n, order):
+    """A symmetric tensor along (v, psi): by v alone, by one of psi and v otherwise, and so on."""
 
+    def part(start, k):
+        """By k of psi, in nested tuples."""
+        if k == 0:
+            return values[start]
+        return tuple(part(start + j * (1 + n) ** (k - 1), k - 1) for j in range(1, 1 + n))
 
-def _second(matrix):
-    """A symmetric matrix along (v, psi): vv, v psi, psi psi."""
-    (by_vv, *by_vpsi), *rows = matrix
-    return by_vv, tuple(by_vpsi), tuple(tuple(row[1:]) for row in rows)
+    return tuple(part(0, k) for k in range(order + 1))

@@ -22,21 +22,35 @@ is periodic; with X = x + E those of the slip law are E = kappa h(v) + h(X), the
 slip law with z >= 1 lie on no such curve: at K_c_qs they run away, V growing without bound in a
 finite time.  At any stiffness so do those with ln(V theta/Dc) >= K/K_c_qs.
 
+The edge of runaway under the slip law, with y = v + psi and e(v) = kappa (exp(-v) - 1):
+
+    dv/dD = (b/a) y + e(v),   dy/dD = c y + e(v)
+
+The distance Q = y - K/K_c_qs obeys dQ/dD = c Q + kappa exp(-v): once it is not negative it grows
+for ever, and V without bound.  Where V >> V_lp the equations are linear, and while Q < 0 the motion
+turns back, however fast it has become.  So one path, along which Q rises to 0 as V grows, parts
+what runs away from what comes back, for K >= K_c_qs: there v rises all along it, no path comes back
+and then runs away, and it meets each line of disturbances once.  Seen from its fast end it
+attracts what lies beside it, so that it is followed from there, as y(v).
+
 Sources: Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3 (slip law), Ranjith & Rice
 (1999) doi:10.1016/S0022-5096(98)00113-6 (aging law).  The bounds for K > K_c_qs
 are derived in the comments beside them.  Numbers are in SI, and their ranges are not checked.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ..errors import ParameterError
-from .convex import inverse_convex
+from ..errors import ParameterError, SolverError
 from .elementwise import elementwise
-from .laws import LAWS, friction_law
+from .laws import law_name
 from .stability import K_c_qs
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512
+# ln(V/V_lp) from which on exp(-v) is lost in rounding, and the tolerance along the edge of runaway
+FAST, RTOL = 40.0, 1e-12
 
 
 def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
@@ -55,7 +69,7 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     a, b, Dc, sigma, K : float, array or DataArray
         Friction parameters [1, 1, m], normal stress [Pa], stiffness per area [Pa/m].
     law : str
-        Friction law, one that knows its excursion in closed form.
+        Friction law, slip or aging.
 
     Returns
     -------
@@ -66,14 +80,17 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     Raises
     ------
     ParameterError
-        Unknown law, or one that does not know it.
+        Unknown law, or another one.
     """
-    friction = friction_law(law)
-    if not friction.gives("excursion"):
-        known = " and ".join(repr(name) for name, one in LAWS.items() if one.gives("excursion"))
-        raise ParameterError(f"law = {law!r}: excursion knows {known} only")
-    v, psi = np.log(V / V_lp), np.log(theta * V_lp / Dc)
-    return friction.excursion(v, psi, K * Dc / (a * sigma), b / a)
+    kappa, v, psi = K * Dc / (a * sigma), np.log(V / V_lp), np.log(theta * V_lp / Dc)
+    name = law_name(law)
+    if name == "aging":
+        return kappa * convex(-psi) + convex(-(v + psi))
+    if name != "slip":
+        raise ParameterError(f"law = {law!r}: excursion knows 'slip' and 'aging' only")
+    x = v + b / a * psi
+    with np.errstate(divide="ignore"):
+        return -x - np.log1p(-np.minimum(x + kappa * convex(v), 1.0))
 
 
 @elementwise()
@@ -189,3 +206,84 @@ def _stiffness_ratio(a, b, Dc, sigma, K):
     """K/K_c_qs and (b - a)/a; meaningless where b <= a."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return K / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma), (b - a) / a
+
+
+def convex(z):
+    """h(z) = exp(-z) - 1 + z: convex, >= 0, z^2/2 near 0."""
+    return np.expm1(-z) + z
+
+
+def inverse_convex(value, sign):
+    """The z of this sign with h(z) = value > 0."""
+    far = value + np.sqrt(2 * value)
+    z = np.where(sign > 0, far, -np.log1p(far))  # beyond the root, where it is convex
+    for _ in range(40):
+        step = (convex(z) - value) / -np.expm1(-z)
+        z = z - step
+        if np.all(np.abs(step) <= 1e-15 * np.abs(z)):
+            break
+    return z
+
+
+class Thresholds(NamedTuple):
+    """Smallest disturbances that run away, dimensionless, > 0; inf where none is up to `largest`.
+
+    step_up: ln(V_lp/V before); kick_up, kick_down: rise and size of fall of tau/(a sigma).
+    """
+
+    step_up: float
+    kick_up: float
+    kick_down: float
+
+
+def edge_of_slip_law(kappa, beta, largest):
+    """`Thresholds` of one slider without mass under the slip law.
+
+    A step up starts at y = 0, v = -step; a kick, without a change of the state, at y = v.
+    SolverError where the path cannot be followed; kappa > beta - 1 > 0 is not checked.
+
+    kappa, beta : float, K Dc/(a sigma) and b/a
+    largest : float, size up to which to look
+    """
+    from scipy.integrate import solve_ivp  # slow to import
+
+    c = beta - 1.0
+
+    def slope(v, y):
+        load = kappa * np.expm1(-v)
+        return (c * y + load) / (beta * y + load)
+
+    def step(v, y):
+        return y[0]
+
+    def kick(v, y):
+        return y[0] - v
+
+    kick.terminal = 2  # type: ignore[attr-defined]  # the second is the kick down, beyond the step
+    fast = kappa / c - kappa * np.exp(-FAST) / (c + kappa / c)
+    path = solve_ivp(
+        slope,
+        (max(FAST, largest), -largest),
+        [fast],
+        method="LSODA",
+        events=(step, kick),
+        rtol=RTOL,
+        atol=RTOL / beta,
+    )
+    if not path.success:
+        raise SolverError(
+            f"the edge of runaway (M = 0) could not be followed: K Dc/(a sigma) = {kappa:.6g}, "
+            f"b/a = {beta:.6g}: {path.message}"
+        )
+    steps, kicks = path.t_events
+    found = -steps, kicks[(kicks > 0.0) & (kicks <= largest)], -kicks[kicks < 0.0]
+    return Thresholds(*(float(at[0]) if at.size else np.inf for at in found))
+
+
+def edge_of_aging_law(kappa, beta, largest):
+    """`Thresholds` under the aging law: none, every orbit comes back (Ranjith & Rice 1999)."""
+    return Thresholds(np.inf, np.inf, np.inf)
+
+
+#: law -> function that gives `Thresholds` of a slider without mass
+EDGES = {"slip": edge_of_slip_law, "aging": edge_of_aging_law}

@@ -11,8 +11,8 @@ doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Els
 
 import numpy as np
 
-from .eigenvalues import steady_modes
 from .elementwise import elementwise
+from .roots import polynomial_roots
 
 # Of K/K_c_qs: a K this little above K_c_qs is not known to be.
 ROUNDING = 1e-15
@@ -201,7 +201,7 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     -------
     complex array or DataArray
         Eigenvalues [1/s]. Shape of the arguments, and then (in the dimension "mode") 3, least
-        stable first; see `ratestate.friction.eigenvalues.steady_modes`.  A mode faster than
+        stable first; see `steady_modes`.  A mode faster than
         everything is -inf: one at M = 0, two at K = inf, where V is imposed and only the state
         relaxes, at the rate V/Dc.
     """
@@ -214,3 +214,54 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     rate = (V / Dc)[..., None]
     modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
     return modes
+
+
+def steady_modes(eta, kappa, beta, margin):
+    """Eigenvalues, in units of V/Dc, of small perturbations of steady sliding.
+
+    The force balance (eq. 4) with either evolution law, linearised at theta = Dc/V:
+
+        eta L^3 + (1 + eta) L^2 + (1 - beta + kappa) L + kappa = 0
+
+    Complex array: three along a last axis, by descending real part, a conjugate pair with its
+    positive imaginary part first.  Each is good to a few units in the last place of its modulus
+    unless it is nearly a double one; at eta = 0 the last is -inf.  Ranges are not checked.
+
+    ======  =======================================================================
+    eta     M V^2/(sigma a Dc) (eq. 7), >= 0
+    kappa   K Dc/(a sigma), > 0, finite
+    beta    b/a
+    margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
+            digits that it loses are lost by the growth rate
+    ======  =======================================================================
+    """
+    rho = _isolated_root(eta, kappa, beta)
+    # With L = -rho/eta known, the other two solve L^2 + p L + q = 0.  In this form of p nothing
+    # cancels but the margin itself, so that the growth rate has its sign whatever the rounding.
+    p = margin * rho / ((1 + eta) * rho**2 + kappa * eta**2)
+    q = kappa / rho
+    half, discriminant = -p / 2, p**2 / 4 - q
+    root = np.sqrt(np.abs(discriminant))
+    paired = discriminant < 0
+    outer = half + np.copysign(root, half)
+    modes = np.empty((*np.shape(rho), 3), complex)
+    with np.errstate(divide="ignore"):
+        real = [np.where(paired, half, outer), np.where(paired, half, q / outer), -rho / eta]
+    modes.real = np.stack(real, -1)
+    modes.imag = np.where(paired, root, 0.0)[..., None] * [1, -1, 0]
+    order = np.argsort(-modes.real, axis=-1, kind="stable")
+    return np.take_along_axis(modes, order, -1)
+
+
+def _isolated_root(eta, kappa, beta):
+    """A positive root of x^3 - (1+eta) x^2 + eta (kappa+1-beta) x - eta^2 kappa, far from others.
+
+    There is one, as the sign changes between 0 and infinity.  Of three real roots the one on the
+    emptier side of their mean cannot be a double root, and a single real root lies farther from it
+    than the others too.  At eta = 0 the double root at x = 0 is the pair of the quasi-static
+    system, and x = 1 is returned.
+    """
+    c = np.broadcast_arrays(1.0, -(1 + eta), eta * (kappa + 1 - beta), -(eta**2) * kappa)
+    x = polynomial_roots(np.stack(c, axis=-1)).real
+    farthest = np.abs(x - x.mean(axis=-1, keepdims=True)).argmax(axis=-1)
+    return np.take_along_axis(x, farthest[..., None], axis=-1)[..., 0]

@@ -123,7 +123,7 @@ def test_a_script_needs_no_guard_and_a_folder_may_hold_anything(tmp_path):
 
 def test_the_child_imports_little():
     code = "import sys; from ratestate.records.reading import isolated, stored\n"
-    code += "import ratestate.files.netcdf; print(*sys.modules)"
+    code += "import ratestate.files.stored; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     heavy = {"xarray", "pandas", "numba", "scipy.optimize", "matplotlib", "pint", "zarr"}
     assert not heavy & set(done.stdout.split())

@@ -116,7 +116,7 @@ def _slaved_slope(system, psi):
     at = 0.0, 1.0, states, law.exponentials(0.0, 1.0, states, p), p
     rates, (_, f_psi) = law.rates(*at), law.rate_partials(*at)
     S_v, S_psi = system.slopes(psi)
-    _, S_vpsi, S_psipsi = law.stress_partials_2(0.0, 1.0, states, p)
+    _, S_vpsi, S_psipsi = law.stress_partials(0.0, 1.0, states, p, order=2)
     slopes = []
     for j in range(len(states)):
         bends = sum(row[j] * rate for row, rate in zip(S_psipsi, rates, strict=True))

@@ -29,9 +29,8 @@ class CutOff(FrictionLaw):
     """
 
     own = OWN
-    # what is known of a law of one length, and of its runaway, is under eq. 1
+    # what is known of a law of one length is under eq. 1
     one_length, series = False, None
-    excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
 
     def mu(self, V, theta, ages, p, effects):
         """From the theta_k/D_k and the b_k."""

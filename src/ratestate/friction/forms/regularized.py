@@ -3,8 +3,8 @@
 from types import MappingProxyType
 
 from ..functions import asinh, exp, log
+from ..kinematics import Reversing
 from ..law import FrictionLaw, eq_1
-from ..reversing import Reversing
 from ..tuples import dot
 
 NAME = "regularized"
@@ -23,9 +23,8 @@ class Regularized(Reversing, FrictionLaw):
     """
 
     own = OWN
-    # what is known of a law of one length, and of its runaway, is under eq. 1
+    # what is known of a law of one length is under eq. 1
     one_length, series = False, None
-    excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
 
     def mu(self, V, theta, ages, p, effects):
         """From the theta_k/D_k and the b_k."""

@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.arrays import logspace
 from ...model.names import one_of
-from ...model.other_units import quantity_of
+from ...model.parameters import logspace, quantity_of
 from ...model.quantities import KINDS, QUANTITIES, attrs
 from ...model.units import to_si
 from .problems import Place, choice, expected, refusal, shown

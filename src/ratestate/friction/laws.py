@@ -1,33 +1,13 @@
-"""The built-in friction laws: a file each, and nothing else that names them.
+"""Friction laws by their names: the built-in ones, and those that users register."""
 
-A file that is put here is found by itself.
-"""
-
-import importlib
-import inspect
-import pkgutil
-
-from ...errors import ParameterError
-from ..law import FrictionLaw
-from ..law_properties import MARK
+from ..errors import ParameterError
+from .built_in_laws import BUILT_IN
+from .law_properties import MARK
 
 #: the law of a slider that names none
-DEFAULT = "slip"
-
-
-def _built_in():
-    """The laws of this package's files, name -> law; the default one first."""
-    found: list[FrictionLaw] = []
-    for file in pkgutil.iter_modules(__path__, f"{__name__}."):
-        module = importlib.import_module(file.name)
-        classes = [one for _, one in inspect.getmembers(module, inspect.isclass)]
-        own = (one for one in classes if one.__module__ == file.name)
-        found += [one() for one in own if issubclass(one, FrictionLaw)]
-    return {law.name: law for law in sorted(found, key=lambda law: (law.name != DEFAULT, law.name))}
-
-
+DEFAULT = BUILT_IN[0].name
 #: name of a friction law -> the law
-LAWS = _built_in()
+LAWS = {law.name: law for law in BUILT_IN}
 #: name or synonym -> name of the law
 LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.synonyms)}
 
