@@ -15,7 +15,7 @@ from ratestate.friction.functions import DERIVATIVES
 from ratestate.friction.law import FrictionLaw, Parameter
 from ratestate.friction.law_properties import EXAMPLE
 from ratestate.friction.laws import LAWS
-from ratestate.friction.rewriting import Derivative, Hoisting, function_of
+from ratestate.friction.rewriting import Derivative, Hoisting, values_of
 from ratestate.laws import asinh, cosh, exp, log, maximum, sinh, sqrt, tanh, where
 
 #: laws whose formula is theirs alone ("nagata" is written in another variable)
@@ -77,12 +77,6 @@ def exact_resistance(form, q, v, *psi):
     return (q.mu0 - q.a * mp.log(1 + q.V1 / V) + cut) / q.a
 
 
-def evaluate(roots, known):
-    """Values of expressions; known : dict expression -> value."""
-    with np.errstate(all="ignore"):
-        return function_of(roots, known)(*known.values())
-
-
 @EVERY
 def test_derivatives_far_from_all_that_slips(name, form):
     """Formulas against the sources; each derivative, as an expression, against a difference of the
@@ -102,12 +96,12 @@ def test_derivatives_far_from_all_that_slips(name, form):
         numbers = {symbol: mp.mpf(x) for symbol, x in q.items()}
         exact, at = SimpleNamespace(**numbers), [mp.mpf(x) for x in y]
         symbols = {one: numbers.get(name) for name, one in found._parameters.items()}
-        values = evaluate(found.constants.values(), symbols)
+        values = values_of(found.constants.values(), symbols)
         exact_p = dict(zip(found.constants, values, strict=True))
 
         def value_of(expression, *y):
             known = exact_p | dict(zip([found.v, *found.psi], y, strict=True))
-            return evaluate([expression], known)[0]
+            return values_of([expression], known)[0]
 
         truths = [exact_rate(name, k, exact, *at) for k in range(n)]
         rest = exact_resistance(form, exact, *[mp.mpf(0)] * (1 + n))
@@ -162,7 +156,7 @@ def test_each_function_has_exact_derivatives(name, size):
     for at in (size,) if name in OF_POSITIVE else (size, -size):
         y = graph.call(name, x)
         for order in range(4):
-            value = evaluate([y], {x: at})[0]
+            value = values_of([y], {x: at})[0]
             with mp.workdps(800):
                 true = mp.diff(exact, mp.mpf(at), order) if order else exact(mp.mpf(at))
                 if name == "abs" and order > 1:
@@ -182,8 +176,8 @@ def test_a_positive_quantity_carries_its_logarithm():
     assert log(V**2.5) - log(V0**2.5) is 2.5 * x
     assert exp(log(V) + y) is V * exp(y)
     assert log(1.0 + V / V0).kind == "softplus"
-    assert evaluate([1.0 / (1.0 + exp(x))], {x: 800.0})[0] == 0.0
-    assert evaluate([1.0 - exp(x)], {x: 1e-20})[0] == -1e-20
+    assert values_of([1.0 / (1.0 + exp(x))], {x: 800.0})[0] == 0.0
+    assert values_of([1.0 - exp(x)], {x: 1e-20})[0] == -1e-20
     assert log(sqrt(V)).terms[x] == 0.5
 
 
@@ -214,10 +208,10 @@ def test_formulas_as_a_user_may_write_them(formula, x, truth):
     symbol, n = graph.symbol("x", is_constant=False), graph.symbol("n", is_positive=True)
     y = hoisting(formula(exp(symbol), n))
     at, one = hoisting(symbol), hoisting.graph.number(1.0)
-    constants = evaluate(hoisting.constants.values(), {n: 3.0})
+    constants = values_of(hoisting.constants.values(), {n: 3.0})
     known = dict(zip(hoisting.constants, constants, strict=True))
     for order in range(3):
-        (value,) = evaluate([y], known | {at: x})
+        (value,) = values_of([y], known | {at: x})
         with mp.workdps(400):
             true = mp.diff(lambda t: truth(mp.exp(t)), mp.mpf(x), order)
         assert value == pytest.approx(float(true), rel=1e-11, abs=1e-300)
@@ -229,7 +223,7 @@ def test_the_side_that_is_not_chosen_leaves_no_trace():
     x = graph.symbol("x", is_constant=False)
     y = where(x > 0.0, log(abs(x)) * exp(-1.0 / x), x * x)
     by_x = Derivative(graph, {x: graph.number(1.0)})
-    found = evaluate([y, by_x(y)], {x: np.array([-3.0, 0.0])})
+    found = values_of([y, by_x(y)], {x: np.array([-3.0, 0.0])})
     np.testing.assert_array_equal(found, [[9.0, 0.0], [-6.0, 0.0]])
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from .expressions import FormulaError, Graph, ordered
 from .functions import exp
 from .law_properties import EXAMPLE
-from .rewriting import Derivative, Hoisting, function_of, source_of, times_each
+from .rewriting import Derivative, Hoisting, source_of, times_each, values_of
 
 #: parameters of every slider that are > 0
 POSITIVE = ("a", "Dc", "V0")
@@ -67,8 +67,7 @@ class Equations:
         mu = times_each(_number_from(graph, mu, "friction"), graph.one)
         known = {one: one for one in ordered([mu]) if one.is_constant}
         known |= dict.fromkeys([v, *psi], graph.number(0.0))
-        (mu_ref,) = function_of([mu], known)(*known.values())
-        mu_ref = law.reference(graph.number(mu_ref))
+        mu_ref = law.reference(graph.number(*values_of([mu], known)))
         self.friction_at_reference = [mu_ref]
 
         hoisting = Hoisting()
@@ -79,7 +78,6 @@ class Equations:
         self.resistance = [hoisting(times_each(mu - mu_ref, 1.0 / p.a))]
         of_law = law.constants(SimpleNamespace(**symbols), b)
         self.named = {name: [hoisting(graph.number(one))] for name, one in of_law.items()}
-        self._programs = {}  # what `function_of` gave
         self.v, self.kappa, *self.psi = map(hoisting, (v, kappa, *psi))
         self.w = hoisting(exp(v))
         away = law.runaway(v, tuple(psi), kappa, p)
@@ -111,7 +109,7 @@ class Equations:
     def _of_parameters(self, expressions, V_ref, values):
         given = {**values, "V_ref": V_ref}
         known = {one: given[name] for name, one in self._parameters.items() if name in given}
-        return self._computed(expressions, {x: np.asarray(y, float)[()] for x, y in known.items()})
+        return values_of(expressions, {x: np.asarray(y, float)[()] for x, y in known.items()})
 
     @property
     def text(self):
@@ -165,15 +163,7 @@ class Equations:
             known[self.w] = w
         if e is not None:
             known |= zip(self.exponentials, e, strict=True)
-        return self._computed(expressions, known)
-
-    def _computed(self, expressions, known):
-        """Values of expressions; known : dict expression -> value."""
-        key = tuple(expressions), tuple(known)
-        if key not in self._programs:
-            self._programs[key] = function_of(*key)
-        with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
-            return self._programs[key](*known.values())
+        return values_of(expressions, known)
 
 
 def _returned(graph, found, law):

@@ -3,6 +3,8 @@
 import functools
 import operator
 
+import numpy as np
+
 from . import functions
 from .expressions import CONDITIONS, Graph
 from .functions import DERIVATIVES, where
@@ -109,6 +111,15 @@ def function_of(roots, known):
     scope = {**vars(functions), "power": _power}
     exec(source_of(roots, known), scope)
     return scope["value"]
+
+
+_program = functools.cache(function_of)
+
+
+def values_of(roots, known):
+    """Values of expressions, a list; known : dict expression -> value, as for `function_of`."""
+    with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
+        return _program(tuple(roots), tuple(known))(*known.values())
 
 
 def source_of(roots, known):

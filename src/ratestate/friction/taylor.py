@@ -10,7 +10,7 @@ import functools
 import operator
 
 from .functions import DERIVATIVES
-from .rewriting import function_of
+from .rewriting import values_of
 
 
 class NoSeries(TypeError):
@@ -92,7 +92,7 @@ class _Expansion:
             return self.c[one, 0]
         if one in self.known:
             return self.known[one]
-        return _function(one)(*map(self._first, one.operands))[0]
+        return values_of([one], {x: self._first(x) for x in one.operands})[0]
 
     def _linear(self, one):
         """Constant factors and expressions whose sum it is: itself, if it is no sum."""
@@ -150,11 +150,6 @@ class _Expansion:
         pairs = {j: (self._slope(x, j), self.at(inner, k - j)) for j in range(1, k)}
         last = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
         return total([times(convolution(pairs, k), 1.0 / k), last])
-
-
-@functools.cache
-def _function(one):
-    return function_of([one], one.operands)
 
 
 def _rule(one):
