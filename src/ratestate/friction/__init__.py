@@ -3,7 +3,8 @@
 ==================== ============================================================================
 ``law``              what a friction law is: a formula
 ``law_properties``   what follows from the formula: kind of law, steady sliding
-``laws``, ``forms``  the built-in laws and forms of friction, a file each
+``laws``             the built-in laws, a file each
+``forms``            forms of friction beside that of eq. 1
 ``two_states``       states and parameters of laws with two states
 ``user_law``         laws from a user's file or class, named with a hash of their formula
 ``law_check``        check a user's law: finite, uncoupled, one steady state
