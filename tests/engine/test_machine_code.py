@@ -8,14 +8,14 @@ import pytest
 from exact_functions import exact_function
 
 from ratestate.engine import machine_code
-from ratestate.engine.code import Code, Number, where
+from ratestate.engine.code import Code, Number
 from ratestate.engine.equations import exponentials
 from ratestate.engine.machine_code import compiled, loaded, target
 from ratestate.engine.rows import LANES, WIDTH, rows_of
 from ratestate.engine.unit_code import unit_text
 from ratestate.engine.units import MarchUnits, ReturnUnits, lane_units, point_units
-from ratestate.engine.vector_functions import Vectorised
-from ratestate.friction.evaluation import Real
+from ratestate.friction import functions
+from ratestate.friction.functions import CODE, where
 from ratestate.friction.laws import LAWS
 
 WIDTHS = (1, 2, 4, 8)
@@ -23,7 +23,7 @@ WIDTHS = (1, 2, 4, 8)
 
 def run(function, width, *columns):
     """What compiled code of a function of numbers gives for columns (n,), an array (m, n)."""
-    code = Code(width, Vectorised)
+    code = Code(width)
     n = len(columns)
     given = []
     for k in range(n):
@@ -50,8 +50,8 @@ def run(function, width, *columns):
 
 
 #: those that are tested by themselves
-OTHERS = "where", "exp_and_inverse", "rough_log2", "cosine"
-FUNCTIONS = [name for name in vars(Vectorised) if name[0] != "_" and name not in OTHERS]
+OTHERS = "exp_and_inverse", "rough_log2", "cosine"
+FUNCTIONS = [name for name in vars(type(CODE)) if name[0] != "_" and name not in OTHERS]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -65,7 +65,7 @@ def test_functions_are_accurate(name):
     with mp.workdps(400):
         true = [exact(mp.mpf(float(one))) for one in x]
     for width in WIDTHS:
-        (found,) = run(lambda one: [getattr(Vectorised, name)(one)], width, x)
+        (found,) = run(lambda one: [getattr(functions, name)(one)], width, x)
         off = [abs(mp.mpf(float(y)) - z) / abs(z) for y, z in zip(found, true, strict=True)]
         assert max(off) < 2e-15, width
 
@@ -73,25 +73,25 @@ def test_functions_are_accurate(name):
 @pytest.mark.parametrize("width", WIDTHS)
 def test_other_functions(width):
     x = np.linspace(-8.0, 8.0, 64)
-    exp, inverse = run(Vectorised.exp_and_inverse, width, x)
+    exp, inverse = run(functions.exp_and_inverse, width, x)
     np.testing.assert_allclose([exp, inverse], np.exp([x, -x]), rtol=2e-15)
-    (cosine,) = run(lambda one: [Vectorised.cosine(one)], width, x)
-    np.testing.assert_allclose(cosine, Real.cosine(x), rtol=0, atol=5e-16)
-    (rough,) = run(lambda one: [Vectorised.rough_log2(one)], width, 10.0 ** (35.0 * x))
-    np.testing.assert_allclose(rough, Real.rough_log2(10.0 ** (35.0 * x)), rtol=0, atol=1e-9)
+    (cosine,) = run(lambda one: [functions.cosine(one)], width, x)
+    np.testing.assert_allclose(cosine, functions.cosine(x), rtol=0, atol=5e-16)
+    (rough,) = run(lambda one: [functions.rough_log2(one)], width, 10.0 ** (35.0 * x))
+    np.testing.assert_allclose(rough, functions.rough_log2(10.0 ** (35.0 * x)), rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", ["exp", "expm1", "softplus", "tanh", "asinh", "asinh_of_exp"])
 def test_far_arguments_saturate_and_nan_stays(name):
     x = np.array([-1e300, -700.0, 700.0, 1e300, np.nan, -np.inf, np.inf, 0.0])
-    (found,) = run(lambda one: [getattr(Vectorised, name)(one)], 4, x)
+    (found,) = run(lambda one: [getattr(functions, name)(one)], 4, x)
     assert np.isnan(found[4])
     assert np.isfinite(found[:4]).all()
 
 
 @pytest.mark.parametrize("x", [0.0, -1.0])
 def test_the_logarithm_of_no_positive_number_is_none(x):
-    (found,) = run(lambda one: [Vectorised.log(one)], 2, np.array([x, 2.0]))
+    (found,) = run(lambda one: [functions.log(one)], 2, np.array([x, 2.0]))
     assert np.isnan(found[0])
     assert found[1] == np.log(2.0)
 
@@ -105,7 +105,7 @@ def test_conditions_select():
 
 
 def test_an_instruction_is_written_once():
-    code = Code(4, Vectorised)
+    code = Code(4)
     x = Number(code, "%x")
     assert (x + 1.0) * (x + 1.0) is (x + 1.0) * (x + 1.0)
     assert len(code.lines) == 2

@@ -18,7 +18,7 @@ from ratestate.engine.taylor import (
     has_recurrences,
     variational_coefficients,
 )
-from ratestate.friction.tuples import pairwise_sums, product_each
+from ratestate.friction.tuples import pairwise_sum, product
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
 #: of a state in the dimensionless system: x, v, psi, w_lp, its rate, kappa, eta0
@@ -35,7 +35,7 @@ def rough_log2(x):
 
 def over_step(c, of_works, h):
     h_powers = T.powers(h)
-    return pairwise_sums(product_each(c, h_powers)), T.integrals(of_works, h_powers)
+    return tuple(pairwise_sum(product(one, h_powers)) for one in c), T.integrals(of_works, h_powers)
 
 
 # ----------------------------------------------------------------------------------- coefficients

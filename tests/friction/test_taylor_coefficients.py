@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 from exact_functions import exact_function
 
-from ratestate.friction.elementary import where
-from ratestate.friction.expressions import FUNCTIONS, Graph, exp, power
+from ratestate.friction.expressions import Graph
+from ratestate.friction.functions import DERIVATIVES
 from ratestate.friction.taylor import NoSeries, expand
+from ratestate.laws import exp, where
 
 ORDER = 8
 
 
-@pytest.mark.parametrize("name", sorted(FUNCTIONS.keys() - {"abs"}))
+@pytest.mark.parametrize("name", sorted(DERIVATIVES.keys() - {"abs"}))
 def test_functions_of_a_series(name):
     """Of x = 0.7 + 0.4 t, whose coefficients are derivatives over factorials."""
     graph = Graph(merges=False)
@@ -30,7 +31,7 @@ def test_functions_of_a_series(name):
 def test_powers_of_a_series(exponent):
     graph = Graph(merges=False)
     x, a = graph.symbol("x", is_constant=False), graph.symbol("a")
-    y = a * power(x, exponent) * x / (1.0 + x)
+    y = a * x**exponent * x / (1.0 + x)
     (_, (found,)) = expand({x: graph.number(0.4)}, [y], ORDER, {x: 0.7, a: 3.0})
 
     def exact(t):

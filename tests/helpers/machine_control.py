@@ -8,7 +8,6 @@ from ratestate.engine.code import Code
 from ratestate.engine.compiler import kernel_text
 from ratestate.engine.instructions import Context
 from ratestate.engine.machine_code import compiled, loaded
-from ratestate.engine.vector_functions import Vectorised
 
 
 class Machine:
@@ -41,7 +40,7 @@ class Formula:
     """
 
     def __init__(self, function, *like):
-        code, count = Code(1, Vectorised), iter(range(10_000))
+        code, count = Code(1), iter(range(10_000))
         found = function(*each(lambda _: code.load("%given", next(count)), like))
         for k, one in enumerate(flat(found)):
             code.store(code.number(one), "%found", k)

@@ -24,7 +24,7 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
 ``taylor``                            a Taylor step: its equations, series and length
 ``step_control``                      accept a step and choose the next
-``code``, ``vector_functions``        numbers that write LLVM text; their exp, log and others
+``code``                              numbers that write LLVM text
 ``unit_code``                         units as LLVM text
 ``compiler``, ``instructions``        compile the control from a small part of Python
 ``calls``                             call a unit from the control

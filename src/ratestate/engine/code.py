@@ -9,6 +9,8 @@ import functools
 import operator
 import struct
 
+from ..friction.functions import CODE
+
 
 def double(x):
     """A double as LLVM text, to its last digit."""
@@ -18,17 +20,23 @@ def double(x):
 class Code:
     """Instructions that are being written, in their order.
 
-    width : doubles that go together; functions : class of the functions of its numbers, such as
-    `vector_functions.Vectorised`; letter : with which names begin
+    width : doubles that go together; letter : with which names begin
     """
 
-    def __init__(self, width, functions, letter="v"):
-        self.functions = functions
+    def __init__(self, width, letter="v"):
         self.lines, self.declarations = [], {}
         self._known, self._width, self._letter = {}, width, letter
 
-    def _vector(self, item):
-        return item if self._width == 1 else f"<{self._width} x {item}>"
+    def type(self, kind):
+        """The type of a kind of `Value`."""
+        return kind.item if self._width == 1 else f"<{self._width} x {kind.item}>"
+
+    def text(self, kind, x):
+        """The text of a `Value` of this kind, or of a number."""
+        if isinstance(x, Value):
+            return x.name
+        text = double(x) if kind is Number else str(x).lower()
+        return text if self._width == 1 else f"splat ({kind.item} {text})"
 
     def write(self, instruction, kind):
         """What an instruction gives, an instance of a kind of `Value`."""
@@ -38,62 +46,40 @@ class Code:
             self._known[instruction] = kind(self, name)
         return self._known[instruction]
 
-    def call(self, function, *numbers):
-        """What a function of LLVM gives for numbers, such as "sqrt"."""
+    def call(self, function, x):
+        """What a function of LLVM gives for a `Number`, such as "sqrt"."""
         name = f"@llvm.{function}.{f'v{self._width}' if self._width > 1 else ''}f64"
         double = self.type(Number)
-        kinds = ", ".join([double] * len(numbers))
-        self.declarations[name] = f"declare {double} {name}({kinds})"
-        given = ", ".join(f"{double} {self.text(Number, one)}" for one in numbers)
-        return self.write(f"call {double} {name}({given})", Number)
+        self.declarations[name] = f"declare {double} {name}({double})"
+        return self.write(f"call {double} {name}({double} {x.name})", Number)
 
     def number(self, x):
         """A number as a `Number` of this code."""
         return x if isinstance(x, Number) else Number(self, self.text(Number, x))
 
-    def place(self, start, at):
-        """Where, behind a place, the double of this number stands."""
+    def _place(self, start, at):
         return self.write(f"getelementptr double, ptr {start}, i64 {at}", Value).name
 
     def load(self, start, at):
         """The double, or the doubles from there on, that stand behind a place."""
-        place = self.place(start, at)
+        place = self._place(start, at)
         return self.write(f"load {self.type(Number)}, ptr {place}, align 8", Number)
 
     def store(self, value, start, at):
         """Put a `Number` there."""
-        place = self.place(start, at)
+        place = self._place(start, at)
         self.lines.append(f"store {self.type(Number)} {value.name}, ptr {place}, align 8")
-
-    def type(self, kind):
-        """The type of a kind of `Value`."""
-        return self._vector(kind.item)
-
-    def text(self, kind, x):
-        """The text of a `Value` of this kind, or of a number."""
-        return x.name if isinstance(x, Value) else self._constant(kind.item, x)
-
-    def _constant(self, item, x):
-        if item == "double":
-            x = double(x)
-        elif item == "i1":
-            x = str(bool(x)).lower()
-        return f"{x}" if self._width == 1 else f"splat ({item} {x})"
 
 
 class Value:
     """What an instruction of some code gives, by its name there."""
 
     __slots__ = ("code", "name")
+    functions = CODE
     item: str  # type of an element
 
     def __init__(self, code, name):
         self.code, self.name = code, name
-
-    @property
-    def functions(self):
-        """The class of functions for it, which functions.py asks for."""
-        return self.code.functions
 
     def __bool__(self):
         raise TypeError("a condition on numbers of code that is only being written")
@@ -101,22 +87,21 @@ class Value:
     __hash__ = object.__hash__
 
 
-def _operator(instruction, result=None, is_from_the_right=False):
-    """An operator of two values of one kind, which gives that kind or another."""
+def _operators(instruction, result=None):
+    """An operator of two values of one kind, which gives that kind or another; and its mirror."""
 
-    def applied(self, other):
+    def written(self, *pair):
         code, kind = self.code, type(self)
-        pair = (other, self) if is_from_the_right else (self, other)
         values = ", ".join(code.text(kind, one) for one in pair)
         return code.write(f"{instruction} {code.type(kind)} {values}", result or kind)
 
-    return applied
+    def applied(self, other):
+        return written(self, self, other)
 
+    def from_the_right(self, other):
+        return written(self, other, self)
 
-def _arithmetic(instruction):
-    """An operator of numbers, and the same from the right."""
-    contracted = f"{instruction} contract"
-    return _operator(contracted), _operator(contracted, is_from_the_right=True)
+    return applied, from_the_right
 
 
 def _same_bits(value, kind):
@@ -132,12 +117,18 @@ class Condition(Value):
     __slots__ = ()
     item = "i1"
 
-    __and__ = __rand__ = _operator("and")
-    __or__ = __ror__ = _operator("or")
-    __xor__ = _operator("xor")
+    __and__, __rand__ = _operators("and")
+    __or__, __ror__ = _operators("or")
+    __xor__, __rxor__ = _operators("xor")
 
     def __invert__(self):
         return self ^ True
+
+    def select(self, x, y):
+        """x where the condition holds, else y."""
+        code = self.code
+        sides = ", ".join(f"{code.type(Number)} {code.text(Number, one)}" for one in (x, y))
+        return code.write(f"select {code.type(Condition)} {self.name}, {sides}", Number)
 
 
 class Bits(Value):
@@ -146,9 +137,11 @@ class Bits(Value):
     __slots__ = ()
     item = "i64"
 
-    __add__, __sub__, __and__ = map(_operator, ("add", "sub", "and"))
-    __rsub__ = _operator("sub", is_from_the_right=True)
-    __lshift__, __rshift__ = map(_operator, ("shl", "ashr"))
+    __add__, __radd__ = _operators("add")
+    __sub__, __rsub__ = _operators("sub")
+    __and__, __rand__ = _operators("and")
+    __lshift__, __rlshift__ = _operators("shl")
+    __rshift__, __rrshift__ = _operators("ashr")
 
     def number(self):
         """The same bits as doubles."""
@@ -161,13 +154,13 @@ class Number(Value):
     __slots__ = ()
     item = "double"
 
-    __add__, __radd__ = _arithmetic("fadd")
-    __sub__, __rsub__ = _arithmetic("fsub")
-    __mul__, __rmul__ = _arithmetic("fmul")
-    __truediv__, __rtruediv__ = _arithmetic("fdiv")
-    __lt__, __le__ = _operator("fcmp olt", Condition), _operator("fcmp ole", Condition)
-    __gt__, __ge__ = _operator("fcmp ogt", Condition), _operator("fcmp oge", Condition)
-    __eq__, __ne__ = _operator("fcmp oeq", Condition), _operator("fcmp une", Condition)
+    __add__, __radd__ = _operators("fadd contract")
+    __sub__, __rsub__ = _operators("fsub contract")
+    __mul__, __rmul__ = _operators("fmul contract")
+    __truediv__, __rtruediv__ = _operators("fdiv contract")
+    __lt__, __gt__ = _operators("fcmp olt", Condition)
+    __le__, __ge__ = _operators("fcmp ole", Condition)
+    __eq__, __ne__ = (_operators(f"fcmp {test}", Condition)[0] for test in ("oeq", "une"))
     __hash__ = Value.__hash__
 
     def __pow__(self, n):
@@ -182,12 +175,3 @@ class Number(Value):
     def bits(self):
         """The same bits as integers."""
         return _same_bits(self, Bits)
-
-
-def where(condition, x, y):
-    """x where a condition holds, else y."""
-    if not isinstance(condition, Condition):
-        return x if condition else y
-    code = condition.code
-    sides = ", ".join(f"{code.type(Number)} {code.text(Number, one)}" for one in (x, y))
-    return code.write(f"select {code.type(Condition)} {condition.name}, {sides}", Number)

@@ -22,7 +22,6 @@ from ..friction import functions
 from .calls import add, call_lanes, call_point
 from .code import Code, Number
 from .instructions import Array, Instructions, Record, Slot, Value, Word, as_value
-from .vector_functions import Vectorised
 
 #: operator -> instruction, and what it does to numbers that are known
 OPERATORS = {
@@ -109,7 +108,7 @@ class _Program:
         name = f"traced.{function.__name__}"
         if function not in self._known:
             self._known[function] = name
-            code = Code(1, Vectorised)
+            code = Code(1)
             found = function(Number(code, "%x"))
             self.declarations |= set(code.declarations.values())
             lines = "\n  ".join([*code.lines, f"ret double {code.text(Number, found)}"])

@@ -41,7 +41,7 @@ def inertial_force(y, w, e, law, p):
 def derived(name, y, w, e, law, p, **numbers):
     """One of the lists of `motion.Motion` at y, in which q, m and others are these numbers."""
     v, psi = y[1], y[2:]
-    # at rest w is a constant (vector_functions.py)
+    # at rest w is a constant (`bounded_exp`)
     g = where(law.log_of_faster(v, psi, p) > -LIMIT, y[0] - law.stress_in_v(v, w, psi, p), 0.0)
     F = dot(law.evolution_effects(p), law.rates_in_v(v, w, psi, e, p)) if law.reverses else 0.0
     return law.motion(name, v, w, psi, p, e, **({"g": g, "F": F} | numbers))

@@ -81,7 +81,7 @@ def steadies(s, l, law):
     Never in a march, whose lanes have the tolerance 0.
     """
     rows = rows_of(law)
-    off = plus(read_rows(s, rows.y_new, l), -1.0, read_rows(s, rows.steady, l))
+    off = plus(read_rows(s, rows.y_new, l), times(-1.0, read_rows(s, rows.steady, l)))
     return largest(off) < s[R.STEADY + l]
 
 

@@ -60,8 +60,8 @@ def commit_lane(s, l, law):
     z, z_new = load_each(s, rows.z, l), load_each(s, rows.z_new, l)
     shifts = tuple(share * dot(one, direction) for one in z_new)
     for of_one, one, new, along in zip(rows.z, z, z_new, shifts, strict=True):
-        write_rows(s, of_one, l, select(ok, plus(new, -along, direction), one))
+        write_rows(s, of_one, l, select(ok, plus(new, times(-along, direction)), one))
     early = read_rows(s, rows.early, l)
-    write_rows(s, rows.early, l, select(ok, plus(early, 1.0 / pace, shifts), early))
+    write_rows(s, rows.early, l, select(ok, plus(early, times(1.0 / pace, shifts)), early))
     s[R.TRACE + l] += where(ok, s[R.D_TRACE + l], 0.0)
     s[R.SINCE + l] += s[R.OK + l]

@@ -3,7 +3,7 @@
 import functools
 
 from ..friction.functions import larger, smaller, where
-from ..friction.tuples import grouped, of_each, pairwise_sums, product_each, total
+from ..friction.tuples import grouped, pairwise_sum, product, total
 from . import lanes as L
 from . import rows as R
 from .rows import load_each, read_rows, rows_of, store_each
@@ -19,16 +19,16 @@ def try_step(s, l, law):
     c, c_z, trace = variational_coefficients(law, y, w, e, z, *system[1:])
     momentum = momentum_of(s, l)
     lengths = step_lengths(s, l, last_sizes(c, momentum))
-    last, before = grouped(of_each(c_z, ORDER), y), grouped(of_each(c_z, ORDER - 1), y)
+    last, before = (grouped([one[k] for one in c_z], y) for k in (ORDER, ORDER - 1))
     of_last, of_before = sizes_of_each(z, last, before, momentum)
     by_z = longest(of_last, of_before, s[R.TOLERANCE + l])
     h = smaller(smaller(lengths[0], lengths[1]), by_z)
     landing = s[R.LANDING_STEP + l]
     h = where((landing > 0.0) & (landing < h), landing, h)
     h_powers = powers(h)
-    dense = product_each(c_z, h_powers)
+    dense = tuple(product(one, h_powers) for one in c_z)
     store_each(s, rows.c_z, l, dense)
-    z_new = pairwise_sums(dense)
+    z_new = tuple(map(pairwise_sum, dense))
     store_each(s, rows.z_new, l, grouped(z_new, y))
     (mean_trace,) = integrals((trace,), h_powers)
     s[R.D_TRACE + l] = h * mean_trace

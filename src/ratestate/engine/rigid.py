@@ -48,8 +48,8 @@ def try_step(s, l, law):
     for node, d in zip(NODES, D, strict=True):
         u, coupling = next_point(psi, k)
         at, w, e, p = point(s, l, law, node * h, u)
-        right = plus(law.rates_in_v(at[1], w, u, e, p), 1.0 / h, coupling)
-        k = *k, product(pivots, plus(right, h * d, drift))
+        right = plus(law.rates_in_v(at[1], w, u, e, p), times(1.0 / h, coupling))
+        k = *k, product(pivots, plus(right, times(h * d, drift)))
     end = plus_sum(psi, A[8], k)
     y_new, s[R.W_NEW + l], e_new, _ = point(s, l, law, h, end)
     write_rows(s, rows.y_new, l, y_new)

@@ -26,7 +26,6 @@ from ..friction.tuples import (
     sum_of,
     times,
     total,
-    zeros,
 )
 from .equations import derived, exponentials, inertial_force, later, works
 from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
@@ -80,7 +79,7 @@ def drift_of(y, w, h, ramp, system, start):
 
 def with_drift(rest, drift, d):
     """rest + d drift of each state, where there is a drift."""
-    return plus(rest, d, drift) if drift else rest
+    return plus(rest, times(d, drift)) if drift else rest
 
 
 def leaves(gamma_h, f_psi):
@@ -96,7 +95,7 @@ def solve_arrow(r, start):
     _, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares = start
     r_v = dot_onto(r[1], times(m, shares), r[2:])
     k_omega = pivot * minus_dot(r_v + gamma_h * r[0], product(g_psi, a_psi), r[2:])
-    k_psi = product(a_psi, plus(r[2:], k_omega, f_v))
+    k_psi = product(a_psi, plus(r[2:], times(k_omega, f_v)))
     return gamma_h * (r[0] - kappa_c * k_omega), minus_dot(k_omega, shares, k_psi), *k_psi
 
 
@@ -128,13 +127,13 @@ def increment(u, at, w_lp, rest, drift, system, start):
     r_x = kappa * (w_lp - w) + rest[0]
     r_v = total((g * (start.c * c_inverse) + start.m * rest[1], *drift))
     r_v = minus_dot(r_v, times(start.m, law.shares(w, c_inverse, p)), f)
-    return solve_arrow((r_x, r_v, *plus(f, 1.0, rest[2:])), start)
+    return solve_arrow((r_x, r_v, *plus(f, rest[2:])), start)
 
 
 def next_point(y, k):
     """Where the stage after those of the increments k is taken: its u, and sum_j C_ij k_j."""
     i = len(k)
-    return plus_sum(y, A[i], k), sum_of(C[i], k) if k else zeros(y)
+    return plus_sum(y, A[i], k), sum_of(C[i], k) if k else (0.0,) * len(y)
 
 
 def end_of_step(y, k, last, h, system):

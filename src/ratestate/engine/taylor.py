@@ -7,10 +7,10 @@ The polynomial of the step is its dense output too.  The step follows from the l
 import functools
 import math
 
-from ..friction.derivatives import Derivative
-from ..friction.functions import exp, functions_of, larger, where
+from ..friction.functions import exp, larger, rough_log2, where
+from ..friction.rewriting import Derivative
 from ..friction.taylor import NoSeries, expand
-from ..friction.tuples import largest, pairwise_sums, product, product_each
+from ..friction.tuples import largest, pairwise_sum, product
 
 #: order of the method: degree of its polynomials in time
 ORDER = 12
@@ -67,19 +67,19 @@ def variational_equations(law):
 
 
 def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
-    """Taylor coefficients in T of x, v and each psi, and of the powers of `works`, tuples of them.
+    """Taylor coefficients in T of x, v and each psi, and of the powers of `works`, lists of lists.
 
     Of the powers one less; arguments as of `rodas5p.step`, any kind of numbers.
     """
     known = _known(law, y, w, e, (w_lp, ramp), kappa, eta0, p)
     derivatives, powers = equations(law)
-    return tuple(map(_numbers, expand(derivatives, powers, ORDER, known, functions_of(w))))
+    return expand(derivatives, powers, ORDER, known)
 
 
 def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
     """Taylor coefficients in T of x, v and psi, of each number of z in turn, and of the trace.
 
-    Tuples.  The load point is at V0.
+    Lists.  The load point is at V0.
 
     z : perturbations of the state
     """
@@ -87,19 +87,14 @@ def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
     perturbations, derivatives, trace = variational_equations(law)
     for symbols, one in zip(perturbations, z, strict=True):
         known |= zip(symbols, one, strict=True)
-    found, of_trace = map(_numbers, expand(derivatives, [trace], ORDER, known, functions_of(w)))
-    return found[: len(y)], found[len(y) :], of_trace[0]
+    found, (of_trace,) = expand(derivatives, [trace], ORDER, known)
+    return found[: len(y)], found[len(y) :], of_trace
 
 
 def _known(law, y, w, e, w_lp, kappa, eta0, p):
     """Values of all symbols and exponentials of `equations`."""
     numbers = {"x": y[0], "w_lp": w_lp, "kappa": kappa, "1/eta0": 1.0 / eta0}
     return law.motion.known(y[1], w, y[2:], p, e, **numbers)
-
-
-def _numbers(polynomials):
-    """As tuples, 0.0 for a coefficient that is always that."""
-    return tuple(tuple(0.0 if c is None else c for c in one) for one in polynomials)
 
 
 def longest(last, before, tolerance):
@@ -111,11 +106,6 @@ def longest(last, before, tolerance):
     by_last = (allowed - rough_log2(last)) * (1.0 / ORDER)
     by_before = (allowed - rough_log2(before)) * (1.0 / (ORDER - 1))
     return exp(LN2 * where(by_last < by_before, by_last, by_before))
-
-
-def rough_log2(x):
-    """log2 x, less up to 0.09, of a normal x > 0: between powers of 2 its bits are linear in x."""
-    return functions_of(x).rough_log2(x)
 
 
 def size(y, momentum):
@@ -139,4 +129,4 @@ def powers(h):
 def integrals(c, h):
     """The integrals of polynomials over a step, over its length; h : its `powers`."""
     weights = product(OF_INTEGRAL, h)
-    return pairwise_sums(product_each(c, weights))
+    return tuple(pairwise_sum(product(one, weights)) for one in c)

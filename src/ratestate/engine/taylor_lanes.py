@@ -6,7 +6,7 @@ that suit it.
 """
 
 from ..friction.functions import larger, where
-from ..friction.tuples import largest, of_each, pairwise_sums, product_each, total
+from ..friction.tuples import largest, pairwise_sum, product, total
 from . import lanes as L
 from . import rows as R
 from .equations import exponentials
@@ -38,7 +38,8 @@ def fastest_rate(y, w, e, frequency, system):
 
 def last_sizes(c, momentum):
     """Sizes of the last two of `coefficients`."""
-    return size(of_each(c, ORDER), momentum), size(of_each(c, ORDER - 1), momentum)
+    last, before = ([one[k] for one in c] for k in (ORDER, ORDER - 1))
+    return size(last, momentum), size(before, momentum)
 
 
 def momentum_of(s, l):
@@ -60,9 +61,9 @@ def record(s, l, law, h, h_powers, c, lengths, also):
     """
     accurate, stable = lengths
     rows, system = rows_of(law), L.system_of(s, l, law)
-    dense = product_each(c, h_powers)
+    dense = tuple(product(one, h_powers) for one in c)
     store_each(s, rows.c, l, dense)
-    y_new = pairwise_sums(dense)
+    y_new = tuple(map(pairwise_sum, dense))
     w_new, _, e_new = exponentials(y_new, law, system[3])
     write_rows(s, rows.y_new, l, y_new)
     write_rows(s, rows.e_new, l, e_new)

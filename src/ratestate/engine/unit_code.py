@@ -9,7 +9,6 @@
 from .calls import FOUND, WORK
 from .code import Code
 from .units import lane_units, point_units
-from .vector_functions import Vectorised
 
 
 class _Lane:
@@ -42,7 +41,7 @@ def unit_text(law, kind, width):
     for name, bodies in lane_units(law, kind).items():
         loops = []
         for k, body in enumerate(bodies):
-            code = Code(width, Vectorised, f"v{k}.")
+            code = Code(width, f"v{k}.")
             lane = _Lane(code, f"%lane{k}")
             body(lane, 0, law)
             lane.store()
@@ -50,7 +49,7 @@ def unit_text(law, kind, width):
             declarations |= code.declarations
         texts[name] = _loops(name, loops, width)
     for name, (body, count) in point_units(law, kind).items():
-        code = Code(1, Vectorised)
+        code = Code(1)
         lane = _Lane(code, "%s")
         found = body(lane, 0, law, *(code.load("%given", k) for k in range(count)))
         lane.store()

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..friction.functions import larger, smaller, sqrt, where
-from ..friction.tuples import dot, dot_onto, grouped, minus_dot, plus, sum_of_sizes, times
+from ..friction.tuples import dot, dot_onto, grouped, minus_dot, plus, times, total
 from . import lanes, return_lanes, return_taylor_lanes, rigid, taylor_lanes, waveform
 from . import rows as R
 from .calls import FOUND
@@ -94,9 +94,9 @@ def first_step(s, l, law):
     rows, w, w_lp = rows_of(law), s[R.W + l], s[R.W_LP + l]
     y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
     f_psi = law.rates_in_v(y[1], w, y[2:], e, p)
-    fastest = abs(s[R.KAPPA + l] * (w_lp - w)) + sum_of_sizes(f_psi)
+    fastest = abs(s[R.KAPPA + l] * (w_lp - w)) + total(map(abs, f_psi))
     fastest = fastest + law.speed_slope(w, e) + abs(w_lp)
-    fastest = fastest + sum_of_sizes(law.strength_drift(y[1], w, y[2:], p))
+    fastest = fastest + total(map(abs, law.strength_drift(y[1], w, y[2:], p)))
     h = 0.1 * sqrt(sqrt(s[R.TOLERANCE + l])) / fastest
     s[R.H + l], s[R.MEMORY + l] = smaller(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
     return ()
@@ -207,7 +207,7 @@ def land(s, l, law):
     shares = law.shares(s[R.W_NEW + l], 1.0 / law.speed_slope(s[R.W_NEW + l], e), p)
     omega = dot_onto(others[0], shares, others[1:])
     dt = -(y[1] - law.v_at(1.0, y[2:], p)) / omega
-    psi = plus(y[2:], dt, others[1:])
+    psi = plus(y[2:], times(dt, others[1:]))
     # (dx/dT vanishes at the section)
     end = (y[0] + 0.5 * f_x * dt, law.v_at(1.0, psi, p), *psi)
     write_rows(s, rows.y_new, l, end)

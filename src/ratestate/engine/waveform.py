@@ -8,7 +8,7 @@ import functools
 import numpy as np
 
 from ..friction.functions import cosine, sine, where
-from ..friction.tuples import plus, select
+from ..friction.tuples import plus, select, times
 from . import rows as R
 from .rows import read_rows, rows_of, write_rows
 
@@ -43,7 +43,7 @@ def add_taylor(s, l, law):
 def _add(s, l, rows):
     sums, c = read_rows(s, SUMS, l), read_rows(s, rows, l)
     accepted, h, period, t, t_low, slow = read_rows(s, STEP, l)
-    more = plus(sums, h, (slow, *means(c, (t + (t_low - h)) / period, h / period)))
+    more = plus(sums, times(h, (slow, *means(c, (t + (t_low - h)) / period, h / period))))
     write_rows(s, SUMS, l, select(accepted > 0.0, more, sums))
 
 

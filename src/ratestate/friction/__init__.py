@@ -11,13 +11,10 @@
 ``formulas``         friction and state in SI (eqs 1 to 3), for users
 ``equations``        a formula run once: rates and friction as expressions
 ``expressions``      graphs of expressions
-``rewriting``        expand expressions, hoist constants
-``derivatives``      derivatives of expressions
+``rewriting``        derivatives, coefficients and Python functions from expressions
 ``taylor``           Taylor coefficients of expressions
-``evaluation``       values of expressions, in numbers of any kind
-``functions``        exp, log and others for numbers of any kind
+``functions``        what exp, log and others mean to numbers of any kind; their derivatives
 ``tuples``           arithmetic on tuples of these numbers
-``elementary``       the same functions for expressions
 ``kinematics``       slip rate as a function of the solver's variables
 ``motion``           the equations of motion and their derivatives, as expressions
 ``composition``      combine a law with a form of friction, damping and varying normal stress

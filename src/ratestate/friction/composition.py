@@ -26,7 +26,7 @@ from .forms import FORMS, form_name
 from .functions import cosine, expm1, sine, where
 from .law import LOG, FrictionLaw, Parameter
 from .laws import friction_law
-from .tuples import added, dot, times
+from .tuples import dot, plus, times
 
 #: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
 EXTRAS = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
@@ -102,7 +102,7 @@ class Varying(FrictionLaw):
 
     def _jumps(self, R, p):
         """d psi_k/d ln s of each state, a tuple."""
-        return added(self._h(0, p), times(R, self._h(1, p)))
+        return plus(self._h(0, p), times(R, self._h(1, p)))
 
     def _h(self, k, p):
         n, start = len(self.states), self.places[VARYING] + 1
@@ -110,7 +110,7 @@ class Varying(FrictionLaw):
 
     def rates_of(self, rates, R, p):
         """d psi/dT: the law's, and what normal stress adds."""
-        return added(rates, times(p[DS] / p[S], self._jumps(R, p)))
+        return plus(rates, times(p[DS] / p[S], self._jumps(R, p)))
 
     def after_jump(self, v, w, psi, e, p, rise):
         """psi where ln s has risen by `rise` at once, at constant V, from which v then follows.
@@ -122,7 +122,7 @@ class Varying(FrictionLaw):
         grows = abs(growth) > 0.0
         effective = rise * where(grows, expm1(growth) / where(grows, growth, 1.0), 1.0)
         jumps = self._jumps(self.resistance_in_v(v, w, psi, p), p)
-        return added(psi, times(effective, jumps))
+        return plus(psi, times(effective, jumps))
 
     def history(self, p):
         """Those of p that belong to the history."""

@@ -6,8 +6,8 @@ expressions (expressions.py), in which
     V = V_ref exp(v),    theta_k = (D_k/V_ref) exp(psi_k),    T = t V_ref/Dc,
 
 so that d psi_k/dT and friction come out as expressions in v and psi.  What is constant in these are
-the coefficients, which are computed once a slider; derivatives follow (derivatives.py), and values
-are computed in numbers of any kind (evaluation.py).
+the coefficients, which are computed once a slider; derivatives follow, and values in numbers of any
+kind (rewriting.py).
 """
 
 import functools
@@ -15,11 +15,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .derivatives import Derivative
-from .evaluation import Real, function_of
-from .expressions import FormulaError, Graph, description, exp, ordered
+from .expressions import FormulaError, Graph, description, ordered
+from .functions import exp
 from .law_properties import EXAMPLE
-from .rewriting import Hoisting, replaced, times_each
+from .rewriting import Derivative, Hoisting, function_of, times_each
 
 #: parameters of every slider that are > 0
 POSITIVE = ("a", "Dc", "V0")
@@ -46,10 +45,7 @@ class Equations:
 
     def __init__(self, law):
         graph = Graph()
-        positive = {
-            *POSITIVE,
-            *(name for name, one in law.parameters.items() if one.bound == "> 0"),
-        }
+        positive = {*POSITIVE, *(x for x, one in law.parameters.items() if one.bound == "> 0")}
         names = (*EXAMPLE, *law.parameters)
         symbols = {x: graph.symbol(("p", x), is_positive=x in positive) for x in names}
         V_ref, v = graph.symbol("V_ref", is_positive=True), graph.symbol("v", is_constant=False)
@@ -57,6 +53,7 @@ class Equations:
         kappa = graph.symbol("kappa", is_constant=False)
         p = SimpleNamespace(**symbols)
         b, D = zip(*((symbols[b], symbols[D]) for b, D in law.states.values()), strict=True)
+
         logs = law.log_theta(v, psi, p)
         V, ages = V_ref * exp(v), [exp(one) / V_ref for one in logs]
         theta = tuple(length * age for length, age in zip(D, ages, strict=True))
@@ -66,9 +63,11 @@ class Equations:
             for rate, length, one in zip(_returned(graph, found, law), D, logs, strict=True)
         ]
         mu = law.mu(V, theta, ages, p, b)
-        mu = times_each(_number_from(graph, mu, "friction"), graph.number(1.0))
-        zero = graph.number(0.0)
-        mu_ref = law.reference(replaced(mu, dict.fromkeys([v, *psi], zero)))
+        mu = times_each(_number_from(graph, mu, "friction"), graph.one)
+        known = {one: one for one in ordered([mu]) if one.is_constant}
+        known |= dict.fromkeys([v, *psi], graph.number(0.0))
+        (mu_ref,) = function_of([mu], known)(*known.values())
+        mu_ref = law.reference(graph.number(mu_ref))
         self.friction_at_reference = [mu_ref]
 
         hoisting = Hoisting()
@@ -102,23 +101,17 @@ class Equations:
 
         values : symbol -> float or array, of the parameters [SI]
         """
-        return tuple(self._of_parameters("constants", V_ref, values))
+        return tuple(self._of_parameters(self.constants.values(), V_ref, values))
 
     def reference_friction(self, V_ref, values):
         """mu_ref; values as for `coefficients`."""
-        return self._of_parameters("friction_at_reference", V_ref, values)[0]
+        return self._of_parameters(self.friction_at_reference, V_ref, values)[0]
 
-    def _of_parameters(self, what, V_ref, values):
-        names = self._parameters
-        if what not in self._programs:
-            expressions = (
-                [*self.constants.values()] if what == "constants" else self.friction_at_reference
-            )
-            self._programs[what] = function_of(expressions, [*names.values(), self._V_ref])
-        of_names = (values.get(name) for name in names)
+    def _of_parameters(self, expressions, V_ref, values):
+        of_names = (values.get(name) for name in self._parameters)
         given = [x if x is None else np.asarray(x, float)[()] for x in of_names]
-        with np.errstate(all="ignore"):
-            return self._programs[what](Real, *given, V_ref)
+        known = dict(zip([*self._parameters.values(), self._V_ref], [*given, V_ref], strict=True))
+        return self.computed(expressions, known)
 
     @property
     def text(self):
@@ -126,8 +119,8 @@ class Equations:
         optional = self.runs_away, self.log_theta, self.variables, *self.named.values()
         own = [*self.effects, *self.rates, *self.resistance]
         own += [one for some in optional for one in some or []]
-        constants = [*self.constants.values(), *self.friction_at_reference]
-        return f"{description(own)}\n{description(constants)}"
+        constants = description([*self.constants.values(), *self.friction_at_reference])
+        return f"{description(own)}\n{constants}"
 
     @functools.cached_property
     def used(self):
@@ -162,26 +155,26 @@ class Equations:
             rates += [self.derivative(one, *x) for one, x in zip(self.rates, by, strict=True)]
         return R, rates
 
-    def values(self, expressions, v, w, psi, p, e=None, kappa=None, functions=Real):
+    def values(self, expressions, v, w, psi, p, e=None, kappa=None):
         """Values of expressions where v, w, psi (a tuple), p and exponentials are these, a list.
 
-        expressions : a list of which this is asked again and again
         w, e : None if they are to be computed from v and psi
-        functions : of this kind of number
         """
-        key = id(expressions), w is None, e is None
+        known = {self.v: v, self.kappa: kappa, **dict(zip(self.psi, psi, strict=True))}
+        known |= zip(self.constants, p, strict=False)
+        if w is not None:
+            known[self.w] = w
+        if e is not None:
+            known |= zip(self.exponentials, e, strict=True)
+        return self.computed(expressions, known)
+
+    def computed(self, expressions, known):
+        """Values of expressions; known : dict expression -> value."""
+        key = tuple(expressions), tuple(known)
         if key not in self._programs:
-            known = [self.v, self.kappa, *self.psi, *self.constants]
-            known += [] if w is None else [self.w]
-            known += [] if e is None else self.exponentials
-            self._programs[key] = function_of(expressions, known), expressions
-        program, _ = self._programs[key]
-        p = (*p, *[None] * (len(self.constants) - len(p)))[: len(self.constants)]
-        given = (*psi, *p, *(() if w is None else (w,)), *(e or ()))
-        if functions is not Real:
-            return program(functions, v, kappa, *given)
+            self._programs[key] = function_of(*key)
         with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
-            return program(functions, v, kappa, *given)
+            return self._programs[key](*known.values())
 
 
 def _returned(graph, found, law):

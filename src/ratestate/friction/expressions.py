@@ -4,41 +4,25 @@ An `Expression` is a number, a symbol, a sum of multiples, a product of powers, 
 expressions, or a choice between two.  Each stands in its `Graph` once.
 
 The exponentials in a product are one, of the sum of their exponents, and the logarithm of a product
-of positive factors is the sum of theirs.  So a positive quantity such as V = V_ref exp(v) carries
-its logarithm, and V theta/Dc is exp(v + psi) in any units: neither a product nor a power of V and
-theta overflows on the way to a result that does not.
+of positive factors is the sum of theirs (functions.py).  So a positive quantity such as
+V = V_ref exp(v) carries its logarithm, and V theta/Dc is exp(v + psi) in any units: neither a
+product nor a power of V and theta overflows on the way to a result that does not.
 """
 
 import functools
 import math
 import numbers
 import operator
+from typing import Any
 
-#: functions of one argument that are nodes of a graph -> whether their values are positive
-FUNCTIONS = {
-    "exp": True,
-    "log": False,
-    "softplus": True,  # ln(1 + e**x)
-    "logistic": True,  # 1/(1 + e**-x)
-    "asinh_of_exp": True,  # asinh(e**x)
-    "sinh": False,
-    "cosh": True,
-    "tanh": False,
-    "asinh": False,
-    "expm1": False,
-    "log1p": False,
-    "abs": False,
-}
-
-
-#: nodes of a graph that are no numbers
-CONDITIONS = ("less", "less_equal", "both", "either")
+#: functions of which the values are positive
+POSITIVE = ("exp", "softplus", "logistic", "asinh_of_exp", "cosh")
+#: nodes of a graph that are no numbers -> the operator in them
+CONDITIONS = {"less": "<", "less_equal": "<=", "both": "&", "either": "|"}
 #: beyond it, either way, the engine's exponentials saturate: a speed of 1e-260 V_ref is rest
 LIMIT = 600.0
 #: largest power of a positive quantity that is not computed from its logarithm
 LARGEST_POWER = 16
-
-
 #: names of NumPy's functions that are operators -> the operator
 OPERATORS = {
     "add": operator.add,
@@ -75,7 +59,7 @@ class Graph:
 
     def __init__(self, merges=True):
         self.merges, self._known = merges, {}
-        self.one = self._node("number", (1.0,), is_constant=True)
+        self.one = self.number(1.0)
 
     def number(self, x):
         """A number as an expression; an expression as it is."""
@@ -93,8 +77,7 @@ class Graph:
 
     def symbol(self, name, is_constant=True, is_positive=False):
         """A quantity that is known by a name."""
-        kind = "positive" if is_positive else "symbol"
-        return self._node(kind, (name,), is_constant=is_constant)
+        return self._node("positive" if is_positive else "symbol", (name,), is_constant)
 
     def sum(self, terms):
         """The sum of multiples; terms : dict expression -> factor, a float."""
@@ -126,7 +109,7 @@ class Graph:
             kept[self.call("exp", exponent)] = 1.0
         if factor == 0.0 or not kept:
             return self.number(factor)
-        if len(kept) == 1 and next(iter(kept.values())) == 1.0:
+        if [*kept.values()] == [1.0]:
             (whole,) = kept
         else:
             parts = tuple(kept.items())
@@ -144,16 +127,71 @@ class Graph:
         return self._known[key]
 
 
+def _operators(function):
+    """An operator of expressions and numbers, and the same from the right."""
+
+    def applied(self, other):
+        return function(*map(self.graph.number, (self, other)))
+
+    def from_the_right(self, other):
+        return function(*map(self.graph.number, (other, self)))
+
+    return applied, from_the_right
+
+
+def _sum(x, y):
+    terms = x.terms
+    for one, factor in y.terms.items():
+        terms[one] = terms.get(one, 0.0) + factor
+    return x.graph.sum(terms)
+
+
+def _product(x, y):
+    (a, powers), (b, others) = x.powers, y.powers
+    for one, exponent in others.items():
+        powers[one] = powers.get(one, 0.0) + exponent
+    return x.graph.product(a * b, powers)
+
+
+def _power(x, exponent):
+    """x**exponent: of any x if that is an integer, else (a parameter, say) of x > 0."""
+    graph, functions = x.graph, x.functions
+    is_negative = exponent.kind == "number" and exponent.parts[0] < 0.0
+    if x.kind == "where" and not is_negative:  # (where x is 0 its logarithm is none)
+        condition, *sides = x.parts
+        return graph.call("where", condition, *(one**exponent for one in sides))
+    if exponent.kind != "number":
+        return functions.exp(exponent * functions.log(x))
+    exponent = exponent.parts[0]
+    if graph.merges and x.is_positive and not x.is_constant and _needs_logarithm(x, exponent):
+        return functions.exp(exponent * functions.log(x))
+    factor, powers = x.powers
+    is_integer = exponent == int(exponent)
+    if not (is_integer or (factor > 0.0 and all(one.is_positive for one in powers))):
+        return graph.product(1.0, {x: exponent})
+    if len(powers) == 1 and factor == 1.0:
+        return graph.product(1.0, {one: exponent * n for one, n in powers.items()})
+    each = (one ** (exponent * n) for one, n in powers.items())
+    return functools.reduce(operator.mul, each, graph.number(factor**exponent))
+
+
+def _needs_logarithm(x, exponent):
+    """Whether a power of x > 0 may be beyond all numbers on the way to one that is not."""
+    if abs(exponent) > LARGEST_POWER:
+        return True
+    return x.kind in ("sum", "cosh") and (exponent < 0.0 or exponent != int(exponent))
+
+
 class Expression:
     """A node of a graph, immutable.
 
     kind : "number", "symbol" or "positive" (a symbol), "sum", "product", "where", one of
-        `CONDITIONS` or of `FUNCTIONS`
+        `CONDITIONS` or of `functions.DERIVATIVES`
     parts : what it is made of: arguments; of sums and products pairs, with factors or exponents
     """
 
     __slots__ = ("graph", "is_constant", "kind", "parts")
-    functions: type  # of expressions (functions.py)
+    functions: Any  # those of expressions, which functions.py sets
 
     def __init__(self, graph, kind, parts, is_constant=None):
         self.graph, self.kind, self.parts = graph, kind, parts
@@ -194,61 +232,27 @@ class Expression:
         """Whether it is positive for sure."""
         if self.kind == "number":
             return self.parts[0] > 0.0
-        if self.kind == "sum":
-            return all(one.is_positive and factor > 0.0 for one, factor in self.parts)
-        if self.kind == "product":
+        if self.kind == "sum" and any(factor < 0.0 for _, factor in self.parts):
+            return False
+        if self.kind in ("sum", "product"):
             return all(one.is_positive for one, _ in self.parts)
         if self.kind == "where":
             return self.parts[1].is_positive and self.parts[2].is_positive
-        return self.kind == "positive" or FUNCTIONS.get(self.kind, False)
+        return self.kind == "positive" or self.kind in POSITIVE
 
-    def __add__(self, other):
-        return _added(self, other)
-
-    def __radd__(self, other):
-        return _added(other, self)
-
-    def __sub__(self, other):
-        return _added(self, -1.0 * other)
-
-    def __rsub__(self, other):
-        return _added(other, -1.0 * self)
+    __add__, __radd__ = _operators(_sum)
+    __sub__, __rsub__ = _operators(lambda x, y: _sum(x, -y))
+    __mul__, __rmul__ = _operators(_product)
+    __truediv__, __rtruediv__ = _operators(lambda x, y: _product(x, y**-1.0))
+    __pow__, __rpow__ = _operators(_power)
+    __lt__, __gt__ = _operators(lambda x, y: x.graph.call("less", x, y))
+    __le__, __ge__ = _operators(lambda x, y: x.graph.call("less_equal", x, y))
 
     def __neg__(self):
         return -1.0 * self
 
-    def __mul__(self, other):
-        return _multiplied(self, other)
-
-    def __rmul__(self, other):
-        return _multiplied(other, self)
-
-    def __truediv__(self, other):
-        return _multiplied(self, power(other, -1.0))
-
-    def __rtruediv__(self, other):
-        return _multiplied(other, power(self, -1.0))
-
-    def __pow__(self, exponent):
-        return power(self, exponent)
-
-    def __rpow__(self, base):
-        return power(self.graph.number(base), self)
-
     def __abs__(self):
         return self if self.is_positive else self.graph.call("abs", self)
-
-    def __lt__(self, other):
-        return self.graph.call("less", self, self.graph.number(other))
-
-    def __gt__(self, other):
-        return self.graph.call("less", self.graph.number(other), self)
-
-    def __le__(self, other):
-        return self.graph.call("less_equal", self, self.graph.number(other))
-
-    def __ge__(self, other):
-        return self.graph.call("less_equal", self.graph.number(other), self)
 
     def __and__(self, other):
         return self._joined("both", other)
@@ -260,6 +264,15 @@ class Expression:
         if not all(getattr(x, "kind", "") in CONDITIONS for x in (self, other)):
             raise FormulaError("& and | join comparisons of V, theta or p, and nothing else.")
         return self.graph.call(kind, self, other)
+
+    def select(self, x, y):
+        """x where this condition holds, else y."""
+        if self.kind not in CONDITIONS:
+            raise FormulaError(
+                "the condition of where is a number. Give a comparison, such as V > p.V0."
+            )
+        x, y = self.graph.number(x), self.graph.number(y)
+        return x if x is y else self.graph.call("where", self, x, y)
 
     def __eq__(self, other):
         raise FormulaError("V, theta or p is compared by == or !=. Compare by < or >.")
@@ -282,122 +295,15 @@ class Expression:
         """Operators between numbers of NumPy and expressions."""
         name = function.__name__
         if name not in OPERATORS or method != "__call__":
-            ours = NUMPY_NAMES.get(name, name)
-            raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{ours}.")
+            self.__array_function__(function, (), inputs, others)
         x, y = (one if isinstance(one, Expression) else float(one) for one in inputs)
         return OPERATORS[name](x, y)
 
     def __array_function__(self, function, types, inputs, others):
         """NumPy's other functions."""
         name = function.__name__
-        raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{name}.")
-
-
-def _added(x, y):
-    graph = x.graph if isinstance(x, Expression) else y.graph
-    x, y = graph.number(x), graph.number(y)
-    terms = x.terms
-    for one, factor in y.terms.items():
-        terms[one] = terms.get(one, 0.0) + factor
-    return graph.sum(terms)
-
-
-def _multiplied(x, y):
-    graph = x.graph if isinstance(x, Expression) else y.graph
-    (a, powers), (b, others) = graph.number(x).powers, graph.number(y).powers
-    for one, exponent in others.items():
-        powers[one] = powers.get(one, 0.0) + exponent
-    return graph.product(a * b, powers)
-
-
-def power(x, exponent):
-    """x**exponent: of any x if that is an integer, else (a parameter, say) of x > 0."""
-    graph = x.graph if isinstance(x, Expression) else getattr(exponent, "graph", None)
-    if graph is None:
-        return x**exponent
-    x, exponent = graph.number(x), graph.number(exponent)
-    is_negative = exponent.kind == "number" and exponent.parts[0] < 0.0
-    if x.kind == "where" and not is_negative:  # (where x is 0 its logarithm is none)
-        condition, *sides = x.parts
-        return graph.call("where", condition, *(power(one, exponent) for one in sides))
-    if exponent.kind != "number":
-        return exp(exponent * log(x))
-    exponent = exponent.parts[0]
-    if graph.merges and x.is_positive and not x.is_constant and _needs_logarithm(x, exponent):
-        return exp(exponent * log(x))
-    factor, powers = x.powers
-    is_integer = exponent == int(exponent)
-    if not (is_integer or (factor > 0.0 and all(one.is_positive for one in powers))):
-        return graph.product(1.0, {x: exponent})
-    if len(powers) == 1 and factor == 1.0:
-        return graph.product(1.0, {one: exponent * n for one, n in powers.items()})
-    each = (power(one, exponent * n) for one, n in powers.items())
-    return functools.reduce(operator.mul, each, graph.number(factor**exponent))
-
-
-def _needs_logarithm(x, exponent):
-    """Whether a power of x > 0 may be beyond all numbers on the way to one that is not."""
-    if abs(exponent) > LARGEST_POWER:
-        return True
-    return x.kind in ("sum", "cosh") and (exponent < 0.0 or exponent != int(exponent))
-
-
-def exp(x):
-    """e**x; logarithms in x are powers of what they are of."""
-    if not isinstance(x, Expression):
-        return math.exp(x)
-    whole, rest = x.graph.number(1.0), {}
-    for one, factor in x.terms.items():
-        if one.kind == "log":
-            whole = whole * power(one.parts[0], factor)
-        else:
-            rest[one] = factor
-    exponent = x.graph.sum(rest)
-    if exponent.kind == "number":
-        return math.exp(exponent.parts[0]) * whole
-    return whole * x.graph.call("exp", exponent)
-
-
-def log(x):
-    """ln x: of products of positive factors the sum, of sums of positive terms by `softplus`."""
-    if not isinstance(x, Expression):
-        return math.log(x)
-    factor, powers = x.powers
-    if len(powers) > 1 or list(powers.values()) != [1.0] or factor != 1.0:
-        others = [(one.kind, n) for one, n in powers.items() if not one.is_positive]
-        if factor > 0.0 and others in ([], [("sinh", 1.0)]):
-            logs = (n * log(one) for one, n in powers.items())
-            return functools.reduce(operator.add, logs, x.graph.number(math.log(factor)))
-        return x.graph.call("log", x)
-    if x.kind == "exp":
-        return x.parts[0]
-    if x.kind == "cosh":  # ln 2 cosh x = softplus(2 x) - x
-        return softplus(2.0 * x.parts[0]) - x.parts[0] - math.log(2.0)
-    if x.kind == "sinh":  # of x > 0; of others there is none
-        return x.parts[0] + log(1.0 - exp(-2.0 * x.parts[0])) - math.log(2.0)
-    if x.kind == "sum" and x.is_positive:
-        first = sorted(x.parts, key=lambda part: not part[0].is_constant)
-        each = [log(one) + math.log(factor) for one, factor in first]
-        return functools.reduce(lambda one, other: one + softplus(other - one), each)
-    return x.graph.call("log", x)
-
-
-def softplus(x):
-    """ln(1 + e**x)."""
-    return x.graph.call("softplus", x)
-
-
-def description(roots):
-    """Text that tells expressions from others."""
-    places, lines = {}, []
-    for place, one in enumerate(ordered(roots)):
-        places[one] = place
-        if one.kind in ("sum", "product"):
-            parts = [f"{places[x]} {number!r}" for x, number in one.parts]
-        else:
-            parts = [repr(places.get(x, x) if isinstance(x, Expression) else x) for x in one.parts]
-        lines.append(f"{one.kind} {', '.join(parts)}")
-    return "\n".join([*lines, *(str(places[one]) for one in roots)])
+        ours = NUMPY_NAMES.get(name, name)
+        raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{ours}.")
 
 
 def ordered(roots):
@@ -411,3 +317,16 @@ def ordered(roots):
         else:
             found[waiting.pop()] = True
     return list(found)
+
+
+def description(roots):
+    """Text that tells expressions from others."""
+    places, lines = {}, []
+    for place, one in enumerate(ordered(roots)):
+        places[one] = place
+        if one.kind in ("sum", "product"):
+            parts = [f"{places[x]} {number!r}" for x, number in one.parts]
+        else:
+            parts = [repr(places.get(x, x) if isinstance(x, Expression) else x) for x in one.parts]
+        lines.append(f"{one.kind} {', '.join(parts)}")
+    return "\n".join([*lines, *(str(places[one]) for one in roots)])

@@ -1,25 +1,26 @@
-"""Functions of numbers of any kind, with which laws, forms and the engine are written.
+"""What exp, log and other functions mean: to arrays, to expressions, and to code.
 
-Floats and NumPy arrays, and numbers of code that is being written (engine/code.py): each kind of
-number has its own in a class, `Real` or what the attribute `functions` of a number is.
+Laws, forms and the engine call these functions with numbers of any kind.  A number that is no float
+or NumPy array says by its attribute `functions` which class of functions is its own.  Derivatives,
+from which series follow too (taylor.py), are in `DERIVATIVES`.
 """
 
+import functools
 import math
+import operator
+import struct
+
+from .expressions import LIMIT, Expression
 
 
-def functions_of(*numbers):
-    """The class of functions for these kinds of numbers or conditions."""
-    for x in numbers:
-        if (found := getattr(x, "functions", None)) is not None:
-            return found
-    from .evaluation import Real  # NumPy is slow to import
-
-    return Real
+def functions_of(x):
+    """The functions for this kind of number."""
+    return getattr(x, "functions", ARRAYS)
 
 
 def _function(name, text):
     def function(x):
-        return getattr(functions_of(x), name)(x)
+        return getattr(getattr(x, "functions", ARRAYS), name)(x)
 
     function.__name__ = function.__qualname__ = name
     function.__doc__ = text
@@ -30,16 +31,21 @@ exp = _function("exp", "e**x.")
 bounded_exp = _function(
     "bounded_exp", "e**x, of x cut off at -`expressions.LIMIT` and at that: rest is e**-600."
 )
+exp_and_inverse = _function("exp_and_inverse", "`bounded_exp` of x and of -x.")
 expm1 = _function("expm1", "e**x - 1.")
 log = _function("log", "ln x, of x > 0.")
 log1p = _function("log1p", "ln(1 + x).")
+rough_log2 = _function(
+    "rough_log2", "log2 x, less up to 0.09, of a normal x > 0: between powers of 2 linear in x."
+)
 sinh = _function("sinh", "sinh x.")
 cosh = _function("cosh", "cosh x.")
-sqrt = _function("sqrt", "The root of x.")
 tanh = _function("tanh", "tanh x.")
 asinh = _function("asinh", "The inverse of sinh.")
+sqrt = _function("sqrt", "The root of x.")
 softplus = _function("softplus", "ln(1 + e**x).")
 logistic = _function("logistic", "1/(1 + e**-x), the derivative of `softplus`.")
+asinh_of_exp = _function("asinh_of_exp", "asinh(e**x), which is x + ln 2 for large x.")
 cosine = _function("cosine", "cos(2 pi x).")
 
 
@@ -47,7 +53,9 @@ def where(condition, x, y):
     """x where a condition holds, else y."""
     if condition is True or condition is False:
         return x if condition else y
-    return functions_of(condition).where(condition, x, y)
+    if hasattr(condition, "select"):
+        return condition.select(x, y)
+    return ARRAYS.where(condition, x, y)[()]
 
 
 def larger(x, y):
@@ -65,12 +73,276 @@ def sine(x):
     return cosine(x - 0.25)
 
 
-def asinh_of_exp(x):
-    """asinh(e**x/2), which is x for large x."""
-    return functions_of(x).asinh_of_exp(x - math.log(2.0))
-
-
 def asinh_of(w, x):
     """asinh(w e**x/2)."""
-    size = asinh_of_exp(log(larger(abs(w), 1e-300)) + x)
+    size = asinh_of_exp(log(larger(abs(w), 1e-300)) + x - math.log(2.0))
     return where(abs(w) > 0.0, where(w < 0.0, -size, size), 0.0)
+
+
+# -------------------------------------------------------------------------------------- derivatives
+
+#: function that may be a node of a graph -> its derivative, from its argument x and its value y:
+#: of terms that do not cancel each other
+DERIVATIVES = {
+    "exp": lambda x, y: y,
+    "log": lambda x, y: 1.0 / x,
+    "softplus": lambda x, y: logistic(x),
+    "logistic": lambda x, y: y * logistic(-x),
+    "asinh_of_exp": lambda x, y: exp(-0.5 * softplus(-2.0 * x)),
+    "sinh": lambda x, y: cosh(x),
+    "cosh": lambda x, y: sinh(x),
+    "tanh": lambda x, y: 4.0 * logistic(2.0 * x) * logistic(-2.0 * x),
+    "asinh": lambda x, y: (1.0 + x * x) ** -0.5,
+    "expm1": lambda x, y: exp(x),
+    "log1p": lambda x, y: 1.0 / (1.0 + x),
+    "abs": lambda x, y: where(x < 0.0, -1.0, 1.0),
+}
+
+
+class _OfExpressions:
+    """Functions of expressions: nodes, unless logarithms and exponentials meet."""
+
+    def __getattr__(self, name):
+        if name not in DERIVATIVES:
+            raise AttributeError(name)
+        return lambda x: x.graph.call(name, x)
+
+    def exp(self, x):
+        """Logarithms in x are powers of what they are of."""
+        whole, rest = x.graph.one, {}
+        for one, factor in x.terms.items():
+            if one.kind == "log":
+                whole = whole * one.parts[0] ** factor
+            else:
+                rest[one] = factor
+        exponent = x.graph.sum(rest)
+        if exponent.kind == "number":
+            return math.exp(exponent.parts[0]) * whole
+        return whole * x.graph.call("exp", exponent)
+
+    def log(self, x):
+        """Of products of positive factors the sum, of sums of positive terms by `softplus`."""
+        factor, powers = x.powers
+        if len(powers) > 1 or list(powers.values()) != [1.0] or factor != 1.0:
+            others = [(one.kind, n) for one, n in powers.items() if not one.is_positive]
+            if factor > 0.0 and others in ([], [("sinh", 1.0)]):
+                logs = (n * log(one) for one, n in powers.items())
+                return functools.reduce(operator.add, logs, x.graph.number(math.log(factor)))
+        elif x.kind == "exp":
+            return x.parts[0]
+        elif x.kind == "cosh":  # ln 2 cosh x = softplus(2 x) - x
+            return softplus(2.0 * x.parts[0]) - x.parts[0] - math.log(2.0)
+        elif x.kind == "sinh":  # of x > 0; of others there is none
+            return x.parts[0] + log(1.0 - exp(-2.0 * x.parts[0])) - math.log(2.0)
+        elif x.kind == "sum" and x.is_positive:
+            first = sorted(x.parts, key=lambda part: not part[0].is_constant)
+            each = [log(one) + math.log(factor) for one, factor in first]
+            return functools.reduce(lambda one, other: one + softplus(other - one), each)
+        return x.graph.call("log", x)
+
+    def log1p(self, x):
+        return softplus(log(x)) if x.is_positive else x.graph.call("log1p", x)
+
+    def asinh(self, x):
+        return asinh_of_exp(log(x)) if x.is_positive else x.graph.call("asinh", x)
+
+    def sqrt(self, x):
+        return x**0.5
+
+
+Expression.functions = _OfExpressions()
+
+
+# ------------------------------------------------------------------------------------------- arrays
+
+
+class _OfArrays:
+    """Functions of floats and NumPy arrays: NumPy's, and those that it lacks."""
+
+    def __getattr__(self, name):
+        import numpy as np  # slow to import
+
+        setattr(self, name, getattr(np, name))
+        return getattr(np, name)
+
+    def asinh(self, x):
+        return self.arcsinh(x)
+
+    def bounded_exp(self, x):
+        return self.exp(self.clip(x, -LIMIT, LIMIT))
+
+    def exp_and_inverse(self, x):
+        return self.bounded_exp(x), self.bounded_exp(-x)
+
+    def rough_log2(self, x):
+        fraction, exponent = self.frexp(x)
+        return exponent - 2.0 + 2.0 * fraction
+
+    def cosine(self, x):
+        return self.cos(2.0 * math.pi * (x - self.round(x)))
+
+    def softplus(self, x):
+        return self.logaddexp(0.0, x)
+
+    def logistic(self, x):
+        small = self.exp(-abs(x))
+        return self.where(x < 0.0, small, 1.0) / (1.0 + small)
+
+    def asinh_of_exp(self, x):
+        below, above = self.minimum(x, 0.0), self.maximum(x, 0.0)
+        far = above + self.log1p(self.sqrt(1.0 + self.exp(-2.0 * above)))
+        return self.where(x > 0.0, far, self.arcsinh(self.exp(below)))
+
+
+ARRAYS = _OfArrays()
+
+
+# --------------------------------------------------------------------------------------------- code
+
+
+def _bits(x):
+    return struct.unpack("<q", struct.pack("<d", x))[0]
+
+
+LOG2_E, SQRT2 = 1.4426950408889634, 1.4142135623730951
+# ln 2 in two parts: n*LN2_HIGH is exact for every exponent n that a double can have.
+LN2_HIGH, LN2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10
+LN2, LN_SQRT2 = math.log(2.0), 0.5 * math.log(2.0)
+# Adding 1.5*2**52 rounds to an integer and leaves that integer in the low bits of the sum.
+ROUND = 6755399441055744.0
+HALF_BITS, ROUND_BITS, MANTISSA = _bits(math.sqrt(0.5)), _bits(ROUND), (1 << 52) - 1
+#: numbers beyond which x*x + 1 is no double
+HUGE = 1e150
+#: Taylor coefficients of sin(2 pi q), of odd powers of q: to 1e-17 where |q| <= 1/4
+SINE = tuple(
+    (-1) ** k * (2.0 * math.pi) ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(12)
+)
+
+
+def _parts(x):
+    """x = n ln 2 + r: the bits of the integer n; cosh r - 1 and sinh r.
+
+    The polynomials are near-minimax of degree 11 (relative error 2e-17) and summed as trees,
+    since a lane waits for the longest chain of operations, not for their number.
+    """
+    x = where(x > LIMIT, LIMIT, where(x < -LIMIT, -LIMIT, x))
+    shifted = x * LOG2_E + ROUND
+    n = shifted - ROUND
+    r = (x - n * LN2_HIGH) - n * LN2_LOW
+    r2 = r * r
+    r4 = r2 * r2
+    e1 = 0.04166666666651273 + r2 * 0.001388888894606599
+    e2 = 2.4801491875311523e-05 + r2 * 2.763037135492319e-07
+    o0 = 1.0 + r2 * 0.16666666666666394
+    o1 = 0.008333333333462088 + r2 * 0.00019841269604075593
+    o2 = 2.7557490329049117e-06 + r2 * 2.5031360117621017e-08
+    even = r2 * 0.5000000000000016 + r4 * (e1 + r4 * e2)
+    return shifted.bits(), even, r * (o0 + r4 * (o1 + r4 * o2))
+
+
+def _power_of_2(n):
+    """2**n, from the bits of n + ROUND."""
+    return ((n + 1023) << 52).number()
+
+
+def _artanh(z):
+    """artanh z for |z| <= 0.172, to 1e-16 of itself, by its series."""
+    z2 = z * z
+    z4 = z2 * z2
+    z8 = z4 * z4
+    low = (1.0 + z2 * (1.0 / 3.0)) + z4 * (1.0 / 5.0 + z2 * (1.0 / 7.0))
+    middle = (1.0 / 9.0 + z2 * (1.0 / 11.0)) + z4 * (1.0 / 13.0 + z2 * (1.0 / 15.0))
+    high = (1.0 / 17.0 + z2 * (1.0 / 19.0)) + z4 * (1.0 / 21.0)
+    return z * (low + z8 * (middle + z8 * high))
+
+
+class _OfCode:
+    """Functions of numbers of code that is being written: arithmetic alone.
+
+    `exp` is accurate to 3 units in the last place between -LIMIT and LIMIT and saturates outside: a
+    speed of 1e-260 V_ref is rest, and the time scales that go with it still fit into a double.
+    NaN stays NaN.
+    """
+
+    def sqrt(self, x):
+        return x.code.call("sqrt", x)
+
+    def exp(self, x):
+        n, even, odd = _parts(x)
+        return (1.0 + even + odd) * _power_of_2(n)
+
+    bounded_exp = exp
+
+    def exp_and_inverse(self, x):  # (no division)
+        n, even, odd = _parts(x)
+        power, inverse = _power_of_2(n), _power_of_2(0 - n)
+        return (1.0 + even + odd) * power, (1.0 + even - odd) * inverse
+
+    def expm1(self, x):  # nearly to its last digit where x is small
+        n, even, odd = _parts(x)
+        power = _power_of_2(n)
+        return (even + odd) * power + (power - 1.0)
+
+    def log(self, x):  # by x = 2**n m, sqrt(1/2) <= m < sqrt 2, from the bits of a normal x > 0
+        bits = x.bits() - HALF_BITS
+        m = ((bits & MANTISSA) + HALF_BITS).number()
+        n = ((bits >> 52) + ROUND_BITS).number() - ROUND
+        found = n * LN2_HIGH + (n * LN2_LOW + 2.0 * _artanh((m - 1.0) / (m + 1.0)))
+        return where(x > 0.0, found, (x - x) / (x - x))
+
+    def rough_log2(self, x):
+        return ((((x.bits() >> 12) + ROUND_BITS).number()) - ROUND) * 2.0**-40 - 1023.0
+
+    def cosine(self, x):  # off by some 1e-16 and by what 2 pi times the rounding of x makes
+        q = 0.25 - abs(x - ((x + ROUND) - ROUND))
+        z = q * q
+        z2 = z * z
+        z4 = z2 * z2
+        low = (SINE[0] + z * SINE[1]) + z2 * (SINE[2] + z * SINE[3])
+        middle = (SINE[4] + z * SINE[5]) + z2 * (SINE[6] + z * SINE[7])
+        high = (SINE[8] + z * SINE[9]) + z2 * (SINE[10] + z * SINE[11])
+        return q * (low + z4 * (middle + z4 * high))
+
+    def log1p(self, x):  # what 1 + x loses of a small x is added
+        whole = 1.0 + x
+        return log(whole) + (x - (whole - 1.0)) / whole
+
+    def softplus(self, x):
+        t = exp(-abs(x))
+        is_small = t < 0.4  # ln(1 + t) from t itself, else from its ratio to sqrt(2)
+        above = where(is_small, t, t + (1.0 - SQRT2))
+        below = where(is_small, t, t + (SQRT2 - 1.0))
+        rest = where(is_small, 0.0, LN_SQRT2) + 2.0 * _artanh(above / (2.0 + below))
+        return 0.5 * (x + abs(x)) + rest
+
+    def logistic(self, x):
+        return 1.0 / (1.0 + exp(-x))
+
+    def sinh(self, x):
+        t = expm1(abs(x))
+        size = 0.5 * (t + t / (t + 1.0))
+        return where(x < 0.0, -size, size)
+
+    def cosh(self, x):
+        t = exp(abs(x))
+        return 0.5 * (t + 1.0 / t)
+
+    def tanh(self, x):
+        t = expm1(-2.0 * abs(x))
+        size = -t / (2.0 + t)
+        return where(x < 0.0, -size, size)
+
+    def asinh(self, x):
+        size = abs(x)
+        inside = where(size < HUGE, size, HUGE)
+        root = sqrt(1.0 + inside * inside)
+        small = log1p(inside + inside * (inside / (1.0 + root)))
+        found = where(size < HUGE, small, log(size) + LN2)
+        return where(x < 0.0, -found, found)
+
+    def asinh_of_exp(self, x):
+        far = x + log1p(sqrt(1.0 + exp(-2.0 * abs(x))))
+        return where(x > 0.0, far, asinh(exp(x)))
+
+
+CODE = _OfCode()

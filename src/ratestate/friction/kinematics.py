@@ -16,8 +16,8 @@ omega is v.
 from typing import Any
 
 from .expressions import LIMIT
-from .functions import asinh_of, bounded_exp, exp, functions_of, larger, log, smaller, sqrt, tanh
-from .tuples import dot, times, zeros
+from .functions import asinh_of, bounded_exp, exp, exp_and_inverse, larger, log, smaller, sqrt, tanh
+from .tuples import dot, times
 
 # The smallest |w| that laws of state are given, and the least part of c that is taken for the
 # fastest speed.
@@ -38,7 +38,7 @@ class Forward:
 
     def net_speed(self, v, psi, p):
         """w, 1/c, and in a tuple what `e` keeps of them."""
-        return *functions_of(v).exp_and_inverse(v), ()
+        return *exp_and_inverse(v), ()
 
     def magnitude(self, v, w):
         """ln |w| and |w|, as laws of state are given them."""
@@ -135,11 +135,11 @@ class Reversing(Forward):
 
     def v_of_order(self, number, psi, p):
         """v, at psi = 0, of this speed."""
-        return self.v_at(number, zeros(psi), p)
+        return self.v_at(number, (0.0,) * len(psi), p)
 
     def order_slope(self, w, psi, e, p):
         """The derivative of `v_of_order` by omega: the sum of all jumps over that at psi = 0."""
-        rest = 2.0 * exp(-smaller(self.barrier(zeros(psi), p), LIMIT))
+        rest = 2.0 * exp(-smaller(self.barrier((0.0,) * len(psi), p), LIMIT))
         size = larger(abs(w), rest)
         part = smaller(abs(w), rest) / size
         return self.speed_slope(w, e) / (size * sqrt(1.0 + part * part))

@@ -21,7 +21,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from .expressions import LIMIT
-from .functions import functions_of, log
+from .functions import log
 from .law_properties import LawProperties
 from .tuples import grouped
 
@@ -170,8 +170,7 @@ class FrictionLaw(LawProperties):
         return self.equations.values(expressions, 0.0, 1.0, self.reference_state, p)
 
     def _values(self, expressions, v, w, psi, p, e=None, kappa=None):
-        functions = functions_of(v, w, *psi, *p)
-        return self.equations.values(expressions, v, w, psi, p, e, kappa, functions)
+        return self.equations.values(expressions, v, w, psi, p, e, kappa)
 
     def log_states(self, v, psi, p):
         """ln(V_ref theta_k/D_k) of each state as it is reported, a tuple, from the variables."""

@@ -11,11 +11,8 @@ Derivatives are along directions (x, omega, psi), with d omega = dw/c: those by 
 constant psi, and those by psi at constant w.
 """
 
-import numpy as np
-
-from .derivatives import Derivative
-from .evaluation import function_of
-from .functions import functions_of, where
+from .functions import where
+from .rewriting import Derivative
 from .tuples import dot
 
 #: symbols of numbers, beside the state and what follows from it
@@ -54,7 +51,7 @@ class Motion:
     """
 
     def __init__(self, law):
-        self.law, self.own, self._programs = law, law.equations, {}
+        self.law, self.own = law, law.equations
         self.graph = self.own.graph
         self.v, self.w, self.psi = self.own.v, self.own.w, self.own.psi
         self.symbols = {name: self._symbol(name) for name in NUMBERS}
@@ -160,16 +157,10 @@ class Motion:
 
         others : values of those of the symbols that the list needs
         """
-        known = self.known(v, w, psi, p, e, moves=moves, **others)
-        found, functions = self.lists[name], functions_of(v, w, *psi, *p)
-        flat = [x for row in found for x in row.values()] if _has_rows(found) else found
-        key = name, len(known)
-        if key not in self._programs:
-            self._programs[key] = function_of(flat, known)
-        with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
-            values = iter(self._programs[key](functions, *known.values()))
+        known, found = self.known(v, w, psi, p, e, moves=moves, **others), self.lists[name]
         if not _has_rows(found):
-            return tuple(values)
+            return tuple(self.own.computed(found, known))
+        values = iter(self.own.computed([x for row in found for x in row.values()], known))
         return [{j: next(values) for j in row} for row in found]
 
 

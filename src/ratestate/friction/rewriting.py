@@ -1,9 +1,11 @@
-"""Expressions made anew: multiplied out, with others in the place of symbols, without constants."""
+"""What is made of expressions: derivatives, coefficients for what is constant, Python functions."""
 
 import functools
 import operator
 
-from .expressions import CONDITIONS, Graph, exp, log, ordered, power
+from . import functions
+from .expressions import CONDITIONS, Graph
+from .functions import DERIVATIVES, where
 
 
 def times_each(x, factor):
@@ -20,26 +22,36 @@ def times_each(x, factor):
     return times_each(whole, x.graph.product(outer, powers) * factor)
 
 
-def replaced(x, by):
-    """An expression with others in the place of symbols; by : dict symbol -> expression."""
-    done = dict(by)
-    for one in ordered([x]):
-        if one not in done:
-            done[one] = one if one.is_constant else _made_again(one, done)
-    return done[x]
+class Derivative:
+    """The derivative of expressions of one graph by a symbol.
 
+    changes : dict symbol -> its derivative, an expression; of other symbols it is 0
+    """
 
-def _made_again(x, done):
-    """An expression whose operands are replaced."""
-    if x.kind == "sum":
-        return sum((factor * done[one] for one, factor in x.parts), x.graph.number(0.0))
-    if x.kind == "product":
-        raised = (power(done[one], exponent) for one, exponent in x.parts)
-        return functools.reduce(operator.mul, raised)
-    arguments = [done[one] for one in x.parts]
-    if x.kind in ("exp", "log"):
-        return exp(*arguments) if x.kind == "exp" else log(*arguments)
-    return x.graph.call(x.kind, *arguments)
+    def __init__(self, graph, changes):
+        self.graph, self.found = graph, dict(changes)
+
+    def __call__(self, x):
+        if x not in self.found:
+            self.found[x] = self.graph.number(0.0) if x.is_constant else self._of(x)
+        return self.found[x]
+
+    def _of(self, x):
+        total = self.graph.number(0.0)
+        if x.kind == "sum":
+            for one, factor in x.parts:
+                total = total + factor * self(one)
+        elif x.kind == "product":
+            for base, exponent in x.parts:
+                rest = self.graph.product(1.0, {**dict(x.parts), base: exponent - 1.0})
+                total = total + exponent * rest * self(base)
+        elif x.kind == "where":
+            condition, one, other = x.parts
+            return where(condition, self(one), self(other))
+        elif x.kind in DERIVATIVES:
+            (argument,) = x.parts
+            return DERIVATIVES[x.kind](argument, x) * self(argument)
+        return total
 
 
 class Hoisting:
@@ -59,33 +71,26 @@ class Hoisting:
         return self._done[x]
 
     def _made(self, x):
-        if x.kind in CONDITIONS:
-            return self.graph.call(x.kind, *map(self, x.parts))
-        if x.is_constant:
+        if x.is_constant and x.kind not in CONDITIONS:
             return self._symbol(x)
         if x.kind == "symbol":
             return self.graph.symbol(x.parts[0], is_constant=False)
-        if x.kind == "sum":
-            terms = x.terms
-            total = self._symbol(
-                x.graph.sum({one: n for one, n in terms.items() if one.is_constant})
-            )
-            for one, factor in terms.items():
-                if not one.is_constant:
-                    total = total + self._multiple(one, factor)
-            return total
-        if x.kind == "product":
-            return self._multiple(x, 1.0)
-        return self.graph.call(x.kind, *map(self, x.parts))
+        if x.kind not in ("sum", "product"):
+            return self.graph.call(x.kind, *map(self, x.parts))
+        constant = {one: n for one, n in x.terms.items() if one.is_constant}
+        total = self._symbol(x.graph.sum(constant))
+        for one, factor in x.terms.items():
+            if not one.is_constant:
+                total = total + self._multiple(one, factor)
+        return total
 
     def _multiple(self, x, factor):
         """A multiple of an expression; what is constant in it is apart."""
         inner, powers = x.powers
         constant = {base: n for base, n in powers.items() if base.is_constant}
-        rest = {self(base): n for base, n in powers.items() if not base.is_constant}
-        return self._symbol(x.graph.product(factor * inner, constant)) * self.graph.product(
-            1.0, rest
-        )
+        rest = {self(base): n for base, n in powers.items() if base not in constant}
+        coefficient = self._symbol(x.graph.product(factor * inner, constant))
+        return coefficient * self.graph.product(1.0, rest)
 
     def _symbol(self, constant):
         if constant.kind == "number":
@@ -94,3 +99,76 @@ class Hoisting:
             symbol = self.graph.symbol(("p", len(self._symbols)))
             self._symbols[constant], self.constants[symbol] = symbol, constant
         return self._symbols[constant]
+
+
+def function_of(roots, known):
+    """A Python function that gives a list: the values of expressions, in numbers of any kind.
+
+    known : expressions, of which it takes the values in this order: all symbols, and others
+    """
+    names = {one: f"x{k}" for k, one in enumerate(known)}
+    lines = [f"def value({', '.join(names.values())}):"]
+
+    def name(one):
+        if one.kind == "number":
+            return repr(one.parts[0])
+        if one not in names:
+            text = _text(one, name)
+            names[one] = f"t{len(lines)}"
+            lines.append(f"{names[one]} = {text}")
+        return names[one]
+
+    found = ", ".join(map(name, roots))
+    scope = {**vars(functions), "power": _power}
+    exec("\n    ".join([*lines, f"return [{found}]"]), scope)
+    return scope["value"]
+
+
+def _text(x, name):
+    """An expression as Python text; name : function that gives the name of another."""
+    if x.kind == "sum":
+        return _text_of_sum(x, name)
+    if x.kind == "product":
+        above, below = (
+            " * ".join(
+                name(base) if n == sign else f"power({name(base)}, {abs(n)!r})"
+                for base, n in x.parts
+                if n * sign > 0.0
+            )
+            for sign in (1.0, -1.0)
+        )
+        return f"{above or 1.0} / ({below})" if below else above
+    arguments = map(name, x.parts)
+    if x.kind in CONDITIONS:
+        return CONDITIONS[x.kind].join(arguments)
+    return f"{x.kind}({', '.join(arguments)})"
+
+
+def _text_of_sum(x, name):
+    if len(x.parts) == 2:
+        (one, factor), (other, its) = sorted(x.parts, key=lambda part: part[0].kind != "number")
+        if one.kind == "number" and other.kind == "exp" and its == -factor:
+            return f"{its!r} * expm1({name(other.parts[0])})"
+    text = ""
+    for one, factor in x.parts:
+        if one.kind == "number":
+            text += f" + {factor!r}"
+        elif abs(factor) == 1.0:
+            text += f" {'+' if factor > 0.0 else '-'} {name(one)}"
+        else:
+            text += f" + {factor!r} * {name(one)}"
+    return text.removeprefix(" + ")
+
+
+def _power(x, exponent):
+    """x**exponent, exponent > 0."""
+    whole = int(exponent)
+    if exponent - whole == 0.5:
+        root = functions.sqrt(x)
+        return root if whole == 0 else root * _power(x, whole)
+    if exponent != whole:
+        return functions.exp(exponent * functions.log(x))
+    if whole == 1:
+        return x
+    half = _power(x, whole // 2)
+    return half * half if whole % 2 == 0 else half * half * x

@@ -9,88 +9,50 @@ numbers of any kind.
 import functools
 import operator
 
-from .derivatives import DERIVATIVES
-from .evaluation import Real, evaluate
+from .functions import DERIVATIVES
+from .rewriting import function_of
 
 
 class NoSeries(TypeError):
     """An expression has no rule here, as a choice has none."""
 
 
-def expand(derivatives, integrands, order, known, functions=Real):
+def expand(derivatives, integrands, order, known):
     """Coefficients up to an order of each unknown, and of each integrand up to one less.
 
-    Lists, in which None is a coefficient that is always 0.
+    Lists, in which the float 0.0 is a coefficient that is always 0.
 
     derivatives : dict unknown symbol -> its derivative in time, an expression
     integrands : expressions
     known : dict expression -> its value at the start, of each symbol and of what else is known; of
         a symbol that changes at a constant rate a pair, its value and that rate
     """
-    found = _Expansion(known, functions)
+    found = _Expansion(known)
     nodes = found.ordered([*derivatives, *derivatives.values(), *integrands])
     for k in range(order):
         for one in nodes:
             found.add(one, k)
         for unknown, derivative in derivatives.items():
-            found.add_slope(unknown, k + 1, found.at(derivative, k))
+            found.slopes[unknown, k + 1] = slope = found.at(derivative, k)
+            found.c[unknown, k + 1] = times(slope, 1.0 / (k + 1))
     unknowns = [[found.at(one, k) for k in range(order + 1)] for one in derivatives]
     return unknowns, [[found.at(one, k) for k in range(order)] for one in integrands]
 
 
 class _Expansion:
-    """Coefficients of expressions, as far as they are found; None is one that is always 0.
+    """Coefficients of expressions, as far as they are found.
 
     Each order waits for the one before.  So what is known last is added last, and by as few
     operations as there can be: an unknown's coefficient as its slope, of which that is a part.
     """
 
-    def __init__(self, known, functions):
-        self.known, self.functions = known, functions
+    def __init__(self, known):
+        self.known = known
         self.rules = {}  # expression -> what `_rule` gives
         self.c = {}  # (expression, order) -> coefficient
         self.slopes = {}  # (expression, j) -> j times the coefficient of order j
         self.terms = {}  # expression -> what `_linear` gives
         self.over = {}  # quotient -> its dividend's terms over the divisor; and one over that
-
-    def at(self, one, k):
-        """The coefficient of order k; None beyond those of constants and lines."""
-        return self.c.get((one, k))
-
-    def add_slope(self, one, j, value):
-        """Let j times the coefficient of order j be this."""
-        self.slopes[one, j] = value
-        self.c[one, j] = times(value, 1.0 / j)
-
-    def _slope(self, one, j):
-        if (one, j) not in self.slopes:
-            terms = self._linear(one)
-            if terms[0][1] is one:
-                self.slopes[one, j] = times(self.at(one, j), float(j))
-            else:
-                self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
-        return self.slopes[one, j]
-
-    def _scaled(self, terms, factor):
-        return [(times(factor, a), x) for a, x in terms]
-
-    def _combination(self, terms, k):
-        """The coefficient of order k of a sum of such terms."""
-        early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
-        late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
-        return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
-
-    def _quotient(self, k, one, x, y):
-        if k == 0:
-            inverse = 1.0 / self.at(y, 0)
-            self.over[one] = self._scaled(self._linear(x), inverse), inverse
-            return self._combination(self.over[one][0], 0)
-        # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
-        terms, inverse = self.over[one]
-        pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
-        less = times(convolution(pairs, k), inverse)
-        last = times(times(self.at(one, 0), inverse), self.at(y, k))
-        return total([_negative(less), self._combination(terms, k), _negative(last)])
 
     def ordered(self, roots):
         """All that some expressions follow from, and these, each after what it follows from."""
@@ -110,25 +72,27 @@ class _Expansion:
             find(waiting.pop(0))
         return list(nodes)
 
+    def at(self, one, k):
+        """The coefficient of order k; 0 beyond those of constants and lines."""
+        return self.c.get((one, k), 0.0)
+
     def add(self, one, k):
         """Find the coefficient of order k, after those of lower order, and of its operands."""
         rule, *operands = self.rules[one]
-        if rule == "known":
-            if (one, k) in self.c:  # of an unknown, from its slope
-                return
-            given = self.known.get(one)
-            if k < 2 and isinstance(given, tuple):
-                self.c[one, k] = given[k]
-            elif k == 0:
-                self.c[one, 0] = given if one in self.known else self._value(one)
-        else:
+        if rule != "known":
             self.c[one, k] = getattr(self, f"_{rule}")(k, one, *operands)
+        elif k < 2 and isinstance(self.known.get(one), tuple):
+            self.c[one, k] = self.known[one][k]
+        elif k == 0:
+            self.c[one, 0] = self._first(one)
 
-    def _value(self, one):
-        """The first coefficient, from those of the operands."""
-        values = {operand: self.at(operand, 0) for operand in one.operands}
-        known = self.known | {x: value for x, value in values.items() if value is not None}
-        return evaluate([one], known, self.functions)[0]
+    def _first(self, one):
+        """The coefficient of order 0, from those of the operands if it is not known."""
+        if (one, 0) in self.c:
+            return self.c[one, 0]
+        if one in self.known:
+            return self.known[one]
+        return _function(one)(*map(self._first, one.operands))[0]
 
     def _linear(self, one):
         """Constant factors and expressions whose sum it is: itself, if it is no sum."""
@@ -141,8 +105,23 @@ class _Expansion:
                 ]
             elif rule == "multiple":
                 factor, x = operands
-                self.terms[one] = self._scaled(self._linear(x), self.at(factor, 0))
+                self.terms[one] = _scaled(self._linear(x), self.at(factor, 0))
         return self.terms[one]
+
+    def _slope(self, one, j):
+        if (one, j) not in self.slopes:
+            terms = self._linear(one)
+            if terms[0][1] is one:
+                self.slopes[one, j] = times(self.at(one, j), float(j))
+            else:
+                self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
+        return self.slopes[one, j]
+
+    def _combination(self, terms, k):
+        """The coefficient of order k of a sum of such terms."""
+        early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
+        late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
+        return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
 
     def _sum(self, k, one, *_):
         return self._combination(self._linear(one), k)
@@ -152,39 +131,55 @@ class _Expansion:
     def _product(self, k, one, x, y):
         return convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
 
+    def _quotient(self, k, one, x, y):
+        if k == 0:
+            inverse = 1.0 / self.at(y, 0)
+            self.over[one] = _scaled(self._linear(x), inverse), inverse
+            return self._combination(self.over[one][0], 0)
+        # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
+        terms, inverse = self.over[one]
+        pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
+        less = times(convolution(pairs, k), inverse)
+        last = times(times(self.at(one, 0), inverse), self.at(y, k))
+        return total([-less, self._combination(terms, k), -last])
+
     def _function(self, k, one, x, inner):
         """From f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
         if k == 0:
-            return self.known[one] if one in self.known else self._value(one)
+            return self._first(one)
         pairs = {j: (self._slope(x, j), self.at(inner, k - j)) for j in range(1, k)}
         last = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
         return total([times(convolution(pairs, k), 1.0 / k), last])
 
 
+@functools.cache
+def _function(one):
+    return function_of([one], one.operands)
+
+
 def _rule(one):
     """By which rule an expression's coefficients follow, and from which expressions, a tuple."""
-    if one.is_constant or one.kind in ("symbol", "positive"):
+    if one.is_constant or one.kind == "symbol":
         return ("known",)
     if one.kind == "sum":
         return "sum", *one.operands
     if one.kind == "product":
-        return _rule_of_product(one)
+        return _rule_of_product(one.graph, dict(one.parts), one)
     if one.kind not in DERIVATIVES or one.kind == "abs":
         raise NoSeries(one.kind)
     (x,) = one.parts
     return "function", x, DERIVATIVES[one.kind](x, one)
 
 
-def _rule_of_product(one):
-    graph, parts = one.graph, dict(one.parts)
-    constant = {base: n for base, n in parts.items() if base.is_constant}
-    below = {base: -n for base, n in parts.items() if n < 0.0 and base not in constant}
-    above = {base: n for base, n in parts.items() if n > 0.0 and base not in constant}
-    if constant:
-        rest = {base: n for base, n in parts.items() if base not in constant}
-        return "multiple", graph.product(1.0, constant), graph.product(1.0, rest)
-    if below:
-        return "quotient", graph.product(1.0, above), graph.product(1.0, below)
+def _rule_of_product(graph, parts, one):
+    def product(condition):
+        return graph.product(1.0, {base: n for base, n in parts.items() if condition(base, n)})
+
+    if any(base.is_constant for base in parts):
+        varies = product(lambda base, n: not base.is_constant)
+        return "multiple", product(lambda base, n: base.is_constant), varies
+    if any(n < 0.0 for n in parts.values()):
+        return "quotient", product(lambda base, n: n > 0.0), 1.0 / product(lambda base, n: n < 0.0)
     base, n = parts.popitem()
     if parts:
         return "product", graph.product(1.0, parts), graph.product(1.0, {base: n})
@@ -193,23 +188,25 @@ def _rule_of_product(one):
     return "product", graph.product(1.0, {base: n - 1.0}), base
 
 
-def _negative(x):
-    return None if x is None else -x
+def _scaled(terms, factor):
+    return [(times(factor, a), x) for a, x in terms]
+
+
+def _is(x, number):
+    return isinstance(x, float) and x == number
 
 
 def times(x, y):
-    """The product of two coefficients; None is 0."""
-    if x is None or y is None:
-        return None
-    if isinstance(x, float) and x == 1.0:
-        return y
-    return x * y
+    """The product of two coefficients."""
+    if _is(x, 0.0) or _is(y, 0.0):
+        return 0.0
+    return y if _is(x, 1.0) else x * y
 
 
 def total(terms):
-    """The sum of coefficients that are not None, from the left; None if all are."""
-    known = [one for one in terms if one is not None]
-    return functools.reduce(operator.add, known) if known else None
+    """The sum of coefficients, from the left."""
+    known = [one for one in terms if not _is(one, 0.0)]
+    return functools.reduce(operator.add, known) if known else 0.0
 
 
 def convolution(pairs, k):
@@ -217,5 +214,4 @@ def convolution(pairs, k):
 
     Those that are known last are added last.
     """
-    ordered = sorted(pairs, key=lambda j: max(j, k - j))
-    return total([times(*pairs[j]) for j in ordered])
+    return total(times(*pairs[j]) for j in sorted(pairs, key=lambda j: max(j, k - j)))

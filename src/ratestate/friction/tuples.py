@@ -6,29 +6,19 @@ import operator
 from .functions import larger, where
 
 
-def _sum(terms):
-    """From the left; 0 of none."""
+def total(terms):
+    """The sum, from the left; 0 of none."""
     terms = tuple(terms)
     return functools.reduce(operator.add, terms) if terms else 0.0
 
 
-def zeros(like):
-    """As many zeros as a tuple has elements."""
-    return (0.0,) * len(like)
-
-
-def plus(y, a, k):
-    """y + a k."""
-    return tuple(y_i + a * k_i for y_i, k_i in zip(y, k, strict=True))
-
-
-def added(x, y):
+def plus(x, y):
     """x_i + y_i."""
     return tuple(x_i + y_i for x_i, y_i in zip(x, y, strict=True))
 
 
 def times(a, k):
-    """a k."""
+    """a k_i."""
     return tuple(a * k_i for k_i in k)
 
 
@@ -37,54 +27,34 @@ def product(x, y):
     return tuple(x_i * y_i for x_i, y_i in zip(x, y, strict=False))
 
 
-def product_each(rows, k):
-    """The `product` of each of some tuples with k."""
-    return tuple(product(row, k) for row in rows)
-
-
 def dot(c, k):
     """sum_i c_i k_i, summed from the left."""
-    return _sum(product(c, k))
+    return total(product(c, k))
 
 
-def dot_onto(total, c, k):
-    """total + sum_i c_i k_i, summed from the left."""
-    return _sum((total, *product(c, k)))
+def dot_onto(start, c, k):
+    """start + sum_i c_i k_i, summed from the left."""
+    return total((start, *product(c, k)))
 
 
-def minus_dot(total, c, k):
-    """total - sum_i c_i k_i, from the left."""
-    return functools.reduce(operator.sub, product(c, k), total)
-
-
-def dot_each(rows, k):
-    """The product of a matrix, a tuple of rows, with k."""
-    return tuple(dot(row, k) for row in rows)
-
-
-def total(k):
-    """sum_i k_i, from the left."""
-    return _sum(k)
-
-
-def sum_of_sizes(k):
-    """sum_i |k_i|."""
-    return _sum(map(abs, k))
+def minus_dot(start, c, k):
+    """start - sum_i c_i k_i, from the left."""
+    return functools.reduce(operator.sub, product(c, k), start)
 
 
 def size_of(c, k):
     """sum_i |c_i k_i|."""
-    return sum_of_sizes(product(c, k))
+    return total(map(abs, product(c, k)))
 
 
 def plus_sum(y, c, k):
     """y + sum_i c_i k_i for tuples k_i, summed from the left; of as many c, or fewer k."""
-    return functools.reduce(lambda y, one: plus(y, *one), zip(c, k, strict=False), y)
+    return functools.reduce(plus, map(times, c, k), y)
 
 
 def sum_of(c, k):
     """sum_i c_i k_i for one tuple k_i or more."""
-    return plus_sum(times(c[0], k[0]), c[1:], k[1:])
+    return functools.reduce(plus, map(times, c, k))
 
 
 def grouped(values, like):
@@ -102,19 +72,9 @@ def pairwise_sum(k):
     return k[0] + terms[0]
 
 
-def pairwise_sums(rows):
-    """The `pairwise_sum` of each of some tuples."""
-    return tuple(map(pairwise_sum, rows))
-
-
 def largest(k):
     """max_i |k_i|; 0 of none."""
     return functools.reduce(larger, map(abs, k), 0.0)
-
-
-def of_each(rows, i):
-    """The i-th number of each of some tuples."""
-    return tuple(row[i] for row in rows)
 
 
 def select(condition, x, y):
