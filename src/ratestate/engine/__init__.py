@@ -22,7 +22,7 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``rigid``                             steps of a slider that moves with its load point (K = inf)
 ``equations``                         the equations at one point
 ``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
-``taylor``, ``recurrences``           a Taylor step; the equations whose series it sums
+``taylor``                            a Taylor step: its equations, series and length
 ``step_control``                      accept a step and choose the next
 ``code``                              numbers that write LLVM text
 ``unit_code``                         units as LLVM text

@@ -111,7 +111,7 @@ class Equations:
     def _of_parameters(self, expressions, V_ref, values):
         given = {**values, "V_ref": V_ref}
         known = {one: given[name] for name, one in self._parameters.items() if name in given}
-        return self._computed(expressions, {x: np.asarray(y, float)[()] for x, y in known.items()})
+        return self.computed(expressions, {x: np.asarray(y, float)[()] for x, y in known.items()})
 
     @property
     def text(self):
@@ -165,9 +165,9 @@ class Equations:
             known[self.w] = w
         if e is not None:
             known |= zip(self.exponentials, e, strict=True)
-        return self._computed(expressions, known)
+        return self.computed(expressions, known)
 
-    def _computed(self, expressions, known):
+    def computed(self, expressions, known):
         """Values of expressions; known : dict expression -> value."""
         key = tuple(expressions), tuple(known)
         if key not in self._programs:
