@@ -76,24 +76,13 @@ def _damping(k, eta, b1):
     return (1 + eta) ** 2 + b1 * (k * eta) ** 2
 
 
-def growth_slopes(eta, b1):
-    """d growth rate [V/Dc]/d ln V at constant K, and /d ln K at constant V, at the bifurcation."""
-    fastest = b1 / _damping(1, eta, b1)
-    return eta * fastest, -(1 + eta) / 2 * fastest
-
-
-def stress_swing(eta, b1):
-    """Max - min of tau/(a sigma) for r = 1: ln V swings by 2, x by kappa_c/omega times as much."""
-    return 2 * np.sqrt(b1) * (1 + eta)
-
-
 def turning_point(b1, h2, h3):
     """Smallest eta > 0 at which `lyapunov_1` of the number b1 is zero; NaN if there is none."""
     roots = np.roots(third_order(b1, h2, h3)[::-1])
     return min(roots.real[(roots.imag == 0) & (roots.real > 0)], default=np.nan)
 
 
-def growth_slopes_of_law(linear, kappa, eta, omega):
+def growth_slopes(linear, kappa, eta, omega):
     """d Re L/d ln K and /d ln V of the pair at the bifurcation; of V by eta alone.
 
     linear : `linear_stability.Linearisation`

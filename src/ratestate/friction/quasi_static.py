@@ -280,10 +280,9 @@ def edge_of_slip_law(kappa, beta, largest):
     return Thresholds(*(float(at[0]) if at.size else np.inf for at in found))
 
 
-def edge_of_aging_law(kappa, beta, largest):
-    """`Thresholds` under the aging law: none, every orbit comes back (Ranjith & Rice 1999)."""
-    return Thresholds(np.inf, np.inf, np.inf)
-
-
 #: law -> function that gives `Thresholds` of a slider without mass
-EDGES = {"slip": edge_of_slip_law, "aging": edge_of_aging_law}
+EDGES = {
+    "slip": edge_of_slip_law,
+    # every orbit comes back (Ranjith & Rice 1999)
+    "aging": lambda kappa, beta, largest: Thresholds(np.inf, np.inf, np.inf),
+}
