@@ -18,6 +18,7 @@ in which nothing cancels except at the zero itself.  The tests compare both with
 """
 
 import functools
+import math
 
 import numpy as np
 
@@ -67,13 +68,10 @@ def lyapunov_1(eta, b1, h2, h3):
     """
     powers = 1.0, eta, eta**2, eta**2 * eta
     terms = [c * power for c, power in zip(third_order(b1, h2, h3), powers, strict=True)]
-    size = b1 / (16 * (1 + b1) * _damping(1, eta, b1) * _damping(2, eta, b1))
+    # what the linear problem leaves of the first and second harmonic, squared
+    left = ((1 + eta) ** 2 + b1 * (k * eta) ** 2 for k in (1, 2))
+    size = b1 / (16 * (1 + b1) * math.prod(left))
     return 0.0 - size * sum(terms), ROUNDING * size * sum(map(np.abs, terms))
-
-
-def _damping(k, eta, b1):
-    """What the linear problem leaves of the k-th harmonic, squared: (1+eta)^2 + b1 (k eta)^2."""
-    return (1 + eta) ** 2 + b1 * (k * eta) ** 2
 
 
 def turning_point(b1, h2, h3):
