@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 import ratestate as rs
 from ratestate.dynamics.simulation import cases
 from ratestate.friction.composition import composed_law
-from ratestate.friction.forms.cut_off import RESOLVED
+from ratestate.friction.forms import RESOLVED
 
 A, B, DC, SIGMA, V = 0.01, 0.015, 1e-5, 1e7, 1e-3
 COMMON = {"a": A, "b": B, "Dc": DC, "sigma": SIGMA, "mu0": 0.6, "V0": 1e-6, "M": 0.0}

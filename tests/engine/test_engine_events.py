@@ -5,12 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ratestate.engine import dense_output, extremes
+from ratestate.engine import events
 from ratestate.engine import rows as R
 from ratestate.engine.calls import WORK
 from ratestate.engine.units import MarchUnits, in_python
 from ratestate.friction.built_in_laws import SlipLaw
 from ratestate.friction.composition import composed, under_varying_stress
+from ratestate.laws import log
 
 LANE = 3
 
@@ -37,7 +38,7 @@ def of_v(c):
 
 
 def extreme(run):
-    return dense_output.extreme_of_v(run, LANE)
+    return events.zero(run, LANE, events.rate_of_v, (), 0.0, 1.0)
 
 
 def from_derivative(terms, *roots):
@@ -85,7 +86,7 @@ def test_where_a_step_of_high_order_has_its_extreme():
 
 
 def crossing(c, *load):
-    return extremes.crossing_of_v(of_v(c), LANE, load, 0.0, 1.0)
+    return events.zero(of_v(c), LANE, events.v_ahead, load, 0.0, 1.0)
 
 
 @TERMS
@@ -120,7 +121,7 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 
 def extreme_value(c, parts, h, law, p):
-    return extremes.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
+    return events.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
 
 
 class Viscous(SlipLaw):
@@ -128,11 +129,12 @@ class Viscous(SlipLaw):
 
     name = "viscous"
 
-    def resistance(self, v, w, psi, p):
-        return v + p[0] * psi[0] + 0.3 * w
+    def friction(self, V, theta, p):
+        of_V = log(V / p.V0) + 0.3 * V / p.V0
+        return p.mu0 + p.a * of_V + p.b * log(p.V0 * theta / p.Dc)
 
-    def resistance_partials(self, v, w, psi, p):
-        return 1.0 + 0.3 * w, (p[0],)
+
+UNITS = {"a": 1.0, "Dc": 1.0, "mu0": 0.6, "V0": 1.0, "sigma": 1.0, "damping": 0.2}
 
 
 @pytest.mark.parametrize("law", [SlipLaw(), Viscous()], ids=["slip", "viscous"])
@@ -149,9 +151,10 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
     s = np.linspace(0.0, 1.0, 20_001)
     changes = {0: 0, 1: 0, 3: 0}
     for _ in range(200):
-        c, p = rng.normal(size=(3, 5)), (rng.uniform(1.1, 5.0), 1.0, *([0.2] if damped else []))
+        c, b = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
+        p = law.coefficients(1.0, SimpleNamespace(b=b, **UNITS))
         x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
-        friction = v + p[0] * psi + (0.3 * np.exp(v) if isinstance(law, Viscous) else 0.0)
+        friction = v + b * psi + (0.3 * np.expm1(v) if isinstance(law, Viscous) else 0.0)
         stress = friction + (0.2 * np.exp(v) if damped else 0.0)
         force = parts[0] * x + parts[1] * stress + (parts[2] + parts[3]) * friction
         found = extreme_value(c, parts, h, law, p)

@@ -12,8 +12,12 @@ from textbook import OF_LAW, drawn
 import ratestate as rs
 from ratestate.engine import rows as R
 from ratestate.engine import taylor as T
-from ratestate.engine.recurrences import ORDER, has_recurrences
-from ratestate.engine.taylor import coefficients, variational_coefficients
+from ratestate.engine.taylor import (
+    ORDER,
+    coefficients,
+    has_recurrences,
+    variational_coefficients,
+)
 from ratestate.friction.tuples import pairwise_sum, product
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
@@ -119,7 +123,7 @@ def solution(law, p, point, start=None, terms=ORDER + 3):
         w_lp = Truncated([point["w_lp"], point["ramp"]])
         x, v, *psi = (Truncated(one.c) for one in y)
         w = v.exp()
-        exponents = law.own_exponents(v, w, tuple(psi), p)
+        exponents = law.exponents(v, w, tuple(psi), p)
         e = tuple(one.exp() for one in exponents)
         S = law.stress_in_v(v, w, tuple(psi), p)
         f = law.rates_in_v(v, w, tuple(psi), e, p)
@@ -131,7 +135,7 @@ def solution(law, p, point, start=None, terms=ORDER + 3):
 def found_coefficients(law, p, point):
     y = (point["x"], point["v"], *[point["psi"]] * len(law.states))
     w = math.exp(y[1])
-    e = tuple(map(math.exp, law.own_exponents(y[1], w, y[2:], p)))
+    e = tuple(map(math.exp, law.exponents(y[1], w, y[2:], p)))
     load = point["w_lp"], point["ramp"]
     return coefficients(law, y, w, e, *load, point["kappa"], point["eta0"], p)
 
@@ -160,7 +164,7 @@ def test_coefficients_of_perturbations(name):
     rng, n = np.random.default_rng(7), len(y)
     z = tuple(tuple(rng.normal(size=n).tolist()) for _ in range(n - 1))
     w, states = math.exp(y[1]), tuple(y[2:])
-    e = tuple(map(math.exp, law.own_exponents(y[1], w, states, p)))
+    e = tuple(map(math.exp, law.exponents(y[1], w, states, p)))
     given = law, tuple(y), w, e, z, point["kappa"], point["eta0"], p
     of_y, of_z, trace = variational_coefficients(*given)
     assert len(of_z) == n * (n - 1)

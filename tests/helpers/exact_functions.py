@@ -12,6 +12,9 @@ class Exact:
     def bounded_exp(self, x):
         return mp.exp(x)
 
+    def exp_and_inverse(self, x):
+        return mp.exp(x), mp.exp(-x)
+
     def softplus(self, x):
         return mp.log(1 + mp.exp(x))
 

@@ -9,7 +9,7 @@ import math
 from ..friction.functions import larger, where
 from ..friction.tuples import dot, largest, plus, select, size_of, times, total
 from . import rows as R
-from .equations import inertial_force, later
+from .equations import force_slopes, inertial_force, later
 from .model import RUNNING
 from .rodas5p import step as rodas5p_step
 from .rows import read_rows, rows_of, store_each, write_rows
@@ -34,16 +34,14 @@ def extremum_conditions(y, w, e, w_lp, system):
     law, kappa, eta0, p = system
     f_x, f_psi = kappa * (w_lp - w), law.rates_in_v(y[1], w, y[2:], e, p)
     g, S_v, S_psi = inertial_force(y, w, e, law, p)
-    R_v, R_psi = law.resistance_slopes(y[1], w, y[2:], e, p)
-    N_v, N_psi = law.strength_slopes(y[1], w, y[2:], e, p)
     drift = law.strength_drift(y[1], w, y[2:], p)
     drive = f_x - dot(S_psi, f_psi) - total(drift)
     lost = abs(g) <= ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
     m = eta0 * law.speed_slope(w, e)
     # d omega/dT is `by` over `unit`
     by, unit = select(lost, (drive, S_v), (g, m))
-    friction = R_v * by + unit * dot(R_psi, f_psi)
-    strength = N_v * by + unit * total((dot(N_psi, f_psi), *drift))
+    change = unit * f_x, by, *times(unit, f_psi)
+    _, _, strength, friction = force_slopes(y, w, e, change, unit, law, p)
     return by, m * drive - S_v * g, friction, strength + unit * f_x
 
 

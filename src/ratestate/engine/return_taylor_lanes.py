@@ -6,9 +6,8 @@ from ..friction.functions import larger, smaller, where
 from ..friction.tuples import grouped, pairwise_sum, product, total
 from . import lanes as L
 from . import rows as R
-from .recurrences import ORDER
 from .rows import load_each, read_rows, rows_of, store_each
-from .taylor import integrals, longest, powers, size, variational_coefficients
+from .taylor import ORDER, integrals, longest, powers, size, variational_coefficients
 from .taylor_lanes import last_sizes, momentum_of, record, step_lengths
 
 

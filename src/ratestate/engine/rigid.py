@@ -9,9 +9,9 @@ Rodas5P (`tableau`) is diagonal.  Its dense output has psi alone, from which x a
 import math
 
 from ..friction.functions import larger, where
-from ..friction.tuples import dot, dot_onto, largest, plus, plus_sum, product, sum_of, times, total
+from ..friction.tuples import dot, largest, plus, plus_sum, product, sum_of, times, total
 from . import rows as R
-from .equations import exponentials
+from .equations import exponentials, force_slopes, forces
 from .lanes import ROUNDING, saves
 from .rodas5p import dense_output, leaves, next_point, with_drift
 from .rows import read_rows, rows_of, store_each, write_rows
@@ -28,16 +28,10 @@ def point(s, l, law, dT, psi):
 
 
 def slopes(y, w, e, p, ramp, law, of_psi):
-    """d/dT of friction R, of the strength N and of x; of_psi : d psi/dT."""
-    d_omega, here = ramp / law.speed_slope(w, e), (y[1], w, y[2:])
-
-    def along(partials):
-        return dot_onto(partials[0] * d_omega, partials[1], of_psi)
-
-    drift = total(law.strength_drift(*here, p))
-    friction = along(law.resistance_slopes(*here, e, p))
-    strength = along(law.strength_slopes(*here, e, p)) + drift
-    return friction, strength, along(law.stress_slopes(*here, e, p)) + drift
+    """d/dT of x, S, N and R; of_psi : d psi/dT."""
+    change = 0.0, ramp / law.speed_slope(w, e), *of_psi
+    _, stress, *others = force_slopes(y, w, e, change, 1.0, law, p)
+    return stress, stress, *others
 
 
 def try_step(s, l, law):
@@ -76,8 +70,8 @@ def has_event(s, l, law):
         p = law.later(read_rows(s, rows.p, l), dT)
         w, y, e = s[w + l], read_rows(s, y, l), read_rows(s, e, l)
         rates = law.rates_in_v(y[1], w, y[2:], e, p)
-        friction, strength, stress = slopes(y, w, e, p, s[R.RAMP + l], law, rates)
-        sides.append((friction, strength + stress))
+        of_x, _, strength, friction = slopes(y, w, e, p, s[R.RAMP + l], law, rates)
+        sides.append((friction, strength + of_x))
     for bit, start, end in zip((R.F_EXTREME, R.XF_EXTREME), *sides, strict=True):
         bits = bits + where((start < 0.0) & (end >= 0.0), float(bit), 0.0)
     s[R.EVENTS + l] = bits
@@ -96,8 +90,5 @@ def force(s, l, law, at, *given):
     n, h = 2 + len(law.states), s[R.H_USED + l]
     parts, psi, d_psi = given[:4], given[6 : 4 + n], given[6 + n :]
     y, w, e, p = point(s, l, law, at * h, psi)
-    here, of_psi = (y[1], w, psi), times(1.0 / h, d_psi)
-    friction, strength, stress = slopes(y, w, e, p, s[R.RAMP + l], law, of_psi)
-    opposing = law.stress_in_v(*here, p)
-    values = y[0], opposing, law.strength_in_v(*here, p), law.resistance_in_v(*here, p)
-    return dot(parts, values), h * dot(parts, (stress, stress, strength, friction))
+    changes = slopes(y, w, e, p, s[R.RAMP + l], law, times(1.0 / h, d_psi))
+    return dot(parts, forces(y, w, law, p)), h * dot(parts, changes)

@@ -11,7 +11,7 @@ import itertools
 from typing import NamedTuple
 
 from .machine_code import doubles_of_vector
-from .recurrences import ORDER, has_recurrences
+from .taylor import ORDER, has_recurrences
 
 LANES = 16
 WIDTH = doubles_of_vector()  # lanes that go together

@@ -17,8 +17,8 @@ import functools
 from ..friction.expressions import LIMIT
 from ..friction.functions import where
 from ..friction.motion import product
-from ..friction.tuples import dot, dot_onto, minus_dot, plus_sum, sum_of, times
-from .equations import derived, exponentials
+from ..friction.tuples import dot, minus_dot, plus_sum, sum_of, times
+from .equations import derived, exponentials, in_omega
 from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
 from .tableau import NODES, A, B
 
@@ -40,11 +40,6 @@ def right_hand_side(du, jacobian, k, rest, curvature, r, m):
     first, second = product(jacobian, du), product(curvature, k)
     scaled = r * rest[0], (m * r) * rest[1], *times(r, rest[2:])
     return tuple(a + b + c for a, b, c in zip(first, scaled, second, strict=True))
-
-
-def in_omega(z, shares):
-    """Changes of x, omega and psi, from those of x, v and psi."""
-    return z[0], dot_onto(z[1], shares, z[2:]), *z[2:]
 
 
 def step_end(z, dk, held, S_v, S_psi, shares):

@@ -4,13 +4,16 @@ The polynomial of the step is its dense output too.  The step follows from the l
 (Jorba & Zou 2005 doi:10.1080/10586458.2005.10128904), and is never rejected.
 """
 
+import functools
 import math
 
-from ..friction.functions import exp, functions_of, larger, where
+from ..friction.functions import exp, larger, rough_log2, where
+from ..friction.rewriting import Derivative
+from ..friction.taylor import NoSeries, expand
 from ..friction.tuples import largest, pairwise_sum, product
-from . import recurrences
-from .recurrences import ORDER
 
+#: order of the method: degree of its polynomials in time
+ORDER = 12
 #: part of the tolerance that the last terms of a step may reach
 PART = 0.1
 #: least size of a coefficient, where a step is at its longest
@@ -20,21 +23,78 @@ LN2 = math.log(2.0)
 OF_INTEGRAL = tuple(1.0 / (k + 1.0) for k in range(ORDER))
 
 
+@functools.cache
+def equations(law):
+    """x, v and each psi -> derivative in T, and a list of the powers of `works`: expressions.
+
+    NoSeries if slip may reverse, or normal stress varies.
+    """
+    if law.reverses or law.varies:
+        raise NoSeries("slip that may reverse, or normal stress that varies")
+    motion, known = law.motion, law.motion.symbols
+    x, w_lp, w, S = known["x"], known["w_lp"], motion.w, motion.S
+    of_x_and_v = known["kappa"] * (w_lp - w), known["1/eta0"] * (x - S) / w
+    derivatives = zip((x, motion.v, *motion.psi), (*of_x_and_v, *motion.f), strict=True)
+    return dict(derivatives), [x * w_lp, S * w]
+
+
+@functools.cache
+def has_recurrences(law):
+    """Whether all that a law's equations hold has a rule."""
+    try:
+        expand(equations(law)[0], [], 0, {})
+    except NoSeries:
+        return False
+    return True
+
+
+@functools.cache
+def variational_equations(law):
+    """The equations of motion, and those of as many small perturbations as a return map follows.
+
+    Symbols of the perturbations, a list of lists; x, v and each psi, then these, -> derivatives;
+    and the trace of the Jacobian matrix.
+    """
+    (motion, _), graph = equations(law), law.motion.graph
+    everything, perturbations = dict(motion), []
+    for j in range(len(motion) - 1):
+        z = [graph.symbol(("z", j, i), is_constant=False) for i in range(len(motion))]
+        along = Derivative(graph, dict(zip(motion, z, strict=True)))
+        everything |= dict(zip(z, map(along, motion.values()), strict=True))
+        perturbations.append(z)
+    diagonal = (Derivative(graph, {y: graph.one})(rate) for y, rate in motion.items())
+    return perturbations, everything, sum(diagonal, graph.number(0.0))
+
+
 def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
-    """`recurrences.coefficients`, as tuples of tuples."""
-    found = recurrences.coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p)
-    return tuple(map(_numbers, found))
+    """Taylor coefficients in T of x, v and each psi, and of the powers of `works`, lists of lists.
+
+    Of the powers one less; arguments as of `rodas5p.step`, any kind of numbers.
+    """
+    known = _known(law, y, w, e, (w_lp, ramp), kappa, eta0, p)
+    derivatives, powers = equations(law)
+    return expand(derivatives, powers, ORDER, known)
 
 
 def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
-    """`recurrences.variational_coefficients`, as tuples of tuples."""
-    c, c_z, trace = recurrences.variational_coefficients(law, y, w, e, z, kappa, eta0, p)
-    return _numbers(c), _numbers(c_z), _numbers([trace])[0]
+    """Taylor coefficients in T of x, v and psi, of each number of z in turn, and of the trace.
+
+    Lists.  The load point is at V0.
+
+    z : perturbations of the state
+    """
+    known = _known(law, y, w, e, 1.0, kappa, eta0, p)
+    perturbations, derivatives, trace = variational_equations(law)
+    for symbols, one in zip(perturbations, z, strict=True):
+        known |= zip(symbols, one, strict=True)
+    found, (of_trace,) = expand(derivatives, [trace], ORDER, known)
+    return found[: len(y)], found[len(y) :], of_trace
 
 
-def _numbers(polynomials):
-    """As tuples, 0.0 for a coefficient that is always that."""
-    return tuple(tuple(0.0 if c is None else c for c in one) for one in polynomials)
+def _known(law, y, w, e, w_lp, kappa, eta0, p):
+    """Values of all symbols and exponentials of `equations`."""
+    numbers = {"x": y[0], "w_lp": w_lp, "kappa": kappa, "1/eta0": 1.0 / eta0}
+    return law.motion.known(y[1], w, y[2:], p, e, **numbers)
 
 
 def longest(last, before, tolerance):
@@ -46,11 +106,6 @@ def longest(last, before, tolerance):
     by_last = (allowed - rough_log2(last)) * (1.0 / ORDER)
     by_before = (allowed - rough_log2(before)) * (1.0 / (ORDER - 1))
     return exp(LN2 * where(by_last < by_before, by_last, by_before))
-
-
-def rough_log2(x):
-    """log2 x, less up to 0.09, of a normal x > 0: between powers of 2 its bits are linear in x."""
-    return functions_of(x).rough_log2(x)
 
 
 def size(y, momentum):

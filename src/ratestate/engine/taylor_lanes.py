@@ -10,10 +10,9 @@ from ..friction.tuples import largest, pairwise_sum, product, total
 from . import lanes as L
 from . import rows as R
 from .equations import exponentials
-from .recurrences import ORDER
 from .rows import read_rows, rows_of, store_each, write_rows
 from .step_control import step_size
-from .taylor import coefficients, integrals, longest, powers, size
+from .taylor import ORDER, coefficients, integrals, longest, powers, size
 
 # Steps of either method are measured by the fastest rate of the equations.
 #: The longest step of the Taylor method: of order 12 it is stable up to 5.8 where that rate is one

@@ -13,11 +13,11 @@ from ..friction.tuples import dot, dot_onto, grouped, minus_dot, plus, times, to
 from . import lanes, return_lanes, return_taylor_lanes, rigid, taylor_lanes, waveform
 from . import rows as R
 from .calls import FOUND
-from .equations import exponentials, inertial_force
+from .equations import exponentials, force_slopes, forces, in_omega, inertial_force
 from .model import NOT_FINITE, RUNAWAY, SLAVED
-from .recurrences import has_recurrences
 from .rows import load_each, read_rows, rows_of, write_rows
 from .step_control import control_step
+from .taylor import has_recurrences
 
 
 class MarchUnits(NamedTuple):
@@ -53,7 +53,6 @@ class ReturnUnits(NamedTuple):
     force: int
     speed: int
     outrun: int
-    find_slow: int
     add_rodas5p: int
     land: int
     perturbed: int
@@ -102,12 +101,6 @@ def first_step(s, l, law):
     return ()
 
 
-def slopes_along(dy, w, e, law, p):
-    """Derivatives of x, omega (`kinematics`) and psi, a tuple, of those of x, v and psi."""
-    shares = law.shares(w, 1.0 / law.speed_slope(w, e), p)
-    return dy[0], dot_onto(dy[1], shares, dy[2:]), dy[2:]
-
-
 def force(s, l, law, at, *given):
     """A sum of parts of x, S, N and R at a place in the lane's step; its slope.
 
@@ -116,26 +109,10 @@ def force(s, l, law, at, *given):
     n = 2 + len(law.states)
     parts, y, dy, h = given[:4], given[4 : 4 + n], given[4 + n : 4 + 2 * n], s[R.H_USED + l]
     p = law.later(read_rows(s, rows_of(law).p, l), at * h)
-    w, _, e = exponentials(y, law, p)
-    by_x, d_omega, by_psi = slopes_along(dy, w, e, law, p)
-
-    def along(slopes):
-        return dot_onto(slopes[0] * d_omega, slopes[1], by_psi)
-
-    here, drift = (y[1], w, y[2:]), times(h, law.strength_drift(y[1], w, y[2:], p))
-    values = (
-        y[0],
-        law.stress_in_v(*here, p),
-        law.strength_in_v(*here, p),
-        law.resistance_in_v(*here, p),
-    )
-    slopes = (
-        by_x,
-        total((along(law.stress_slopes(*here, e, p)), *drift)),
-        total((along(law.strength_slopes(*here, e, p)), *drift)),
-        along(law.resistance_slopes(*here, e, p)),
-    )
-    return dot(parts, values), dot(parts, slopes)
+    w, c_inverse, e = exponentials(y, law, p)
+    change = in_omega(dy, law.shares(w, c_inverse, p))
+    slopes = force_slopes(y, w, e, change, h, law, p)
+    return dot(parts, forces(y, w, law, p)), dot(parts, slopes)
 
 
 def speed(s, l, law, w_lp, *given):
@@ -145,9 +122,9 @@ def speed(s, l, law, w_lp, *given):
     """
     n = 2 + len(law.states)
     y, dy, p = given[:n], given[n : 2 * n], read_rows(s, rows_of(law).p, l)
-    w, _, e = exponentials(y, law, p)
-    slope = law.speed_slope(w, e) * slopes_along(dy, w, e, law, p)[1]
-    return w, slope, y[1] - law.v_at(w_lp, y[2:], p)
+    w, c_inverse, e = exponentials(y, law, p)
+    _, d_omega, *_ = in_omega(dy, law.shares(w, c_inverse, p))
+    return w, law.speed_slope(w, e) * d_omega, y[1] - law.v_at(w_lp, y[2:], p)
 
 
 def outrun(s, l, law):
@@ -303,7 +280,8 @@ def lane_units(law, kind):
     if has_taylor:
         found["taylor"] = [taylor.try_step, lanes.has_event]
     if returns:
-        found["find_slow"] = [waveform.find_slow]
+        for name in found.keys() - {"commit"}:
+            found[name].append(waveform.find_slow)
         found["add_rodas5p"] = [waveform.add_rodas5p]
         if has_recurrences(law):
             found["add_taylor"] = [waveform.add_taylor]

@@ -5,7 +5,7 @@
 ``law_properties``   what follows from the formula: kind of law, steady sliding
 ``built_in_laws``    the built-in laws of friction
 ``laws``             laws by their names
-``forms``            the built-in forms of friction, a file each
+``forms``            forms of friction beside that of eq. 1
 ``user_law``         laws from a user's file or class: named with a hash, and checked
 ``formulas``         friction and state in SI (eqs 1 to 3), for users
 ``equations``        a formula run once: rates and friction as expressions

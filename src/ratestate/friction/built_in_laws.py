@@ -1,7 +1,7 @@
 """The built-in friction laws.
 
-In the methods `runaway`, y = ln(V theta/Dc) and c = b/a - 1.  Where V >> V_lp, with slip D instead
-of time, they say that y or a sum of such can only grow from here on.
+In the methods `runaway`, y = v + psi = ln(V theta/Dc), c = b/a - 1, and slip D takes the place of
+time at V >> V_lp.  They say when y, and so V, can only grow.
 """
 
 from types import MappingProxyType
@@ -83,7 +83,7 @@ class FlashHeatingLaw(FrictionLaw):
         return -(theta / p.b) * (V / p.Dc) * (Psi - Psi_ss)
 
     def complaint(self, slider):
-        """Of b <= 0, by which the state is counted; of no friction; of heat that strengthens."""
+        """The problem if b <= 0, friction vanishes without heat, or heat strengthens contacts."""
         import numpy as np
 
         if np.any(slider.b <= 0.0):
@@ -129,8 +129,8 @@ class KatoTullisLaw(FrictionLaw):
 class NagataLaw(FrictionLaw):
     """d theta/dt = 1 - V theta/Dc - (c/b) theta (d tau_f/dt)/sigma, tau_f = sigma mu (of eq. 1).
 
-    The variable is phi = (1 + c) psi + (c a/b) v, in which it is exact, without a derivative of the
-    stress; theta itself jumps where V does.
+    Its variable is phi = (1 + c) psi + (c a/b) v, whose rate needs no derivative of the stress.
+    theta itself jumps when V does.
     """
 
     name = "nagata"
@@ -145,7 +145,7 @@ class NagataLaw(FrictionLaw):
         return 1.0 - V * theta / p.Dc
 
     def _per_v(self, p):
-        """c a/b; 0 where c is."""
+        """c a/b; 0 if c is."""
         return where(p.c > 0.0, p.c * p.a / p.b, 0.0)
 
     def log_theta(self, v, psi, p):
@@ -157,7 +157,7 @@ class NagataLaw(FrictionLaw):
         return [(1.0 + p.c) * logs[0] + self._per_v(p) * v]
 
     def complaint(self, slider):
-        """Of b = 0, by which the law divides c."""
+        """The problem if b = 0, by which the law divides c."""
         divides = (slider.b == 0.0) * (slider.c > 0.0)
         divides = divides.any() if hasattr(divides, "any") else divides
         return "b = 0 where c > 0; give another b, or c = 0" if divides else ""
@@ -180,8 +180,7 @@ class NagataLaw(FrictionLaw):
 class PRZLaw(FrictionLaw):
     """d theta/dt = (1 - (V theta/Dc)^2)/2.
 
-    theta is counted such that it is Dc/V in steady sliding: half of that in the original
-    1 - (V theta/(2 Dc))^2.
+    theta is Dc/V in steady sliding: half of theta in the original 1 - (V theta/(2 Dc))^2.
     """
 
     name = "prz"

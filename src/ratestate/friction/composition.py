@@ -16,6 +16,7 @@ Source of the latter: Linker & Dieterich (1992) doi:10.1029/92JB00017.
 
 import functools
 import math
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
@@ -46,7 +47,7 @@ class Damped(FrictionLaw):
     Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
     """
 
-    own = EXTRAS
+    OWN = EXTRAS
     # what is known of a law of one length is without a dashpot
     one_length, series, has_own_speed = False, None, True
     inner: FrictionLaw  # the law without the dashpot
@@ -77,7 +78,7 @@ class Varying(FrictionLaw):
     After the law's own coefficients come mu_ref/a, h_k0 and h_k1 of each state, and the history.
     """
 
-    own: MappingProxyType = MappingProxyType({})
+    OWN: Mapping[str, Parameter] = MappingProxyType({})
     S, PHASE = S, PHASE
     of_slider = ("mu0", "V0", "alpha", "sigma_amplitude", "sigma_period")
     varies = True
@@ -115,7 +116,7 @@ class Varying(FrictionLaw):
 
         R changes in proportion to the jumps, which it makes larger or smaller.
         """
-        _, by_psi = self.resistance_slopes(v, w, psi, e, p)
+        _, *by_psi = self.motion("resistance_slopes", v, w, psi, p, e)
         growth = rise * dot(by_psi, self._h(1, p))
         grows = abs(growth) > 0.0
         effective = rise * where(grows, expm1(growth) / where(grows, growth, 1.0), 1.0)
@@ -126,8 +127,8 @@ class Varying(FrictionLaw):
         """Those of p that belong to the history."""
         return p[BASE:]
 
-    def changes_in_time(self, p):
-        """s and ds/dT, of expressions p, and their derivatives in T."""
+    def rates_in_time(self, p):
+        """s and ds/dT, expressions, -> their derivatives in T."""
         return {p[S]: p[DS], p[DS]: p[DDS]}
 
     def later(self, p, dT):
@@ -206,11 +207,11 @@ def forms_of(law):
 def _with(law, part):
     """A law of another name, to which a part of the force balance is added; else as the law."""
     kind = type(law)
-    changes: Any = {DAMPED: Damped, VARYING: Varying}.get(part) or FORMS[part].FORM
+    changes: Any = {DAMPED: Damped, VARYING: Varying}.get(part) or FORMS[part]
     own = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _made_again}
     made = type(f"{changes.__name__}{kind.__name__}", (changes, kind), own)()
     made.name, made.label = f"{law.name}{JOINT}{part}", law.label
-    made.parameters = {**law.parameters, **changes.own}
+    made.parameters = {**law.parameters, **changes.OWN}
     made.inner, made.part = law, part
     made.places = {**law.places, part: law.n_coefficients}
     return made

@@ -10,10 +10,10 @@ import numpy as np
 from . import stability
 from .linear_stability import K_c, edges, is_stable
 
-# Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
-# (Above that of light nothing slips, and where weakening fades as 1/V rounding would decide.)
+# Speeds [m/s] between which V_c is sought if a law has a speed of its own, and points per decade.
+# (Nothing slips faster than light.  If weakening fades as 1/V, rounding would decide up there.)
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e9, 10
-# Sliders for which they are sought at a time, which bounds the memory.
+# Sliders for which they are sought at a time, to limit memory.
 TOGETHER = 1000
 
 
@@ -27,8 +27,9 @@ class CriticalSpeeds(NamedTuple):
 def V_c(law, *, K, **values):
     """`CriticalSpeeds` of sliders.
 
-    V_c is 0 where sliding is unstable down to rest, inf where at no speed; V_c_upper is inf where
-    it stays unstable.  Under a law with a speed of its own it may be unstable once more above that.
+    V_c is 0 if sliding is unstable down to rest, and inf if it is stable at any speed.  V_c_upper
+    is inf if sliding stays unstable.  Under a law with a speed of its own it may become unstable
+    once more at larger speeds.
     """
     if law.one_length:
         lower = stability.V_c(K=K, **values)
@@ -44,7 +45,7 @@ def V_c(law, *, K, **values):
 
 
 def _speeds_by_edges(law, *, sigma, K, M, **values):
-    """V_c and V_c_upper, where the edges are at the same z and kappa/eta at all speeds."""
+    """V_c and V_c_upper, if the edges have the same z and quasi-static part at all speeds."""
     found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), {"sigma": sigma, **values}))
     unit = values["a"] * sigma / values["Dc"]
     excess = K[..., None] - found.quasi_static * unit[..., None]
@@ -64,7 +65,7 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
 def _speeds_by_search(law, *, K, **values):
     """V_c and V_c_upper, (n,) each, on a grid of speeds that bisection refines.
 
-    Where no speed of the grid is unstable, one beside that of the largest K_c may be.
+    If no speed of the grid is unstable, one near the speed of the largest K_c may be.
 
     K, values : (n, 1)
     """
@@ -108,7 +109,7 @@ def _maximum(function, low, high):
 
 
 def _bisect(stable, inside, outside):
-    """Speeds (n, 2) between those that are stable, inside, and those that are not."""
+    """Edges (n, 2) of stability between speeds that are stable, inside, and others."""
     low, high = np.log(inside), np.log(outside)
     for _ in range(64):
         middle = 0.5 * (low + high)

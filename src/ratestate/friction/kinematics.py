@@ -16,7 +16,7 @@ omega is v.
 from typing import Any
 
 from .expressions import LIMIT
-from .functions import asinh_of, exp, larger, log, smaller, sqrt, tanh
+from .functions import asinh_of, bounded_exp, exp, exp_and_inverse, larger, log, smaller, sqrt, tanh
 from .tuples import dot, times
 
 # The smallest |w| that laws of state are given, and the least part of c that is taken for the
@@ -28,25 +28,21 @@ class Forward:
     """Slip that never reverses.
 
     v, psi and p are as for a law, w = V/V_ref, and e is what `net_speed` keeps, then exponentials
-    of `own_exponents`.
+    of the law's `exponents` at the `magnitude` of w.
     """
 
     #: whether slip may reverse
     reverses = False
-    exponents: Any  # of the law
 
     # In compiled code
 
-    def jump_exponents(self, v, psi, p):
-        """`log_of_faster` in a tuple if slip may reverse, else ()."""
-        return ()
+    def net_speed(self, v, psi, p):
+        """w, 1/c, and in a tuple what `e` keeps of them."""
+        return *exp_and_inverse(v), ()
 
-    def net_speed(self, v, forward, inverse, jumps):
-        """w, 1/c, and in a tuple what `e` keeps of them.
-
-        forward, inverse : exp(v), exp(-v); jumps : exponentials of `jump_exponents`, a tuple
-        """
-        return forward, inverse, ()
+    def magnitude(self, v, w):
+        """ln |w| and |w|, as laws of state are given them."""
+        return v, w
 
     def speed_slope(self, w, e):
         """c = dw/dv."""
@@ -87,10 +83,6 @@ class Forward:
         """
         return error
 
-    def own_exponents(self, v, w, psi, p):
-        """The law's `exponents`."""
-        return self.exponents(v, w, psi, p)
-
     def v_at(self, w, psi, p):
         """v at the speed w, of arrays too."""
         return log(w)
@@ -118,15 +110,16 @@ class Reversing(Forward):
         """Theta."""
         raise NotImplementedError
 
-    def jump_exponents(self, v, psi, p):
-        """`log_of_faster`, in a tuple."""
-        return (self.log_of_faster(v, psi, p),)
-
-    def net_speed(self, v, forward, inverse, jumps):
+    def net_speed(self, v, psi, p):
         """w, 1/c, and c in a tuple."""
         t = tanh(v)
-        c = jumps[0] * (2.0 / (1.0 + abs(t)))
+        c = bounded_exp(self.log_of_faster(v, psi, p)) * (2.0 / (1.0 + abs(t)))
         return c * t, 1.0 / c, (c,)
+
+    def magnitude(self, v, w):
+        """ln |w| and |w|, but not so small that the logarithm is lost."""
+        size = larger(abs(w), SMALLEST)
+        return log(size), size
 
     def speed_slope(self, w, e):
         """c, the sum of all jumps."""
@@ -166,15 +159,6 @@ class Reversing(Forward):
         largest = larger(larger(fastest[0], -fastest[1]), larger(abs(w_new), fastest[2]))
         return omega * larger(1.0, c / larger(largest, LEAST * c))
 
-    def size(self, w):
-        """|w|, but not so small that its logarithm is lost."""
-        return larger(abs(w), SMALLEST)
-
-    def own_exponents(self, v, w, psi, p):
-        """The law's `exponents` at |V|."""
-        size = self.size(w)
-        return self.exponents(log(size), size, psi, p)
-
     def v_at(self, w, psi, p):
         """v at the speed w, of arrays too."""
         return asinh_of(w, self.barrier(psi, p))
@@ -183,6 +167,7 @@ class Reversing(Forward):
         """w, but where the engine's saturates far up."""
         import numpy as np
 
+        t = np.tanh(v)
         with np.errstate(over="ignore"):
             jumps = np.exp(np.maximum(self.log_of_faster(v, psi, p), -LIMIT))
-        return self.net_speed(v, jumps, jumps, (jumps,))[0]
+            return jumps * (2.0 / (1.0 + np.abs(t))) * t

@@ -245,6 +245,10 @@ class FrictionLaw(LawProperties):
         """What of p changes with time, a tuple: of the last ones."""
         return ()
 
+    def rates_in_time(self, p):
+        """Those of p, expressions, that forces hold -> their derivatives in T."""
+        return {}
+
     def later(self, p, dT):
         """p at a time dT later: others where normal stress varies."""
         return p
@@ -278,20 +282,9 @@ class FrictionLaw(LawProperties):
         """d psi/dT."""
         return self.motion("rates", v, w, psi, p, e)
 
-    def resistance_slopes(self, v, w, psi, e, p):
-        """Slopes of R: by omega and by each of psi, a tuple."""
-        return self._slopes("resistance_slopes", v, w, psi, e, p)
-
-    def strength_slopes(self, v, w, psi, e, p):
-        """Those of N."""
-        return self._slopes("strength_slopes", v, w, psi, e, p)
-
     def stress_slopes(self, v, w, psi, e, p):
-        """Those of S."""
-        return self._slopes("stress_slopes", v, w, psi, e, p)
-
-    def _slopes(self, name, v, w, psi, e, p):
-        by_omega, *by_psi = self.motion(name, v, w, psi, p, e)
+        """Slopes of S: by omega and by each of psi, a tuple."""
+        by_omega, *by_psi = self.motion("stress_slopes", v, w, psi, p, e)
         return by_omega, tuple(by_psi)
 
     def strength_drift(self, v, w, psi, p):

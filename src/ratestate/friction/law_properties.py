@@ -75,10 +75,7 @@ class LawProperties(Forward):
     @functools.cached_property
     def n_kept(self):
         """How many numbers the engine keeps in e (`kinematics`)."""
-        p = (1.0,) * self.n_coefficients
-        return len(self.equations.exponentials) + len(
-            self.jump_exponents(0.0, self.reference_state, p)
-        )
+        return len(self.equations.exponentials) + self.reverses
 
     @property
     def has_own_speed(self):

@@ -13,7 +13,7 @@ LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.
 
 
 def add(law, own):
-    """Let a law be found by its name and, from now on, by its own one and its synonyms."""
+    """Add a law by its name; its `own` name, without the hash, and synonyms then mean it."""
     LAWS[law.name] = law
     LAW_OF.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
 
@@ -24,12 +24,12 @@ def of_one_length():
 
 
 def own_parameters(laws):
-    """Symbols of the parameters that any of these laws has of its own, a tuple, each once."""
+    """Symbols of the own parameters of these laws, a tuple, each once."""
     return tuple(dict.fromkeys(symbol for law in laws for symbol in law.parameters))
 
 
 def owners(symbol):
-    """Names of the laws that have this symbol among the parameters of their own, a list."""
+    """Names of the laws that have a parameter of their own with this symbol, a list."""
     return [law.name for law in LAWS.values() if symbol in law.parameters]
 
 
@@ -39,15 +39,12 @@ def friction_law(law):
 
 
 def known_law(law):
-    """A law's name in `LAWS`, from that name or a synonym, in any capitals.
-
-    None for an unknown one, or what is no string.
-    """
+    """A law's name in `LAWS`, from that name or a synonym, in any capitals; None if unknown."""
     return LAW_OF.get(law.lower()) if isinstance(law, str) else None
 
 
 def law_name(law):
-    """A law's name as by `known_law`; ParameterError for an unknown one, or what is no string."""
+    """A law's name as by `known_law`; ParameterError if it is unknown."""
     if name := known_law(law):
         return name
     if isinstance(law, str) and MARK in law:

@@ -20,8 +20,8 @@ w_lp and of s about 1 move the slider as
     i Omega eta v = x - S_v v - sum_k S_k psi_k - (mu/a) s
     i Omega psi_k = f_v v + f_k psi_k + i Omega h_k s
 
-where h_k is how a state jumps with ln s: for theta -alpha/b (Linker & Dieterich 1992).  So v is the
-force that comes from outside over the mechanical impedance of the slider on its spring.
+where h_k is the jump of a state with ln s: -alpha/b for theta (Linker & Dieterich 1992).  So v is
+the force from outside divided by the mechanical impedance of the slider on its spring.
 
 Sources: Linker & Dieterich (1992) doi:10.1029/92JB00017; without mass Perfettini, Schmittbuhl, Rice
 & Cocco (2001) doi:10.1029/2000JB900336.
@@ -37,16 +37,16 @@ from . import stability
 from .roots import polynomial_product, polynomial_roots
 from .tuples import dot
 
-# eta below which inertia is none: the fastest mode is beyond all numbers.
+# Smallest eta with a finite fastest mode.
 LIGHTEST = 1e-290
-# Evolution effect over direct effect, less 1, that is rounding.
+# Largest ratio of evolution effect to direct effect, less 1, that may be rounding.
 NEUTRAL = 1e-15
-# Of the roots of the polynomial, what may be rounding of a real one.
+# Largest imaginary part of a root, as a part of its modulus, that may be rounding.
 IMAGINARY = 1e-9
 
 
 class Linearisation(NamedTuple):
-    """Of steady sliding, dimensionless, in arrays of one shape, states along a last axis."""
+    """Steady sliding linearised, dimensionless: arrays of one shape, states along a last axis."""
 
     direct: np.ndarray  # S_v
     evolution: np.ndarray  # (..., n) r_k
@@ -67,13 +67,13 @@ def linearisation(law, p):
 
 
 class Edges(NamedTuple):
-    """Where steady sliding at one speed changes stability, with each edge along the last axis.
+    """Stiffnesses at which steady sliding at one speed changes stability, along the last axis.
 
-    As K falls to kappa, `pairs` more pairs of eigenvalues, 1 or -1, are unstable; 0 where there is
+    As K falls to kappa, `pairs` more pairs of eigenvalues, 1 or -1, become unstable; 0 if there is
     no edge.
     """
 
-    z: np.ndarray  # (..., n) omega^2, of which kappa has eta times as much, and the other
+    z: np.ndarray  # (..., n) omega^2; kappa is eta z plus the quasi-static part
     quasi_static: np.ndarray
     pairs: np.ndarray
 
@@ -82,7 +82,7 @@ class Edges(NamedTuple):
         return self.z * inertia[..., None] + self.quasi_static
 
     def unstable_pairs(self, stiffness, inertia):
-        """(...) how many pairs of eigenvalues are unstable, for kappa and eta (...)."""
+        """(...) number of unstable pairs of eigenvalues, for kappa and eta (...)."""
         return (self.pairs * (stiffness[..., None] <= self.kappa(inertia))).sum(axis=-1)
 
 
@@ -126,10 +126,10 @@ def _each(x):
 
 
 class Critical(NamedTuple):
-    """Where steady sliding at one speed first becomes unstable as K falls, dimensionless."""
+    """The largest K at which steady sliding at one speed changes stability, dimensionless."""
 
-    kappa: np.ndarray  # K_c Dc/(a sigma): not above 0 where it is stable at any K
-    omega: np.ndarray  # angular frequency there [V/Dc]; NaN where there is no such K
+    kappa: np.ndarray  # K_c Dc/(a sigma): not above 0 if sliding is stable at any K
+    omega: np.ndarray  # angular frequency there [V/Dc]; NaN if there is no such K
 
 
 def critical(law, p, inertia):
@@ -147,7 +147,7 @@ def critical(law, p, inertia):
 def K_c(law, V, *, sigma, M, **values):
     """Critical stiffness [Pa/m] at V: the largest K at which steady sliding changes stability.
 
-    Not above 0 where it is stable at any K.
+    It is not above 0 if sliding is stable at any K.
     """
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
@@ -160,7 +160,7 @@ def K_c(law, V, *, sigma, M, **values):
 
 
 def omega_c(law, V, *, sigma, M, **values):
-    """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN where there is none."""
+    """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN if there is none."""
     if law.one_length:
         return stability.omega_c(V, **values)
     return V / values["Dc"] * critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).omega
@@ -173,7 +173,7 @@ def _at_speed(law, V, *, sigma, M, **values):
 
 
 def is_stable(law, V, *, sigma, K, M, **values):
-    """Whether steady sliding at V is stable; on the edge it is not."""
+    """Whether steady sliding at V is stable; it is not on the edge."""
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
     stiffness = K * values["Dc"] / (values["a"] * sigma)
@@ -184,7 +184,7 @@ def is_stable(law, V, *, sigma, K, M, **values):
 def eigenvalues(law, V, *, sigma, K, M, **values):
     """(..., n + 2) eigenvalues [1/s] of steady sliding at V, least stable first.
 
-    A mode faster than everything is -inf: one at M = 0, two at K = inf, where V is imposed.
+    Modes of infinite rate are -inf: one at M = 0, two at K = inf, where V is imposed.
     """
     if law.one_length:
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
@@ -224,7 +224,7 @@ def modes(law, p, kappa, inertia):
 
 
 def beside_the_pair(modes, omega):
-    """(n, k - 2) the `modes` (n, k) but the two whose frequency is nearest to omega (n,)."""
+    """(n, k - 2) the `modes` (n, k) without the two whose frequency is nearest to omega (n,)."""
     order = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)
     return np.take_along_axis(modes, np.sort(order[:, 2:], axis=1), axis=1)
 
@@ -241,8 +241,8 @@ def responses(law, p, kappa, inertia, mu, h, Omega):
     """`Response` to w_lp, and to s, of steady sliding at V_ref.
 
     law, p : the law, and its coefficients for V_ref, a tuple of arrays
-    kappa, inertia : K Dc/(a sigma), inf where the slider moves as the load point does, and eta
-    mu : friction in steady sliding, over a
+    kappa, inertia : K Dc/(a sigma), inf if the slider moves as the load point does, and eta
+    mu : friction in steady sliding, divided by a
     h : tuple, d psi_k/d ln s of each variable
     Omega : omega Dc/V_ref
     """
@@ -256,7 +256,7 @@ def responses(law, p, kappa, inertia, mu, h, Omega):
     resisting = i * inertia + S_v + dot(S_psi, by_v)
     push = mu + dot(S_psi, by_s)
     with np.errstate(divide="ignore"):
-        soft = i / kappa  # 0 where the slider moves as the load point does
+        soft = i / kappa  # 0 if the slider moves as the load point does
 
     def of(w_lp, s):
         v = (w_lp - soft * push * s) / (1.0 + soft * resisting)

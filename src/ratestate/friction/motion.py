@@ -11,188 +11,156 @@ Derivatives are along directions (x, omega, psi), with d omega = dw/c: those by 
 constant psi, and those by psi at constant w.
 """
 
-import functools
-
-import numpy as np
-
-from .functions import log, where
-from .rewriting import Derivative, function_of
+from .functions import where
+from .rewriting import Derivative, values_of
 from .tuples import dot
 
 #: symbols of numbers, beside the state and what follows from it
-NUMBERS = "x", "g", "F", "q", "m", "moves", "kappa"
+NUMBERS = "x", "w_lp", "g", "F", "q", "moves"
+CONSTANTS = "kappa", "1/eta0", "m", "dT"
 
 
 class Motion:
-    """The equations of motion, and what follows from them: lists of expressions.
+    """The equations of motion, and what follows from them: lists of expressions, by name.
 
-    =========================  ==================================================================
-    stress, strength           S and N
-    resistance, rates          R and f of each state
-    g, F                       g, or 0 at rest, and sum_k beta_k f_k: known as numbers
-    q, m                       factors of the equation of v, q g + m t F: 1/(eta0 c) and 1, unless
-                               the equation is scaled
-    moves                      1, or 0 at rest, where w is a constant
-    z                          a direction (x, v, psi)
-    =========================  ==================================================================
+    ============================  ===============================================================
+    stress, strength, resistance  S, N and R
+    rates                         f of each state
+    stress_slopes                 of S by omega, and by each of psi
+    resistance_slopes             the same of R
+    rate_slopes                   of each rate by omega; of each by its own state
+    force_slopes                  how S, N and R change along z, here a direction (x, omega, psi),
+                                  and in a time dT
+    strength_drift, rate_drift    in T at constant v and psi; none unless normal stress varies
+    inertia_slopes                of -(q g + m t F) by omega and by each of psi, where F is held
+    jacobian                      rows of derivatives of the equations by x, omega and each of psi:
+                                  column -> element, unless that is 0
+    curvature                     how `jacobian` changes along z
+    trace, change_of_trace        trace of the Jacobian matrix in x, v and psi; how it changes
+                                  along z
+    ============================  ===============================================================
+
+    They hold the symbols
+
+    ========  ===================================================================================
+    g, F      x - S, or 0 at rest, and sum_k beta_k f_k: known as numbers
+    q, m      factors of the equation of v, q g + m t F: 1/(eta0 c) and 1, unless it is scaled
+    moves     1, or 0 at rest, where w is a constant
+    z         a direction (x, v, psi)
+    ========  ===================================================================================
     """
 
     def __init__(self, law):
-        self.law, self.own, self._programs = law, law.equations, {}
-        graph = self.graph = self.own.graph
+        self.law, self.own = law, law.equations
+        self.graph = self.own.graph
         self.v, self.w, self.psi = self.own.v, self.own.w, self.own.psi
         self.symbols = {name: self._symbol(name) for name in NUMBERS}
+        self.symbols |= {name: self._symbol(name, is_constant=True) for name in CONSTANTS}
         self.z = [self._symbol(("z", k)) for k in range(2 + len(self.psi))]
         places = range(law.n_coefficients)
         changing = law.history(places)
         own = (*self.own.constants,)
         self.p = (*own, *(self._symbol(("p", k), k not in changing) for k in places[len(own) :]))
-        R = self.own.resistance[0]
         if law.reverses:
-            R = self.v = self._symbol("v")
-            self.w, self.c, self.t, self.slope = map(self._symbol, ("w", "c", "t", "slope"))
-        N = law.strength_of(R, self.p)
-        self.resistance, self.strength = [R], [N]
-        self.stress = [law.stress_of(N, self.w, self.p)]
-        self.rates = [graph.number(f) for f in law.rates_of(tuple(self.own.rates), R, self.p)]
+            self.v, self.w, self.c = map(self._symbol, ("v", "w", "c"))
+            self.t, self.slope = map(self._symbol, ("t", "slope"))  # w/c, and d ln |w|/d omega
+        self.R = self.v if law.reverses else self.own.resistance[0]
+        self.N = law.strength_of(self.R, self.p)
+        self.S = law.stress_of(self.N, self.w, self.p)
+        self.f = [*map(self.graph.number, law.rates_of(tuple(self.own.rates), self.R, self.p))]
+        # All at once, and not when they are asked for: sums are in the order in which terms were
+        # made.
+        self.lists = self._lists()
 
     def _symbol(self, name, is_constant=False):
         return self.graph.symbol(("motion", name), is_constant=is_constant)
 
-    def _along(self, x, omega, psi, has_rates=True):
-        """`Derivative` in a direction; without the change of F if not has_rates."""
-        known, effects = self.symbols, self.own.effects
+    def _along(self, x, omega, *psi, has_rates=True, dT=0.0):
+        """`Derivative` in a direction; without the change of F if not has_rates.
+
+        dT : how much time passes meanwhile
+        """
+        known, effects, moves = self.symbols, self.own.effects, self.symbols["moves"]
         changes = {known["x"]: x, **dict(zip(self.psi, psi, strict=True))}
-        change_of_w, growth = known["moves"] * omega, omega
+        change_of_w, growth = moves * omega, omega
         if self.law.reverses:
-            c, t, sigma = self.c, self.t, dot(effects, psi)
+            c, t, sigma, of_log = self.c, self.t, dot(effects, psi), self.slope * omega
             bend, of_v = (1.0 - t) * (1.0 + t), omega + t * sigma
             growth = t * omega - bend * sigma  # of ln c
-            of_log = self.slope * omega
             changes |= {self.v: of_v, t: bend * of_v, self.own.v: of_log}
-            changes[self.slope] = self.slope * (known["moves"] * growth - of_log)
-            changes |= {c: known["moves"] * growth * c, self.w: change_of_w * c}
+            changes |= {c: moves * growth * c, self.w: change_of_w * c}
+            changes[self.slope] = self.slope * (moves * growth - of_log)
         else:
             changes |= {self.v: omega, self.w: change_of_w * self.w}
-        changes[known["q"]] = -known["moves"] * growth * known["q"]
+        changes[known["q"]] = -moves * growth * known["q"]
+        changes |= {one: dT * rate for one, rate in self.law.rates_in_time(self.p).items()}
         along = Derivative(self.graph, changes)
-        along.found[known["g"]] = x - along(self.stress[0])
+        along.found[known["g"]] = x - along(self.S)
         if self.law.reverses and has_rates:
-            along.found[known["F"]] = dot(effects, tuple(map(along, self.rates)))
+            along.found[known["F"]] = dot(effects, tuple(map(along, self.f)))
         return along
 
-    def _basis(self, **how):
-        """Derivatives by x, omega and each psi."""
-        one, zero, n = self.graph.one, self.graph.number(0.0), 2 + len(self.psi)
-        units = ([one if j == k else zero for j in range(n)] for k in range(n))
-        return [self._along(x, omega, psi, **how) for x, omega, *psi in units]
-
-    @functools.cached_property
-    def _along_z(self):
-        x, v, *psi = self.z
-        omega = v - self.t * dot(self.own.effects, psi) if self.law.reverses else v
-        return self._along(x, omega, psi)
-
-    @functools.cached_property
-    def equations(self):
-        """What of the equations depends on x, v and psi."""
-        known = self.symbols
-        of_v = known["q"] * known["g"]
+    def _lists(self):
+        known, graph, f, n = self.symbols, self.graph, self.f, 2 + len(self.psi)
+        zero, (x, v, *psi) = graph.number(0.0), self.z
+        units = [[graph.one if j == k else zero for j in range(n)] for k in range(n)]
+        basis = [self._along(*one) for one in units]
+        by_omega, *by_psi = basis[1:]
+        held = [self._along(*one, has_rates=False) for one in units[1:]]
+        forces = self._along(*self.z, dT=known["dT"])
+        in_time = Derivative(graph, self.law.rates_in_time(self.p))
+        of_v, omega = known["q"] * known["g"], v
         if self.law.reverses:
             of_v = of_v + known["m"] * self.t * known["F"]
-        return [-known["kappa"] * self.w, of_v, *self.rates]
+            omega = v - self.t * dot(self.own.effects, psi)
+        along_z = self._along(x, omega, *psi)
+        equations = [-known["kappa"] * self.w, of_v, *f]
+        own_slopes = [along(one) for along, one in zip(by_psi, f, strict=True)]
+        trace = sum(own_slopes, held[0](of_v))
+        varies = self.law.varies
+        return {
+            "stress": [self.S],
+            "strength": [self.N],
+            "resistance": [self.R],
+            "rates": f,
+            "stress_slopes": [along(self.S) for along in basis[1:]],
+            "resistance_slopes": [along(self.R) for along in basis[1:]],
+            "rate_slopes": [*map(by_omega, f), *own_slopes],
+            "force_slopes": [*map(forces, (self.S, self.N, self.R))],
+            "strength_drift": [in_time(self.N)] if varies else [],
+            "rate_drift": [*map(in_time, f)] if varies else [],
+            "inertia_slopes": [-along(of_v) for along in held],
+            "jacobian": _rows(equations, basis),
+            "curvature": _rows(map(along_z, equations), basis),
+            "trace": [trace],
+            "change_of_trace": [along_z(trace)],
+        }
 
-    def _slopes(self, expression):
-        _, *basis = self._basis()
-        return [along(expression) for along in basis]
-
-    @functools.cached_property
-    def resistance_slopes(self):
-        """Slopes of R: by omega, and by each of psi."""
-        return self._slopes(*self.resistance)
-
-    @functools.cached_property
-    def strength_slopes(self):
-        """Those of N."""
-        return self._slopes(*self.strength)
-
-    @functools.cached_property
-    def stress_slopes(self):
-        """Those of S."""
-        return self._slopes(*self.stress)
-
-    @functools.cached_property
-    def rate_slopes(self):
-        """Slopes of the rates: by omega, and by the state itself."""
-        _, by_omega, *by_psi = self._basis()
-        own = [along(f) for along, f in zip(by_psi, self.rates, strict=True)]
-        return [*map(by_omega, self.rates), *own]
-
-    @functools.cached_property
-    def _in_time(self):
-        return Derivative(self.graph, self.law.changes_in_time(self.p))
-
-    @functools.cached_property
-    def strength_drift(self):
-        """d/dT of N at constant v and psi; () unless normal stress varies."""
-        return list(map(self._in_time, self.strength)) if self.law.varies else []
-
-    @functools.cached_property
-    def rate_drift(self):
-        """d/dT of the rates at constant v and psi; () unless normal stress varies."""
-        return list(map(self._in_time, self.rates)) if self.law.varies else []
-
-    @functools.cached_property
-    def inertia_slopes(self):
-        """Slopes of -(q g + m t F), where F is held: by omega, and by each of psi."""
-        _, *basis = self._basis(has_rates=False)
-        return [-along(self.equations[1]) for along in basis]
-
-    @functools.cached_property
-    def jacobian(self):
-        """Rows of derivatives of `equations`: column -> element, unless that is 0."""
-        return _rows(self.equations, self._basis())
-
-    @functools.cached_property
-    def curvature(self):
-        """How `jacobian` changes along z."""
-        return _rows(map(self._along_z, self.equations), self._basis())
-
-    @functools.cached_property
-    def trace(self):
-        """The trace of the Jacobian matrix in x, v and psi."""
-        _, by_omega, *_ = self._basis(has_rates=False)
-        return [sum(self.rate_slopes[len(self.psi) :], by_omega(self.equations[1]))]
-
-    @functools.cached_property
-    def change_of_trace(self):
-        """How the trace changes along z."""
-        return list(map(self._along_z, self.trace))
-
-    def __call__(self, name, v, w, psi, p, e=None, z=(), moves=1.0, **numbers):
-        """Values of one of these lists; rows as dicts.
+    def known(self, v, w, psi, p, e=None, z=(), **numbers):
+        """Symbols, w and exponentials -> values; of those that are given.
 
         e : as of `kinematics`; None if it is not at hand
-        z, numbers : values of those of the symbols that the list needs
         """
         known = {self.v: v, self.w: w, **dict(zip(self.psi, psi, strict=True))}
         known |= dict(zip(self.p, p, strict=False)) | dict(zip(self.z, z, strict=False))
-        known |= {self.symbols[one]: x for one, x in ({"moves": moves} | numbers).items()}
+        known |= {self.symbols[name]: x for name, x in numbers.items()}
         if e is not None:
             if self.law.reverses:
-                size, c = self.law.size(w), e[0]
-                known |= {self.own.v: log(size), self.own.w: size, self.c: c, self.t: w / c}
+                (log_size, size), c = self.law.magnitude(v, w), e[0]
+                known |= {self.own.v: log_size, self.own.w: size, self.c: c, self.t: w / c}
                 known[self.slope] = where(w > 0.0, c, -c) / size
             known |= dict(zip(self.own.exponentials, e[self.law.reverses :], strict=True))
-        found = getattr(self, name)
-        flat = [x for row in found for x in row.values()] if _has_rows(found) else found
-        key = name, e is None, len(p)
-        if key not in self._programs:
-            self._programs[key] = function_of(flat, known)
-        with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
-            values = iter(self._programs[key](*known.values()))
+        return known
+
+    def __call__(self, name, v, w, psi, p, e=None, moves=1.0, **others):
+        """Values of one of the lists; rows as dicts.
+
+        others : values of those of the symbols that the list needs
+        """
+        known, found = self.known(v, w, psi, p, e, moves=moves, **others), self.lists[name]
         if not _has_rows(found):
-            return tuple(values)
+            return tuple(values_of(found, known))
+        values = iter(values_of([x for row in found for x in row.values()], known))
         return [{j: next(values) for j in row} for row in found]
 
 

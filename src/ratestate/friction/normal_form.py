@@ -18,6 +18,7 @@ in which nothing cancels except at the zero itself.  The tests compare both with
 """
 
 import functools
+import math
 
 import numpy as np
 
@@ -67,24 +68,10 @@ def lyapunov_1(eta, b1, h2, h3):
     """
     powers = 1.0, eta, eta**2, eta**2 * eta
     terms = [c * power for c, power in zip(third_order(b1, h2, h3), powers, strict=True)]
-    size = b1 / (16 * (1 + b1) * _damping(1, eta, b1) * _damping(2, eta, b1))
+    # what the linear problem leaves of the first and second harmonic, squared
+    left = ((1 + eta) ** 2 + b1 * (k * eta) ** 2 for k in (1, 2))
+    size = b1 / (16 * (1 + b1) * math.prod(left))
     return 0.0 - size * sum(terms), ROUNDING * size * sum(map(np.abs, terms))
-
-
-def _damping(k, eta, b1):
-    """What the linear problem leaves of the k-th harmonic, squared: (1+eta)^2 + b1 (k eta)^2."""
-    return (1 + eta) ** 2 + b1 * (k * eta) ** 2
-
-
-def growth_slopes(eta, b1):
-    """d growth rate [V/Dc]/d ln V at constant K, and /d ln K at constant V, at the bifurcation."""
-    fastest = b1 / _damping(1, eta, b1)
-    return eta * fastest, -(1 + eta) / 2 * fastest
-
-
-def stress_swing(eta, b1):
-    """Max - min of tau/(a sigma) for r = 1: ln V swings by 2, x by kappa_c/omega times as much."""
-    return 2 * np.sqrt(b1) * (1 + eta)
 
 
 def turning_point(b1, h2, h3):
@@ -93,7 +80,7 @@ def turning_point(b1, h2, h3):
     return min(roots.real[(roots.imag == 0) & (roots.real > 0)], default=np.nan)
 
 
-def growth_slopes_of_law(linear, kappa, eta, omega):
+def growth_slopes(linear, kappa, eta, omega):
     """d Re L/d ln K and /d ln V of the pair at the bifurcation; of V by eta alone.
 
     linear : `linear_stability.Linearisation`

@@ -54,11 +54,11 @@ FAST, RTOL = 40.0, 1e-12
 
 
 def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
-    """How far a state without inertia is from steady sliding: E of this module [1], >= 0.
+    """Return how far a state without inertia is from steady sliding: E of this module.
 
-    Conserved at K = K_c_qs; where K > K_c_qs it falls to 0, so that steady sliding is approached
-    from everywhere (aging law) or from wherever it is finite (slip law); where K < K_c_qs it
-    grows without end.
+    E is conserved at K = K_c_qs.  If K > K_c_qs it falls to 0: steady sliding is approached from
+    everywhere (aging law) or from every state with a finite E (slip law).  If K < K_c_qs it grows
+    without end.
 
     Parameters
     ----------
@@ -74,8 +74,9 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     Returns
     -------
     float, array or DataArray
-        E [1], with rounding errors of about 1e-15 (1 + E), or that of z over 1 - z.  With the
-        slip law inf from the separatrix on: then V runs away if K <= K_c_qs, and may if not.
+        E [1], >= 0, with rounding errors of about 1e-15 (1 + E), or that of z over 1 - z.  Under
+        the slip law it is inf from the separatrix on: then V runs away if K <= K_c_qs, and may
+        otherwise.
 
     Raises
     ------
@@ -95,22 +96,23 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
 
 @elementwise()
 def period(E, *, V_lp, a, b, Dc):
-    """Period [s] of sliding without inertia at K = K_c_qs, the same for laws of one length.
+    """Return the period of sliding without inertia at K = K_c_qs, slip or aging law.
 
-    2 pi/omega_c for small excursions, growing with E; V_lp times it is the slip per cycle.
+    It is 2 pi/omega_c for small excursions and grows with E.  The slip per cycle is V_lp times the
+    period.
 
     Parameters
     ----------
     E : float, array or DataArray
-        Excursion [1], see `excursion`; up to 100 the period is good to 1e-9.  Below 1e-10 it is
-        taken as that, negative ones too.
+        Excursion [1], see `excursion`.  Up to 100 the period is good to 1e-9.  Smaller values than
+        1e-10, negative ones too, count as 1e-10.
     V_lp, a, b, Dc : float, array or DataArray
         Load-point velocity [m/s], friction parameters [1, 1, m].
 
     Returns
     -------
     float, array or DataArray
-        Period [s]; inf where E is, else NaN where b <= a (there is no K_c_qs) or E is NaN.
+        Period [s]; inf if E is inf, else NaN if b <= a (there is no K_c_qs) or E is NaN.
     """
     c = np.where(b > a, b / a - 1, np.nan)[..., None]
     # On c h(p) + h(q) = E, run through by sqrt(c h(p)) = sqrt(E) cos(phi) and so on:
@@ -124,12 +126,11 @@ def period(E, *, V_lp, a, b, Dc):
 
 
 def runaway_step(*, a, b):
-    """Smallest V_lp/V, new speed over old, at which a step runs away: b/(b - a).
+    """Return the smallest V_lp/V at which a step in speed from V to V_lp runs away.
 
-    At K = K_c_qs, without inertia, by the slip law.
-
-    Steady sliding at V, and then at once V_lp: x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps,
-    and all steps down, are periodic.
+    It is b/(b - a) at K = K_c_qs, without inertia, under the slip law: steady sliding at V, and
+    then at once V_lp, has x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps, and all steps down, are
+    periodic.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def runaway_step(*, a, b):
     Returns
     -------
     float, array or DataArray
-        V_lp/V [1], in the shape that the arguments broadcast to; inf where b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; inf if b <= a.
     """
     with np.errstate(divide="ignore"):
         return 1 + a / np.maximum(b - a, 0.0)
@@ -147,10 +148,10 @@ def runaway_step(*, a, b):
 
 @elementwise()
 def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
-    """Ratio V_lp/V below which no step in V_lp runs away at M = 0 with the slip law [1].
+    """Return a V_lp/V below which no step runs away at M = 0 under the slip law.
 
-    With r = K/K_c_qs and c = (b - a)/a the larger of 1 + r/c and exp(r^2/(r + c)): a lower bound
-    of the ratio that does, which for r > 1 is no closed form; at r = 1 it is `runaway_step`.
+    It is the larger of 1 + r/c and exp(r^2/(r + c)), with r = K/K_c_qs and c = (b - a)/a.  At r = 1
+    it equals `runaway_step`; for r > 1 the smallest step that runs away has no closed form.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
     Returns
     -------
     float, array or DataArray
-        V_lp/V, in the shape that the arguments broadcast to; 1 where K < K_c_qs, inf where b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
     """
     # Where s = c/(r + c), no path crosses u = (b/a) r (1 - s exp(-v)), u = x + c v, upwards
     # while v grows; a step starts at u = 0, v = -ln(V_lp/V), that is, below it if V_lp/V < 1/s.
@@ -174,11 +175,10 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
 
 @elementwise()
 def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
-    """Ratio V_lp/V from which every step in V_lp runs away at M = 0 with the slip law [1].
+    """Return a V_lp/V from which every step runs away at M = 0 under the slip law.
 
-    b/(b - a) + ((b/(b - a)) (r - 1) exp(1 + (b/a)(r - 1)))^(a/b) with r = K/K_c_qs: an upper
-    bound of the ratio that does; at r = 1 it is `runaway_step`.  However stiff the spring, then,
-    some step runs away.
+    It is b/(b - a) + ((b/(b - a)) (r - 1) exp(1 + (b/a)(r - 1)))^(a/b), with r = K/K_c_qs.  At
+    r = 1 it equals `runaway_step`.  So some step runs away however stiff the spring is.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
     Returns
     -------
     float, array or DataArray
-        V_lp/V, in the shape that the arguments broadcast to; 1 where K < K_c_qs, inf where b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
     """
     # While v < 0 < u the quantity (1 - x - c h(v)) exp(x) falls, from exp(cL) (b/a - c exp(L)) with
     # L = ln(V_lp/V), and at v = 0 it is (1 - x) exp(x).  Beyond v = 0 no path crosses
@@ -203,7 +203,7 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
 
 
 def _stiffness_ratio(a, b, Dc, sigma, K):
-    """K/K_c_qs and (b - a)/a; meaningless where b <= a."""
+    """K/K_c_qs and (b - a)/a; meaningless if b <= a."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return K / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma), (b - a) / a
 
@@ -226,7 +226,7 @@ def inverse_convex(value, sign):
 
 
 class Thresholds(NamedTuple):
-    """Smallest disturbances that run away, dimensionless, > 0; inf where none is up to `largest`.
+    """Smallest disturbances that run away, dimensionless, > 0; inf if none up to `largest` does.
 
     step_up: ln(V_lp/V before); kick_up, kick_down: rise and size of fall of tau/(a sigma).
     """
@@ -240,7 +240,7 @@ def edge_of_slip_law(kappa, beta, largest):
     """`Thresholds` of one slider without mass under the slip law.
 
     A step up starts at y = 0, v = -step; a kick, without a change of the state, at y = v.
-    SolverError where the path cannot be followed; kappa > beta - 1 > 0 is not checked.
+    SolverError if the path cannot be followed; kappa > beta - 1 > 0 is not checked.
 
     kappa, beta : float, K Dc/(a sigma) and b/a
     largest : float, size up to which to look
@@ -280,10 +280,9 @@ def edge_of_slip_law(kappa, beta, largest):
     return Thresholds(*(float(at[0]) if at.size else np.inf for at in found))
 
 
-def edge_of_aging_law(kappa, beta, largest):
-    """`Thresholds` under the aging law: none, every orbit comes back (Ranjith & Rice 1999)."""
-    return Thresholds(np.inf, np.inf, np.inf)
-
-
 #: law -> function that gives `Thresholds` of a slider without mass
-EDGES = {"slip": edge_of_slip_law, "aging": edge_of_aging_law}
+EDGES = {
+    "slip": edge_of_slip_law,
+    # every orbit comes back (Ranjith & Rice 1999)
+    "aging": lambda kappa, beta, largest: Thresholds(np.inf, np.inf, np.inf),
+}

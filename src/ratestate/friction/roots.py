@@ -2,24 +2,24 @@
 
 import numpy as np
 
-# Steps of the iteration for roots; some ten are needed, more where roots are all but equal.
+# Steps of the iteration for roots; about ten are needed, more if roots almost coincide.
 MAX_STEPS = 60
-# Relative length of a step after which the next would be of rounding alone.
+# Relative length of a step after which the next would be rounding alone.
 CONVERGED = 1e-14
 
 
 def root(off, start, where):
-    """The root (n,) of an increasing function, mostly a nearly linear one, as friction is in ln V.
+    """The root (n,) of an increasing function, best of a nearly linear one, as friction is in ln V.
 
-    Not finite where none is found.
+    It is not finite if none is found.
 
-    off : of (n,), giving (n,)
+    off : the function, of (n,), giving (n,)
     start : (n,) near the root
     where : (n,) whether the root matters
     """
-    with np.errstate(all="ignore"):  # (where it does not matter there may be no root)
+    with np.errstate(all="ignore"):  # (if it does not matter there may be no root)
         found, slope = start, off(start + 1.0) - off(start)
-        for _ in range(2):  # (the second makes up for the rounding of the slope)
+        for _ in range(2):  # (the second step corrects the rounding of the slope)
             found = found - off(found) / slope
         wrong = where & ~(np.abs(off(found)) <= 1e-11 * np.maximum(1.0, np.abs(found)))
     return np.where(wrong, _bisected(off, start), found) if wrong.any() else found
@@ -55,10 +55,10 @@ def polynomial_product(factors):
 def polynomial_roots(c):
     """(..., n) complex roots of polynomials, coefficients (..., n + 1), highest first, n > 0.
 
-    Of degree 2 in closed form, else by the iteration of Ehrlich and Aberth from the moduli that
+    Closed form for degree 2, else the iteration of Ehrlich and Aberth from the moduli that
     Newton's polygon gives, as in Bini (1996, doi:10.1007/BF02207694): roots may differ by many
     orders of magnitude, and each has its own digits.  They are real, or in conjugate pairs.  All
-    are NaN where a coefficient is not finite, or so small a first one that a root is not.
+    are NaN if a coefficient is not finite, or the first so small that a root is not.
     """
     n = c.shape[-1] - 1
     found = np.full((*c.shape[:-1], n), np.nan, complex)

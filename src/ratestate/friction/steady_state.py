@@ -17,7 +17,7 @@ def steady_variables(law, p, v):
 
 
 def _steady_variable(law, k, p, v, start):
-    """psi_k, sought from that of theta_k = D_k/V on; the rate of each state knows no other."""
+    """psi_k, from theta_k = D_k/V on; its rate does not depend on other states."""
 
     def arguments(psi_k, v, p):
         psi, w = (psi_k,) * len(law.states), np.exp(v)
@@ -28,7 +28,7 @@ def _steady_variable(law, k, p, v, start):
 
     found, done = start[k], np.zeros(np.shape(start[k]), bool)
     before = np.full(np.shape(found), np.inf)
-    with np.errstate(all="ignore"):  # of steps that lead nowhere
+    with np.errstate(all="ignore"):  # (steps may lead nowhere)
         for _ in range(ITERATIONS):
             value = rate(found, v, *p)
             slope = law.rate_partials(*arguments(found, v, p))[1][k]
@@ -48,7 +48,7 @@ def _steady_variable(law, k, p, v, start):
 
 
 def steady_problem(law, psi, p, v=0.0):
-    """What is wrong with steady sliding under a law with own formulas, as text; "" if nothing."""
+    """The problem with steady sliding under a user's law or friction, as text; "" if none."""
     w = np.exp(v)
     if law.is_of_user and all(np.all(np.isfinite(x)) for x in p):
         for name, one in zip(law.states, psi, strict=True):

@@ -25,15 +25,14 @@ RAISED = (Exception, SystemExit)
 NAME = re.compile(r"[a-z][a-z0-9-]*")
 #: begins the name of the module that a law file is
 LAW_FILE = "ratestate_law_"
-#: what a class of laws may have of its own, beside what has other names
-OWN = (
-    *("name", "label", "synonyms", "source", "form", "states", "parameters", "evolution"),
-    *("friction", "runaway", "log_theta", "variables_of", "constants", "complaint"),
-    "jumps_with_normal_stress",
-    *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
-)
 #: methods that are run once, with expressions
 FORMULAS = ("evolution", "friction", "runaway", "log_theta", "variables_of", "constants")
+#: names that `FrictionLaw` has and a user's law may have too
+OWN = (
+    *(*FORMULAS, "complaint", "jumps_with_normal_stress"),
+    *("name", "label", "synonyms", "source", "form", "states", "parameters"),
+    *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
+)
 #: speeds [m/s] and ln(V theta/D) at which a law is tried
 SPEEDS, AGES = 10.0 ** np.arange(-12.0, 1.5, 0.5)[:, None], np.linspace(-20.3, 20.9, 207)
 #: largest error of variables that are made from states, and these from them

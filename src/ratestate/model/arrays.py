@@ -106,8 +106,7 @@ def stack(values):
     check_aligned(values)
     arrays = xarray.broadcast(*map(xarray.DataArray, values.values()))
     data = np.stack([array.values for array in arrays], axis=-1)
-    coords = {name: labels for array in arrays for name, labels in array.coords.items()}
-    return xarray.DataArray(data, coords, (*arrays[0].dims, "segment"))
+    return xarray.DataArray(data, arrays[0].coords, (*arrays[0].dims, "segment"))
 
 
 def running_sum(x):
@@ -140,10 +139,17 @@ def continued(t, columns, pieces, symbol):
 def _appended(column, values, symbol):
     if not any(map(is_array, (column, *values))):
         return np.append(column, values)
-    rows = list(as_column(column).transpose("segment", ...))
+    import xarray
+
+    column = as_column(column)
     named = {f"{symbol} {i}": value for i, value in enumerate(values)}
-    check_aligned({f"{symbol} before": rows[-1], **named})
-    return stack(dict(enumerate([*rows, *values])))
+    check_aligned({f"{symbol} before": column.isel(segment=-1), **named})
+    ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
+    apart = xarray.broadcast(column, *ends, exclude=["segment"])
+    parts = [part.transpose(..., "segment") for part in apart]
+    data = np.concatenate([part.values for part in parts], axis=-1)
+    coords = {name: labels for part in parts for name, labels in part.coords.items()}
+    return xarray.DataArray(data, coords, parts[0].dims)
 
 
 def as_column(values):

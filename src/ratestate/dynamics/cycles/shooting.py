@@ -88,8 +88,7 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
 def _shares_on_section(system, y):
     """s_k of d omega = dv + sum_k s_k d psi_k at V_lp (`kinematics`), a tuple."""
     law, p, v, psi = system.friction_law, system.coefficients, y[:, 1], tuple(y[:, 2:].T)
-    jumps = tuple(np.exp(x) for x in law.jump_exponents(v, psi, p))
-    _, c_inverse, _ = law.net_speed(v, 1.0, 1.0, jumps)
+    _, c_inverse, _ = law.net_speed(v, psi, p)
     return law.shares(1.0, c_inverse, p)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...friction.laws import friction_law
 from ...friction.linear_stability import linearisation
-from ...friction.normal_form import growth_slopes_of_law, lyapunov_1_of_law
+from ...friction.normal_form import growth_slopes, lyapunov_1_of_law
 from .harmonic_balance import (
     EVEN,
     EVEN_WAVES,
@@ -100,7 +100,7 @@ def hopf_curvature(system):
         return curvature(system.law, system.beta, system.eta)
     p, (kappa, omega) = system.coefficients, system.critical
     coefficient, _ = lyapunov_1_of_law(law, p, kappa, system.eta, omega)
-    by_K, _ = growth_slopes_of_law(linearisation(law, p), kappa, system.eta, omega)
+    by_K, _ = growth_slopes(linearisation(law, p), kappa, system.eta, omega)
     return -coefficient * kappa / by_K
 
 

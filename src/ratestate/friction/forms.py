@@ -1,0 +1,140 @@
+"""Forms of friction: how it depends on speed and state, beside the logarithms of eq. 1.
+
+A form is a class that stands before a law of state among the bases of another (`composition`), and
+so gives that law another friction.
+"""
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from ..errors import ParameterError
+from .expressions import LIMIT
+from .functions import asinh, exp, larger, log, smaller, softplus, where
+from .kinematics import Reversing
+from .law import LOG, FrictionLaw, Parameter, eq_1
+from .tuples import dot
+
+# ln(V/V1) up to which double precision tells V from friction, there to 1e-5: by the slope e**-20.
+RESOLVED, LEAST_SLOPE = 20.0, 2e-9
+
+
+class CutOff(FrictionLaw):
+    """mu = mu0 - a ln(1 + V1/V) + b ln(1 + V2 theta/Dc), and of a second state b2 likewise.
+
+    At V well below V1 and theta well above Dc/V2 that is eq. 1 with another mu0.
+
+    Source: Okubo (1989) doi:10.1029/JB094iB09p12321.
+    """
+
+    OWN = MappingProxyType(
+        {
+            "V1": Parameter("m/s", "cut-off speed of the direct effect", "> 0", "'1 cm/s'"),
+            "V2": Parameter("m/s", "cut-off speed of the state", "> 0", "'1 m/s'"),
+        }
+    )
+    # what is known of a law of one length is under eq. 1
+    one_length, series = False, None
+
+    def mu(self, V, theta, ages, p, effects):
+        """From the theta_k/D_k and the b_k."""
+        mu = p.mu0 - p.a * log(1.0 + p.V1 / V)
+        each = zip(effects, ages, strict=True)
+        return sum((b * log(1.0 + p.V2 * age) for b, age in each), mu)
+
+    def constants(self, p, effects):
+        """ln(V1/V_ref) and ln(V2/V_ref)."""
+        return {"v1": log(p.V1 / p.V_ref), "v2": log(p.V2 / p.V_ref)}
+
+    def runaway(self, v, psi, kappa, p):
+        """Where the spring pulls harder than friction at all speeds, as when sigma falls."""
+        return v > LIMIT
+
+    def without_rounding(self, error, y, w, e, p, inertia, rounding, size, allowed):
+        """Force tells v by the direct effect, by damping, and by inertia in the step.
+
+        It is rounded to parts of the numbers it is a sum of, and of 1, as `softplus` is.
+        """
+        by_v, _ = self.stress_slopes(y[1], w, y[2:], e, p)
+        effects = self.evolution_effects(p)
+        offset = softplus(self.constant("v1", p)) - sum(effects) * softplus(self.constant("v2", p))
+        slope = larger(by_v + inertia * w, LEAST_SLOPE)
+        part = allowed * slope / (rounding * (1.0 + size + abs(offset)))
+        return error * where(part < 1.0, part, 1.0)
+
+    def resolved(self, v_limit, p):
+        """A little beyond V1."""
+        return where(
+            v_limit < math.inf, smaller(v_limit, self.constant("v1", p) + RESOLVED), v_limit
+        )
+
+    def is_lost(self, v, p):
+        """Where friction does not tell V."""
+        return v > self.constant("v1", p) + RESOLVED
+
+    def outruns_spring(self, v, w, psi, e, kappa, p):
+        """Whether -sum_k b_k dpsi_k/dD > kappa, with slip D and the b_k left at these ages.
+
+        Where V >> V1, d(1/w)/dD = (kappa + sum_k b_k dpsi_k/dD)/w1, w1 = V1/V_ref: 1/w falls
+        to 0 within a slip of w1/w [Dc], in which neither the states nor sigma change.
+        """
+        _, left = self.resistance_partials(v, w, psi, p)
+        return -dot(left, self.rates(v, w, psi, e, p)) > kappa * w
+
+
+class Regularized(Reversing, FrictionLaw):
+    """mu = a asinh(V/(2 V0) exp((mu0 + b ln(V0 theta/Dc))/a)), and of a second state likewise.
+
+    It is eq. 1 where that is well above a.  mu_ref is 0, so that friction and stress keep their
+    digits where they are small.
+
+    Source: Rice & Ben-Zion (1996) doi:10.1073/pnas.93.9.3811; Lapusta, Rice, Ben-Zion & Zheng
+    (2000) doi:10.1029/2000JB900250.
+    """
+
+    OWN: Mapping[str, Parameter] = MappingProxyType({})
+    # what is known of a law of one length is under eq. 1
+    one_length, series = False, None
+
+    def mu(self, V, theta, ages, p, effects):
+        """From the theta_k/D_k and the b_k."""
+        states = eq_1(p.V0, ages, p, effects)
+        return p.a * asinh(0.5 * V / p.V0 * exp(states / p.a))
+
+    def reference(self, mu):
+        """0."""
+        return 0.0 * mu
+
+    def constants(self, p, effects):
+        """Theta at theta_k = D_k/V_ref."""
+        at_V_ref = [1.0 / p.V_ref] * len(effects)
+        states = eq_1(p.V0, at_V_ref, p, effects)
+        return {"barrier": states / p.a - log(p.V0 / p.V_ref)}
+
+    def barrier(self, psi, p):
+        """Theta."""
+        return self.constant("barrier", p) + dot(self.evolution_effects(p), psi)
+
+
+#: name of a form -> its class, but for that of eq. 1; OWN are its parameters
+FORMS: dict[str, Any] = {"cut-off": CutOff, "regularized": Regularized}
+
+
+def form_name(form):
+    """The name of a form, in any capitals; ParameterError for an unknown one."""
+    name = form.lower() if isinstance(form, str) else None
+    if name not in (LOG, *FORMS):
+        names = " or ".join(map(repr, (LOG, *FORMS)))
+        raise ParameterError(f"friction = {form!r} is unknown; choose {names}")
+    return name
+
+
+def parameters_of(form):
+    """symbol -> what it is, of the parameters that a form has, by its name."""
+    return FORMS[form].OWN if form in FORMS else {}
+
+
+def forms_with(symbol):
+    """Names of the forms that have this symbol among their parameters, a list."""
+    return [name for name, form in FORMS.items() if symbol in form.OWN]

@@ -1,0 +1,82 @@
+"""The equations of motion, whose derivatives are held against differences in mpmath."""
+
+from types import SimpleNamespace
+
+import exact_functions  # noqa: F401  (by which formulas run with mpmath's numbers)
+import mpmath as mp
+import numpy as np
+import pytest
+
+from ratestate.engine.equations import derived, exponentials, in_omega
+from ratestate.friction.composition import composed, forms_of
+from ratestate.friction.laws import LAWS
+
+SLIDER = {"a": 0.01, "b": 0.015, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-6, "sigma": 5e6, "damping": 5e6}
+OWN = {"b2": 0.003, "Dc2": 3e-5, "c": 2.0, "V_cut": 1e-7, "V_w": 0.1, "mu_w": 0.2}
+CUT_OFF = {"V1": 1e-2, "V2": 0.5}
+EVERY = [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
+
+
+def drawn(law, rng):
+    """A state, near rest and far from it if slip may reverse; kappa, eta0 and p."""
+    slider = SimpleNamespace(**SLIDER, **OWN, **CUT_OFF)
+    p = tuple(map(float, law.coefficients(10.0 ** rng.uniform(-8, 0), slider)))
+    v, psi = 3.0 * rng.normal(), 2.0 * rng.normal(size=len(law.states))
+    if law.reverses:
+        v = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-12, 2)
+        if abs(v) > 3.0:  # at a speed that is not beyond others
+            psi += (abs(v) - law.barrier(psi, p)) / sum(law.evolution_effects(p))
+    y = v + rng.normal(), v, *psi
+    return tuple(map(float, y)), 10.0 ** rng.uniform(-2, 1), 10.0 ** rng.uniform(-4, 2), p
+
+
+def motion(y, law, kappa, eta0, p):
+    """dx/dT, but for the load point's speed, dv/dT and d psi/dT."""
+    w, c_inverse, e = exponentials(y, law, p)
+    f = law.rates_in_v(y[1], w, y[2:], e, p)
+    of_v = (y[0] - law.stress_in_v(y[1], w, y[2:], p)) * c_inverse / eta0
+    shares = law.shares(w, c_inverse, p)
+    return [-kappa * w, of_v - sum(s * one for s, one in zip(shares, f, strict=False)), *f]
+
+
+def slopes(function, y, along, h):
+    """Derivative of a function of y in a direction, an array of mpmath's numbers."""
+    up, down = (tuple(a + s * h * b for a, b in zip(y, along, strict=True)) for s in (1, -1))
+    return (np.array(function(up)) - np.array(function(down))) / (2 * h)
+
+
+def jacobian(y, *system):
+    """Derivatives of `motion`, by row and column."""
+    unit = np.eye(len(y))
+    columns = [slopes(lambda u: motion(u, *system), y, one, mp.mpf(1e-30)) for one in unit]
+    return np.transpose(columns)
+
+
+@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize(("name", "form"), EVERY)
+def test_derivatives(name, form, damped):
+    """To 1e-12 of the largest term of a row, of either sign of slip and near rest."""
+    law, rng = composed(LAWS[name], form, damped), np.random.default_rng(5)
+    for _ in range(4):
+        y, kappa, eta0, p = drawn(law, rng)
+        z = tuple(map(float, rng.normal(size=len(y))))
+        with mp.workdps(90):
+            at, system = tuple(map(mp.mpf, y)), (law, kappa, eta0, p)
+            exact = jacobian(at, *system)
+            change = slopes(lambda u, system=system: jacobian(u, *system), at, z, mp.mpf(1e-22))
+            traces = [float(np.trace(one)) for one in (exact, change)]
+        w, c_inverse, e = exponentials(y, law, p)
+        how = {"y": y, "w": w, "e": e, "law": law, "p": p, "z": z, "kappa": kappa}
+        directions = [in_omega(tuple(one), law.shares(w, c_inverse, p)) for one in np.eye(len(y))]
+        for matrix, true in (("jacobian", exact), ("curvature", change)):
+            rows = derived(matrix, **how, q=c_inverse / eta0, m=1.0)
+            for row, of_row in zip(rows, true.astype(float), strict=True):
+                terms = np.array([[x * k[j] for j, x in row.items()] for k in directions])
+                size = max(np.abs(terms).max(), np.abs(of_row).max())
+                np.testing.assert_allclose(terms.sum(axis=1), of_row, rtol=0, atol=1e-12 * size)
+        for trace, true, matrix in zip(
+            ("trace", "change_of_trace"), traces, (exact, change), strict=True
+        ):
+            (found,) = derived(trace, **how, q=c_inverse / eta0, m=1.0)
+            size = np.abs(np.diag(matrix).astype(float)).max()
+            assert found == pytest.approx(true, rel=0, abs=1e-12 * size)
