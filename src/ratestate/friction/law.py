@@ -237,7 +237,7 @@ class FrictionLaw(LawProperties):
         """S: the strength N, unless there is damping."""
         return N
 
-    def rates_of(self, rates, R, p):
+    def rates_of(self, rates, R, growth, p):
         """d psi/dT: the law's own, unless normal stress varies."""
         return rates
 
@@ -245,8 +245,8 @@ class FrictionLaw(LawProperties):
         """What of p changes with time, a tuple: of the last ones."""
         return ()
 
-    def rates_in_time(self, p):
-        """Those of p, expressions, that forces hold -> their derivatives in T."""
+    def rates_in_time(self, growth, p):
+        """s and the growth of ln s, expressions, -> their derivatives in T, if they vary."""
         return {}
 
     def later(self, p, dT):
