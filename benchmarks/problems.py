@@ -7,9 +7,9 @@ import numpy as np
 from ratestate.dynamics.simulation.cases import engine_cases, run_cases
 from ratestate.engine.model import Loads
 from ratestate.friction.laws import LAWS, friction_law
-from ratestate.model.arrays import logspace
-from ratestate.model.batch import Batch
+from ratestate.model.arrays import Batch
 from ratestate.model.initial_state import initial_state
+from ratestate.model.parameters import logspace
 from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP, FIG4
 
 # What counts as exact.

@@ -28,7 +28,7 @@ from near_tests import nearest_first
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build/mutants"
 RESULTS = BUILD / "results.jsonl"
-KERNELS = ("src/ratestate/engine/", "src/ratestate/friction/laws.py")  # compile anew when changed
+KERNELS = ("src/ratestate/engine/", "src/ratestate/friction/built_in_laws.py")  # compile anew
 # Processor time that tests of a mutant may take, and time that one test may [s]; more of both where
 # kernels compile.
 SECONDS, PATIENCE, COMPILING = 90.0, 300.0, 180.0

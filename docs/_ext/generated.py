@@ -13,8 +13,6 @@ from pathlib import Path
 import materials
 import symbols
 
-from ratestate.model.loading.shapes import SHAPES
-
 DOCS = Path(__file__).parent.parent
 MARK = re.compile(
     r"^<!-- generated: (\w+) -->$(?:\n+((?:(?!^<!--).*\n)*)^<!-- end -->$)?", re.MULTILINE
@@ -69,7 +67,7 @@ WORDS = {
     "law": "friction law",
     "law_file": "Python file with a friction law of your own",
     "steps": "steps, holds and ramps",
-    **dict.fromkeys(SHAPES, "oscillation about `V_lp`"),
+    "sinusoid": "oscillation about `V_lp`",
     "sigma loading": "normal stress at the times `t`",
     "sigma_steps": "steps and ramps of the normal stress",
     "sigma_sinusoid": "oscillation of the normal stress",
@@ -88,7 +86,7 @@ WORDS = {
 #: of those, what is expected, where the code has no list of it
 FORMS = {
     "steps": '`[{ t = "1 s", V_lp = "1 mm/s" }]`; `hold` in place of `V_lp`, or `ramp` beside it',
-    **{kind: f"`{shape.example}`, or `frequency`" for kind, shape in SHAPES.items()},
+    "sinusoid": '`{ amplitude = "0.05 mm/s", period = "2 s" }`, or `frequency`',
     "sigma loading": '`["5 MPa", "5 MPa", "5.1 MPa", 5.1e6]`',
     "sigma_steps": '`[{ t = "1 s", sigma = "5.1 MPa" }]`; `ramp` beside it',
     "sigma_sinusoid": '`{ amplitude = "50 kPa", period = "2 s" }`, or `frequency`',
@@ -150,7 +148,7 @@ def _key(table, key):
 def _otherwise(table, key):
     """What is taken for a parameter of the slider that is not given."""
     from ratestate.interfaces.scenario.known_keys import COMMON, NEEDED
-    from ratestate.model.other_units import WHOLE_CONTACT
+    from ratestate.model.parameters import WHOLE_CONTACT
 
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")

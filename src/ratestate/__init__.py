@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     )
     from .friction.law import FrictionLaw
     from .interfaces.explorer.notebook import explore
-    from .model.arrays import logspace
     from .model.conversion import in_units
     from .model.loading import Loading
+    from .model.parameters import logspace
     from .model.slider import SpringSlider
     from .model.user_laws import register
     from .records.fitting.fit import fit
@@ -94,7 +94,7 @@ _HOMES = {
     "hopf": "dynamics.hopf",
     "in_units": "model.conversion",
     "limit_cycle": "dynamics.cycles.limit_cycle",
-    "logspace": "model.arrays",
+    "logspace": "model.parameters",
     "machine_stiffness": "records.machine.machine_stiffness",
     "read_lab": "records.reading",
     "register": "model.user_laws",

@@ -10,7 +10,7 @@ from textbook import OF_LAW, Textbook, drawn
 import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.orbit import orbit
-from ratestate.friction import hopf_of_law, normal_form
+from ratestate.friction import normal_form
 from ratestate.friction.laws import LAWS, of_one_length
 from ratestate.friction.linear_stability import linearisation
 
@@ -302,15 +302,15 @@ def test_the_numbers_of_any_law_are_the_closed_form_of_one_length():
         law = LAWS[name]
         b1, eta = (x.ravel() for x in np.meshgrid([0.01, 0.3, 30.0], [0.0, 1e-6, 0.3, 20.0]))
         p, kappa, omega = (1 + b1,), b1 * (1 + eta), np.sqrt(b1)
-        found, rounding = hopf_of_law.lyapunov_1(law, p, kappa, eta, omega)
+        found, rounding = normal_form.lyapunov_1_of_law(law, p, kappa, eta, omega)
         exact, _ = normal_form.lyapunov_1(eta, b1, *normal_form.law_curvatures(name))
         assert (np.abs(found - exact) < rounding).all()
         visible = eta > 0.1
         np.testing.assert_allclose(found[visible], exact[visible], rtol=1e-13)
-        by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, eta, omega)
-        expected_by_V, expected_by_K = normal_form.growth_slopes(eta, b1)
-        np.testing.assert_allclose(by_K, expected_by_K, rtol=1e-13)
-        np.testing.assert_allclose(by_V, expected_by_V, rtol=0, atol=1e-13)
+        by_K, by_V = normal_form.growth_slopes(linearisation(law, p), kappa, eta, omega)
+        fastest = b1 / ((1 + eta) ** 2 + b1 * eta**2)
+        np.testing.assert_allclose(by_K, -0.5 * (1 + eta) * fastest, rtol=1e-13)
+        np.testing.assert_allclose(by_V, eta * fastest, rtol=1e-13)
 
 
 @NAMES

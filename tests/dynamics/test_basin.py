@@ -14,6 +14,7 @@ from ratestate.dynamics import disturbances
 from ratestate.dynamics.basin import escape
 from ratestate.engine.model import FINISHED, NO_CONVERGENCE, STEP_LIMIT
 from ratestate.friction.quasi_static import (
+    EDGES,
     runaway_step,
     runaway_step_lower_bound,
     runaway_step_upper_bound,
@@ -345,15 +346,14 @@ def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
 
 
 def test_an_edge_of_runaway_that_is_lost_harms_no_other(monkeypatch):
-    kind = type(MASSLESS.friction_law)
-    whole = kind.runaway_edge
+    whole = EDGES["slip"]
 
-    def lost(law, kappa, beta, largest):
+    def lost(kappa, beta, largest):
         if kappa < 1.2 * (beta - 1.0):
             raise rs.SolverError("the edge of runaway (M = 0) could not be followed")
-        return whole(law, kappa, beta, largest)
+        return whole(kappa, beta, largest)
 
-    monkeypatch.setattr(kind, "runaway_edge", lost)
+    monkeypatch.setitem(EDGES, "slip", lost)
     K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.1, 1.5]), dims="K")
     found = escape(MASSLESS.replace(K=K), 1e-6)
     assert found.outcome.values.tolist() == ["unknown", "runaway"]

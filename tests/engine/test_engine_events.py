@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ratestate.engine import dense_output, extremes
+from ratestate.engine import events
 from ratestate.engine import rows as R
 from ratestate.engine.calls import WORK
 from ratestate.engine.units import MarchUnits, in_python
+from ratestate.friction.built_in_laws import SlipLaw
 from ratestate.friction.composition import composed, under_varying_stress
-from ratestate.friction.laws.slip import SlipLaw
 from ratestate.laws import log
 
 LANE = 3
@@ -38,7 +38,7 @@ def of_v(c):
 
 
 def extreme(run):
-    return dense_output.extreme_of_v(run, LANE)
+    return events.zero(run, LANE, events.rate_of_v, (), 0.0, 1.0)
 
 
 def from_derivative(terms, *roots):
@@ -86,7 +86,7 @@ def test_where_a_step_of_high_order_has_its_extreme():
 
 
 def crossing(c, *load):
-    return extremes.crossing_of_v(of_v(c), LANE, load, 0.0, 1.0)
+    return events.zero(of_v(c), LANE, events.v_ahead, load, 0.0, 1.0)
 
 
 @TERMS
@@ -121,7 +121,7 @@ def test_a_crossing_of_a_load_point_that_speeds_up():
 
 
 def extreme_value(c, parts, h, law, p):
-    return extremes.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
+    return events.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
 
 
 class Viscous(SlipLaw):

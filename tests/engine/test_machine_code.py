@@ -24,17 +24,9 @@ WIDTHS = (1, 2, 4, 8)
 def run(function, width, *columns):
     """What compiled code of a function of numbers gives for columns (n,), an array (m, n)."""
     code = Code(width)
-    n = len(columns)
-    given = []
-    for k in range(n):
-        at = code.write(f"getelementptr double, ptr %in, i64 {k * width}", Number)
-        given.append(code.write(f"load {code.type(Number)}, ptr {at.name}, align 8", Number))
-    results = function(*given)
+    results = function(*(code.load("%in", k * width) for k in range(len(columns))))
     for k, one in enumerate(results):
-        at = code.write(f"getelementptr double, ptr %out, i64 {k * width}", Number)
-        code.lines.append(
-            f"store {code.type(Number)} {code.text(Number, one)}, ptr {at.name}, align 8"
-        )
+        code.store(code.number(one), "%out", k * width)
     head, end = "define void @f(ptr %in, ptr %out) {", ["ret void", "}"]
     text = "\n".join([*code.declarations.values(), head, *code.lines, *end])
     address = loaded(compiled(text), ["f"])["f"]
@@ -175,5 +167,6 @@ def test_the_width_is_that_in_which_this_processor_is_fastest(monkeypatch):
 
     assert width("skylake-avx512", avx=True, avx512f=True) == 4
     assert width("znver4", avx=True, avx512f=True) == 8
+    assert width("sapphirerapids", avx=True, avx512f=True) == 8
     assert width("znver2", avx=True, avx512f=False) == 4
     assert width("x86-64", sse2=True) == width("apple-m1", neon=True) == 2

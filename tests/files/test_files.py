@@ -23,7 +23,7 @@ import zarr
 import ratestate as rs
 from ratestate import ParameterError, files
 from ratestate.errors import StoreError
-from ratestate.files.netcdf import raw_netcdf
+from ratestate.files.stored import raw_netcdf
 from ratestate.records.reading.stored import read_hdf5
 from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import open_result, zarr_3_warnings_ignored
@@ -157,7 +157,7 @@ def test_a_failed_write_leaves_what_was_there(ending, results, tmp_path, monkeyp
     path = files.write(results["cycle"], tmp_path / f"x.{ending}")
     monkeypatch.setattr(xr.Dataset, "to_netcdf", fails)
     monkeypatch.setattr(xr.Dataset, "to_zarr", fails)
-    monkeypatch.setitem(files.formats.FORMATS, ".csv", (fails, None))
+    monkeypatch.setitem(files.FORMATS, ".csv", (fails, None))
     with pytest.raises(OSError, match="disk full"):
         files.write(results["rigid"], path)
     assert [one.name for one in tmp_path.iterdir()] == [path.name]

@@ -1,7 +1,6 @@
 """The friction law and the evolution laws against their definitions (eqs 1-3)."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from hypothesis import strategies as st
 
 from ratestate import ParameterError
 from ratestate.friction import formulas as rsf
-from ratestate.friction import laws
 from ratestate.paper import laws as paper
 
 LAWS = list(paper.LAWS)
@@ -53,26 +51,6 @@ def test_evolution_is_that_of_the_textbook(law, log_V, log_omega):
     assert abs(rsf.dtheta_dt(V, theta, Dc=Dc, law=law) - expected) < 1e-14 * scale
 
 
-def rates(law, v, w, psi, method="rates"):
-    """`rates` of a law with one state, or another of its methods of the same arguments."""
-    law = laws.LAWS[law]
-    p = law.coefficients(1.0, SimpleNamespace(**FRICTION))
-    e = law.exponentials(v, w, (psi,), p)
-    return getattr(law, method)(v, w, (psi,), e, p)
-
-
-@pytest.mark.parametrize("law", LAWS)
-@given(log_V=logs, log_omega=spread, log_V0=logs)
-def test_log_form_and_textbook_form_are_one(law, log_V, log_omega, log_V0):
-    """d theta/dt = theta (V0/Dc) d psi/dT, whatever the reference velocity."""
-    V, V0, Dc = 10**log_V, 10**log_V0, 1e-5
-    theta = Dc / V * 10**log_omega
-    psi = math.log(V0 * theta / Dc)
-    (rate,) = rates(law, math.log(V / V0), V / V0, psi)
-    expected = rsf.dtheta_dt(V, theta, Dc=Dc, law=law)
-    assert theta * V0 / Dc * rate == pytest.approx(expected, rel=1e-11, abs=1e-12)
-
-
 @pytest.mark.parametrize("law", LAWS)
 def test_holds_heal_by_the_aging_law_only(law):
     assert rsf.dtheta_dt(0.0, 5.0, Dc=1e-5, law=law) == {"aging": 1, "slip": 0}[law]
@@ -96,20 +74,6 @@ def test_partials_of_evolution(law, log_V, log_omega):
     assert by_theta == pytest.approx(
         complex_step(lambda x: book(V, x, Dc), theta), rel=1e-12, abs=1e-14 * V / Dc
     )
-
-
-@pytest.mark.parametrize("law", LAWS)
-@given(v=st.floats(-20, 20), psi=st.floats(-20, 20))
-def test_partials_of_the_log_form(law, v, psi):
-    h = 1e-30
-
-    def rate(v, psi):
-        return rates(law, v, np.exp(v), psi)[0]
-
-    zero = 1e-14 * math.exp(v) * (1 + abs(v + psi))  # the slip law's 1 + v + psi changes sign
-    (by_v,), (by_psi,) = rates(law, v, math.exp(v), psi, "rate_partials")
-    assert by_v == pytest.approx(rate(v + 1j * h, psi).imag / h, rel=1e-12, abs=zero)
-    assert by_psi == pytest.approx(rate(v, psi + 1j * h).imag / h, rel=1e-12, abs=0)
 
 
 @given(log_V=logs, log_omega=spread)

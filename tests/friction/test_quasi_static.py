@@ -188,15 +188,6 @@ def test_aging_law_returns_or_runs_away_by_stiffness_alone(v, psi):
         march("aging", 2.0, 0.8, v, psi, [1.0], 600 * UNIT)
 
 
-@settings(max_examples=25, deadline=None)
-@given(b_over_a=st.floats(1.1, 6), ratio=st.floats(1.0001, 4))
-def test_bounds_of_the_step_that_runs_away(b_over_a, ratio):
-    parameters = friction(b_over_a) | {"K": stiffness(b_over_a, ratio)}
-    low = runaway_step_lower_bound(**parameters)
-    high = runaway_step_upper_bound(**parameters)
-    assert runs_away(b_over_a, ratio, [low, high]).tolist() == [False, True]
-
-
 @pytest.mark.parametrize("ratio", [1.0, 1.5, 4.0])
 def test_slip_law_runs_away_from_states_stronger_than_the_spring(ratio):
     """From ln(V theta/Dc) >= K/K_c_qs at any V, and where V >> V_lp only from there."""

@@ -12,8 +12,11 @@ import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.engine.model import STEADY_SLIDING
 from ratestate.friction.laws import LAWS
-from ratestate.friction.quasi_static import runaway_step_lower_bound, runaway_step_upper_bound
-from ratestate.friction.separatrix import runaway_edge
+from ratestate.friction.quasi_static import (
+    edge_of_slip_law,
+    runaway_step_lower_bound,
+    runaway_step_upper_bound,
+)
 
 LARGEST = 27.6
 CORNERS = [(1.005, 1.0001), (1.005, 20.0), (50.0, 1.0001), (50.0, 20.0)]
@@ -54,7 +57,7 @@ def runs_away(b_over_a, ratio, v, y):
 @pytest.mark.parametrize(("b_over_a", "ratio"), CORNERS + BETWEEN)
 def test_edge(b_over_a, ratio):
     """A ten-millionth less comes back, a ten-millionth more does not."""
-    edge = runaway_edge(ratio * (b_over_a - 1), b_over_a, LARGEST)
+    edge = edge_of_slip_law(ratio * (b_over_a - 1), b_over_a, LARGEST)
     assert 0 < edge.kick_up < ratio
     lines = (lambda s: (-s, 0.0), lambda s: (s, s), lambda s: (-s, -s))
     for size, line in zip(edge, lines, strict=True):
@@ -70,7 +73,7 @@ def test_edge(b_over_a, ratio):
 
 @pytest.mark.parametrize(("largest", "kick"), [(1.9, np.inf), (2.1, 1.99731468)])
 def test_no_further_than_asked(largest, kick):
-    found = runaway_edge(2.0 * 0.02, 1.02, largest)
+    found = edge_of_slip_law(2.0 * 0.02, 1.02, largest)
     assert found.kick_up == pytest.approx(kick, rel=1e-8)
     assert found.step_up == np.inf
 
@@ -101,7 +104,7 @@ def test_a_cycle_search_that_turns_back_is_none():
     """The start from V_lp/10, at a thousandth on either side of the edge."""
 
     def beyond(ratio):
-        return runaway_edge(0.2 * ratio, 1.2, LARGEST).step_up - math.log(10)
+        return edge_of_slip_law(0.2 * ratio, 1.2, LARGEST).step_up - math.log(10)
 
     ratio = brentq(beyond, 1.0001, 4.0, xtol=1e-9)
     assert 0 < beyond(ratio * 1.001) < 0.01

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import ratestate as rs
 from ratestate import stability
 from ratestate.friction import formulas as rsf
-from ratestate.friction.eigenvalues import steady_modes
+from ratestate.friction.stability import steady_modes
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
 FIG_4 = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "sigma": 4e6}

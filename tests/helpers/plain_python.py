@@ -1,10 +1,10 @@
-"""The engine as plain Python: units and control (march.py, return_map.py) run as written."""
+"""The engine as plain Python: units and control run as written."""
 
 import numpy as np
 
 from ratestate.engine import dispatch
 from ratestate.engine import rows as R
-from ratestate.engine.lane_case import IDLE
+from ratestate.engine.control import IDLE
 from ratestate.engine.programs import Program, units_of
 from ratestate.engine.units import in_python
 

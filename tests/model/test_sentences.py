@@ -2,7 +2,7 @@
 
 import pytest
 
-from ratestate.model.sentences import Sentences
+from ratestate.model.names import Sentences
 
 
 @pytest.fixture
@@ -25,11 +25,7 @@ def test_attributes_digits_and_formats_of_python(sentences):
     assert text == "At 1.2 um/s, 2.2, sigma."
 
 
-def test_a_name_that_is_not_there(sentences):
-    with pytest.raises(KeyError, match="fast"):
-        sentences("steady.fast")
-
-
-def test_a_value_that_is_not_given(sentences):
-    with pytest.raises(KeyError, match="V"):
-        sentences("steady.plain")
+@pytest.mark.parametrize(("name", "missing"), [("steady.fast", "fast"), ("steady.plain", "V")])
+def test_a_name_or_a_value_that_is_not_there(sentences, name, missing):
+    with pytest.raises(KeyError, match=missing):
+        sentences(name)

@@ -1,4 +1,4 @@
-"""The noun: values in, checks, derived quantities, equality."""
+"""Sliders: values in, checks, derived quantities, equality."""
 
 import copy
 import dataclasses
@@ -97,17 +97,9 @@ def test_unlabelled_array_along_its_own_symbol():
     ("changes", "message"),
     [
         ({"sigma": -2e6}, "sigma = -2e+06 Pa must be > 0; expected a stress [Pa] such as '2 MPa'"),
-        ({"sigma": 0}, "sigma = 0 Pa must be > 0"),
-        ({"Dc": 0}, "Dc = 0 m must be > 0"),
-        ({"Dc": "-1 um"}, "Dc = '-1 um' must be > 0"),
-        ({"a": -0.003}, "a = -0.003 must be > 0"),
-        ({"K": 0}, "K = 0 Pa/m must be > 0"),
-        ({"K": -1}, "K = -1 Pa/m must be > 0"),
-        ({"M": -1}, "M = -1 kg/m^2 must be >= 0"),
-        ({"M": np.inf}, "M = inf kg/m^2 must be finite"),
         ({"mu0": -0.6}, "mu0 = -0.6 must be >= 0"),
+        ({"M": np.inf}, "M = inf kg/m^2 must be finite"),
         ({"V0": "10 um"}, "V0 = '10 um' is a length [m]; expected a speed [m/s]"),
-        ({"b": np.nan}, "b = nan is not a number"),
         ({"law": "nope"}, f"law = 'nope' is unknown; choose {' or '.join(map(repr, LAWS))} (or "),
         ({"law": "nagata"}, "law = 'nagata' needs c, stress weakening of the state; expected a"),
         ({"c": 1.0}, "law = 'slip' has no parameter c, which belongs to 'nagata'; leave c out"),

@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 
 from ..friction.laws import DEFAULT, friction_law
-from ..model.arrays import logspace
+from ..model.parameters import logspace
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider
 from ..model.units import is_array, to_si

@@ -4,14 +4,14 @@ Where K > K_c small disturbances decay.  But where a limit cycle coexists, or a 
 inertia, large ones need not.  `escape` finds the smallest that do not, of two kinds that a
 laboratory can impose.  With inertia it follows the motion itself, and adds the unstable cycle that
 lies between; without inertia it uses the path that separates runaways from orbits that come back
-(`separatrix`) where the law knows it, else the motion too.
+(`quasi_static`) under the slip and aging laws, else the motion too.
 """
 
 import numpy as np
 import xarray
 
 from ..errors import SolverError
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.slider import checked
 from ..model.units import to_si
 from .continuation.family import Family

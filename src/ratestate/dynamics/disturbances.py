@@ -8,6 +8,7 @@ import numpy as np
 from ..engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
 from ..errors import SolverError
 from ..friction.critical_speeds import V_c
+from ..friction.quasi_static import EDGES
 from ..friction.roots import root
 from .cycles.attractor import find_attractors
 from .cycles.shooting import return_map
@@ -41,10 +42,10 @@ def smallest_escapes(system, columns, alone, progress):
     outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
     u = _nowhere(system)
     may_leave = stable & system.may_cycle
-    if system.friction_law.gives("runaway_edge"):
+    if law_edge := EDGES.get(system.friction_law.name):
         for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
             edge = system.kappa[i], system.beta[i], SIZES[-1]
-            sizes[:, i], outcome[i] = _runaway(system.friction_law, edge, alone)
+            sizes[:, i], outcome[i] = _runaway(law_edge, edge, alone)
         may_leave &= system.eta > 0.0
     may_leave = np.flatnonzero(may_leave)
     steps = _largest_steps(system, columns)
@@ -65,13 +66,13 @@ def smallest_escapes(system, columns, alone, progress):
     return sizes, outcome, u
 
 
-def _runaway(law, edge, alone):
+def _runaway(law_edge, edge, alone):
     """Smallest sizes (4,) that run away without inertia, by the law's own edge, and the outcome.
 
     Where that cannot be followed, NaN and "unknown", or SolverError for a slider alone.
     """
     try:
-        step_up, *kicks = law.runaway_edge(*edge)
+        step_up, *kicks = law_edge(*edge)
     except SolverError:
         if alone:
             raise

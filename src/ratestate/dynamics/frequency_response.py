@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ..friction.linear_response import responses
-from ..friction.linear_stability import eigenvalues, is_stable
+from ..friction.linear_stability import eigenvalues, is_stable, responses
 from ..friction.stability import eta, f_n
-from ..model.arrays import logspace
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.names import keywords_checked
+from ..model.parameters import logspace
 from ..model.slider import SpringSlider, checked
 from ..model.units import to_si
 from .refusals import refusal

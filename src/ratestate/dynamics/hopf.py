@@ -5,18 +5,17 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ..friction import hopf_of_law
 from ..friction.critical_speeds import V_c
 from ..friction.linear_stability import K_c, beside_the_pair, eigenvalues, linearisation, omega_c
 from ..friction.normal_form import (
     growth_slopes,
     law_curvatures,
     lyapunov_1,
-    stress_swing,
+    lyapunov_1_of_law,
     turning_point,
 )
 from ..friction.stability import eta
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.slider import checked
 from ..model.units import is_array, named, to_si
@@ -101,8 +100,7 @@ def hopf(slider, V_lp=None):
 
 def _bifurcation(law, parameter, columns):
     """The result's variables, name -> (n,), from those of the slider and K or V_lp."""
-    of_law = {symbol: columns[symbol] for symbol in law.symbols}
-    rest = {"sigma": columns["sigma"], "M": columns["M"], **of_law}
+    rest = {symbol: columns[symbol] for symbol in ("sigma", "M", *law.symbols)}
     a, Dc, M = columns["a"], columns["Dc"], columns["M"]
     if parameter == "V_lp":
         V = V_c(law, K=columns["K"], **rest).V_c
@@ -114,7 +112,7 @@ def _bifurcation(law, parameter, columns):
         V = np.where(exists, columns["V_lp"], np.inf)
     V_hopf = np.where(exists, V, np.nan)
     inertia, rate = eta(V_hopf, a=a, Dc=Dc, sigma=columns["sigma"], M=M), V_hopf / Dc
-    point = _one_length(law, inertia, of_law) if law.one_length else _any(law, V_hopf, rest)
+    point = _points(law, V_hopf, rest)
     slope = (point.by_V, point.by_K)[("V_lp", "K").index(parameter)]
     degenerate = np.abs(point.lyapunov_1) <= point.rounding
     types = ("none", "degenerate", "supercritical")
@@ -146,20 +144,8 @@ class _Point(NamedTuple):
     swing: np.ndarray  # max - min of tau/(a sigma) for r = 1
 
 
-def _one_length(law, inertia, values):
-    """`_Point` of a law of one length, in closed form."""
-    a, b = values["a"], values["b"]
-    b1 = np.where(np.isnan(inertia), np.nan, (b - a) / a)
-    coefficient, rounding = lyapunov_1(inertia, b1, *law_curvatures(law.name))
-    by_V, by_K = growth_slopes(inertia, b1)
-    with np.errstate(divide="ignore"):
-        third = -(1 + 1 / inertia)
-    swing = stress_swing(inertia, b1)
-    return _Point(np.sqrt(b1), third, coefficient, rounding, by_K, by_V, swing)
-
-
-def _any(law, V, rest):
-    """`_Point` of any law, as numbers; at speeds V, NaN where there is none."""
+def _points(law, V, rest):
+    """`_Point` at speeds V; NaN if that is."""
     exists = np.isfinite(V)
     points = [np.full(V.shape, np.nan) for _ in _Point._fields]
     if exists.any():
@@ -176,8 +162,12 @@ def _where_it_is(law, V, values):
     inertia = eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
     kappa = critical * values["Dc"] / (values["a"] * sigma)
     omega, p = omega_c(law, V, **values) * unit, law.coefficient_arrays(V, values)
-    coefficient, rounding = hopf_of_law.lyapunov_1(law, p, kappa, inertia, omega)
-    by_K, by_V = hopf_of_law.growth_slopes(linearisation(law, p), kappa, inertia, omega)
+    if law.one_length:  # in closed form
+        b1 = (values["b"] - values["a"]) / values["a"]
+        coefficient, rounding = lyapunov_1(inertia, b1, *law_curvatures(law.name))
+    else:
+        coefficient, rounding = lyapunov_1_of_law(law, p, kappa, inertia, omega)
+    by_K, by_V = growth_slopes(linearisation(law, p), kappa, inertia, omega)
     if law.has_own_speed:
         by_V = _growth_by_speed(law, V, critical, values)
     modes = eigenvalues(law, V, K=critical, **values)

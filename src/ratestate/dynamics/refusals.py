@@ -9,7 +9,7 @@ from pathlib import Path
 from ..friction.composition import JOINT, composed_law
 from ..friction.forms import FORMS
 from ..friction.laws import of_one_length
-from ..model.sentences import Sentences
+from ..model.names import Sentences
 
 sentence = Sentences(Path(__file__).with_suffix(".toml"))
 #: the name of a sentence, ``table.sentence``, and values -> the `ParameterError` that says so

@@ -1,5 +1,6 @@
 """What results have in common: flags, the attributes that say how they were made, parameters."""
 
+import dataclasses
 import functools
 import json
 from importlib.metadata import version
@@ -167,8 +168,8 @@ def record_loading(result, loading):
     stored instead.
     """
     record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}
-    if (shape := loading.shape) is not None:
-        record[shape.kind] = plain(shape.values)
+    if loading.sine is not None:
+        record["sinusoid"] = plain(dataclasses.asdict(loading.sine))
     else:
         units = {"t": "s", "V": "m/s", "rate": "m/s^2"}
         columns = {name: getattr(loading, name) for name in units}

@@ -11,7 +11,7 @@ from ..friction.critical_speeds import V_c
 from ..friction.elementwise import call_elementwise
 from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c
 from ..friction.stability import eta, f_n
-from ..model.batch import Batch
+from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider, checked

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..friction.quasi_static import runaway_step_lower_bound
 from ..friction.stability import EDGE_WIDTH
+from ..model.names import Sentences
 from ..model.quantities import readable, readable_multiplier, readable_time
-from ..model.sentences import Sentences
 from .cycles.regimes import HARMONIC, STEADY, UNKNOWN
 from .domain import outside_domain
 

@@ -7,11 +7,10 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``dispatch``, ``backend``             run cases from Python: threads, time limits, progress
 ``cuda``, ``cuda_kernels``            run cases on a GPU; its kernels
 ``cuda_driver``                       calls NVIDIA's driver by ctypes
-``march``, ``saving``                 a run from start to end: segments, saved times
+``control``                           fill lanes with cases; move sliders between methods
+``march``                             a run from start to end: segments, saved times
 ``return_map``                        from one point of the section V = V_lp to the next
-``lane_case``, ``lane_sets``          fill lanes with cases; move sliders between methods
-``events``, ``return_events``         extremes, returns and runaway within a step
-``extremes``, ``dense_output``        find extremes and crossings on the polynomials of a step
+``events``                            extremes, crossings and runaway within a step
 ``periodicity``                       find the period of a run
 ``normal_stress``                     segments and jumps of normal stress
 ``rows``                              layout of the lane buffer; tuples into it and out of it

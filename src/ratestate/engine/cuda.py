@@ -11,11 +11,8 @@ from . import cache, cuda_driver
 from . import cuda_kernels as kernels
 from . import rows as R
 from .backend import check_stopped
-from .instructions import Context
-from .lane_sets import idle_lanes
-from .march import Run, march
-from .return_map import ReturnRun, march_to_section
-from .units import MarchUnits, ReturnUnits
+from .control import idle_lanes
+from .programs import Context
 
 # One warp a block: threads share nothing, and the finer a batch of a few thousand cases is cut, the
 # more evenly it spreads over the multiprocessors.
@@ -30,11 +27,6 @@ RESIDENT = 8
 SLICE = 0.05
 LEAST_BUDGET = 64
 GROWTH = 4
-#: the CPU's kernel -> the function of a thread, its record, and its units
-KERNELS = {
-    march: (kernels.march_lane, Run, MarchUnits),
-    march_to_section: (kernels.march_lane_to_section, ReturnRun, ReturnUnits),
-}
 
 
 def check():
@@ -80,14 +72,14 @@ def _launches(*given):
 
 def _unguarded_launches(memory, kernel, law, taylor, order, given):
     """Do the work of `_launches`; exceptions are the driver's."""
-    control, record, kind = KERNELS[kernel]
     shape, n = R.shape_of(law), len(order)
     blocks = min(-(-n // BLOCK), RESIDENT * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
     s, _ = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
     position, under_way = np.zeros(3, np.int64), np.zeros(1)
-    run = record(
+    run = kernel.record(
+        kernel=kernel,
         shape=shape,
-        units=kernels.units_by_name(law, kind),
+        units=kernels.units_by_name(law, kernel.units),
         taylor=int(taylor and shape.terms > R.OF_RODAS5P),
         s=s,
         queue=np.ascontiguousarray(order),
@@ -96,7 +88,7 @@ def _unguarded_launches(memory, kernel, law, taylor, order, given):
         **given,
     )
     context = Context(kernels.Threads(run, under_way), memory.place)
-    function = cuda_driver.function(_image(control, law, context))
+    function = cuda_driver.function(_image(law, kernel.units, context))
     words, budget = ctypes.c_uint64(memory.place(context.words)), ctypes.c_int64(LEAST_BUDGET)
     while position[1] < n:
         under_way[0] = 0.0
@@ -112,8 +104,8 @@ def _unguarded_launches(memory, kernel, law, taylor, order, given):
         memory.fetch(array)
 
 
-def _image(control, law, context):
+def _image(law, kind, context):
     """Return the PTX of a kernel, from disk if it is kept there."""
     kinds = cache.short_hash(tuple(context.kinds))
-    name = f"{law.name}-{control.__name__}-{kinds}-{kernels.OLDEST}"
-    return cache.obtained(name, lambda: kernels.ptx(kernels.kernel(control, law, context)))
+    name = f"{law.name}-{kind.__name__}-{kinds}-{kernels.OLDEST}"
+    return cache.obtained(name, lambda: kernels.ptx(kernels.kernel(law, kind, context)))

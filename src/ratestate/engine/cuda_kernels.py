@@ -2,7 +2,7 @@
 
 No formula stands here.  `kernel` joins three texts in LLVM's language: the units of a law for
 vectors of one lane (unit_code.py); the control, which the compiler of the CPU's control makes from
-`march_lane` or `march_lane_to_section`; and the entry, which gives each thread its number.  The
+`march_lane`; and the entry, which gives each thread its number.  The
 control calls units by name, so LLVM puts the steps into the loop.  Arrays are in the GPU's global
 memory, LLVM's address space 1.  `ptx` turns the text into PTX, which NVIDIA's driver assembles.
 
@@ -24,22 +24,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import return_events, return_map
 from . import rows as R
 from .calls import WORK, add, call_lanes
 from .compiler import kernel_text
-from .events import handle_events
+from .control import IDLE, next_case
 from .instructions import Array
-from .lane_case import IDLE
-from .lanes import saves
 from .machine_code import optimized, target
-from .march import Run, end_segment, finish, load
-from .model import RUNNING
+from .march import Run
 from .programs import LEVEL
 from .return_map import ReturnRun
-from .saving import save
 from .unit_code import unit_text
-from .units import MarchUnits, ReturnUnits, unit_names
+from .units import unit_names
 
 #: the oldest GPUs that add doubles atomically; the driver assembles their PTX for newer GPUs too
 OLDEST = "sm_60"
@@ -59,11 +54,11 @@ define internal i32 @thread() {
   ret i32 %thread
 }
 
-define ptx_kernel void @kernel(ptr addrspace(1) %context, i64 %budget) {
+define ptx_kernel void @kernel(ptr addrspace(1) %words, i64 %budget) {
   %work = alloca [WORK x double]
   %number = call i32 @thread()
   %thread = zext i32 %number to i64
-  call i1 @CONTROL(ptr addrspace(1) %context, ptr %work, i64 %thread, i64 %budget)
+  call i1 @march_lane(ptr addrspace(1) %words, ptr %work, i64 %thread, i64 %budget)
   ret void
 }
 """
@@ -83,16 +78,15 @@ def units_by_name(law, kind):
     return kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
 
 
-def kernel(control, law, context):
-    """LLVM text of ``void kernel(context, budget)``.
+def kernel(law, kind, context):
+    """LLVM text of ``void kernel(words, budget)``.
 
-    control : `march_lane` or `march_lane_to_section`; context : `Context` of its `Threads`
+    kind : of the law's units; context : `Context` of its `Threads`
     """
-    kind = ReturnUnits if control is march_lane_to_section else MarchUnits
     units = unit_text(law, kind, 1)
     units = units.replace("i64 %n)", "i64 %n) alwaysinline")
-    text = kernel_text(control, context.layout(), "ptr addrspace(1)", ", ptr %work")
-    entry = ENTRY.replace("WORK", str(WORK)).replace("CONTROL", control.__name__)
+    text = kernel_text(march_lane, context.layout, "ptr addrspace(1)", ", ptr %work")
+    entry = ENTRY.replace("WORK", str(WORK))
     functions = re.sub("define (void|i1)", r"define internal \1", f"{units}\n{text}")
     lines = f"{functions}\n{entry}".splitlines()
     # LLVM refuses to declare a function twice.
@@ -111,71 +105,28 @@ def column_of(run, thread):
     return thread // R.LANES * run.shape.size + thread % R.LANES
 
 
-def take(run):
-    """Take the next case of the queue: its number, or -1 if there is none."""
-    n = add(run.position, 0, 1)
-    return run.queue[n] if n < run.queue.shape[0] else -1
-
-
 def march_lane(threads, thread, budget):
-    """Do the work of `march.march` in one lane; whether no case is left."""
+    """Do the work of `control.run_lanes` in one lane; whether no case is left."""
     run = threads.run
-    s, l = run.s, column_of(run, thread)
+    s, kernel, l = run.s, run.kernel, column_of(run, thread)
     for _ in range(budget):
         if s[R.CASE + l] == IDLE:
-            i = take(run)
+            i = next_case(run)
             if i < 0:
                 return True
-            load(run, l, i)
-        if run.taylor and s[R.TAYLOR + l] > 0.0:
+            kernel.load(run, l, i)
+        if run.taylor > 0 and s[R.TAYLOR + l] > 0.0:
             call_lanes(run.units.taylor, s, l, 1)
         else:
             call_lanes(run.units.step, s, l, 1)
         if s[R.CALL + l] > 0.0:
-            handle_events(run, l)
-            if saves(s, l):
-                save(run, l)
-        call_lanes(run.units.commit, s, l, 1)
+            kernel.handle(run, l)
+        # (what is read anew is not known: LLVM would write all code after the step twice)
+        kernel.commit(run, l, 1, run.taylor > 0 and s[R.TAYLOR + l] > 0.0)
         if s[R.BREAK + l] > 0.0:
-            end_segment(run, l)
-            if s[R.STATUS + l] != RUNNING:
-                finish(run, l)
-                add(run.position, 1, 1)
-        if run.taylor and s[R.CHANGES + l] > 0.0:
+            kernel.end(run, l)
+        if run.taylor > 0 and s[R.CHANGES + l] > 0.0:
             s[R.TAYLOR + l] = 1.0 - s[R.TAYLOR + l]
     if s[R.CASE + l] != IDLE:
         add(threads.under_way, 0, s[R.T + l] / s[R.T_END + l])
-    return False
-
-
-def march_lane_to_section(threads, thread, budget):
-    """Do the work of `return_map.march_to_section` in one lane; whether no case is left."""
-    run = threads.run
-    s, l = run.s, column_of(run, thread)
-    for _ in range(budget):
-        if s[R.CASE + l] == IDLE:
-            i = take(run)
-            if i < 0:
-                return True
-            return_map.load(run, l, i)
-        if run.taylor and s[R.TAYLOR + l] > 0.0:
-            call_lanes(run.units.taylor, s, l, 1)
-        else:
-            call_lanes(run.units.step, s, l, 1)
-        waveform = s[R.GUESS + l] > 0.0
-        if waveform:
-            call_lanes(run.units.find_slow, s, l, 1)
-        if s[R.CALL + l] > 0.0:
-            return_events.handle_events(run, l)
-        call_lanes(run.units.commit, s, l, 1)
-        if waveform:
-            if run.taylor and s[R.TAYLOR + l] > 0.0:
-                call_lanes(run.units.add_taylor, s, l, 1)
-            else:
-                call_lanes(run.units.add_rodas5p, s, l, 1)
-        if s[R.BREAK + l] > 0.0:
-            return_map.finish(run, l)
-            add(run.position, 1, 1)
-        if run.taylor and s[R.CHANGES + l] > 0.0:
-            s[R.TAYLOR + l] = 1.0 - s[R.TAYLOR + l]
     return False

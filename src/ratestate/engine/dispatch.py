@@ -9,17 +9,16 @@ from ..machine import cores
 from . import backend, cache
 from . import rows as R
 from .calls import WORK
-from .lane_case import IDLE
-from .lane_sets import SETS, idle_lanes
-from .march import Run, march
+from .control import IDLE, SETS, idle_lanes, run_lanes
+from .march import MARCH, POINTS, RIGID_MARCH
 from .model import NUMBERS, STEP_LIMIT, empty_results
 from .programs import Program, units_of
-from .return_map import ReturnRun, empty_return_results, march_to_section
-from .units import MarchUnits, ReturnUnits, RigidUnits
+from .return_map import RETURN_MAP, empty_return_results
+from .units import RigidUnits
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
-PATH_ROWS = 8192
+PATH_STEPS = 2000
 MAX_ROWS = 10_000_000  # of a path, 320 MB; then STEP_LIMIT
 
 
@@ -42,7 +41,8 @@ def run_march(taylor, law, cases, loads, save_times, order, progress=None):
     given["save_times"] = np.ascontiguousarray(save_times, float)
     given["path"] = np.empty((0, 1 + cases.y.shape[1]))
     is_rigid = np.isinf(cases.kappa[order])
-    _run(march, law, taylor, [order[~is_rigid], order[is_rigid]], progress, given)
+    queues = {MARCH: order[~is_rigid], RIGID_MARCH: order[is_rigid]}
+    _run(queues, law, taylor, progress, given)
     return results
 
 
@@ -60,31 +60,28 @@ def run_returns(law, starts):
     """
     results = empty_return_results(starts.y)
     given = {"starts": _uniform(starts), "results": results}
-    _run(march_to_section, law, True, [np.arange(len(starts.y))], None, given)
+    _run({RETURN_MAP: np.arange(len(starts.y))}, law, True, None, given)
     return results
 
 
-def _run(kernel, law, taylor, orders, progress, given):
-    """Let a kernel do cases, the first of `orders` on the backend's device.
+def _run(queues, law, taylor, progress, given):
+    """Let kernels do cases, the first of them on the backend's device.
 
-    orders : list of (m,) numbers of cases, those of each for workers of their own; others are as
-        for `_Worker`
+    queues : kernel -> (m,) numbers of its cases; others are as for `_Worker`
     """
-    if backend.current().device == "cuda" and len(orders[0]):
-        from . import cuda
+    queues = {kernel: queue for kernel, queue in queues.items() if len(queue)}
+    for kernel in queues.keys() - {RIGID_MARCH}:
+        if backend.current().device == "cuda":
+            from . import cuda
 
-        cuda.run(kernel, law, taylor, orders[0], progress, given)
-        orders = orders[1:]
-    _share(orders, lambda queue: _Worker(kernel, law, taylor, queue, **given), progress)
-
-
-def _share(orders, worker, progress):
-    """Let workers (callable, queue -> `_Worker`) take all cases: one a core, with full lanes."""
-    n = sum(map(len, orders))
+            cuda.run(kernel, law, taylor, queues.pop(kernel), progress, given)
+    n = sum(map(len, queues.values()))
     threads = max(1, min(backend.current().threads or cores(), n // R.LANES))
-    queues = [order[i::threads] for order in orders for i in range(threads)]
     # (of no cases, kernels are neither loaded nor even compiled)
-    workers = [worker(np.ascontiguousarray(queue)) for queue in queues if len(queue)]
+    shares = [
+        (kernel, queue[i::threads]) for kernel, queue in queues.items() for i in range(threads)
+    ]
+    workers = [_Worker(*one, law, taylor, **given) for one in shares if len(one[1])]
     if threads == 1:
         for one in workers:
             while not one.go():
@@ -124,15 +121,16 @@ def run_path(taylor, law, cases, loads, progress=None):
     """
     cases, loads = _uniform(cases), _uniform(loads)
     results = empty_results(cases.y, 0)
-    buffer = np.empty((PATH_ROWS, 1 + cases.y.shape[1]))
+    # A step needs so many rows at most, a jump one more, and the start one.
+    buffer = np.empty((PATH_STEPS * (POINTS + 1) + 1, 1 + cases.y.shape[1]))
     given = {"cases": cases, "loads": loads, "save_times": np.empty((1, 0)), "results": results}
-    queue = np.zeros(1, np.int64)
-    worker = _Worker(march, law, taylor, queue, path=buffer, **given)
+    kernel = RIGID_MARCH if np.isinf(cases.kappa[0]) else MARCH
+    worker = _Worker(kernel, np.zeros(1, np.int64), law, taylor, path=buffer, **given)
     pieces: list[np.ndarray] = []
     done = False
     rows = 0
     while not done and rows < MAX_ROWS:
-        done = worker.go()
+        done = worker.go(PATH_STEPS)
         rows += worker.position[2]
         pieces.append(buffer[: worker.position[2]].copy())
         worker.position[2] = 0
@@ -146,30 +144,26 @@ def run_path(taylor, law, cases, loads, progress=None):
 class _Worker:
     """Sets of lanes, their queue, and the kernel that works it off.
 
-    kernel : `march` or `march_to_section`
+    kernel : `control.Kernel`; queue : (n,) numbers of cases
     taylor : whether steps may be of the Taylor method, if the law allows
-    queue : numbers of cases; those of a march all have K = inf, or none has
     given : what else the kernel's record has
     """
 
-    def __init__(self, kernel, law, taylor, queue, **given):
-        record, kind = (Run, MarchUnits) if kernel is march else (ReturnRun, ReturnUnits)
-        rigid = kernel is march and np.isinf(given["cases"].kappa[queue[0]])
-        kind = RigidUnits if rigid else kind
+    def __init__(self, kernel, queue, law, taylor, **given):
+        rigid = kernel.units is RigidUnits
         shape = R.shape_of(law)._replace(rigid=int(rigid))
         taylor = taylor and not rigid and shape.terms > R.OF_RODAS5P
         self.s, self.columns = idle_lanes(shape, SETS if taylor else 1)
         self.position = np.zeros(3, np.int64)
-        lanes = {"s": self.s, "queue": queue, "position": self.position, "work": np.zeros(WORK)}
-        units = units_of(law, kind)
-        self._program = Program(
-            kernel, record(shape=shape, units=units, taylor=int(taylor), **lanes, **given)
-        )
+        units = units_of(law, kernel.units)
+        lanes = {"s": self.s, "queue": np.ascontiguousarray(queue), "position": self.position}
+        given |= {"kernel": kernel, "shape": shape, "units": units, "taylor": int(taylor)}
+        self._program = Program(run_lanes, kernel.record(work=np.zeros(WORK), **lanes, **given))
         cache.report_time()
 
-    def go(self):
+    def go(self, budget=BUDGET):
         """Work for a while; whether all is done."""
-        return self._program(BUDGET)
+        return self._program(budget)
 
 
 def _fraction(workers, n):

@@ -1,10 +1,6 @@
-"""The instructions of a function as LLVM text, and what they work on.
+"""The instructions of a function as LLVM text, and what they work on."""
 
-Numbers are floats, ints of 64 bits and bools.  Arrays and ints stand in a record, whose words the
-function reads (`Context`).
-"""
-
-import ctypes
+import ast
 import itertools
 import operator
 from dataclasses import dataclass
@@ -22,7 +18,22 @@ ITEMS = {
     np.dtype(np.int64): ("int", "i64"),
     np.dtype(np.int8): ("int", "i8"),
 }
-OF_FLOATS, OF_INTS = ("add", "sub", "mul", "div"), ("add", "sub", "mul", "sdiv", "srem", "and")
+#: what an operator does to numbers that are known, and its instructions of floats and of ints
+OPERATORS = {
+    ast.Add: (operator.add, "fadd", "add"),
+    ast.Sub: (operator.sub, "fsub", "sub"),
+    ast.Mult: (operator.mul, "fmul", "mul"),
+    ast.Div: (operator.truediv, "fdiv", "fdiv"),
+    ast.FloorDiv: (operator.floordiv, None, "sdiv"),
+    ast.Mod: (operator.mod, None, "srem"),
+    ast.BitAnd: (operator.and_, None, "and"),
+    ast.Lt: (operator.lt, "fcmp olt", "icmp slt"),
+    ast.LtE: (operator.le, "fcmp ole", "icmp sle"),
+    ast.Gt: (operator.gt, "fcmp ogt", "icmp sgt"),
+    ast.GtE: (operator.ge, "fcmp oge", "icmp sge"),
+    ast.Eq: (operator.eq, "fcmp oeq", "icmp eq"),
+    ast.NotEq: (operator.ne, "fcmp une", "icmp ne"),
+}
 
 
 @dataclass(frozen=True)
@@ -44,102 +55,34 @@ class Slot:
 
 @dataclass(frozen=True)
 class Word:
-    """An int of the context, by its place there."""
+    """An int of the record, by its place among the record's words."""
 
     at: int
 
 
 @dataclass(frozen=True)
 class Array:
-    """An array: the place of its address in the context, before its shape; or its LLVM name."""
+    """An array: the place of its address among the words, before its shape; or its LLVM name."""
 
     at: Any
     dimensions: int
     dtype: np.dtype
 
 
-@dataclass(frozen=True)
-class Record:
-    """A named tuple: name -> `Word`, `Array`, `Record`, or the LLVM name of a unit."""
-
-    fields: dict
-
-
-class Context:
-    """The words of a record: ints, and of arrays their addresses and shapes.
-
-    place : array -> its address, if the kernel does not run on this machine's memory
-    """
-
-    def __init__(self, record, place=None):
-        self._record = record  # (it keeps the arrays)
-        self._place = place or _own_address
-        #: of each array its dimensions and type: a kernel is compiled for these
-        self.kinds = []
-        words: list[int] = []
-        self._add(record, words)
-        self.words = np.array(words, np.int64)
-
-    def _add(self, record, words):
-        for x in record:
-            if type(x) is np.ndarray:
-                words.append(self._address(x))
-                words.extend(x.shape)
-                self.kinds.append((x.ndim, x.dtype))
-            elif isinstance(x, tuple):
-                self._add(x, words)
-            elif not isinstance(x, (str, Array)):
-                words.append(operator.index(x))
-
-    def _address(self, x):
-        if not x.flags.c_contiguous or x.dtype not in ITEMS:
-            names = ", ".join(map(str, ITEMS))
-            raise TypeError(f"an array of a kernel must be contiguous, of {names}")
-        return self._place(x)
-
-    def layout(self):
-        """The record as it is compiled for: `Record`."""
-        return _layout(self._record, itertools.count())
-
-
-def _own_address(x):
-    try:  # a third of the time that `ctypes.data` takes
-        return ctypes.addressof(ctypes.c_char.from_buffer(x))
-    except (TypeError, ValueError):  # it cannot be written to, or is empty
-        return x.ctypes.data
-
-
-def _layout(x: Any, places: Any) -> Any:
-    if isinstance(x, (str, Array)):
-        return x
-    if hasattr(x, "_fields"):
-        return Record({name: _layout(one, places) for name, one in zip(x._fields, x, strict=True)})
-    at = next(places)
-    if not isinstance(x, np.ndarray):
-        return Word(at)
-    for _ in x.shape:
-        next(places)
-    return Array(at, x.ndim, x.dtype)
-
-
 def as_value(x):
-    """A number that is known, as a `Value`; a `Value` as it is."""
     if isinstance(x, Value):
         return x
     if isinstance(x, bool):
         return Value("bool", str(x).lower())
-    if isinstance(x, int):
-        return Value("int", str(x))
-    if isinstance(x, float):
-        return Value("float", double(x))
+    if isinstance(x, (int, float)):
+        return Value("int", str(x)) if isinstance(x, int) else Value("float", double(x))
     raise TypeError(f"{x!r} is not a number")
 
 
 def type_of(kinds):
-    """The type of some values, which a function returns."""
-    if len(kinds) < 2:
-        return TYPES[kinds[0]] if kinds else "void"
-    return f"{{ {', '.join(TYPES[kind] for kind in kinds)} }}"
+    """The type of what a function returns."""
+    types = ", ".join(TYPES[kind] for kind in kinds)
+    return f"{{ {types} }}" if len(kinds) > 1 else types or "void"
 
 
 class Instructions:
@@ -150,214 +93,153 @@ class Instructions:
     """
 
     def __init__(self, pointer, own):
-        self._pointer, self.first = pointer, f"{pointer} %context{own}"
-        self._lines, self._slots, self._parameters, self._count = [], [], [self.first], 0
+        self._pointer, self._first = pointer, f"{pointer} %words{own}"
+        self._lines, self._slots, self._parameters = [], [], [self._first]
+        self._count, self.returns = itertools.count(), None
 
-    def text(self, head, returns):
-        """The whole, from its head, in which {} stands for the type of what it returns: kinds."""
+    def text(self, head):
+        """The whole; head : in which {} stands for the type of what the function returns."""
         body = "\n  ".join(["entry:", *self._slots, *self._lines])
-        head = head.format(type_of(returns))
+        head = head.format(type_of(self.returns))
         return f"define {head}({', '.join(self._parameters)}) {{\n  {body}\n}}"
 
-    def parameter(self, kind):
-        """One more number that the function is given."""
-        name = f"%a{len(self._parameters)}"
-        self._parameters.append(f"{TYPES[kind]} {name}")
-        return Value(kind, name)
+    def _parameter(self, given):
+        if not isinstance(given, Value):
+            return given
+        self._parameters.append(f"{TYPES[given.kind]} %a{len(self._parameters)}")
+        return Value(given.kind, self._parameters[-1].split()[1])
 
-    def line(self, text):
-        """Add an instruction that gives nothing."""
+    def _line(self, text):
         self._lines.append(text)
 
-    def _name(self, letter):
-        self._count += 1
-        return f"{letter}{self._count}"
-
-    def let(self, instruction, kind=None):
+    def _let(self, instruction, kind=None):
         """What an instruction gives: a `Value` of a kind, else its name."""
-        name = f"%{self._name('t')}"
-        self.line(f"{name} = {instruction}")
+        name = f"%t{next(self._count)}"
+        self._line(f"{name} = {instruction}")
         return Value(kind, name) if kind else name
 
-    # Memory
+    def _label(self):
+        return f"b{next(self._count)}"
 
-    def variable(self, kind):
-        """A new variable."""
-        name = f"%{self._name('x')}"
+    def _jump(self, label):
+        self._line(f"br label %{label}")
+
+    def _branch(self, test, yes, no):
+        self._line(f"br i1 {self._truth(test)}, label %{yes}, label %{no}")
+
+    def _variable(self, kind):
+        name = f"%x{next(self._count)}"
         self._slots.append(f"{name} = alloca {TYPES[kind]}")
         return Slot(kind, name, TYPES[kind])
 
-    def load(self, slot):
-        """The number that stands there."""
-        found = self.let(f"load {slot.type}, ptr {slot.place}")
+    def _load(self, slot):
+        found = self._let(f"load {slot.type}, ptr {slot.place}")
         if slot.type != TYPES[slot.kind]:
-            found = self.let(f"sext {slot.type} {found} to {TYPES[slot.kind]}")
+            found = self._let(f"sext {slot.type} {found} to {TYPES[slot.kind]}")
         return Value(slot.kind, found)
 
-    def store(self, x, slot):
-        """Put a number there."""
-        text = self.cast(x, slot.kind)
+    def _store(self, x, slot):
+        text = self._cast(x, slot.kind)
         if slot.type != TYPES[slot.kind]:
-            text = self.let(f"trunc {TYPES[slot.kind]} {text} to {slot.type}")
-        self.line(f"store {slot.type} {text}, ptr {slot.place}")
+            text = self._let(f"trunc {TYPES[slot.kind]} {text} to {slot.type}")
+        self._line(f"store {slot.type} {text}, ptr {slot.place}")
 
-    def add(self, x, slot):
-        """Add a number to the one that stands there, atomically; the number before."""
-        name = "fadd" if slot.kind == "float" else "add"
-        given = f"ptr {slot.place}, {slot.type} {self.cast(x, slot.kind)}"
-        return self.let(f"atomicrmw {name} {given} monotonic", slot.kind)
-
-    def word(self, at):
-        """An int of the context."""
-        return self.let(self._read("i64", at), "int")
-
-    def _read(self, kind, at):
-        place = self.let(f"getelementptr i64, {self._pointer} %context, i64 {at}")
-        return f"load {kind}, {self._pointer} {place}, !invariant.load !0"
-
-    def shape(self, array):
-        """An array's shape."""
-        return tuple(self.word(array.at + 1 + k) for k in range(array.dimensions))
+    def _word(self, at, kind="i64"):
+        place = self._let(f"getelementptr i64, {self._pointer} %words, i64 {at}")
+        return self._let(f"load {kind}, {self._pointer} {place}, !invariant.load !0", "int")
 
     def _address(self, array):
         if isinstance(array.at, str):
             return array.at
-        start = self.let(self._read(self._pointer, array.at))
+        start = self._word(array.at, self._pointer).text
         if self._pointer == "ptr":
             return start
-        return self.let(f"addrspacecast {self._pointer} {start} to ptr")
+        return self._let(f"addrspacecast {self._pointer} {start} to ptr")
 
-    def item(self, array, index):
-        """An item of an array, as a `Slot`; index : a tuple."""
-        if len(index) != array.dimensions:
-            raise IndexError(f"an index of {len(index)} numbers")
-        at, *others = index
+    def _item(self, array, index):
+        """The `Slot` of an item of an array."""
+        at, *others = index if type(index) is tuple else (index,)
+        if len(others) + 1 != array.dimensions:
+            raise IndexError(f"an index of {len(others) + 1} numbers")
         for k, one in enumerate(others, 2):
-            at = self.arithmetic("mul", at, self.word(array.at + k))
-            at = self.arithmetic("add", at, one)
+            at = self._two(ast.Mult, at, self._word(array.at + k))
+            at = self._two(ast.Add, at, one)
         kind, item = ITEMS[array.dtype]
-        start = self._address(array)
-        place = self.let(f"getelementptr {item}, ptr {start}, i64 {self.cast(at, 'int')}")
-        return Slot(kind, place, item)
+        start, at = self._address(array), self._cast(at, "int")
+        return Slot(kind, self._let(f"getelementptr {item}, ptr {start}, i64 {at}"), item)
 
-    # Arithmetic
-
-    def cast(self, x, kind):
+    def _cast(self, x, kind):
         """The text of a number as one of a kind."""
         x = as_value(x)
         if x.kind == kind:
             return x.text
         if (x.kind, kind) == ("bool", "int"):
-            return self.let(f"zext i1 {x.text} to i64")
+            return self._let(f"zext i1 {x.text} to i64")
         if kind == "float":
             cast = "sitofp" if x.kind == "int" else "uitofp"
-            return self.let(f"{cast} {TYPES[x.kind]} {x.text} to double")
+            return self._let(f"{cast} {TYPES[x.kind]} {x.text} to double")
         raise TypeError(f"{x.kind} where {kind} is needed")
 
-    def _two(self, instruction, kind, x, y, result=None):
-        x, y = self.cast(x, kind), self.cast(y, kind)
-        return self.let(f"{instruction} {TYPES[kind]} {x}, {y}", result or kind)
-
-    def arithmetic(self, name, x, y):
-        """Of two numbers; name : of `OF_FLOATS` or `OF_INTS`."""
-        is_float = name == "div" or "float" in (as_value(x).kind, as_value(y).kind)
-        if name not in (OF_FLOATS if is_float else OF_INTS):
-            raise TypeError("this operator is of ints")
-        return self._two(f"f{name}" if is_float else name, "float" if is_float else "int", x, y)
-
-    def negative(self, x):
-        """-x."""
-        if x.kind == "float":
-            return self.let(f"fneg double {x.text}", "float")
-        return self._two("sub", "int", 0, x)
-
-    def compare(self, name, x, y):
-        """Whether x and y compare so; name : lt, le, gt, ge, eq or ne."""
-        if "float" in (as_value(x).kind, as_value(y).kind):
-            instruction = "fcmp une" if name == "ne" else f"fcmp o{name}"
-            return self._two(instruction, "float", x, y, "bool")
-        instruction = f"icmp {name}" if name in ("eq", "ne") else f"icmp s{name}"
-        return self._two(instruction, "int", x, y, "bool")
-
-    def both(self, x, y):
-        """Whether two bools hold."""
-        return self._two("and", "bool", x, y)
-
-    def truth(self, x):
-        """Whether a number is not 0."""
+    def _truth(self, x):
+        """The text of whether a number is not 0."""
         x = as_value(x)
-        return x if x.kind == "bool" else self.compare("ne", x, 0)
+        return x.text if x.kind == "bool" else self._two(ast.NotEq, x, 0).text
 
-    def opposite(self, x):
-        """Not x."""
-        return self._two("xor", "bool", self.truth(x), True)
+    def _two(self, op, x, y):
+        known, of_floats, of_ints = OPERATORS[op]
+        if not isinstance(x, Value) and not isinstance(y, Value):
+            return known(x, y)
+        is_float = op is ast.Div or "float" in (as_value(x).kind, as_value(y).kind)
+        instruction, kind = (of_floats, "float") if is_float else (of_ints, "int")
+        if not instruction:
+            raise TypeError("this operator is of ints")
+        text = f"{instruction} {TYPES[kind]} {self._cast(x, kind)}, {self._cast(y, kind)}"
+        return self._let(text, "bool" if issubclass(op, ast.cmpop) else kind)
 
-    def extreme(self, name, x, *others):
-        """x, or the last of the others that is, by `compare`, further out than all before."""
-        for y in others:
-            kind = "float" if "float" in (as_value(x).kind, as_value(y).kind) else "int"
-            test = self.compare(name, y, x)
-            sides = ", ".join(f"{TYPES[kind]} {self.cast(one, kind)}" for one in (y, x))
-            x = self.let(f"select i1 {test.text}, {sides}", kind)
-        return x
+    def _argument(self, kind, x):
+        return f"{TYPES[kind]} {self._cast(x, kind)}"
 
-    def converted(self, kind, x):
-        """A number as a float or an int."""
+    def _further(self, function, x, y):
+        """The larger of two numbers, or the smaller."""
+        test = self._two(ast.Gt if function is max else ast.Lt, y, x)
+        if not isinstance(test, Value):
+            return function(x, y)
+        kind = "float" if "float" in (as_value(x).kind, as_value(y).kind) else "int"
+        sides = f"{self._argument(kind, y)}, {self._argument(kind, x)}"
+        return self._let(f"select i1 {test.text}, {sides}", kind)
+
+    def _converted(self, kind, x):
         if (x.kind, kind) == ("float", "int"):
-            return self.let(f"fptosi double {x.text} to i64", "int")
-        return Value(kind, self.cast(x, kind))
+            return self._let(f"fptosi double {x.text} to i64", "int")
+        return Value(kind, self._cast(x, kind))
 
-    # Branches and calls
-
-    def new_label(self):
-        """A label of no place as yet."""
-        return self._name("b")
-
-    def label(self, label):
-        """Let a label stand here."""
-        self.line(f"{label}:")
-
-    def jump(self, label):
-        """Go on at a label."""
-        self.line(f"br label %{label}")
-
-    def branch(self, test, yes, no):
-        """Go on at one of two labels."""
-        self.line(f"br i1 {self.truth(test).text}, label %{yes}, label %{no}")
-
-    def give(self, values, kinds):
-        """Return numbers, as these kinds."""
-        texts = [self.cast(one, kind) for one, kind in zip(values, kinds, strict=True)]
-        whole, kind = texts[0] if texts else "", type_of(kinds)
-        if len(texts) > 1:
-            whole = "poison"
-            for i, (one, text) in enumerate(zip(kinds, texts, strict=True)):
-                whole = self.let(f"insertvalue {kind} {whole}, {TYPES[one]} {text}, {i}")
-        self.line(f"ret {kind} {whole}".rstrip())
-
-    def call(self, name, returns, given):
-        """What a function returns, a number or a tuple; given : `Value`s, and texts."""
-        texts = (one if isinstance(one, str) else f"{TYPES[one.kind]} {one.text}" for one in given)
-        call = f"call {type_of(returns)} @{name}({', '.join(texts)})"
+    def _call(self, name, returns, *arguments):
+        """What a function returns, a number or a tuple; arguments : texts."""
+        kind = type_of(returns)
+        call = f"call {kind} @{name}({', '.join(arguments)})"
         if len(returns) < 2:
-            return self.let(call, *returns) if returns else self.line(call)
-        whole, kind = self.let(call), type_of(returns)
+            return self._let(call, *returns) if returns else self._line(call)
+        whole = self._let(call)
         each = enumerate(returns)
-        return tuple(self.let(f"extractvalue {kind} {whole}, {i}", one) for i, one in each)
+        return tuple(self._let(f"extractvalue {kind} {whole}, {i}", one) for i, one in each)
 
-    def call_unit(self, unit, buffer, first, last):
-        """Call a unit of a column.
-
-        unit : its name, or its address; last : a number, or the array `work`
-        """
-        start = self._address(buffer)
-        given = [self.let(f"getelementptr double, ptr {start}, i64 {self.cast(first, 'int')}")]
+    def _call_unit(self, unit, buffer, first, last):
+        """Call a unit, by its name or its address, of a column; last : a number, or `work`."""
+        first = self._cast(first, "int")
+        start = self._let(f"getelementptr double, ptr {self._address(buffer)}, i64 {first}")
         if isinstance(last, Array):
-            given.append(self._address(last))
-            given.append(self.let(f"getelementptr double, ptr {given[-1]}, i64 {FOUND}"))
-        texts = [f"ptr {one}" for one in given]
-        if not isinstance(last, Array):
-            texts.append(f"i64 {self.cast(last, 'int')}")
-        if not isinstance(unit, str):
-            unit = self.let(f"inttoptr i64 {unit.text} to ptr")
-        self.line(f"call void {unit}({', '.join(texts)})")
+            work = self._address(last)
+            found = self._let(f"getelementptr double, ptr {work}, i64 {FOUND}")
+            given = f"ptr {start}, ptr {work}, ptr {found}"
+        else:
+            given = f"ptr {start}, {self._argument('int', last)}"
+        if isinstance(unit, Value):
+            unit = self._let(f"inttoptr i64 {unit.text} to ptr")
+        self._line(f"call void {unit}({given})")
+
+    def _added(self, array, index, x):
+        """Add to an item of an array, atomically; the number before."""
+        slot = self._item(array, index)
+        name = "fadd" if slot.kind == "float" else "add"
+        given = f"ptr {slot.place}, {self._argument(slot.kind, x)}"
+        return self._let(f"atomicrmw {name} {given} monotonic", slot.kind)

@@ -21,11 +21,15 @@ def processor():
     return llvm.get_process_triple(), llvm.get_host_cpu_name(), features
 
 
+#: LLVM's names of processors that lower their clock where they use their widest vectors
+THROTTLED = "skylake", "cannonlake", "cascadelake", "cooperlake"
+
+
 def doubles_of_vector():
     """How many doubles the vectors have in which this processor is fastest."""
     features, processor = llvm.get_host_cpu_features(), llvm.get_host_cpu_name()
-    if features.get("avx512f") and processor.startswith(("znver", "knl", "knm")):
-        return 8  # (others slow down where they use their widest)
+    if features.get("avx512f") and not processor.startswith(THROTTLED):
+        return 8
     return 4 if features.get("avx") else 2
 
 

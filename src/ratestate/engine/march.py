@@ -1,8 +1,4 @@
-"""The march: lanes are filled from a queue, step to breakpoints and events, and are written out.
-
-`march` can be left and entered again: all it knows is in the lane buffer and the queue
-position.  So the caller stays in control of a long run: progress, interruption, output.
-"""
+"""The march: a slider's motion from start to end, by segments of its loading, with saved times."""
 
 import math
 from typing import Any, NamedTuple
@@ -10,25 +6,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..friction.functions import log
+from . import events, lanes
 from . import rows as R
 from .calls import FOUND, call_lanes, call_point
-from .events import handle_events
-from .lane_case import IDLE, fill, next_case, stuck
-from .lane_sets import any_changes, change_sets, next_set, room
-from .lanes import saves
+from .control import Kernel, fill, leave, stuck
 from .model import FINISHED, RUNNING, Cases, Loads, Numbers, Results
 from .normal_stress import enter_stress
 from .periodicity import last_period
-from .saving import POINTS, await_save, keep, keep_inside, save, save_state
+from .units import MarchUnits, RigidUnits
+
+#: points of a path in a step of the Taylor method: its ends are too few to draw or to interpolate
+POINTS = 8
 
 
 class Run(NamedTuple):
-    """All that a march works on.
+    """All that a march works on; lanes stand in `control.SETS` sets if `taylor`, else in one."""
 
-    The lanes stand in `SETS` sets (lane_sets.py) if `taylor`, else in one; CASE = IDLE in those
-    that are free.
-    """
-
+    kernel: Kernel
     shape: R.Shape
     units: Any  # `units.MarchUnits`, or `units.RigidUnits` if K = inf
     taylor: int  # 1 if steps that are not stiff are of the Taylor method, which the law allows
@@ -99,6 +93,23 @@ def load(run, l, i):
     await_save(run, l, n)
 
 
+def handle(run, l):
+    """See to events in the lane's step, and save states at times in it."""
+    events.handle(run, l)
+    if lanes.saves(run.s, l):
+        save(run, l)
+
+
+def commit(run, first, n, taylor):
+    """Commit steps; if a path is wanted, keep the accepted step of its only slider."""
+    keeps = run.path.shape[0] > 0 and run.s[R.OK + first] > 0.0
+    if keeps and taylor:
+        keep_inside(run, first)
+    call_lanes(run.units.commit, run.s, first, n)
+    if keeps:
+        keep(run, first)
+
+
 def finish(run, l):
     """Write the outcome of the lane's case; a failed one leaves no states."""
     s, shape, results, work = run.s, run.shape, run.results, run.work
@@ -132,77 +143,94 @@ def finish(run, l):
     for number in numbers:
         results.numbers[i, k] = number
         k += 1
-    s[R.CASE + l] = IDLE
+    leave(run, l)
 
 
-def end_segment(run, l):
+def end(run, l):
     """At a breakpoint: enter the next segment or finish.  Elsewhere: give up, saying why.
 
-    Returns whether the state jumps; a state saved at that time is then the one after the jump.
+    A state saved at that time is the one after a jump.
     """
     s, cases, times = run.s, run.cases, run.save_times
-    if s[R.STATUS + l] != RUNNING:
-        return False
-    if s[R.OK + l] == 0.0 or s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:
-        s[R.STATUS + l] = stuck(s, l)
-        return False
-    if s[R.BREAKPOINT + l] >= s[R.T_END + l]:
-        s[R.STATUS + l] = FINISHED
-        return False
-    s[R.T + l], s[R.T_LOW + l] = s[R.BREAKPOINT + l], 0.0
-    jumps = enter_segment(run, l)
-    i, n = int(s[R.CASE + l]), int(s[R.SAVED + l])
-    if jumps and n > 0 and times[cases.times[i], n - 1] * cases.scale[i] == s[R.T + l]:
-        save_state(run, l, n - 1)
-    return jumps
-
-
-def march(run, budget):
-    """March cases until the queue is empty (True), the path is full or the budget spent (False).
-
-    budget : int, sweeps over the lanes
-    """
-    s, shape, units, position = run.s, run.shape, run.units, run.position
-    capacity = 2 * R.LANES if run.taylor else R.LANES
-    first, n = 0, 0
-    vacant = regroup = True
-    keeps = run.path.shape[0] > 0
-    for _ in range(budget):
-        if vacant:
-            while position[0] - position[1] < capacity:
-                i = next_case(run.queue, position)
-                if i < 0:
-                    break
-                load(run, room(s, shape, 0.0), i)
-            vacant = False
-        if regroup:
-            first, n = next_set(s, shape, run.taylor)
-            if n == 0:
-                return True
-            regroup = False
-        call_lanes(units.taylor if first > 0 else units.step, s, first, n)
-        for l in range(first, first + R.WIDTH * n):
-            if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
-                handle_events(run, l)
-                if saves(s, l):
-                    save(run, l)
-        if keeps and first > 0:
-            keep_inside(run, first)
-        call_lanes(units.commit, s, first, n)
-        if keeps and s[R.OK + first] > 0.0:
-            keep(run, first)
-        for l in range(first, first + R.WIDTH * n):
-            if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
-                jumps = end_segment(run, l)
-                if jumps and keeps:
+    if s[R.STATUS + l] == RUNNING:
+        if s[R.OK + l] == 0.0 or s[R.STEPS + l] + s[R.REJECTED + l] >= s[R.MAX_STEPS + l]:
+            s[R.STATUS + l] = stuck(s, l)
+        elif s[R.BREAKPOINT + l] >= s[R.T_END + l]:
+            s[R.STATUS + l] = FINISHED
+        else:
+            s[R.T + l], s[R.T_LOW + l] = s[R.BREAKPOINT + l], 0.0
+            i, n = int(s[R.CASE + l]), int(s[R.SAVED + l])
+            if enter_segment(run, l):
+                if n > 0 and times[cases.times[i], n - 1] * cases.scale[i] == s[R.T + l]:
+                    save_state(run, l, n - 1)
+                if run.path.shape[0] > 0:
                     keep(run, l)
-                if s[R.STATUS + l] != RUNNING:
-                    finish(run, l)
-                    position[1] += 1
-                    vacant = regroup = True
-        if run.taylor and (vacant or any_changes(s, first, n)):
-            change_sets(s, shape, first)
-            regroup = True
-        if keeps and position[2] + POINTS + 1 > run.path.shape[0]:
-            return False  # (a step needs as many rows, and a jump one more)
-    return False
+    if s[R.STATUS + l] != RUNNING:
+        finish(run, l)
+
+
+# Saved times, and the path of a slider's own steps
+
+
+def await_save(run, l, n):
+    """Let saved time n be the next one the lane waits for."""
+    s, cases, times = run.s, run.cases, run.save_times
+    i = int(s[R.CASE + l])
+    s[R.SAVED + l], s[R.SAVE_AT + l] = n, math.inf
+    if n < times.shape[1]:
+        s[R.SAVE_AT + l] = times[cases.times[i], n] * cases.scale[i]
+
+
+def save(run, l):
+    """Write the state at each saved time inside the lane's accepted step."""
+    s, cases, times, work = run.s, run.cases, run.save_times, run.work
+    i = int(s[R.CASE + l])
+    row, scale, h = cases.times[i], cases.scale[i], s[R.H_USED + l]
+    n = int(s[R.SAVED + l])
+    while n < times.shape[1]:
+        at = ((times[row, n] * scale - s[R.T + l]) - s[R.T_LOW + l]) / h
+        if at > 1.0:
+            break
+        at = max(at, 0.0)
+        work[0] = at
+        events.state_at(run, l, at, work, 1)
+        if run.shape.rigid:
+            call_point(run.units.state, s, l, work)
+            work[1], work[2] = work[FOUND], work[FOUND + 1]
+        for k in range(2 + run.shape.states):
+            run.results.saved[i, n, k] = work[1 + k]
+        n += 1
+    await_save(run, l, n)
+
+
+def save_state(run, l, n):
+    """Write the lane's state as that at saved time n."""
+    i = int(run.s[R.CASE + l])
+    for k in range(2 + run.shape.states):
+        run.results.saved[i, n, k] = run.s[R.y_row(run.shape, k) + l]
+
+
+def keep(run, l):
+    """Put T, x, v and psi of the lane at the end of the path."""
+    s, path, row = run.s, run.path, run.position[2]
+    path[row, 0] = s[R.T + l] + s[R.T_LOW + l]
+    for k in range(2 + run.shape.states):
+        path[row, 1 + k] = s[R.y_row(run.shape, k) + l]
+    run.position[2] += 1
+
+
+def keep_inside(run, l):
+    """`keep` the motion inside the lane's step of the Taylor method, before it is committed."""
+    s, path = run.s, run.path
+    for j in range(1, POINTS):
+        at, row = j / POINTS, run.position[2]
+        path[row, 0] = s[R.T + l] + (s[R.T_LOW + l] + at * s[R.H_USED + l])
+        events.state_at(run, l, at, run.work, 0)
+        for k in range(2 + run.shape.states):
+            path[row, 1 + k] = run.work[k]
+        run.position[2] += 1
+
+
+MARCH = Kernel(Run, MarchUnits, load, handle, commit, end)
+#: of sliders that move with their load points (K = inf)
+RIGID_MARCH = MARCH._replace(units=RigidUnits)

@@ -7,12 +7,15 @@ import contextlib
 import ctypes
 import functools
 import inspect
+import operator
 from pathlib import Path
+
+import numpy as np
 
 from ..errors import CompilationError
 from . import cache
 from .compiler import kernel_text
-from .instructions import Context
+from .instructions import ITEMS, Array, Word
 from .machine_code import compiled, loaded
 from .rows import WIDTH
 from .unit_code import unit_text
@@ -22,13 +25,56 @@ from .units import unit_names
 LEVEL = 1
 
 
+class Context:
+    """A record as machine code sees it: words, which are ints, and of arrays address and shape.
+
+    record : named tuple of ints, arrays, functions, and such tuples
+    place : array -> its address, if the kernel does not run on this machine's memory
+    """
+
+    def __init__(self, record, place=None):
+        self._record = record  # (it keeps the arrays)
+        self._place = place or _own_address
+        #: what the code of a kernel depends on: types of arrays, and names of functions
+        self.kinds = []
+        words: list[int] = []
+        #: the record, with a `Word` for each int and an `Array` for each array
+        self.layout = self._add(record, words)
+        self.words = np.array(words, np.int64)
+
+    def _add(self, x, words):
+        if isinstance(x, tuple):
+            return type(x)(*(self._add(one, words) for one in x))
+        if inspect.isfunction(x):
+            self.kinds.append(f"{x.__module__}.{x.__name__}")
+        if callable(x) or isinstance(x, (str, Array)):
+            return x
+        at = len(words)
+        if not isinstance(x, np.ndarray):
+            words.append(operator.index(x))
+            return Word(at)
+        if not x.flags.c_contiguous or x.dtype not in ITEMS:
+            names = ", ".join(map(str, ITEMS))
+            raise TypeError(f"an array of a kernel must be contiguous, of {names}")
+        words += self._place(x), *x.shape
+        self.kinds.append((x.ndim, x.dtype))
+        return Array(at, x.ndim, x.dtype)
+
+
+def _own_address(x):
+    try:  # a third of the time that `ctypes.data` takes
+        return ctypes.addressof(ctypes.c_char.from_buffer(x))
+    except (TypeError, ValueError):  # it cannot be written to, or is empty
+        return x.ctypes.data
+
+
 class Program:
     """A function of a small part of Python that is run on a record as machine code.
 
     Parameters
     ----------
     function : of a record and an int, which returns a bool
-    record : named tuple of ints, arrays, and such tuples: arrays are used as they are
+    record : as of `Context`; arrays are used as they are
     """
 
     def __init__(self, function, record):
@@ -50,7 +96,7 @@ def _compiled(function, context):
         name = function.__name__
 
         def make():
-            return compiled(kernel_text(function, context.layout()), level=LEVEL)
+            return compiled(kernel_text(function, context.layout), level=LEVEL)
 
         file = Path(inspect.getfile(function))  # it may be in another package
         version = cache.short_hash((key[1], file.read_bytes()))

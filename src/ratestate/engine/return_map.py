@@ -3,6 +3,9 @@
 Speeds are in units of a constant V_lp and times in Dc/V_lp, so the section is w = 1: v = 0, where v
 is ln(V/V_lp), but v = mu/a under regularized friction.  On it dx/dT vanishes: an upward crossing is
 a maximum of the stress and the point to return to, a downward one its minimum.
+
+A step that holds a crossing of the section is taken back, and repeated to end there: so the map
+is as accurate as the steps are.
 """
 
 import math
@@ -11,12 +14,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from . import events
 from . import rows as R
 from .calls import FOUND, call_lanes, call_point
-from .lane_case import IDLE, fill, next_case, stuck
-from .lane_sets import any_changes, change_sets, next_set, room
-from .model import RUNNING
-from .return_events import handle_events
+from .control import Kernel, fill, leave, stuck
+from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING
+from .units import ReturnUnits
+from .waveform import LOG_SLOW_BELOW, SLOW_BELOW
+
+# A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
+NEAREST = 1e-6
+SECTION, SLOW = (1.0, 0.0, 0.0), (SLOW_BELOW, 0.0, LOG_SLOW_BELOW)
 
 
 class Starts(NamedTuple):
@@ -76,6 +84,7 @@ def empty_return_results(y):
 class ReturnRun(NamedTuple):
     """All that a return map works on, as `march.Run`."""
 
+    kernel: Kernel
     shape: R.Shape
     units: Any  # `units.ReturnUnits`
     taylor: int
@@ -107,7 +116,7 @@ def load(run, l, i):
     call_point(run.units.first_step, s, l, run.work)
 
 
-def finish(run, l):
+def end(run, l):
     """Write the outcome of the lane's case; derivatives are those of the section's points."""
     s, shape, results, work = run.s, run.shape, run.results, run.work
     i, status, states = int(s[R.CASE + l]), int(s[R.STATUS + l]), shape.states
@@ -148,47 +157,119 @@ def finish(run, l):
             results.psi_along[i, j, k] = s[z + (2 + k) * R.LANES] - shift * rate
     for k in range(states):
         results.psi[i, k] = s[R.y_row(shape, 2 + k) + l]
-    s[R.CASE + l] = IDLE
+    leave(run, l)
 
 
-def march_to_section(run, budget):
-    """Take the cases of a queue to their next upward crossing of the section; whether all are done.
+def commit(run, first, n, taylor):
+    """Commit steps, and add them to the integrals of the waveform if it is wanted."""
+    s, units = run.s, run.units
+    call_lanes(units.commit, s, first, n)
+    if run.starts.period[0] > 0.0:
+        if taylor:
+            call_lanes(units.add_taylor, s, first, n)
+        else:
+            call_lanes(units.add_rodas5p, s, first, n)
 
-    budget : int, sweeps over the lanes
+
+# What happens inside an accepted step
+
+
+def split(run, l):
+    """Set SLOW_PART, where it is wanted, if the step crosses the speed that is slow."""
+    s = run.s
+    slow = s[R.W_NEW + l] < SLOW_BELOW
+    if s[R.GUESS + l] > 0.0 and slow != (s[R.W + l] < SLOW_BELOW):
+        at = events.crossing(run, l, SLOW, 0.0, 1.0)
+        s[R.SLOW_PART + l] = 1.0 - at if slow else at
+
+
+def end_at_crossing(run, l):
+    """Move the end of a step that was cut at a crossing onto the section, and record it."""
+    s, shape = run.s, run.shape
+    call_point(run.units.land, s, l, run.work)
+    s[R.H_NEXT + l] = s[R.H_PLANNED + l]
+    s[R.LANDING_STEP + l], s[R.SINCE + l] = 0.0, -1.0  # 0 once this step is committed
+    s[R.EVERY_STEP + l] = 0.0
+    if s[R.W + l] < 1.0:  # it rises
+        s[R.STATUS + l] = FINISHED
+    else:
+        s[R.X_LOW + l] = s[R.X_NEW + l]
+        for j in range(shape.states + 1):
+            of_x = s[shape.z_new + j * (2 + shape.states) * R.LANES + l]
+            s[shape.x_low + j * R.LANES + l] = of_x
+
+
+def perturbed(run, l, at, row):
+    """Put the perturbations of the speed, as of `v_of_order`, at a place in the step into rows.
+
+    By the dense output of the Taylor method; that of Rodas5P has none of perturbations, and its
+    step is repeated.
+
+    row : the first of them
     """
-    s, shape, units, position = run.s, run.shape, run.units, run.position
-    capacity = 2 * R.LANES if run.taylor else R.LANES
-    first, n = 0, 0
-    vacant = regroup = True
-    waveform = run.starts.period[0] > 0.0
-    for _ in range(budget):
-        if vacant:
-            while position[0] - position[1] < capacity:
-                i = next_case(run.queue, position)
-                if i < 0:
-                    break
-                load(run, room(s, shape, 0.0), i)
-            vacant = False
-        if regroup:
-            first, n = next_set(s, shape, run.taylor)
-            if n == 0:
-                return True
-            regroup = False
-        call_lanes(units.taylor if first > 0 else units.step, s, first, n)
-        if waveform:
-            call_lanes(units.find_slow, s, first, n)
-        for l in range(first, first + R.WIDTH * n):
-            if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
-                handle_events(run, l)
-        call_lanes(units.commit, s, first, n)
-        if waveform:
-            call_lanes(units.add_taylor if first > 0 else units.add_rodas5p, s, first, n)
-        for l in range(first, first + R.WIDTH * n):
-            if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
-                finish(run, l)
-                position[1] += 1
-                vacant = regroup = True
-        if run.taylor and (vacant or any_changes(s, first, n)):
-            change_sets(s, shape, first)
-            regroup = True
-    return False
+    s, shape, work = run.s, run.shape, run.work
+    n = 2 + shape.states
+    if s[R.TAYLOR + l] > 0.0:
+        events.state_at(run, l, at, work, 0)
+        for i in range(n * (n - 1)):
+            first, z = shape.c_z + i * shape.terms * R.LANES + l, 0.0
+            for k in range(shape.terms):
+                z = s[first + (shape.terms - 1 - k) * R.LANES] + at * z
+            work[n + i] = z
+        call_point(run.units.perturbed_taylor, s, l, work)
+    else:
+        work[0] = at
+        call_point(run.units.perturbed, s, l, work)
+    for j in range(n - 1):
+        s[row + j * R.LANES + l] = work[FOUND + j]
+
+
+def observe_step(run, l):
+    """`observe`, with the derivatives of what it finds of V.
+
+    They are those of V at that time: where it is extreme, a shift along the orbit does not count.
+    Where V stops falling at once, as at a sudden arrest, they hang on where in the step that is
+    thought to be, and may be off by a factor of 4.
+    """
+    s, shape = run.s, run.shape
+    high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
+    at = events.observe(run, l)
+    if s[R.V_HIGH + l] > high:
+        perturbed(run, l, at, shape.v_high)
+    elif s[R.V_LOW + l] < low:
+        perturbed(run, l, at, shape.v_low)
+
+
+def handle(run, l):
+    """Record what happens in the lane's step, or take it back, to end it at a crossing."""
+    s = run.s
+    split(run, l)
+    landing_step = s[R.LANDING_STEP + l]
+    if landing_step > 0.0 and s[R.H_USED + l] >= landing_step:
+        if s[R.OBSERVE + l] > 0.0:
+            observe_step(run, l)
+        end_at_crossing(run, l)
+        return
+    s[R.LANDING_STEP + l] = 0.0
+    rises = s[R.W_NEW + l] >= 1.0
+    if (s[R.W + l] < 1.0) == rises and s[R.SINCE + l] > 0.0:
+        at = max(events.crossing(run, l, SECTION, 0.0, 1.0), NEAREST)
+        s[R.H_PLANNED + l] = s[R.H_NEXT + l]
+        s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = at * s[R.H_USED + l]
+        s[R.EVERY_STEP + l], s[R.OK + l], s[R.CHANGES + l] = 1.0, 0.0, 0.0
+        return
+    s[R.EVERY_STEP + l] = 0.0
+    if s[R.OBSERVE + l] > 0.0:
+        observe_step(run, l)
+    found = int(s[R.EVENTS + l])
+    if found & R.BEYOND > 0:
+        # Where steady sliding is unstable what turns back once more runs away at last.
+        if s[R.UNSTABLE + l] > 0.0:
+            s[R.STATUS + l] = RUNAWAY
+        else:
+            call_point(run.units.outrun, s, l, run.work)
+    elif found & R.STEADIES > 0:
+        s[R.STATUS + l] = STEADY_SLIDING
+
+
+RETURN_MAP = Kernel(ReturnRun, ReturnUnits, load, handle, commit, end)

@@ -53,7 +53,6 @@ class ReturnUnits(NamedTuple):
     force: int
     speed: int
     outrun: int
-    find_slow: int
     add_rodas5p: int
     land: int
     perturbed: int
@@ -281,7 +280,8 @@ def lane_units(law, kind):
     if has_taylor:
         found["taylor"] = [taylor.try_step, lanes.has_event]
     if returns:
-        found["find_slow"] = [waveform.find_slow]
+        for name in found.keys() - {"commit"}:
+            found[name].append(waveform.find_slow)
         found["add_rodas5p"] = [waveform.add_rodas5p]
         if has_recurrences(law):
             found["add_taylor"] = [waveform.add_taylor]

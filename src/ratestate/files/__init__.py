@@ -1,20 +1,18 @@
 """Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all.
 
-================== =================================================================
-``formats``        `read` and `write`: which ending is which format
-``netcdf``         NetCDF; complex variables as two real ones, `split` and `joined`
-``table``          which variables a CSV has, in which rows and columns
-``laboratory_csv`` tables of events, steps or holds in a laboratory's units
-``zarr_folder``    Zarr, with the checksums of its files; whether all are as written
-``place``          whether a file can be put there; replaced at once
-================== =================================================================
+========== =============================================================================
+``stored`` NetCDF and Zarr, with checksums; complex variables as two real ones
+``tables`` CSV: which variables are in which rows and columns; a laboratory's units
+``place``  whether a file can be put there; replaced at once
+========== =============================================================================
 """
 
-from .formats import NUMBERS, read, write
-from .laboratory_csv import laboratory_csv
-from .netcdf import joined, split
-from .place import PICTURES, checked_path, replace, writing
-from .table import csv_text
+from pathlib import Path
+
+from ..errors import ParameterError, RateStateError
+from .place import PICTURES, checked_path, listed, replace, writing
+from .stored import joined, read_netcdf, read_zarr, split, write_netcdf, write_zarr
+from .tables import csv_text, laboratory_csv
 
 __all__ = [
     "NUMBERS",
@@ -29,3 +27,85 @@ __all__ = [
     "write",
     "writing",
 ]
+
+
+def write(data, path):
+    """Write a result into a file, all of it or nothing.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        A result of any function.
+    path : str or Path
+        File, whose name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag),
+        .csv (see `csv_text`) or .zarr (a folder).  A file of that name is replaced, and so is a
+        folder that `write` made, unless other files are in it.  Permissions and links are kept.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ParameterError
+        Another ending, another folder in its place, or in a .zarr a variable called "checksums".
+    OSError
+        It cannot be written there; what was there before is as it was.
+    """
+    path = checked_path(path, NUMBERS)
+    writer, _ = FORMATS[path.suffix.lower()]
+    return replace(path, lambda partial: writer(data, partial))
+
+
+def read(path):
+    """A result from a .nc or .zarr file, as it was before `write`.
+
+    Parameters
+    ----------
+    path : str or Path
+        File that `write` made, or store of a finished sweep.
+
+    Returns
+    -------
+    xarray.Dataset
+        The result, in memory.
+
+    Raises
+    ------
+    ParameterError
+        The file is missing, of another kind, or damaged: a .nc so that it cannot be decoded, a
+        .zarr in any way.  (One written before there were checksums is not checked: numbers of a
+        lost chunk are NaN.)
+    StoreError
+        The store of a sweep is not finished, or damaged; a .zarr is in Zarr format 2, which can run
+        code of whoever wrote it.
+    """
+    path = Path(path)
+    ending = path.suffix.lower()
+    _, reader = FORMATS.get(ending, (None, None))
+    if reader is None:
+        raise ParameterError(
+            f"{path}: a result is read from a name that ends in {listed(READABLE)}"
+            + (" (a .csv file lacks the parameters)" if ending == ".csv" else "")
+        )
+    try:
+        if not path.exists():
+            raise ParameterError(f"{path} does not exist")
+        return reader(path)
+    except RateStateError:
+        raise
+    except Exception as error:
+        # what is in a file may make any part of the libraries that read it stumble
+        what = f"{type(error).__name__}: {error}"
+        raise ParameterError(f"{path} cannot be read as a result: {what[:300]}") from None
+
+
+#: ending of a name -> what writes such a file, and what reads it
+FORMATS: dict[str, tuple] = {
+    ".nc": (write_netcdf, read_netcdf),
+    ".csv": (lambda data, path: path.write_text(csv_text(data), "utf-8", newline="\n"), None),
+    ".zarr": (write_zarr, read_zarr),
+}
+NUMBERS = tuple(FORMATS)
+READABLE = tuple(ending for ending, (_, reader) in FORMATS.items() if reader)

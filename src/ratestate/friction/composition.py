@@ -48,9 +48,8 @@ class Damped(FrictionLaw):
     """
 
     OWN = EXTRAS
-    # what is known of a law of one length, and of runaway without mass, is without a dashpot
+    # what is known of a law of one length is without a dashpot
     one_length, series, has_own_speed = False, None, True
-    excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
     inner: FrictionLaw  # the law without the dashpot
 
     def coefficients(self, V_ref, slider):

@@ -10,10 +10,10 @@ import numpy as np
 from . import stability
 from .linear_stability import K_c, edges, is_stable
 
-# Speeds [m/s] between which V_c is sought where a law has a speed of its own, and points a decade.
-# (Above that of light nothing slips, and where weakening fades as 1/V rounding would decide.)
+# Speeds [m/s] between which V_c is sought if a law has a speed of its own, and points per decade.
+# (Nothing slips faster than light.  If weakening fades as 1/V, rounding would decide up there.)
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e9, 10
-# Sliders for which they are sought at a time, which bounds the memory.
+# Sliders for which they are sought at a time, to limit memory.
 TOGETHER = 1000
 
 
@@ -27,33 +27,31 @@ class CriticalSpeeds(NamedTuple):
 def V_c(law, *, K, **values):
     """`CriticalSpeeds` of sliders.
 
-    V_c is 0 where sliding is unstable down to rest, inf where at no speed; V_c_upper is inf where
-    it stays unstable.  Under a law with a speed of its own it may be unstable once more above that.
+    V_c is 0 if sliding is unstable down to rest, and inf if it is stable at any speed.  V_c_upper
+    is inf if sliding stays unstable.  Under a law with a speed of its own it may become unstable
+    once more at larger speeds.
     """
     if law.one_length:
         lower = stability.V_c(K=K, **values)
         return CriticalSpeeds(lower, np.full(np.shape(lower), np.inf))
-    if law.has_own_speed:
-        columns = {name: np.ravel(value) for name, value in {"K": K, **values}.items()}
-        parts = range(0, np.size(K), TOGETHER)
-        found = [
-            _speeds_by_search(law, {name: x[i : i + TOGETHER] for name, x in columns.items()})
-            for i in parts
-        ]
-        return CriticalSpeeds(
-            *(np.concatenate(each).reshape(np.shape(K)) for each in zip(*found, strict=True))
-        )
-    return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
+    if not law.has_own_speed:
+        return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
+    columns = {name: np.reshape(value, (-1, 1)) for name, value in {"K": K, **values}.items()}
+    found = [
+        _speeds_by_search(law, **{name: x[i : i + TOGETHER] for name, x in columns.items()})
+        for i in range(0, np.size(K), TOGETHER)
+    ]
+    return CriticalSpeeds(*np.concatenate(found, axis=1).reshape(2, *np.shape(K)))
 
 
 def _speeds_by_edges(law, *, sigma, K, M, **values):
-    """V_c and V_c_upper, where the edges are at the same z and kappa/eta at all speeds."""
+    """V_c and V_c_upper, if the edges have the same z and quasi-static part at all speeds."""
     found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), {"sigma": sigma, **values}))
     unit = values["a"] * sigma / values["Dc"]
     excess = K[..., None] - found.quasi_static * unit[..., None]
     rounding = stability.ROUNDING * np.abs(K)[..., None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        speed = np.sqrt(excess / (found.mass * (M / values["Dc"] ** 2)[..., None]))
+        speed = np.sqrt(excess / (found.z * (M / values["Dc"] ** 2)[..., None]))
     speed = np.where(excess > rounding, speed, 0.0)
     speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
     # just above each of these speeds, how many pairs are unstable
@@ -64,32 +62,23 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
     return lower, np.where(later, speed, np.inf).min(axis=-1)
 
 
-def _speeds_by_search(law, columns):
-    """`CriticalSpeeds` (n,) on a grid of speeds that bisection refines.
+def _speeds_by_search(law, *, K, **values):
+    """V_c and V_c_upper, (n,) each, on a grid of speeds that bisection refines.
 
-    Where no speed of the grid is unstable, one beside that of the largest K_c may be.
+    If no speed of the grid is unstable, one near the speed of the largest K_c may be.
 
-    columns : symbol -> (n,)
+    K, values : (n, 1)
     """
-    decades = round(np.log10(FASTEST / SLOWEST))
-    grid = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
-
-    def values_at(V):
-        """The columns in the shape of speeds (n,) or (n, m)."""
-        rows = (x.reshape(-1, *[1] * (V.ndim - 1)) for x in columns.values())
-        return dict(zip(columns, (np.broadcast_to(x, V.shape) for x in rows), strict=True))
 
     def stable(V):
-        return is_stable(law, V, **values_at(V))
+        return is_stable(law, V, K=K, **values)
 
     def critical(V):
-        values = values_at(V)
-        del values["K"]
         return K_c(law, V, **values)
 
-    n = np.size(columns["K"])
-    whole = np.broadcast_to(grid, (n, grid.size))
-    unstable = ~stable(whole)
+    decades = round(np.log10(FASTEST / SLOWEST))
+    grid = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
+    unstable = ~stable(grid[None])
     first = unstable.argmax(axis=1)
     after = unstable | (np.arange(grid.size) < first[:, None])
     last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
@@ -100,17 +89,16 @@ def _speeds_by_search(law, columns):
     lower = np.where(some, np.where(first > 0, lower, 0.0), np.inf)
     upper = np.where(some & (last > 0), upper, np.inf)
     if not some.all():
-        highest = np.clip(critical(whole).argmax(axis=1), 1, grid.size - 2)
-        below, above = grid[highest - 1], grid[highest + 1]
-        peak = _maximum(critical, below, above)
-        between = ~some & ~stable(peak)
-        edges_of_peak = _bisect(stable, np.stack([below, above], axis=1), peak[:, None]).T
-        lower, upper = np.where(between, edges_of_peak, (lower, upper))
-    return CriticalSpeeds(lower, upper)
+        highest = np.clip(critical(grid[None]).argmax(axis=1), 1, grid.size - 2)[:, None]
+        peak = _maximum(critical, grid[highest - 1], grid[highest + 1])
+        between = ~some & ~stable(peak)[:, 0]
+        around = grid[highest + np.array([-1, 1])]
+        lower, upper = np.where(between, _bisect(stable, around, peak).T, (lower, upper))
+    return lower, upper
 
 
 def _maximum(function, low, high):
-    """Speeds (n,) at which a function is largest between others, to 1e-8 of themselves."""
+    """Speeds (n, 1) at which a function is largest between others, to 1e-8 of themselves."""
     low, high = np.log(low), np.log(high)
     for _ in range(50):
         third = (high - low) / 3.0
@@ -121,7 +109,7 @@ def _maximum(function, low, high):
 
 
 def _bisect(stable, inside, outside):
-    """Speeds (n, 2) between those that are stable, inside, and those that are not."""
+    """Edges (n, 2) of stability between speeds that are stable, inside, and others."""
     low, high = np.log(inside), np.log(outside)
     for _ in range(64):
         middle = 0.5 * (low + high)

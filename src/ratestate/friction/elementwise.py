@@ -26,10 +26,10 @@ def elementwise(*dims):
 
 
 def call_elementwise(function, given, *dims):
-    """What a function of NumPy arrays gives for named floats, arrays or DataArrays.
+    """Call a function of NumPy arrays with floats, arrays or DataArrays by name.
 
-    It is given all arguments broadcast to one shape.  The result is a DataArray if an argument is
-    one, else an array, or a NumPy number for shape ().
+    All arguments are broadcast to one shape.  The result is a DataArray if an argument is one, else
+    an array, or a NumPy number for shape ().
 
     dims : names of the dimensions that the function adds at the end
     """

@@ -15,10 +15,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .expressions import FormulaError, Graph, description, ordered
+from .expressions import FormulaError, Graph, ordered
 from .functions import exp
 from .law_properties import EXAMPLE
-from .rewriting import Derivative, Hoisting, function_of, times_each
+from .rewriting import Derivative, Hoisting, function_of, source_of, times_each
 
 #: parameters of every slider that are > 0
 POSITIVE = ("a", "Dc", "V0")
@@ -48,10 +48,11 @@ class Equations:
         positive = {*POSITIVE, *(x for x, one in law.parameters.items() if one.bound == "> 0")}
         names = (*EXAMPLE, *law.parameters)
         symbols = {x: graph.symbol(("p", x), is_positive=x in positive) for x in names}
-        V_ref, v = graph.symbol("V_ref", is_positive=True), graph.symbol("v", is_constant=False)
+        symbols["V_ref"] = V_ref = graph.symbol("V_ref", is_positive=True)
+        v = graph.symbol("v", is_constant=False)
         psi = [graph.symbol(("psi", k), is_constant=False) for k in range(len(law.states))]
         kappa = graph.symbol("kappa", is_constant=False)
-        p = SimpleNamespace(**symbols)
+        p = SimpleNamespace(**{x: symbols[x] for x in names})
         b, D = zip(*((symbols[b], symbols[D]) for b, D in law.states.values()), strict=True)
 
         logs = law.log_theta(v, psi, p)
@@ -72,11 +73,11 @@ class Equations:
 
         hoisting = Hoisting()
         self.graph, self.constants = hoisting.graph, hoisting.constants
-        self._parameters, self._V_ref = symbols, V_ref
+        self._parameters = symbols
         self.effects = [hoisting(one / p.a) for one in b]
         self.rates = [hoisting(rate) for rate in rates]
         self.resistance = [hoisting(times_each(mu - mu_ref, 1.0 / p.a))]
-        of_law = law.constants(SimpleNamespace(**symbols, V_ref=V_ref), b)
+        of_law = law.constants(SimpleNamespace(**symbols), b)
         self.named = {name: [hoisting(graph.number(one))] for name, one in of_law.items()}
         self._programs = {}  # what `function_of` gave
         self.v, self.kappa, *self.psi = map(hoisting, (v, kappa, *psi))
@@ -108,10 +109,9 @@ class Equations:
         return self._of_parameters(self.friction_at_reference, V_ref, values)[0]
 
     def _of_parameters(self, expressions, V_ref, values):
-        of_names = (values.get(name) for name in self._parameters)
-        given = [x if x is None else np.asarray(x, float)[()] for x in of_names]
-        known = dict(zip([*self._parameters.values(), self._V_ref], [*given, V_ref], strict=True))
-        return self.computed(expressions, known)
+        given = {**values, "V_ref": V_ref}
+        known = {one: given[name] for name, one in self._parameters.items() if name in given}
+        return self.computed(expressions, {x: np.asarray(y, float)[()] for x, y in known.items()})
 
     @property
     def text(self):
@@ -119,16 +119,15 @@ class Equations:
         optional = self.runs_away, self.log_theta, self.variables, *self.named.values()
         own = [*self.effects, *self.rates, *self.resistance]
         own += [one for some in optional for one in some or []]
-        constants = description([*self.constants.values(), *self.friction_at_reference])
-        return f"{description(own)}\n{constants}"
+        formulas = source_of(own, [self.v, self.kappa, *self.psi, *self.constants])
+        constants = [*self.constants.values(), *self.friction_at_reference]
+        return f"{formulas}\n{source_of(constants, self._parameters.values())}"
 
     @functools.cached_property
     def used(self):
         """Symbols of the parameters on which coefficients depend, a set; "V_ref" may be one."""
-        found = ordered(self.constants.values())
-        named = {one for one in found if one.kind in ("symbol", "positive")}
-        symbols = {name for name, one in self._parameters.items() if one in named}
-        return symbols | ({"V_ref"} & {one.parts[0] for one in named})
+        found = {*ordered(self.constants.values())}
+        return {name for name, one in self._parameters.items() if one in found}
 
     def derivative(self, x, *by):
         """The derivative of an expression by `v` or one of `psi`, by several in turn."""

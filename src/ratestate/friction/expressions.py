@@ -317,16 +317,3 @@ def ordered(roots):
         else:
             found[waiting.pop()] = True
     return list(found)
-
-
-def description(roots):
-    """Text that tells expressions from others."""
-    places, lines = {}, []
-    for place, one in enumerate(ordered(roots)):
-        places[one] = place
-        if one.kind in ("sum", "product"):
-            parts = [f"{places[x]} {number!r}" for x, number in one.parts]
-        else:
-            parts = [repr(places.get(x, x) if isinstance(x, Expression) else x) for x in one.parts]
-        lines.append(f"{one.kind} {', '.join(parts)}")
-    return "\n".join([*lines, *(str(places[one]) for one in roots)])

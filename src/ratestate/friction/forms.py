@@ -34,9 +34,8 @@ class CutOff(FrictionLaw):
             "V2": Parameter("m/s", "cut-off speed of the state", "> 0", "'1 m/s'"),
         }
     )
-    # what is known of a law of one length, and of its runaway, is under eq. 1
+    # what is known of a law of one length is under eq. 1
     one_length, series = False, None
-    excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
 
     def mu(self, V, theta, ages, p, effects):
         """From the theta_k/D_k and the b_k."""
@@ -95,9 +94,8 @@ class Regularized(Reversing, FrictionLaw):
     """
 
     OWN: Mapping[str, Parameter] = MappingProxyType({})
-    # what is known of a law of one length, and of its runaway, is under eq. 1
+    # what is known of a law of one length is under eq. 1
     one_length, series = False, None
-    excursion, runaway_edge = FrictionLaw.excursion, FrictionLaw.runaway_edge
 
     def mu(self, V, theta, ages, p, effects):
         """From the theta_k/D_k and the b_k."""

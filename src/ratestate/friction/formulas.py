@@ -1,6 +1,6 @@
 """Rate-and-state friction in SI units (eqs 1-3), for floats, NumPy arrays and named DataArrays.
 
-Ranges are not checked: a value beyond them gives inf or NaN, or ZeroDivisionError if a plain float.
+Ranges are not checked.  A value out of range gives inf or NaN, or ZeroDivisionError for floats.
 
     mu = mu0 + a ln(V/V0) + b ln(V0 theta/Dc)                               (eq. 1)
     d theta/dt = 1 - V theta/Dc                           aging law         (eq. 2)
@@ -17,7 +17,7 @@ from .laws import friction_law, of_one_length
 
 
 def friction(V, theta, *, a, b, mu0, V0, Dc):
-    """Friction coefficient mu (eq. 1).
+    """Return the friction coefficient mu (eq. 1).
 
     mu = mu0 + a ln(V/V0) + b ln(V0 theta/Dc)
 
@@ -43,7 +43,7 @@ def friction(V, theta, *, a, b, mu0, V0, Dc):
 
 
 def friction_partials(V, theta, *, a, b):
-    """Derivatives of `friction`: a/V with respect to V, b/theta with respect to theta.
+    """Return the derivatives of `friction`: a/V by V and b/theta by theta.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def friction_partials(V, theta, *, a, b):
 
 
 def dtheta_dt(V, theta, *, Dc, law):
-    """Rate of change of the state, d theta/dt [1] (aging: eq. 2, slip: eq. 3).
+    """Return the rate of change of the state, d theta/dt (aging: eq. 2, slip: eq. 3).
 
     With Omega = V theta/Dc: 1 - Omega (aging), -Omega ln(Omega) (slip, 0 at V = 0).
 
@@ -96,7 +96,7 @@ def dtheta_dt(V, theta, *, Dc, law):
 
 
 def dtheta_dt_partials(V, theta, *, Dc, law):
-    """Derivatives of `dtheta_dt` with respect to V and theta.
+    """Return the derivatives of `dtheta_dt` by V and theta.
 
     d theta/dt depends on Omega = V theta/Dc alone, so both follow from one derivative; with
     V0 := V (w = 1, v = 0, psi = ln Omega) it is that of the law's rate with respect to v.
@@ -137,7 +137,7 @@ def _one_length(law):
 
 
 def theta_ss(V, *, Dc):
-    """State in steady sliding at V, under laws of one length: Dc/V.
+    """Return the state in steady sliding at V under laws of one length, Dc/V.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def theta_ss(V, *, Dc):
 
 
 def mu_ss(V, *, a, b, mu0, V0):
-    """Friction coefficient in steady sliding at V: mu0 + (a - b) ln(V/V0).
+    """Return the friction coefficient in steady sliding, mu0 + (a - b) ln(V/V0).
 
     Parameters
     ----------

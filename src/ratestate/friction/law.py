@@ -327,14 +327,6 @@ class FrictionLaw(LawProperties):
         """
         return False
 
-    def excursion(self, v, psi, kappa, beta):
-        """How far a state without inertia is from steady sliding, of arrays: see `quasi_static`."""
-        raise NotImplementedError
-
-    def runaway_edge(self, kappa, beta, largest):
-        """The smallest disturbances that run away without mass: `separatrix.Thresholds`."""
-        raise NotImplementedError
-
     def __getstate__(self):
         """What pickle takes along: not what is derived, which holds functions made here."""
         kind = type(self)

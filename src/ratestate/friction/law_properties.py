@@ -42,6 +42,11 @@ class LawProperties(Forward):
     gives: Any
 
     @property
+    def is_of_user(self):
+        """Whether a user brings it: then its name ends in the hash of its formula."""
+        return MARK in self.name
+
+    @property
     def of_slider(self):
         """Which of mu0 and V0 `coefficients` depend on, a tuple."""
         return tuple(x for x in ("mu0", "V0") if x in self.equations.used)
@@ -149,33 +154,11 @@ class LawProperties(Forward):
 
         ParameterError if, under a user's law, there is none, or friction falls with V there.
         """
-        import numpy as np
-
-        from .steady_state import steady_variables
+        from .steady_state import steady_problem, steady_variables  # (which need NumPy)
 
         found = steady_variables(self, p, v)
-        if MARK in self.name and all(np.all(np.isfinite(x)) for x in p):
-            for name, psi in zip(self.states, found, strict=True):
-                if not np.all(np.isfinite(psi)):
-                    raise ParameterError(
-                        f"law = {self.name!r}: {name} has no steady value. Give other parameters."
-                    )
-            w, e = np.exp(v), self.exponentials(v, np.exp(v), found, p)
-            for name, slope in zip(
-                self.states, self.rate_partials(v, w, found, e, p)[1], strict=True
-            ):
-                if not np.all(slope < 0.0):
-                    raise ParameterError(
-                        f"law = {self.name!r}: {name} does not go to its steady value. Give other "
-                        f"parameters."
-                    )
-        if self.gives("friction"):
-            by_v, _ = self.resistance_partials(v, np.exp(v), found, p)
-            if np.any(by_v <= 0.0):
-                raise ParameterError(
-                    f"law = {self.name!r}: friction does not rise with V in steady sliding, "
-                    f"(d mu/d ln V)/a = {np.min(by_v):.4g}. Give other parameters."
-                )
+        if problem := steady_problem(self, found, p, v):
+            raise ParameterError(f"law = {self.name!r}: {problem}. Give other parameters.")
         return found
 
     def steady_log_states(self, p):

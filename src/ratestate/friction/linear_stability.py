@@ -1,4 +1,4 @@
-"""Steady sliding under any friction law, and whether it is stable.
+"""Steady sliding under any friction law: whether it is stable, and how it responds.
 
 Linearised at V, with times in Dc/V and e to the power of L T, small perturbations obey
 
@@ -10,7 +10,22 @@ state, over a.  On the edge of stability L = i omega, with z = omega^2,
 
     sum_k r_k s_k^2/(z + s_k^2) = S_v,      kappa = z (eta + sum_k r_k s_k/(z + s_k^2)).
 
-For laws of one length this is eq. 6, and the closed forms of stability.py are used.
+For laws of one length this is eq. 6, and the closed forms of stability.py are used, which lose no
+digits if b is near a.
+
+Frequencies are Omega = omega Dc/V, and sigma(t) = sigma s.  Small oscillations e^(i Omega T) of
+w_lp and of s about 1 move the slider as
+
+    i Omega x = kappa (w_lp - v)
+    i Omega eta v = x - S_v v - sum_k S_k psi_k - (mu/a) s
+    i Omega psi_k = f_v v + f_k psi_k + i Omega h_k s
+
+where h_k is the jump of a state with ln s: -alpha/b for theta (Linker & Dieterich 1992).  So v is
+the force from outside divided by the mechanical impedance of the slider on its spring.
+
+Sources: Linker & Dieterich (1992) doi:10.1029/92JB00017; without mass Perfettini, Schmittbuhl, Rice
+& Cocco (2001) doi:10.1029/2000JB900336.
+
 Functions take NumPy arrays of one shape, SI units, by their symbols, and check no range.
 """
 
@@ -19,19 +34,19 @@ from typing import NamedTuple
 import numpy as np
 
 from . import stability
-from .eigenvalues import steady_modes
-from .polynomials import product, roots
+from .roots import polynomial_product, polynomial_roots
+from .tuples import dot
 
-# eta below which inertia is none: the fastest mode is beyond all numbers.
+# Smallest eta with a finite fastest mode.
 LIGHTEST = 1e-290
-# Evolution effect over direct effect, less 1, that is rounding.
+# Largest ratio of evolution effect to direct effect, less 1, that may be rounding.
 NEUTRAL = 1e-15
-# Of the roots of the polynomial, what may be rounding of a real one.
+# Largest imaginary part of a root, as a part of its modulus, that may be rounding.
 IMAGINARY = 1e-9
 
 
 class Linearisation(NamedTuple):
-    """Of steady sliding, dimensionless, in arrays of one shape, states along a last axis."""
+    """Steady sliding linearised, dimensionless: arrays of one shape, states along a last axis."""
 
     direct: np.ndarray  # S_v
     evolution: np.ndarray  # (..., n) r_k
@@ -52,50 +67,69 @@ def linearisation(law, p):
 
 
 class Edges(NamedTuple):
-    """Where steady sliding at one speed changes stability, with each edge along the last axis.
+    """Stiffnesses at which steady sliding at one speed changes stability, along the last axis.
 
-    As K falls to kappa, `pairs` more pairs of eigenvalues, 1 or -1, are unstable; 0 where there is
+    As K falls to kappa, `pairs` more pairs of eigenvalues, 1 or -1, become unstable; 0 if there is
     no edge.
     """
 
-    z: np.ndarray  # (..., n) omega^2
-    mass: np.ndarray  # kappa is this times eta, and the other
+    z: np.ndarray  # (..., n) omega^2; kappa is eta z plus the quasi-static part
     quasi_static: np.ndarray
     pairs: np.ndarray
 
     def kappa(self, inertia):
         """kappa of each edge, for eta (...)."""
-        return self.mass * inertia[..., None] + self.quasi_static
+        return self.z * inertia[..., None] + self.quasi_static
 
     def unstable_pairs(self, stiffness, inertia):
-        """(...) how many pairs of eigenvalues are unstable, for kappa and eta (...)."""
+        """(...) number of unstable pairs of eigenvalues, for kappa and eta (...)."""
         return (self.pairs * (stiffness[..., None] <= self.kappa(inertia))).sum(axis=-1)
 
 
 def edges(law, p):
-    """The `Edges` of steady sliding at V_ref, under a law with these coefficients."""
+    """The `Edges` of steady sliding at V_ref, under a law with these coefficients.
+
+    Under laws of one state z, and so kappa, is negative if there is no edge.
+    """
     linear = linearisation(law, p)
-    z, r, s = _edge_frequencies(linear), linear.evolution, linear.rates
-    if s.shape[-1] == 1:  # z < 0 where there is no edge, and so is kappa
-        return Edges(z, z, z * linear.direct[..., None] / s, (z > 0.0).astype(int))
-    is_edge = z > 0.0
+    S_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
+    if s.shape[-1] == 1:
+        # (friction may be so regularized that none is left, in double precision)
+        excess = r / np.where(S_v == 0.0, 1.0, S_v) - 1.0
+        z = s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
+        return Edges(z, z * S_v / s, (z > 0.0).astype(int))
+    z = polynomial_roots(_numerator(S_v, [x[..., None] for x in _each(r * s**2)], s**2))
+    is_edge = (np.abs(z.imag) <= IMAGINARY * np.abs(z)) & (z.real > 0.0)
+    z = np.where(is_edge, z.real, 0.0)
     apart = np.where(is_edge, z, 1.0)[..., None] + (s**2)[..., None, :]
     quasi_static = z * ((r * s)[..., None, :] / apart).sum(axis=-1)
     direction = ((r * s**2)[..., None, :] / apart**2).sum(axis=-1)
-    zero = np.zeros_like(z)
-    return Edges(
-        np.where(is_edge, z, zero),
-        np.where(is_edge, z, zero),
-        np.where(is_edge, quasi_static, zero),
-        np.where(is_edge, np.sign(direction), zero).astype(int),
-    )
+    return Edges(z, quasi_static, np.where(is_edge, np.sign(direction), 0.0).astype(int))
+
+
+def _numerator(head, residues, poles):
+    """The numerator of head - sum_k residues_k/(x + poles_k): a polynomial, highest power first.
+
+    head, residues : such polynomials (..., m); poles : (..., n)
+    """
+    factors = [np.stack([np.ones_like(pole), pole], axis=-1) for pole in _each(poles)]
+    total = polynomial_product([*factors, head])
+    for k, residue in enumerate(residues):
+        part = polynomial_product([*factors[:k], *factors[k + 1 :], residue])
+        total[..., -part.shape[-1] :] -= part
+    return total
+
+
+def _each(x):
+    """The arrays (...) along the last axis."""
+    return np.moveaxis(x, -1, 0)
 
 
 class Critical(NamedTuple):
-    """Where steady sliding at one speed first becomes unstable as K falls, dimensionless."""
+    """The largest K at which steady sliding at one speed changes stability, dimensionless."""
 
-    kappa: np.ndarray  # K_c Dc/(a sigma): not above 0 where it is stable at any K
-    omega: np.ndarray  # angular frequency there [V/Dc]; NaN where there is no such K
+    kappa: np.ndarray  # K_c Dc/(a sigma): not above 0 if sliding is stable at any K
+    omega: np.ndarray  # angular frequency there [V/Dc]; NaN if there is no such K
 
 
 def critical(law, p, inertia):
@@ -113,74 +147,51 @@ def critical(law, p, inertia):
 def K_c(law, V, *, sigma, M, **values):
     """Critical stiffness [Pa/m] at V: the largest K at which steady sliding changes stability.
 
-    Not above 0 where it is stable at any K.
+    It is not above 0 if sliding is stable at any K.
     """
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
-    inertia = _inertia(V, sigma=sigma, M=M, **values)
-    kappa = critical(law, _coefficients(law, V, sigma=sigma, **values), inertia).kappa
-    return kappa * values["a"] * sigma / values["Dc"]
+    return (
+        critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).kappa
+        * values["a"]
+        * sigma
+        / values["Dc"]
+    )
 
 
 def omega_c(law, V, *, sigma, M, **values):
-    """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN where there is none."""
+    """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN if there is none."""
     if law.one_length:
         return stability.omega_c(V, **values)
-    inertia = _inertia(V, sigma=sigma, M=M, **values)
-    p = _coefficients(law, V, sigma=sigma, **values)
-    return V / values["Dc"] * critical(law, p, inertia).omega
+    return V / values["Dc"] * critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).omega
 
 
-def _coefficients(law, V, **values):
-    """The law's coefficients at V, a tuple of arrays."""
-    return law.coefficient_arrays(V, values)
-
-
-def _inertia(V, *, sigma, M, **values):
-    """eta (eq. 7) at V."""
-    return stability.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
+def _at_speed(law, V, *, sigma, M, **values):
+    """The law's coefficients at V, a tuple of arrays, and eta (eq. 7)."""
+    inertia = stability.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
+    return law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia
 
 
 def is_stable(law, V, *, sigma, K, M, **values):
-    """Whether steady sliding at V is stable; on the edge it is not."""
+    """Whether steady sliding at V is stable; it is not on the edge."""
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
     stiffness = K * values["Dc"] / (values["a"] * sigma)
-    inertia = _inertia(V, sigma=sigma, M=M, **values)
-    found = edges(law, _coefficients(law, V, sigma=sigma, **values))
-    return found.unstable_pairs(stiffness, inertia) <= 0
-
-
-def _edge_frequencies(linear):
-    """(..., n) z = omega^2 on the edges of stability; in place of others a number not above 0."""
-    S_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
-    if s.shape[-1] == 1:
-        # (friction may be so regularized that none is left, in double precision)
-        excess = r / np.where(S_v == 0.0, 1.0, S_v) - 1.0
-        return s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
-    # S_v prod_k (z + s_k^2) - sum_k r_k s_k^2 prod_(j not k) (z + s_j^2)
-    whole = product([np.stack([np.ones_like(x), x**2], axis=-1) for x in np.moveaxis(s, -1, 0)])
-    total = S_v * whole
-    for k in range(s.shape[-1]):
-        rest = [x for j, x in enumerate(np.moveaxis(s, -1, 0)) if j != k]
-        part = product([np.stack([np.ones_like(x), x**2], axis=-1) for x in rest])
-        total[..., 1:] -= (r * s**2)[..., k, None] * part
-    z = roots(total)
-    real = np.abs(z.imag) <= IMAGINARY * np.abs(z)
-    return np.where(real, z.real, 0.0)
+    p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
+    return edges(law, p).unstable_pairs(stiffness, inertia) <= 0
 
 
 def eigenvalues(law, V, *, sigma, K, M, **values):
     """(..., n + 2) eigenvalues [1/s] of steady sliding at V, least stable first.
 
-    A mode faster than everything is -inf: one at M = 0, two at K = inf, where V is imposed.
+    Modes of infinite rate are -inf: one at M = 0, two at K = inf, where V is imposed.
     """
     if law.one_length:
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
     rigid = np.isinf(K)
     kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
-    p = _coefficients(law, V, sigma=sigma, **values)
-    found = modes(law, p, kappa, _inertia(V, sigma=sigma, M=M, **values))
+    p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
+    found = modes(law, p, kappa, inertia)
     relaxing = np.full(found.shape, -np.inf, complex)
     relaxing[..., :-2] = -np.sort(linearisation(law, p).rates, axis=-1)
     found = np.where(rigid[..., None], relaxing, found)
@@ -194,43 +205,63 @@ def modes(law, p, kappa, inertia):
 
     kappa, inertia : K Dc/(a sigma) < inf, and eta
     """
-    linear = linearisation(law, p)
-    if linear.rates.shape[-1] == 1:
-        return _modes_of_one_state(linear, inertia, kappa)
-    return _modes(linear, inertia, kappa)
+    S_v, r, s = linearisation(law, p)
+    if s.shape[-1] == 1:  # by a change of units those of eq. 1 and a law of one length
+        r, s = r[..., 0], s[..., 0]
+        eta, kappa, beta = inertia * s / S_v, kappa / (s * S_v), r / S_v
+        found = stability.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
+        found.real, found.imag = found.real * s[..., None], found.imag * s[..., None]
+        return found
+    head = np.stack([inertia, S_v, kappa], axis=-1)
+    residues = [np.stack([x, np.zeros_like(x)], axis=-1) for x in _each(r * s)]
+    whole = _numerator(head, residues, s)
+    found = np.full((*S_v.shape, whole.shape[-1] - 1), -np.inf, complex)
+    light = inertia < LIGHTEST
+    found[light, :-1] = polynomial_roots(whole[light, 1:])
+    found[~light] = polynomial_roots(whole[~light])
+    order = np.lexsort((-found.imag, -found.real), axis=-1)
+    return np.take_along_axis(found, order, -1)
 
 
 def beside_the_pair(modes, omega):
-    """(n, k - 2) the `modes` (n, k) but the two whose frequency is nearest to omega (n,)."""
+    """(n, k - 2) the `modes` (n, k) without the two whose frequency is nearest to omega (n,)."""
     order = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)
     return np.take_along_axis(modes, np.sort(order[:, 2:], axis=1), axis=1)
 
 
-def _modes_of_one_state(linear, inertia, kappa):
-    """The modes of one state, by a change of units those of eq. 1 and a law of one length."""
-    S_v, r, s = linear.direct, linear.evolution[..., 0], linear.rates[..., 0]
-    eta, kappa, beta = inertia * s / S_v, kappa / (s * S_v), r / S_v
-    found = steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
-    found.real, found.imag = found.real * s[..., None], found.imag * s[..., None]
-    return found
+class Response(NamedTuple):
+    """Complex amplitudes per unit of the oscillation that makes them; arrays of one shape."""
+
+    v: np.ndarray  # of V/V_lp - 1
+    x: np.ndarray  # of tau/(a sigma)
+    f: np.ndarray  # of friction, mu/a
 
 
-def _modes(linear, inertia, kappa):
-    """The modes of two states or more, as roots of the characteristic polynomial."""
-    S_v, s, rs = linear.direct, linear.rates, linear.evolution * linear.rates
-    pairs = [np.stack([np.ones_like(x), x], axis=-1) for x in np.moveaxis(s, -1, 0)]
-    n = len(pairs)
-    slow = product([np.stack([S_v, kappa], axis=-1), *pairs])
-    for k in range(n):
-        part = product([pair for j, pair in enumerate(pairs) if j != k])
-        slow[..., 1:-1] -= rs[..., k, None] * part
-    light = inertia < LIGHTEST
-    whole = np.concatenate([np.zeros((*slow.shape[:-1], 1)), slow], axis=-1)
-    whole[..., : n + 1] += inertia[..., None] * product(pairs)
-    found = np.empty((*S_v.shape, n + 2), complex)
-    found[light] = np.concatenate(
-        [roots(slow[light]), np.full((*slow[light].shape[:-1], 1), -np.inf)], axis=-1
-    )
-    found[~light] = roots(whole[~light])
-    order = np.lexsort((-found.imag, -found.real), axis=-1)
-    return np.take_along_axis(found, order, -1)
+def responses(law, p, kappa, inertia, mu, h, Omega):
+    """`Response` to w_lp, and to s, of steady sliding at V_ref.
+
+    law, p : the law, and its coefficients for V_ref, a tuple of arrays
+    kappa, inertia : K Dc/(a sigma), inf if the slider moves as the load point does, and eta
+    mu : friction in steady sliding, divided by a
+    h : tuple, d psi_k/d ln s of each variable
+    Omega : omega Dc/V_ref
+    """
+    psi = law.steady_variables(p)
+    f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+    S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
+    R_v, R_psi = law.resistance_partials(0.0, 1.0, psi, p)
+    i = 1j * Omega
+    by_v = [slope / (i - own) for slope, own in zip(f_v, f_psi, strict=True)]
+    by_s = [i * jump / (i - own) for jump, own in zip(h, f_psi, strict=True)]
+    resisting = i * inertia + S_v + dot(S_psi, by_v)
+    push = mu + dot(S_psi, by_s)
+    with np.errstate(divide="ignore"):
+        soft = i / kappa  # 0 if the slider moves as the load point does
+
+    def of(w_lp, s):
+        v = (w_lp - soft * push * s) / (1.0 + soft * resisting)
+        x = (resisting * w_lp + push * s) / (1.0 + soft * resisting)
+        f = (R_v + dot(R_psi, by_v)) * v + dot(R_psi, by_s) * s
+        return Response(v, x, f)
+
+    return of(1.0, 0.0), of(0.0, 1.0)

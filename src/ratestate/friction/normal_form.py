@@ -4,32 +4,40 @@ With V0 := V_lp and time T = t V_lp/Dc, sliding near the bifurcation is
 
     v = ln(V/V_lp) = r cos(phase) + O(r^2),    dr/dT = growth r + lyapunov_1 r^3,
 
-where the growth rate is 0 at kappa_c = (beta - 1) (1 + eta), so that small cycles have
-r^2 = -growth/lyapunov_1; they attract (supercritical) where lyapunov_1 < 0.
-
-The law's rate is taken to be d psi/dT = w h(v + psi), as in `formulas.dtheta_dt`, with its
-scales chosen such that h(0) = 0 and h'(0) = -1; h2 and h3 are the second and third derivatives of h
-at 0, which are the law's own with respect to psi in steady sliding.  Kuznetsov (2004),
-doi:10.1007/978-1-4757-3978-7, section 5.4, gives the first Lyapunov coefficient of any system,
+where the growth rate is 0 at K = K_c, so that small cycles have r^2 = -growth/lyapunov_1.  They
+attract (supercritical) if lyapunov_1 < 0.  Kuznetsov (2004), doi:10.1007/978-1-4757-3978-7,
+section 5.4, gives the first Lyapunov coefficient of any system with the Jacobian A,
 
     Re[<p, C(q,q,q')> - 2 <p, B(q, A^-1 B(q,q'))> + <p, B(q', (2 i omega - A)^-1 B(q,q))>]/8,
 
-here with q scaled to 1 in v (' means conjugate), so that v = z + z' and r = 2 |z|.  As numbers
-its terms would cancel: what remains of them is of the order of eta for slow sliding.  So
-`lyapunov_1` is that formula worked out for the slider, in which nothing cancels for either law
-but at the zero itself; the tests compare the two in 60 digits.
+here with q scaled to 1 in v (' means conjugate), so that v = z + z' and r = 2 |z|.
+
+`lyapunov_1_of_law` is this formula as numbers, under any law.  Its terms cancel: for slow sliding
+their sum is of the order of eta.  So `lyapunov_1` is the formula worked out for laws of one length,
+in which nothing cancels except at the zero itself.  The tests compare both with 60 digits.
 """
+
+import functools
+import math
 
 import numpy as np
 
+from .expressions import Graph
+from .functions import exp
 from .laws import friction_law
+from .rewriting import Derivative, function_of
+from .tuples import dot
 
-# Rounding of eta and beta - 1, and of the sum below, relative to its terms
+# Rounding relative to the terms of a sum: of eta and beta - 1, and of a law's coefficients
 ROUNDING = 1e-14
 
 
 def law_curvatures(law):
-    """h2 and h3, two floats, of a law of one length by name; ParameterError for an unknown one."""
+    """h''(0) and h'''(0), two floats, of a law of one length by name.
+
+    The law's rate is d psi/dT = w h(v + psi), with h(0) = 0 and h'(0) = -1.  ParameterError for an
+    unknown law.
+    """
     c2, c3, *_ = friction_law(law).series
     return 2.0 * c2, 6.0 * c3
 
@@ -60,27 +68,100 @@ def lyapunov_1(eta, b1, h2, h3):
     """
     powers = 1.0, eta, eta**2, eta**2 * eta
     terms = [c * power for c, power in zip(third_order(b1, h2, h3), powers, strict=True)]
-    size = b1 / (16 * (1 + b1) * _damping(1, eta, b1) * _damping(2, eta, b1))
+    # what the linear problem leaves of the first and second harmonic, squared
+    left = ((1 + eta) ** 2 + b1 * (k * eta) ** 2 for k in (1, 2))
+    size = b1 / (16 * (1 + b1) * math.prod(left))
     return 0.0 - size * sum(terms), ROUNDING * size * sum(map(np.abs, terms))
 
 
-def _damping(k, eta, b1):
-    """What the linear problem leaves of the k-th harmonic, squared: (1+eta)^2 + b1 (k eta)^2."""
-    return (1 + eta) ** 2 + b1 * (k * eta) ** 2
-
-
-def growth_slopes(eta, b1):
-    """d growth rate [V/Dc]/d ln V at constant K, and /d ln K at constant V, at the bifurcation."""
-    fastest = b1 / _damping(1, eta, b1)
-    return eta * fastest, -(1 + eta) / 2 * fastest
-
-
-def stress_swing(eta, b1):
-    """Max - min of tau/(a sigma) for r = 1: ln V swings by 2, x by kappa_c/omega times as much."""
-    return 2 * np.sqrt(b1) * (1 + eta)
-
-
 def turning_point(b1, h2, h3):
-    """Smallest eta > 0 at which `lyapunov_1` of the number b1 is zero; NaN where there is none."""
+    """Smallest eta > 0 at which `lyapunov_1` of the number b1 is zero; NaN if there is none."""
     roots = np.roots(third_order(b1, h2, h3)[::-1])
     return min(roots.real[(roots.imag == 0) & (roots.real > 0)], default=np.nan)
+
+
+def growth_slopes(linear, kappa, eta, omega):
+    """d Re L/d ln K and /d ln V of the pair at the bifurcation; of V by eta alone.
+
+    linear : `linear_stability.Linearisation`
+    """
+    L = 1j * omega[..., None]
+    rs = linear.evolution * linear.rates
+    with np.errstate(divide="ignore", invalid="ignore"):  # of sliders without a bifurcation
+        slope = eta - kappa / L[..., 0] ** 2 + (rs / (L + linear.rates) ** 2).sum(axis=-1)
+        by_K, by_V = -kappa / L[..., 0] / slope, -2.0 * eta * L[..., 0] / slope
+    return by_K.real, by_V.real
+
+
+@np.errstate(all="ignore")  # of sliders without a bifurcation
+def lyapunov_1_of_law(law, p, kappa, eta, omega):
+    """First Lyapunov coefficient [V/Dc] and its rounding error, two arrays; NaN where omega is.
+
+    law, p : the law and its coefficients with V_ref = V_lp, a tuple of arrays
+    kappa, eta, omega : arrays, at the bifurcation; not checked
+    """
+    kappa, eta, psi = _long(kappa), _long(eta), law.steady_variables(p)
+    p = (*p, *[0.0] * (law.n_coefficients - len(p)))
+    S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
+    f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+
+    def form(*vectors):
+        """The second or third derivative of the equations along two or three vectors."""
+        numbers = (x for vector in vectors for x in vector)
+        return _forms(law)[len(vectors)](0.0, 0.0, kappa, *psi, *p, *numbers)
+
+    def by_states(L, rest):
+        """sum_k S_k rest_k/(L - f_k)."""
+        return dot(S_psi, [one / (L - f) for one, f in zip(rest, f_psi, strict=True)])
+
+    def solve(L, r):
+        """(L - A)^-1 r, r with its number of v times eta; L may be 0."""
+        stiff = kappa + L * (eta * L + S_v + by_states(L, f_v))
+        v = (r[0] - L * by_states(L, r[2:]) + L * r[1]) / stiff
+        psi = [(one + f * v) / (L - g) for one, f, g in zip(r[2:], f_v, f_psi, strict=True)]
+        return eta * L * v + S_v * v - r[1] + dot(S_psi, psi), v, *psi
+
+    L = 1j * _long(omega).astype(np.clongdouble)
+    one = np.ones_like(L)
+    # eigenvectors of A and of its transpose; the latter multiplies the number of v times eta
+    q = (-kappa / L, one, *(f / (L - g) for f, g in zip(f_v, f_psi, strict=True)))
+    left = (one / L, one, *(-S / (L - g) for S, g in zip(S_psi, f_psi, strict=True)))
+    norm = left[0] * q[0] + eta + dot(left[2:], q[2:])
+    q_ = tuple(np.conj(x) for x in q)
+    terms = (
+        form(q, q, q_),
+        [2 * x for x in form(q, solve(0 * L, form(q, q_)))],
+        form(q_, solve(2 * L, form(q, q))),
+    )
+    products = [[a * b / norm / 8 for a, b in zip(left, term, strict=True)] for term in terms]
+    parts = [x for each in products for x in each]
+    return sum(parts).real.astype(float), (ROUNDING * sum(map(np.abs, parts))).astype(float)
+
+
+def _long(x):
+    """Numbers in the longest floating-point format, as terms cancel."""
+    return np.asarray(x, np.longdouble)
+
+
+@functools.cache
+def _forms(law):
+    """order -> function of the derivative of the equations along so many vectors (x, v, psi).
+
+    dx/dT = kappa (1 - w), eta dv/dT = g/w with g = x - S, and d psi/dT.  In steady sliding v and g
+    are 0.
+    """
+    graph = Graph(merges=False)
+    kappa, *p = (graph.symbol(("p", k)) for k in range(1 + law.n_coefficients))
+    names = ("v", "g", *law.states)
+    v, g, *psi = (graph.symbol(name, is_constant=False) for name in names)
+    e = tuple(map(exp, law.exponents(v, exp(v), psi, p)))
+    S = law.stress(v, exp(v), psi, p)
+    equations = [-kappa * exp(v), g * exp(-v), *law.rates(v, exp(v), psi, e, p)]
+    known, found = [v, g, kappa, *psi, *p], {}
+    for order in (1, 2, 3):
+        y = [graph.symbol((order, name)) for name in ("x", *names[:1], *names[2:])]
+        along = Derivative(graph, {v: y[1], **dict(zip(psi, y[2:], strict=True))})
+        along.found[g] = y[0] - along(S)
+        equations, known = [along(one) for one in equations], [*known, *y]
+        found[order] = function_of(equations, known)
+    return found

@@ -22,29 +22,43 @@ is periodic; with X = x + E those of the slip law are E = kappa h(v) + h(X), the
 slip law with z >= 1 lie on no such curve: at K_c_qs they run away, V growing without bound in a
 finite time.  At any stiffness so do those with ln(V theta/Dc) >= K/K_c_qs.
 
+The edge of runaway under the slip law, with y = v + psi and e(v) = kappa (exp(-v) - 1):
+
+    dv/dD = (b/a) y + e(v),   dy/dD = c y + e(v)
+
+The distance Q = y - K/K_c_qs obeys dQ/dD = c Q + kappa exp(-v): once it is not negative it grows
+for ever, and V without bound.  Where V >> V_lp the equations are linear, and while Q < 0 the motion
+turns back, however fast it has become.  So one path, along which Q rises to 0 as V grows, parts
+what runs away from what comes back, for K >= K_c_qs: there v rises all along it, no path comes back
+and then runs away, and it meets each line of disturbances once.  Seen from its fast end it
+attracts what lies beside it, so that it is followed from there, as y(v).
+
 Sources: Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3 (slip law), Ranjith & Rice
 (1999) doi:10.1016/S0022-5096(98)00113-6 (aging law).  The bounds for K > K_c_qs
 are derived in the comments beside them.  Numbers are in SI, and their ranges are not checked.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
-from ..errors import ParameterError
-from .convex import inverse_convex
+from ..errors import ParameterError, SolverError
 from .elementwise import elementwise
-from .laws import LAWS, friction_law
+from .laws import law_name
 from .stability import K_c_qs
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512
+# ln(V/V_lp) from which on exp(-v) is lost in rounding, and the tolerance along the edge of runaway
+FAST, RTOL = 40.0, 1e-12
 
 
 def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
-    """How far a state without inertia is from steady sliding: E of this module [1], >= 0.
+    """Return how far a state without inertia is from steady sliding: E of this module.
 
-    Conserved at K = K_c_qs; where K > K_c_qs it falls to 0, so that steady sliding is approached
-    from everywhere (aging law) or from wherever it is finite (slip law); where K < K_c_qs it
-    grows without end.
+    E is conserved at K = K_c_qs.  If K > K_c_qs it falls to 0: steady sliding is approached from
+    everywhere (aging law) or from every state with a finite E (slip law).  If K < K_c_qs it grows
+    without end.
 
     Parameters
     ----------
@@ -55,45 +69,50 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     a, b, Dc, sigma, K : float, array or DataArray
         Friction parameters [1, 1, m], normal stress [Pa], stiffness per area [Pa/m].
     law : str
-        Friction law, one that knows its excursion in closed form.
+        Friction law, slip or aging.
 
     Returns
     -------
     float, array or DataArray
-        E [1], with rounding errors of about 1e-15 (1 + E), or that of z over 1 - z.  With the
-        slip law inf from the separatrix on: then V runs away if K <= K_c_qs, and may if not.
+        E [1], >= 0, with rounding errors of about 1e-15 (1 + E), or that of z over 1 - z.  Under
+        the slip law it is inf from the separatrix on: then V runs away if K <= K_c_qs, and may
+        otherwise.
 
     Raises
     ------
     ParameterError
-        Unknown law, or one that does not know it.
+        Unknown law, or another one.
     """
-    friction = friction_law(law)
-    if not friction.gives("excursion"):
-        known = " and ".join(repr(name) for name, one in LAWS.items() if one.gives("excursion"))
-        raise ParameterError(f"law = {law!r}: excursion knows {known} only")
-    v, psi = np.log(V / V_lp), np.log(theta * V_lp / Dc)
-    return friction.excursion(v, psi, K * Dc / (a * sigma), b / a)
+    kappa, v, psi = K * Dc / (a * sigma), np.log(V / V_lp), np.log(theta * V_lp / Dc)
+    name = law_name(law)
+    if name == "aging":
+        return kappa * convex(-psi) + convex(-(v + psi))
+    if name != "slip":
+        raise ParameterError(f"law = {law!r}: excursion knows 'slip' and 'aging' only")
+    x = v + b / a * psi
+    with np.errstate(divide="ignore"):
+        return -x - np.log1p(-np.minimum(x + kappa * convex(v), 1.0))
 
 
 @elementwise()
 def period(E, *, V_lp, a, b, Dc):
-    """Period [s] of sliding without inertia at K = K_c_qs, the same for laws of one length.
+    """Return the period of sliding without inertia at K = K_c_qs, slip or aging law.
 
-    2 pi/omega_c for small excursions, growing with E; V_lp times it is the slip per cycle.
+    It is 2 pi/omega_c for small excursions and grows with E.  The slip per cycle is V_lp times the
+    period.
 
     Parameters
     ----------
     E : float, array or DataArray
-        Excursion [1], see `excursion`; up to 100 the period is good to 1e-9.  Below 1e-10 it is
-        taken as that, negative ones too.
+        Excursion [1], see `excursion`.  Up to 100 the period is good to 1e-9.  Smaller values than
+        1e-10, negative ones too, count as 1e-10.
     V_lp, a, b, Dc : float, array or DataArray
         Load-point velocity [m/s], friction parameters [1, 1, m].
 
     Returns
     -------
     float, array or DataArray
-        Period [s]; inf where E is, else NaN where b <= a (there is no K_c_qs) or E is NaN.
+        Period [s]; inf if E is inf, else NaN if b <= a (there is no K_c_qs) or E is NaN.
     """
     c = np.where(b > a, b / a - 1, np.nan)[..., None]
     # On c h(p) + h(q) = E, run through by sqrt(c h(p)) = sqrt(E) cos(phi) and so on:
@@ -107,12 +126,11 @@ def period(E, *, V_lp, a, b, Dc):
 
 
 def runaway_step(*, a, b):
-    """Smallest V_lp/V, new speed over old, at which a step runs away: b/(b - a).
+    """Return the smallest V_lp/V at which a step in speed from V to V_lp runs away.
 
-    At K = K_c_qs, without inertia, by the slip law.
-
-    Steady sliding at V, and then at once V_lp: x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps,
-    and all steps down, are periodic.
+    It is b/(b - a) at K = K_c_qs, without inertia, under the slip law: steady sliding at V, and
+    then at once V_lp, has x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps, and all steps down, are
+    periodic.
 
     Parameters
     ----------
@@ -122,7 +140,7 @@ def runaway_step(*, a, b):
     Returns
     -------
     float, array or DataArray
-        V_lp/V [1], in the shape that the arguments broadcast to; inf where b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; inf if b <= a.
     """
     with np.errstate(divide="ignore"):
         return 1 + a / np.maximum(b - a, 0.0)
@@ -130,10 +148,10 @@ def runaway_step(*, a, b):
 
 @elementwise()
 def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
-    """Ratio V_lp/V below which no step in V_lp runs away at M = 0 with the slip law [1].
+    """Return a V_lp/V below which no step runs away at M = 0 under the slip law.
 
-    With r = K/K_c_qs and c = (b - a)/a the larger of 1 + r/c and exp(r^2/(r + c)): a lower bound
-    of the ratio that does, which for r > 1 is no closed form; at r = 1 it is `runaway_step`.
+    It is the larger of 1 + r/c and exp(r^2/(r + c)), with r = K/K_c_qs and c = (b - a)/a.  At r = 1
+    it equals `runaway_step`; for r > 1 the smallest step that runs away has no closed form.
 
     Parameters
     ----------
@@ -144,7 +162,7 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
     Returns
     -------
     float, array or DataArray
-        V_lp/V, in the shape that the arguments broadcast to; 1 where K < K_c_qs, inf where b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
     """
     # Where s = c/(r + c), no path crosses u = (b/a) r (1 - s exp(-v)), u = x + c v, upwards
     # while v grows; a step starts at u = 0, v = -ln(V_lp/V), that is, below it if V_lp/V < 1/s.
@@ -157,11 +175,10 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
 
 @elementwise()
 def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
-    """Ratio V_lp/V from which every step in V_lp runs away at M = 0 with the slip law [1].
+    """Return a V_lp/V from which every step runs away at M = 0 under the slip law.
 
-    b/(b - a) + ((b/(b - a)) (r - 1) exp(1 + (b/a)(r - 1)))^(a/b) with r = K/K_c_qs: an upper
-    bound of the ratio that does; at r = 1 it is `runaway_step`.  However stiff the spring, then,
-    some step runs away.
+    It is b/(b - a) + ((b/(b - a)) (r - 1) exp(1 + (b/a)(r - 1)))^(a/b), with r = K/K_c_qs.  At
+    r = 1 it equals `runaway_step`.  So some step runs away however stiff the spring is.
 
     Parameters
     ----------
@@ -172,7 +189,7 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
     Returns
     -------
     float, array or DataArray
-        V_lp/V, in the shape that the arguments broadcast to; 1 where K < K_c_qs, inf where b <= a.
+        V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
     """
     # While v < 0 < u the quantity (1 - x - c h(v)) exp(x) falls, from exp(cL) (b/a - c exp(L)) with
     # L = ln(V_lp/V), and at v = 0 it is (1 - x) exp(x).  Beyond v = 0 no path crosses
@@ -186,6 +203,86 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
 
 
 def _stiffness_ratio(a, b, Dc, sigma, K):
-    """K/K_c_qs and (b - a)/a; meaningless where b <= a."""
+    """K/K_c_qs and (b - a)/a; meaningless if b <= a."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return K / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma), (b - a) / a
+
+
+def convex(z):
+    """h(z) = exp(-z) - 1 + z: convex, >= 0, z^2/2 near 0."""
+    return np.expm1(-z) + z
+
+
+def inverse_convex(value, sign):
+    """The z of this sign with h(z) = value > 0."""
+    far = value + np.sqrt(2 * value)
+    z = np.where(sign > 0, far, -np.log1p(far))  # beyond the root, where it is convex
+    for _ in range(40):
+        step = (convex(z) - value) / -np.expm1(-z)
+        z = z - step
+        if np.all(np.abs(step) <= 1e-15 * np.abs(z)):
+            break
+    return z
+
+
+class Thresholds(NamedTuple):
+    """Smallest disturbances that run away, dimensionless, > 0; inf if none up to `largest` does.
+
+    step_up: ln(V_lp/V before); kick_up, kick_down: rise and size of fall of tau/(a sigma).
+    """
+
+    step_up: float
+    kick_up: float
+    kick_down: float
+
+
+def edge_of_slip_law(kappa, beta, largest):
+    """`Thresholds` of one slider without mass under the slip law.
+
+    A step up starts at y = 0, v = -step; a kick, without a change of the state, at y = v.
+    SolverError if the path cannot be followed; kappa > beta - 1 > 0 is not checked.
+
+    kappa, beta : float, K Dc/(a sigma) and b/a
+    largest : float, size up to which to look
+    """
+    from scipy.integrate import solve_ivp  # slow to import
+
+    c = beta - 1.0
+
+    def slope(v, y):
+        load = kappa * np.expm1(-v)
+        return (c * y + load) / (beta * y + load)
+
+    def step(v, y):
+        return y[0]
+
+    def kick(v, y):
+        return y[0] - v
+
+    kick.terminal = 2  # type: ignore[attr-defined]  # the second is the kick down, beyond the step
+    fast = kappa / c - kappa * np.exp(-FAST) / (c + kappa / c)
+    path = solve_ivp(
+        slope,
+        (max(FAST, largest), -largest),
+        [fast],
+        method="LSODA",
+        events=(step, kick),
+        rtol=RTOL,
+        atol=RTOL / beta,
+    )
+    if not path.success:
+        raise SolverError(
+            f"the edge of runaway (M = 0) could not be followed: K Dc/(a sigma) = {kappa:.6g}, "
+            f"b/a = {beta:.6g}: {path.message}"
+        )
+    steps, kicks = path.t_events
+    found = -steps, kicks[(kicks > 0.0) & (kicks <= largest)], -kicks[kicks < 0.0]
+    return Thresholds(*(float(at[0]) if at.size else np.inf for at in found))
+
+
+#: law -> function that gives `Thresholds` of a slider without mass
+EDGES = {
+    "slip": edge_of_slip_law,
+    # every orbit comes back (Ranjith & Rice 1999)
+    "aging": lambda kappa, beta, largest: Thresholds(np.inf, np.inf, np.inf),
+}

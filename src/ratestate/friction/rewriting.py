@@ -106,6 +106,13 @@ def function_of(roots, known):
 
     known : expressions, of which it takes the values in this order: all symbols, and others
     """
+    scope = {**vars(functions), "power": _power}
+    exec(source_of(roots, known), scope)
+    return scope["value"]
+
+
+def source_of(roots, known):
+    """The source of `function_of`, which tells expressions from others too."""
     names = {one: f"x{k}" for k, one in enumerate(known)}
     lines = [f"def value({', '.join(names.values())}):"]
 
@@ -119,9 +126,7 @@ def function_of(roots, known):
         return names[one]
 
     found = ", ".join(map(name, roots))
-    scope = {**vars(functions), "power": _power}
-    exec("\n    ".join([*lines, f"return [{found}]"]), scope)
-    return scope["value"]
+    return "\n    ".join([*lines, f"return [{found}]"])
 
 
 def _text(x, name):
@@ -157,7 +162,7 @@ def _text_of_sum(x, name):
             text += f" {'+' if factor > 0.0 else '-'} {name(one)}"
         else:
             text += f" + {factor!r} * {name(one)}"
-    return text.removeprefix(" + ")
+    return text.removeprefix(" + ").strip()
 
 
 def _power(x, exponent):

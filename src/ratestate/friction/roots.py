@@ -1,18 +1,25 @@
-"""Roots of increasing functions of arrays, most of them nearly linear, as friction is in ln V."""
+"""Roots, in arrays: of increasing functions, and of polynomials."""
 
 import numpy as np
 
+# Steps of the iteration for roots; about ten are needed, more if roots almost coincide.
+MAX_STEPS = 60
+# Relative length of a step after which the next would be rounding alone.
+CONVERGED = 1e-14
+
 
 def root(off, start, where):
-    """The root (n,) of an increasing function; not finite where none is found.
+    """The root (n,) of an increasing function, best of a nearly linear one, as friction is in ln V.
 
-    off : of (n,), giving (n,)
+    It is not finite if none is found.
+
+    off : the function, of (n,), giving (n,)
     start : (n,) near the root
     where : (n,) whether the root matters
     """
-    with np.errstate(all="ignore"):  # (where it does not matter there may be no root)
+    with np.errstate(all="ignore"):  # (if it does not matter there may be no root)
         found, slope = start, off(start + 1.0) - off(start)
-        for _ in range(2):  # (the second makes up for the rounding of the slope)
+        for _ in range(2):  # (the second step corrects the rounding of the slope)
             found = found - off(found) / slope
         wrong = where & ~(np.abs(off(found)) <= 1e-11 * np.maximum(1.0, np.abs(found)))
     return np.where(wrong, _bisected(off, start), found) if wrong.any() else found
@@ -31,3 +38,96 @@ def _bisected(off, start):
             below = off(middle) < 0.0
             low, high = np.where(below, middle, low), np.where(below, high, middle)
     return np.where(inside, 0.5 * (low + high), np.nan)
+
+
+def polynomial_product(factors):
+    """The product of polynomials, coefficients along the last axis, highest first."""
+    product = factors[0]
+    for factor in factors[1:]:
+        size = product.shape[-1] + factor.shape[-1] - 1
+        longer = np.zeros((*product.shape[:-1], size), product.dtype)
+        for i in range(factor.shape[-1]):
+            longer[..., i : i + product.shape[-1]] += factor[..., i, None] * product
+        product = longer
+    return product
+
+
+def polynomial_roots(c):
+    """(..., n) complex roots of polynomials, coefficients (..., n + 1), highest first, n > 0.
+
+    Closed form for degree 2, else the iteration of Ehrlich and Aberth from the moduli that
+    Newton's polygon gives, as in Bini (1996, doi:10.1007/BF02207694): roots may differ by many
+    orders of magnitude, and each has its own digits.  They are real, or in conjugate pairs.  All
+    are NaN if a coefficient is not finite, or the first so small that a root is not.
+    """
+    n = c.shape[-1] - 1
+    found = np.full((*c.shape[:-1], n), np.nan, complex)
+    usable = np.isfinite(c).all(axis=-1) & (c[..., 0] != 0.0)
+    c = c[usable]
+    # (a power of 2, which leaves the digits, lest sums overflow)
+    c = np.ldexp(c, -np.frexp(np.abs(c).max(axis=-1, keepdims=True, initial=1e-300))[1])
+    with np.errstate(all="ignore"):  # of roots that are 0, or not finite
+        z = _conjugate(_quadratic(c) if n == 2 else _iterated(c))
+        z[~np.isfinite(z).all(axis=-1)] = np.nan
+    found[usable] = z
+    return found
+
+
+def _quadratic(c):
+    """(m, 2) roots of polynomials (m, 3), neither as a difference of like numbers."""
+    a, b, last = c.T
+    root = np.sqrt((b * b - 4.0 * a * last).astype(complex))
+    larger = -0.5 * (b + np.where(b < 0.0, -root, root))
+    return np.stack([larger / a, np.where(larger == 0.0, 0.0, last / larger)], axis=-1)
+
+
+def _iterated(c):
+    """`polynomial_roots` of polynomials (m, n + 1); NaN where one is beyond all numbers."""
+    z = _starts(c)
+    z[~np.isfinite(z).all(axis=-1)] = np.nan
+    moving = np.arange(len(c))
+    for _ in range(MAX_STEPS):
+        now = z[moving]
+        apart = now[:, :, None] - now[:, None, :]
+        repulsion = np.where(apart == 0.0, 0.0, 1.0 / apart).sum(axis=-1)
+        step = 1.0 / (_slope_over_value(c[moving], now) - repulsion)
+        step[~np.isfinite(step)] = 0.0  # where the value is 0, or all but
+        z[moving] = now - step
+        moving = moving[(np.abs(step) > CONVERGED * np.abs(now)).any(axis=-1)]
+        if not len(moving):
+            break
+    return z
+
+
+def _starts(c):
+    """(m, n) numbers of about the moduli of the roots: slopes of the hull of ln |c_k| over k."""
+    n = c.shape[-1] - 1
+    height = np.log(np.abs(c))
+    hull = height.copy()
+    for k in range(1, n):
+        for i in range(k):
+            for j in range(k + 1, n + 1):
+                between = ((j - k) * height[:, i] + (k - i) * height[:, j]) / (j - i)
+                hull[:, k] = np.maximum(hull[:, k], between)
+    slope = np.diff(hull)  # -inf for roots that are 0, NaN after the first of them
+    modulus = np.exp(np.where(np.isnan(slope), -np.inf, slope))
+    return modulus * np.exp(1j * (0.7 + 2.0 * np.pi * np.arange(n) / n))
+
+
+def _slope_over_value(c, z):
+    """p'/p at z, (m, n); where |z| > 1 by the reversed polynomial, lest p overflow."""
+    n, large = c.shape[-1] - 1, np.abs(z) > 1.0
+    x = np.where(large, 1.0 / z, z)
+    value, slope = np.zeros_like(z), np.zeros_like(z)
+    for k in range(n + 1):
+        slope = slope * x + value
+        value = value * x + np.where(large, c[:, None, n - k], c[:, None, k])
+    return np.where(large, x * (n - x * slope / value), slope / value)
+
+
+def _conjugate(z):
+    """Roots (m, n) in conjugate pairs, each nearest to the other's conjugate; all others real."""
+    other = np.abs(z[:, :, None].conj() - z[:, None, :]).argmin(axis=-1)
+    paired = np.take_along_axis(other, other, axis=-1) == np.arange(z.shape[-1])
+    mean = 0.5 * z + 0.5 * np.take_along_axis(z, other, axis=-1).conj()
+    return np.where(paired, mean, z.real)

@@ -1,9 +1,7 @@
 """Steady sliding and its stability: closed forms (eqs 5-7, 10) and eigenvalues.
 
-The functions of parameters serve floats, NumPy arrays and named DataArrays, in SI units, and do
-not check their ranges.
-Limits carry meaning: V_c is 0 where sliding is unstable at any speed, and inf where it is stable at
-any speed.
+Functions of parameters take floats, NumPy arrays and named DataArrays in SI units.  They do not
+check ranges.  V_c is 0 if sliding is unstable at any speed, and inf if it is stable at any speed.
 
 Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
 doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).
@@ -11,17 +9,17 @@ doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Els
 
 import numpy as np
 
-from .eigenvalues import steady_modes
 from .elementwise import elementwise
+from .roots import polynomial_roots
 
-# Of K/K_c_qs: a K this little above K_c_qs is not known to be.
+# Largest K/K_c_qs - 1 that may be rounding.
 ROUNDING = 1e-15
 #: relative distance from K_c below which a slider is called neither stable nor unstable
 EDGE_WIDTH = 1e-8
 
 
 def eta(V, *, a, Dc, sigma, M):
-    """Dynamic instability coefficient M V^2/(sigma a Dc) for sliding at V (eq. 7).
+    """Return the dynamic instability coefficient M V^2/(sigma a Dc) (eq. 7).
 
     Parameters
     ----------
@@ -39,7 +37,7 @@ def eta(V, *, a, Dc, sigma, M):
 
 
 def K_c_qs(*, a, b, Dc, sigma):
-    """Quasi-static critical stiffness (b - a) sigma/Dc, for sliding without inertia.
+    """Return the critical stiffness without inertia, (b - a) sigma/Dc.
 
     Parameters
     ----------
@@ -49,15 +47,15 @@ def K_c_qs(*, a, b, Dc, sigma):
     Returns
     -------
     float, array or DataArray
-        K_c_qs [Pa/m], in the shape that the arguments broadcast to; negative where b < a.
+        K_c_qs [Pa/m], in the shape that the arguments broadcast to; negative if b < a.
     """
     return (b - a) * sigma / Dc
 
 
 def K_c(V, *, a, b, Dc, sigma, M):
-    """Critical stiffness for sliding at V (eq. 6): steady sliding is unstable where K < K_c.
+    """Return the critical stiffness for sliding at V (eq. 6).
 
-    K_c = K_c_qs (1 + eta)
+    K_c = K_c_qs (1 + eta).  Steady sliding is unstable if K < K_c.
 
     Parameters
     ----------
@@ -76,9 +74,9 @@ def K_c(V, *, a, b, Dc, sigma, M):
 
 
 def M_of_K_c(V, critical, *, a, b, Dc, sigma):
-    """The M [kg/m^2] at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for M.
+    """Return the M [kg/m^2] at which K_c at V [m/s] is `critical` [Pa/m], by eq. 6.
 
-    Negative for a stiffness below K_c_qs, which no mass makes critical.  For b > a, which is not
+    It is negative if `critical` is below K_c_qs, which no mass makes critical.  b > a is not
     checked.
     """
     excess = critical / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) - 1
@@ -86,27 +84,25 @@ def M_of_K_c(V, critical, *, a, b, Dc, sigma):
 
 
 def b_of_K_c(V, critical, *, a, Dc, sigma, M):
-    """The b [1] at which the critical stiffness at V [m/s] is this [Pa/m]: eq. 6 solved for b."""
+    """Return the b [1] at which K_c at V [m/s] is `critical` [Pa/m], by eq. 6."""
     return a + critical * Dc / sigma / (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
 
 def a_of_K_c(V, critical, *, b, Dc, sigma, M):
-    """The a > 0 [1], an ndarray, at which the critical stiffness at V [m/s] is this [Pa/m].
+    """Return the a > 0 [1], an ndarray, at which K_c at V [m/s] is `critical` [Pa/m], by eq. 6.
 
-    For M > 0 and b > 0, which is not checked; not for DataArrays.
-
-    The positive root of a^2 - (b - h - r) a - b h, which is eq. 6 with h = M V^2/(sigma Dc) and
-    r = critical Dc/sigma.
+    M > 0 and b > 0 are not checked.  DataArrays are not accepted.  It is the positive root of
+    a^2 - (b - h - r) a - b h, with h = M V^2/(sigma Dc) and r = critical Dc/sigma.
     """
     h, r = M * V**2 / (sigma * Dc), critical * Dc / sigma
     half = 0.5 * (b - h - r)
     root = np.hypot(half, np.sqrt(b * h))
-    # of two forms of the root the one in which nothing cancels
+    # the form of the root in which nothing cancels
     return np.where(half > 0.0, half + root, b * h / np.maximum(root - half, 1e-300))
 
 
 def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
-    """Critical stiffness [Pa/m] from the slopes of any friction law with one length Dc (eq. 5).
+    """Return the critical stiffness from the slopes of any law with one length (eq. 5).
 
     Parameters
     ----------
@@ -125,7 +121,7 @@ def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
 
 @elementwise()
 def V_c(*, a, b, Dc, sigma, K, M):
-    """Critical velocity (eq. 10): steady sliding at V > V_c is unstable.
+    """Return the critical velocity (eq. 10): steady sliding at V > V_c is unstable.
 
     Parameters
     ----------
@@ -136,9 +132,9 @@ def V_c(*, a, b, Dc, sigma, K, M):
     Returns
     -------
     float, array or DataArray
-        V_c [m/s], in the shape that the arguments broadcast to; 0 where sliding is unstable at any
-        speed (K <= K_c_qs, to rounding), inf where at none (b <= a, K = inf, or M = 0 with
-        K > K_c_qs).
+        V_c [m/s], in the shape that the arguments broadcast to.  It is 0 if sliding is
+        unstable at any speed (K <= K_c_qs, to rounding).  It is inf if sliding is stable at any
+        speed (b <= a, K = inf, or M = 0 with K > K_c_qs).
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         excess = K * Dc / ((b - a) * sigma) - 1
@@ -148,7 +144,7 @@ def V_c(*, a, b, Dc, sigma, K, M):
 
 @elementwise()
 def f_n(*, K, M):
-    """Natural frequency sqrt(K/M)/(2 pi) of the slider on its spring.
+    """Return the natural frequency sqrt(K/M)/(2 pi) of the slider on its spring.
 
     Parameters
     ----------
@@ -158,8 +154,7 @@ def f_n(*, K, M):
     Returns
     -------
     float, array or DataArray
-        f_n [Hz], in the shape that the arguments broadcast to; inf, which is to say none,
-        if M = 0 or K = inf.
+        f_n [Hz], in the shape that the arguments broadcast to; inf if M = 0 or K = inf.
     """
     with np.errstate(divide="ignore"):
         return np.sqrt(K / M) / (2 * np.pi)
@@ -167,7 +162,7 @@ def f_n(*, K, M):
 
 @elementwise()
 def omega_c(V, *, a, b, Dc):
-    """Angular frequency at the Hopf bifurcation, where K = K_c(V): (V/Dc) sqrt((b - a)/a).
+    """Return the angular frequency at the Hopf bifurcation, (V/Dc) sqrt((b - a)/a).
 
     Parameters
     ----------
@@ -179,15 +174,15 @@ def omega_c(V, *, a, b, Dc):
     Returns
     -------
     float, array or DataArray
-        omega_c [rad/s], in the shape that the arguments broadcast to, whatever the mass; NaN where
-        b <= a, for there is no bifurcation.
+        omega_c [rad/s], in the shape that the arguments broadcast to, whatever the mass.  It is NaN
+        if b <= a: then there is no bifurcation.
     """
     return V / Dc * np.sqrt(np.where(b > a, (b - a) / a, np.nan))
 
 
 @elementwise("mode")
 def eigenvalues(V, *, a, b, Dc, sigma, K, M):
-    """Eigenvalues of small perturbations of steady sliding at V, by laws of one length.
+    """Return the eigenvalues of steady sliding at V under laws of one length.
 
     Parameters
     ----------
@@ -200,10 +195,9 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     Returns
     -------
     complex array or DataArray
-        Eigenvalues [1/s]. Shape of the arguments, and then (in the dimension "mode") 3, least
-        stable first; see `ratestate.friction.eigenvalues.steady_modes`.  A mode faster than
-        everything is -inf: one at M = 0, two at K = inf, where V is imposed and only the state
-        relaxes, at the rate V/Dc.
+        Eigenvalues [1/s] in the shape of the arguments and a last dimension "mode" of 3, least
+        stable first.  Modes of infinite rate are -inf: one at M = 0, two at K = inf, where V is
+        imposed and only the state relaxes, at the rate V/Dc.
     """
     rigid = np.isinf(K)
     K = np.where(rigid, 1.0, K)
@@ -214,3 +208,54 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     rate = (V / Dc)[..., None]
     modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
     return modes
+
+
+def steady_modes(eta, kappa, beta, margin):
+    """Eigenvalues, in units of V/Dc, of small perturbations of steady sliding.
+
+    The force balance (eq. 4) with either evolution law, linearised at theta = Dc/V:
+
+        eta L^3 + (1 + eta) L^2 + (1 - beta + kappa) L + kappa = 0
+
+    Complex array: three along a last axis, by descending real part, a conjugate pair with its
+    positive imaginary part first.  Each is good to a few units in the last place of its modulus
+    unless it is nearly a double one; at eta = 0 the last is -inf.  Ranges are not checked.
+
+    ======  =======================================================================
+    eta     M V^2/(sigma a Dc) (eq. 7), >= 0
+    kappa   K Dc/(a sigma), > 0, finite
+    beta    b/a
+    margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
+            digits that it loses are lost by the growth rate
+    ======  =======================================================================
+    """
+    rho = _isolated_root(eta, kappa, beta)
+    # With L = -rho/eta known, the other two solve L^2 + p L + q = 0.  In this form of p nothing
+    # cancels but the margin itself, so that the growth rate has its sign whatever the rounding.
+    p = margin * rho / ((1 + eta) * rho**2 + kappa * eta**2)
+    q = kappa / rho
+    half, discriminant = -p / 2, p**2 / 4 - q
+    root = np.sqrt(np.abs(discriminant))
+    paired = discriminant < 0
+    outer = half + np.copysign(root, half)
+    modes = np.empty((*np.shape(rho), 3), complex)
+    with np.errstate(divide="ignore"):
+        real = [np.where(paired, half, outer), np.where(paired, half, q / outer), -rho / eta]
+    modes.real = np.stack(real, -1)
+    modes.imag = np.where(paired, root, 0.0)[..., None] * [1, -1, 0]
+    order = np.argsort(-modes.real, axis=-1, kind="stable")
+    return np.take_along_axis(modes, order, -1)
+
+
+def _isolated_root(eta, kappa, beta):
+    """A positive root of x^3 - (1+eta) x^2 + eta (kappa+1-beta) x - eta^2 kappa, far from others.
+
+    There is one, as the sign changes between 0 and infinity.  Of three real roots the one on the
+    emptier side of their mean cannot be a double root, and a single real root lies farther from it
+    than the others too.  At eta = 0 the double root at x = 0 is the pair of the quasi-static
+    system, and x = 1 is returned.
+    """
+    c = np.broadcast_arrays(1.0, -(1 + eta), eta * (kappa + 1 - beta), -(eta**2) * kappa)
+    x = polynomial_roots(np.stack(c, axis=-1)).real
+    farthest = np.abs(x - x.mean(axis=-1, keepdims=True)).argmax(axis=-1)
+    return np.take_along_axis(x, farthest[..., None], axis=-1)[..., 0]

@@ -1,4 +1,4 @@
-"""Steady sliding under a law: its states, by root finding."""
+"""Steady sliding under a law: its states, by root finding, and whether there is such sliding."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ ITERATIONS = 20
 def steady_variables(law, p, v):
     """psi of each state in steady sliding at V_ref exp(v), a tuple.
 
-    p : coefficients, (n,) each; v : (n,), or a number
+    p : coefficients, arrays of one shape; v : such an array, or a number
     """
     v, *p = np.broadcast_arrays(v, *p)
     start = law.variables(v, (-v,) * len(law.states), p)
@@ -17,7 +17,7 @@ def steady_variables(law, p, v):
 
 
 def _steady_variable(law, k, p, v, start):
-    """psi_k, sought from that of theta_k = D_k/V on; the rate of each state knows no other."""
+    """psi_k, from theta_k = D_k/V on; its rate does not depend on other states."""
 
     def arguments(psi_k, v, p):
         psi, w = (psi_k,) * len(law.states), np.exp(v)
@@ -28,7 +28,7 @@ def _steady_variable(law, k, p, v, start):
 
     found, done = start[k], np.zeros(np.shape(start[k]), bool)
     before = np.full(np.shape(found), np.inf)
-    with np.errstate(all="ignore"):  # of steps that lead nowhere
+    with np.errstate(all="ignore"):  # (steps may lead nowhere)
         for _ in range(ITERATIONS):
             value = rate(found, v, *p)
             slope = law.rate_partials(*arguments(found, v, p))[1][k]
@@ -40,12 +40,32 @@ def _steady_variable(law, k, p, v, start):
             before = moved
             if done.all():
                 return found
-        return np.where(done, found, _bracketed(rate, start[k], (v, *p)))
+        from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
+
+        # (these call it for the elements that have not converged yet)
+        bracket = bracket_root(rate, start[k] - 1.0, start[k] + 1.0, args=(v, *p)).bracket
+        return np.where(done, found, find_root(rate, bracket, args=(v, *p)).x)
 
 
-def _bracketed(rate, start, p):
-    from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
-
-    # (these call it for the elements that have not converged yet)
-    found = bracket_root(rate, start - 1.0, start + 1.0, args=p)
-    return find_root(rate, found.bracket, args=p).x
+def steady_problem(law, psi, p, v=0.0):
+    """The problem with steady sliding under a user's law or friction, as text; "" if none."""
+    w = np.exp(v)
+    if law.is_of_user and all(np.all(np.isfinite(x)) for x in p):
+        for name, one in zip(law.states, psi, strict=True):
+            if not np.all(np.isfinite(one)):
+                return f"{name} has no steady value"
+        slopes = law.rate_partials(v, w, psi, law.exponentials(v, w, psi, p), p)[1]
+        for name, slope in zip(law.states, slopes, strict=True):
+            if not np.all(slope < 0.0):
+                return (
+                    f"{name} does not go to its steady value: there d {name}/dt does not fall with "
+                    f"{name}"
+                )
+    if law.gives("friction"):
+        by_v, _ = law.resistance_partials(v, w, psi, p)
+        if np.any(by_v <= 0.0):
+            return (
+                "friction does not rise with V in steady sliding, (d mu/d ln V)/a = "
+                f"{np.min(by_v):.4g}"
+            )
+    return ""

@@ -12,25 +12,31 @@ import traceback
 import types
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import ParameterError
 from .expressions import FormulaError
 from .law import FrictionLaw
 from .law_properties import EXAMPLE, MARK
+from .steady_state import steady_problem, steady_variables
 
 #: what a user's code may raise, but for an interrupt
 RAISED = (Exception, SystemExit)
 NAME = re.compile(r"[a-z][a-z0-9-]*")
 #: begins the name of the module that a law file is
 LAW_FILE = "ratestate_law_"
-#: what a class of laws may have of its own, beside what has other names
-OWN = (
-    *("name", "label", "synonyms", "source", "form", "states", "parameters", "evolution"),
-    *("friction", "runaway", "log_theta", "variables_of", "constants", "complaint"),
-    *("jumps_with_normal_stress", "excursion", "runaway_edge"),
-    *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
-)
 #: methods that are run once, with expressions
 FORMULAS = ("evolution", "friction", "runaway", "log_theta", "variables_of", "constants")
+#: names that `FrictionLaw` has and a user's law may have too
+OWN = (
+    *(*FORMULAS, "complaint", "jumps_with_normal_stress"),
+    *("name", "label", "synonyms", "source", "form", "states", "parameters"),
+    *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
+)
+#: speeds [m/s] and ln(V theta/D) at which a law is tried
+SPEEDS, AGES = 10.0 ** np.arange(-12.0, 1.5, 0.5)[:, None], np.linspace(-20.3, 20.9, 207)
+#: largest error of variables that are made from states, and these from them
+ERROR = 1e-10
 
 
 def law_of_file(path):
@@ -193,3 +199,100 @@ def _is_law(value):
 
 def _hash(text):
     return hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def check(law, values):
+    """Raise FormulaError for what is wrong with a law; nothing is returned.
+
+    values : symbol -> an example of each of its own parameters [SI]
+    """
+    _check_coupling(law)
+    values = {symbol: np.float64(x) for symbol, x in (EXAMPLE | values).items()}
+    p = law.equations.coefficients(SPEEDS, values)
+    psi = law.variables(0.0, (AGES,) * len(law.states), p)
+    e = law.exponentials(0.0, 1.0, psi, p)
+    rates, resistance = law.rates(0.0, 1.0, psi, e, p), law.resistance(0.0, 1.0, psi, p)
+    _check_finite("", "evolution", rates)
+    _check_finite("a derivative of ", "evolution", law.rate_partials(0.0, 1.0, psi, e, p))
+    _check_finite("", "friction", resistance)
+    slopes = law.resistance_partials(0.0, 1.0, psi, p)
+    _check_finite("a derivative of ", "friction", slopes)
+    if (by_v := _on_grid(slopes[0])).min() <= 0.0:
+        k = np.argmax(by_v <= 0.0)
+        raise FormulaError(
+            f"friction must rise with V at a constant state: d mu/d ln V = "
+            f"{by_v.flat[k] * EXAMPLE['a']:.4g} at {_point(k)}. Mend friction, or the examples of "
+            f"parameters.",
+            "friction",
+        )
+    for name, rate in zip(law.states, rates, strict=True):
+        for V, row in zip(SPEEDS[:, 0], _on_grid(rate), strict=True):
+            _check_steady(name, V, row)
+    steady = steady_variables(law, p, 0.0)
+    if problem := steady_problem(law, steady, p):
+        raise FormulaError(
+            f"{problem}. Mend evolution, or the examples of parameters.", "evolution"
+        )
+    logs = tuple(AGES + k for k in range(len(law.states)))
+    again = law.log_states(0.4, law.variables(0.4, logs, p), p)
+    if not all(np.abs(x - y).max() <= ERROR for x, y in zip(logs, again, strict=True)):
+        raise FormulaError(
+            "variables_of is not the inverse of log_theta. Mend either.", "variables_of"
+        )
+
+
+def _check_coupling(law):
+    equations = law.equations
+    for k, rate in enumerate(equations.rates):
+        for j, psi in enumerate(equations.psi):
+            slope = equations.derivative(rate, psi)
+            if j != k and not (slope.kind == "number" and slope.parts[0] == 0.0):
+                names = list(law.states)
+                raise FormulaError(
+                    f"the rate of {names[k]} depends on {names[j]}. A state may depend on V and "
+                    f"itself alone.",
+                    "evolution",
+                )
+
+
+def _check_finite(what, method, numbers):
+    if isinstance(numbers, tuple):
+        for one in numbers:
+            _check_finite(what, method, one)
+    elif (bad := ~np.isfinite(_on_grid(numbers))).any():
+        raise FormulaError(
+            f"{what}{method} is infinite or NaN at {_point(np.argmax(bad))}. Write another formula "
+            f"there by ratestate.laws.where.",
+            method,
+        )
+
+
+def _check_steady(name, V, rate):
+    """A state has one theta at which it is steady: there its rate falls through 0."""
+    ages, rate = AGES[rate != 0.0], rate[rate != 0.0]
+    at = np.flatnonzero(np.diff(np.sign(rate)))
+    if len(at) == 1 and rate[at[0]] > 0.0:
+        return
+    if len(at) == 0:
+        raise FormulaError(
+            f"{name} has no steady value at V = {V:.3g} m/s: d {name}/dt has one sign for all "
+            f"V {name}/D from 2e-9 to 1e9. Mend evolution, or the examples of parameters.",
+            "evolution",
+        )
+    where = " and ".join(f"{np.exp(ages[k]):.3g}" for k in at)
+    problem = "several steady values" if len(at) > 1 else "an unstable steady value"
+    raise FormulaError(
+        f"{name} has {problem} at V = {V:.3g} m/s: V {name}/D near {where}. A law needs one, "
+        f"which {name} goes to.",
+        "evolution",
+    )
+
+
+def _on_grid(x):
+    return np.broadcast_to(x, (SPEEDS.size, AGES.size))
+
+
+def _point(k):
+    """The k-th speed and age of the grid, in words."""
+    V, age = SPEEDS.flat[k // AGES.size], AGES[k % AGES.size]
+    return f"V = {V:.3g} m/s and V theta/D = {np.exp(age):.3g}"

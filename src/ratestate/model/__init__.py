@@ -1,18 +1,20 @@
-"""What is simulated, and the quantities and units of it.
+"""The slider and its loading, and the quantities and units of both.
 
 =================================== ===========================================================
-``slider``                          `SpringSlider`: which parameters a slider may have
-``slider_names``, ``slider_text``   its parameters by name, and itself as text
-``critical_numbers``                its critical stiffness and speeds
-``loading``                         `Loading`: what the load point does
+``slider``                          `SpringSlider`: its parameters, critical stiffness and speeds
+``parameters``                      parameters given in other ways: for the whole contact, K/sigma
+``loading``                         `Loading`: the calls that make a history
+``history``                         speed and normal stress of a history at any time
+``segments``                        segments of a record and of a sinusoid
+``written``                         the calls that reproduce a history exactly
 ``initial_state``                   the state at t = 0, and which values for it agree
 ``quantities``, ``quantities.toml`` unit, range and name of each quantity; values as text
-``units``                           reads values and says what is wrong with one
-``other_units``, ``contact``        K as friction per length; mass, stiffness and force per area
+``units.toml``                      what values in a unit are called, and how they are shown
+``units``                           values read into SI, and messages about those that cannot be
 ``conversion``                      results in other units, and back to SI
-``arrays``                          axes of a sweep, whether several agree, columns of a record
-``names``                           mistyped names, and what was perhaps meant
+``arrays``                          whether arrays of a sweep agree; columns of a record
 ``batch``                           from named values to a flat batch of cases, and back
-``sentences``                       messages kept in TOML files, filled in
+``user_laws``                       `register`: friction laws of one's own
+``names``                           mistyped names, and sentences of messages kept in TOML files
 =================================== ===========================================================
 """

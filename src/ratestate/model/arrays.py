@@ -1,71 +1,26 @@
-"""Named arrays: the axes of a sweep, whether several fit together, and columns of a record."""
+"""Named arrays: whether those of a sweep agree, columns of a record, cases as flat arrays."""
 
 import dataclasses
+import functools
 from collections.abc import Mapping
 
 import numpy as np
 
 from ..errors import ParameterError
-from .other_units import quantity_of
+from ..machine import check_fits
 from .quantities import QUANTITIES, attrs, expected
-from .units import is_array, is_integer, to_si
+from .units import RESERVED, is_array, is_pint, to_si
 
-#: longest axis of a sweep
-MOST_VALUES = 10_000_000
-
-
-def logspace(name, start, stop, n):
-    """Axis of a sweep with geometric spacing.
-
-    Parameters
-    ----------
-    name : str
-        Symbol of the quantity, for example "M" [kg/m^2] or "V_lp" [m/s]; any other name makes an
-        axis of pure numbers.
-    start, stop : float, str or pint.Quantity
-        First and last value, both > 0 and both kept exactly.  In SI, unless they carry a unit; for
-        K, M and sigma one of any kind that `SpringSlider` takes, such as "1e-3/um" for K.
-    n : int
-        Number of values, at least 2.  Those between are rounded to 15 digits, so that
-        ``.sel(M=1000)`` finds the 1000 between 100 and 10000.
-
-    Returns
-    -------
-    xarray.DataArray
-        Shape (n,).  Name, dimension and coordinate are all `name`; the coordinate of a known
-        symbol has attributes ``units`` and ``long_name``.
-
-    Raises
-    ------
-    ParameterError
-        A name that is not a str; a value that is not > 0 or has a wrong unit; n that is not an
-        integer from 2 to 10,000,000.
-
-    Examples
-    --------
-    >>> logspace("M", 100, 1e5, 4).values.tolist()
-    [100.0, 1000.0, 10000.0, 100000.0]
-    """
-    import xarray
-
-    if not isinstance(name, str):
-        raise ParameterError(f"name = {name!r} must be a symbol in quotes, for example 'M'")
-    symbol = quantity_of(name, start) if name in QUANTITIES else "number"
-    ends = [
-        to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
-        for which, value in (("start", start), ("stop", stop))
-    ]
-    if any(is_array(end) or np.isinf(end) for end in ends):
-        raise ParameterError(f"{name}: start and stop must be finite numbers, not arrays")
-    if not is_integer(n) or not 2 <= n <= MOST_VALUES:
-        raise ParameterError(f"n = {n!r} must be an integer from 2 to {MOST_VALUES:,}, such as 12")
-    values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
-    values[[0, -1]] = ends
-    labels = attrs(symbol) if name in QUANTITIES else {}
-    # Unit and name sit on the coordinate only: xarray would carry those of the array through
-    # arithmetic, and V_lp = np.sqrt(eta * ...) would claim to be a pure number.
-    own = {} if symbol in (name, "number") else {"units": labels["units"]}
-    return xarray.DataArray(values, {name: (name, values, labels)}, (name,), name, own)
+#: numbers that the equations hold -> powers of what they consist of
+PRODUCTS = {
+    "K Dc/(a sigma)": {"K": 1, "Dc": 1, "a": -1, "sigma": -1},
+    "a sigma/(K Dc)": {"a": 1, "sigma": 1, "K": -1, "Dc": -1},
+    "M V_lp^2/(a sigma Dc)": {"M": 1, "V_lp": 2, "a": -1, "sigma": -1, "Dc": -1},
+    "M V_start^2/(a sigma Dc)": {"M": 1, "V_start": 2, "a": -1, "sigma": -1, "Dc": -1},
+    "V_lp^2": {"V_lp": 2},  # (computed without mass too)
+}
+#: of 10, beyond which their squares and cubes overflow
+LARGEST_EXPONENT = 100.0
 
 
 def check_aligned(values):
@@ -121,7 +76,7 @@ def column(symbol, values):
     units = {}
     if is_array(values):
         units = {key: text for key, text in values.attrs.items() if key == "units"}
-    elif hasattr(values, "units") and hasattr(values, "magnitude"):
+    elif is_pint(values):
         units, values = {"units": str(values.units)}, values.magnitude
     if not hasattr(values, "__len__") or isinstance(values, str | Mapping):
         raise ParameterError(f"{symbol} = {values!r} is not a column of values; give an array")
@@ -167,21 +122,182 @@ def running_sum(x):
     return total
 
 
-def appended(column, values, symbol):
-    """A column, ``segment`` last, with more values, floats or DataArrays, at its end.
+def continued(t, columns, pieces, symbol):
+    """Times and columns, ``segment`` last, up to the first of some pieces, and then the pieces.
 
-    ParameterError where DataArrays clash; symbol : what the values are
+    ParameterError if DataArrays clash.
+
+    t : (S,) starts of segments; pieces : tuples (start, value of each column), floats or DataArrays
+    symbol : what the values are
     """
+    starts, *added = zip(*pieces, strict=True)
+    kept = t < starts[0]
+    more = (_appended(x[..., kept], new, symbol) for x, new in zip(columns, added, strict=True))
+    return np.concatenate([t[kept], starts]), *more
+
+
+def _appended(column, values, symbol):
     if not any(map(is_array, (column, *values))):
         return np.append(column, values)
     import xarray
 
-    column = column if is_array(column) else xarray.DataArray(column, dims="segment")
-    ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
+    column = as_column(column)
     named = {f"{symbol} {i}": value for i, value in enumerate(values)}
     check_aligned({f"{symbol} before": column.isel(segment=-1), **named})
+    ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
     apart = xarray.broadcast(column, *ends, exclude=["segment"])
     parts = [part.transpose(..., "segment") for part in apart]
     data = np.concatenate([part.values for part in parts], axis=-1)
-    coords = {name: c for part in parts for name, c in part.coords.items()}
+    coords = {name: labels for part in parts for name, labels in part.coords.items()}
     return xarray.DataArray(data, coords, parts[0].dims)
+
+
+def as_column(values):
+    """A column as a DataArray along ``segment``, if it is not one already."""
+    import xarray
+
+    return values if is_array(values) else xarray.DataArray(values, dims="segment")
+
+
+def as_frame(t):
+    """Times as a DataArray, along ``time`` if they are an array of one dimension."""
+    import xarray
+
+    return t if is_array(t) else xarray.DataArray(t, dims=["time"][: np.ndim(t)])
+
+
+def picked(t, k, columns, numbers):
+    """Values of columns in the segments k of times t, and numbers of these times, a list.
+
+    All are arrays of the shape of t; or all DataArrays, with ``time`` last, if t or a column is.
+    """
+    if not any(map(is_array, (t, *columns))):
+        return [*(column[k] for column in columns), *numbers]
+    frame = as_frame(t)
+    found = (as_column(column).isel(segment=frame.copy(data=k)) for column in columns)
+    ordered = (values.transpose(..., "time", missing_dims="ignore") for values in found)
+    return [*ordered, *(frame.copy(data=values) for values in numbers)]
+
+
+class Batch:
+    """Named values broadcast against each other and laid out flat, one value a case.
+
+    values : dict, symbol -> float or DataArray; DataArrays broadcast by dimension name
+    own : dict, symbol -> DataArray with a last dimension of its own, kept apart from the sweep
+    taken : names of result variables, which no sweep dimension may have
+
+    ParameterError for a dimension of such a name, if arrays clash, and if `PRODUCTS` of the values
+    are beyond double precision; the values themselves are not checked.
+
+    Attributes: dims, shape and n, the sweep's dimensions, their sizes, the number of cases; alone,
+    whether it is no sweep but a single case, which may take the engine's scalar path.
+    """
+
+    def __init__(self, values, own=None, taken=()):
+        own = own or {}
+        within_sweep = {name: array.isel({array.dims[-1]: 0}) for name, array in own.items()}
+        check_aligned({**within_sweep, **values})
+        sizes: dict = {}
+        for value in [*values.values(), *within_sweep.values()]:
+            sizes |= value.sizes if is_array(value) else {}
+        if clash := [dim for dim in sizes if dim in taken]:
+            raise ParameterError(
+                f"a dimension called {clash[0]!r} clashes with the result of that name; rename it"
+            )
+        _check_products(values)
+        self.values, self.own, self.sizes = values, own, sizes
+        self.dims, self.shape = tuple(sizes), tuple(sizes.values())
+        self.n = int(np.prod(self.shape, dtype=int))
+        self.alone = not self.dims
+
+    def check_fits(self, numbers, remedy):
+        """ParameterError if so many numbers a case are more than this process has memory for."""
+        check_fits(8 * numbers * self.n, f"the results of {self.n:,} cases", remedy)
+
+    @functools.cached_property
+    def columns(self):
+        """dict of the values of all symbols, symbol -> (n,), which nobody may change."""
+        return {symbol: self._flat(value) for symbol, value in self.values.items()}
+
+    def flat(self, symbol):
+        """(n,) array of the values of one symbol, as in `columns`."""
+        return self.columns[symbol]
+
+    def _flat(self, value):
+        if not is_array(value):
+            return np.full(self.n, value)
+        full = value.expand_dims({d: n for d, n in self.sizes.items() if d not in value.dims})
+        return np.ascontiguousarray(full.transpose(*self.dims).values.ravel())
+
+    def rows(self, array):
+        """A table (rows, m) of the rows of an `own` array, and each case's row number (n,).
+
+        array : (..., m) DataArray, or (m,) ndarray for a row that all share.
+        """
+        if not is_array(array):
+            return np.ascontiguousarray(array, float)[None], np.zeros(self.n, np.int64)
+        first = array.isel({array.dims[-1]: 0})
+        number = first.copy(data=np.arange(first.size).reshape(first.shape))
+        table = np.ascontiguousarray(array.values.reshape(first.size, -1), float)
+        return table, self._flat(number).astype(np.int64)
+
+    def of(self, function, t):
+        """Values of a `Loading` method at times t (n, m), as an array (n, m)."""
+        if not self.dims:
+            return np.asarray(function(t[0]))[None]
+        import xarray
+
+        frame = xarray.DataArray(t.reshape(*self.shape, -1), dims=(*self.dims, "time"))
+        found = function(frame)
+        return found.transpose(*self.dims, "time").values.reshape(self.n, -1)
+
+    def variable(self, flat, symbol, *last):
+        """Flat results, (n,) or (n, m) with a last dimension, as a variable in the sweep's dims."""
+        import xarray
+
+        shaped = np.asarray(flat).reshape((*self.shape, *np.shape(flat)[1:]))
+        return xarray.Variable((*self.dims, *last), shaped, attrs(symbol))
+
+    def coordinates(self, taken):
+        """Coordinates of the sweep, by name: those the arrays bring, and the arrays themselves.
+
+        V_lp and frequency are ones even if all cases share them: results say where they hold.
+
+        taken : names that no coordinate may have
+        """
+        coords: dict = {}
+        for symbol in ("V_lp", "frequency"):
+            value = self.values.get(symbol)
+            if not (value is None or is_array(value) or symbol in self.dims):
+                coords[symbol] = ((), value, attrs(symbol))
+        taken = RESERVED | set(taken)
+        arrays = [(symbol, x, x.dims) for symbol, x in self.values.items() if is_array(x)]
+        for symbol, array, dims in [*arrays, *(("", x, x.dims[:-1]) for x in self.own.values())]:
+            coords |= {
+                k: v.variable
+                for k, v in array.coords.items()
+                if k not in taken | set(coords) and set(v.dims) <= set(dims)
+            }
+            # (initial values have names of their own, and no place among the coordinates)
+            if symbol in QUANTITIES and symbol not in taken | set(self.dims):
+                coords[symbol] = array.variable
+        return coords
+
+
+def _check_products(values):
+    """Raise ParameterError if one of `PRODUCTS` is too large."""
+    for name, powers in PRODUCTS.items():
+        if not powers.keys() <= values.keys():
+            continue
+        exponent = sum(_largest_exponent(values[s], power) for s, power in powers.items())
+        if exponent > LARGEST_EXPONENT:
+            raise ParameterError(
+                f"{name} = 10^{exponent:.4g} is beyond double precision. Check the sizes and units "
+                f"of {', '.join(powers)}."
+            )
+
+
+def _largest_exponent(value, power):
+    """log10 of the largest finite power of a value; -inf if it is 0 or inf throughout."""
+    sizes = np.ravel(value)
+    return (power * np.log10(sizes[(sizes > 0.0) & (sizes < np.inf)])).max(initial=-np.inf)

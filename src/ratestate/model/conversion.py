@@ -50,7 +50,8 @@ def in_units(result, /, **units):
             raise ParameterError(f"{given} = {unit!r}: a unit is a str, such as 'um/s'")
         name = variable_of(result, given)
         if name is None:
-            names = [str(known) for known in result.variables if _has_unit(known)]
+            quantities = (str(known) for known in result.variables if known in QUANTITIES)
+            names = [known for known in quantities if QUANTITIES[known].unit != "1"]
             raise ParameterError(f"the result has no variable {given}; {one_of(names, given)}")
         converted[name] = _converted(name, result.variables[name], unit)
     return _with(result, converted)
@@ -63,26 +64,11 @@ def variable_of(result, name):
 
 
 def in_si(result):
-    """A result with all quantities in SI: itself, if none is in another unit.
+    """A result with all quantities in SI: itself, if none is in another unit; others as they are.
 
     A variable whose name is no quantity's stays as it is, and so does a pure number whose unit is
-    that of something else.
-
-    Parameters
-    ----------
-    result : xarray.Dataset
-        Result of any function, perhaps converted by `in_units`.  Anything else is returned as
-        it is.
-
-    Returns
-    -------
-    xarray.Dataset
-        In SI; what was converted may differ from its first value in the last digit.
-
-    Raises
-    ------
-    ParameterError
-        A quantity in a unit that is unknown or of another kind.
+    that of something else.  ParameterError for a unit that is unknown or of another kind.  What was
+    converted may differ from its first value in the last digit.
     """
     converted = {}
     for name, variable in getattr(result, "variables", {}).items():
@@ -99,11 +85,6 @@ def _with(result, converted):
     coords = {name: one for name, one in converted.items() if name in result.coords}
     others = {name: one for name, one in converted.items() if name not in coords}
     return result.assign_coords(coords).assign(others) if converted else result
-
-
-def _has_unit(name):
-    """Whether a variable is a quantity other than a pure number."""
-    return name in QUANTITIES and QUANTITIES[name].unit != "1"
 
 
 def _converted(name, variable, unit):

@@ -58,19 +58,19 @@ def initial_state(law, batch, V_load):
         check_ratio(law, label, V, "V0", V0)
     v, states = steady_state(law, batch, batch.flat("V_start"))
     x = stress(law, v, states, p)
-    states = [
+    states = tuple(
         np.log(V0 * given[name] / batch.flat(distance)) if name in given else state
         for name, distance, state in zip(law.states, law.lengths, states, strict=True)
-    ]
+    )
     if "tau" in given:
         x = (given["tau"] / sigma - mu_ref) / a
     rigid = np.isinf(K)
     w_given = given.get("V", batch.flat("V_start")) / V0
     w = np.where(rigid, np.maximum(V_load, 5e-324) / V0, w_given)
-    v = _v_at(law, w, states, p)
+    v = law.v_at(w, states, p)
     bound = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
     free = [k for k, name in enumerate(law.states) if name not in given]
-    if "V" in given and (np.abs(v - _v_at(law, w_given, states, p)) > AGREE).any():
+    if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > AGREE).any():
         others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not free else ""
         raise ParameterError(
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
@@ -83,52 +83,46 @@ def initial_state(law, batch, V_load):
     by_stress = bound & (("V" in given) | rigid)
     if "tau" in given and free and by_stress.any():
         states = _state_by_stress(law, x, w, states, p, free[0], by_stress)
-        v = _v_at(law, w, states, p)
+        v = law.v_at(w, states, p)
     elif "V" in given:
         x = np.where(bound, stress(law, v, states, p), x)
     x = np.where(rigid, stress(law, v, states, p), x)
     free_speed = bound & ~rigid
-    v = _speed_by_stress(law, x, v, states, p, free_speed)
-    log_V = law.log_of_faster(v, tuple(states), p) + np.log(V0)
-    _check_speed(log_V[free_speed], names)
-    return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
+    v = np.where(free_speed, root(lambda v: stress(law, v, states, p) - x, v, free_speed), v)
+    _check_speed((law.log_of_faster(v, states, p) + np.log(V0))[free_speed], names)
+    return np.stack([x, v, *law.variables(v, states, p)], axis=1)
 
 
 def steady_sliding_state(law, batch, V):
     """(n, len(y)) x, v and the law's variables, in steady sliding at V (n,)."""
     p = law.coefficient_arrays(batch.flat("V0"), batch.columns)
     v, states = steady_state(law, batch, V)
-    x = stress(law, v, states, p)
-    return np.stack([x, v, *law.variables(v, tuple(states), p)], axis=1)
+    return np.stack([stress(law, v, states, p), v, *law.variables(v, states, p)], axis=1)
 
 
 def steady_state(law, batch, V):
-    """v and ln(V0 theta/D) of each state, a list, in steady sliding at V (n,)."""
+    """v and ln(V0 theta/D) of each state, a tuple, in steady sliding at V (n,)."""
     V0 = batch.flat("V0")
-    log_w = np.log(V / V0)
-    states = [
-        state - log_w for state in law.steady_log_states(law.coefficient_arrays(V, batch.columns))
-    ]
-    return law.v_at(V / V0, tuple(states), law.coefficient_arrays(V0, batch.columns)), states
+    steady = law.steady_log_states(law.coefficient_arrays(V, batch.columns))
+    states = tuple(state - np.log(V / V0) for state in steady)
+    return law.v_at(V / V0, states, law.coefficient_arrays(V0, batch.columns)), states
 
 
 def stress(law, v, log_states, p):
     """What opposes the motion, as x is counted, by the states as they are reported."""
-    psi = law.variables(v, tuple(log_states), p)
+    psi = law.variables(v, log_states, p)
     return law.stress_in_v(v, law.speed(v, psi, p), psi, p)
-
-
-def _v_at(law, w, states, p):
-    """v at the speed w and these states (on which it depends only if they are the variables)."""
-    return law.v_at(w, tuple(states), p)
 
 
 def _state_by_stress(law, x, w, states, p, k, where):
     """The states, of which the k-th is such, where this is true, that friction at w is x."""
 
+    def with_state(state):
+        return (*states[:k], state, *states[k + 1 :])
+
     def off(state):
-        others = [*states[:k], state, *states[k + 1 :]]
-        return stress(law, _v_at(law, w, others, p), others, p) - x
+        others = with_state(state)
+        return stress(law, law.v_at(w, others, p), others, p) - x
 
     found = root(off, states[k], where)
     if not np.isfinite(found[where]).all():
@@ -137,16 +131,7 @@ def _state_by_stress(law, x, w, states, p, k, where):
             f"initial V and tau do not fix {name}, on which friction does not depend (b = 0); give "
             f"{name} and tau"
         )
-    return [*states[:k], np.where(where, found, states[k]), *states[k + 1 :]]
-
-
-def _speed_by_stress(law, x, v, states, p, where):
-    """v, such that friction is x where this is true."""
-
-    def off(v):
-        return stress(law, v, states, p) - x
-
-    return np.where(where, root(off, v, where), v)
+    return with_state(np.where(where, found, states[k]))
 
 
 def check_ratio(law, label, V, reference, V_ref):
@@ -166,17 +151,16 @@ def check_ratio(law, label, V, reference, V_ref):
 
 def _check_speed(log_V, names):
     """Raise the ParameterError about a speed that is too large, or does not exist."""
+    given = f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they"
     if np.isnan(log_V).any():
         raise ParameterError(
-            f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they must fix V, and "
-            "friction equals the stress at no speed; give V in place of tau"
+            f"{given} must fix V, and friction equals the stress at no speed; give V in place of "
+            f"tau"
         )
     if (log_V > np.log(LARGEST_V)).any():
-        log10_V = log_V.max() / np.log(10.0)
         raise ParameterError(
-            f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they fix V, at "
-            f"10^{log10_V:.6g} m/s, beyond double precision; "
-            "give values that agree with a lower speed"
+            f"{given} fix V, at 10^{log_V.max() / np.log(10.0):.6g} m/s, beyond double precision; "
+            f"give values that agree with a lower speed"
         )
 
 

@@ -1,4 +1,4 @@
-"""The quantities of quantities.toml, and their values as text.
+"""The quantities of quantities.toml, the units of units.toml, and values as text.
 
 Everything that reads values, labels variables or writes messages looks here.
 """
@@ -12,48 +12,18 @@ from typing import NamedTuple
 from ..friction.forms import FORMS
 from ..friction.laws import LAWS
 
+
+def _table(name):
+    return tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text("utf-8")).items()
+
+
+_UNITS = dict(_table("units"))
 #: unit -> what such a value is called in a message, and an example of one
-KINDS = {
-    "1": ("a pure number", "0.003"),
-    "m": ("a length", "'10 um'"),
-    "s": ("a time", "'10 s'"),
-    "m/s": ("a speed", "'3.2 mm/s'"),
-    "m/s^2": ("an acceleration", "'1 mm/s^2'"),
-    "Pa": ("a stress", "'2 MPa'"),
-    "Pa/m": ("a stiffness", "'900 MPa/m'"),
-    "kg/m^2": ("a mass per area", "'3000 kg/m^2'"),
-    "J/m^2": ("an energy per area", "'1 J/m^2'"),
-    "m^2": ("an area", "'20 cm^2'"),
-    "N": ("a force", "'4 kN'"),
-    "N/m": ("a stiffness of the whole contact", "'2 MN/m'"),
-    "kg": ("a mass", "'6 kg'"),
-    "Pa s/m": ("a damping", "'5 MPa s/m'"),
-    "N s/m": ("a damping of the whole contact", "'10 kN s/m'"),
-    "Hz": ("a frequency", "'390 Hz'"),
-    "s/m": ("a slowness", "'1 s/m'"),
-    "m/(Pa s)": ("a mobility", "'1 m/(Pa s)'"),
-    "1/Pa": ("a compliance", "'1 1/Pa'"),
-    "1/s": ("a rate", "'1 1/s'"),
-    "1/m": ("a rate per length", "'1 1/m'"),
-    "rad/s": ("an angular frequency", "'1 rad/s'"),
-}
+KINDS = {unit: (row["kind"], row["example"]) for unit, row in _UNITS.items()}
+#: unit -> the powers of ten with which values are shown, if any: 0.0032 m/s as 3.2 mm/s
+POWERS = {unit: tuple(row["powers"]) for unit, row in _UNITS.items() if "powers" in row}
 #: power of ten -> prefix
 PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -2: "c", -3: "m", -6: "u", -9: "n"}
-#: unit -> the powers of ten with which values are shown, if any: 0.0032 m/s as 3.2 mm/s
-POWERS = {
-    "m": (0, -3, -6, -9),
-    "s": (0, -3, -6),
-    "m/s": (0, -3, -6, -9),
-    "m/s^2": (0, -3, -6),
-    "m^2": (0, -4, -6),
-    "Pa": (9, 6, 3, 0),
-    "Pa/m": (9, 6, 3, 0),
-    "N": (6, 3, 0, -3),
-    "N/m": (9, 6, 3, 0),
-    "Pa s/m": (9, 6, 3, 0),
-    "N s/m": (6, 3, 0),
-    "Hz": (3, 0, -3, -6),
-}
 #: name of a long time -> seconds
 LONG_TIMES = {"years": 365.25 * 86400.0, "days": 86400.0, "hours": 3600.0}
 
@@ -69,10 +39,7 @@ class Quantity(NamedTuple):
 
 
 #: symbol -> `Quantity`
-QUANTITIES = {
-    symbol: Quantity(**row)
-    for symbol, row in tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8")).items()
-}
+QUANTITIES = {symbol: Quantity(**row) for symbol, row in _table("quantities")}
 
 
 def add_quantities_of(law):
@@ -165,11 +132,7 @@ def readable(symbol, value, digits=4):
     >>> readable("V_lp", 0.0032)
     '3.2 mm/s'
     """
-    unit = QUANTITIES[symbol].unit
-    if unit == "1" or not abs(value) < float("inf"):
-        return f"{value:.{digits}g}" + ("" if unit == "1" else f" {unit}")
-    power = power_of(unit, value)
-    return f"{value / 10.0**power:.{digits}g} {prefixed_unit(unit, power)}"
+    return _in_unit_for(symbol, value, f"{{:.{digits}g}}", value)
 
 
 def readable_range(symbol, low, high):
@@ -178,10 +141,7 @@ def readable_range(symbol, low, high):
     >>> readable_range("sigma", 5e5, 2e6)
     '0.5 to 2 MPa'
     """
-    unit = QUANTITIES[symbol].unit
-    power = power_of(unit, high) if math.isfinite(high) else 0
-    text = f"{low / 10.0**power:.6g} to {high / 10.0**power:.6g}"
-    return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
+    return _in_unit_for(symbol, high, "{:.6g} to {:.6g}", low, high)
 
 
 def readable_change(symbol, before, after):
@@ -190,10 +150,15 @@ def readable_change(symbol, before, after):
     >>> readable_change("V_lp", 3e-6, 1e-5)
     '3 -> 10 um/s'
     """
+    return _in_unit_for(symbol, max(abs(before), abs(after)), "{:.3g} -> {:.3g}", before, after)
+
+
+def _in_unit_for(symbol, size, form, *values):
+    """Values [SI] filled into a form, and the unit that fits this size."""
     unit = QUANTITIES[symbol].unit
-    power = power_of(unit, max(abs(before), abs(after)))
-    one, other = (f"{x / 10.0**power:.3g}" for x in (before, after))
-    return f"{one} -> {other} {prefixed_unit(unit, power)}"
+    power = power_of(unit, size) if math.isfinite(size) else 0
+    text = form.format(*(value / 10.0**power for value in values))
+    return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"
 
 
 def readable_time(seconds, digits=4, both=False):

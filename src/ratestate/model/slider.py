@@ -1,27 +1,51 @@
 """The slider: rigid, on a spring, under a friction law."""
 
 import dataclasses
+import functools
+from html import escape
 from typing import Any
 
 import numpy as np
 
 from ..errors import ParameterError
-from ..friction.composition import composed, form_of
-from ..friction.forms import parameters_of
+from ..friction.composition import JOINT, composed, form_of
+from ..friction.critical_speeds import V_c
+from ..friction.elementwise import call_elementwise
+from ..friction.forms import forms_with, parameters_of
 from ..friction.law import LOG
-from ..friction.laws import DEFAULT, friction_law
+from ..friction.laws import DEFAULT, friction_law, owners
+from ..friction.linear_stability import K_c
+from ..friction.stability import eta, f_n
 from .arrays import check_aligned
-from .contact import parameter_to_si
-from .critical_numbers import CriticalNumbers
 from .names import check_keywords
-from .slider_names import law_of, names_first
-from .slider_text import as_call, as_html
-from .units import is_array, to_si
-from .user_laws import known_again, recorded
+from .parameters import parameter_to_si
+from .quantities import QUANTITIES, exact, expected, readable, readable_range
+from .units import is_array, named, to_si
+from .user_laws import known_again, recorded, register
+
+
+def law_of(law):
+    """The law with a name or synonym, or a user's class of laws, which is registered.
+
+    ParameterError for any other.
+    """
+    return friction_law(register(law) if isinstance(law, type) else law)
+
+
+def _names_first(init):
+    """The `__init__`, which first refuses wrong names: Python would tell of missing ones."""
+
+    @functools.wraps(init)
+    def checked(self, *args, **given):
+        law = law_of(given.get("law", DEFAULT))
+        _check_names(law, form_of(law, given.get("friction")), given)
+        init(self, *args, **(given | {"law": law.name}))
+
+    return checked
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, init=False, eq=False, repr=False)
-class SpringSlider(CriticalNumbers):
+class SpringSlider:
     """A slider under rate-and-state friction, pulled through a spring (eqs 1-4).
 
     M dV/dt = tau - sigma mu - damping V, with tau the stress of the spring.
@@ -104,6 +128,7 @@ class SpringSlider(CriticalNumbers):
     alpha: Any = 0.0
     area: Any = None
 
+    @_names_first
     def __init__(
         self,
         *,
@@ -168,8 +193,7 @@ class SpringSlider(CriticalNumbers):
         Raises
         ------
         ParameterError
-            An unknown or mistyped parameter; a value of a wrong type, unit or range; arrays that
-            clash.
+            As from `SpringSlider`.
 
         Examples
         --------
@@ -178,14 +202,13 @@ class SpringSlider(CriticalNumbers):
         >>> slider.sigma, slider.M, slider.K
         (2000000.0, 3000.0, 900000000.0)
         """
-        known: tuple[str, ...] = ("area", "mass", "stiffness", "normal_force")
-        known += ("a", "b", "Dc", "mu0", "V0", "law", "friction", "damping", "alpha")
         law = law_of(parameters.get("law", DEFAULT))
-        known += tuple(law.parameters)
-        known += tuple(parameters_of(form_of(law, parameters.get("friction"))))
-        check_keywords("SpringSlider.of_contact", parameters, known)
+        own = _own_parameters(law, form_of(law, parameters.get("friction")))
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
+        others = [name for name in COMMON if name not in ("sigma", "K", "M", "area")]
+        known = ("area", "mass", "stiffness", "normal_force", *others, *own)
+        check_keywords("SpringSlider.of_contact", parameters, known)
         given = {"area": to_si("area", area)}
         for symbol, name in zip(("sigma", "K", "M"), whole, strict=True):
             value = parameter_to_si(symbol, whole[name], given, quantity=name, label=name)
@@ -198,15 +221,11 @@ class SpringSlider(CriticalNumbers):
 
         Without area, damping or alpha, if it has none, and a form of friction that is eq. 1's.
         """
-        area = ("area",) if self.has_area else ()
-        form = ("friction",) if self.friction != LOG else ()
-        names = (*PARAMETERS, "law", *area, *form, *self._more)
+        optional = {"area": self.has_area, "friction": self.friction != LOG}
+        given = [name for name, is_given in optional.items() if is_given]
+        alpha = ["alpha"] if self.has_alpha else []
+        names = (*PARAMETERS, "law", *given, *self.friction_law.parameters, *alpha)
         return {name: getattr(self, name) for name in names}
-
-    @property
-    def _more(self):
-        """Symbols of the parameters beside those of every slider and the area."""
-        return (*self.friction_law.parameters, *(("alpha",) if self.has_alpha else ()))
 
     @property
     def friction_law(self):
@@ -247,9 +266,9 @@ class SpringSlider(CriticalNumbers):
     @property
     def values(self):
         """The parameters that are quantities: `parameters` but for the law, the area first."""
-        area = ("area",) if self.has_area else ()
-        symbols = (*area, *PARAMETERS, *self._more)
-        return {symbol: getattr(self, symbol) for symbol in symbols}
+        given = self.parameters
+        area = {"area": self.area} if self.has_area else {}
+        return area | {name: x for name, x in given.items() if name not in ("law", "friction")}
 
     @property
     def has_area(self):
@@ -261,13 +280,107 @@ class SpringSlider(CriticalNumbers):
         """Whether its state responds to normal stress."""
         return is_array(self.alpha) or self.alpha != 0.0
 
+    @property
+    def K_c_qs(self):
+        """Quasi-static critical stiffness [Pa/m], where all sizes of M are 0; (b - a) sigma/Dc.
+
+        ParameterError where it depends on the speed, as with damping, cut-offs or a law with a
+        speed of its own.
+        """
+        if self.friction_law.has_own_speed:
+            parts = self.friction_law.name.split(JOINT)[1:]
+            cause = f"with {' and '.join(parts)}" if parts else f"under the law {self.law!r}"
+            raise ParameterError(
+                f"{cause} K_c_qs depends on the speed; "
+                f"stability(slider, V_lp).K_c_qs is that at V_lp"
+            )
+        return self._of_law("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
+
+    @property
+    def V_c(self):
+        """Critical velocity [m/s] (eq. 10): the lowest above which steady sliding is unstable.
+
+        0 where it is unstable down to rest, inf where at no speed.
+        """
+        return self._of_law("V_c", V_c, "V_c", **self._pick("sigma", "K", "M"))
+
+    @property
+    def V_c_upper(self):
+        """The speed [m/s] above V_c from which steady sliding is stable again; inf if none.
+
+        Under a law with a speed of its own it may become unstable once more at larger speeds.
+        """
+        return self._of_law("V_c_upper", V_c, "V_c_upper", **self._pick("sigma", "K", "M"))
+
+    @property
+    def f_n(self):
+        """Natural frequency [Hz], sqrt(K/M)/(2 pi); inf where there is none (M = 0, K = inf)."""
+        return named("f_n", f_n(**self._pick("K", "M")))
+
+    def K_c(self, V):
+        """Critical stiffness for sliding at V (eq. 6): the largest at which stability changes.
+
+        Steady sliding is unstable just below it, and stable at any K where K_c <= 0.
+
+        Parameters
+        ----------
+        V : float, str, pint.Quantity or DataArray
+            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+
+        Returns
+        -------
+        float or DataArray
+            K_c [Pa/m].
+        """
+        return self._of_law("K_c", K_c, V=self._speed(V), **self._pick("sigma", "M"))
+
+    def eta(self, V):
+        """Dynamic instability coefficient for sliding at V (eq. 7).
+
+        Parameters
+        ----------
+        V : float, str, pint.Quantity or DataArray
+            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+
+        Returns
+        -------
+        float or DataArray
+            Coefficient eta [1].
+        """
+        return named("eta", eta(self._speed(V), **self._pick("a", "Dc", "sigma", "M")))
+
+    def _of_law(self, symbol, function, part=None, **given):
+        """The result of a function of linear stability, or a part of it, under its symbol."""
+
+        def of_arrays(**arrays):
+            result = function(self.friction_law, **arrays)
+            return result if part is None else getattr(result, part)
+
+        values = given | self._pick(*self.friction_law.symbols)
+        return named(symbol, call_elementwise(of_arrays, values))
+
+    def _pick(self, *symbols):
+        return {symbol: getattr(self, symbol) for symbol in symbols}
+
+    def _speed(self, V):
+        V = to_si("V", V)
+        check_aligned({**self.parameters, "V": V})
+        return V
+
     def __repr__(self):
         """The call that builds the slider; of an array, its sizes and range."""
-        return as_call(self.parameters)
+        shown = (f"{symbol}={_exact(symbol, value)}" for symbol, value in self.parameters.items())
+        return f"SpringSlider({', '.join(shown)})"
 
     def _repr_html_(self):
         """A table for notebooks: symbol, name, and value in a unit that fits."""
-        return as_html(self.values, self.law, self.friction)
+        rows = [(s, QUANTITIES[s].long_name, _rounded(s, x)) for s, x in self.values.items()]
+        rows.append(("law", "friction law", self.law))
+        rows += [("friction", "form of friction", self.friction)] if self.friction != LOG else []
+        lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
+        body = "".join(f"<tr>{line}</tr>" for line in lines)
+        head = "<tr><th></th><th>SpringSlider</th><th>value</th></tr>"
+        return f"<table><thead>{head}</thead><tbody>{body}</tbody></table>"
 
     def __eq__(self, other):
         """Whether all values, and the coordinates of arrays, are equal."""
@@ -290,16 +403,65 @@ class SpringSlider(CriticalNumbers):
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
 
 
-# (a wrong name is told before Python tells of a missing one)
-SpringSlider.__init__ = names_first(SpringSlider)  # type: ignore[method-assign]
-
+#: names of the parameters of every slider
+COMMON = tuple(field.name for field in dataclasses.fields(SpringSlider))
 #: what only some sliders have -> what it is for the others
 OPTIONAL: dict[str, Any] = {"area": None, "friction": LOG, "damping": 0.0, "alpha": 0.0}
 #: symbols of the quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0; beside
 #: them there are those of the law, and damping
-PARAMETERS = tuple(
-    f.name for f in dataclasses.fields(SpringSlider) if f.name not in ("law", *OPTIONAL)
-)
+PARAMETERS = tuple(name for name in COMMON if name not in ("law", *OPTIONAL))
+
+
+def _own_parameters(law, form):
+    """Symbols of the parameters that the law and its form of friction have beside `COMMON`."""
+    return (*law.parameters, *parameters_of(form))
+
+
+def _check_names(law, form, given):
+    """Raise ParameterError for a parameter that the law or its form does not have, or lacks.
+
+    form : the name of the form of friction; given : the names given as keywords
+    """
+    own = _own_parameters(law, form)
+    for name in law.parameters:
+        if name in COMMON or hasattr(SpringSlider, name):
+            raise ParameterError(
+                f"law = {law.name!r} has a parameter {name}, which sliders have of their own; "
+                f"rename it"
+            )
+    for name in given:
+        for kind, chosen, having in (
+            ("law", law.name, owners(name)),
+            ("friction", form, forms_with(name)),
+        ):
+            if having and name not in own:
+                raise ParameterError(
+                    f"{kind} = {chosen!r} has no parameter {name}, which belongs to "
+                    f"{' and '.join(map(repr, having))}; leave {name} out, or choose such a {kind}"
+                )
+    check_keywords("SpringSlider", given, (*COMMON, *own))
+    for name in own:
+        if name not in given:
+            needing = f"law = {law.name!r}" if name in law.parameters else f"friction = {form!r}"
+            raise ParameterError(
+                f"{needing} needs {name}, {QUANTITIES[name].long_name}; {expected(name)}"
+            )
+
+
+def _exact(symbol, value):
+    """A parameter in the call that makes the slider again; of an array, its sizes and range."""
+    if is_array(value) or symbol in ("law", "friction"):
+        return _rounded(symbol, value) if is_array(value) else repr(value)
+    text = exact(symbol, value)
+    return text if QUANTITIES[symbol].unit == "1" else repr(text)
+
+
+def _rounded(symbol, value):
+    """A quantity as text in six digits, or an array's sizes and range."""
+    if not is_array(value):
+        return readable(symbol, value, 6)
+    sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
+    return f"<{sizes}; {readable_range(symbol, float(value.min()), float(value.max()))}>"
 
 
 def _made_again(kind, record, parameters):

@@ -1,4 +1,4 @@
-"""The one door by which values come in; quantities.py shows them as text.
+"""Values read into SI; quantities.py shows them as text.
 
 Inside ratestate every value is in SI.  `to_si` turns what a user writes (a number, ``"10 um"``,
 a pint quantity, a named DataArray) into a float or a DataArray in SI, or raises a
@@ -14,13 +14,11 @@ from decimal import Decimal
 import numpy as np
 
 from ..errors import ParameterError
-from .quantities import KINDS, POWERS, QUANTITIES, attrs, expected, prefixed_unit
+from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected, prefixed_unit
 
 #: names of dimensions that results need for themselves
 RESERVED = {"time", "mode", "segment"}
-_PREFIXES = dict(zip("nuµμmckMG", (-9, -6, -6, -6, -3, -2, 3, 6, 9), strict=True)) | {"": 0}
-#: units that begin with one that takes a prefix
-_PREFIXED = {"m", "s", "m/s", "m/s^2", "Pa", "Pa/m", "Pa s/m", "Hz", "N", "N/m", "N s/m"}
+_PREFIXES = {prefix: power for power, prefix in PREFIXES.items()} | {"µ": -6, "μ": -6}
 #: units of what data sheets give for a whole machine, in N/m, kg or N; the complaint about these
 _PER_AREA = ("Pa/m", "kg/m^2", "Pa", "Pa s/m")
 OF_WHOLE_CONTACT = "is of the whole contact, and to be divided by its area"
@@ -42,6 +40,11 @@ def is_array(value):
     return xarray is not None and isinstance(value, xarray.DataArray)
 
 
+def is_pint(value):
+    """Whether value is a quantity of pint, whatever its registry."""
+    return hasattr(value, "magnitude") and hasattr(value, "units")
+
+
 def is_integer(value):
     """Whether value is an integer; NumPy counts time differences among its own."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
@@ -49,11 +52,10 @@ def is_integer(value):
 
 def unit_of(value):
     """The unit that a value for `to_si` carries, as text; None of a number, or other text."""
-    if is_array(value) and not hasattr(value.data, "units"):
-        unit = value.attrs.get("units")
+    if is_array(value):
+        unit = value.data.units if is_pint(value.data) else value.attrs.get("units")
         return None if unit is None else str(unit)
-    value = value.data if is_array(value) else value
-    if hasattr(value, "magnitude") and hasattr(value, "units"):  # pint
+    if is_pint(value):
         return str(value.units)
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
     return match[2] if match else None
@@ -76,36 +78,21 @@ def named(symbol, value):
 
 
 def to_si(symbol, value, *, label=None, bound=None):
-    """Value of a quantity in SI units, checked.
+    """Value of a quantity in SI, checked: a float, or a DataArray of floats named by the symbol.
 
-    Parameters
-    ----------
-    symbol : str
-        A key of `QUANTITIES`; it fixes unit and range.
-    value : float, str, pint.Quantity or xarray.DataArray
-        A plain number is in SI already.  A DataArray is too, unless its attribute ``units``
-        says otherwise; one without dimensions counts as a number.
-    label : str, optional
-        Name of the value in messages, if not its symbol.
-    bound : {"", "> 0", ">= 0"}, optional
-        Range to check in place of the table's.
+    A DataArray along its own symbol without a coordinate (or with its own values for one) gets its
+    SI values as the coordinate.  ParameterError for a wrong type, unit or range, NaN, and a
+    DataArray whose dimension has no usable name.
 
-    Returns
-    -------
-    float or xarray.DataArray
-        A DataArray is float64 and named by the symbol.  If it is 1-D along its own symbol and
-        has no coordinate (or its own values for one), then its SI values become that coordinate.
-
-    Raises
-    ------
-    ParameterError
-        Wrong type, unit or range; NaN; a DataArray whose dimension has no usable name.
+    value : float, str, pint.Quantity or DataArray; in SI without a unit, or attribute ``units``
+    label : name of the value in messages, if not its symbol
+    bound : "", "> 0" or ">= 0", in place of the table's
     """
     label = label or symbol
     if is_array(value):
         return _array_to_si(symbol, value, label, bound)
     given = repr(value) if isinstance(value, str) else str(value)
-    if hasattr(value, "magnitude") and hasattr(value, "units"):  # pint, whatever the registry
+    if is_pint(value):
         number = _real(symbol, value.magnitude, label)
         x = _convert(symbol, repr(number), str(value.units), f"{label} = {given}")
     elif isinstance(value, str):
@@ -199,7 +186,7 @@ def unit_factor(si, unit):
         raise ValueError("has no unit")
     # Loading pint takes 0.3 s, so the usual case, the SI unit with a prefix, is read here.
     prefix = unit.removesuffix(si)
-    if unit.endswith(si) and prefix in (_PREFIXES if si in _PREFIXED else [""]):
+    if unit.endswith(si) and prefix in (_PREFIXES if si in POWERS and si != "m^2" else [""]):
         return Decimal(1).scaleb(_PREFIXES[prefix])
     # "kg/m2" and "m s-1", as CF writes them, mean "kg/m**2" and "m s**-1"
     unit = f"1{unit}" if unit.startswith("/") else unit  # "1e-3/um"

@@ -6,10 +6,10 @@ import os
 from ..errors import ParameterError
 from ..friction import laws
 from ..friction.expressions import FormulaError
-from ..friction.law_check import check
 from ..friction.law_properties import MARK
 from ..friction.user_law import (
     RAISED,
+    check,
     law_of_file,
     law_of_text,
     located,

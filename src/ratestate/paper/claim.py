@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import Loading, simulate
-from ..model.sentences import Sentences
+from ..model.names import Sentences
 from .scheme_map import step_response, time_step
 
 TIGHT, LOOSE = 1e-10, 1e-8  # rtol of the converged values, and of those they are compared with

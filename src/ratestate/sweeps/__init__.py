@@ -23,6 +23,6 @@
 
 from pathlib import Path
 
-from ..model.sentences import Sentences
+from ..model.names import Sentences
 
 sentence = Sentences(Path(__file__).with_name("messages.toml"))

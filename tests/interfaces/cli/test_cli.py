@@ -295,7 +295,7 @@ def test_json_lists_what_was_made(made, charted, tmp_path):
 def test_help_names_the_endings_of_files():
     """Written there by hand, since the formats would load what help must not."""
     listed = [
-        ("RESULT", files.formats.READABLE),
+        ("RESULT", files.READABLE),
         ("FILE", files.NUMBERS),
         ("FILE", files.PICTURES),
     ]

@@ -539,9 +539,7 @@ def test_the_frequencies_of_a_response(lab):
 # ------------------------------------------------------------------------------------------ again
 
 
-@pytest.mark.parametrize(
-    ("command", "ending"), [("run", "zarr"), ("cycle", "nc"), ("stability", "nc"), ("branch", "nc")]
-)
+@pytest.mark.parametrize(("command", "ending"), [("run", "zarr"), ("branch", "nc")])
 def test_from_a_result_to_the_same_bits(command, ending, lab, api):
     first, second = (lab.with_name(f"{name}.{ending}") for name in ("first", "second"))
     files.write(api[command], first)  # as the command does
@@ -800,13 +798,13 @@ def test_a_reader_that_leaves_ends_it_quietly(lab):
 
 def test_messages_may_be_closed_with_the_output(lab):
     command = [sys.executable, "-c", "from ratestate.interfaces.cli import main; main()"]
-    arguments = ["stability", lab, "--out", "x.csv", "--plot", "x.pdf"]
+    arguments = ["stability", lab, "--out", "x.csv"]
     with subprocess.Popen(
         [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     ) as process:
         process.stdout.close()  # as of `2>&1 | head`
     assert process.returncode == 0
-    assert lab.with_name("x.pdf").stat().st_size > 1000
+    assert lab.with_name("x.csv").stat().st_size > 100
 
 
 def test_colours_are_for_terminals(lab, monkeypatch):

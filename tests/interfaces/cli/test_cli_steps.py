@@ -34,6 +34,7 @@ def folder(tmp_path_factory):
     head = "\t".join(columns)
     np.savetxt(folder / "many.txt", table, "%.9g", "\t", header=head, comments="")
     arguments = [str(folder / "many.txt"), "--each", "step", "--law", ",".join(LAWS)]
+    arguments += ["--errors", "covariance"]
     done = CliRunner().invoke(main, ["fit", *arguments, "--out", str(folder / "made")])
     assert done.exit_code == 3, done.output
     return folder / "made", done

@@ -14,10 +14,10 @@ from ratestate import Loading, ParameterError, SpringSlider, files
 from ratestate.interfaces.scenario import Output, Scenario, from_result, load, python, run, toml
 from ratestate.interfaces.scenario.literals import quantity
 from ratestate.interfaces.scenario.values import USUAL
-from ratestate.model.loading.normal_stress import NormalStress
-from ratestate.model.loading.written import events_of, rows_of
+from ratestate.model.history import NormalStress
 from ratestate.model.quantities import QUANTITIES
 from ratestate.model.units import is_array, to_si
+from ratestate.model.written import events_of, rows_of
 
 SLIDER = SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3000)
 

@@ -52,7 +52,7 @@ def fitted(noisy):
     law=st.sampled_from(LAWS),
     eta=st.sampled_from([0.0, 0.0, 0.3, 3.0]),
 )
-@settings(max_examples=16)
+@settings(max_examples=6)
 def test_a_record_without_noise_gives_back_its_slider(a, ratio, stiffness, down, law, eta):
     b, Dc, sigma = ratio * a, 1e-5, 2e7
     V1, V2 = (1e-5, 1e-6) if down else (1e-6, 1e-5)

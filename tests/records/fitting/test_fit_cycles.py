@@ -153,9 +153,10 @@ def test_coordinates_lead_there_and_back(free):
     ("slider", "V_lp", "kinds"),
     [(BRAKE, 3.2e-3, {"noise": 0.08}), (STICK_SLIP, 1e-5, {"noise": 0.03, "correlation": 0.7})],
 )
-def test_features_are_measured_within_their_errors(slider, V_lp, kinds):
+@pytest.mark.parametrize("records", [5, pytest.param(24, marks=pytest.mark.statistics)])
+def test_features_are_measured_within_their_errors(slider, V_lp, kinds, records):
     z, raw = [], []
-    for seed in range(24):
+    for seed in range(records):
         found = measure(segment(slider, V_lp, seed=seed, **kinds))
         known = truth(slider, V_lp, found.bins)
         found = corrected(found, wave_at(cycle(slider, V_lp)[1]), known)
@@ -164,7 +165,7 @@ def test_features_are_measured_within_their_errors(slider, V_lp, kinds):
         raw.append(((found.raw - known) / error)[0])
     z = np.array([row[:4] for row in z])
     assert 0.5 < np.sqrt(np.mean(z**2)) < 1.5
-    assert np.abs(z.mean(axis=0)).max() < 0.7  # of 24 of them 0.2 is an error
+    assert np.abs(z.mean(axis=0)).max() < 3.4 / np.sqrt(records)  # 3.4 errors
     # without the correction noise makes amplitudes too large, or smooths them off
     assert abs(np.mean(raw)) > abs(z[:, 0].mean())
 
@@ -293,9 +294,9 @@ def test_intervals_do_not_depend_on_earlier_calls():
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_two_laws_are_fitted_side_by_side():
     data = record(segment(VIBRATION, 3.2e-3, cycles=20, samples=50))
-    both = rs.fit(data, VIBRATION, ("a", "b"), law=("slip", "aging"), against="cycles")
-    slip = rs.fit(data, VIBRATION, ("a", "b"), against="cycles")
-    assert float(both.a.sel(law="slip")) == float(slip.a)
+    both = rs.fit(data, VIBRATION, ("b",), law=("slip", "aging"), against="cycles")
+    slip = rs.fit(data, VIBRATION, ("b",), against="cycles")
+    assert float(both.b.sel(law="slip")) == float(slip.b)
     assert both.fitted.dims == ("law", "segment", "feature")
     assert float(both.aic_difference.min()) == 0.0
     assert "AIC" in both.attrs["comparison"]
@@ -325,6 +326,7 @@ def test_intervals_end_where_no_fit_is_likely():
         assert best - found.chi2 == pytest.approx(1.96**2, rel=0.2)
 
 
+@pytest.mark.statistics
 def test_intervals_cover():
     hits, weights = [], []
     for seed in range(10):

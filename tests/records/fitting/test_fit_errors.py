@@ -74,7 +74,7 @@ def solution(good):
 @pytest.fixture(scope="module")
 def sampled(good):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sampling, "LIVE", 100)
+        patch.setattr(sampling, "LIVE", 60)
         patch.setattr(sampling, "FEWEST", 100)
         return rs.fit(good, SLIDER, ("a", "Dc"), errors="posterior")
 
@@ -317,7 +317,7 @@ def test_a_known_posterior_is_found(good, monkeypatch):
 
 
 def test_a_posterior_that_is_cut_or_poor_says_so(stiff, good, monkeypatch):
-    monkeypatch.setattr(sampling, "LIVE", 40)
+    monkeypatch.setattr(sampling, "LIVE", 20)
     with pytest.warns(rs.FitWarning) as emitted:
         result = rs.fit(stiff, STIFF.replace(K=1e12), ("K", "Dc"), errors="posterior")
     texts = " ".join(str(one.message) for one in emitted)
@@ -362,7 +362,7 @@ def test_laws_are_compared(good):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_noisy_record_does_not_decide_between_laws(monkeypatch):
-    monkeypatch.setattr(sampling, "LIVE", 50)
+    monkeypatch.setattr(sampling, "LIVE", 20)
     data = record(SLIDER, STEP, T, noise=5e-3, seed=3)
     both = rs.fit(data, SLIDER, ("a", "Dc"), law=("slip", "aging"), errors="posterior")
     assert "does not decide between the laws" in both.attrs["comparison"]
@@ -698,8 +698,7 @@ def test_cycles_refuse_what_only_samples_have(good):
         rs.fit(good, SLIDER, law=("slip", "slip"))
 
 
-@pytest.mark.parametrize("noise", [1e-4, 3e-4])
-@pytest.mark.parametrize("law", ["slip", "aging"])
+@pytest.mark.parametrize(("law", "noise"), [("slip", 1e-4), ("aging", 3e-4)])
 def test_the_wrong_law_is_warned_of_also_where_the_noise_could_take_the_blame(law, noise):
     """Two steps: what the other law cannot fit looks like noise as slow as the whole record."""
     loading = rs.Loading.steps("3 um/s", (60.0, "10 um/s"), (90.0, "3 um/s"))

@@ -60,10 +60,10 @@ def test_estimates_are_unbiased_and_their_errors_hold():
 
 
 def test_the_largest_sample_would_be_biased():
-    """Where healing of `healing` is not: of 15 noisy records."""
+    """Where healing of `healing` is not: of 5 noisy records."""
     aging = SLIDER.replace(law="aging", Dc="20 um", K="10 GPa/m")
     own, largest = [], []
-    for seed in range(15):
+    for seed in range(5):
         data = noisy(seed, slider=aging, holds=(100.0,), slide=60.0, white=1e-3)
         result = rs.healing(data)
         high = float(data.friction.sel(time=slice(160.0, None)).max())
@@ -72,7 +72,7 @@ def test_the_largest_sample_would_be_biased():
         raw = high - float(result.friction_before[0]) - exact
         largest.append(raw / float(result.delta_mu_error[0]))
     assert np.mean(largest) > 2.0
-    assert abs(np.mean(own)) < 0.6
+    assert abs(np.mean(own)) < 1.0
 
 
 def test_errors_grow_with_correlated_noise():

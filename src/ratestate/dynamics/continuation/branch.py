@@ -7,9 +7,9 @@ from ...engine.backend import check_stopped
 from ...engine.model import FINISHED
 from ...errors import NotConverged
 from ...friction.composition import composed_law
-from ...model.batch import Batch
-from ...model.contact import parameter_to_si
+from ...model.arrays import Batch
 from ...model.names import keywords_checked
+from ...model.parameters import parameter_to_si
 from ...model.quantities import QUANTITIES, attrs
 from ...model.slider import checked
 from ...model.units import is_array, to_si

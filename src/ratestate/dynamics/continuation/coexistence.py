@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...friction.laws import friction_law
+from ...friction.linear_stability import linearisation
 from ...friction.normal_form import growth_slopes, law_curvatures, lyapunov_1
 from ..cycles.shooting import return_map
 from ..cycles.system import TIGHTEST, one_length_system, state
@@ -80,7 +82,8 @@ def folds(law, beta, eta):
     which = np.flatnonzero(eta >= LEAST_ETA)
     top = np.full((len(Cycles._fields), len(eta)), np.nan)
     b1 = beta[which] - 1.0
-    slope = growth_slopes(eta[which], b1)[1]
+    linear = linearisation(friction_law(law), (beta[which],))
+    slope, _ = growth_slopes(linear, b1 * (1.0 + eta[which]), eta[which], np.sqrt(b1))
     curvature = -lyapunov_1(eta[which], b1, *curvatures)[0] / slope
     brackets = _bracket_maximum(law, beta[which], eta[which], curvature)
     folding = np.isfinite(brackets[0].psi)

@@ -8,7 +8,7 @@ import numpy as np
 import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
-from ...model.batch import Batch
+from ...model.arrays import Batch
 from ...model.initial_state import check_ratio
 from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked

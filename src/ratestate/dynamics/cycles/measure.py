@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...engine.model import FINISHED
-from ...friction.eigenvalues import steady_modes
+from ...friction.stability import steady_modes
 from .search_step import FINER
 from .sensitivity import (
     backward_error,

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...friction.hopf_of_law import growth_slopes, lyapunov_1
 from ...friction.laws import friction_law
 from ...friction.linear_stability import linearisation
+from ...friction.normal_form import growth_slopes, lyapunov_1_of_law
 from .harmonic_balance import (
     EVEN,
     EVEN_WAVES,
@@ -99,7 +99,7 @@ def hopf_curvature(system):
     if law.one_length:
         return curvature(system.law, system.beta, system.eta)
     p, (kappa, omega) = system.coefficients, system.critical
-    coefficient, _ = lyapunov_1(law, p, kappa, system.eta, omega)
+    coefficient, _ = lyapunov_1_of_law(law, p, kappa, system.eta, omega)
     by_K, _ = growth_slopes(linearisation(law, p), kappa, system.eta, omega)
     return -coefficient * kappa / by_K
 

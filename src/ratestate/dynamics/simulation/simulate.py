@@ -12,7 +12,7 @@ from ...engine.model import FINISHED, RUNAWAY
 from ...errors import RunWarning
 from ...friction.composition import under_varying_stress
 from ...machine import check_fits
-from ...model.batch import Batch
+from ...model.arrays import Batch
 from ...model.initial_state import initial_values
 from ...model.loading import Loading
 from ...model.names import keywords_checked

@@ -6,7 +6,7 @@ from typing import Any
 
 import xarray
 
-from ...files.laboratory_csv import laboratory_unit
+from ...files.tables import laboratory_unit
 from ...model.quantities import QUANTITIES
 from ...records.fitting.steps.table import is_of_steps, results_by_law_of_steps
 

@@ -13,7 +13,7 @@ from ...dynamics.verdict_sentences import RUNAWAY
 from ...engine.model import FINISHED
 from ...engine.model import RUNAWAY as RAN_AWAY
 from ...model.loading import Loading
-from ...model.sentences import Sentences
+from ...model.names import Sentences
 from ...model.slider import SpringSlider
 from ..scenario import Scenario
 
@@ -48,10 +48,10 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
         return None
     attractor = verdict(loading.slider_at(math.inf, slider), V_lp)
     stress = _which_stress(loading, attractor.slider, slider)
-    if loading.shape is None and not loading.stress_oscillates:
+    if loading.sine is None and not loading.stress_oscillates:
         return _on_attractor(attractor, *_not_reached(attractor, result), stress=stress)
     # the motion under a speed or a normal stress that goes on varying is unknown
-    name = "about.steady_sliding" if loading.shape is None else "about.mean_speed"
+    name = "about.steady_sliding" if loading.sine is None else "about.mean_speed"
     about = SENTENCES(name, V_lp=V_lp, stress=stress)
     return VerdictText(about, None, "\n".join(attractor.of_steady_sliding))
 
@@ -68,8 +68,8 @@ def speed_of_verdict(loading: Loading) -> float | None:
 
     Of a loading with a shape, such as a sinusoid, its mean; None after a record, a hold, a ramp.
     """
-    if loading.shape is not None:
-        return float(loading.shape.V_lp)
+    if loading.sine is not None:
+        return float(loading.sine.V_lp)
     V, rate = float(loading.V[-1]), float(loading.rate[-1])
     return None if loading.t_last < float("inf") or V == 0.0 or rate != 0.0 else V
 

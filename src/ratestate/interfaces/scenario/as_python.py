@@ -6,18 +6,11 @@ from typing import Any
 import numpy as np
 
 from ...friction.law_properties import MARK
+from ...model.history import NormalStress
 from ...model.loading import Loading
-from ...model.loading.normal_stress import NormalStress
-from ...model.loading.written import (
-    Event,
-    StressEvent,
-    events_of,
-    has_stress_rows,
-    rows_of,
-    stress_events_of,
-)
 from ...model.units import is_array
 from ...model.user_laws import file_of
+from ...model.written import Event, events_of, has_stress_rows, rows_of, stress_events_of
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import Scenario
 
@@ -75,7 +68,7 @@ def _call(name: str, arguments: list[str], longest: int = 0) -> str:
 
 def _loading(loading: Loading) -> str:
     """The calls that make a loading."""
-    if np.isfinite(loading.t_last) and loading.shape is None:
+    if np.isfinite(loading.t_last) and loading.sine is None:
         t, V, sigma = rows_of(loading)
         texts = [f"t={numbers(t)}", f"V_lp={_column('V_lp', V)}"]
         texts += [] if sigma is None else [f"sigma={_column('sigma', sigma)}"]
@@ -92,12 +85,10 @@ def _loading(loading: Loading) -> str:
 
 def _speed_calls(loading: Loading) -> list[str]:
     """The calls that make a history of speeds, of steps or periodic."""
-    if (shape := loading.shape) is not None:
-        texts = [_value("V_lp", shape.V_lp), _value("V_lp", shape.amplitude)]
-        others = {key: x for key, x in shape.values.items() if key not in ("V_lp", "amplitude")}
-        texts += [f"{key}={_value(shape.arguments[key][0], x)}" for key, x in others.items()]
-        texts.append(f"t_end={quantity('t', loading.t_last)}")
-        return [f"rs.Loading.{shape.kind}({', '.join(texts)})"]
+    if (sine := loading.sine) is not None:
+        V_lp, amplitude = _value("V_lp", sine.V_lp), _value("V_lp", sine.amplitude)
+        ends = f"period={quantity('period', sine.period)}, t_end={quantity('t', loading.t_last)}"
+        return [f"rs.Loading.sinusoid({V_lp}, {amplitude}, {ends})"]
     start, events = events_of(loading)
     calls = [_event(event, "V_lp") for event in events]
     if events and all(event.kind == "step" for event in events):
@@ -115,7 +106,7 @@ def _stress_calls(stress: NormalStress) -> list[str]:
     return calls
 
 
-def _event(event: Event | StressEvent, symbol: str) -> str:
+def _event(event: Event, symbol: str) -> str:
     """The call that makes an event, of a speed or a normal stress."""
     values = zip(("t", symbol, "t"), event[1:], strict=True)
     arguments = ", ".join(_value(symbol, x) for symbol, x in values if x is not None)

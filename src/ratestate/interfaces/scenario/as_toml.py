@@ -8,19 +8,13 @@ import numpy as np
 from ...errors import ParameterError
 from ...friction.law import LOG
 from ...friction.law_properties import MARK
+from ...model.history import NormalStress
 from ...model.loading import Loading
-from ...model.loading.normal_stress import NormalStress
-from ...model.loading.written import (
-    Event,
-    events_of,
-    has_stress_rows,
-    rows_of,
-    stress_events_of,
-)
-from ...model.other_units import OTHER_QUANTITIES
+from ...model.parameters import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
 from ...model.user_laws import file_of
+from ...model.written import Event, events_of, has_stress_rows, rows_of, stress_events_of
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import FUNCTIONS, Scenario
 
@@ -107,13 +101,11 @@ def _form(name: str) -> dict[str, str]:
 
 def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
     """The keys of [loading], and its last speed."""
-    if (shape := loading.shape) is not None:
-        wave = {key: x for key, x in shape.values.items() if key != "V_lp"}
-        for key, x in wave.items():
-            _refuse_arrays(f"the {key} of a {shape.kind}", x)
-        first = last = shape.V_lp
-        literals = {key: quantity(shape.arguments[key][0], x) for key, x in wave.items()}
-        more = {shape.kind: _inline(literals)}
+    if (sine := loading.sine) is not None:
+        _refuse_arrays("the amplitude of a sinusoid", sine.amplitude)
+        first = last = sine.V_lp
+        values = {"amplitude": ("V_lp", sine.amplitude), "period": ("period", sine.period)}
+        more = {"sinusoid": _inline({key: quantity(*value) for key, value in values.items()})}
     elif np.isfinite(loading.t_last):
         t, V, sigma = rows_of(loading)
         _refuse_arrays("the speeds of a record", V)
@@ -124,7 +116,7 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         return columns, V[-1]
     else:
         first, events = events_of(loading)
-        *before, last = [first, *(event.V for event in events if event.V is not None)]
+        *before, last = [first, *(event.value for event in events if event.value is not None)]
         if any(map(is_array, before)):
             raise ParameterError("a scenario file can sweep none but the last speed of a loading")
         steps = "".join(f"    {_step(event)},\n" for event in events)
@@ -136,10 +128,10 @@ def _normal_stress(stress: NormalStress) -> dict[str, str]:
     """The keys of [loading] that change the normal stress."""
     keys, steps = {}, []
     for event in stress_events_of(stress):
-        _refuse_arrays("normal stress", event.sigma)
+        _refuse_arrays("normal stress", event.value)
         values = {
             "t": ("t", event.t),
-            "sigma": ("sigma", event.sigma),
+            "sigma": ("sigma", event.value),
             "ramp": ("t", event.duration),
         }
         steps.append(_inline({k: quantity(s, x) for k, (s, x) in values.items() if x is not None}))
@@ -163,7 +155,7 @@ def _refuse_arrays(what: str, *values: Any) -> None:
 
 def _step(event: Event) -> str:
     """A step, hold or ramp as an inline table."""
-    V = 1.0 if is_array(event.V) else event.V  # a swept last speed is in [sweep]
+    V = 1.0 if is_array(event.value) else event.value  # a swept last speed is in [sweep]
     values = {"t": ("t", event.t), "V_lp": ("V_lp", V), event.kind: ("t", event.duration)}
     given = {key: (symbol, x) for key, (symbol, x) in values.items() if x is not None}
     return _inline({key: quantity(*value) for key, value in given.items()})

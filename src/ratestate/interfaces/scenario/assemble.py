@@ -6,8 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...dynamics.continuation.branch import checked_family
-from ...model.contact import parameter_to_si
-from ...model.other_units import OTHER_QUANTITIES
+from ...model.parameters import OTHER_QUANTITIES, parameter_to_si
 from ...model.slider import SpringSlider
 from .checks import check_rtol, check_run
 from .known_keys import NEEDED, example, parameter_keys

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...dynamics.simulation.settings import check_normal_stress, saved_times
-from ...model.batch import Batch
+from ...model.arrays import Batch
 from ...model.initial_state import initial_state, initial_values
 from ...model.loading import Loading
 from ...model.slider import SpringSlider

@@ -15,9 +15,8 @@ from ...friction.composition import composed
 from ...friction.forms import FORMS, form_name
 from ...friction.law import LOG, FrictionLaw
 from ...friction.laws import DEFAULT, LAWS, friction_law, own_parameters
-from ...model.loading.shapes import SHAPES
 from ...model.names import nearest, one_of
-from ...model.other_units import WHOLE_CONTACT
+from ...model.parameters import WHOLE_CONTACT
 from ...model.quantities import KINDS, QUANTITIES
 from ...model.slider import SpringSlider
 from .model import FUNCTIONS
@@ -38,7 +37,7 @@ SETTINGS = dict.fromkeys(
 TABLES = {
     "slider": ("law_file",),
     "loading": (
-        *("V_lp", "steps", *SHAPES, "file", "columns", "units", "t"),
+        *("V_lp", "steps", "sinusoid", "file", "columns", "units", "t"),
         *("sigma", "sigma_steps", "sigma_sinusoid"),
     ),
     "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "frequency"),
@@ -65,7 +64,10 @@ STRESS_SINUSOID = InlineTable(
     },
     '{ amplitude = "50 kPa", period = "2 s" }',
 )
-PERIODIC = {kind: InlineTable(shape.arguments, shape.example) for kind, shape in SHAPES.items()}
+SINUSOID = InlineTable(
+    STRESS_SINUSOID.keys | {"amplitude": ("V_lp", ">= 0")},
+    '{ amplitude = "0.05 mm/s", period = "2 s" }',
+)
 INITIAL_LIKE = "{ theta = '10 s' }"
 SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
 #: key, or key and table -> an example of its value, where that is no quantity
@@ -78,7 +80,7 @@ LIKE = {
     "initial": INITIAL_LIKE,
     "times": "[0.5, '1 s']",
     "steps": STEP.like,
-    **{kind: table.like for kind, table in PERIODIC.items()},
+    "sinusoid": SINUSOID.like,
     "file loading": "'record.csv'",
     "columns": '["time [s]", "V_lp [um/s]"]',
     "units": '["s", "um/s"]',

@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from ...model.loading import Loading
-from ...model.loading.written import Event
 from ...model.quantities import QUANTITIES
-from .known_keys import LIKE, PERIODIC, SPEEDS_LIKE, STEP, example, known_items
+from ...model.written import Event
+from .known_keys import LIKE, SINUSOID, SPEEDS_LIKE, STEP, example, known_items
 from .problems import Place, expected, message
 from .record import Record, read_record
 from .stress_table import StressTable, column_per_area, stress_table, wave
 from .values import as_array, read_number, read_values
 
 #: keys of a loading beside its speed, of which it may have one
-ONE_OF = ("steps", *PERIODIC, "file", "t")
+ONE_OF = ("steps", "sinusoid", "file", "t")
 MOST_STEPS = 1000
 
 
@@ -26,15 +26,10 @@ class LoadingTable:
     place: Place
     given: dict[str, Any]  # the keys that the file has
     events: list[tuple[Place, Event]]  # the start, and the steps, holds and ramps, in SI
-    wave: dict[str, Any] = dataclasses.field(default_factory=dict)  # of the shape, in SI
+    wave: dict[str, Any] = dataclasses.field(default_factory=dict)  # of the sinusoid, in SI
     record: Record = dataclasses.field(default_factory=Record)
     stress: StressTable | None = None
     sound: bool = True  # whether the table has no problems
-
-    @property
-    def kind(self) -> str | None:
-        """The shape of a periodic loading; None of others."""
-        return next((kind for kind in PERIODIC if kind in self.given), None)
 
     @property
     def is_record(self) -> bool:
@@ -44,7 +39,7 @@ class LoadingTable:
     @property
     def final(self) -> int:
         """Index of the last event that has a speed, or else of the start."""
-        return max((i for i, (_, e) in enumerate(self.events) if e.V is not None), default=0)
+        return max((i for i, (_, e) in enumerate(self.events) if e.value is not None), default=0)
 
     @property
     def last(self) -> tuple[Place, float | None]:
@@ -52,7 +47,7 @@ class LoadingTable:
         if self.is_record:
             return self.place.at("file" if "file" in self.given else "V_lp"), self.record.last
         place, event = self.events[self.final]
-        return place.at("V_lp"), event.V
+        return place.at("V_lp"), event.value
 
     def build(self, V_last: Any, t_end: float | None) -> Loading | None:
         """The loading up to t_end [s]; None if it has problems, or where it would need an end.
@@ -72,16 +67,16 @@ class LoadingTable:
         events = self.events.copy()
         if V_last is not None:
             place, event = events[self.final]
-            events[self.final] = place, event._replace(V=V_last)
+            events[self.final] = place, event._replace(value=V_last)
         (_, start), *later = events
-        sound = self.sound and start.V is not None  # (a missing speed is noted elsewhere)
-        if kind := self.kind:
+        sound = self.sound and start.value is not None  # (a missing speed is noted elsewhere)
+        if "sinusoid" in self.given:
             if not sound or t_end is None:
                 return None
-            make = functools.partial(getattr(Loading, kind), start.V, **self.wave, t_end=t_end)
-            wanted, like = f"expected a {kind}", PERIODIC[kind].like
-            return self.place.at(kind).noting(make, wanted=wanted, like=like)
-        loading = Loading.constant(1.0 if start.V is None else start.V)
+            make = functools.partial(Loading.sinusoid, start.value, **self.wave, t_end=t_end)
+            place = self.place.at("sinusoid")
+            return place.noting(make, wanted="expected a sinusoid", like=SINUSOID.like)
+        loading = Loading.constant(1.0 if start.value is None else start.value)
         for place, event in later:
             arguments = [x for x in event[1:] if x is not None]
             make = functools.partial(getattr(loading, event.kind), *arguments)
@@ -120,8 +115,8 @@ def loading_table(
     if "steps" in given:
         loading.events += _events(given["steps"], place.at("steps"))
     loading.stress = stress_table(given, place, area)
-    if kind := loading.kind:
-        loading.wave = wave(PERIODIC[kind], given[kind], place.at(kind))
+    if "sinusoid" in given:
+        loading.wave = wave(SINUSOID, given["sinusoid"], place.at("sinusoid"))
     loading.sound = len(problems) == before
     return loading
 

@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ...errors import ParameterError
-from ...model.names import one_of
+from ...model.names import Sentences, one_of
 from ...model.quantities import KINDS
 from ...model.quantities import expected as _expected
-from ...model.sentences import Sentences
 
 LONGEST_SHOWN = 60  # characters
 MOST_LINES = 100  # problems

@@ -14,10 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...errors import ParameterError
-from ...model.contact import parameter_to_si
 from ...model.loading import Loading
 from ...model.names import nearest
-from ...model.other_units import quantity_of
+from ...model.parameters import parameter_to_si, quantity_of
 from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from .known_keys import LIKE

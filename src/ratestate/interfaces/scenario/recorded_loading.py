@@ -8,9 +8,8 @@ import xarray
 
 from ...dynamics import attributes
 from ...errors import ParameterError
+from ...model.history import NormalStress
 from ...model.loading import Loading
-from ...model.loading.normal_stress import NormalStress
-from ...model.loading.shapes import SHAPES
 from .recorded_values import WANTED, values_of, with_labels
 
 #: how far a speed at the end of a segment may fall below 0, relative to the largest speed
@@ -29,8 +28,8 @@ def recorded_loading(result: Any) -> Loading:
 def _speeds(result: Any, record: dict[str, Any]) -> Loading:
     """The history of speeds that a result records."""
     t_last = np.inf if record["t_last"] is None else float(record["t_last"])
-    for kind in SHAPES.keys() & record.keys():
-        return getattr(Loading, kind)(**values_of(result, "loading", record[kind]), t_end=t_last)
+    if "sinusoid" in record:
+        return Loading.sinusoid(**values_of(result, "loading", record["sinusoid"]), t_end=t_last)
     t, V, rate = (
         _column(result, record, name, "loading_", "segment") for name in ("t", "V", "rate")
     )

@@ -4,9 +4,9 @@ import dataclasses
 import functools
 from typing import Any
 
-from ...model.contact import parameter_to_si
 from ...model.loading import Loading
-from ...model.loading.written import StressEvent
+from ...model.parameters import parameter_to_si
+from ...model.written import Event
 from .known_keys import STRESS_SINUSOID, STRESS_STEP
 from .problems import Place, expected
 from .values import InlineTable
@@ -19,7 +19,7 @@ class StressTable:
     """What changes the normal stress, read; it is put onto a loading when that is built."""
 
     place: Place  # of [loading]
-    events: list[tuple[Place, StressEvent]] = dataclasses.field(default_factory=list)
+    events: list[tuple[Place, Event]] = dataclasses.field(default_factory=list)
     sinusoid: dict[str, Any] = dataclasses.field(default_factory=dict)  # in SI
 
     def applied(self, loading: Loading) -> Loading:
@@ -72,7 +72,7 @@ def column_per_area(forces: Any, unit: str, area: dict[str, Any]) -> Any:
     return stress.values if stress.ndim == 1 else list(stress.transpose("row", ...))
 
 
-def _events(steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place, StressEvent]]:
+def _events(steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place, Event]]:
     """Steps and ramps; those with a problem are left out."""
     if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
         place.add("steps.no_list", given=steps, most=MOST_STEPS, like=STRESS_STEP.like)
@@ -87,7 +87,7 @@ def _events(steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place,
         _per_area(values or {}, "sigma", where, area)
         if values and not missing and all(x is not None for x in values.values()):
             kind = "sigma_ramp" if "ramp" in values else "sigma_step"
-            event = StressEvent(kind, values["t"], values["sigma"], values.get("ramp"))
+            event = Event(kind, values["t"], values["sigma"], values.get("ramp"))
             events.append((where, event))
     return events
 

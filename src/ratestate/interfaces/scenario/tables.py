@@ -10,7 +10,7 @@ from ...friction.law import FrictionLaw
 from ...friction.law_properties import MARK
 from ...friction.laws import known_law
 from ...model.names import one_of
-from ...model.other_units import WHOLE_CONTACT
+from ...model.parameters import WHOLE_CONTACT
 from ...model.quantities import QUANTITIES
 from .known_keys import (
     ENDINGS,

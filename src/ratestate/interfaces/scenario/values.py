@@ -1,7 +1,7 @@
 """Values of a scenario file: a number, a string with a unit, a list, or an axis between two ends.
 
 All are bit-for-bit the floats of the Python API.  A value that becomes one with the slider's area
-or sigma (`model.other_units`) stays the text that it is.  An axis is kept as two ends and a number
+or sigma (`model.parameters`) stays the text that it is.  An axis is kept as two ends and a number
 until the number of cases has been checked.  Values of an unusual magnitude are refused, where the
 Python API takes any: so a wrong unit or exponent is reported before it costs minutes or overflows.
 """
@@ -13,9 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.arrays import logspace
 from ...model.names import one_of
-from ...model.other_units import quantity_of
+from ...model.parameters import logspace, quantity_of
 from ...model.quantities import KINDS, QUANTITIES, attrs
 from ...model.units import to_si
 from .problems import Place, choice, expected, refusal, shown

@@ -13,7 +13,7 @@ from ...dynamics.simulation.loads import comes_to_rest, engine_loads
 from ...engine.model import RIGID_REST, STATUSES
 from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
-from ...model.batch import Batch
+from ...model.arrays import Batch
 from .march import cases_of, marched
 from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
@@ -145,9 +145,10 @@ class Forward:
         mu0 = level
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for _ in range(NEWTON):
-                here, above = (
-                    shown(self.V0, values | {"mu0": mu0 + step}) for step in (0.0, LINEAR_STEP)
-                )
+                here = shown(self.V0, values | {"mu0": mu0})
+                if np.allclose(here, level, rtol=1e-15, atol=0.0):
+                    break
+                above = shown(self.V0, values | {"mu0": mu0 + LINEAR_STEP})
                 mu0 = mu0 + (level - here) * LINEAR_STEP / (above - here)
         return mu0
 

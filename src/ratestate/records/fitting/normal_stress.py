@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
-from ...model.loading.normal_stress import NormalStress
+from ...model.history import NormalStress
 from ..reading.stress_steps import VARIABLE, stress_range
 from ..sample_noise import sample_noise
 from .refusals import refusal

@@ -4,8 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from ...dynamics.refusals import check_one_length
-from ...model.slider import checked
-from ...model.slider_names import law_of
+from ...model.slider import checked, law_of
 from ...model.units import is_array
 from .likelihood.uncertainty import ERRORS
 from .noise import Noise, given_noise

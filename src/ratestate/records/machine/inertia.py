@@ -5,7 +5,7 @@ A small oscillation exp(lambda t) of stress about steady sliding at V obeys
     M lambda^2 + (damping + G(lambda)) lambda + K = 0,
     G = (sigma/V) (a - b/(1 + lambda Dc/V)),
 
-with G the friction of a law with one state: numerics of `friction.eigenvalues`, with lambda in 1/s.
+with G the friction of a law with one state: numerics of `friction.stability`, with lambda in 1/s.
 Its imaginary part gives M and its real part the damping, without further approximation.  Without a
 slider G is 0: then M = K/|lambda|^2, and the damping has friction in it.
 """

@@ -4,7 +4,7 @@ What an HDF5 or MAT file holds goes into compiled code that trusts it: a damaged
 process that reads it (SIGSEGV, SIGBUS), ask for any amount of memory, or never come to an end.  So
 a child reads it, under limits, and hands the arrays back through a pipe.
 
-The child is a new interpreter that imports the reader and nothing else (0.2 to 0.5 s): no fork,
+The child is a new interpreter that imports the reader and nothing else (0.3 s): no fork,
 for other threads may run, and no import of ``__main__``, which therefore needs no guard.  Memory
 is limited where the system does that (Linux), processor time on any POSIX, time everywhere.
 """

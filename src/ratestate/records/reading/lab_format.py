@@ -8,7 +8,7 @@ from typing import Any
 
 from ...errors import ParameterError
 from ...model.names import one_of
-from ...model.other_units import WHOLE_CONTACT, quantity_of
+from ...model.parameters import WHOLE_CONTACT, quantity_of
 from ...model.quantities import QUANTITIES
 from ...model.units import has_unit, to_si
 from .messages import message, refusal

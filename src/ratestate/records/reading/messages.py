@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ...model.sentences import Sentences
+from ...model.names import Sentences
 
 #: a note or a part of a message: its name, ``table.sentence``, and values -> text
 message = Sentences(Path(__file__).with_suffix(".toml"))

@@ -4,7 +4,7 @@ A recorder that averages over its sampling interval leaves less noise at a lower
 """
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
+import scipy  # `scipy.ndimage` is imported once it is used: it is slow
 
 #: rows whose median interval is the local one; ratio of intervals beyond which two rates differ
 BESIDE, APART = 9, 1.3
@@ -63,7 +63,7 @@ def sampling_noise(t, y, degree, longest):
         growth, length = np.maximum(growth, typical), 2 * length
     noise = _local(shortest, variances[rates]) * growth[rates]
     # (rates change between two rows: those beside have the larger noise of both)
-    return maximum_filter1d(noise, BESIDE, mode="nearest"), rates
+    return scipy.ndimage.maximum_filter1d(noise, BESIDE, mode="nearest"), rates
 
 
 def _local(falls, noise):
@@ -71,7 +71,7 @@ def _local(falls, noise):
     if falls.size < 2 * LOCAL:
         return noise
     rows = SHORTEST * np.arange(1, falls.size + 1)
-    larger = median_filter(falls / noise[rows], LOCAL, mode="reflect")
+    larger = scipy.ndimage.median_filter(falls / noise[rows], LOCAL, mode="reflect")
     larger = np.where(larger > LARGER, larger, 1.0)
     return noise * np.interp(np.arange(noise.size), rows, larger)
 
@@ -81,7 +81,9 @@ def sampling_rates(t):
 
     Rates are groups of local sampling intervals that lie apart.  A clock that jitters has one.
     """
-    interval = median_filter(np.diff(t, append=2.0 * t[-1] - t[-2]), BESIDE, mode="nearest")
+    interval = scipy.ndimage.median_filter(
+        np.diff(t, append=2.0 * t[-1] - t[-2]), BESIDE, mode="nearest"
+    )
     order = np.argsort(interval, kind="stable")
     rates = np.empty(t.size, int)
     rates[order] = np.cumsum(np.diff(np.log(interval[order]), prepend=np.inf) > np.log(APART))

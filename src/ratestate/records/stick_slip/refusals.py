@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ...model.sentences import Sentences
+from ...model.names import Sentences
 
 sentence = Sentences(Path(__file__).with_suffix(".toml"))
 #: the name of a sentence, ``table.sentence``, and values -> the `ParameterError` that says so

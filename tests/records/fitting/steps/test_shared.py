@@ -61,6 +61,7 @@ def test_a_scatter_between_steps_is_found():
     assert np.mean(p_values(FEW, 3, 1000, scatter=1.5)[0] < 0.05) > 0.9
 
 
+@pytest.mark.statistics
 def test_one_step_of_ill_estimated_noise_does_not_refute_one_set():
     """The noise of the last step of this experiment is estimated at a third of what it is.
 

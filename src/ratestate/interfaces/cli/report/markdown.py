@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import xarray
 
+from ....model.names import Sentences
 from ....model.quantities import readable, short, with_error
-from ....model.sentences import Sentences
 from ....model.slider import SpringSlider
 from ....records.fitting.by_law import results_by_law
 from ....records.fitting.fit import fit

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....model.sentences import Sentences
+from ....model.names import Sentences
 from ..raw_record import constant_speeds_of, raw_record
 from ..refusals import refusal
 from .folding import FEWEST_CYCLES, cut_cycles

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ....model.names import Sentences
 from ....model.quantities import readable
-from ....model.sentences import Sentences
 from ...reading.stress_steps import VARIABLE, stress_range
 from ..likelihood.transients import longest_distance
 from ..record import changes

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ....model.names import Sentences
 from ....model.quantities import readable
-from ....model.sentences import Sentences
 from ..table import rate_dependence_text
 from ..unknowns import parameter, starts_of
 from .tradeoffs import correlated_groups, percent, tradeoff_text

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ....model.sentences import Sentences
+from ....model.names import Sentences
 from ..forward import Forward
 from ..score import FALL, gain_of
 

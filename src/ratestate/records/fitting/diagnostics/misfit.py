@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ....model.sentences import Sentences
+from ....model.names import Sentences
 
 #: size of the residuals, over that of a given noise, that contradicts it
 CONTRADICTED = 1.5

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import xarray
 
+from ....model.names import Sentences
 from ....model.quantities import attrs
-from ....model.sentences import Sentences
 
 #: a difference of ln(likelihood) or ln(evidence) below the first decides nothing, above the second
 #: it is clear

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ....model.names import Sentences
 from ....model.quantities import readable
-from ....model.sentences import Sentences
 from ..unknowns import NEAR, parameter, to_value
 from .identifiability import bounds_of
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ....model.names import Sentences
 from ....model.quantities import readable
-from ....model.sentences import Sentences
 from ...regression import generalized_least_squares
 from ..record import before_changes
 from ..table import rate_dependence_text

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ....dynamics.progress import bar
+from ....model.names import Sentences
 from ....model.quantities import QUANTITIES
-from ....model.sentences import Sentences
 from ..estimates import LEVELS
 from ..refusals import refusal
 from ..unknowns import LINEAR, parameter

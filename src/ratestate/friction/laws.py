@@ -1,39 +1,19 @@
-"""The built-in friction laws: a file each, and nothing else that names them.
+"""Friction laws by their names: the built-in ones, and those that users register."""
 
-A file that is put here is found by itself.
-"""
-
-import importlib
-import inspect
-import pkgutil
-
-from ...errors import ParameterError
-from ..law import FrictionLaw
-from ..law_properties import MARK
+from ..errors import ParameterError
+from .built_in_laws import BUILT_IN
+from .law_properties import MARK
 
 #: the law of a slider that names none
-DEFAULT = "slip"
-
-
-def _built_in():
-    """The laws of this package's files, name -> law; the default one first."""
-    found: list[FrictionLaw] = []
-    for file in pkgutil.iter_modules(__path__, f"{__name__}."):
-        module = importlib.import_module(file.name)
-        classes = [one for _, one in inspect.getmembers(module, inspect.isclass)]
-        own = (one for one in classes if one.__module__ == file.name)
-        found += [one() for one in own if issubclass(one, FrictionLaw)]
-    return {law.name: law for law in sorted(found, key=lambda law: (law.name != DEFAULT, law.name))}
-
-
+DEFAULT = BUILT_IN[0].name
 #: name of a friction law -> the law
-LAWS = _built_in()
+LAWS = {law.name: law for law in BUILT_IN}
 #: name or synonym -> name of the law
 LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.synonyms)}
 
 
 def add(law, own):
-    """Let a law be found by its name and, from now on, by its own one and its synonyms."""
+    """Add a law by its name; its `own` name, without the hash, and synonyms then mean it."""
     LAWS[law.name] = law
     LAW_OF.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
 
@@ -44,12 +24,12 @@ def of_one_length():
 
 
 def own_parameters(laws):
-    """Symbols of the parameters that any of these laws has of its own, a tuple, each once."""
+    """Symbols of the own parameters of these laws, a tuple, each once."""
     return tuple(dict.fromkeys(symbol for law in laws for symbol in law.parameters))
 
 
 def owners(symbol):
-    """Names of the laws that have this symbol among the parameters of their own, a list."""
+    """Names of the laws that have a parameter of their own with this symbol, a list."""
     return [law.name for law in LAWS.values() if symbol in law.parameters]
 
 
@@ -59,15 +39,12 @@ def friction_law(law):
 
 
 def known_law(law):
-    """A law's name in `LAWS`, from that name or a synonym, in any capitals.
-
-    None for an unknown one, or what is no string.
-    """
+    """A law's name in `LAWS`, from that name or a synonym, in any capitals; None if unknown."""
     return LAW_OF.get(law.lower()) if isinstance(law, str) else None
 
 
 def law_name(law):
-    """A law's name as by `known_law`; ParameterError for an unknown one, or what is no string."""
+    """A law's name as by `known_law`; ParameterError if it is unknown."""
     if name := known_law(law):
         return name
     if isinstance(law, str) and MARK in law:

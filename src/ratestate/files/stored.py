@@ -1,17 +1,19 @@
-"""NetCDF 4 files, read and written; complex variables, which they lack, as two real ones.
+"""Results in NetCDF 4 files and in Zarr folders, with checksums.
 
-A file has the SHA-256 of each variable, and of its own attributes, in an attribute.  Files of
-others, and of older versions, lack it and are read unchecked.
+A NetCDF file has the SHA-256 of each variable, and of its own attributes, in an attribute; a folder
+has the SHA-256 of each file in a group.  Results without checksums are read unchecked.
 """
 
 import hashlib
 import json
+from typing import Any
 
 import numpy as np
 
 from ..errors import ParameterError
 from ..records.reading.isolated import read_isolated
 from ..records.reading.stored import refuse_other_files
+from .place import CHECKSUMS
 
 #: attribute of a file with digests as JSON; the name there of the file's own attributes
 DIGESTS, OWN = "sha256", ""
@@ -40,13 +42,8 @@ def raw_netcdf(path):
         refuse_other_files(file, path.name)
     with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
         recorded, parts = file.attrs.get(DIGESTS), dict(_parts(file, path))
-    found = {name: _digest(*part) for name, part in parts.items()}
-    if recorded is not None and (differing := _differing(recorded, found)):
-        where = ", ".join(f"variable {name}" if name else "its attributes" for name in differing)
-        raise ParameterError(
-            f"{path} is damaged, or another program has changed it, in {where}. Put it back from a "
-            f"copy. If the change is meant, delete the attribute {DIGESTS} of the file."
-        )
+    if recorded is not None:
+        _check_digests(path, recorded, {name: _digest(*part) for name, part in parts.items()})
     *_, attrs = parts.pop(OWN)
     return parts, attrs
 
@@ -79,20 +76,24 @@ def _digest(dims, values, attrs):
     return digest.hexdigest()
 
 
-def _differing(recorded, found):
-    """Names under which digests differ, the recorded ones as JSON text."""
+def _check_digests(path, recorded, found):
+    """Raise ParameterError if digests differ from the recorded ones, JSON text."""
     try:
         recorded = dict(json.loads(recorded))
     except (ValueError, TypeError):
         recorded = {}
-    return sorted(name for name in {*recorded, *found} if recorded.get(name) != found.get(name))
+    names = sorted(name for name in {*recorded, *found} if recorded.get(name) != found.get(name))
+    if names:
+        where = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
+        raise ParameterError(
+            f"{path} is damaged, or another program has changed it, in {where}. Put it back from a "
+            f"copy. If the change is meant, delete the attribute {DIGESTS} of the file."
+        )
 
 
 def _attributes(of):
-    return {
-        name: value.decode() if isinstance(value, bytes) else value
-        for name, value in of.attrs.items()
-    }
+    texts = {name: value for name, value in of.attrs.items() if isinstance(value, bytes)}
+    return {**of.attrs, **{name: value.decode() for name, value in texts.items()}}
 
 
 def write_netcdf(data, path):
@@ -109,6 +110,53 @@ def write_netcdf(data, path):
     with h5netcdf.File(path, "a", decode_vlen_strings=True) as file:
         digests = {name: _digest(*part) for name, part in _parts(file, path)}
         file.attrs[DIGESTS] = json.dumps(digests)
+
+
+def write_zarr(data, path):
+    """Write a Dataset as a Zarr group, and in it a group with the SHA-256 of each file."""
+    import zarr
+
+    from ..sweeps.manifest import RECORDS, digests_of, keys_in
+    from ..sweeps.store import python_text, zarr_3_warnings_ignored
+
+    if CHECKSUMS in data.variables:
+        raise ParameterError(
+            f"a variable called {CHECKSUMS!r} clashes with those of the files; rename it"
+        )
+    with zarr_3_warnings_ignored():
+        data = python_text(data).drop_encoding()
+        data.to_zarr(path, mode="w-", zarr_format=3, consolidated=False)
+        checksums = zarr.open_group(path, mode="r+", zarr_format=3).create_group(CHECKSUMS)
+        zarr.consolidate_metadata(path)  # which names the group too: it cannot be lost unnoticed
+        keys = [key for key in keys_in(path) if not key.startswith(f"{CHECKSUMS}/")]
+        checksums.attrs[RECORDS] = digests_of(path, keys)
+
+
+def read_zarr(path):
+    """The Dataset in a Zarr folder; ParameterError, or a sweep's StoreError, if it is damaged.
+
+    StoreError if it is in Zarr format 2.
+    """
+    import xarray
+    import zarr
+
+    from ..sweeps import sentence
+    from ..sweeps.manifest import RECORDS, File, as_lines, flaws_among
+    from ..sweeps.record import refuse_zarr_2
+    from ..sweeps.store import load_result, python_text
+
+    refuse_zarr_2(path)
+    if (path / "sweep").is_dir():  # such a store knows itself what must be in it
+        return python_text(load_result(path))
+    # a damaged list of the groups may lack this one, and it may be lost itself: either is enough
+    how: Any = {"mode": "r", "zarr_format": 3}
+    if (path / CHECKSUMS).exists() or CHECKSUMS in zarr.open_group(path, **how):
+        digests: Any = zarr.open_group(path / CHECKSUMS, **how).attrs[RECORDS]
+        files = [File(key, digest=digest) for key, digest in digests.items()]
+        if flaws := flaws_among(path, files):
+            raise ParameterError(sentence("damage.hopeless", path=path, lines=as_lines(flaws)))
+    with xarray.open_zarr(path, chunks=None, zarr_format=3) as opened:
+        return python_text(opened.load())
 
 
 def split(data):

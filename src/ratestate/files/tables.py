@@ -1,4 +1,6 @@
-"""Tables in a laboratory's units as CSV: a row for each event, step or hold."""
+"""Results as CSV, and tables in a laboratory's units: a row for each event, step or hold."""
+
+import itertools
 
 import numpy as np
 
@@ -7,14 +9,68 @@ from ..model.conversion import in_si
 from ..model.names import one_of
 from ..model.quantities import QUANTITIES
 from ..model.units import unit_factor
-from .table import FORMAT
+from .stored import PARTS
 
+#: dimensions of a few numbers each, which make columns of a table, not rows
+ACROSS = ("mode", "multiplier")
+#: dimension of the loading's own record, which is no part of a table of results
+RECORD = "segment"
+FORMAT = {"index": False, "lineterminator": "\n"}
 #: SI unit -> the unit in a table, whatever the values: so columns of several tables can be joined
 UNITS = {"m": "um", "m/s": "um/s", "Pa": "MPa", "Pa/m": "GPa/m", "Pa s/m": "MPa s/m"}
 #: lengths that are displacements of the load point, over a whole experiment
 LONG = {"delta_lp": "mm", "step_delta_lp": "mm"}
 #: between the lines of a text, which has none in a table
 BETWEEN_LINES = " | "
+
+
+def csv_text(data):
+    """A result as CSV: a header such as ``time [s],V [m/s],mu``, then a row for each time or case.
+
+    Single numbers of a result that has rows, such as ``status`` of a run, are left out; without
+    rows they are the one row.  Numbers are exact, what is missing is empty, yes and no are 1 and
+    0, a complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        A result of any function.
+
+    Returns
+    -------
+    str
+        The table, a line for each row.
+    """
+    import pandas
+
+    rows = [dim for dim in data.sizes if dim not in (*ACROSS, RECORD)]
+    sizes = {dim: data.sizes[dim] for dim in rows}
+    first = {dim: data[dim].variable for dim in rows if dim in data.variables}
+    others = {k: v for k, v in data.variables.items() if k not in first}
+    columns: dict = {}
+    for name, variable in (first | others).items():
+        if RECORD in variable.dims or (rows and not set(rows) & set(variable.dims)):
+            continue
+        for label, part in _columns(name, variable):
+            values = part.set_dims({**sizes, **part.sizes}).transpose(*rows).values.ravel()
+            columns[label] = (values + 0 if values.dtype.kind == "b" else values).tolist()
+    # (with None, whole numbers would turn float)
+    return pandas.DataFrame(columns, dtype=object).to_csv(**FORMAT)
+
+
+def _columns(name, variable):
+    """The columns that a variable makes: (label, real Variable without dimensions `ACROSS`)."""
+    unit = variable.attrs.get("units", "1")
+    unit = "" if unit == "1" else f" [{unit}]"
+    across = [dim for dim in variable.dims if dim in ACROSS]
+    for index in itertools.product(*(range(variable.sizes[dim]) for dim in across)):
+        one = variable.isel(dict(zip(across, index, strict=True)))
+        label = name + "".join(f"[{i}]" for i in index)
+        if one.dtype.kind == "c":
+            for part, (_, of) in PARTS.items():
+                yield f"{label}.{part}{unit}", one.copy(data=of(one.values))
+        else:
+            yield label + unit, one
 
 
 def laboratory_csv(data, dim, units=None):
@@ -69,13 +125,8 @@ def _column(name, variable, units):
     """Heading, values in its unit, that unit, and its size in SI."""
     heading = str(name).replace("_", " ")
     if "flag_meanings" in variable.attrs:
-        meanings = dict(
-            zip(
-                np.atleast_1d(variable.attrs["flag_values"]).tolist(),
-                variable.attrs["flag_meanings"].split(),
-                strict=True,
-            )
-        )
+        codes = np.atleast_1d(variable.attrs["flag_values"]).tolist()
+        meanings = dict(zip(codes, variable.attrs["flag_meanings"].split(), strict=True))
         texts = [meanings[code].replace("_", " ") for code in variable.values.tolist()]
         return heading, texts, "", 1.0
     if variable.dtype.kind not in "fiu":

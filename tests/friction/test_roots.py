@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from ratestate.friction.polynomials import product, roots
+from ratestate.friction.roots import polynomial_product, polynomial_roots
 
 
 def coefficients(of):
@@ -38,7 +38,7 @@ def test_roots_of_unlike_sizes():
         size = 10.0 ** rng.uniform(-25, 25, 3)
         pair = size[0] * np.exp(1j * rng.uniform(0.3, 2.8))
         polynomials.append(coefficients([pair, pair.conjugate(), size[1], -size[2]]))
-    for c, found in zip(polynomials, roots(np.array(polynomials)), strict=True):
+    for c, found in zip(polynomials, polynomial_roots(np.array(polynomials)), strict=True):
         assert off(found, exact(c)) < 1e-12
         is_real = found.imag == 0.0
         assert is_real.sum() == 2
@@ -48,7 +48,7 @@ def test_roots_of_unlike_sizes():
 def test_roots_of_like_sizes_are_those_of_numpy():
     rng = np.random.default_rng(2)
     c = rng.normal(size=(3, 40, 6))
-    found = roots(c)
+    found = polynomial_roots(c)
     assert found.shape == (3, 40, 5)
     for one, z in zip(c.reshape(-1, 6), found.reshape(-1, 5), strict=True):
         assert off(z, np.roots(one)) < 1e-9
@@ -56,7 +56,9 @@ def test_roots_of_like_sizes_are_those_of_numpy():
 
 
 def test_roots_that_are_zero_or_coincide():
-    found = roots(np.array([[1.0, -3.0, 2.0, 0.0], [2.0, 0.0, 0.0, 0.0], [1.0, -3.0, 3.0, -1.0]]))
+    found = polynomial_roots(
+        np.array([[1.0, -3.0, 2.0, 0.0], [2.0, 0.0, 0.0, 0.0], [1.0, -3.0, 3.0, -1.0]])
+    )
     np.testing.assert_allclose(np.sort_complex(found[0]), [0.0, 1.0, 2.0], rtol=1e-15)
     np.testing.assert_array_equal(found[1], 0.0)
     assert off(found[2], [1.0]) < 3e-5  # a third of the digits
@@ -66,7 +68,7 @@ def test_roots_are_real_or_in_conjugate_pairs():
     """Where several all but coincide, too."""
     rng = np.random.default_rng(4)
     c = np.array([np.poly(rng.choice([1.0, -2.0, 3.0], 4)) for _ in range(200)])
-    found = roots(c)
+    found = polynomial_roots(c)
     np.testing.assert_array_equal(np.sort_complex(found), np.sort_complex(found.conj()))
     back = np.array([np.poly(z) for z in found])
     np.testing.assert_allclose(back, c, atol=2e-3 * np.abs(c).max())
@@ -77,27 +79,27 @@ def test_quadratic_polynomials():
         [[1.0, -1e9, 1.0], [1e-30, 1.0, 1.0], [1.0, 2.0, 5.0], [2.0, 0.0, -8.0], [1, 0, 0]]
     )
     expected = [[1e-9, 1e9], [-1e30, -1.0], [-1 - 2j, -1 + 2j], [-2.0, 2.0], [0.0, 0.0]]
-    found = np.sort_complex(roots(c))
+    found = np.sort_complex(polynomial_roots(c))
     np.testing.assert_allclose(found, expected, rtol=1e-15)
 
 
 @pytest.mark.parametrize("size", [1e-300, 1.0, 1e307])
 def test_the_size_of_the_coefficients_does_not_matter(size):
-    found = np.sort_complex(roots(size * np.array([1.0, -6.0, 11.0, -6.0])))
+    found = np.sort_complex(polynomial_roots(size * np.array([1.0, -6.0, 11.0, -6.0])))
     np.testing.assert_allclose(found, [1.0, 2.0, 3.0], rtol=1e-14)
 
 
 @pytest.mark.parametrize("first", [[1.0, np.nan], [1.0, np.inf], [0.0, 1.0], [5e-324, 1.0]])
 def test_where_a_root_or_a_coefficient_is_not_finite_there_are_none(first):
-    found = roots(np.array([[*first, 2.0, 1.0], [1.0, -6.0, 11.0, -6.0]]))
+    found = polynomial_roots(np.array([[*first, 2.0, 1.0], [1.0, -6.0, 11.0, -6.0]]))
     assert np.isnan(found[0]).all()
     np.testing.assert_allclose(np.sort_complex(found[1]), [1.0, 2.0, 3.0], rtol=1e-14)
-    assert roots(np.empty((0, 4))).shape == (0, 3)
+    assert polynomial_roots(np.empty((0, 4))).shape == (0, 3)
 
 
 def test_products():
     rng = np.random.default_rng(3)
     one, two, three = (rng.normal(size=(7, n)) for n in (2, 3, 1))
-    for found, *factors in zip(product([one, two, three]), one, two, three, strict=True):
+    for found, *factors in zip(polynomial_product([one, two, three]), one, two, three, strict=True):
         expected = np.polymul(np.polymul(*factors[:2]), factors[2])
         np.testing.assert_allclose(found, expected, rtol=1e-14)

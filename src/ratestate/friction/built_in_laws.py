@@ -1,0 +1,287 @@
+"""The built-in friction laws.
+
+In the methods `runaway`, y = v + psi = ln(V theta/Dc), c = b/a - 1, and slip D takes the place of
+time at V >> V_lp.  They say when y, and so V, can only grow.
+"""
+
+from types import MappingProxyType
+
+from .functions import exp, expm1, log, sinh, sqrt, where
+from .law import FrictionLaw, Parameter
+
+
+class SlipLaw(FrictionLaw):
+    """d theta/dt = -(V theta/Dc) ln(V theta/Dc) (eq. 3 of Im, Marone & Elsworth, 2019)."""
+
+    name = "slip"
+    label = "slip (Ruina) law"
+    synonyms = ("ruina",)
+    source = (
+        "Ruina (1983) doi:10.1029/JB088iB12p10359; of runaway: Gu, Rice, Ruina & Tse (1984) "
+        "doi:10.1016/0022-5096(84)90007-3"
+    )
+
+    def evolution(self, V, theta, p):
+        """-(V theta/Dc) ln(V theta/Dc)."""
+        return -(V * theta / p.Dc) * log(V * theta / p.Dc)
+
+    def runaway(self, v, psi, kappa, p):
+        """Q = y - kappa/c >= 0 and c > 0: dQ/dD = c Q + kappa w_lp/w, whatever the load point."""
+        c = p.b / p.a - 1.0
+        return (c > 0.0) & (c * (v + psi[0]) >= kappa)
+
+
+class AgingLaw(FrictionLaw):
+    """d theta/dt = 1 - V theta/Dc (eq. 2 of Im, Marone & Elsworth, 2019)."""
+
+    name = "aging"
+    label = "aging (Dieterich) law"
+    synonyms = ("ageing", "dieterich", "slowness")
+    source = (
+        "Dieterich (1979) doi:10.1029/JB084iB05p02161; of runaway: Ranjith & Rice (1999) "
+        "doi:10.1016/S0022-5096(98)00113-6"
+    )
+
+    def evolution(self, V, theta, p):
+        """1 - V theta/Dc."""
+        return 1.0 - V * theta / p.Dc
+
+    def runaway(self, v, psi, kappa, p):
+        """c (1 - exp(-y)) >= kappa: dy/dD = c (1 - exp(-y)) - kappa."""
+        c = p.b / p.a - 1.0
+        return (c > kappa) & (-c * expm1(-v - psi[0]) >= kappa)
+
+
+class FlashHeatingLaw(FrictionLaw):
+    """d Psi/dt = -(V/Dc) (Psi - Psi_ss), with mu = a asinh(V/(2 V0) exp(Psi/a)).
+
+    Psi_ss is such that in steady sliding mu is
+
+        mu_ss = mu_w + (mu_lv - mu_w)/(1 + (V/V_w)^8)^(1/8),    mu_lv = mu0 - (b - a) ln(V/V0).
+
+    Psi = mu0 + b ln(V0 theta/Dc) defines theta, and friction is that of the regularized form.
+    """
+
+    name = "flash-heating"
+    label = "flash-heating law"
+    synonyms = ("flash",)
+    source = "Noda, Dunham & Rice (2009) doi:10.1029/2008JB006143; benchmark TPV104 of SCEC"
+    form = "regularized"
+    parameters = MappingProxyType(
+        {
+            "V_w": Parameter("m/s", "speed from which contacts flash-heat", "> 0", "'0.1 m/s'"),
+            "mu_w": Parameter("1", "friction at seismic speeds", ">= 0", "0.2"),
+        }
+    )
+
+    def evolution(self, V, theta, p):
+        """-(theta/b) (V/Dc) (Psi - Psi_ss), by d Psi = (b/theta) d theta."""
+        mu_lv = p.mu0 - (p.b - p.a) * log(V / p.V0)
+        mu_ss = p.mu_w + (mu_lv - p.mu_w) / (1.0 + (V / p.V_w) ** 8) ** 0.125
+        Psi_ss = p.a * log(2.0 * p.V0 / V * sinh(mu_ss / p.a))
+        Psi = p.mu0 + p.b * log(p.V0 * theta / p.Dc)
+        return -(theta / p.b) * (V / p.Dc) * (Psi - Psi_ss)
+
+    def complaint(self, slider):
+        """The problem if b <= 0, friction vanishes without heat, or heat strengthens contacts."""
+        import numpy as np
+
+        if np.any(slider.b <= 0.0):
+            return "b must be > 0, as theta is counted by it; give another b"
+        slow = slider.mu0 - (slider.b - slider.a) * np.log(slider.V_w / slider.V0)
+        if np.any(slow <= 0.0):
+            return (
+                f"steady friction mu0 - (b - a) ln(V/V0) would be {float(np.min(slow)):.3g} at "
+                "V_w, without any heat; give a larger mu0, or a smaller b or V_w"
+            )
+        excess = slider.mu_w - slider.mu0
+        if np.any(excess > 0.0):
+            i = np.argmax(np.ravel(excess))
+            mu_w, mu0 = (np.ravel(x + 0.0 * excess)[i] for x in (slider.mu_w, slider.mu0))
+            return (
+                f"mu_w = {mu_w:.6g} must be <= mu0 = {mu0:.6g}, for it is the friction of contacts "
+                "that heat has weakened; give a smaller mu_w, or a larger mu0"
+            )
+        return ""
+
+
+class KatoTullisLaw(FrictionLaw):
+    """d theta/dt = exp(-V/V_cut) - (V theta/Dc) ln(V theta/Dc)."""
+
+    name = "kato-tullis"
+    label = "composite (Kato & Tullis) law"
+    synonyms = ("composite",)
+    source = "Kato & Tullis (2001) doi:10.1029/2000GL012060"
+    parameters = MappingProxyType(
+        {"V_cut": Parameter("m/s", "speed below which state heals at rest", "> 0", "'1e-8 m/s'")}
+    )
+
+    def evolution(self, V, theta, p):
+        """exp(-V/V_cut) - (V theta/Dc) ln(V theta/Dc)."""
+        return exp(-V / p.V_cut) - (V * theta / p.Dc) * log(V * theta / p.Dc)
+
+    def runaway(self, v, psi, kappa, p):
+        """c y >= kappa and c > 0, as under the slip law, which this is at V >> V_cut."""
+        c = p.b / p.a - 1.0
+        return (c > 0.0) & (c * (v + psi[0]) >= kappa)
+
+
+class NagataLaw(FrictionLaw):
+    """d theta/dt = 1 - V theta/Dc - (c/b) theta (d tau_f/dt)/sigma, tau_f = sigma mu (of eq. 1).
+
+    Its variable is phi = (1 + c) psi + (c a/b) v, whose rate needs no derivative of the stress.
+    theta itself jumps when V does.
+    """
+
+    name = "nagata"
+    label = "stress-weakening (Nagata) law"
+    source = "Nagata, Nakatani & Yoshida (2012) doi:10.1029/2011JB008818"
+    parameters = MappingProxyType(
+        {"c": Parameter("1", "stress weakening of the state", ">= 0", "2.0")}
+    )
+
+    def evolution(self, V, theta, p):
+        """theta d phi/dt = 1 - V theta/Dc."""
+        return 1.0 - V * theta / p.Dc
+
+    def _per_v(self, p):
+        """c a/b; 0 if c is."""
+        return where(p.c > 0.0, p.c * p.a / p.b, 0.0)
+
+    def log_theta(self, v, psi, p):
+        """ln(V_ref theta/Dc) = (phi - (c a/b) v)/(1 + c)."""
+        return [(psi[0] - self._per_v(p) * v) / (1.0 + p.c)]
+
+    def variables_of(self, v, logs, p):
+        """phi from ln(V_ref theta/Dc)."""
+        return [(1.0 + p.c) * logs[0] + self._per_v(p) * v]
+
+    def complaint(self, slider):
+        """The problem if b = 0, by which the law divides c."""
+        divides = (slider.b == 0.0) * (slider.c > 0.0)
+        divides = divides.any() if hasattr(divides, "any") else divides
+        return "b = 0 where c > 0; give another b, or c = 0" if divides else ""
+
+    def jumps_with_normal_stress(self, mu, alpha, slider):
+        """d phi/d ln sigma: the stress on the contacts changes by mu d sigma."""
+        b = slider.b + 1.0 * (slider.b == 0.0)  # (where c and alpha are 0)
+        return (-(slider.c * mu + alpha) / b,)
+
+    def runaway(self, v, psi, kappa, p):
+        """(b/a - 1) (1 - exp(-y)) >= k = kappa (1 + c - c a/b).
+
+        dy/dD = (b/a - 1) (1 - exp(-y)) - k, as under the aging law with another stiffness.
+        """
+        c, k = p.b / p.a - 1.0, kappa * (1.0 + p.c - self._per_v(p))
+        y = v + self.log_theta(v, psi, p)[0]
+        return (c > k) & (-c * expm1(-y) >= k)
+
+
+class PRZLaw(FrictionLaw):
+    """d theta/dt = (1 - (V theta/Dc)^2)/2.
+
+    theta is Dc/V in steady sliding: half of theta in the original 1 - (V theta/(2 Dc))^2.
+    """
+
+    name = "prz"
+    label = "PRZ (Perrin, Rice & Zheng) law"
+    synonyms = ("perrin-rice-zheng",)
+    source = "Perrin, Rice & Zheng (1995) doi:10.1016/0022-5096(95)00036-I"
+
+    def evolution(self, V, theta, p):
+        """(1 - (V theta/Dc)^2)/2."""
+        return (1.0 - (V * theta / p.Dc) ** 2) / 2.0
+
+    def runaway(self, v, psi, kappa, p):
+        """c sinh(y) >= kappa and c > 0: dy/dD = c sinh(y) - kappa + kappa w_lp/w."""
+        c = p.b / p.a - 1.0
+        return (c > 0.0) & (c * sinh(v + psi[0]) >= kappa)
+
+
+class TwoStateLaw(FrictionLaw):
+    """mu = mu0 + a ln(V/V0) + b ln(V0 theta/Dc) + b2 ln(V0 theta2/Dc2)."""
+
+    source = (
+        "Ruina (1983) doi:10.1029/JB088iB12p10359; Gu, Rice, Ruina & Tse (1984) "
+        "doi:10.1016/0022-5096(84)90007-3"
+    )
+    states = MappingProxyType({"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")})
+    parameters = MappingProxyType(
+        {
+            "b2": Parameter("1", "evolution effect of the second state", example="0.002"),
+            "Dc2": Parameter("m", "critical slip distance of the second state", "> 0", "'100 um'"),
+        }
+    )
+
+
+class TwoStateAgingLaw(TwoStateLaw):
+    """d theta_k/dt = 1 - V theta_k/D_k, k = 1, 2; friction as of `TwoStateLaw`."""
+
+    name = "two-state-aging"
+    label = "two-state aging law"
+    synonyms = ("two-state-ageing", "two-state-dieterich")
+
+    def evolution(self, V, theta, p):
+        """1 - V theta_k/D_k of each."""
+        return 1.0 - V * theta[0] / p.Dc, 1.0 - V * theta[1] / p.Dc2
+
+    def runaway(self, v, psi, kappa, p):
+        """y_k = v + psi_k both grow from here on; else it is followed to huge speeds.
+
+        With q_k = 1 - exp(-y_k) they grow at the rates (b q_1 + b2 (Dc/Dc2) q_2)/a - kappa less
+        q_1, or (Dc/Dc2) q_2.  If neither b nor b2 is negative, both rates rise with the other's y,
+        so that they stay positive.
+        """
+        b1, b2 = p.b / p.a, p.b2 / p.a
+        q1, q2 = -expm1(-v - psi[0]), -(p.Dc / p.Dc2) * expm1(-v - psi[1])
+        drive = b1 * q1 + b2 * q2 - kappa
+        grows = (b1 >= 0.0) & (b2 >= 0.0) & (drive >= q1) & (drive >= q2)
+        return (v > 600.0) | (grows & (q1 > 0.0) & (q2 > 0.0))
+
+
+class TwoStateSlipLaw(TwoStateLaw):
+    """d theta_k/dt = -(V theta_k/D_k) ln(V theta_k/D_k), k = 1, 2; friction as of `TwoStateLaw`."""
+
+    name = "two-state-slip"
+    label = "two-state slip law"
+    synonyms = ("two-state-ruina",)
+
+    def evolution(self, V, theta, p):
+        """-(V theta_k/D_k) ln(V theta_k/D_k) of each."""
+        ages = V * theta[0] / p.Dc, V * theta[1] / p.Dc2
+        return tuple(-age * log(age) for age in ages)
+
+    def runaway(self, v, psi, kappa, p):
+        """y = (v + psi_1, v + psi_2) is beyond the stable direction of a saddle.
+
+        dy/dD = A y - kappa (1, 1), where the determinant of A is -(Dc/Dc2) c with
+        c = (b + b2)/a - 1.  A saddle has c > 0: then y runs away to the side of the left
+        eigenvector (of the eigenvalue > 0) on which it is, with V growing along the right one to
+        one of the sides.  Elsewhere it is followed to speeds at which only runaway is left.
+        """
+        b1, b2, r = p.b / p.a, p.b2 / p.a, p.Dc / p.Dc2
+        c = b1 + b2 - 1.0
+        some_c = where(c > 0.0, c, 1.0)
+        half = 0.5 * (b1 - 1.0 + r * (b2 - 1.0))
+        growth = half + sqrt(half * half + r * some_c)
+        steady = kappa / some_c
+        y1, y2 = v + psi[0] - steady, v + psi[1] - steady / r
+        # of two forms of the left eigenvector, and of the right one, those that do not vanish
+        m1, m2 = growth - b1 + 1.0, growth - r * (b2 - 1.0)
+        one = (b1 * y1 + m1 * y2) * (b1 * b1 + m1 * r * b2)
+        other = (m2 * y1 + r * b2 * y2) * (b1 * m2 + r * r * b2 * b2)
+        along = where(abs(m1) > abs(m2), one, other)
+        return ((c > 0.0) & (along >= 0.0)) | ((c <= 0.0) & (v > 6000.0))
+
+
+#: one of each, the default law first
+BUILT_IN = (
+    SlipLaw(),
+    AgingLaw(),
+    FlashHeatingLaw(),
+    KatoTullisLaw(),
+    NagataLaw(),
+    PRZLaw(),
+    TwoStateAgingLaw(),
+    TwoStateSlipLaw(),
+)
