@@ -61,7 +61,7 @@ def at_random(name, form, seed):
 )
 @pytest.mark.parametrize("damping", [0.0, 0.3])
 def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
-    """Each method of derivatives against differences of the one of the order below."""
+    """Each method of derivatives against differences of the one that it belongs to."""
     rng = np.random.default_rng(5)
     parameters, V = WITH.get(form, drawn)(law, rng)
     parameters.pop("friction", None)
@@ -71,40 +71,35 @@ def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
     p = tuple(float(x[0]) for x in law.coefficient_arrays(V, values))
     y, n = rng.normal(size=1 + len(law.states)), len(law.states)
 
-    def stress(order, y):
-        """An array with an axis (v, psi) for each derivative."""
-        at = y[0], math.exp(y[0]), tuple(y[1:]), p
-        if order == 0:
-            return np.array(law.stress(*at))
-        whole = np.full((1 + n,) * order, np.nan)
-        for k, part in enumerate(law.stress_partials(*at, order)):  # k derivatives by psi
-            whole[(0,) * (order - k) + (slice(1, None),) * k] = part
-        return whole
+    def given(y):
+        return y[0], math.exp(y[0]), tuple(y[1:])
 
-    def rates(order, y):
-        """An array (k, state) of derivatives: k of them by the state, the others by v."""
-        w, psi = math.exp(y[0]), tuple(y[1:])
-        at = y[0], w, psi, law.exponentials(y[0], w, psi, p), p
-        return np.array(law.rate_partials(*at, order) if order else [law.rates(*at)])
+    def rates(y):
+        return np.array(law.rates(*given(y), law.exponentials(*given(y), p), p))
 
-    def slope(function, order, j):
-        h, step = 1e-3, np.eye(1 + n)[j]
-        each = [function(order, y + k * h * step) for k in (2, 1, -1, -2)]
+    def flat(found):
+        by_v, by_psi = found
+        return np.array([by_v, *by_psi])
+
+    def slopes(function):
+        h, steps = 1e-3, np.eye(1 + n)
+        each = [[function(y + k * h * step) for step in steps] for k in (2, 1, -1, -2)]
+        each = [np.array(one) for one in each]
         return (8 * (each[1] - each[2]) - (each[0] - each[3])) / (12 * h)
 
-    for order in range(3):
-        above = stress(order + 1, y)
-        scale = 1e-7 * np.nanmax(np.abs(above)) + 1e-9
-        for j in range(1 + n):
-            known = ~np.isnan(above[..., j])
-            wanted = slope(stress, order, j)
-            known &= ~np.isnan(wanted)
-            np.testing.assert_allclose(above[..., j][known], wanted[known], rtol=0, atol=scale)
-        above = rates(order + 1, y)
-        scale = 1e-7 * np.abs(above).max() + 1e-9
-        np.testing.assert_allclose(above[:-1], slope(rates, order, 0), rtol=0, atol=scale)
-        by_psi = np.array([slope(rates, order, 1 + k)[:, k] for k in range(n)]).T
-        np.testing.assert_allclose(above[1:], by_psi, rtol=0, atol=scale)
+    of_rates = slopes(rates)
+    by_v, by_psi = law.rate_partials(*given(y), law.exponentials(*given(y), p), p)
+    pairs = [
+        (flat(law.stress_partials(*given(y), p)), slopes(lambda y: law.stress(*given(y), p))),
+        (
+            np.array(law.resistance_bends(*given(y), p)),
+            slopes(lambda y: flat(law.resistance_partials(*given(y), p))),
+        ),
+        (np.array(by_v), of_rates[0]),
+        (np.array(by_psi), np.diag(of_rates[1:])),
+    ]
+    for found, true in pairs:
+        np.testing.assert_allclose(found, true, rtol=0, atol=1e-7 * np.abs(found).max() + 1e-9)
 
 
 @NAMES

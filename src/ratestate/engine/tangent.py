@@ -17,7 +17,7 @@ import functools
 from ..friction.expressions import LIMIT
 from ..friction.functions import where
 from ..friction.motion import product
-from ..friction.tuples import dot, minus_dot, plus_sum, sum_of, times
+from ..friction.tuples import dot, dot_onto, minus_dot, plus_sum, sum_of, times, total
 from .equations import derived, exponentials, in_omega
 from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
 from .tableau import NODES, A, B
@@ -40,6 +40,13 @@ def right_hand_side(du, jacobian, k, rest, curvature, r, m):
     first, second = product(jacobian, du), product(curvature, k)
     scaled = r * rest[0], (m * r) * rest[1], *times(r, rest[2:])
     return tuple(a + b + c for a, b, c in zip(first, scaled, second, strict=True))
+
+
+def trace_of(jacobian, shares, unit):
+    """The trace in x, v and psi of a matrix in x, omega and psi; unit : one over m."""
+    _, of_v, *of_psi = jacobian
+    by_psi = [row[k] for k, row in enumerate(of_psi, 2)]
+    return dot_onto(total(by_psi) + unit * of_v[1], shares, [row[1] for row in of_psi])
 
 
 def step_end(z, dk, held, S_v, S_psi, shares):
@@ -80,8 +87,8 @@ def step(y, w, e, z, w_lp, h, system):
     for _ in NODES:
         u, c = next_point(y, k)
         at = exponentials(u, law, p) if k else at
-        here = functools.partial(derived, y=u, w=at[0], e=at[2], law=law, p=p, kappa=kappa)
-        jacobian = here("jacobian", q=start.c * at[1], m=start.m)
+        numbers = {"q": start.c * at[1], "m": start.m, "kappa": kappa}
+        jacobian = derived("jacobian", u, at[0], at[2], law, p, **numbers)
         shares = law.shares(at[0], at[1], p)
         k_new = increment(u, at, w_lp, times(r, c), (), system, start)
         k_omega = in_omega(k_new, start.shares)
@@ -90,7 +97,7 @@ def step(y, w, e, z, w_lp, h, system):
             du = in_omega(du, shares)
             rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
             dk[j] = *dk[j], solve_arrow(rows, start)
-        k, traces = (*k, k_new), [*traces, *here("trace", q=at[1] / eta0, m=1.0)]
+        k, traces = (*k, k_new), [*traces, trace_of(jacobian, shares, 1.0 / start.m)]
     new, held, error, dense = end_of_step(y, k, at, h, system)
     S_v, S_psi = law.stress_slopes(new[0][1], new[1], new[0][2:], new[2], p)
     shares = law.shares(new[1], 1.0 / law.speed_slope(new[1], new[2]), p)

@@ -107,9 +107,13 @@ class Varying(FrictionLaw):
         n, start = len(self.states), self.places[VARYING] + 1
         return p[start + k * n : start + (k + 1) * n]
 
-    def rates_of(self, rates, R, p):
+    def rates_of(self, rates, R, growth, p):
         """d psi/dT: the law's, and what normal stress adds."""
-        return plus(rates, times(p[DS] / p[S], self._jumps(R, p)))
+        return plus(rates, times(growth, self._jumps(R, p)))
+
+    def growth(self, p):
+        """d ln s/dT."""
+        return p[DS] / p[S]
 
     def after_jump(self, v, w, psi, e, p, rise):
         """psi where ln s has risen by `rise` at once, at constant V, from which v then follows.
@@ -127,9 +131,9 @@ class Varying(FrictionLaw):
         """Those of p that belong to the history."""
         return p[BASE:]
 
-    def rates_in_time(self, p):
-        """s and ds/dT, expressions, -> their derivatives in T."""
-        return {p[S]: p[DS], p[DS]: p[DDS]}
+    def rates_in_time(self, growth, p):
+        """s and `growth`, expressions, -> their derivatives in T."""
+        return {p[S]: p[DS], growth: p[DDS] / p[S] - growth * growth}
 
     def later(self, p, dT):
         """p at a time dT later in the same segment."""

@@ -39,8 +39,8 @@ class Equations:
     named : name -> another constant expression, what the law's `constants` gives
     constants : symbol -> constant expression in parameters and V_ref: the coefficients
     friction_at_reference : mu_ref, such an expression: mu at V_ref and theta_k = D_k/V_ref
-    first : derivatives of R by v and each psi; of each rate by v, and by its own psi: lists
-    second : those of R by v and each psi of each of `first`; of rates by v v, v psi, psi psi
+    slopes, bends : derivatives of R by v and each psi; those of each by v and each psi
+    rate_slopes : derivatives of each rate by v; of each by its own psi
     """
 
     def __init__(self, law):
@@ -93,7 +93,11 @@ class Equations:
         ]
         self.exponents = [one.parts[0] for one in self.exponentials]
         # Now, and not when they are asked for: sums are in the order in which terms were made.
-        self.first, self.second = self._orders(1), self._orders(2)
+        y, (R,) = (self.v, *self.psi), self.resistance
+        self.slopes = [self.derivative(R, symbol) for symbol in y]
+        self.rate_slopes = [self.derivative(rate, self.v) for rate in self.rates]
+        self.rate_slopes += map(self.derivative, self.rates, self.psi)
+        self.bends = [self.derivative(slope, symbol) for slope in self.slopes for symbol in y]
 
     def coefficients(self, V_ref, values):
         """The numbers p that stand for what is constant, a tuple.
@@ -135,22 +139,6 @@ class Equations:
     def _derivatives(self):
         one = self.graph.number(1.0)
         return {x: Derivative(self.graph, {x: one}) for x in (self.v, *self.psi)}
-
-    @functools.cached_property
-    def third(self):
-        """Third derivatives, as `first` and `second`."""
-        return self._orders(3)
-
-    def _orders(self, n):
-        y = (self.v, *self.psi)
-        R = self.resistance
-        for _ in range(n):
-            R = [self.derivative(one, symbol) for one in R for symbol in y]
-        rates = []
-        for k in range(n + 1):
-            by = [(self.v,) * (n - k) + (psi,) * k for psi in self.psi]
-            rates += [self.derivative(one, *x) for one, x in zip(self.rates, by, strict=True)]
-        return R, rates
 
     def values(self, expressions, v, w, psi, p, e=None, kappa=None):
         """Values of expressions where v, w, psi (a tuple), p and exponentials are these, a list.

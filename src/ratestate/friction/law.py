@@ -190,37 +190,31 @@ class FrictionLaw(LawProperties):
         """(mu - mu_ref)/a."""
         return self._values(self.equations.resistance, v, w, psi, p)[0]
 
-    def resistance_partials(self, v, w, psi, p, order=1):
-        """Derivatives of `resistance`, a tuple: by v, > 0, and by each of psi, a tuple.
+    def resistance_partials(self, v, w, psi, p):
+        """Derivatives of `resistance` by v, > 0, and by each of psi, a tuple."""
+        by_v, *by_psi = self._values(self.equations.slopes, v, w, psi, p)
+        return by_v, tuple(by_psi)
 
-        order : 2, vv; v psi_k, a tuple; psi_j psi_k, of tuples; likewise 3
-        """
-        found, _ = self._derivatives(order)
-        return _parts_of_tensor(self._values(found, v, w, psi, p), len(psi), order)
+    def resistance_bends(self, v, w, psi, p):
+        """Second derivatives of `resistance`: rows, by v and each of psi, of a symmetric matrix."""
+        return grouped(tuple(self._values(self.equations.bends, v, w, psi, p)), (v, *psi))
 
     def stress(self, v, w, psi, p):
         """What opposes the motion, as x is counted: friction, and damping."""
         return self.stress_of(self.resistance(v, w, psi, p), w, p)
 
-    def stress_partials(self, v, w, psi, p, order=1):
-        """Derivatives of `stress`, as those of `resistance`; damping has the same ones by v."""
-        by_v, *others = self.resistance_partials(v, w, psi, p, order)
-        return self.stress_of(by_v, w, p), *others
+    def stress_partials(self, v, w, psi, p):
+        """Derivatives of `stress`, as those of `resistance`; damping adds the same number by v."""
+        by_v, by_psi = self.resistance_partials(v, w, psi, p)
+        return self.stress_of(by_v, w, p), by_psi
 
     def rates(self, v, w, psi, e, p):
         """d psi/dT of each state, a tuple."""
         return tuple(self._values(self.equations.rates, v, w, psi, p, e))
 
-    def rate_partials(self, v, w, psi, e, p, order=1):
-        """Derivatives of each of `rates` by v, a tuple, and by its own state, a tuple.
-
-        order : 2, by vv, v psi and psi psi, a tuple each; likewise 3
-        """
-        _, found = self._derivatives(order)
-        return grouped(tuple(self._values(found, v, w, psi, p, e)), psi)
-
-    def _derivatives(self, order):
-        return getattr(self.equations, ("first", "second", "third")[order - 1])
+    def rate_partials(self, v, w, psi, e, p):
+        """Derivatives of each of `rates` by v, a tuple, and by its own state, a tuple."""
+        return grouped(tuple(self._values(self.equations.rate_slopes, v, w, psi, p, e)), psi)
 
     # The balance of forces, of numbers or expressions (`motion`); `composition` adds to it
 
@@ -237,7 +231,7 @@ class FrictionLaw(LawProperties):
         """S: the strength N, unless there is damping."""
         return N
 
-    def rates_of(self, rates, R, p):
+    def rates_of(self, rates, R, growth, p):
         """d psi/dT: the law's own, unless normal stress varies."""
         return rates
 
@@ -245,8 +239,8 @@ class FrictionLaw(LawProperties):
         """What of p changes with time, a tuple: of the last ones."""
         return ()
 
-    def rates_in_time(self, p):
-        """Those of p, expressions, that forces hold -> their derivatives in T."""
+    def rates_in_time(self, growth, p):
+        """s and the growth of ln s, expressions, -> their derivatives in T, if they vary."""
         return {}
 
     def later(self, p, dT):
@@ -336,15 +330,3 @@ class FrictionLaw(LawProperties):
     def gives(self, method):
         """Whether the law has a method, by name, that not every law has."""
         return getattr(type(self), method) is not getattr(FrictionLaw, method)
-
-
-def _parts_of_tensor(values, n, order):
-    """A symmetric tensor along (v, psi): by v alone, by one of psi and v otherwise, and so on."""
-
-    def part(start, k):
-        """By k of psi, in nested tuples."""
-        if k == 0:
-            return values[start]
-        return tuple(part(start + j * (1 + n) ** (k - 1), k - 1) for j in range(1, 1 + n))
-
-    return tuple(part(0, k) for k in range(order + 1))

@@ -16,7 +16,7 @@ from .rewriting import Derivative, values_of
 from .tuples import dot
 
 #: symbols of numbers, beside the state and what follows from it
-NUMBERS = "x", "w_lp", "g", "F", "q", "moves"
+NUMBERS = "x", "w_lp", "g", "F", "q", "moves", "growth"
 CONSTANTS = "kappa", "1/eta0", "m", "dT"
 
 
@@ -46,6 +46,7 @@ class Motion:
     g, F      x - S, or 0 at rest, and sum_k beta_k f_k: known as numbers
     q, m      factors of the equation of v, q g + m t F: 1/(eta0 c) and 1, unless it is scaled
     moves     1, or 0 at rest, where w is a constant
+    growth    of ln s in T
     z         a direction (x, v, psi)
     ========  ===================================================================================
     """
@@ -64,10 +65,13 @@ class Motion:
         if law.reverses:
             self.v, self.w, self.c = map(self._symbol, ("v", "w", "c"))
             self.t, self.slope = map(self._symbol, ("t", "slope"))  # w/c, and d ln |w|/d omega
+        growth = self.symbols["growth"]
+        self.changes_in_time = law.rates_in_time(growth, self.p)
         self.R = self.v if law.reverses else self.own.resistance[0]
         self.N = law.strength_of(self.R, self.p)
         self.S = law.stress_of(self.N, self.w, self.p)
-        self.f = [*map(self.graph.number, law.rates_of(tuple(self.own.rates), self.R, self.p))]
+        f = law.rates_of(tuple(self.own.rates), self.R, growth, self.p)
+        self.f = list(map(self.graph.number, f))
         # All at once, and not when they are asked for: sums are in the order in which terms were
         # made.
         self.lists = self._lists()
@@ -93,7 +97,7 @@ class Motion:
         else:
             changes |= {self.v: omega, self.w: change_of_w * self.w}
         changes[known["q"]] = -moves * growth * known["q"]
-        changes |= {one: dT * rate for one, rate in self.law.rates_in_time(self.p).items()}
+        changes |= {one: dT * rate for one, rate in self.changes_in_time.items()}
         along = Derivative(self.graph, changes)
         along.found[known["g"]] = x - along(self.S)
         if self.law.reverses and has_rates:
@@ -108,7 +112,7 @@ class Motion:
         by_omega, *by_psi = basis[1:]
         held = [self._along(*one, has_rates=False) for one in units[1:]]
         forces = self._along(*self.z, dT=known["dT"])
-        in_time = Derivative(graph, self.law.rates_in_time(self.p))
+        in_time = Derivative(graph, self.changes_in_time)
         of_v, omega = known["q"] * known["g"], v
         if self.law.reverses:
             of_v = of_v + known["m"] * self.t * known["F"]
@@ -144,6 +148,8 @@ class Motion:
         known = {self.v: v, self.w: w, **dict(zip(self.psi, psi, strict=True))}
         known |= dict(zip(self.p, p, strict=False)) | dict(zip(self.z, z, strict=False))
         known |= {self.symbols[name]: x for name, x in numbers.items()}
+        if self.law.varies:
+            known[self.symbols["growth"]] = self.law.growth(p)
         if e is not None:
             if self.law.reverses:
                 (log_size, size), c = self.law.magnitude(v, w), e[0]

@@ -115,10 +115,10 @@ def _slaved_slope(system, psi):
     at = 0.0, 1.0, states, law.exponentials(0.0, 1.0, states, p), p
     rates, (_, f_psi) = law.rates(*at), law.rate_partials(*at)
     S_v, S_psi = system.slopes(psi)
-    _, S_vpsi, S_psipsi = law.stress_partials(0.0, 1.0, states, p, order=2)
+    (_, *S_vpsi), *S_psipsi = law.resistance_bends(0.0, 1.0, states, p)  # (damping bends by v)
     slopes = []
     for j in range(len(states)):
-        bends = sum(row[j] * rate for row, rate in zip(S_psipsi, rates, strict=True))
+        bends = sum(row[1 + j] * rate for row, rate in zip(S_psipsi, rates, strict=True))
         drive = sum(S_psi[:, k] * rate for k, rate in enumerate(rates))
         slopes.append((drive * S_vpsi[j] / S_v - bends - S_psi[:, j] * f_psi[j]) / S_v)
     return np.stack(slopes, axis=1)
