@@ -122,22 +122,17 @@ def named_law(kind):
         )
     try:
         _check_states(law)
-        text = _content(law)
+        own = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
+        content = f"{law.form} {dict(law.states)} {own}\n{law.equations.text}"
     except RAISED as error:
         raise ParameterError(located(name, law, error)) from error
-    law.name = f"{name}{MARK}{_hash(text)}"
+    law.name = f"{name}{MARK}{_hash(content)}"
     return law
 
 
 def located(name, law, error):
     """What is wrong with the formula of a law, where in its code, and what helps."""
     return f"law {name!r}{_place_of(error, law)}: {_remedy(error)}"
-
-
-def _content(law):
-    """Text that tells a law from others: its formula, and what else changes numbers or names."""
-    own = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
-    return f"{law.form} {dict(law.states)} {own}\n{law.equations.text}"
 
 
 def _check_states(law):
@@ -163,7 +158,12 @@ def _own(kind):
 def _place_of(error, law):
     """The line of a law's code at which an error came up, or of the method that it is about."""
     frames = traceback.extract_tb(error.__traceback__)
-    first = [k for k, one in enumerate(frames) if one.name in FORMULAS and not _is_ours(one)]
+    ours = Path(__file__).parent
+    first = [
+        k
+        for k, one in enumerate(frames)
+        if one.name in FORMULAS and ours not in Path(one.filename).parents
+    ]
     if first:
         file = frames[first[0]].filename
         line = [one.lineno for one in frames[first[0] :] if one.filename == file][-1]
@@ -172,10 +172,6 @@ def _place_of(error, law):
     else:
         return ""
     return f", line {line} of {file}"
-
-
-def _is_ours(frame):
-    return Path(__file__).parent in Path(frame.filename).parents
 
 
 def _remedy(error):
