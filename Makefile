@@ -7,6 +7,9 @@ BUILD := tools/build.lock
 BIN := .venv/bin
 UV := UV_COMPILE_BYTECODE=1 VIRTUAL_ENV=.venv $(BIN)/uv --quiet --no-config
 
+# Bytecode is kept, or each process that a test starts would compile all modules anew.
+export PYTHONDONTWRITEBYTECODE :=
+
 .PHONY: help setup figures explore test check docs cuda lowest newest wheel dist browser bench statistics torture mutants slurm lock clean
 .DEFAULT_GOAL := help
 

@@ -15,6 +15,8 @@ from ratestate.friction.laws import LAWS, of_one_length
 from ratestate.friction.linear_stability import linearisation
 
 NAMES = pytest.mark.parametrize("law", LAWS)
+#: with one state, with two, and with a rate of state that depends on d tau/dt
+THREE = pytest.mark.parametrize("law", ["aging", "two-state-slip", "nagata"])
 RTOL = 1e-6
 #: close to the edge of stability under each law, and driven at V
 COMMON = {"a": 0.003, "b": 0.005, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 3e8}
@@ -127,7 +129,7 @@ def test_far_above_its_speed_the_law_of_kato_and_tullis_is_the_slip_law():
 def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
     """By central differences, on sliders with mass."""
     rng = np.random.default_rng(9)
-    for _ in range(30):
+    for _ in range(6):
         parameters, V = drawn(law, rng)
         twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
         y = twin.steady(V)
@@ -163,7 +165,7 @@ def test_eigenvalues_of_two_states_have_their_digits_at_any_speed(V):
         assert np.abs(found - z).min() < 1e-9 * abs(z)
 
 
-@NAMES
+@THREE
 def test_critical_stiffness_and_speeds_are_where_eigenvalues_cross(law):
     """On both sides of each; the slider's and the function's are one."""
     rng = np.random.default_rng(10)
@@ -239,7 +241,7 @@ def test_neither_weakening_nor_strengthening_is_stable():
             assert str(rs.hopf(neutral, V).type.values) == "none"
 
 
-@NAMES
+@THREE
 def test_a_slider_without_mass_on_a_soft_spring_runs_away(law):
     """With the same exception by all laws, and the run up to there."""
     own = {"b2": 0.001} if "b2" in OF_LAW[law] else {}
@@ -275,7 +277,7 @@ def test_critical_stiffness_depends_on_the_speed_under_a_law_with_one_of_its_own
     assert slow == pytest.approx(1.5671432904097838 * fast, rel=1e-4)
 
 
-@NAMES
+@THREE
 def test_small_cycles_grow_from_the_hopf_point_as_it_says(law):
     """By its type and amplitude_coefficient, along K and V_lp; and how fast all else fades."""
     case = slider(law, K=6e8)
@@ -313,7 +315,7 @@ def test_the_numbers_of_any_law_are_the_closed_form_of_one_length():
         np.testing.assert_allclose(by_V, eta * fastest, rtol=1e-13)
 
 
-@NAMES
+@THREE
 def test_a_limit_cycle_is_where_a_long_run_ends(law):
     """With as many multipliers as states, and one more; amplitude, period and speeds."""
     case = slider(law, K=2e8)

@@ -181,7 +181,18 @@ def failures(reader, results, kind, changes):
     return {what: error for what, error in found.items() if error}
 
 
-@pytest.mark.parametrize("kind", [kind for kind in RESULTS if kind != "fit"])
+#: of every function one, and a loading of each kind
+SOME = ("runs", "wave", "record", "cycle", "stability", "branch in K")
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        kind if kind in SOME else pytest.param(kind, marks=pytest.mark.statistics)
+        for kind in RESULTS
+        if kind != "fit"
+    ],
+)
 def test_altered_attributes(kind, results):
     for reader in (scenario_of, parameters_of):
         reader(results[kind])

@@ -213,14 +213,20 @@ def test_array_in_other_units_is_converted_and_its_coordinate_with_it():
     assert V.attrs == {"units": "mm/s"}  # what the user holds is left alone
 
 
+@pytest.fixture(scope="module")
+def offsets():
+    """pint's own registry, in which units with offsets can be had."""
+    return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
 @pytest.mark.parametrize("unit", ["dB", "Np", "decade", "dBm", "dB/m", "degC", "pH"])
 @pytest.mark.parametrize("symbol", ["mu0", "Dc", "sigma"])
-def test_units_that_are_not_factors_are_refused(symbol, unit):
+def test_units_that_are_not_factors_are_refused(offsets, symbol, unit):
     """Logarithmic and offset units; as text and from pint."""
     with pytest.raises(ParameterError, match=rf"^{symbol} = '10 {unit}' "):
         to_si(symbol, f"10 {unit}")
     with contextlib.suppress(pint.errors.PintError):  # (pint does not make each of them)
-        quantity = pint.UnitRegistry(autoconvert_offset_to_baseunit=True).Quantity(10, unit)
+        quantity = offsets.Quantity(10, unit)
         with pytest.raises(ParameterError, match=rf"^{symbol} = "):
             to_si(symbol, quantity)
 

@@ -147,7 +147,7 @@ def test_a_probe_stops_in_time():
 
 
 @pytest.mark.parametrize("verb", CALLS)
-@pytest.mark.parametrize("chunk", [None, 1, 3, 4, 7, 12])
+@pytest.mark.parametrize("chunk", [None, 1, 7])
 def test_the_verb_and_its_sweep_agree(verb, chunk):
     alone = getattr(rs, verb)(SLIDER, **CALLS[verb])
     found = sweep(verb, chunk=chunk, **CALLS[verb])
@@ -182,7 +182,7 @@ ARRAYS = {
 def test_any_arrays(arrays, tmp_path):
     slider, arguments = rs.SpringSlider(**FIG2 | ARRAYS[arrays]), {"V_lp": "3.2 mm/s", "rtol": 1e-6}
     alone = rs.limit_cycle(slider, **arguments)
-    for chunk, store in ((None, None), (1, None), (2, tmp_path / "x.zarr")):
+    for chunk, store in ((1, None), (2, tmp_path / "x.zarr")):
         found = sweep(rs.limit_cycle, slider, chunk=chunk, store=store, **arguments)
         xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
 
@@ -201,12 +201,12 @@ def test_any_arrays(arrays, tmp_path):
 def test_any_arguments_of_simulate(changes, tmp_path):
     arguments = CALLS["simulate"] | changes
     alone = rs.simulate(SLIDER, **arguments)
-    for chunk, store in ((None, None), (2, None), (6, tmp_path / "x.zarr")):
+    for chunk, store in ((2, None), (6, tmp_path / "x.zarr")):
         found = sweep("simulate", chunk=chunk, store=store, **arguments)
         xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
 
 
-@settings(deadline=None, max_examples=12)
+@settings(deadline=None, max_examples=5)
 @given(st.data())
 def test_a_case_has_the_same_bits_in_any_sweep(data):
     n = data.draw(st.integers(1, 40))

@@ -120,15 +120,15 @@ def test_agrees_with_limit_cycle(parameter, law):
     branch, slider, V_lp = across(parameter, law)
     bend = np.abs(bends(branch, parameter))
     plain = (branch.special != "hopf") & branch.stable
-    branch, bend = branch.isel(point=plain)[{"point": slice(None, None, 2)}], bend[plain][::2]
+    branch, bend = branch.isel(point=plain)[{"point": slice(None, None, 4)}], bend[plain][::4]
     values = xr.DataArray(branch[parameter].values, dims="point")
     sweep, V = at(slider, parameter, values, V_lp)
     cycles = limit_cycle(sweep, V, rtol=1e-9)
     unstable = np.broadcast_to(sweep.K_c(V) > sweep.K, branch.stable.shape)
-    assert unstable.sum() > 8
+    assert unstable.sum() > 4
     reached = (cycles.status == 0).values
     assert reached[unstable].all()
-    assert reached.sum() > 10
+    assert reached.sum() > 5
     allowed = {"period": 1e-7, "amplitude": 3e-5, "V_max": 3e-6, "V_min": 3e-6, "inertia": 3e-6}
     for name, most in allowed.items():
         off = np.abs(cycles[name].values / branch[name].values - 1)[reached]
@@ -530,7 +530,7 @@ def test_no_single_cycle_at_start():
     assert caught.value.best is None
 
 
-@pytest.mark.parametrize("rtol", [1e-10, 1e-6, 1e-4])
+@pytest.mark.parametrize("rtol", [1e-10, 1e-4])
 def test_accuracy_asked_for(rtol):
     branch = continue_cycle(STRIP, "V_lp", 4.6e-4, 1e-4, rtol=rtol)
     assert specials(branch) == ["start", "fold", "hopf"]

@@ -97,7 +97,7 @@ def test_errors_beside_the_hopf_point_of_two_states(V, values):
     """Within 1e-8 of it rounding of V/V_lp limits amplitudes, which the normal form gives."""
     given = dict(zip(("a", "b", "b2", "Dc", "Dc2", "sigma", "M"), values, strict=True))
     K_c = two_state_K_c(**given, V=V)
-    below = np.geomspace(3e-10, 3e-8, 16)
+    below = np.geomspace(3e-10, 3e-8, 8)
     K = xr.DataArray((K_c * (1.0 - below)).astype(float), dims="K")
     slider = rs.SpringSlider(law="two-state-aging", **given, K=K)
     cycles = rs.limit_cycle(slider, V)
@@ -132,7 +132,7 @@ def test_errors_beside_the_hopf_point_of_regularized_friction(law, V, values):
     """
     given = dict(zip(("a", "b", "mu0", "V0", "Dc", "sigma", "M"), values, strict=True))
     K_c = regularized_K_c(**given, V=V)
-    below = np.append(np.geomspace(5e-8, 1e-6, 24), 1e-4)
+    below = np.append(np.geomspace(5e-8, 1e-6, 12), 1e-4)
     K = xr.DataArray((K_c * (1.0 - below)).astype(float), dims="K")
     slider = rs.SpringSlider(law=law, friction="regularized", **given, K=K)
     cycles = rs.limit_cycle(slider, V)
@@ -141,7 +141,7 @@ def test_errors_beside_the_hopf_point_of_regularized_friction(law, V, values):
     ratio = cycles.amplitude.values / (coefficient * np.sqrt(distance))
     off = np.abs(ratio - 1.0 - (ratio[-1] - 1.0) * distance / distance[-1])[:-1]
     found, error = (cycles.status.values == 0)[:-1], cycles.error.values[:-1]
-    assert found.sum() >= 15
+    assert found.sum() >= 7
     assert (off <= error)[found].all()
     assert np.median((error / off)[found]) < 50.0
 

@@ -87,7 +87,7 @@ def test_is_the_cycle_that_shooting_finds(law, kappa, beta, eta, stable):
     assert 1e-16 < error < 1e-10
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(laws, st.floats(-1, 1), st.floats(-1, 1), st.floats(0.02, 0.15))
 def test_closes_after_a_period(law, log_b1, log_eta, r):
     arguments = at_margin_of(r, law, 1 + 10**log_b1, 10**log_eta)
@@ -239,7 +239,7 @@ def test_same_bits_in_any_batch():
             assert one.tobytes() == all_[i : i + 1].tobytes()
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     laws,
     st.floats(-6, 2),
@@ -261,7 +261,7 @@ def test_never_fails(law, log_b1, log_eta, log_margin, sign, given_margin):
         assert all(np.isnan(value[0]) for value in cycle[1:])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(laws, st.floats(-6, 2), st.floats(-6, 14), st.floats(-8, -1.5))
 def test_finds_what_there_is(law, log_b1, log_eta, log_r):
     arguments = at_margin_of(10**log_r, law, 1 + 10**log_b1, 10**log_eta)

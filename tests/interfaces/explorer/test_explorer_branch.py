@@ -1,5 +1,6 @@
 """The bifurcation diagram and parts of the map, as the explorer's server answers for them."""
 
+import functools
 import json
 
 import numpy as np
@@ -21,6 +22,7 @@ AGING = FIG4.replace(law="aging")
 V_LP = 1e-4
 
 
+@functools.cache
 def diagram(slider, along, V_lp=V_LP):
     return branch.branch(PageState(slider, V_lp), along, Deadline(120.0))
 
@@ -36,7 +38,8 @@ class TestBranch:
     def test_it_is_that_of_continue_cycle(self):
         header, arrays = diagram(AGING, "K")
         (found,) = pieces(header, arrays)
-        followed = rs.continue_cycle(AGING, "K", header["high"], header["low"], V_lp=V_LP)
+        soft = 0.9 * float(AGING.K_c(V_LP))
+        followed = rs.continue_cycle(AGING, "K", header["high"], soft, V_lp=V_LP)
         fold = followed.isel(point=int(np.argmax(followed.special.values == "fold")))
         (special,) = header["special"]
         assert special["kind"] == "fold"

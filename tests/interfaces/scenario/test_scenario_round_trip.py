@@ -357,14 +357,18 @@ SCENARIOS = {
 }
 
 
+#: of every function one, and what has most to keep
+KEPT = ("long record", "sweep over a sinusoid", "cycles", "stability", "response", "branch")
+
+
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_result_and_back(name, again, tmp_path):
     scenario = SCENARIOS[name]
     result = run(scenario)
     check(from_result(result), scenario)
-    kept = tmp_path / "kept.nc"
-    files.write(result, kept)
-    check(from_result(files.read(kept)), scenario)
+    if name in KEPT:
+        files.write(result, tmp_path / "kept.nc")
+        check(from_result(files.read(tmp_path / "kept.nc")), scenario)
     check(again(scenario), scenario)
     assert run(again(from_result(result))).identical(result)
     assert executed(scenario).identical(result)

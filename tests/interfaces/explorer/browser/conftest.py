@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import types
+from pathlib import Path
 
 import pytest
 
@@ -105,12 +106,26 @@ def server(tmp_path_factory):
         yield found
 
 
-@pytest.fixture(scope="module")
+_browsers: list = []  # the one that is open, if any
+_open_browsers = contextlib.ExitStack()
+
+
+@pytest.fixture
 def browser():
     if not CHROMIUM:
         pytest.skip("no chromium: make browser, or tools/chromium.sh, installs Debian's")
-    with browsing() as found:
-        yield found
+    if not _browsers:
+        _browsers.append(_open_browsers.enter_context(browsing()))
+    return _browsers[0]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(nextitem):
+    """Close the browser after the last test of this folder: with it open no event loop can run."""
+    yield
+    if nextitem is None or Path(__file__).parent not in nextitem.path.parents:
+        _browsers.clear()
+        _open_browsers.close()
 
 
 @pytest.fixture

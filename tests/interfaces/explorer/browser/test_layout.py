@@ -21,10 +21,10 @@ def test_a_slider_by_keyboard_and_how_long_it_takes(show, record_property):
     shown.wait()
     second = float(shown.entry("V_lp").split(" ")[0])
     assert second / first == pytest.approx(10**0.005, rel=1e-3)
-    times = latency.measured(shown.page, latency.CASES["stick-slip"], 20)
+    times = latency.measured(shown.page, latency.CASES["stick-slip"], 5)
     record_property("slider_to_drawn", latency.summary(times))
     sys.stdout.write(f"slider to drawn: {latency.summary(times)}\n")
-    assert len(times) == 20
+    assert len(times) == 5
 
 
 def test_everything_is_reached_by_keyboard(show):
@@ -90,9 +90,7 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
                 assert box["x"] + box["width"] <= width, (title, width)
 
 
-@pytest.mark.parametrize(
-    ("width", "height"), [(390, 844), (844, 390), (1024, 768), (1440, 900), (2560, 1440)]
-)
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (1024, 768), (2560, 1440)])
 def test_nothing_moves_but_what_is_moved(show, width, height):
     """While a slider goes through the regimes, with their verdicts, notes and legends."""
     shown = show("V_from=90 um/s", viewport={"width": width, "height": height})
