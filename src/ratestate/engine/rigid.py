@@ -13,10 +13,9 @@ from ..friction.tuples import dot, dot_onto, largest, plus, plus_sum, product, s
 from . import rows as R
 from .drift import with_states
 from .equations import exponentials
-from .lanes import ROUNDING, saves
+from .lanes import ROUNDING, saves, step_size
 from .rodas5p import dense_output, leaves, next_point
 from .rows import read_rows, rows_of, store_each, write_rows
-from .step_control import step_size
 from .tableau import GAMMA, NODES, A, D, H
 
 
