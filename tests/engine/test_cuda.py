@@ -20,7 +20,7 @@ import xarray as xr
 import ratestate as rs
 from ratestate.dynamics.cycles import shooting
 from ratestate.dynamics.cycles.system import System, state
-from ratestate.engine import backend, cache, cuda, cuda_driver, cuda_kernels, dispatch, machine_code
+from ratestate.engine import backend, cache, cuda, cuda_driver, dispatch, machine_code
 from ratestate.engine.model import FINISHED, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
 from ratestate.friction.laws import friction_law
@@ -176,7 +176,7 @@ def emulated(job="simulations", broken=""):
     cached = cuda_driver.device, cuda_driver._context, cuda_driver.function
     with pytest.MonkeyPatch.context() as change:
         change.setattr(cuda_driver, "library", lambda: driver)
-        change.setattr(cuda_kernels, "ptx", str.encode)
+        change.setattr(cuda, "ptx", str.encode)
         change.setattr(cache, "obtained", lambda name, make: make())
         change.setattr(cuda, "BLOCK", 3 if job == "turns" else 18)
         change.setattr(cuda, "RESIDENT", 2 if job == "turns" else 1)
@@ -335,7 +335,7 @@ def ptx(job, law):
         change.setattr(cuda_driver, "function", lambda image: images.append(image) or seen())
         with pytest.raises(rs.SolverError, match="Seen"):
             globals()[job](law)
-    return cuda_kernels.ptx(images[0].decode()).decode()
+    return cuda.ptx(images[0].decode()).decode()
 
 
 def seen():

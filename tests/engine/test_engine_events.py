@@ -7,7 +7,7 @@ import pytest
 
 from ratestate.engine import events
 from ratestate.engine import rows as R
-from ratestate.engine.calls import WORK
+from ratestate.engine.rows import WORK
 from ratestate.engine.units import MarchUnits, in_python
 from ratestate.friction.built_in_laws import SlipLaw
 from ratestate.friction.composition import composed, under_varying_stress

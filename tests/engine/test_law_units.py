@@ -7,10 +7,9 @@ import pytest
 from textbook import OF_LAW
 
 from ratestate.engine import rows as R
-from ratestate.engine.calls import FOUND, WORK
 from ratestate.engine.equations import exponentials
 from ratestate.engine.programs import units_of
-from ratestate.engine.rows import read_rows, rows_of, write_rows
+from ratestate.engine.rows import FOUND, WORK, read_rows, rows_of, write_rows
 from ratestate.engine.units import MarchUnits, ReturnUnits, in_python, lane_units
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.forms import FORMS

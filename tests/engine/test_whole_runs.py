@@ -8,8 +8,8 @@ from plain_python import Pairs, plainly
 
 import ratestate as rs
 from ratestate.engine import rows as R
-from ratestate.engine.calls import FOUND
 from ratestate.engine.programs import units_of
+from ratestate.engine.rows import FOUND
 from ratestate.engine.units import in_python, lane_units
 
 

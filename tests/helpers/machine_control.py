@@ -15,7 +15,7 @@ class Machine:
 
     def __init__(self, function, record, level=0):
         self.context, name = Context(record), function.__name__
-        code = compiled(kernel_text(function, self.context.layout), level=level)
+        code = compiled(kernel_text(function, self.context.layout()), level=level)
         kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)
         self.run = kind(loaded(code, [name])[name])
 

@@ -5,28 +5,24 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ===================================== ==============================================================
 ``model``, ``statuses.toml``          the dimensionless equations; codes and statuses of cases
 ``dispatch``, ``backend``             run cases from Python: threads, time limits, progress
-``cuda``, ``cuda_kernels``            run cases on a GPU; its kernels
-``cuda_driver``                       calls NVIDIA's driver by ctypes
+``cuda``, ``cuda_driver``             run cases on a GPU; calls of NVIDIA's driver by ctypes
 ``control``                           fill lanes with cases; move sliders between methods
 ``march``                             a run from start to end: segments, saved times
 ``return_map``                        from one point of the section V = V_lp to the next
 ``events``                            extremes, crossings and runaway within a step
 ``periodicity``                       find the period of a run
 ``normal_stress``                     segments and jumps of normal stress
-``rows``                              layout of the lane buffer; tuples into it and out of it
+``rows``                              layout of the lane buffer; calls of units from the control
 ``units``                             list of what depends on the law
 ``lanes``, ``taylor_lanes``           steps of a lane by either method, their commit, their events
-``return_lanes``                      the same for a return map,
-``return_taylor_lanes``, ``waveform`` with perturbations, and Fourier integrals of the stress
+``return_lanes``, ``waveform``        the same with perturbations; Fourier integrals of the stress
 ``rigid``                             steps of a slider that moves with its load point (K = inf)
 ``equations``                         the equations at one point
 ``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
 ``taylor``                            a Taylor step: its equations, series and length
-``step_control``                      accept a step and choose the next
 ``code``                              numbers that write LLVM text
 ``unit_code``                         units as LLVM text
 ``compiler``, ``instructions``        compile the control from a small part of Python
-``calls``                             call a unit from the control
 ``machine_code``, ``programs``        compile and load LLVM text; programs run from Python
 ``cache``                             machine code kept on disk
 ``noise``                             whiten the noise of a record

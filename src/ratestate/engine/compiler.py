@@ -20,9 +20,9 @@ import itertools
 import textwrap
 
 from ..friction import functions as F
-from .calls import add, call_lanes, call_point
 from .code import Code, Number
 from .instructions import Array, Instructions, Slot, Value, Word, as_value, type_of
+from .rows import add, call_lanes, call_point
 
 #: functions of LLVM's own, or traced (friction/functions.py)
 INTRINSICS = {abs: "fabs", F.sqrt: "sqrt"}

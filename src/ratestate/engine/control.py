@@ -20,9 +20,9 @@ import numpy as np
 
 from ..friction.functions import sqrt
 from . import rows as R
-from .calls import add, call_lanes, call_point
 from .lanes import TOO_MANY_FAILURES
 from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW
+from .rows import add, call_lanes, call_point
 
 #: sets of a run that may take steps of the Taylor method: for Rodas5P, for these, to wait in
 SETS = 3

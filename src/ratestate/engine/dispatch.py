@@ -8,12 +8,12 @@ import numpy as np
 from ..machine import cores
 from . import backend, cache
 from . import rows as R
-from .calls import WORK
 from .control import IDLE, SETS, idle_lanes, run_lanes
 from .march import MARCH, POINTS, RIGID_MARCH
 from .model import NUMBERS, STEP_LIMIT, empty_results
 from .programs import Program, units_of
 from .return_map import RETURN_MAP, empty_return_results
+from .rows import WORK
 from .units import RigidUnits
 
 # Sweeps over the lanes between two looks at the clock: some 20 ms in lanes, 4 ms alone.
@@ -78,10 +78,11 @@ def _run(queues, law, taylor, progress, given):
     n = sum(map(len, queues.values()))
     threads = max(1, min(backend.current().threads or cores(), n // R.LANES))
     # (of no cases, kernels are neither loaded nor even compiled)
-    shares = [
-        (kernel, queue[i::threads]) for kernel, queue in queues.items() for i in range(threads)
+    workers = [
+        _Worker(kernel, queue[i::threads], law, taylor, **given)
+        for kernel, queue in queues.items()
+        for i in range(min(threads, len(queue)))
     ]
-    workers = [_Worker(*one, law, taylor, **given) for one in shares if len(one[1])]
     if threads == 1:
         for one in workers:
             while not one.go():

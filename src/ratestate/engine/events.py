@@ -10,8 +10,8 @@ Rodas5P, of `recurrences.ORDER` after one of the Taylor method.
 
 from ..friction.functions import log
 from . import rows as R
-from .calls import FOUND, call_point
 from .periodicity import close_cycle
+from .rows import FOUND, call_point
 
 #: by how much extreme forces may be off, over the tolerance of a step
 ENOUGH = 0.01

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .calls import FOUND
 from .code import double
+from .rows import FOUND
 
 TYPES = {"float": "double", "int": "i64", "bool": "i1"}
 #: of an array's items: their kind, and their type in memory

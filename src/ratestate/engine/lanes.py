@@ -6,14 +6,13 @@ same instructions, and gets the same bits, wherever it sits.
 
 import math
 
-from ..friction.functions import larger, where
+from ..friction.functions import larger, sqrt, where
 from ..friction.tuples import dot, largest, plus, select, size_of, times, total
 from . import rows as R
 from .equations import force_slopes, inertial_force, later
 from .model import RUNNING
 from .rodas5p import step as rodas5p_step
 from .rows import read_rows, rows_of, store_each, write_rows
-from .step_control import step_size
 
 # Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
 TOO_MANY_FAILURES = 400.0
@@ -23,6 +22,9 @@ ROUNDING = 1e-15
 
 # Of x and of the parts of friction, by which g = x - f may be off.
 ROUNDING_OF_FORCE = 1e-13
+
+# A factor below 1/5 or above 5 says more about the estimate than about the solution.
+SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 
 def extremum_conditions(y, w, e, w_lp, system):
@@ -148,6 +150,38 @@ def try_step(s, l, law):
         y, s[R.W + l], e, s[R.W_LP + l], s[R.RAMP + l], h, system_of(s, l, law)
     )
     record(s, l, law, h, new, error, dense)
+
+
+def step_size(h, t_break, t, t_low):
+    """The step to try, in T: never past the next breakpoint, nor just short of it."""
+    left = (t_break - t) - t_low
+    return where(h * (1.0 + 1e-9) >= left, left, h)
+
+
+def control_step(s, l):
+    """Accept or reject a step of lane l (OK, BAD) and choose the next size, by a PI controller.
+
+    Powers are taken by square roots, which vectorise.
+    """
+    err, h, planned = s[R.ERROR + l], s[R.H_USED + l], s[R.H + l]
+    finite = err < 1e300
+    ok = err <= 1.0
+    quarter = sqrt(sqrt(err))
+    eighth = sqrt(quarter)
+    sixteenth = sqrt(eighth)
+    factor = SAFETY * s[R.MEMORY + l] / (eighth * sixteenth)
+    rejected = SAFETY / quarter
+    factor = where(ok, factor, rejected)
+    factor = where(factor < GROW, factor, GROW)
+    factor = where(factor > SHRINK, factor, SHRINK)
+    factor = where(finite, factor, SHRINK)
+    h_next = h * factor
+    # A step cut short by a breakpoint says nothing against the size planned before it.
+    h_next = where(ok & (h < planned) & (h_next < planned), planned, h_next)
+    s[R.OK + l] = where(ok, 1.0, 0.0)
+    s[R.BAD + l] = where(finite, 0.0, 1.0)
+    s[R.H_NEXT + l] = h_next
+    s[R.MEMORY_NEW + l] = where(sixteenth > 0.05, sixteenth, 0.05)
 
 
 def commit_lane(s, l, law):

@@ -8,11 +8,11 @@ import numpy as np
 from ..friction.functions import log
 from . import events, lanes
 from . import rows as R
-from .calls import FOUND, call_lanes, call_point
 from .control import Kernel, fill, leave, stuck
 from .model import FINISHED, RUNNING, Cases, Loads, Numbers, Results
 from .normal_stress import enter_stress
 from .periodicity import last_period
+from .rows import FOUND, call_lanes, call_point
 from .units import MarchUnits, RigidUnits
 
 #: points of a path in a step of the Taylor method: its ends are too few to draw or to interpolate

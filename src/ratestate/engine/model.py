@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 # How a case ended.  0 and 1 are answers; the rest name what stopped it.
-CYCLE = FINISHED = 0
+FINISHED = 0
 STEADY_SLIDING = 1
 NOT_FINITE = 2
 STEP_UNDERFLOW = 3

@@ -3,8 +3,8 @@
 from ..friction.expressions import LIMIT
 from ..friction.functions import log
 from . import rows as R
-from .calls import FOUND, call_point
 from .model import NOT_FINITE, RUNAWAY
+from .rows import FOUND, call_point
 
 # Parts of sigma by which a segment may begin beside the end of the one before, without a jump.
 AGREE = 1e-12

@@ -7,6 +7,7 @@ import contextlib
 import ctypes
 import functools
 import inspect
+import itertools
 import operator
 from pathlib import Path
 
@@ -38,27 +39,50 @@ class Context:
         #: what the code of a kernel depends on: types of arrays, and names of functions
         self.kinds = []
         words: list[int] = []
-        #: the record, with a `Word` for each int and an `Array` for each array
-        self.layout = self._add(record, words)
+        self._add(record, words)
         self.words = np.array(words, np.int64)
 
-    def _add(self, x, words):
-        if isinstance(x, tuple):
-            return type(x)(*(self._add(one, words) for one in x))
-        if inspect.isfunction(x):
-            self.kinds.append(f"{x.__module__}.{x.__name__}")
-        if callable(x) or isinstance(x, (str, Array)):
-            return x
-        at = len(words)
-        if not isinstance(x, np.ndarray):
-            words.append(operator.index(x))
-            return Word(at)
+    def _add(self, record, words):
+        for x in record:
+            if type(x) is int:
+                words.append(x)
+            elif isinstance(x, tuple):
+                self._add(x, words)
+            elif type(x) is np.ndarray:
+                words.append(self._address(x))
+                words.extend(x.shape)
+                self.kinds.append((x.ndim, x.dtype))
+            elif inspect.isfunction(x):
+                self.kinds += x.__module__, x.__name__
+            elif not _is_known(x):
+                words.append(operator.index(x))
+
+    def _address(self, x):
         if not x.flags.c_contiguous or x.dtype not in ITEMS:
             names = ", ".join(map(str, ITEMS))
             raise TypeError(f"an array of a kernel must be contiguous, of {names}")
-        words += self._place(x), *x.shape
-        self.kinds.append((x.ndim, x.dtype))
-        return Array(at, x.ndim, x.dtype)
+        return self._place(x)
+
+    def layout(self):
+        """The record, with a `Word` for each int and an `Array` for each array."""
+        return _layout(self._record, itertools.count())
+
+
+def _is_known(x):
+    return isinstance(x, (str, Array)) or callable(x)
+
+
+def _layout(x, places):
+    if isinstance(x, tuple):
+        return type(x)(*(_layout(one, places) for one in x))
+    if _is_known(x):
+        return x
+    at = next(places)
+    if not isinstance(x, np.ndarray):
+        return Word(at)
+    for _ in x.shape:
+        next(places)
+    return Array(at, x.ndim, x.dtype)
 
 
 def _own_address(x):
@@ -96,7 +120,7 @@ def _compiled(function, context):
         name = function.__name__
 
         def make():
-            return compiled(kernel_text(function, context.layout), level=LEVEL)
+            return compiled(kernel_text(function, context.layout()), level=LEVEL)
 
         file = Path(inspect.getfile(function))  # it may be in another package
         version = cache.short_hash((key[1], file.read_bytes()))
@@ -110,7 +134,8 @@ def _compiled(function, context):
 def units_of(law, kind):
     """The units of a law, loaded; kind : their class (units.py)."""
     name, make = f"{law.name}-{kind.__name__}-{WIDTH}", lambda: compiled(_text(law, kind))
-    return kind(**_addresses(name, make, unit_names(law, kind)))
+    found = _addresses(name, make, unit_names(law, kind))
+    return kind(**dict.fromkeys(kind._fields, 0) | found)
 
 
 def _text(law, kind):

@@ -16,9 +16,9 @@ import numpy as np
 
 from . import events
 from . import rows as R
-from .calls import FOUND, call_lanes, call_point
 from .control import Kernel, fill, leave, stuck
 from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING
+from .rows import FOUND, call_lanes, call_point
 from .units import ReturnUnits
 from .waveform import LOG_SLOW_BELOW, SLOW_BELOW
 

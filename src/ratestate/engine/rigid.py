@@ -12,10 +12,9 @@ from ..friction.functions import larger, where
 from ..friction.tuples import dot, largest, plus, plus_sum, product, sum_of, times, total
 from . import rows as R
 from .equations import exponentials, force_slopes, forces
-from .lanes import ROUNDING, saves
+from .lanes import ROUNDING, saves, step_size
 from .rodas5p import dense_output, leaves, next_point, with_drift
 from .rows import read_rows, rows_of, store_each, write_rows
-from .step_control import step_size
 from .tableau import GAMMA, NODES, A, D, H
 
 

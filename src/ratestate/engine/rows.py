@@ -1,4 +1,4 @@
-"""The layout of the lane buffer.
+"""The layout of the lane buffer, and calls of the units that work on it.
 
 A lane is a column of the buffer `s`, a flat array in which row R of lane l is ``s[R + l]``.  One
 buffer with constant row offsets, rather than an array a row, is what lets LLVM see that no row
@@ -8,6 +8,7 @@ these are `rows_of` it, and known when a kernel is compiled for it.
 
 import functools
 import itertools
+from collections import namedtuple
 from typing import NamedTuple
 
 from .machine_code import doubles_of_vector
@@ -89,71 +90,44 @@ class LawRows(NamedTuple):
     c: tuple  # dense output of a step, coefficients of each of y: `ORDER` + 1 where the law has
     # recurrences, else `OF_RODAS5P`
     # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took;
-    # these stay in the column HOME where the rest moves to another (lane_sets.py)
+    # these stay in the column HOME where the rest moves to another (control.py)
     highs: int
     lows: int
     spans: int
     size: int  # of the buffer
 
 
-class Shape(NamedTuple):
-    """What the control (march.py, return_map.py) knows of a law: where its rows begin.
-
-    Rows of a kind follow each other; of z, z_new and c_z there are those of each perturbation in
-    turn.
-    """
-
-    states: int  # how many
-    coefficients: int  # of p
-    reverses: int  # 1 if slip may reverse
-    varies: int  # 1 if normal stress varies
-    p: int
-    psi: int
-    c: int
-    terms: int  # of each of c, and of c_z
-    c_z: int
-    z: int
-    z_new: int
-    early: int
-    x_low: int
-    v_high: int
-    v_low: int
-    steady: int
-    kept: int
-    highs: int
-    lows: int
-    spans: int
-    size: int
-    rigid: int = 0  # 1 if sliders move with their load points (K = inf)
+#: what the control knows of a law: numbers, and where rows of some kinds begin (`LawRows`)
+Shape = namedtuple(
+    "Shape",
+    "states coefficients terms "  # how many psi, p, and numbers in each of c and of c_z
+    "reverses varies rigid "  # 1 if slip may reverse; normal stress varies; K = inf
+    "psi p steady z early x_low v_high v_low kept z_new c_z c highs lows spans size",
+)
 
 
 @functools.cache
 def shape_of(law):
-    """`Shape` of a law."""
+    """`Shape` of a law, on a spring."""
     rows = rows_of(law)
+    kinds = {name: one for name, one in rows._asdict().items() if name in Shape._fields}
     return Shape(
         states=len(law.states),
         coefficients=len(rows.p),
+        terms=len(rows.c[0]),
         reverses=int(law.reverses),
         varies=int(len(rows.history) > 0),
-        p=rows.p[0] if rows.p else 0,
+        rigid=0,
         psi=rows.y[2],
-        c=rows.c[0][0],
-        terms=len(rows.c[0]),
-        c_z=rows.c_z[0][0] if rows.c_z else 0,
-        z=rows.z[0][0],
-        z_new=rows.z_new[0][0],
-        early=rows.early[0],
-        x_low=rows.x_low[0],
-        v_high=rows.v_high[0],
-        v_low=rows.v_low[0],
-        steady=rows.steady[0],
-        kept=rows.kept,
-        highs=rows.highs,
-        lows=rows.lows,
-        spans=rows.spans,
-        size=rows.size,
+        **{name: _first(one) for name, one in kinds.items()},
     )
+
+
+def _first(rows):
+    """The first row of a kind, all of which follow each other; 0 if there is none."""
+    while isinstance(rows, tuple):
+        rows = rows[0] if rows else 0
+    return rows
 
 
 def y_row(shape, k):
@@ -225,3 +199,30 @@ def store_each(s, rows, l, values):
     """Put tuples into these tuples of rows of lane l."""
     for one, of_one in zip(rows, values, strict=True):
         write_rows(s, one, l, of_one)
+
+
+# Calls of a law's units (units.py) from the control, which is the same for all laws.  In compiled
+# code a unit is an address (compiler.py); in Python it is a function of these arguments.
+
+#: places in `work`: what a unit of one lane is given comes first, what it finds begins here
+FOUND = 128
+#: numbers of `work`
+WORK = 160
+
+
+def call_lanes(unit, s, first, n):
+    """Call a unit of lanes for n vectors of them, from the column `first` on."""
+    for l in range(first, first + WIDTH * n):
+        unit(s, l)
+
+
+def call_point(unit, s, l, work):
+    """Call a unit of the lane l; what it is given stands in `work`, and what it finds after it."""
+    unit(s, l, work)
+
+
+def add(array, k, x):
+    """Add x to item k of an array that threads share; return the item before."""
+    before = array[k]
+    array[k] += x
+    return before

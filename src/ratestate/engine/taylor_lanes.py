@@ -11,7 +11,6 @@ from . import lanes as L
 from . import rows as R
 from .equations import exponentials
 from .rows import read_rows, rows_of, store_each, write_rows
-from .step_control import step_size
 from .taylor import ORDER, coefficients, integrals, longest, powers, size
 
 # Steps of either method are measured by the fastest rate of the equations.
@@ -89,7 +88,7 @@ def try_step(s, l, law):
     c, rates_of_work = coefficients(law, y, w, e, s[R.W_LP + l], s[R.RAMP + l], *system[1:])
     lengths = step_lengths(s, l, last_sizes(c, momentum_of(s, l)))
     h = where(lengths[0] < lengths[1], lengths[0], lengths[1])
-    h = step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
+    h = L.step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     h_powers = powers(h)
     load, friction = integrals(rates_of_work, h_powers)
     s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction

@@ -6,8 +6,8 @@
 ===========================  =======================================================
 """
 
-from .calls import FOUND, WORK
 from .code import Code
+from .rows import FOUND, WORK
 from .units import lane_units, point_units
 
 

@@ -4,62 +4,40 @@ Units of lanes go over whole vectors.  Those of one lane are given numbers and f
 these are is said of each.  They are written as code by `unit_code`, and run in Python as they are.
 """
 
-from typing import Any, NamedTuple
+from collections import namedtuple
+from typing import Any
 
 import numpy as np
 
 from ..friction.functions import larger, smaller, sqrt, where
 from ..friction.tuples import dot, dot_onto, grouped, minus_dot, plus, times, total
-from . import lanes, return_lanes, return_taylor_lanes, rigid, taylor_lanes, waveform
+from . import lanes, return_lanes, rigid, taylor_lanes, waveform
 from . import rows as R
-from .calls import FOUND
 from .equations import exponentials, force_slopes, forces, in_omega, inertial_force
 from .model import NOT_FINITE, RUNAWAY, SLAVED
-from .rows import load_each, read_rows, rows_of, write_rows
-from .step_control import control_step
+from .rows import FOUND, load_each, read_rows, rows_of, write_rows
 from .taylor import has_recurrences
 
-
-class MarchUnits(NamedTuple):
-    """Addresses of a law's units for a march on a spring; 0 where it has none of that name."""
-
-    step: int
-    commit: int
-    first_step: int
-    force: int
-    orders: int
-    begin: int = 0  # on a spring
-    speed: int = 0
-    outrun: int = 0
-    taylor: int = 0  # of laws with recurrences
-    state: int = 0  # without a spring
-    note: int = 0  # without one, or under normal stress that varies
-    enter_stress: int = 0  # under normal stress that varies
-    jump: int = 0
-    pull: int = 0
+#: addresses of a law's units for a march on a spring; 0 where it has none of that name
+MarchUnits = namedtuple(
+    "MarchUnits",
+    "step taylor commit first_step force orders "
+    "begin speed outrun "  # on a spring
+    "state note "  # without one; `note` also under normal stress that varies
+    "enter_stress jump pull",  # under normal stress that varies
+)
 
 
 class RigidUnits(MarchUnits):
     """The same where the slider moves with its load point (rigid.py)."""
 
 
-class ReturnUnits(NamedTuple):
-    """The same for a return map."""
-
-    step: int
-    commit: int
-    begin: int
-    first_step: int
-    force: int
-    speed: int
-    outrun: int
-    add_rodas5p: int
-    land: int
-    perturbed: int
-    outcome: int
-    taylor: int = 0
-    add_taylor: int = 0
-    perturbed_taylor: int = 0
+#: the same for a return map
+ReturnUnits = namedtuple(
+    "ReturnUnits",
+    "step taylor commit begin first_step force speed outrun "
+    "add_rodas5p add_taylor land perturbed perturbed_taylor outcome",
+)
 
 
 def note(s, l, law):
@@ -266,25 +244,25 @@ def lane_units(law, kind):
     kind : the class of the units
     """
     returns, events = kind is ReturnUnits, rigid if kind is RigidUnits else lanes
-    method, taylor = (return_lanes, return_taylor_lanes) if returns else (events, taylor_lanes)
+    step = return_lanes.try_step if returns else events.try_step
+    taylor_step = return_lanes.try_taylor_step if returns else taylor_lanes.try_step
     has_taylor = has_recurrences(law) and kind is not RigidUnits
 
     def control(s, l, law):
-        control_step(s, l)
+        lanes.control_step(s, l)
         events.has_event(s, l, law)
         if has_taylor:
             taylor_lanes.find_calm(s, l, law)
 
-    commits = [lanes.commit_lane, *([return_lanes.commit_lane] if returns else [])]
-    found = {"step": [method.try_step, control], "commit": commits}
+    of_return = [return_lanes.commit_lane] if returns else []
+    slow = [waveform.find_slow] if returns else []
+    found = {"step": [step, control, *slow], "commit": [lanes.commit_lane, *of_return]}
     if has_taylor:
-        found["taylor"] = [taylor.try_step, lanes.has_event]
+        found["taylor"] = [taylor_step, lanes.has_event, *slow]
     if returns:
-        for name in found.keys() - {"commit"}:
-            found[name].append(waveform.find_slow)
         found["add_rodas5p"] = [waveform.add_rodas5p]
-        if has_recurrences(law):
-            found["add_taylor"] = [waveform.add_taylor]
+    if returns and has_taylor:
+        found["add_taylor"] = [waveform.add_taylor]
     return found
 
 
@@ -322,7 +300,7 @@ def in_python(law, kind):
     """
     units = {name: _lanes(law, bodies) for name, bodies in lane_units(law, kind).items()}
     points = {name: _point(law, *unit) for name, unit in point_units(law, kind).items()}
-    return kind(**units, **points)
+    return kind(**dict.fromkeys(kind._fields, 0) | units | points)
 
 
 def _lanes(law, bodies):
