@@ -31,6 +31,14 @@ def laws_as_before():
         table.update(old)
 
 
+@pytest.fixture(scope="module")
+def in_one_process():
+    """Fit all steps of an experiment here: a child takes longer to start than it saves."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("ratestate.records.child_process.cores", lambda: 1)
+        yield
+
+
 @pytest.fixture
 def law_file(tmp_path):
     """Write a law file."""

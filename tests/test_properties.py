@@ -13,7 +13,7 @@ from ratestate.friction.expressions import LIMIT
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 bounded = settings(
-    max_examples=12,
+    max_examples=5,
     deadline=None,
     derandomize=True,
     suppress_health_check=list(HealthCheck),

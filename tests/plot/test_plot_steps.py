@@ -11,6 +11,7 @@ import ratestate as rs
 from ratestate import plot
 from ratestate.plot.labels import LAWS
 
+pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
 LAWS_OF_FIT = ("slip", "aging")
 

@@ -431,7 +431,7 @@ def test_other_files(command, ending, lab, api):
         assert out.read_text() == files.csv_text(api[command])
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("command", ["run", "branch"])
 def test_pictures(command, lab, monkeypatch):
     monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
     path = lab.with_name("page.png")

@@ -1,5 +1,6 @@
 """The function `fit`: its estimates from records of known truth, and what it refuses."""
 
+import functools
 import json
 
 import hypothesis.strategies as st
@@ -101,13 +102,20 @@ def test_mass_is_found_where_it_shows():
     assert_finds(result, truth, (*FREE, "M"))
 
 
+@functools.cache
+def without_mass(faster):
+    """A slider with mass, a record of it at speeds so many times as high, and a fit with M = 0."""
+    truth = SLIDER.replace(M=1.5e11 / faster**2)
+    loading = rs.Loading.steps(faster * 1e-6, (EARLY_STEP.t[1] / faster, faster * 1e-5))
+    data = record(truth, loading, T / faster, noise=2e-4)
+    return truth, data, rs.fit(data, START, errors="covariance")
+
+
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_neglected_mass_is_a_bias_that_no_error_admits():
-    truth = SLIDER.replace(M=1.5e11)
-    data = record(truth, EARLY_STEP, T, noise=2e-4)
-    with_mass = rs.fit(data, START.replace(M=truth.M))
+    truth, data, without = without_mass(1.0)
+    with_mass = rs.fit(data, START.replace(M=truth.M), errors="covariance")
     assert_finds(with_mass, truth)
-    without = rs.fit(data, START)
     off = abs(float(without.a) - truth.a) / float(without.standard_error.sel(parameter="a"))
     assert off > 5.0
     assert float(without.log_likelihood) < float(with_mass.log_likelihood) - 30.0
@@ -117,10 +125,7 @@ def test_neglected_mass_is_a_bias_that_no_error_admits():
 @pytest.mark.parametrize("faster", [1.0, 1e4])
 def test_inertia_is_advised_where_a_machine_can_have_the_mass(faster):
     """The same motion at other speeds: of a mass that no machine has, and of 1500 kg/m^2."""
-    truth = SLIDER.replace(M=1.5e11 / faster**2)
-    loading = rs.Loading.steps(faster * 1e-6, (EARLY_STEP.t[1] / faster, faster * 1e-5))
-    data = record(truth, loading, T / faster, noise=2e-4)
-    result = rs.fit(data, START, errors="covariance")
+    _, _, result = without_mass(faster)
     assert ("inertia would lower chi-square" in result.warnings.item()) == (faster > 1.0)
 
 

@@ -23,6 +23,7 @@ from ratestate.records.fitting.steps.stick_slip import stick_slip_slides
 from ratestate.records.fitting.steps.table import table_of
 from ratestate.records.fitting.steps.windows import windows_of
 
+pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
 START = SLIDER.replace(a=0.005, b=0.005, Dc="30 um")
 NOISE = {"noise": 1.5e-4, "red": 1e-4, "time": 3.0}
@@ -41,7 +42,7 @@ def data():
 def under_both(data):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
-        return rs.fit(data, START, law=("slip", "aging"), each="step")
+        return rs.fit(data, START, law=("slip", "aging"), each="step", errors="covariance")
 
 
 @pytest.fixture(scope="module")
