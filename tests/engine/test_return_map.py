@@ -275,7 +275,7 @@ def every(returns):
 def test_same_bits_anywhere(law, observed, monkeypatch):
     system, y = random_sliders(law, 40)
     rtol = 10 ** np.random.default_rng(3).uniform(-9, -4, 40)
-    period = np.full(40, 7.0) if observed else None
+    period = np.where(np.arange(40) % 7 == 0, np.nan, 7.0) if observed else None  # some have none
 
     def run(pick):
         mine = system.at(pick)

@@ -60,6 +60,7 @@ def run_returns(law, starts):
     """
     results = empty_return_results(starts.y)
     given = {"starts": _uniform(starts), "results": results}
+    given["waveform"] = int((starts.period > 0.0).any())
     _run({RETURN_MAP: np.arange(len(starts.y))}, law, True, None, given)
     return results
 

@@ -40,7 +40,7 @@ class Starts(NamedTuple):
     atol: np.ndarray  # of a step in x, v and psi
     steady_tol: np.ndarray
     observe: np.ndarray  # 1 where extremes are wanted
-    period: np.ndarray  # assumed for the waveform; all 0 if none is wanted
+    period: np.ndarray  # assumed for the waveform; not > 0 if none is known
     v_limit: np.ndarray  # ln(V/V_lp) beyond which an orbit that does not turn back has run away
     max_steps: np.ndarray
 
@@ -92,6 +92,7 @@ class ReturnRun(NamedTuple):
     queue: np.ndarray
     position: np.ndarray
     work: np.ndarray
+    waveform: int  # 1 if its integrals are wanted
     starts: Starts
     results: ReturnResults
 
@@ -164,7 +165,7 @@ def commit(run, first, n, taylor):
     """Commit steps, and add them to the integrals of the waveform if it is wanted."""
     s, units = run.s, run.units
     call_lanes(units.commit, s, first, n)
-    if run.starts.period[0] > 0.0:
+    if run.waveform > 0:
         if taylor:
             call_lanes(units.add_taylor, s, first, n)
         else:
