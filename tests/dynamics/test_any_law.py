@@ -303,7 +303,8 @@ def test_the_numbers_of_any_law_are_the_closed_form_of_one_length():
     for name in of_one_length():
         law = LAWS[name]
         b1, eta = (x.ravel() for x in np.meshgrid([0.01, 0.3, 30.0], [0.0, 1e-6, 0.3, 20.0]))
-        p, kappa, omega = (1 + b1,), b1 * (1 + eta), np.sqrt(b1)
+        p = (1 + b1, *[0.0] * (law.n_coefficients - 1))
+        kappa, omega = b1 * (1 + eta), np.sqrt(b1)
         found, rounding = normal_form.lyapunov_1_of_law(law, p, kappa, eta, omega)
         exact, _ = normal_form.lyapunov_1(eta, b1, *normal_form.law_curvatures(name))
         assert (np.abs(found - exact) < rounding).all()

@@ -11,6 +11,7 @@ import pytest
 from user_laws import CUBIC, MINE, PLAIN, SLOWED
 
 import ratestate as rs
+from ratestate.friction.laws import LAWS
 from ratestate.laws import log
 
 COMMON = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
@@ -198,6 +199,9 @@ def test_a_slider_takes_its_law_along(law_file, tmp_path):
     path = law_file(MINE)
     slider = rs.SpringSlider(**COMMON, law=rs.register(path), m=1.5)
     path.unlink()
+    law = LAWS[slider.law]
+    assert pickle.loads(pickle.dumps(slider)) == slider
+    assert LAWS[slider.law] is law  # not made anew where it is known
     (tmp_path / "slider").write_bytes(pickle.dumps(slider))
     code = "import pickle, sys; s = pickle.load(open(sys.argv[1], 'rb')); "
     code += "print(s.law, s.m, s.K_c(1e-3))"

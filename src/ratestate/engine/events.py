@@ -5,7 +5,7 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 
 The dense output of a step are polynomials in the fraction of the step that is over, 0 to 1.  Their
 coefficients, the constant first, stand in rows of the lane buffer: of degree 4 after a step of
-Rodas5P, of `recurrences.ORDER` after one of the Taylor method.
+Rodas5P, of `taylor.ORDER` after one of the Taylor method.
 """
 
 from ..friction.functions import log

@@ -59,6 +59,7 @@ class Graph:
 
     def __init__(self, merges=True):
         self.merges, self._known = merges, {}
+        self.programs = {}  # of `rewriting.values_of`
         self.one = self.number(1.0)
 
     def number(self, x):

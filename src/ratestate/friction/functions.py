@@ -13,11 +13,6 @@ import struct
 from .expressions import LIMIT, Expression
 
 
-def functions_of(x):
-    """The functions for this kind of number."""
-    return getattr(x, "functions", ARRAYS)
-
-
 def _function(name, text):
     def function(x):
         return getattr(getattr(x, "functions", ARRAYS), name)(x)

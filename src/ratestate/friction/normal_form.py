@@ -101,7 +101,6 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
     kappa, eta, omega : arrays, at the bifurcation; not checked
     """
     kappa, eta, psi = _long(kappa), _long(eta), law.steady_variables(p)
-    p = (*p, *[0.0] * (law.n_coefficients - len(p)))
     S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
     f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
 

@@ -113,13 +113,13 @@ def function_of(roots, known):
     return scope["value"]
 
 
-_program = functools.cache(function_of)
-
-
 def values_of(roots, known):
     """Values of expressions, a list; known : dict expression -> value, as for `function_of`."""
+    programs, key = next(iter(known)).graph.programs, (tuple(roots), tuple(known))
+    if key not in programs:
+        programs[key] = function_of(*key)
     with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
-        return _program(tuple(roots), tuple(known))(*known.values())
+        return programs[key](*known.values())
 
 
 def source_of(roots, known):

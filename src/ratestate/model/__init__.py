@@ -12,8 +12,7 @@
 ``units.toml``                      what values in a unit are called, and how they are shown
 ``units``                           values read into SI, and messages about those that cannot be
 ``conversion``                      results in other units, and back to SI
-``arrays``                          whether arrays of a sweep agree; columns of a record
-``batch``                           from named values to a flat batch of cases, and back
+``arrays``                          arrays of a sweep as a flat batch of cases, and back; columns
 ``user_laws``                       `register`: friction laws of one's own
 ``names``                           mistyped names, and sentences of messages kept in TOML files
 =================================== ===========================================================

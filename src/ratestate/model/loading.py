@@ -71,6 +71,11 @@ class Loading(History):
             Speed until the first step [m/s], >= 0; a hold is a speed of 0.
         *steps : tuple (t, V)
             Time [s], > 0 and increasing, and the speed from then on [m/s], >= 0.
+
+        Returns
+        -------
+        Loading
+            The history.
         """
         times, speeds = [0.0], {"V_start": to_si("V_lp", V_start, label="V_start", bound=">= 0")}
         for step in steps:
@@ -100,6 +105,11 @@ class Loading(History):
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
         sigma : sequence of N stresses, optional
             Normal stress [Pa], > 0, likewise; the first is the slider's sigma.
+
+        Returns
+        -------
+        Loading
+            The history.
         """
         times, keep, V, rate = segments_of_rows(t, V_lp)
         stress = None if sigma is None else NormalStress(*stress_of_rows(times, keep, sigma))
@@ -123,6 +133,11 @@ class Loading(History):
             Where the history ends [s], > 0; of a DataArray, the latest.
         period, frequency : float, str or pint.Quantity
             One of them, > 0, [s] or [Hz], common to all cases.
+
+        Returns
+        -------
+        Loading
+            The history.
         """
         sine = Sine.checked(V_lp, amplitude, period, frequency)
         t, V, rate, t_last = sine.lines(t_end)

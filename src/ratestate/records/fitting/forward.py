@@ -142,14 +142,16 @@ class Forward:
         The level is what the record shows in steady sliding at its first speed.
         """
         shown = self.law.steady_friction if self.record.kind == "mu" else self.law.steady_tau
-        mu0 = level
+        mu0, found = level, np.zeros(np.shape(level), bool)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for _ in range(NEWTON):
                 here = shown(self.V0, values | {"mu0": mu0})
-                if np.allclose(here, level, rtol=1e-15, atol=0.0):
+                found |= np.abs(here - level) <= 1e-15 * np.abs(level)
+                if found.all():
                     break
                 above = shown(self.V0, values | {"mu0": mu0 + LINEAR_STEP})
-                mu0 = mu0 + (level - here) * LINEAR_STEP / (above - here)
+                step = (level - here) * LINEAR_STEP / (above - here)
+                mu0 = np.where(found, mu0, mu0 + step)
         return mu0
 
     def start(self, values, p):
