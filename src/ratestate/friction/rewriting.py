@@ -115,7 +115,9 @@ def function_of(roots, known):
 
 def values_of(roots, known):
     """Values of expressions, a list; known : dict expression -> value, as for `function_of`."""
-    programs, key = next(iter(known)).graph.programs, (tuple(roots), tuple(known))
+    if not (roots := tuple(roots)):
+        return []
+    programs, key = roots[0].graph.programs, (roots, tuple(known))
     if key not in programs:
         programs[key] = function_of(*key)
     with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
