@@ -110,7 +110,7 @@ _browsers: list = []  # the one that is open, if any
 _open_browsers = contextlib.ExitStack()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def browser():
     if not CHROMIUM:
         pytest.skip("no chromium: make browser, or tools/chromium.sh, installs Debian's")
