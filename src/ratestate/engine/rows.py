@@ -52,7 +52,7 @@ COMMON_ROWS = 72
     UNSTABLE,                               # 1 where steady sliding is
     TRACE, D_TRACE,                         # integral of the trace of J; the step's part
     SINCE, LANDING_STEP, H_PLANNED,         # steps since a crossing; length of the step cut to one
-    GUESS,                                  # period assumed for the waveform, 0 if none is wanted
+    GUESS,                                  # period assumed for the waveform; > 0 if known
     SLOW, MEAN, SQUARE, COSINE, SINE,       # its integrals
     SLOW_PART,                              # how much of the step is slow
 ) = range(0, COMMON_ROWS * LANES, LANES)

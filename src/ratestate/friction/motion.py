@@ -36,7 +36,7 @@ class Motion:
     jacobian                      rows of derivatives of the equations by x, omega and each of psi:
                                   column -> element, unless that is 0
     curvature                     how `jacobian` changes along z
-    trace, change_of_trace        trace of the Jacobian matrix in x, v and psi; how it changes
+    change_of_trace               how the trace of the Jacobian matrix in x, v and psi changes
                                   along z
     ============================  ===============================================================
 
@@ -136,7 +136,6 @@ class Motion:
             "inertia_slopes": [-along(of_v) for along in held],
             "jacobian": _rows(equations, basis),
             "curvature": _rows(map(along_z, equations), basis),
-            "trace": [trace],
             "change_of_trace": [along_z(trace)],
         }
 
