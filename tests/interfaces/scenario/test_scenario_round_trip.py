@@ -149,6 +149,7 @@ def stressed(draw, loading, sigma):
         loading = loading.sigma_step(t, target) if step else loading.sigma_ramp(t, target, lasting)
     if draw(st.booleans()):
         amplitude = lowest * draw(st.floats(0.0, 0.99))
+        amplitude = amplitude if amplitude >= USUAL["Pa"][0] else 0.0
         loading = loading.sigma_sinusoid(amplitude, period=draw(usual("period")))
     return loading
 
