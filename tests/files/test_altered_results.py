@@ -271,18 +271,15 @@ def test_what_is_no_number(value):
 
 def test_a_loading_that_is_no_history(results):
     """Each condition on what a result says of the load point, alone."""
-    record = json.loads(results["run"].attrs["loading"])
-    for change in (
-        {"t": [0.1, 0.2]},
-        {"t": [0.0, 0.0]},
-        {"V": [-1e-4, 3e-3], "rate": [1.0, 0.0]},
-        {"V": [1e-4, -1e-4]},
-        {"V": [1e-4], "rate": [0.0]},
-        {"rate": [-1.0, 0.0]},
-        {"rate": [0.0, 1.0]},
-        {"V": [1e-4, float("inf")]},
-        {"t_last": 0.01},
+    first, step = json.loads(results["run"].attrs["loading"])
+    for calls, message in (
+        ([], "not as it was made"),
+        ([step], "not as it was made"),
+        ([first, ["covers", {"t_end": 1.0}]], "not as it was made"),
+        ([first, ["step", {"t": 0.1}]], "not as it was made"),
+        ([["constant", {"V": "gone"}]], "not as it was made"),
+        ([["constant", {"V": -1e-4}]], "must be >= 0"),
+        ([first, step, step], "must come after"),
     ):
-        altered = json.dumps(record | change)
-        with pytest.raises(ParameterError, match=r"records is no history|as many times as"):
-            from_result(results["run"].assign_attrs(loading=altered))
+        with pytest.raises(ParameterError, match=message):
+            from_result(results["run"].assign_attrs(loading=json.dumps(calls)))

@@ -142,7 +142,7 @@ def test_csv_of_sweeps(results):
 
 
 def test_csv_leaves_the_record_of_the_loading_out(results):
-    assert "loading_V" in results["record"]
+    assert "loading_0_V_lp" in results["record"]
     header, *_ = files.csv_text(results["record"]).split("\n")
     assert "loading" not in header
     assert len(rows_of(results["record"])) == results["record"].sizes["time"]

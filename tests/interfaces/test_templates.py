@@ -197,16 +197,17 @@ def test_recorded_loading():
 def test_sinusoid():
     """The swing of the stress against linear response, eqs 1 and 3 about steady sliding."""
     scenario, result = done("sinusoid")
-    slider, sine = scenario.slider, scenario.settings["loading"].sine
-    V, omega = sine.V_lp, 2 * np.pi / sine.period
+    slider, (call,) = scenario.slider, scenario.settings["loading"].calls
+    V, amplitude, period, _ = call.arguments.values()
+    omega = 2 * np.pi / period
     s = 1j * omega
     # friction's answer to V exp(s t): a - b V/(Dc s + V), over V; force balance K (U - V)/s = tau
     friction = slider.sigma / V * (slider.a - slider.b * V / (slider.Dc * s + V))
-    tau = sine.amplitude / (1 / friction + s / slider.K)
+    tau = amplitude / (1 / friction + s / slider.K)
     end = result.sel(time=slice(1400, None)).tau
     swing = float(end.max() - end.min()) / 2
     assert swing == pytest.approx(abs(tau), rel=3e-3)
-    slow = slider.sigma * (slider.b - slider.a) * sine.amplitude / V
+    slow = slider.sigma * (slider.b - slider.a) * amplitude / V
     assert 45 < swing / slow < 55
     own = omega_c(V, a=slider.a, b=slider.b, Dc=slider.Dc)
     assert omega == pytest.approx(own, rel=0.01)

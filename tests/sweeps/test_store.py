@@ -690,8 +690,8 @@ def motion(tmp_path_factory):
 @pytest.mark.parametrize(
     ("changed", "named"),
     [
-        ({"loading": rs.Loading.steps("1 mm/s", (0.01, "4 mm/s"))}, {"loading V"}),
-        ({"loading": rs.Loading.steps("1 mm/s", (0.02, "3 mm/s"))}, {"loading t"}),
+        ({"loading": rs.Loading.steps("1 mm/s", (0.01, "4 mm/s"))}, {"loading 1 step V"}),
+        ({"loading": rs.Loading.steps("1 mm/s", (0.02, "3 mm/s"))}, {"loading 1 step t"}),
         ({"t_end": 0.04}, {"t_end"}),
         ({"times": [0.0, 0.02, 0.03]}, {"times"}),
         ({"times": [0.0, 0.03]}, {"times"}),

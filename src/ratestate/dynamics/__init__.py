@@ -16,6 +16,7 @@
 ``domain``                         when a motion is outside the domain of the friction law
 ``results``, ``attributes``        what results record of how they were made; the same read again,
                                    and refused where it was altered
+``recorded_loading``               the calls that made a loading, in a result; made again
 ``refusals``                       messages on arguments that cannot be used (``refusals.toml``)
 ``progress``                       progress bars: after how long one appears
 ================================== ================================================================

@@ -3,7 +3,6 @@
 Whatever the attributes contain, these functions return a valid value or raise a `ParameterError`.
 """
 
-import itertools
 import json
 import numbers
 
@@ -113,21 +112,6 @@ def branch_parameter(result):
     if symbol not in QUANTITIES or "point" not in getattr(result.get(symbol), "dims", ()):
         raise _altered("parameter", symbol, "branch_parameter")
     return symbol
-
-
-def loading_record(result):
-    """The dict that `results.record_loading` has stored.
-
-    ``t``, ``V`` and ``rate``, where they are there and of a single case, are equally long lists of
-    numbers other than NaN; ParameterError where they are not, or there is no such dict.
-    """
-    record = from_json(result, "loading", dict)
-    columns = [record[name] for name in ("t", "V", "rate") if isinstance(record.get(name), list)]
-    for x in itertools.chain(*columns):
-        _plain("loading", x)
-    if len(set(map(len, columns))) > 1:
-        raise _altered("loading", record, "loading")
-    return record
 
 
 def _plain(name, value):

@@ -1,6 +1,5 @@
 """What results have in common: flags, the attributes that say how they were made, parameters."""
 
-import dataclasses
 import functools
 import json
 from importlib.metadata import version
@@ -157,54 +156,3 @@ def _labels(coordinate, value):
 def normal_stress(result):
     """Normal stress [Pa] of a result of `simulate`: along its times, where it varies."""
     return result["sigma"] if "sigma" in result.data_vars else parameter(result, "sigma")
-
-
-def record_loading(result, loading):
-    """Put the loading into a result, in place: starts, speeds and accelerations of its segments.
-
-    Also when it ends, ``t_last`` [s], null if never, and how normal stress changes, ``sigma``, with
-    null for the slider's own.  As JSON in the attribute ``loading``, or, if long, as variables
-    along ``segment``, and ``segment_of_sigma``.  Of a periodic loading the numbers that make it are
-    stored instead.
-    """
-    record = {"t_last": loading.t_last if np.isfinite(loading.t_last) else None}
-    if loading.sine is not None:
-        record["sinusoid"] = plain(dataclasses.asdict(loading.sine))
-    else:
-        units = {"t": "s", "V": "m/s", "rate": "m/s^2"}
-        columns = {name: getattr(loading, name) for name in units}
-        record |= _kept(result, columns, units, "loading_", "segment")
-    if (stress := loading.normal_stress) is not None:
-        units = {"t": "s", "start": "Pa", "end": "Pa"}
-        columns = {name: getattr(stress, name) for name in units}
-        kept = _kept(result, columns, units, "loading_sigma_", "segment_of_sigma")
-        wave = {"amplitude": plain(stress.amplitude), "period": plain(stress.period)}
-        record["sigma"] = kept | ({} if np.all(np.isinf(stress.period)) else wave)
-    result.attrs["loading"] = json.dumps(record)
-
-
-def _kept(result, columns, units, prefix, dim):
-    """Columns as plain values, with None for NaN; {} if they are long, then in variables."""
-    if all(np.size(column) <= MANY for column in columns.values()):
-        return {name: _listed(column) for name, column in columns.items()}
-    for name, column in columns.items():
-        dims = (*column.dims[:-1], dim) if is_array(column) else (dim,)
-        result[prefix + name] = (dims, np.asarray(column))
-        text = f"{prefix.replace('_', ' ')}{name}"
-        result[prefix + name].attrs = {"units": units[name], "long_name": text}
-    return {}
-
-
-def _listed(column):
-    """A column for JSON."""
-    if is_array(column):
-        value = plain(column)
-        return value | {"values": _without_nan(value["values"])}
-    return _without_nan(column.tolist())
-
-
-def _without_nan(values):
-    """Lists in lists, with None in place of NaN."""
-    if isinstance(values, list):
-        return [_without_nan(value) for value in values]
-    return None if values != values else values

@@ -3,10 +3,10 @@
 =================================== ===========================================================
 ``slider``                          `SpringSlider`: its parameters, critical stiffness and speeds
 ``parameters``                      parameters given in other ways: for the whole contact, K/sigma
-``loading``                         `Loading`: the calls that make a history
-``history``                         speed and normal stress of a history at any time
-``segments``                        segments of a record and of a sinusoid
-``written``                         the calls that reproduce a history exactly
+``loading``                         `Loading`: the calls that make a history, which keeps them
+``load_point``                      speed, displacement and normal stress of a loading at any time
+``history``                         piecewise linear histories, of speed and of normal stress
+``segments``                        straight lines of a record and along a sinusoid
 ``initial_state``                   the state at t = 0, and which values for it agree
 ``quantities``, ``quantities.toml`` unit, range and name of each quantity; values as text
 ``units.toml``                      what values in a unit are called, and how they are shown

@@ -57,6 +57,8 @@ def cut(value, places):
         return value.isel(places, missing_dims="ignore")
     if hasattr(value, "parameters") and hasattr(value, "replace"):  # a slider
         return value.replace(**{name: cut(x, places) for name, x in value.parameters.items()})
+    if isinstance(value, tuple):
+        return tuple(cut(x, places) for x in value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         parts = {f.name: cut(getattr(value, f.name), places) for f in dataclasses.fields(value)}
         return dataclasses.replace(value, **parts)
@@ -95,18 +97,22 @@ def column(symbol, values):
 
 
 def stack(values):
-    """Floats and DataArrays (name -> value) in a row: ndarray (n,), or DataArray, ``segment`` last.
+    """Floats, DataArrays and columns (name -> value), one after the other.
 
-    DataArray if one of them is; ParameterError, with their names, where they clash.
+    ndarray (n,), or DataArray with ``segment`` last if one of them is a DataArray.  ParameterError,
+    with their names, if these clash.
     """
     if not any(map(is_array, values.values())):
-        return np.array(list(values.values()))
+        return np.hstack(list(values.values()))
     import xarray
 
-    check_aligned(values)
-    arrays = xarray.broadcast(*map(xarray.DataArray, values.values()))
-    data = np.stack([array.values for array in arrays], axis=-1)
-    return xarray.DataArray(data, arrays[0].coords, (*arrays[0].dims, "segment"))
+    arrays = {name: as_column(value) for name, value in values.items()}
+    check_aligned({name: array.isel(segment=0) for name, array in arrays.items()})
+    apart = xarray.broadcast(*arrays.values(), exclude=["segment"])
+    parts = [part.transpose(..., "segment") for part in apart]
+    data = np.concatenate([part.values for part in parts], axis=-1)
+    coords = {name: labels for part in parts for name, labels in part.coords.items()}
+    return xarray.DataArray(data, coords, parts[0].dims)
 
 
 def running_sum(x):
@@ -122,41 +128,13 @@ def running_sum(x):
     return total
 
 
-def continued(t, columns, pieces, symbol):
-    """Times and columns, ``segment`` last, up to the first of some pieces, and then the pieces.
-
-    ParameterError if DataArrays clash.
-
-    t : (S,) starts of segments; pieces : tuples (start, value of each column), floats or DataArrays
-    symbol : what the values are
-    """
-    starts, *added = zip(*pieces, strict=True)
-    kept = t < starts[0]
-    more = (_appended(x[..., kept], new, symbol) for x, new in zip(columns, added, strict=True))
-    return np.concatenate([t[kept], starts]), *more
-
-
-def _appended(column, values, symbol):
-    if not any(map(is_array, (column, *values))):
-        return np.append(column, values)
-    import xarray
-
-    column = as_column(column)
-    named = {f"{symbol} {i}": value for i, value in enumerate(values)}
-    check_aligned({f"{symbol} before": column.isel(segment=-1), **named})
-    ends = [xarray.DataArray(value).expand_dims("segment") for value in values]
-    apart = xarray.broadcast(column, *ends, exclude=["segment"])
-    parts = [part.transpose(..., "segment") for part in apart]
-    data = np.concatenate([part.values for part in parts], axis=-1)
-    coords = {name: labels for part in parts for name, labels in part.coords.items()}
-    return xarray.DataArray(data, coords, parts[0].dims)
-
-
 def as_column(values):
-    """A column as a DataArray along ``segment``, if it is not one already."""
+    """A column, or a single value, as a DataArray with the dimension ``segment``."""
     import xarray
 
-    return values if is_array(values) else xarray.DataArray(values, dims="segment")
+    if not is_array(values):
+        return xarray.DataArray(np.atleast_1d(values), dims="segment")
+    return values if "segment" in values.dims else values.expand_dims("segment")
 
 
 def as_frame(t):
@@ -164,19 +142,6 @@ def as_frame(t):
     import xarray
 
     return t if is_array(t) else xarray.DataArray(t, dims=["time"][: np.ndim(t)])
-
-
-def picked(t, k, columns, numbers):
-    """Values of columns in the segments k of times t, and numbers of these times, a list.
-
-    All are arrays of the shape of t; or all DataArrays, with ``time`` last, if t or a column is.
-    """
-    if not any(map(is_array, (t, *columns))):
-        return [*(column[k] for column in columns), *numbers]
-    frame = as_frame(t)
-    found = (as_column(column).isel(segment=frame.copy(data=k)) for column in columns)
-    ordered = (values.transpose(..., "time", missing_dims="ignore") for values in found)
-    return [*ordered, *(frame.copy(data=values) for values in numbers)]
 
 
 class Batch:

@@ -5,14 +5,21 @@ import dataclasses
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import check_aligned, continued, stack
-from .history import History, NormalStress
-from .segments import Sine, period_of, segments_of_rows, stress_of_rows
+from .arrays import check_aligned, column
+from .history import History
+from .load_point import Call, LoadPoint
+from .segments import period_of, record_of_rows, sinusoid
 from .units import is_array, one_in_si, to_si
+
+#: methods that a `Call` may be of
+METHODS = (
+    *("constant", "series", "sinusoid", "step", "hold", "ramp"),
+    *("sigma_step", "sigma_ramp", "sigma_sinusoid"),
+)
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
-class Loading(History):
+class Loading(LoadPoint):
     """History of the load-point velocity from t = 0 on, and of the normal stress with it.
 
     Made by `constant`, `steps`, `series` or `sinusoid`; the first two go on with `step`, `hold`
@@ -22,20 +29,14 @@ class Loading(History):
 
     Attributes
     ----------
-    t : ndarray, shape (S,)
-        Starts of the segments [s], increasing from 0.
-    V : ndarray, shape (S,), or DataArray with the sweep's dimensions and then ``segment``
-        Speed [m/s] at the start of each segment.
-    rate : like V
-        Acceleration [m/s^2] within each segment; 0 where the speed is constant.
+    speed : History
+        Speed of the load point [m/s]; ``t``, ``V`` and ``rate`` are parts of it.
     t_last : float
         Where the history ends [s]: inf, but for a series and a sinusoid.
-    sine : Sine or None
-        What a sinusoid was made from.
-    returns : bool
-        Whether the last segment only ends a hold or ramp, so that another event may begin with it.
     normal_stress : NormalStress or None
         How sigma changes; None where it stays that of the slider.
+    calls : tuple of Call
+        The calls that made the loading, with their arguments in SI.
 
     Raises
     ------
@@ -58,8 +59,8 @@ class Loading(History):
         Loading
             The history.
         """
-        V = stack({"V": to_si("V_lp", V, label="V", bound=">= 0")})
-        return cls(np.zeros(1), V, 0.0 * V)
+        V = to_si("V_lp", V, label="V", bound=">= 0")
+        return cls(History.constant("V", V), calls=(Call("constant", {"V": V}),))
 
     @classmethod
     def steps(cls, V_start, *steps):
@@ -77,20 +78,12 @@ class Loading(History):
         Loading
             The history.
         """
-        times, speeds = [0.0], {"V_start": to_si("V_lp", V_start, label="V_start", bound=">= 0")}
+        loading = cls.constant(to_si("V_lp", V_start, label="V_start", bound=">= 0"))
         for step in steps:
             if not isinstance(step, tuple | list) or len(step) != 2:
                 raise ParameterError(f"step {step!r} is not a pair (t, V) such as (1.0, 3.2e-3)")
-            t = one_in_si("t", step[0], label=f"t of step {len(times)}", bound="> 0")
-            if t <= times[-1]:
-                raise ParameterError(
-                    f"t = {t!r} s of step {len(times)} must come after t = {times[-1]!r} s; "
-                    f"give the steps in order of time"
-                )
-            speeds[f"V_lp from t = {t!r} s on"] = _speed_from(t, step[1])
-            times.append(t)
-        V = stack(speeds)
-        return cls(np.array(times), V, 0.0 * V)
+            loading = loading.step(*step)
+        return loading
 
     @classmethod
     def series(cls, t, V_lp, *, sigma=None):
@@ -111,9 +104,10 @@ class Loading(History):
         Loading
             The history.
         """
-        times, keep, V, rate = segments_of_rows(t, V_lp)
-        stress = None if sigma is None else NormalStress(*stress_of_rows(times, keep, sigma))
-        return cls(times[keep], V, rate, float(times[-1]), normal_stress=stress)
+        given = {"t": t, "V_lp": V_lp} | ({} if sigma is None else {"sigma": sigma})
+        columns = {symbol: column(symbol, values) for symbol, values in given.items()}
+        speed, stress = record_of_rows(*columns.values())
+        return cls(speed, speed.until, stress, (Call("series", columns),))
 
     @classmethod
     def sinusoid(cls, V_lp, amplitude, *, t_end, period=None, frequency=None):
@@ -139,9 +133,13 @@ class Loading(History):
         Loading
             The history.
         """
-        sine = Sine.checked(V_lp, amplitude, period, frequency)
-        t, V, rate, t_last = sine.lines(t_end)
-        return cls(t, V, rate, t_last, sine)
+        wave = {
+            "V_lp": to_si("V_lp", V_lp),
+            "amplitude": to_si("V_lp", amplitude, label="amplitude", bound=">= 0"),
+            "period": period_of("a sinusoid", period, frequency),
+            "t_end": float(np.max(to_si("t_end", t_end))),
+        }
+        return cls(sinusoid(**wave), wave["t_end"], calls=(Call("sinusoid", wave),))
 
     def step(self, t, V):
         """The same history up to time t [s], and from then on the speed V [m/s], >= 0.
@@ -164,7 +162,8 @@ class Loading(History):
         <Loading: 4 segments from t = 0 to inf s>
         """
         t = self._time(t)
-        return self._then((t, _speed_from(t, V), 0.0), returns=False)
+        V = _speed_from(t, V)
+        return self._then(Call("step", {"t": t, "V": V}), (t, V, V))
 
     def hold(self, t, duration):
         """The same history up to time t, then rest for a while, then the speed before it.
@@ -181,9 +180,10 @@ class Loading(History):
         Loading
             The longer history.
         """
-        t = self._time(t)
-        end = _end_of(t, duration, "hold")
-        return self._then((t, 0.0, 0.0), (end, self.V[..., -1], 0.0), returns=True)
+        t, V = self._time(t), self.V[..., -1]
+        duration = _duration(t, duration, "hold")
+        call = Call("hold", {"t": t, "duration": duration})
+        return self._then(call, (t, 0.0, 0.0), (t + duration, V, V))
 
     def ramp(self, t, V, duration):
         """The same history up to time t, then a steady change of speed to V.
@@ -203,14 +203,13 @@ class Loading(History):
             The longer history.
         """
         t = self._time(t)
-        V, before = _speed_from(t, V), self.V[..., -1]
-        end = _end_of(t, duration, "ramp")
-        check_aligned({"V_lp before": before, f"V_lp from t = {end!r} s on": V})
+        V, before, lasting = _speed_from(t, V), self.V[..., -1], _duration(t, duration, "ramp")
+        call = Call("ramp", {"t": t, "V": V, "duration": lasting})
+        longer = self._then(call, (t, before, V), (t + lasting, V, V))
         with np.errstate(over="ignore"):
-            rate = (V - before) / (end - t)
-        if not np.isfinite(rate).all():
-            raise ParameterError(f"ramp = {duration!r} is too short; for a jump leave it out")
-        return self._then((t, before, rate), (end, V, 0.0), returns=True)
+            if not np.isfinite(longer.rate).all():
+                raise ParameterError(f"ramp = {duration!r} is too short; for a jump leave it out")
+        return longer
 
     def sigma_step(self, t, sigma):
         """The same history, with another normal stress from time t on.
@@ -240,7 +239,8 @@ class Loading(History):
         """
         before, t = self._stress_before(t)
         sigma = _stress_from(t, sigma)
-        return dataclasses.replace(self, normal_stress=before.then((t, sigma, sigma)))
+        stress = before.then("sigma", (t, sigma, sigma))
+        return self._with_stress(stress, Call("sigma_step", {"t": t, "sigma": sigma}))
 
     def sigma_ramp(self, t, sigma, duration):
         """The same history, with a steady change of normal stress to sigma.
@@ -261,8 +261,10 @@ class Loading(History):
         """
         before, t = self._stress_before(t)
         sigma = _stress_from(t, sigma)
-        pieces = (t, before.end[..., -1], sigma), (_end_of(t, duration, "ramp"), sigma, sigma)
-        return dataclasses.replace(self, normal_stress=before.then(*pieces, returns=True))
+        duration = _duration(t, duration, "ramp")
+        pieces = (t, before.end[..., -1], sigma), (t + duration, sigma, sigma)
+        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": duration})
+        return self._with_stress(before.then("sigma", *pieces), call)
 
     def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
         """The same history, with amplitude sin(2 pi t/period) added to the normal stress.
@@ -282,18 +284,20 @@ class Loading(History):
         before = self._stress_so_far()
         if not np.all(np.isinf(before.period)):
             raise ParameterError("the normal stress has a sinusoid already, and can have only one")
-        amplitude = to_si("sigma", amplitude, label="amplitude", bound=">= 0")
-        period = period_of("a sinusoid of sigma", period, frequency)
-        check_aligned({"amplitude": amplitude, "period": period})
-        wave = dataclasses.replace(before, amplitude=amplitude, period=period)
-        return dataclasses.replace(self, normal_stress=wave)
+        wave = {
+            "amplitude": to_si("sigma", amplitude, label="amplitude", bound=">= 0"),
+            "period": period_of("a sinusoid of sigma", period, frequency),
+        }
+        check_aligned(wave)
+        return self._with_stress(dataclasses.replace(before, **wave), Call("sigma_sinusoid", wave))
 
-    def _then(self, *pieces, returns):
-        """The history up to the first of these pieces (t, V, rate), and from then on them."""
-        t, V, rate = continued(self.t, (self.V, self.rate), pieces, "V_lp")
-        if is_array(V):  # one of them may not depend on what the other does
-            rate = rate + 0.0 * V
-        return dataclasses.replace(self, t=t, V=V, rate=rate, returns=returns)
+    def _then(self, call, *pieces):
+        """The history up to the first of these pieces (t, V at start, V at end), and then these."""
+        speed = self.speed.then("V_lp", *pieces)
+        return dataclasses.replace(self, speed=speed, calls=(*self.calls, call))
+
+    def _with_stress(self, stress, call):
+        return dataclasses.replace(self, normal_stress=stress, calls=(*self.calls, call))
 
     def _time(self, t):
         """When an event begins [s]: after the last one, or where that ends."""
@@ -302,11 +306,10 @@ class Loading(History):
                 f"the history ends at t = {self.t_last!r} s, and nothing can follow; "
                 f"give steps to a constant speed, or put them into the rows of the series"
             )
-        t = one_in_si("t", t, bound="> 0")
-        return _time_after(t, float(self.t[-1]), self.returns, "the history")
+        return self.speed.check_time(one_in_si("t", t, bound="> 0"), "the history")
 
     def _stress_so_far(self):
-        stress = self.normal_stress or NormalStress()
+        stress = self._known_stress
         if not np.isnan(np.asarray(stress.start)[..., 0]).all():
             raise ParameterError(
                 "the series has a normal stress of its own; put the change into its rows"
@@ -320,25 +323,13 @@ class Loading(History):
             raise ParameterError(
                 f"t = {t!r} s is not before the end of the history, {self.t_last!r} s"
             )
-        return stress, _time_after(t, float(stress.t[-1]), stress.returns, "normal stress")
+        return stress, stress.check_time(t, "normal stress")
 
     def __repr__(self):
         stress = self.normal_stress
         more = "" if stress is None else f", and {stress.t.size} of normal stress"
         sweep = f", sweep over {', '.join(self.V.dims[:-1])}" if is_array(self.V) else ""
         return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{more}{sweep}>"
-
-
-def _time_after(t, last, returns, what):
-    """t [s], if it comes after the last event, or where a hold or ramp ends."""
-    if returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
-        return last
-    if t <= last:
-        raise ParameterError(
-            f"t = {t!r} s must come after t = {last!r} s, up to which {what} is given; "
-            f"give the steps in order of time"
-        )
-    return t
 
 
 def _speed_from(t, V):
@@ -349,9 +340,9 @@ def _stress_from(t, sigma):
     return to_si("sigma", sigma, label=f"sigma from t = {t!r} s on", bound="> 0")
 
 
-def _end_of(t, duration, label):
-    """When an event is over [s]."""
+def _duration(t, duration, label):
+    """The length [s] of an event that begins at t [s]."""
     lasting = one_in_si("t", duration, label=label, bound="> 0")
     if not t < t + lasting < np.inf:
         raise ParameterError(f"{label} = {duration!r} is too short or too long after t = {t!r} s")
-    return t + lasting
+    return lasting

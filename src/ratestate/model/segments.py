@@ -1,12 +1,12 @@
-"""Segments of constant acceleration: from the rows of a record, and along a sinusoid."""
+"""Straight lines: those of the rows of a record, and along a sinusoid."""
 
-import dataclasses
 from typing import Any
 
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import check_aligned, column
+from .arrays import check_aligned
+from .history import History, NormalStress
 from .units import is_array, to_si
 
 #: lines of a sinusoid, and speeds in all cases of a sweep, at most
@@ -17,74 +17,58 @@ MOST_SPEEDS = 10**7
 LINES = 256
 
 
-@dataclasses.dataclass(frozen=True)
-class Sine:
-    """A sinusoid V_lp + amplitude sin(2 pi t/period) [m/s]; V_lp, amplitude may be DataArrays.
+def sinusoid(V_lp, amplitude, period, t_end):
+    """`History` of the speed V_lp + amplitude sin(2 pi t/period) [m/s] up to t_end [s] or later.
+
+    ParameterError for too many lines, a period that is too short, and a negative speed.
+
+    V_lp, amplitude : float or DataArray
 
     Notes
     -----
-    It is followed by straight lines whose fundamental is exactly this one.  Between N points a
-    period on a sine of amplitude A', straight lines have the amplitude A' sinc^2(pi/N),
-    sinc(x) = sin(x)/x, at the sine's frequency.  So the points lie A/sinc^2(pi/N) from the mean.
-    What is left are the harmonics m = N - 1, N + 1, 2 N - 1, ..., of amplitude A/m^2.  The points
-    lie halfway between the extremes, which are thus on lines that pass inside of the sine's: a
-    speed whose amplitude is its mean never falls below 0.
+    The fundamental of the lines is exactly this sinusoid.  Between N points a period on a sine of
+    amplitude A', straight lines have the amplitude A' sinc^2(pi/N), sinc(x) = sin(x)/x, at the
+    sine's frequency.  So the points lie A/sinc^2(pi/N) from the mean.  What is left are the
+    harmonics m = N - 1, N + 1, 2 N - 1, ..., of amplitude A/m^2.  The points lie halfway between
+    the extremes, which are thus on lines that pass inside of the sine's: a speed whose amplitude is
+    its mean never falls below 0.
     """
+    if is_array(period):
+        raise ParameterError("the period of a sinusoid is one number, common to all cases")
+    check_aligned({"V_lp": V_lp, "amplitude": amplitude})
+    if np.any(np.greater(amplitude, V_lp)):
+        raise ParameterError(
+            f"amplitude = {float(np.max(amplitude)):.6g} m/s is more than V_lp = "
+            f"{float(np.min(V_lp)):.6g} m/s: the load point would move back; "
+            f"give an amplitude up to V_lp"
+        )
+    needed = t_end / period * LINES
+    cases = np.size(V_lp + amplitude)
+    if not (needed <= MOST_LINES and needed * cases <= MOST_SPEEDS):
+        raise ParameterError(
+            f"{t_end:.6g} s are {t_end / period:.6g} periods, and {needed:.6g} lines for "
+            f"each of {cases} cases; no more than {MOST_LINES:.0e} lines, and "
+            f"{MOST_SPEEDS:.0e} in all cases: shorten t_end, or lengthen the period"
+        )
+    odd = np.arange(1, 2 * LINES, 2)
+    half = np.sin(np.pi * odd[: LINES // 2] / LINES)
+    heights = np.concatenate([half, -half]) / np.sinc(1 / LINES) ** 2
+    number = int(needed) + 2
+    periods = np.arange(number) // LINES + np.resize(odd / (2 * LINES), number)
+    t = np.concatenate([[0.0], periods * period])
+    wave: Any = np.concatenate([[0.0], np.resize(heights, number)])
+    if is_array(V_lp) or is_array(amplitude):
+        import xarray
 
-    V_lp: Any
-    amplitude: Any
-    period: float
-
-    @classmethod
-    def checked(cls, V_lp, amplitude, period, frequency):
-        """The sinusoid with these values of `Loading.sinusoid`; ParameterError if none has them."""
-        V_lp = to_si("V_lp", V_lp)
-        amplitude = to_si("V_lp", amplitude, label="amplitude", bound=">= 0")
-        found = period_of("a sinusoid", period, frequency)
-        if is_array(found):
-            raise ParameterError("the period of a sinusoid is one number, common to all cases")
-        check_aligned({"V_lp": V_lp, "amplitude": amplitude})
-        if np.any(np.greater(amplitude, V_lp)):
-            raise ParameterError(
-                f"amplitude = {float(np.max(amplitude)):.6g} m/s is more than V_lp = "
-                f"{float(np.min(V_lp)):.6g} m/s: the load point would move back; "
-                f"give an amplitude up to V_lp"
-            )
-        return cls(V_lp, amplitude, found)
-
-    def lines(self, t_end):
-        """The lines from 0 to t_end [s]: t, V, rate, t_last, the fields of a `Loading`.
-
-        ParameterError for too many lines, or too short a period.
-        """
-        t_end = float(np.max(to_si("t_end", t_end)))
-        needed = t_end / self.period * LINES
-        cases = np.size(self.V_lp + self.amplitude)
-        if not (needed <= MOST_LINES and needed * cases <= MOST_SPEEDS):
-            raise ParameterError(
-                f"{t_end:.6g} s are {t_end / self.period:.6g} periods, and {needed:.6g} lines for "
-                f"each of {cases} cases; no more than {MOST_LINES:.0e} lines, and "
-                f"{MOST_SPEEDS:.0e} in all cases: shorten t_end, or lengthen the period"
-            )
-        odd = np.arange(1, 2 * LINES, 2)
-        half = np.sin(np.pi * odd[: LINES // 2] / LINES)
-        heights = np.concatenate([half, -half]) / np.sinc(1 / LINES) ** 2
-        number = int(needed) + 2
-        periods = np.arange(number) // LINES + np.resize(odd / (2 * LINES), number)
-        t = np.concatenate([[0.0], periods * self.period])
-        wave: Any = np.concatenate([[0.0], np.resize(heights, number)])
-        keep = int(np.searchsorted(t, t_end))
-        if is_array(self.V_lp) or is_array(self.amplitude):
-            import xarray
-
-            wave = xarray.DataArray(wave, dims="segment")
-        V = self.V_lp + self.amplitude * wave
-        V = V.transpose(..., "segment") if is_array(V) else V
-        with np.errstate(over="ignore"):
-            rate = (V[..., 1 : keep + 1] - np.asarray(V[..., :keep])) / np.diff(t[: keep + 1])
-        if not (np.diff(t[: keep + 1]) > 0).all() or not np.isfinite(rate).all():
-            raise ParameterError(f"period = {self.period!r} s is too short; give a longer one")
-        return t[:keep], V[..., :keep], rate, t_end
+        wave = xarray.DataArray(wave, dims="segment")
+    V = V_lp + amplitude * wave
+    V = V.transpose(..., "segment") if is_array(V) else V
+    keep = int(np.searchsorted(t, t_end))
+    found = History(t[:keep], V[..., :keep], V[..., 1 : keep + 1], float(t[keep]))
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        if not (np.diff(t[: keep + 1]) > 0).all() or not np.isfinite(found.rate).all():
+            raise ParameterError(f"period = {period!r} s is too short; give a longer one")
+    return found
 
 
 def period_of(what, period, frequency):
@@ -104,12 +88,11 @@ def period_of(what, period, frequency):
     return found
 
 
-def segments_of_rows(t, V_lp):
-    """Times of all rows of a record, which of them start segments, and V and rate of these.
+def record_of_rows(times, V, sigma=None):
+    """`History` of the speed and, if sigma is given, `NormalStress` of the rows of a record.
 
-    ParameterError if the rows are not a record: see `column`, `Loading.series`.
+    ParameterError if the rows are not a record: see `Loading.series`.  All are columns in SI.
     """
-    times, V = column("t", t), column("V_lp", V_lp)
     if is_array(times) or times.size < 2 or V.shape[-1] != times.size:
         raise ParameterError(
             f"t has {times.size} and V_lp {V.shape[-1]} values; "
@@ -133,17 +116,15 @@ def segments_of_rows(t, V_lp):
             f"between others; drop a row (V_start of `simulate` gives a start at another speed)"
         )
     keep = np.flatnonzero(dt > 0)
-    start = V[..., keep]
+    speed = History(times[keep], V[..., keep], V[..., keep + 1], float(times[-1]))
     with np.errstate(over="ignore"):
-        rate = (V[..., keep + 1] - np.asarray(start)) / dt[keep]
-    if not np.isfinite(rate).all():
-        raise ParameterError("two times are too close for a ramp; for a jump repeat the time")
-    return times, keep, start, rate
+        if not np.isfinite(speed.rate).all():
+            raise ParameterError("two times are too close for a ramp; for a jump repeat the time")
+    return speed, None if sigma is None else _stress_of_rows(times, keep, sigma)
 
 
-def stress_of_rows(times, keep, sigma):
-    """t, start and end of the normal stress of a record, of whose rows `keep` start segments."""
-    sigma = column("sigma", sigma)
+def _stress_of_rows(times, keep, sigma):
+    """`NormalStress` of a record, of whose rows `keep` start segments."""
     if sigma.shape[-1] != times.size:
         raise ParameterError(
             f"sigma has {sigma.shape[-1]} values for {times.size} times; give one at each time"
@@ -155,4 +136,4 @@ def stress_of_rows(times, keep, sigma):
             f"the record"
         )
     rows = np.append(keep, times.size - 1)  # from the last time on it stays
-    return times[rows], sigma[..., rows], sigma[..., np.append(keep + 1, times.size - 1)]
+    return NormalStress(times[rows], sigma[..., rows], sigma[..., np.append(keep + 1, -1)])

@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
+from ..dynamics.recorded_loading import record_loading
 from ..dynamics.refusals import refusal
-from ..dynamics.results import provenance, record_loading
+from ..dynamics.results import provenance
 from ..engine.programs import Program
 from ..errors import ParameterError, SolverError
 from ..friction.functions import exp, expm1, log

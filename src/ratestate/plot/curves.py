@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.attributes import loading_record
+from ..dynamics.recorded_loading import recorded_loading
 from ..errors import ParameterError
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
@@ -96,10 +96,10 @@ def record_of(result, x=None):
 
 def _segments(result):
     """Starts [s], from the first sample on, and speeds [m/s] of the load point; none of a wave."""
-    loading = loading_record(result)
-    if len(loading.get("V", ())) > MARKED or any(loading.get("rate", ())):
+    loading = recorded_loading(result)
+    if loading.t.size > MARKED or loading.rate.any():
         return []
-    return list(zip(loading.get("t", ()), loading.get("V", ()), strict=True))
+    return list(zip(loading.t.tolist(), loading.V.tolist(), strict=True))
 
 
 def curves(record, ax, rows=WHOLE):

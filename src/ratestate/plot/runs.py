@@ -1,11 +1,9 @@
 """Runs beside each other: what each is called, and the line that it is drawn with."""
 
-import json
 from typing import Any, NamedTuple
 
 import xarray
 
-from ..dynamics.attributes import loading_record
 from ..dynamics.results import parameter, slider_parameters
 from ..engine.model import FINISHED
 from ..errors import ParameterError
@@ -54,12 +52,9 @@ def named_runs(runs):
 
 
 def since(run, t_zero):
-    """A run, and the record of its loading, with time 0 at another of its times [s]."""
-    loading = loading_record(run)
-    if isinstance(starts := loading.get("t"), list):  # else the speeds are those of the run's times
-        loading = loading | {"t": [t - t_zero for t in starts]}
+    """A run with time 0 at another of its times [s], which the attribute ``t_zero`` keeps."""
     time = (run.time - t_zero).assign_attrs(run.time.attrs)
-    return run.assign_coords(time=time).assign_attrs(loading=json.dumps(loading))
+    return run.assign_coords(time=time).assign_attrs(t_zero=t_zero)
 
 
 def common(runs, symbols):

@@ -50,7 +50,7 @@ def _leaves(value, name=""):
     """Yield (name, value) for all fields of a call, those of nested dataclasses included."""
     if dataclasses.is_dataclass(value):
         own = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
-        value = getattr(value, "parameters", own)  # those of a slider, with what only its law has
+        value = getattr(value, "parameters", own)  # of a slider or a loading
     if not isinstance(value, dict):
         yield name, value
         return

@@ -185,12 +185,11 @@ def test_provenance_is_enough_to_run_again():
     run = simulate(SLIDER, loading, 0.2, initial=initial, rtol=1e-7)
     slider = SpringSlider(**json.loads(run.attrs["slider"]))
     assert slider == SLIDER
-    record = json.loads(run.attrs["loading"])
-    assert record["t"] == [0.0, 0.1]
-    assert record["V"] == [1e-4, 3e-3]
+    calls = json.loads(run.attrs["loading"])
+    assert calls == [["constant", {"V": 1e-4}], ["step", {"t": 0.1, "V": 3e-3}]]
     again = simulate(
         slider,
-        Loading.steps(record["V"][0], (record["t"][1], record["V"][1])),
+        Loading.constant(**calls[0][1]).step(**calls[1][1]),
         json.loads(run.attrs["t_end"]),
         V_start=json.loads(run.attrs["V_start"]),
         initial=json.loads(run.attrs["initial"]),

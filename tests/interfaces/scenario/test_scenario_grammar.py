@@ -562,7 +562,7 @@ def test_a_sweep_over_the_last_speed(read):
     assert loading.V.dims == ("V_lp", "segment")
     assert loading.V.values.tolist() == [[1, 2, 0, 2], [1, 3, 0, 3]]
     sine = read("[loading]\nV_lp = 1\nsinusoid = {amplitude=1, period=5}\n" + RUN + sweep)
-    assert sine.settings["loading"].sine.V_lp.values.tolist() == [2, 3]
+    assert sine.settings["loading"].mean_speed.values.tolist() == [2, 3]
 
 
 def test_the_tables_of_a_sweep_come_before_the_others(read):

@@ -36,7 +36,7 @@ def comes_to_rest(loads, rows, t_end):
 
 def _speeds_at(loading, t):
     """Speed and acceleration in the segments that begin at t."""
-    k = np.searchsorted(loading.t, t, side="right") - 1
+    k = loading.speed.segments_at(t)
     V, rate = loading.V[..., k], loading.rate[..., k]
     return np.maximum(V + rate * (t - loading.t[k]), 0.0), rate
 
@@ -45,8 +45,8 @@ def _stresses_at(stress, t):
     """Normal stress, but for its sinusoid, at both ends of the segments that begin at t."""
     k = stress.segments_at(t)
     start, end = stress.start[..., k], stress.end[..., k]
-    ends = t, np.append(t[1:], np.inf)
-    return (start + stress.part_passed(when, k) * (end - start) for when in ends)
+    passed = ((when - stress.t[k]) / stress.lasting[k] for when in (t, np.append(t[1:], np.inf)))
+    return (start + np.minimum(part, 1.0) * (end - start) for part in passed)
 
 
 def _together(*columns):

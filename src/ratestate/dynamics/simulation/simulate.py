@@ -19,8 +19,9 @@ from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, checked
 from ...model.units import is_array, to_si
 from ..progress import bar
+from ..recorded_loading import record_loading
 from ..refusals import refusal
-from ..results import provenance, record_loading
+from ..results import provenance
 from .cases import failure
 from .motion import blank_motion, motion_variables, move
 from .settings import check_normal_stress, saved_times, solver_settings

@@ -48,10 +48,10 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
         return None
     attractor = verdict(loading.slider_at(math.inf, slider), V_lp)
     stress = _which_stress(loading, attractor.slider, slider)
-    if loading.sine is None and not loading.stress_oscillates:
+    if loading.mean_speed is None and not loading.stress_oscillates:
         return _on_attractor(attractor, *_not_reached(attractor, result), stress=stress)
     # the motion under a speed or a normal stress that goes on varying is unknown
-    name = "about.steady_sliding" if loading.sine is None else "about.mean_speed"
+    name = "about.steady_sliding" if loading.mean_speed is None else "about.mean_speed"
     about = SENTENCES(name, V_lp=V_lp, stress=stress)
     return VerdictText(about, None, "\n".join(attractor.of_steady_sliding))
 
@@ -68,8 +68,8 @@ def speed_of_verdict(loading: Loading) -> float | None:
 
     Of a loading with a shape, such as a sinusoid, its mean; None after a record, a hold, a ramp.
     """
-    if loading.sine is not None:
-        return float(loading.sine.V_lp)
+    if loading.mean_speed is not None:
+        return float(loading.mean_speed)
     V, rate = float(loading.V[-1]), float(loading.rate[-1])
     return None if loading.t_last < float("inf") or V == 0.0 or rate != 0.0 else V
 

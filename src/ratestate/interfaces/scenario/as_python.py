@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 
 from ...friction.law_properties import MARK
-from ...model.history import NormalStress
+from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.units import is_array
 from ...model.user_laws import file_of
-from ...model.written import Event, events_of, has_stress_rows, rows_of, stress_events_of
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import Scenario
 
@@ -68,49 +67,30 @@ def _call(name: str, arguments: list[str], longest: int = 0) -> str:
 
 def _loading(loading: Loading) -> str:
     """The calls that make a loading."""
-    if np.isfinite(loading.t_last) and loading.sine is None:
-        t, V, sigma = rows_of(loading)
-        texts = [f"t={numbers(t)}", f"V_lp={_column('V_lp', V)}"]
-        texts += [] if sigma is None else [f"sigma={_column('sigma', sigma)}"]
-        calls = [_call("rs.Loading.series", texts)]
-    else:
-        calls = _speed_calls(loading)
-    if loading.normal_stress is not None and not has_stress_rows(loading):
-        calls += _stress_calls(loading.normal_stress)
+    first, *others = loading.calls
+    calls = [_first(first), *(f".{call.method}({_arguments(call)})" for call in others)]
+    if others and all(call.method == "step" for call in others):
+        pairs = [f"({_arguments(call)})" for call in others]
+        calls = [_call("rs.Loading.steps", [_value("V_lp", first.arguments["V"]), *pairs], 61)]
     text = "".join(calls)
     if len(calls) == 1 or len(text) < 80:
         return text
     return "(\n" + "".join(f"    {call}\n" for call in calls) + ")"
 
 
-def _speed_calls(loading: Loading) -> list[str]:
-    """The calls that make a history of speeds, of steps or periodic."""
-    if (sine := loading.sine) is not None:
-        V_lp, amplitude = _value("V_lp", sine.V_lp), _value("V_lp", sine.amplitude)
-        ends = f"period={quantity('period', sine.period)}, t_end={quantity('t', loading.t_last)}"
-        return [f"rs.Loading.sinusoid({V_lp}, {amplitude}, {ends})"]
-    start, events = events_of(loading)
-    calls = [_event(event, "V_lp") for event in events]
-    if events and all(event.kind == "step" for event in events):
-        pairs = [call.removeprefix(".step") for call in calls]
-        return [_call("rs.Loading.steps", [_value("V_lp", start), *pairs], 61)]
-    return [f"rs.Loading.constant({_value('V_lp', start)})", *calls]
+def _first(call: Call) -> str:
+    """The call that begins a loading."""
+    if call.method == "series":
+        columns = call.arguments.items()
+        texts = [f"{symbol}={_column(symbol, values)}" for symbol, values in columns]
+        return _call("rs.Loading.series", texts)
+    return f"rs.Loading.{call.method}({_arguments(call)})"
 
 
-def _stress_calls(stress: NormalStress) -> list[str]:
-    """The calls that change the normal stress."""
-    calls = [_event(event, "sigma") for event in stress_events_of(stress)]
-    if not np.all(np.isinf(stress.period)):
-        amplitude, period = _value("sigma", stress.amplitude), _value("period", stress.period)
-        calls.append(f".sigma_sinusoid({amplitude}, period={period})")
-    return calls
-
-
-def _event(event: Event, symbol: str) -> str:
-    """The call that makes an event, of a speed or a normal stress."""
-    values = zip(("t", symbol, "t"), event[1:], strict=True)
-    arguments = ", ".join(_value(symbol, x) for symbol, x in values if x is not None)
-    return f".{event.kind}({arguments})"
+def _arguments(call: Call) -> str:
+    """The arguments of a call; those that have to be named are."""
+    texts = ((name, _value(call.symbol(name), x)) for name, x in call.arguments.items())
+    return ", ".join(f"{k}={x}" if k in ("period", "t_end") else x for k, x in texts)
 
 
 def _column(symbol: str, values: Any) -> str:

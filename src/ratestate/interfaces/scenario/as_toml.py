@@ -8,13 +8,12 @@ import numpy as np
 from ...errors import ParameterError
 from ...friction.law import LOG
 from ...friction.law_properties import MARK
-from ...model.history import NormalStress
+from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
 from ...model.user_laws import file_of
-from ...model.written import Event, events_of, has_stress_rows, rows_of, stress_events_of
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import FUNCTIONS, Scenario
 
@@ -48,10 +47,7 @@ def toml(scenario: Scenario) -> str:
     loading: dict[str, str] = {}
     swept = {k: v for k, v in {**slider, **settings}.items() if is_array(v) and k != "frequency"}
     if "loading" in settings:
-        history = settings.pop("loading")
-        loading, last = _loading(history)
-        if history.normal_stress is not None and not has_stress_rows(history):
-            loading |= _normal_stress(history.normal_stress)
+        loading, last = _loading(settings.pop("loading"))
         swept |= {"V_lp": last} if is_array(last) else {}
     elif "V_lp" in settings and "V_lp" not in swept:
         loading = {"V_lp": quantity("V_lp", settings["V_lp"])}
@@ -101,47 +97,60 @@ def _form(name: str) -> dict[str, str]:
 
 def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
     """The keys of [loading], and its last speed."""
-    if (sine := loading.sine) is not None:
-        _refuse_arrays("the amplitude of a sinusoid", sine.amplitude)
-        first = last = sine.V_lp
-        values = {"amplitude": ("V_lp", sine.amplitude), "period": ("period", sine.period)}
-        more = {"sinusoid": _inline({key: quantity(*value) for key, value in values.items()})}
-    elif np.isfinite(loading.t_last):
-        t, V, sigma = rows_of(loading)
-        _refuse_arrays("the speeds of a record", V)
-        _refuse_arrays("the normal stress of a record", sigma)
-        columns = {"t": f"{numbers(t)}  # s", "V_lp": f"{numbers(V)}  # m/s"}
-        if sigma is not None:
-            columns["sigma"] = f"{numbers(sigma)}  # Pa"
-        return columns, V[-1]
+    first, *events = (call for call in loading.calls if not call.of_stress)
+    values = first.arguments
+    stress = _normal_stress([call for call in loading.calls if call.of_stress])
+    if first.method == "series":
+        _refuse_arrays("the speeds of a record", values["V_lp"])
+        _refuse_arrays("the normal stress of a record", values.get("sigma"))
+        columns = {
+            symbol: f"{numbers(column)}  # {QUANTITIES[symbol].unit}"
+            for symbol, column in values.items()
+        }
+        return columns | stress, values["V_lp"][-1]
+    if first.method == "sinusoid":
+        _refuse_arrays("the amplitude of a sinusoid", values["amplitude"])
+        speeds = [values["V_lp"]]
+        more = {"sinusoid": _table(first, {"amplitude": "amplitude", "period": "period"})}
     else:
-        first, events = events_of(loading)
-        *before, last = [first, *(event.value for event in events if event.value is not None)]
-        if any(map(is_array, before)):
+        speeds = [call.arguments["V"] for call in (first, *events) if "V" in call.arguments]
+        if any(map(is_array, speeds[:-1])):
             raise ParameterError("a scenario file can sweep none but the last speed of a loading")
-        steps = "".join(f"    {_step(event)},\n" for event in events)
-        more = {"steps": f"[\n{steps}]"} if events else {}
-    return ({} if is_array(first) else {"V_lp": quantity("V_lp", first)}) | more, last
+        steps = [_table(call, {"t": "t", "V": "V_lp", "duration": call.method}) for call in events]
+        more = {"steps": _lines(steps)} if steps else {}
+    if not is_array(speeds[0]):
+        more = {"V_lp": quantity("V_lp", speeds[0])} | more
+    return more | stress, speeds[-1]
 
 
-def _normal_stress(stress: NormalStress) -> dict[str, str]:
+def _normal_stress(calls: list[Call]) -> dict[str, str]:
     """The keys of [loading] that change the normal stress."""
     keys, steps = {}, []
-    for event in stress_events_of(stress):
-        _refuse_arrays("normal stress", event.value)
-        values = {
-            "t": ("t", event.t),
-            "sigma": ("sigma", event.value),
-            "ramp": ("t", event.duration),
-        }
-        steps.append(_inline({k: quantity(s, x) for k, (s, x) in values.items() if x is not None}))
-    if steps:
-        keys["sigma_steps"] = "[\n" + "".join(f"    {step},\n" for step in steps) + "]"
-    if not np.all(np.isinf(stress.period)):
-        _refuse_arrays("normal stress", stress.amplitude, stress.period)
-        values = {"amplitude": ("sigma", stress.amplitude), "period": ("period", stress.period)}
-        keys["sigma_sinusoid"] = _inline({key: quantity(*value) for key, value in values.items()})
-    return keys
+    for call in calls:
+        _refuse_arrays("normal stress", *call.arguments.values())
+        if call.method == "sigma_sinusoid":
+            names = {name: name for name in call.arguments}
+            keys["sigma_sinusoid"] = _table(call, names)
+        else:
+            steps.append(_table(call, {"t": "t", "sigma": "sigma", "duration": "ramp"}))
+    return ({"sigma_steps": _lines(steps)} if steps else {}) | keys
+
+
+def _table(call: Call, keys: dict[str, str]) -> str:
+    """An inline table of arguments of a call, under these keys."""
+    given = {name: key for name, key in keys.items() if name in call.arguments}
+    values = {name: call.arguments[name] for name in given}
+    literals = {
+        # (a swept last speed is in [sweep])
+        key: quantity(call.symbol(name), 1.0 if is_array(values[name]) else values[name])
+        for name, key in given.items()
+    }
+    return _inline(literals)
+
+
+def _lines(tables: list[str]) -> str:
+    """A list with a table on each line."""
+    return "[\n" + "".join(f"    {table},\n" for table in tables) + "]"
 
 
 def _refuse_arrays(what: str, *values: Any) -> None:
@@ -151,14 +160,6 @@ def _refuse_arrays(what: str, *values: Any) -> None:
             f"{what} cannot be swept in a scenario file; "
             f"ratestate.scenario.python(scenario) writes this one as Python"
         )
-
-
-def _step(event: Event) -> str:
-    """A step, hold or ramp as an inline table."""
-    V = 1.0 if is_array(event.value) else event.value  # a swept last speed is in [sweep]
-    values = {"t": ("t", event.t), "V_lp": ("V_lp", V), event.kind: ("t", event.duration)}
-    given = {key: (symbol, x) for key, (symbol, x) in values.items() if x is not None}
-    return _inline({key: quantity(*value) for key, value in given.items()})
 
 
 def _axis(symbol: str, value: Any) -> str:

@@ -5,9 +5,9 @@ import functools
 from pathlib import Path
 from typing import Any
 
+from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.quantities import QUANTITIES
-from ...model.written import Event
 from .known_keys import LIKE, SINUSOID, SPEEDS_LIKE, STEP, example, known_items
 from .problems import Place, expected, message
 from .record import Record, read_record
@@ -25,7 +25,7 @@ class LoadingTable:
 
     place: Place
     given: dict[str, Any]  # the keys that the file has
-    events: list[tuple[Place, Event]]  # the start, and the steps, holds and ramps, in SI
+    events: list[tuple[Place, Call]]  # the start, and the steps, holds and ramps, in SI
     wave: dict[str, Any] = dataclasses.field(default_factory=dict)  # of the sinusoid, in SI
     record: Record = dataclasses.field(default_factory=Record)
     stress: StressTable | None = None
@@ -39,15 +39,15 @@ class LoadingTable:
     @property
     def final(self) -> int:
         """Index of the last event that has a speed, or else of the start."""
-        return max((i for i, (_, e) in enumerate(self.events) if e.value is not None), default=0)
+        return max(i for i, (_, call) in enumerate(self.events) if "V" in call.arguments)
 
     @property
     def last(self) -> tuple[Place, float | None]:
         """The key of the last speed, for messages, and this speed [m/s], None if unknown."""
         if self.is_record:
             return self.place.at("file" if "file" in self.given else "V_lp"), self.record.last
-        place, event = self.events[self.final]
-        return place.at("V_lp"), event.value
+        place, call = self.events[self.final]
+        return place.at("V_lp"), call.arguments["V"]
 
     def build(self, V_last: Any, t_end: float | None) -> Loading | None:
         """The loading up to t_end [s]; None if it has problems, or where it would need an end.
@@ -66,20 +66,20 @@ class LoadingTable:
             return self.record.loading if self.sound else None
         events = self.events.copy()
         if V_last is not None:
-            place, event = events[self.final]
-            events[self.final] = place, event._replace(value=V_last)
-        (_, start), *later = events
-        sound = self.sound and start.value is not None  # (a missing speed is noted elsewhere)
+            place, call = events[self.final]
+            events[self.final] = place, Call(call.method, call.arguments | {"V": V_last})
+        (_, first), *later = events
+        start = first.arguments["V"]
+        sound = self.sound and start is not None  # (a missing speed is noted elsewhere)
         if "sinusoid" in self.given:
             if not sound or t_end is None:
                 return None
-            make = functools.partial(Loading.sinusoid, start.value, **self.wave, t_end=t_end)
+            make = functools.partial(Loading.sinusoid, start, **self.wave, t_end=t_end)
             place = self.place.at("sinusoid")
             return place.noting(make, wanted="expected a sinusoid", like=SINUSOID.like)
-        loading = Loading.constant(1.0 if start.value is None else start.value)
-        for place, event in later:
-            arguments = [x for x in event[1:] if x is not None]
-            make = functools.partial(getattr(loading, event.kind), *arguments)
+        loading = Loading.constant(1.0 if start is None else start)
+        for place, call in later:
+            make = functools.partial(call.on, loading)
             loading = place.noting(make, "t", "expected steps", STEP.like) or loading
         return loading if sound else None
 
@@ -111,7 +111,7 @@ def loading_table(
     else:
         for key in {"columns", "units"} & given.keys():
             place.at(key).add("loading.no_file", like=file)
-    loading.events = [(place, Event("step", 0.0, V_lp))]
+    loading.events = [(place, Call("constant", {"V": V_lp}))]
     if "steps" in given:
         loading.events += _events(given["steps"], place.at("steps"))
     loading.stress = stress_table(given, place, area)
@@ -153,7 +153,7 @@ def _rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Record:
     return Record(loading, float(columns["V_lp"][-1]) if loading else None)
 
 
-def _events(steps: Any, place: Place) -> list[tuple[Place, Event]]:
+def _events(steps: Any, place: Place) -> list[tuple[Place, Call]]:
     """Steps, holds and ramps; those with a problem are left out."""
     if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
         place.add("steps.no_list", given=steps, most=MOST_STEPS, like=STEP.like)
@@ -162,7 +162,7 @@ def _events(steps: Any, place: Place) -> list[tuple[Place, Event]]:
     return [(where, event) for where, event in events if event]
 
 
-def _event(step: Any, place: Place) -> Event | None:
+def _event(step: Any, place: Place) -> Call | None:
     """A step, hold or ramp; None if it has a problem."""
     before = len(place.problems)
     values = STEP.read(step, place)
@@ -178,4 +178,5 @@ def _event(step: Any, place: Place) -> Event | None:
         place.missing("V_lp", message("steps.speed_wanted", wanted=expected("V_lp")))
     if len(place.problems) > before:
         return None
-    return Event(kind, values["t"], values.get("V_lp"), values.get(kind))
+    names = {"t": "t", "V_lp": "V", kind: "duration"}
+    return Call(kind, {name: values[key] for key, name in names.items() if key in values})

@@ -3,8 +3,8 @@
 from typing import Any
 
 from ...dynamics import attributes
+from ...dynamics.recorded_loading import with_labels
 from ...dynamics.results import parameter
-from ...errors import ParameterError
 from ...model.units import is_array
 
 WANTED = (
@@ -31,22 +31,6 @@ def _without_case_labels(value: Any) -> Any:
     if not is_array(value):
         return value
     return value.drop_vars([name for name, label in value.coords.items() if not label.dims])
-
-
-def with_labels(result: Any, recorded: Any) -> Any:
-    """A recorded array over some of the result's dimensions, with the result's labels."""
-    for dim, size in recorded.sizes.items():
-        if dim != "segment" and result.sizes.get(dim) != size:
-            raise ParameterError(
-                f"the result holds {result.sizes.get(dim, 1)} of {size} cases along {dim!r}, and "
-                f"does not say which; give all of them"
-            )
-    coords = {
-        name: c.variable
-        for name, c in result.coords.items()
-        if set(c.dims) <= set(recorded.dims) and c.dims and name != "time"
-    }
-    return recorded.drop_vars(recorded.coords).assign_coords(coords)
 
 
 def values_of(result: Any, name: str, given: dict[str, Any]) -> dict[str, Any]:

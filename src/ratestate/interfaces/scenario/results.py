@@ -7,6 +7,7 @@ import numpy as np
 import xarray
 
 from ...dynamics import attributes
+from ...dynamics.recorded_loading import recorded_loading
 from ...errors import ParameterError
 from ...friction.forms import parameters_of
 from ...friction.law import LOG
@@ -17,7 +18,6 @@ from ...model.slider import OPTIONAL, SpringSlider
 from ...model.units import is_array
 from .known_keys import COMMON
 from .model import FUNCTIONS, Scenario
-from .recorded_loading import recorded_loading
 from .recorded_values import WANTED, value_of, values_of
 
 

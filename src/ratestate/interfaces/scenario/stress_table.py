@@ -4,9 +4,9 @@ import dataclasses
 import functools
 from typing import Any
 
+from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.parameters import parameter_to_si
-from ...model.written import Event
 from .known_keys import STRESS_SINUSOID, STRESS_STEP
 from .problems import Place, expected
 from .values import InlineTable
@@ -19,14 +19,13 @@ class StressTable:
     """What changes the normal stress, read; it is put onto a loading when that is built."""
 
     place: Place  # of [loading]
-    events: list[tuple[Place, Event]] = dataclasses.field(default_factory=list)
+    events: list[tuple[Place, Call]] = dataclasses.field(default_factory=list)
     sinusoid: dict[str, Any] = dataclasses.field(default_factory=dict)  # in SI
 
     def applied(self, loading: Loading) -> Loading:
         """The loading with this normal stress; changes with a problem, noted, are left out."""
-        for place, event in self.events:
-            arguments = [x for x in event[1:] if x is not None]
-            make = functools.partial(getattr(loading, event.kind), *arguments)
+        for place, call in self.events:
+            make = functools.partial(call.on, loading)
             loading = place.noting(make, "t", "expected steps", STRESS_STEP.like) or loading
         if self.sinusoid:
             make = functools.partial(loading.sigma_sinusoid, **self.sinusoid)
@@ -72,7 +71,7 @@ def column_per_area(forces: Any, unit: str, area: dict[str, Any]) -> Any:
     return stress.values if stress.ndim == 1 else list(stress.transpose("row", ...))
 
 
-def _events(steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place, Event]]:
+def _events(steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place, Call]]:
     """Steps and ramps; those with a problem are left out."""
     if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
         place.add("steps.no_list", given=steps, most=MOST_STEPS, like=STRESS_STEP.like)
@@ -86,9 +85,9 @@ def _events(steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place,
             where.missing(key)
         _per_area(values or {}, "sigma", where, area)
         if values and not missing and all(x is not None for x in values.values()):
-            kind = "sigma_ramp" if "ramp" in values else "sigma_step"
-            event = Event(kind, values["t"], values["sigma"], values.get("ramp"))
-            events.append((where, event))
+            ramp = {"duration": values["ramp"]} if "ramp" in values else {}
+            arguments = {"t": values["t"], "sigma": values["sigma"], **ramp}
+            events.append((where, Call("sigma_ramp" if ramp else "sigma_step", arguments)))
     return events
 
 

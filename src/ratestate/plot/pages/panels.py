@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from ...dynamics.attributes import loading_record
-from ...dynamics.results import normal_stress
+from ...dynamics.recorded_loading import recorded_loading
+from ...dynamics.results import MANY, normal_stress
 from ...dynamics.steady_sliding import steady_stress
+from ...errors import ParameterError
 from ..labels import GRAY, RED, STRESS, prefixed
 from ..layout import ABOVE, is_wide, show_constant
 
@@ -37,15 +38,17 @@ def _speed_axis(runs, ax):
 
 
 def _load(run):
-    """Times and speeds of the load point, with its jumps where they are recorded; NaN at rest."""
+    """Times and speeds of the load point, with its jumps if they are known; NaN at rest."""
     t, V = run.time.values, run.V_load.values
-    record = loading_record(run)
-    columns = [record.get(name) for name in ("t", "V", "rate")]
-    if all(isinstance(column, list) for column in columns):  # of this run alone
-        starts, speeds, rates = map(np.array, columns)
+    try:
+        loading = recorded_loading(run)
+    except ParameterError:  # one case of a sweep, or a result of an earlier version
+        loading = None
+    if loading is not None and loading.V.ndim == 1 and loading.t.size <= MANY:
+        starts = loading.t - run.attrs.get("t_zero", 0.0)
         ends = np.append(starts[1:], max(t[-1], starts[-1]))
         t = np.column_stack([starts, ends]).ravel()
-        V = np.column_stack([speeds, speeds + rates * (ends - starts)]).ravel()
+        V = np.column_stack([loading.V, loading.V + loading.rate * (ends - starts)]).ravel()
         last = np.searchsorted(t, run.time.values[-1], side="right")
         t, V = t[: last + 1].clip(None, run.time.values[-1]), V[: last + 1]
     return t, np.where(V > 0.0, V, np.nan)

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from ...dynamics.results import record_loading
+from ...dynamics.recorded_loading import record_loading
 from ...friction.laws import friction_law
 from ...model.quantities import attrs
 from .diagnostics.checks import diagnose
@@ -33,6 +33,8 @@ def dataset_of(inference, data):
     if inference.posterior is not None:
         result.attrs["prior"] = prior_text(inference.posterior.prior)
     record_loading(result, record.loading)
+    if record.loading.normal_stress is not None:
+        result.attrs["normal_stress"] = "varies"
     return result
 
 

@@ -168,7 +168,7 @@ def fixed_parameters(laws):
     values: dict[str, float] = {}
     for part in laws.values():
         symbols = of_slider(law_of(part))
-        if "loading" in part.attrs and "sigma" in attributes.loading_record(part):
+        if "normal_stress" in part.attrs:
             symbols = (*symbols, "alpha")  # which has a part where normal stress varies
         given = [s for s in symbols if s not in part.data_vars]
         values |= {s: value_of(part, s) for s in (*given, "sigma", "V0")}

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from ....dynamics.results import record_loading
+from ....dynamics.recorded_loading import record_loading
 from ....model.loading import Loading
 from ..result import curve_variables, estimate_variables, labelled, text_variables
 from .diagnostics import diagnose

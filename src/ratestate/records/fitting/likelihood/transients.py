@@ -14,6 +14,7 @@ import dataclasses
 import numpy as np
 from scipy.special import fdtrc
 
+from ....model.history import History
 from ..forward import Forward
 from ..record import changes
 from ..restricted_likelihood import RestrictedLikelihood
@@ -103,9 +104,11 @@ def _moved_further(loading, start, duration, distance):
     end = start + duration
     t = np.union1d(loading.t, [start, end])
     k = np.searchsorted(loading.t, t, side="right") - 1
-    V = loading.V[k] + loading.rate[k] * (t - loading.t[k])
-    V = V + np.where((t >= start) & (t < end), distance / duration, 0.0)
-    return dataclasses.replace(loading, t=t, V=V, rate=loading.rate[k])
+    until = loading.speed.until
+    last = np.append(t[1:], until if np.isfinite(until) else t[-1])  # (constant if it is inf)
+    push = np.where((t >= start) & (t < end), distance / duration, 0.0)
+    first, final = (loading.V[k] + loading.rate[k] * (x - loading.t[k]) + push for x in (t, last))
+    return dataclasses.replace(loading, speed=History(t, first, final, until))
 
 
 def longest_distance(estimates, slider):

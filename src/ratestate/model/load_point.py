@@ -1,0 +1,206 @@
+"""What a loading is at any time: speed and displacement of the load point, and normal stress."""
+
+import dataclasses
+import functools
+from typing import Any
+
+import numpy as np
+
+from ..errors import ParameterError
+from .arrays import column, running_sum
+from .history import History, NormalStress
+from .units import is_array, named, one_in_si, to_si
+
+
+@dataclasses.dataclass(frozen=True)
+class Call:
+    """A call of a method of `Loading`, with its arguments in SI."""
+
+    method: str
+    arguments: dict[str, Any]
+
+    def on(self, loading):
+        """The result of the call on a loading, or on the class `Loading`."""
+        return getattr(loading, self.method)(**self.arguments)
+
+    def symbol(self, argument):
+        """Symbol of the quantity that an argument is."""
+        amplitude = "sigma" if self.of_stress else "V_lp"
+        return {"V": "V_lp", "duration": "t", "amplitude": amplitude}.get(argument, argument)
+
+    @property
+    def of_stress(self):
+        """Whether the call changes the normal stress, and not the speed."""
+        return self.method.startswith("sigma")
+
+
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+class LoadPoint:
+    """Speed of the load point, and the normal stress with it; the fields are those of `Loading`."""
+
+    speed: History
+    t_last: float = np.inf
+    normal_stress: NormalStress | None = None
+    calls: tuple[Call, ...] = ()
+
+    @property
+    def t(self):
+        """Starts of the segments [s], increasing from 0: an array, shape (S,)."""
+        return self.speed.t
+
+    @property
+    def V(self):
+        """Speed [m/s] at the start of each segment, shape (S,), or DataArray, ``segment`` last."""
+        return self.speed.start
+
+    @property
+    def rate(self):
+        """Acceleration [m/s^2] in each segment, shape of V; 0 if the speed is constant."""
+        return self.speed.rate
+
+    @property
+    def parameters(self):
+        """Arguments of all calls, by number and method: ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
+        return {f"{number} {call.method}": call.arguments for number, call in enumerate(self.calls)}
+
+    @property
+    def V_first(self):
+        """Speed at t = 0 [m/s], float or DataArray."""
+        return named("V_load", self.V[..., 0])
+
+    @property
+    def mean_speed(self):
+        """Mean speed of a sinusoid [m/s]; None for any other loading."""
+        first = self.calls[0]
+        return first.arguments["V_lp"] if first.method == "sinusoid" else None
+
+    @property
+    def stress_oscillates(self):
+        """Whether normal stress has a sinusoid, and so varies for ever."""
+        return self.normal_stress is not None and self.normal_stress.oscillates
+
+    def covers(self, t_end):
+        """Raise ParameterError if the history ends before a time.
+
+        Parameters
+        ----------
+        t_end : float or DataArray
+            Time [s].
+        """
+        if (last := float(np.max(t_end))) > self.t_last:
+            raise ParameterError(
+                f"t_end = {last!r} s is beyond the end of the loading series, {self.t_last!r} s; "
+                f"shorten t_end or extend the series"
+            )
+
+    def V_load(self, t):
+        """Speed of the load point [m/s] at times t [s]; at a jump, the speed after it.
+
+        Parameters
+        ----------
+        t : array, DataArray, float, str or pint.Quantity
+            Times from 0 to `t_last`, in any order; others raise ParameterError.
+
+        Returns
+        -------
+        ndarray or DataArray
+            Shape of t if no speed is a DataArray; else the sweep's dimensions, then those of t
+            (``time`` for a plain 1-D array).
+        """
+        V, rate, elapsed = self.speed.pick(self._checked(t), self.V, self.rate)
+        return named("V_load", np.maximum(V + rate * elapsed, 0.0))  # rounding may pass 0
+
+    def delta_lp(self, t):
+        """Displacement of the load point [m] from t = 0 to times t [s].
+
+        The exact integral of the piecewise linear speed, to a few units in the last place
+        however many segments there are.
+
+        Parameters
+        ----------
+        t : array, DataArray, float, str or pint.Quantity
+            As for `V_load`.
+
+        Returns
+        -------
+        ndarray or DataArray
+            As from `V_load`.
+        """
+        columns = self.V, self.rate, self._passed
+        V, rate, passed, elapsed = self.speed.pick(self._checked(t), *columns)
+        return named("delta_lp", passed + elapsed * (V + 0.5 * rate * elapsed))
+
+    def sigma(self, t, sigma):
+        """Normal stress [Pa] at times t [s] on a slider whose own is sigma; after a jump there.
+
+        Parameters
+        ----------
+        t : array, DataArray, float, str or pint.Quantity
+            As for `V_load`.
+        sigma : float, str, pint.Quantity or DataArray
+            Normal stress of the slider [Pa], > 0.
+
+        Returns
+        -------
+        ndarray or DataArray
+            As from `V_load`.
+        """
+        return self._known_stress.at(self._checked(t), to_si("sigma", sigma))
+
+    def slider_at(self, t, slider):
+        """The slider as it is at time t: with the normal stress of then as its own.
+
+        Its critical stiffness and velocity, and its `stability`, are then those of that time.
+
+        Parameters
+        ----------
+        t : float, str or pint.Quantity
+            Time [s], from 0 to `t_last`; inf for the normal stress that the history comes to in
+            the end, or, under a sinusoid, then oscillates about.
+        slider : SpringSlider
+            With the normal stress of the beginning.
+
+        Returns
+        -------
+        SpringSlider
+            The same slider where nothing changes normal stress.
+
+        Examples
+        --------
+        >>> import ratestate as rs
+        >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m")
+        >>> pull = rs.Loading.constant("10 um/s").sigma_ramp("2 s", "4 MPa", "1 s")
+        >>> [pull.slider_at(t, slider).sigma for t in (0.0, 2.5, float("inf"))]
+        [2000000.0, 3000000.0, 4000000.0]
+        """
+        if isinstance(t, float) and t == np.inf:
+            sigma = self._known_stress.of_slider(slider.sigma).end[..., -1]
+        else:
+            sigma = self.sigma(one_in_si("t", t), slider.sigma)
+        return slider.replace(sigma=sigma) if self.normal_stress else slider
+
+    @property
+    def _known_stress(self):
+        return self.normal_stress or NormalStress.constant("sigma", np.nan)
+
+    def _checked(self, t):
+        """Return times in SI, an array or DataArray; ParameterError for one outside the history."""
+        if isinstance(t, list | tuple) or (isinstance(t, np.ndarray) and t.dtype.kind not in "iuf"):
+            t = column("t", t)
+        elif not isinstance(t, np.ndarray):
+            t = to_si("t", t)
+        seconds = np.asarray(t, dtype=float)
+        outside = ~((seconds >= 0) & (seconds <= self.t_last))
+        if outside.any():
+            raise ParameterError(
+                f"t = {seconds[outside].flat[0]} s is outside the loading, 0 to {self.t_last!r} s"
+            )
+        return t if is_array(t) else seconds
+
+    @functools.cached_property
+    def _passed(self):
+        """Displacement [m] at the start of each segment, shape of V."""
+        V, rate, dt = np.asarray(self.V), np.asarray(self.rate), np.diff(self.t)
+        passed = np.zeros(V.shape)
+        passed[..., 1:] = running_sum(dt * (V[..., :-1] + 0.5 * rate[..., :-1] * dt))
+        return self.V.copy(data=passed) if is_array(self.V) else passed
