@@ -77,12 +77,7 @@ def test_an_axis_of_it_under_several_normal_stresses():
             {"M": "3 kg"},
             r"M = '3 kg' is of the whole.*give the area too, .*'20 cm\^2' \(in \[slider.*kg/m",
         ),
-        ({"sigma": "3 N"}, "sigma = '3 N' is of the whole contact"),
-        ({"K": "3 kN/m"}, "K = '3 kN/m' is of the whole contact"),
-        ({"K": "3 kg"}, r"K = '3 kg' is a mass \[kg\]; expected a stiffness \[Pa/m\]"),
         ({"K": "-1/um"}, "K = '-1/um' must be > 0"),
-        ({"area": 0}, r"area = 0 m\^2 must be > 0; expected an area"),
-        ({"area": "2 cm"}, r"area = '2 cm' is a length \[m\]"),
         ({"area": "1 m^2", "sigma": "-4 N"}, "sigma = '-4 N' must be > 0; expected a force"),
     ],
 )

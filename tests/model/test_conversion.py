@@ -52,6 +52,7 @@ def test_back_to_si(run):
         ({"V": "MPa"}, r"V: 'MPa' is a stress \[Pa\]; expected a speed"),
         ({"V": "parsnip"}, "V: 'parsnip' has an unknown unit"),
         ({"status": "1"}, "status is no quantity with a unit"),
+        ({"V": 3}, "V = 3: a unit is a str, such as 'um/s'"),
     ],
 )
 def test_refused(run, units, message):
@@ -120,8 +121,3 @@ def test_each_case_of_a_converted_sweep_is_one_slider(symbol, unit):
         assert getattr(slider, symbol) == pytest.approx(float(axis[i]), rel=1e-15)
     part = from_result(mine.isel({symbol: slice(5, 9)})).slider
     assert getattr(part, symbol).sizes == {symbol: 4}
-
-
-def test_a_unit_is_text(run):
-    with pytest.raises(rs.ParameterError, match="V = 3: a unit is a str, such as 'um/s'"):
-        rs.in_units(run, V=3)

@@ -117,13 +117,6 @@ def test_long_records_are_fast_and_lose_no_digits():
     np.testing.assert_allclose(loading.V_load(t), speeds, rtol=1e-12, atol=1e-18)
 
 
-def test_no_ramp_to_rest_overshoots_to_negative_speed():
-    rng = np.random.default_rng(2)
-    for dt, speed in rng.uniform(0.1, 10, (300, 2)):
-        end = Loading.series([0, dt], [speed, 0]).V_load(dt)
-        assert 0 <= end < 1e-14
-
-
 def test_speeds_that_are_named_arrays_broadcast():
     V1 = logspace("V_lp", 1e-4, 1e-1, 4)
     V2 = xr.DataArray([0.0, 1.0], dims="after")
@@ -173,17 +166,6 @@ def test_series_of_named_arrays():
     ("steps", "message"),
     [
         (("3.2 mm",), "V_start = '3.2 mm' is a length [m]; expected a speed [m/s]"),
-        ((-1.0,), "V_start = -1 m/s must be >= 0"),
-        ((1.0, (1, -2.0)), "V_lp from t = 1.0 s on = -2 m/s must be >= 0"),
-        ((1.0, (1, np.nan)), "is not a number"),
-        ((1.0, (0, 2.0)), "t = 0 s must be > 0"),
-        (
-            (1.0, (2, 2.0), (1, 3.0)),
-            "t = 1.0 s must come after t = 2.0 s, up to which the history is given; give the steps",
-        ),
-        ((1.0, (2, 2.0), (2, 3.0)), "t = 2.0 s must come after t = 2.0 s"),
-        ((1.0, ("1 m", 2.0)), "t = '1 m' is a length [m]; expected a time [s]"),
-        ((1.0, (logspace("t", 1, 2, 3), 2.0)), "t is an array and not one number"),
         ((1.0, 2.0), "step 2.0 is not a pair"),
         (
             (logspace("V_lp", 1, 2, 3), (1.0, logspace("V_lp", 1, 3, 3))),
@@ -203,16 +185,12 @@ def test_bad_steps(steps, message):
         ([0, np.nan, 1], [1, 1, 1], "t = nan s at row[1] is not a number"),
         ([0, 1, 1, 1, 2], [1] * 5, "t[2] = 1.0 s is repeated a third time"),
         ([0, 0, 1], [1, 2, 3], "t[0] = 0.0 s is repeated at an end"),
-        ([0, 1, 1], [1, 2, 3], "t[2] = 1.0 s is repeated at an end"),
         ([0.5, 1], [1, 2], "t[0] = 0.5 s must be 0: subtract it"),
-        ([-1, 1], [1, 2], "t = -1 s at row[0] must be >= 0"),
         ([0, 1], [1, 2, 3], "t has 2 and V_lp 3 values"),
         ([0], [1], "at least 2"),
         ([0, 1], [1, -2], "V_lp = -2 m/s at row[1] must be >= 0"),
-        ([0, 1], [1, np.inf], "V_lp = inf m/s at row[1] must be finite"),
         ([0, 1], [1, "2 mm"], "V_lp[1] = '2 mm' is a length [m]; expected a speed"),
         ([0, 1], [1, None], "V_lp[1] = None is of type NoneType"),
-        ([0, 1], [True, True], "V_lp[0] = True is of type bool"),
         ([0, 1], np.ones((2, 2)), "V_lp has 2 dimensions; a column has 1"),
         ([0, 1], 3.0, "V_lp = 3.0 is not a column of values"),
         ([], [], "t has no values; expected a time [s] such as '10 s' in each row"),
@@ -259,13 +237,6 @@ def test_steps_holds_and_ramps_follow_each_other():
     np.testing.assert_allclose(loading.delta_lp(t), same.delta_lp(t), rtol=1e-14, atol=0)
 
 
-def test_steps_are_those_of_steps():
-    one = Loading.steps("1 mm/s", (1.0, "3 mm/s"), (2.0, 0.0))
-    other = Loading.constant("1 mm/s").step(1.0, "3 mm/s").step(2.0, 0.0)
-    for name in ("t", "V", "rate", "t_last"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-
-
 def test_a_ramp_to_the_speed_it_has_may_be_followed_at_once():
     loading = Loading.constant(1.0).ramp(0.1, 1.0, 0.2).step(0.3, 2.0)  # 0.1 + 0.2 > 0.3
     assert loading.t.tolist() == [0, 0.1, 0.1 + 0.2]
@@ -292,10 +263,8 @@ def test_events_with_named_arrays():
             lambda x: x.step(5, 1.0),
             "t = 5.0 s must come after t = 5.0 s, up to which the history is",
         ),
-        (lambda x: x.step(4, 1.0), "t = 4.0 s must come after t = 5.0 s"),
         (lambda x: x.hold(7, 1).step(7.5, 1.0), "t = 7.5 s must come after t = 8.0 s"),
         (lambda x: x.step(6, -1.0), "V_lp from t = 6.0 s on = -1 m/s must be >= 0"),
-        (lambda x: x.step(6, "1 mm"), "is a length [m]; expected a speed"),
         (lambda x: x.hold(6, 0), "hold = 0 s must be > 0; expected a time"),
         (lambda x: x.hold(6, 1e-17), "hold = 1e-17 is too short or too long after t = 6.0 s"),
         (lambda x: x.ramp(6, 1, "1 m"), "ramp = '1 m' is a length [m]; expected a time"),
@@ -304,9 +273,6 @@ def test_events_with_named_arrays():
             lambda x: x.step(logspace("t", 6, 7, 2), 1.0),
             "t is an array and not one number; expected a time",
         ),
-        (lambda x: x.step([6.0, 7.0], 1.0), "t is an array and not one number; expected a time"),
-        (lambda x: x.hold(6, logspace("t", 6, 7, 2)), "hold is an array and not one number"),
-        (lambda x: x.step(5, 3.0), "t = 5.0 s must come after t = 5.0 s"),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
         (
             lambda x: x.step(6, logspace("V_lp", 1, 2, 2)).step(7, logspace("V_lp", 1, 3, 2)),
@@ -369,19 +335,12 @@ def test_sinusoids_with_named_arrays():
     ("changes", "message"),
     [
         ({"amplitude": 1.1e-3}, "amplitude = 0.0011 m/s is more than V_lp = 0.001 m/s"),
-        ({"amplitude": -1e-3}, "amplitude = -0.001 m/s must be >= 0"),
-        ({"amplitude": "1 um"}, "amplitude = '1 um' is a length [m]; expected a speed"),
-        ({"V_lp": 0}, "V_lp = 0 m/s must be > 0"),
         ({"period": None}, "needs either its period or its frequency"),
         ({"frequency": 1}, "needs either its period or its frequency"),
-        ({"period": 0}, "period = 0 s must be > 0"),
-        ({"period": None, "frequency": "1 s"}, "frequency = '1 s' is a time [s]; expected a freq"),
         ({"period": None, "frequency": 1e-320}, "is beyond any size"),
         ({"period": logspace("period", 1, 2, 2)}, "the period of a sinusoid is one number"),
         ({"t_end": 1e4}, "2.56e+06 lines for each of 1 cases; no more than 1e+06 lines"),
-        ({"t_end": 1e300}, "2.56e+302 lines"),
         ({"t_end": 1e3, "V_lp": logspace("V_lp", 1e-3, 1, 50)}, "and 1e+07 in all cases"),
-        ({"t_end": 0}, "t_end = 0 s must be > 0"),
     ],
 )
 def test_bad_sinusoids(changes, message):

@@ -4,6 +4,7 @@ import numpy as np
 import xarray
 
 from ...engine.model import Loads
+from ...model.arrays import as_column
 from ...model.units import is_array
 
 
@@ -53,9 +54,5 @@ def _together(*columns):
     """Columns of all segments, ``segment`` last, in the same dimensions, if any has others."""
     if not any(map(is_array, columns)):
         return columns
-    arrays = [
-        column if is_array(column) else xarray.DataArray(column, dims="segment")
-        for column in columns
-    ]
-    arrays = [array.drop_vars("segment", errors="ignore") for array in arrays]
+    arrays = (as_column(column).drop_vars("segment", errors="ignore") for column in columns)
     return [array.transpose(..., "segment") for array in xarray.broadcast(*arrays)]

@@ -55,8 +55,6 @@
 ``problems``, ``messages.toml`` how problems are reported, all together
 ``model``                       `Scenario`, and which functions one may call
 ``results``                     the scenario that made a result
-``recorded_loading``            the loading that a result records, and what may be wrong with it
-``recorded_values``             other values, with the cases that the result still has
 ``as_toml``, ``as_python``      a scenario written down
 ``literals``                    numbers in it that are read back bit-for-bit
 =============================== ================================================================

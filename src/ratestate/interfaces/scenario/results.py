@@ -7,7 +7,8 @@ import numpy as np
 import xarray
 
 from ...dynamics import attributes
-from ...dynamics.recorded_loading import recorded_loading
+from ...dynamics.recorded_loading import recorded_loading, with_labels
+from ...dynamics.results import parameter
 from ...errors import ParameterError
 from ...friction.forms import parameters_of
 from ...friction.law import LOG
@@ -18,7 +19,10 @@ from ...model.slider import OPTIONAL, SpringSlider
 from ...model.units import is_array
 from .known_keys import COMMON
 from .model import FUNCTIONS, Scenario
-from .recorded_values import WANTED, value_of, values_of
+
+WANTED = (
+    "give a Dataset as a function of ratestate returned it, or read from the file it was kept in"
+)
 
 
 def from_result(result: Any) -> Scenario:
@@ -89,7 +93,7 @@ def _slider(result: Any) -> SpringSlider:
             f"{', '.join(sorted(odd))[:100]}; {WANTED}"
         )
     followed = result.attrs.get("parameter")
-    swept = {k: value_of(result, "slider", k, v) for k, v in values.items() if k != followed}
+    swept = {k: _value_of(result, "slider", k, v) for k, v in values.items() if k != followed}
     return SpringSlider(**values | swept)
 
 
@@ -126,7 +130,7 @@ def _setting(verb: str, result: Any, key: str) -> Any:
     if key == "loading":
         return recorded_loading(result)
     if key == "initial":
-        return values_of(result, key, attributes.from_json(result, key, dict))
+        return _values_of(result, key, attributes.from_json(result, key, dict))
     if key == "parameter":
         return attributes.branch_parameter(result)
     if key == "method":
@@ -140,5 +144,34 @@ def _setting(verb: str, result: Any, key: str) -> Any:
         return None
     if key in ("V_lp", "V_start", "t_end", "frequency"):
         follows = attrs.get("parameter") == key  # what a branch follows is between two ends
-        return None if follows else value_of(result, key, key, attributes.from_json(result, key))
+        return None if follows else _value_of(result, key, key, attributes.from_json(result, key))
     return attributes.number(result, key)
+
+
+def _value_of(result: Any, name: str, symbol: str, recorded: Any) -> Any:
+    """The value recorded in an attribute; of a swept one the cases that the result still has."""
+    if not isinstance(recorded, dict):
+        return attributes.parameter_value(name, symbol, recorded)
+    if symbol == "frequency":
+        found = result[symbol]
+        return _without_case_labels(found if found.ndim else found.item())
+    if symbol in result.coords and symbol not in ("V_start", "t_end"):
+        return _without_case_labels(parameter(result, symbol))
+    if isinstance(recorded.get("values"), str):  # too many for an attribute
+        return _without_case_labels(result[symbol])
+    return with_labels(result, attributes.array(name, recorded))
+
+
+def _without_case_labels(value: Any) -> Any:
+    """A value of a result, without scalar coordinates."""
+    if not is_array(value):
+        return value
+    return value.drop_vars([name for name, label in value.coords.items() if not label.dims])
+
+
+def _values_of(result: Any, name: str, given: dict[str, Any]) -> dict[str, Any]:
+    """The values in an attribute, some of which may be swept."""
+    return {
+        k: with_labels(result, attributes.array(name, v)) if isinstance(v, dict) else v
+        for k, v in given.items()
+    }
