@@ -54,7 +54,7 @@ def in_units(result, /, **units):
             names = [known for known in quantities if QUANTITIES[known].unit != "1"]
             raise ParameterError(f"the result has no variable {given}; {one_of(names, given)}")
         converted[name] = _converted(name, result.variables[name], unit)
-    return _with(result, converted)
+    return result.assign(converted)
 
 
 def variable_of(result, name):
@@ -77,14 +77,7 @@ def in_si(result):
         # (a ratio may carry the unit of what it is the ratio of: xarray's arithmetic keeps it)
         if si is not None and own != si and (si != "1" or has_unit(name, str(own))):
             converted[name] = _converted(name, variable, si)
-    return _with(result, converted)
-
-
-def _with(result, converted):
-    """The result with some variables replaced; itself, if they are none."""
-    coords = {name: one for name, one in converted.items() if name in result.coords}
-    others = {name: one for name, one in converted.items() if name not in coords}
-    return result.assign_coords(coords).assign(others) if converted else result
+    return result.assign(converted) if converted else result
 
 
 def _converted(name, variable, unit):

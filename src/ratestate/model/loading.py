@@ -162,7 +162,7 @@ class Loading(LoadPoint):
         <Loading: 4 segments from t = 0 to inf s>
         """
         t = self._time(t)
-        V = _speed_from(t, V)
+        V = _value_from("V_lp", t, V, ">= 0")
         return self._then(Call("step", {"t": t, "V": V}), (t, V, V))
 
     def hold(self, t, duration):
@@ -202,8 +202,8 @@ class Loading(LoadPoint):
         Loading
             The longer history.
         """
-        t = self._time(t)
-        V, before, lasting = _speed_from(t, V), self.V[..., -1], _duration(t, duration, "ramp")
+        t, before = self._time(t), self.V[..., -1]
+        V, lasting = _value_from("V_lp", t, V, ">= 0"), _duration(t, duration, "ramp")
         call = Call("ramp", {"t": t, "V": V, "duration": lasting})
         longer = self._then(call, (t, before, V), (t + lasting, V, V))
         with np.errstate(over="ignore"):
@@ -238,7 +238,7 @@ class Loading(LoadPoint):
         <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
         """
         before, t = self._stress_before(t)
-        sigma = _stress_from(t, sigma)
+        sigma = _value_from("sigma", t, sigma, "> 0")
         stress = before.then("sigma", (t, sigma, sigma))
         return self._with_stress(stress, Call("sigma_step", {"t": t, "sigma": sigma}))
 
@@ -260,7 +260,7 @@ class Loading(LoadPoint):
             The other history.
         """
         before, t = self._stress_before(t)
-        sigma = _stress_from(t, sigma)
+        sigma = _value_from("sigma", t, sigma, "> 0")
         duration = _duration(t, duration, "ramp")
         pieces = (t, before.end[..., -1], sigma), (t + duration, sigma, sigma)
         call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": duration})
@@ -332,12 +332,8 @@ class Loading(LoadPoint):
         return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{more}{sweep}>"
 
 
-def _speed_from(t, V):
-    return to_si("V_lp", V, label=f"V_lp from t = {t!r} s on", bound=">= 0")
-
-
-def _stress_from(t, sigma):
-    return to_si("sigma", sigma, label=f"sigma from t = {t!r} s on", bound="> 0")
+def _value_from(symbol, t, value, bound):
+    return to_si(symbol, value, label=f"{symbol} from t = {t!r} s on", bound=bound)
 
 
 def _duration(t, duration, label):

@@ -221,10 +221,10 @@ class SpringSlider:
 
         Without area, damping or alpha, if it has none, and a form of friction that is eq. 1's.
         """
-        optional = {"area": self.has_area, "friction": self.friction != LOG}
-        given = [name for name, is_given in optional.items() if is_given]
+        area = ["area"] if self.has_area else []
+        form = ["friction"] if self.friction != LOG else []
         alpha = ["alpha"] if self.has_alpha else []
-        names = (*PARAMETERS, "law", *given, *self.friction_law.parameters, *alpha)
+        names = (*PARAMETERS, "law", *area, *form, *self.friction_law.parameters, *alpha)
         return {name: getattr(self, name) for name in names}
 
     @property

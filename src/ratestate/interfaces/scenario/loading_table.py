@@ -1,4 +1,4 @@
-"""The table [loading]: a speed, with steps or a wave about it, or a record."""
+"""The table [loading]: a speed, with steps or a wave about it, or a record; normal stress too."""
 
 import dataclasses
 import functools
@@ -7,12 +7,21 @@ from typing import Any
 
 from ...model.load_point import Call
 from ...model.loading import Loading
+from ...model.parameters import parameter_to_si
 from ...model.quantities import QUANTITIES
-from .known_keys import LIKE, SINUSOID, SPEEDS_LIKE, STEP, example, known_items
+from .known_keys import (
+    LIKE,
+    SINUSOID,
+    SPEEDS_LIKE,
+    STEP,
+    STRESS_SINUSOID,
+    STRESS_STEP,
+    example,
+    known_items,
+)
 from .problems import Place, expected, message
-from .record import Record, read_record
-from .stress_table import StressTable, column_per_area, stress_table, wave
-from .values import as_array, read_number, read_values
+from .record import Record, column_per_area, read_record
+from .values import InlineTable, as_array, read_number, read_values
 
 #: keys of a loading beside its speed, of which it may have one
 ONE_OF = ("steps", "sinusoid", "file", "t")
@@ -28,7 +37,8 @@ class LoadingTable:
     events: list[tuple[Place, Call]]  # the start, and the steps, holds and ramps, in SI
     wave: dict[str, Any] = dataclasses.field(default_factory=dict)  # of the sinusoid, in SI
     record: Record = dataclasses.field(default_factory=Record)
-    stress: StressTable | None = None
+    stress_events: list[tuple[Place, Call]] = dataclasses.field(default_factory=list)
+    stress_wave: dict[str, Any] = dataclasses.field(default_factory=dict)  # in SI
     sound: bool = True  # whether the table has no problems
 
     @property
@@ -56,8 +66,12 @@ class LoadingTable:
         """
         before = len(self.place.problems)
         loading = self._of_speeds(V_last, t_end)
-        if loading is not None and self.stress:
-            loading = self.stress.applied(loading)
+        if loading is not None:
+            loading = _applied(self.stress_events, loading, STRESS_STEP.like)
+        if loading is not None and self.stress_wave:
+            make = functools.partial(loading.sigma_sinusoid, **self.stress_wave)
+            place = self.place.at("sigma_sinusoid")
+            loading = place.noting(make, "", "expected one", STRESS_SINUSOID.like)
         return loading if len(self.place.problems) == before else None
 
     def _of_speeds(self, V_last: Any, t_end: float | None) -> Loading | None:
@@ -78,10 +92,16 @@ class LoadingTable:
             place = self.place.at("sinusoid")
             return place.noting(make, wanted="expected a sinusoid", like=SINUSOID.like)
         loading = Loading.constant(1.0 if start is None else start)
-        for place, call in later:
-            make = functools.partial(call.on, loading)
-            loading = place.noting(make, "t", "expected steps", STEP.like) or loading
+        loading = _applied(later, loading, STEP.like)
         return loading if sound else None
+
+
+def _applied(events: list[tuple[Place, Call]], loading: Loading, like: str) -> Loading:
+    """The loading with these events; those with a problem, noted, are left out."""
+    for place, call in events:
+        make = functools.partial(call.on, loading)
+        loading = place.noting(make, "t", "expected steps", like) or loading
+    return loading
 
 
 def loading_table(
@@ -113,10 +133,18 @@ def loading_table(
             place.at(key).add("loading.no_file", like=file)
     loading.events = [(place, Call("constant", {"V": V_lp}))]
     if "steps" in given:
-        loading.events += _events(given["steps"], place.at("steps"))
-    loading.stress = stress_table(given, place, area)
+        loading.events += _events(given["steps"], place.at("steps"), STEP, "V_lp", area)
+    if "sigma_steps" in given:
+        where = place.at("sigma_steps")
+        loading.stress_events = _events(given["sigma_steps"], where, STRESS_STEP, "sigma", area)
+    if "sigma_sinusoid" in given:
+        where = place.at("sigma_sinusoid")
+        loading.stress_wave = _wave(STRESS_SINUSOID, given["sigma_sinusoid"], where)
+        _per_area(loading.stress_wave, "amplitude", where, area)
+    if "sigma" in given and "t" not in given:
+        place.at("sigma").add("loading.sigma_without_t", like=STRESS_STEP.like)
     if "sinusoid" in given:
-        loading.wave = wave(SINUSOID, given["sinusoid"], place.at("sinusoid"))
+        loading.wave = _wave(SINUSOID, given["sinusoid"], place.at("sinusoid"))
     loading.sound = len(problems) == before
     return loading
 
@@ -153,19 +181,24 @@ def _rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Record:
     return Record(loading, float(columns["V_lp"][-1]) if loading else None)
 
 
-def _events(steps: Any, place: Place) -> list[tuple[Place, Call]]:
-    """Steps, holds and ramps; those with a problem are left out."""
+def _events(
+    steps: Any, place: Place, known: InlineTable, symbol: str, area: dict[str, Any]
+) -> list[tuple[Place, Call]]:
+    """Steps, holds and ramps of a speed or normal stress; those with a problem are left out."""
     if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
-        place.add("steps.no_list", given=steps, most=MOST_STEPS, like=STEP.like)
+        place.add("steps.no_list", given=steps, most=MOST_STEPS, like=known.like)
         return []
-    events = [(place.at(i), _event(step, place.at(i))) for i, step in enumerate(steps)]
-    return [(where, event) for where, event in events if event]
+    places = [place.at(i) for i in range(len(steps))]
+    events = [_event(*one, known, symbol, area) for one in zip(steps, places, strict=True)]
+    return [(where, event) for where, event in zip(places, events, strict=True) if event]
 
 
-def _event(step: Any, place: Place) -> Call | None:
+def _event(
+    step: Any, place: Place, known: InlineTable, symbol: str, area: dict[str, Any]
+) -> Call | None:
     """A step, hold or ramp; None if it has a problem."""
     before = len(place.problems)
-    values = STEP.read(step, place)
+    values = known.read(step, place)
     if values is None:
         return None
     kind = "hold" if "hold" in values else "ramp" if "ramp" in values else "step"
@@ -173,10 +206,34 @@ def _event(step: Any, place: Place) -> Call | None:
         place.missing("t")
     if kind == "hold":
         for key in {"V_lp", "ramp"} & values.keys():
-            place.at(key).add("steps.beside_hold", like=STEP.like)
-    elif "V_lp" not in values:
-        place.missing("V_lp", message("steps.speed_wanted", wanted=expected("V_lp")))
+            place.at(key).add("steps.beside_hold", like=known.like)
+    elif symbol not in values:
+        of_speed = message("steps.speed_wanted", wanted=expected("V_lp"))
+        place.missing(symbol, of_speed if symbol == "V_lp" else "")
+    _per_area(values, "sigma", place, area)
     if len(place.problems) > before:
         return None
-    names = {"t": "t", "V_lp": "V", kind: "duration"}
-    return Call(kind, {name: values[key] for key, name in names.items() if key in values})
+    names = {"t": "t", "V_lp": "V", "sigma": "sigma", kind: "duration"}
+    arguments = {name: values[key] for key, name in names.items() if key in values}
+    return Call(f"sigma_{kind}" if symbol == "sigma" else kind, arguments)
+
+
+def _per_area(values: dict[str, Any], key: str, place: Place, area: dict[str, Any]) -> None:
+    """Divide a value by the area where it is a force, and so is text still; None if that fails."""
+    if isinstance(force := values.get(key), str):
+        divide = functools.partial(parameter_to_si, "sigma", force, area)
+        values[key] = place.at(key).noting(divide, "sigma")
+
+
+def _wave(known: InlineTable, table: Any, place: Place) -> dict[str, Any]:
+    """The keys of a periodic history, given by its period or its frequency, in SI."""
+    values = known.read(table, place)
+    if values is None:
+        return {}
+    for key, (symbol, _) in known.keys.items():
+        if key not in (*values, "period", "frequency"):
+            place.missing(key, expected(symbol))
+    if ("period" in values) == ("frequency" in values):
+        twice = "period" in values
+        place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")
+    return values

@@ -21,7 +21,6 @@ from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from .known_keys import LIKE
 from .problems import Place, error_line, expected, message, refusal, shown
-from .stress_table import column_per_area
 from .values import unusual
 
 ENDINGS = (".csv", ".tsv", ".txt")
@@ -233,3 +232,16 @@ def _number_in(cell: str) -> float:
     except ValueError:
         return math.nan
     return x if math.isfinite(x) else math.nan
+
+
+def column_per_area(forces: Any, unit: str, area: dict[str, Any]) -> Any:
+    """Forces (n,) in this unit, divided by the area; ParameterError where none is given.
+
+    (n,) [Pa], or a list of DataArrays where the area is one.
+    """
+    import xarray
+
+    parameter_to_si("sigma", f"{forces[0]:.6g} {unit}", area)  # (an error of text says more)
+    rows = xarray.DataArray(forces, dims="row", attrs={"units": unit})
+    stress = parameter_to_si("sigma", rows, area)
+    return stress.values if stress.ndim == 1 else list(stress.transpose("row", ...))
