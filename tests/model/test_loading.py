@@ -163,22 +163,6 @@ def test_series_of_named_arrays():
 
 
 @pytest.mark.parametrize(
-    ("steps", "message"),
-    [
-        (("3.2 mm",), "V_start = '3.2 mm' is a length [m]; expected a speed [m/s]"),
-        ((1.0, 2.0), "step 2.0 is not a pair"),
-        (
-            (logspace("V_lp", 1, 2, 3), (1.0, logspace("V_lp", 1, 3, 3))),
-            "V_lp before and V_lp from t = 1.0 s on have different coordinates along the dimen",
-        ),
-    ],
-)
-def test_bad_steps(steps, message):
-    with pytest.raises(ParameterError, match=re.escape(message)):
-        Loading.steps(*steps)
-
-
-@pytest.mark.parametrize(
     ("t", "speeds", "message"),
     [
         ([0, 2, 1], [1, 1, 1], "t[2] = 1.0 s is less than t[1] = 2.0 s: times must not decrease"),
@@ -274,9 +258,11 @@ def test_events_with_named_arrays():
             "t is an array and not one number; expected a time",
         ),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
+        (lambda x: Loading.steps("3.2 mm"), "V_start = '3.2 mm' is a length [m]; expected a speed"),
+        (lambda x: Loading.steps(1.0, 2.0), "step 2.0 is not a pair"),
         (
             lambda x: x.step(6, logspace("V_lp", 1, 2, 2)).step(7, logspace("V_lp", 1, 3, 2)),
-            "have different coordinates along the dimension 'V_lp'",
+            "V_lp before and V_lp from t = 7.0 s on have different coordinates along the dimension",
         ),
     ],
 )

@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import ParameterError
 from ..machine import check_fits
 from .quantities import QUANTITIES, attrs, expected
-from .units import RESERVED, is_array, is_pint, to_si
+from .units import RESERVED, is_array, is_pint, to_si, unit_of
 
 #: numbers that the equations hold -> powers of what they consist of
 PRODUCTS = {
@@ -75,11 +75,11 @@ def column(symbol, values):
     """
     import xarray
 
-    units = {}
-    if is_array(values):
-        units = {key: text for key, text in values.attrs.items() if key == "units"}
-    elif is_pint(values):
-        units, values = {"units": str(values.units)}, values.magnitude
+    if is_array(values) and values.dims[1:] and values.dims[-1] == "segment":  # as a result has it
+        rows = to_si(symbol, values.rename(segment="row"), bound=">= 0")
+        return rows.rename(row="segment").drop_attrs()
+    unit = unit_of(values)
+    values = values.magnitude if is_pint(values) else values
     if not hasattr(values, "__len__") or isinstance(values, str | Mapping):
         raise ParameterError(f"{symbol} = {values!r} is not a column of values; give an array")
     if hasattr(values, "dtype") or all(
@@ -90,7 +90,7 @@ def column(symbol, values):
             raise ParameterError(f"{symbol} has {numbers.ndim} dimensions; a column has 1")
         if not numbers.size:
             raise ParameterError(f"{symbol} has no values; {expected(symbol)} in each row")
-        rows = xarray.DataArray(numbers, dims="row", attrs=units)
+        rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
     return stack({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})

@@ -42,10 +42,15 @@ class History:
         column = stack({symbol: value})
         return cls(np.zeros(1), column, column)
 
+    @property
+    def lasting(self):
+        """Durations of the segments (S,) [s]."""
+        return np.diff(self.t, append=self.until)
+
     @functools.cached_property
     def rate(self):
         """Slope of each segment, in the shape of ``start``."""
-        return (self.end - self.start) / np.diff(self.t, append=self.until)
+        return (self.end - self.start) / self.lasting
 
     def then(self, symbol, *pieces):
         """The history up to the first of these pieces (t, start, end), and from then on the pieces.
@@ -133,15 +138,10 @@ class NormalStress(History):
         start, end, lasting, elapsed = known.pick(t, known.start, known.end, self.lasting)
         phase = (as_frame(t) if is_array(elapsed) else t) / self.period
         wave = self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
-        found = start + np.minimum(elapsed / lasting, 1.0) * (end - start) + wave
+        found = start + elapsed / lasting * (end - start) + wave
         if not is_array(found):
             return found
         return named("sigma", found.transpose(..., "time", missing_dims="ignore"))
-
-    @property
-    def lasting(self):
-        """Durations of the segments (S,) [s]; 1 for the last one, which is constant."""
-        return np.append(np.diff(self.t), 1.0)
 
     def of_slider(self, sigma):
         """The history with this sigma [Pa] of the slider in place of NaN."""

@@ -54,12 +54,11 @@ def check_keywords(caller, given, names):
 
 def keywords_checked(function):
     """The function, which now raises a ParameterError, and no TypeError, for a mistyped keyword."""
-    caller = function.__qualname__.removesuffix(".__init__")
-    names = [name for name in inspect.signature(function).parameters if name != "self"]
+    names = inspect.signature(function).parameters
 
     @functools.wraps(function)
     def checked(*args, **keywords):
-        check_keywords(caller, keywords, names)
+        check_keywords(function.__name__, keywords, names)
         return function(*args, **keywords)
 
     return checked

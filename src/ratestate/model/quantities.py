@@ -132,16 +132,7 @@ def readable(symbol, value, digits=4):
     >>> readable("V_lp", 0.0032)
     '3.2 mm/s'
     """
-    return _in_unit_for(symbol, value, f"{{:.{digits}g}}", value)
-
-
-def readable_range(symbol, low, high):
-    """Two values [SI] of a quantity, >= 0 the second, as text in the unit that fits this one.
-
-    >>> readable_range("sigma", 5e5, 2e6)
-    '0.5 to 2 MPa'
-    """
-    return _in_unit_for(symbol, high, "{:.6g} to {:.6g}", low, high)
+    return readable_together(symbol, f"{{:.{digits}g}}", value)
 
 
 def readable_change(symbol, before, after):
@@ -150,12 +141,12 @@ def readable_change(symbol, before, after):
     >>> readable_change("V_lp", 3e-6, 1e-5)
     '3 -> 10 um/s'
     """
-    return _in_unit_for(symbol, max(abs(before), abs(after)), "{:.3g} -> {:.3g}", before, after)
+    return readable_together(symbol, "{:.3g} -> {:.3g}", before, after)
 
 
-def _in_unit_for(symbol, size, form, *values):
-    """Values [SI] filled into a form, and the unit that fits this size."""
-    unit = QUANTITIES[symbol].unit
+def readable_together(symbol, form, *values):
+    """Values [SI] of a quantity, filled into a form, and the unit that fits the largest."""
+    unit, size = QUANTITIES[symbol].unit, max(map(abs, values))
     power = power_of(unit, size) if math.isfinite(size) else 0
     text = form.format(*(value / 10.0**power for value in values))
     return text if unit == "1" else f"{text} {prefixed_unit(unit, power)}"

@@ -19,7 +19,7 @@ from ..friction.stability import eta, f_n
 from .arrays import check_aligned
 from .names import check_keywords
 from .parameters import parameter_to_si
-from .quantities import QUANTITIES, exact, expected, readable, readable_range
+from .quantities import QUANTITIES, exact, expected, readable, readable_together
 from .units import is_array, named, to_si
 from .user_laws import known_again, recorded, register
 
@@ -206,9 +206,8 @@ class SpringSlider:
         own = _own_parameters(law, form_of(law, parameters.get("friction")))
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
-        others = [name for name in COMMON if name not in ("sigma", "K", "M", "area")]
-        known = ("area", "mass", "stiffness", "normal_force", *others, *own)
-        check_keywords("SpringSlider.of_contact", parameters, known)
+        others = [name for name in COMMON if name not in ("sigma", "K", "M")]
+        check_keywords("SpringSlider.of_contact", parameters, (*whole, *others, *own))
         given = {"area": to_si("area", area)}
         for symbol, name in zip(("sigma", "K", "M"), whole, strict=True):
             value = parameter_to_si(symbol, whole[name], given, quantity=name, label=name)
@@ -253,14 +252,13 @@ class SpringSlider:
         ParameterError
             An unknown or mistyped parameter; a value of a wrong unit or range.
         """
-        old, new = friction_law(self.law), law_of(changes.get("law", self.law))
-        # (a form that the old law is for goes with it)
-        kept_form = self.friction if old.form == LOG or new == old else None
-        forms = self.friction, form_of(new, changes.get("friction", kept_form))
-        of_old, of_new = map(parameters_of, forms)
-        lost = (old.parameters | of_old).keys() - (new.parameters | of_new).keys()
-        lost |= {"friction"} if kept_form is None else set()
-        kept = {name: x for name, x in self.parameters.items() if name not in lost}
+        old, law = friction_law(self.law), law_of(changes.get("law", self.law))
+        kept = self.parameters
+        if old.form != LOG and law != old:
+            kept.pop("friction", None)  # the old law is for this form
+        form = form_of(law, (kept | changes).get("friction"))
+        known = {*COMMON, *_own_parameters(law, form)}
+        kept = {name: x for name, x in kept.items() if name in known}
         return type(self)(**(kept | changes))
 
     @property
@@ -461,7 +459,8 @@ def _rounded(symbol, value):
     if not is_array(value):
         return readable(symbol, value, 6)
     sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
-    return f"<{sizes}; {readable_range(symbol, float(value.min()), float(value.max()))}>"
+    ends = float(value.min()), float(value.max())
+    return f"<{sizes}; {readable_together(symbol, '{:.6g} to {:.6g}', *ends)}>"
 
 
 def _made_again(kind, record, parameters):

@@ -423,6 +423,14 @@ def test_results_that_tell_too_little(damage, message):
 SAMPLE = xr.DataArray([1e3, 2e3], dims="sample")
 
 
+def test_a_record_with_swept_speeds_and_back():
+    sigma = [2e6, 2e6, 2e3 * SAMPLE]
+    loading = Loading.series([0, 0.3, 1], [1e-3, 1e-6 * SAMPLE, 2e-3], sigma=sigma)
+    settings = {"loading": loading, "t_end": 0.9, "times": np.array([0.1, 0.5])}
+    scenario = Scenario("simulate", SLIDER, settings)
+    check(from_result(run(scenario)), scenario)
+
+
 @pytest.mark.parametrize(
     ("slider", "changes", "message"),
     [

@@ -46,8 +46,8 @@ def _stresses_at(stress, t):
     """Normal stress, but for its sinusoid, at both ends of the segments that begin at t."""
     k = stress.segments_at(t)
     start, end = stress.start[..., k], stress.end[..., k]
-    passed = ((when - stress.t[k]) / stress.lasting[k] for when in (t, np.append(t[1:], np.inf)))
-    return (start + np.minimum(part, 1.0) * (end - start) for part in passed)
+    ends = t, np.append(t[1:], t[-1])  # (in the last segment it is constant)
+    return (start + (x - stress.t[k]) / stress.lasting[k] * (end - start) for x in ends)
 
 
 def _together(*columns):
