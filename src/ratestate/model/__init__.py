@@ -6,7 +6,7 @@
 ``loading``                         `Loading`: the calls that make a history, which keeps them
 ``load_point``                      speed, displacement and normal stress of a loading at any time
 ``history``                         piecewise linear histories, of speed and of normal stress
-``segments``                        straight lines of a record and along a sinusoid
+``segments``                        histories from the rows of a record, and along a sinusoid
 ``initial_state``                   the state at t = 0, and which values for it agree
 ``quantities``, ``quantities.toml`` unit, range and name of each quantity; values as text
 ``units.toml``                      what values in a unit are called, and how they are shown

@@ -1,4 +1,4 @@
-"""What a loading is at any time: speed and displacement of the load point, and normal stress."""
+"""Speed and displacement of the load point, and normal stress, at any time of a loading."""
 
 import dataclasses
 import functools
@@ -148,22 +148,22 @@ class LoadPoint:
         return self._known_stress.at(self._checked(t), to_si("sigma", sigma))
 
     def slider_at(self, t, slider):
-        """The slider as it is at time t: with the normal stress of then as its own.
+        """The slider with the normal stress at time t as its own sigma.
 
-        Its critical stiffness and velocity, and its `stability`, are then those of that time.
+        Its critical stiffness, critical velocity and `stability` hold at that time.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Time [s], from 0 to `t_last`; inf for the normal stress that the history comes to in
-            the end, or, under a sinusoid, then oscillates about.
+            Time [s], from 0 to `t_last`.  inf gives the final normal stress, and under a sinusoid
+            its mean.
         slider : SpringSlider
             With the normal stress of the beginning.
 
         Returns
         -------
         SpringSlider
-            The same slider where nothing changes normal stress.
+            The same slider if normal stress does not change.
 
         Examples
         --------

@@ -1,6 +1,6 @@
 """The class `Loading`: what the load point does, and how a history is made."""
 
-import dataclasses
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,7 +18,7 @@ METHODS = (
 )
 
 
-@dataclasses.dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Loading(LoadPoint):
     """History of the load-point velocity from t = 0 on, and of the normal stress with it.
 
@@ -32,9 +32,9 @@ class Loading(LoadPoint):
     speed : History
         Speed of the load point [m/s]; ``t``, ``V`` and ``rate`` are parts of it.
     t_last : float
-        Where the history ends [s]: inf, but for a series and a sinusoid.
+        End of the history [s]; inf unless the loading is a series or a sinusoid.
     normal_stress : NormalStress or None
-        How sigma changes; None where it stays that of the slider.
+        How sigma changes; None if sigma stays the slider's.
     calls : tuple of Call
         The calls that made the loading, with their arguments in SI.
 
@@ -237,10 +237,9 @@ class Loading(LoadPoint):
         >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
         <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
         """
-        before, t = self._stress_before(t)
+        t = self._stress_time(t)
         sigma = _value_from("sigma", t, sigma, "> 0")
-        stress = before.then("sigma", (t, sigma, sigma))
-        return self._with_stress(stress, Call("sigma_step", {"t": t, "sigma": sigma}))
+        return self._then(Call("sigma_step", {"t": t, "sigma": sigma}), (t, sigma, sigma))
 
     def sigma_ramp(self, t, sigma, duration):
         """The same history, with a steady change of normal stress to sigma.
@@ -259,12 +258,10 @@ class Loading(LoadPoint):
         Loading
             The other history.
         """
-        before, t = self._stress_before(t)
-        sigma = _value_from("sigma", t, sigma, "> 0")
-        duration = _duration(t, duration, "ramp")
-        pieces = (t, before.end[..., -1], sigma), (t + duration, sigma, sigma)
-        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": duration})
-        return self._with_stress(before.then("sigma", *pieces), call)
+        t, before = self._stress_time(t), self._stress_so_far().end[..., -1]
+        sigma, lasting = _value_from("sigma", t, sigma, "> 0"), _duration(t, duration, "ramp")
+        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": lasting})
+        return self._then(call, (t, before, sigma), (t + lasting, sigma, sigma))
 
     def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
         """The same history, with amplitude sin(2 pi t/period) added to the normal stress.
@@ -289,15 +286,16 @@ class Loading(LoadPoint):
             "period": period_of("a sinusoid of sigma", period, frequency),
         }
         check_aligned(wave)
-        return self._with_stress(dataclasses.replace(before, **wave), Call("sigma_sinusoid", wave))
+        return self._with(Call("sigma_sinusoid", wave), normal_stress=replace(before, **wave))
 
     def _then(self, call, *pieces):
-        """The history up to the first of these pieces (t, V at start, V at end), and then these."""
-        speed = self.speed.then("V_lp", *pieces)
-        return dataclasses.replace(self, speed=speed, calls=(*self.calls, call))
+        """The speed or the normal stress up to the first of these pieces, and then these."""
+        if call.of_stress:
+            return self._with(call, normal_stress=self._stress_so_far().then("sigma", *pieces))
+        return self._with(call, speed=self.speed.then("V_lp", *pieces))
 
-    def _with_stress(self, stress, call):
-        return dataclasses.replace(self, normal_stress=stress, calls=(*self.calls, call))
+    def _with(self, call, **history):
+        return replace(self, calls=(*self.calls, call), **history)
 
     def _time(self, t):
         """When an event begins [s]: after the last one, or where that ends."""
@@ -316,14 +314,14 @@ class Loading(LoadPoint):
             )
         return stress
 
-    def _stress_before(self, t):
-        """The stress so far, and t [s]: after its last event, and inside the history."""
+    def _stress_time(self, t):
+        """When normal stress changes [s]: after its last change, and inside the history."""
         stress, t = self._stress_so_far(), one_in_si("t", t, bound="> 0")
         if t >= self.t_last:
             raise ParameterError(
                 f"t = {t!r} s is not before the end of the history, {self.t_last!r} s"
             )
-        return stress, stress.check_time(t, "normal stress")
+        return stress.check_time(t, "normal stress")
 
     def __repr__(self):
         stress = self.normal_stress

@@ -1,4 +1,4 @@
-"""Straight lines: those of the rows of a record, and along a sinusoid."""
+"""Histories from the rows of a record, and along a sinusoid."""
 
 from typing import Any
 
@@ -28,10 +28,10 @@ def sinusoid(V_lp, amplitude, period, t_end):
     -----
     The fundamental of the lines is exactly this sinusoid.  Between N points a period on a sine of
     amplitude A', straight lines have the amplitude A' sinc^2(pi/N), sinc(x) = sin(x)/x, at the
-    sine's frequency.  So the points lie A/sinc^2(pi/N) from the mean.  What is left are the
-    harmonics m = N - 1, N + 1, 2 N - 1, ..., of amplitude A/m^2.  The points lie halfway between
-    the extremes, which are thus on lines that pass inside of the sine's: a speed whose amplitude is
-    its mean never falls below 0.
+    sine's frequency.  So the points lie A/sinc^2(pi/N) from the mean.  The harmonics m = N - 1,
+    N + 1, 2 N - 1, ... remain, with amplitude A/m^2.  No point lies at an extreme of the sine, so
+    the lines stay within its extremes.  A speed whose amplitude equals its mean never falls below
+    0.
     """
     if is_array(period):
         raise ParameterError("the period of a sinusoid is one number, common to all cases")
