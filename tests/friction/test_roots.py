@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from ratestate.friction.roots import polynomial_roots, root_around, root_between
+from ratestate.friction.roots import polynomial_roots, root, root_between
 
 
 def coefficients(of):
@@ -106,9 +106,9 @@ def test_roots_of_functions(function):
     allowed = 1e-15 * np.abs(roots) + 1e-20
     between = root_between(lambda x: -function(x - roots), roots - 1.0, roots + np.e)
     assert (np.abs(between - roots) <= allowed).all()
-    around = root_around(lambda x: function(x - roots), roots[::-1])
+    around = root(lambda x: function(x - roots), roots[::-1])
     assert (np.abs(around - roots) <= allowed).all()
-    assert np.isnan(root_around(lambda x: function(x) ** 2 + 1.0, roots)).all()
+    assert np.isnan(root(lambda x: function(x) ** 2 + 1.0, roots)).all()
 
 
 def test_roots_of_functions_take_few_steps():

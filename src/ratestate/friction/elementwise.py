@@ -7,18 +7,14 @@ import numpy as np
 
 
 def elementwise(*dims):
-    """Let a function of NumPy arrays take floats, arrays or DataArrays.
-
-    dims : as for `call_elementwise`
-    """
+    """Let a function of NumPy arrays take floats, arrays or DataArrays, as `call_elementwise`."""
 
     def extended(function):
         signature = inspect.signature(function)
 
         @functools.wraps(function)
         def of_any(*args, **kwargs):
-            given = signature.bind(*args, **kwargs).arguments
-            return call_elementwise(function, given, *dims)
+            return call_elementwise(function, signature.bind(*args, **kwargs).arguments, *dims)
 
         return of_any
 

@@ -207,20 +207,20 @@ def modes(law, p, kappa, inertia):
     kappa, inertia : K Dc/(a sigma), and eta
     """
     S_v, r, s = linearisation(law, p)
-    rigid, light = np.isinf(kappa), inertia < LIGHTEST
-    kappa = np.where(rigid, 1.0, kappa)
     if s.shape[-1] == 1:  # by a change of units those of eq. 1 and a law of one length
         rate = s[..., 0]
         eta, kappa, beta = inertia * rate / S_v, kappa / (rate * S_v), r[..., 0] / S_v
         found = stability.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
         found.real, found.imag = found.real * s, found.imag * s
-    else:
-        whole = _numerator(np.stack([inertia, S_v, kappa], axis=-1), r * s, s, power=1)
-        found = np.full((*S_v.shape, whole.shape[-1] - 1), -np.inf, complex)
-        found[light, :-1] = polynomial_roots(whole[light, 1:])
-        found[~light] = polynomial_roots(whole[~light])
-        order = np.lexsort((-found.imag, -found.real), axis=-1)
-        found = np.take_along_axis(found, order, -1)
+        return found
+    rigid, light = np.isinf(kappa), inertia < LIGHTEST
+    head = np.stack([inertia, S_v, np.where(rigid, 1.0, kappa)], axis=-1)
+    whole = _numerator(head, r * s, s, power=1)
+    found = np.full((*S_v.shape, whole.shape[-1] - 1), -np.inf, complex)
+    found[light, :-1] = polynomial_roots(whole[light, 1:])
+    found[~light] = polynomial_roots(whole[~light])
+    order = np.lexsort((-found.imag, -found.real), axis=-1)
+    found = np.take_along_axis(found, order, -1)
     found[rigid] = -np.inf
     found[rigid, :-2] = -np.sort(s[rigid], axis=-1)
     return found

@@ -8,30 +8,21 @@ MAX_STEPS = 60
 CONVERGED = 1e-14
 
 
-def root(off, start, where):
-    """The root (n,) of an increasing function, best of a nearly linear one, as friction is in ln V.
-
-    It is not finite if none is found.
+@np.errstate(all="ignore")  # (if a root does not matter there may be none)
+def root(off, start, where=True):
+    """The root (n,) of an increasing function, within some 4000 of the start; NaN if there is none.
 
     off : the function, of (n,), giving (n,)
     start : (n,) near the root
-    where : (n,) whether the root matters
+    where : (n,) whether the root matters; NaN if not
     """
-    with np.errstate(all="ignore"):  # (if it does not matter there may be no root)
-        found, slope = start, off(start + 1.0) - off(start)
-        for _ in range(2):  # (the second step corrects the rounding of the slope)
-            found = found - off(found) / slope
-        wrong = where & ~(np.abs(off(found)) <= 1e-11 * np.maximum(1.0, np.abs(found)))
-    return np.where(wrong, root_around(off, start), found) if wrong.any() else found
-
-
-@np.errstate(all="ignore")
-def root_around(off, start):
-    """The root of an increasing function within some 4000 of the start; NaN if there is none."""
+    start = np.where(where, start, np.nan)
     low, high = start - 1.0, start + 1.0
     for width in 2.0 ** np.arange(12):
-        low = np.where(off(low) > 0.0, low - width, low)
-        high = np.where(off(high) < 0.0, high + width, high)
+        is_above, is_below = off(low) > 0.0, off(high) < 0.0
+        if not (is_above | is_below).any():
+            break
+        low, high = np.where(is_above, low - width, low), np.where(is_below, high + width, high)
     return root_between(off, low, high)
 
 

@@ -199,12 +199,9 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
         stable first.  Modes of infinite rate are -inf: one at M = 0, two at K = inf, where V is
         imposed and only the state relaxes, at the rate V/Dc.
     """
-    rigid = np.isinf(K)
-    K = np.where(rigid, 1.0, K)
     inertia, kappa = eta(V, a=a, Dc=Dc, sigma=sigma, M=M), K * Dc / (a * sigma)
     margin = (K - K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)) * Dc / (a * sigma)
     modes = steady_modes(inertia, kappa, b / a, margin)
-    modes[rigid] = [-1.0, -np.inf, -np.inf]
     rate = (V / Dc)[..., None]
     modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
     return modes
@@ -219,16 +216,19 @@ def steady_modes(eta, kappa, beta, margin):
 
     Complex array: three along a last axis, by descending real part, a conjugate pair with its
     positive imaginary part first.  Each is good to a few units in the last place of its modulus
-    unless it is nearly a double one; at eta = 0 the last is -inf.  Ranges are not checked.
+    unless it is nearly a double one; at eta = 0 the last is -inf, and at kappa = inf the last two
+    are.  Ranges are not checked.
 
     ======  =======================================================================
     eta     M V^2/(sigma a Dc) (eq. 7), >= 0
-    kappa   K Dc/(a sigma), > 0, finite
+    kappa   K Dc/(a sigma), > 0; if it is inf, the margin is not used
     beta    b/a
     margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
             digits that it loses are lost by the growth rate
     ======  =======================================================================
     """
+    rigid = np.isinf(kappa)
+    kappa = np.where(rigid, 1.0, kappa)
     rho = _isolated_root(eta, kappa, beta)
     # With L = -rho/eta known, the other two solve L^2 + p L + q = 0.  In this form of p nothing
     # cancels but the margin itself, so that the growth rate has its sign whatever the rounding.
@@ -244,7 +244,9 @@ def steady_modes(eta, kappa, beta, margin):
     modes.real = np.stack(real, -1)
     modes.imag = np.where(paired, root, 0.0)[..., None] * [1, -1, 0]
     order = np.argsort(-modes.real, axis=-1, kind="stable")
-    return np.take_along_axis(modes, order, -1)
+    modes = np.take_along_axis(modes, order, -1)
+    modes[rigid] = [-1.0, -np.inf, -np.inf]
+    return modes
 
 
 def _isolated_root(eta, kappa, beta):

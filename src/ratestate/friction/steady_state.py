@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .roots import root_around
+from .roots import root
 
 # Newton steps before the root is bracketed.
 ITERATIONS = 10
@@ -44,7 +44,7 @@ def _steady_variable(law, k, p, v, start):
             return found
     rest = ~done
     v, p = v[rest], [x[rest] for x in p]
-    found[rest] = root_around(lambda psi_k: -rate(psi_k, v, p), start[rest])
+    found[rest] = root(lambda psi_k: -rate(psi_k, v, p), start[rest])
     return found
 
 
