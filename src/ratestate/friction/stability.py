@@ -7,15 +7,52 @@ Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
 doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).
 """
 
+import functools
+import inspect
+
 import numpy as np
 
-from .elementwise import elementwise
 from .roots import polynomial_roots
 
 # Largest K/K_c_qs - 1 that may be rounding.
 ROUNDING = 1e-15
 #: relative distance from K_c below which a slider is called neither stable nor unstable
 EDGE_WIDTH = 1e-8
+
+
+def elementwise(*dims):
+    """Let a function of NumPy arrays take floats, arrays or DataArrays, as `call_elementwise`."""
+
+    def extended(function):
+        signature = inspect.signature(function)
+
+        @functools.wraps(function)
+        def of_any(*args, **kwargs):
+            return call_elementwise(function, signature.bind(*args, **kwargs).arguments, *dims)
+
+        return of_any
+
+    return extended
+
+
+def call_elementwise(function, given, *dims):
+    """Call a function of NumPy arrays with floats, arrays or DataArrays by name.
+
+    All arguments are broadcast to one shape.  The result is a DataArray if an argument is one, else
+    an array, or a NumPy number for shape ().
+
+    dims : names of the dimensions that the function adds at the end
+    """
+
+    def of_arrays(*arrays):
+        full = np.broadcast_arrays(*arrays)
+        return function(**dict(zip(given, full, strict=True)))
+
+    if any(hasattr(value, "dims") for value in given.values()):
+        import xarray
+
+        return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
+    return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]
 
 
 def eta(V, *, a, Dc, sigma, M):
@@ -71,16 +108,6 @@ def K_c(V, *, a, b, Dc, sigma, M):
         K_c [Pa/m], in the shape that the arguments broadcast to.
     """
     return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
-
-
-def M_of_K_c(V, critical, *, a, b, Dc, sigma):
-    """Return the M [kg/m^2] at which K_c at V [m/s] is `critical` [Pa/m], by eq. 6.
-
-    It is negative if `critical` is below K_c_qs, which no mass makes critical.  b > a is not
-    checked.
-    """
-    excess = critical / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) - 1
-    return excess / eta(V, a=a, Dc=Dc, sigma=sigma, M=1.0)
 
 
 def b_of_K_c(V, critical, *, a, Dc, sigma, M):
