@@ -187,8 +187,9 @@ class LawProperties(Forward):
 
     def steady_tau(self, V, values):
         """tau/sigma in steady sliding at V (n,): friction, and what else opposes the motion."""
-        stress = self.steady_stress(self.coefficient_arrays(V, values))
-        return self.reference_friction(V, values) + values["a"] * stress
+        p = self.coefficient_arrays(V, values)
+        beside = self.steady_stress(p) - self.steady_resistance(p)
+        return self.steady_friction(V, values) + values["a"] * beside
 
     def exponentials(self, v, w, psi, p):
         """The exponentials e of arrays or numbers, a tuple, in Python."""

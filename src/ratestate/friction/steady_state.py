@@ -14,38 +14,38 @@ def steady_variables(law, p, v):
     p : coefficients, arrays of one shape; v : such an array, or a number
     """
     v, *p = np.broadcast_arrays(v, *p)
-    start = law.variables(v, (-v,) * len(law.states), p)  # theta_k = D_k/V
-    return tuple(_steady_variable(law, k, p, v, start[k]) for k in range(len(law.states)))
+    start = law.variables(v, (-v,) * len(law.states), p)
+    return tuple(_steady_variable(law, k, p, v, start) for k in range(len(law.states)))
 
 
-@np.errstate(all="ignore")  # (steps may lead nowhere)
 def _steady_variable(law, k, p, v, start):
-    """psi_k; its rate does not depend on other states."""
+    """psi_k, from theta_k = D_k/V on; its rate does not depend on other states."""
 
     def arguments(psi_k, v, p):
         psi, w = (psi_k,) * len(law.states), np.exp(v)
         return v, w, psi, law.exponentials(v, w, psi, p), p
 
-    def rate(psi_k, v, p):
+    def rate(psi_k, v, *p):
         return law.rates(*arguments(psi_k, v, p))[k]
 
-    found, before = np.array(start, float), np.full(np.shape(start), np.inf)
-    done = np.isnan(found)
-    for _ in range(ITERATIONS):
-        value = rate(found, v, p)
-        slope = law.rate_partials(*arguments(found, v, p))[1][k]
-        step = np.where(value == 0.0, 0.0, value / slope)
-        found = np.where(done, found, found - step)
-        size, moved = np.maximum(1.0, np.abs(found)), np.abs(step)
-        is_rounding = (moved < 1e-10 * size) & (moved >= 0.5 * before)
-        done = done | (((moved <= 1e-15 * size) | is_rounding) & np.isfinite(found))
-        before = moved
-        if done.all():
-            return found
-    rest = ~done
-    v, p = v[rest], [x[rest] for x in p]
-    found[rest] = root(lambda psi_k: -rate(psi_k, v, p), start[rest])
-    return found
+    found, done = start[k], np.zeros(np.shape(start[k]), bool)
+    before = np.full(np.shape(found), np.inf)
+    with np.errstate(all="ignore"):  # (steps may lead nowhere)
+        for _ in range(ITERATIONS):
+            value = rate(found, v, *p)
+            slope = law.rate_partials(*arguments(found, v, p))[1][k]
+            step = np.where(value == 0.0, 0.0, value / slope)
+            found = np.where(done, found, found - step)
+            size, moved = np.maximum(1.0, np.abs(found)), np.abs(step)
+            is_rounding = (moved < 1e-10 * size) & (moved >= 0.5 * before)
+            done = done | (((moved <= 1e-15 * size) | is_rounding) & np.isfinite(found))
+            before = moved
+            if done.all():
+                return found
+        rest = ~done & np.isfinite(start[k])
+        v, p = v[rest], [x[rest] for x in p]
+        found[rest] = root(lambda psi_k: -rate(psi_k, v, *p), start[k][rest])
+        return found
 
 
 def steady_problem(law, psi, p, v=0.0):

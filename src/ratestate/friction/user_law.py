@@ -204,12 +204,12 @@ def check(law, values):
     psi = law.variables(0.0, (AGES,) * len(law.states), p)
     e = law.exponentials(0.0, 1.0, psi, p)
     rates, resistance = law.rates(0.0, 1.0, psi, e, p), law.resistance(0.0, 1.0, psi, p)
-    _check_finite("evolution", *rates)
-    _check_finite("a derivative of evolution", *sum(law.rate_partials(0.0, 1.0, psi, e, p), ()))
-    _check_finite("friction", resistance)
-    by_v, by_psi = law.resistance_partials(0.0, 1.0, psi, p)
-    _check_finite("a derivative of friction", by_v, *by_psi)
-    if (by_v := _on_grid(by_v)).min() <= 0.0:
+    _check_finite("", "evolution", rates)
+    _check_finite("a derivative of ", "evolution", law.rate_partials(0.0, 1.0, psi, e, p))
+    _check_finite("", "friction", resistance)
+    slopes = law.resistance_partials(0.0, 1.0, psi, p)
+    _check_finite("a derivative of ", "friction", slopes)
+    if (by_v := _on_grid(slopes[0])).min() <= 0.0:
         k = np.argmax(by_v <= 0.0)
         raise FormulaError(
             f"friction must rise with V at a constant state: d mu/d ln V = "
@@ -247,14 +247,16 @@ def _check_coupling(law):
                 )
 
 
-def _check_finite(what, *numbers):
-    for bad in map(np.logical_not, map(np.isfinite, map(_on_grid, numbers))):
-        if bad.any():
-            raise FormulaError(
-                f"{what} is infinite or NaN at {_point(np.argmax(bad))}. Write another formula "
-                f"there by ratestate.laws.where.",
-                what.split()[-1],
-            )
+def _check_finite(what, method, numbers):
+    if isinstance(numbers, tuple):
+        for one in numbers:
+            _check_finite(what, method, one)
+    elif (bad := ~np.isfinite(_on_grid(numbers))).any():
+        raise FormulaError(
+            f"{what}{method} is infinite or NaN at {_point(np.argmax(bad))}. Write another formula "
+            f"there by ratestate.laws.where.",
+            method,
+        )
 
 
 def _check_steady(name, V, rate):
