@@ -82,9 +82,9 @@ class Edges(NamedTuple):
         return self.z * (inertia[..., None] + self.per_z)
 
     def margin(self, stiffness, inertia):
-        """(...) distance of kappa (...) from the nearest edge, as a part of both, for eta (...).
+        """(...) |kappa - edge|/(kappa + |edge|) of the nearest edge; < 0 if sliding is unstable.
 
-        It is negative if steady sliding is unstable.
+        stiffness, inertia : kappa and eta (...)
         """
         kappa, stiffness = self.kappa(inertia), stiffness[..., None]
         ratio = kappa / stiffness
