@@ -4,6 +4,7 @@ import copy
 import itertools
 import math
 import pickle
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from ratestate.dynamics.steady_sliding import steady_stress
 from ratestate.dynamics.whole_contact import whole_contact
 from ratestate.friction.composition import composed_law
 from ratestate.friction.laws import LAWS, of_one_length
+from ratestate.friction.linear_stability import stability_margin
 from ratestate.interfaces import scenario
 from ratestate.records.fitting import slider_of
 
@@ -319,6 +321,13 @@ def test_a_narrow_band_of_unstable_speeds_is_found(M, below):
         assert K_c(speed, **soft.values) == pytest.approx(soft.K, rel=1e-9)
     assert str(rs.hopf(soft).type.values) != "none"
     assert slider.replace(K=K * (1.0 + below)).V_c == math.inf
+
+
+def test_critical_speeds_take_few_linearisations(monkeypatch):
+    counted = Mock(wraps=stability_margin)
+    monkeypatch.setattr("ratestate.friction.critical_speeds.stability_margin", counted)
+    assert 0.0 < DAMPED.replace(K=7e8).V_c < math.inf
+    assert 0 < counted.call_count < 20
 
 
 def test_sliders_are_equal_from_both_sides():

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ratestate as rs
+from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.limit_cycle import limit_cycle
 from ratestate.dynamics.steady_sliding import stability
 from ratestate.dynamics.verdict import verdict, verdict_of_cycle
@@ -36,6 +37,17 @@ def test_regimes(slider, V_lp, regime, start):
     assert found.regime == regime
     assert found.sentences[0].startswith(start)
     assert found.text.count("\n") == len(found.sentences) - 1
+
+
+def test_only_under_the_slip_law_is_a_step_called_safe():
+    """Under the PRZ law a smaller one than its bound runs away."""
+    slider = FIG2.replace(M=0.0, K=6.12e8)
+    safe = "A step up by a factor of less than 2.02 does not"
+    assert safe in verdict(slider, 3e-4).sentences[0]
+    found = verdict(slider.replace(law="prz"), 3e-4)
+    assert found.regime == "conditionally stable"
+    assert "does not" not in found.sentences[0]
+    assert escape(slider.replace(law="prz"), 3e-4).step_up < 1.4
 
 
 def test_numbers_are_those_of_the_verbs():

@@ -1,10 +1,10 @@
-"""Roots of polynomials: each with its own digits, however unlike they are."""
+"""Roots of functions and polynomials: each with its own digits, however unlike they are."""
 
 import mpmath
 import numpy as np
 import pytest
 
-from ratestate.friction.roots import polynomial_product, polynomial_roots
+from ratestate.friction.roots import polynomial_roots, root, root_between
 
 
 def coefficients(of):
@@ -97,9 +97,26 @@ def test_where_a_root_or_a_coefficient_is_not_finite_there_are_none(first):
     assert polynomial_roots(np.empty((0, 4))).shape == (0, 3)
 
 
-def test_products():
-    rng = np.random.default_rng(3)
-    one, two, three = (rng.normal(size=(7, n)) for n in (2, 3, 1))
-    for found, *factors in zip(polynomial_product([one, two, three]), one, two, three, strict=True):
-        expected = np.polymul(np.polymul(*factors[:2]), factors[2])
-        np.testing.assert_allclose(found, expected, rtol=1e-14)
+@pytest.mark.parametrize(
+    "function", [np.sinh, np.cbrt, np.sign, lambda x: np.expm1(30.0 * x), lambda x: x**3]
+)
+def test_roots_of_functions(function):
+    """Smooth ones and others, to rounding; NaN if there is no root."""
+    roots = np.array([0.0, 1e-9, -3.0, 50.0, -700.0])
+    allowed = 1e-15 * np.abs(roots) + 1e-20
+    between = root_between(lambda x: -function(x - roots), roots - 1.0, roots + np.e)
+    assert (np.abs(between - roots) <= allowed).all()
+    around = root(lambda x: function(x - roots), roots[::-1])
+    assert (np.abs(around - roots) <= allowed).all()
+    assert np.isnan(root(lambda x: function(x) ** 2 + 1.0, roots)).all()
+
+
+def test_roots_of_functions_take_few_steps():
+    calls = []
+
+    def off(x):
+        calls.append(x)
+        return np.exp(x) - 2.0
+
+    np.testing.assert_allclose(root_between(off, np.array([0.5]), np.array([0.8])), np.log(2.0))
+    assert len(calls) < 10

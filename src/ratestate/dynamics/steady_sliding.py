@@ -8,9 +8,8 @@ import numpy as np
 import xarray
 
 from ..friction.critical_speeds import V_c
-from ..friction.elementwise import call_elementwise
 from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c
-from ..friction.stability import eta, f_n
+from ..friction.stability import call_elementwise, eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.quantities import attrs

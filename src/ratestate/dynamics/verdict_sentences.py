@@ -47,8 +47,7 @@ def _motion(v, reason):
         return _unknown(v, reason)
     name, values = v.regime, {}
     if v.regime == CONDITIONAL:
-        parameters = {name: v.slider.values[name] for name in ("a", "b", "Dc", "sigma", "K")}
-        values["safe_step"] = np.floor(100 * runaway_step_lower_bound(**parameters)) / 100
+        values["safe_step"] = _safe_step(v.slider)
     elif v.regime == RUNAWAY and v.on_edge:
         name = "runaway_on_edge"
     elif v.regime == HARMONIC:
@@ -58,6 +57,15 @@ def _motion(v, reason):
     force = v.force_amplitude
     values["force"] = "" if force is None else sentence("motion.force", force=force)
     return sentence(f"motion.{name}", v=v, **values)
+
+
+def _safe_step(slider):
+    """The sentence on steps that do not run away; "" except under the slip law of eqs 1 and 3."""
+    if slider.friction_law.name != "slip":
+        return ""
+    parameters = {name: slider.values[name] for name in ("a", "b", "Dc", "sigma", "K")}
+    largest = np.floor(100 * runaway_step_lower_bound(**parameters)) / 100
+    return sentence("motion.safe_step", largest=largest)
 
 
 def _unknown(v, reason):

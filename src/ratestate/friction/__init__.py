@@ -24,6 +24,5 @@
 ``normal_form``      type of the Hopf bifurcation
 ``quasi_static``     sliding without inertia: excursions and the edge of runaway
 ``roots``            roots of increasing functions and of polynomials, in arrays
-``elementwise``      let functions of arrays take floats and DataArrays
 ==================== ============================================================================
 """

@@ -8,11 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from . import stability
-from .linear_stability import K_c, edges, is_stable
+from .linear_stability import edges, stability_margin
+from .roots import root_between
 
 # Speeds [m/s] between which V_c is sought if a law has a speed of its own, and points per decade.
 # (Nothing slips faster than light.  If weakening fades as 1/V, rounding would decide up there.)
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e9, 10
+# Step in ln V of the derivative that is 0 at the least stable speed.
+STEP = 1e-4
 # Sliders for which they are sought at a time, to limit memory.
 TOGETHER = 1000
 
@@ -48,7 +51,7 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
     """V_c and V_c_upper, if the edges have the same z and quasi-static part at all speeds."""
     found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), {"sigma": sigma, **values}))
     unit = values["a"] * sigma / values["Dc"]
-    excess = K[..., None] - found.quasi_static * unit[..., None]
+    excess = K[..., None] - found.z * found.per_z * unit[..., None]
     rounding = stability.ROUNDING * np.abs(K)[..., None]
     with np.errstate(divide="ignore", invalid="ignore"):
         speed = np.sqrt(excess / (found.z * (M / values["Dc"] ** 2)[..., None]))
@@ -63,56 +66,33 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
 
 
 def _speeds_by_search(law, *, K, **values):
-    """V_c and V_c_upper, (n,) each, on a grid of speeds that bisection refines.
+    """V_c and V_c_upper, (n,) each, between speeds of a grid.
 
-    If no speed of the grid is unstable, one near the speed of the largest K_c may be.
+    If no speed of the grid is unstable, one near the least stable of them may be.
 
     K, values : (n, 1)
     """
 
-    def stable(V):
-        return is_stable(law, V, K=K, **values)
+    def margin(v):
+        return stability_margin(law, np.exp(v), K=K, **values)
 
-    def critical(V):
-        return K_c(law, V, **values)
-
-    decades = round(np.log10(FASTEST / SLOWEST))
-    grid = np.geomspace(SLOWEST, FASTEST, decades * PER_DECADE + 1)
-    unstable = ~stable(grid[None])
-    first = unstable.argmax(axis=1)
+    n_decades = round(np.log10(FASTEST / SLOWEST))
+    grid = np.log(np.geomspace(SLOWEST, FASTEST, n_decades * PER_DECADE + 1))
+    on_grid = margin(grid[None])
+    unstable = on_grid <= 0.0
+    some, first = unstable.any(axis=1), unstable.argmax(axis=1)
     after = unstable | (np.arange(grid.size) < first[:, None])
     last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
     inside = grid[np.stack([np.maximum(first - 1, 0), last], axis=1)]
     outside = grid[np.stack([first, np.maximum(last - 1, 0)], axis=1)]
-    lower, upper = _bisect(stable, inside, outside).T
-    some = unstable.any(axis=1)
-    lower = np.where(some, np.where(first > 0, lower, 0.0), np.inf)
-    upper = np.where(some & (last > 0), upper, np.inf)
     if not some.all():
-        highest = np.clip(critical(grid[None]).argmax(axis=1), 1, grid.size - 2)[:, None]
-        peak = _maximum(critical, grid[highest - 1], grid[highest + 1])
-        between = ~some & ~stable(peak)[:, 0]
-        around = grid[highest + np.array([-1, 1])]
-        lower, upper = np.where(between, _bisect(stable, around, peak).T, (lower, upper))
-    return lower, upper
-
-
-def _maximum(function, low, high):
-    """Speeds (n, 1) at which a function is largest between others, to 1e-8 of themselves."""
-    low, high = np.log(low), np.log(high)
-    for _ in range(50):
-        third = (high - low) / 3.0
-        left, right = low + third, high - third
-        rises = function(np.exp(left)) < function(np.exp(right))
-        low, high = np.where(rises, left, low), np.where(rises, high, right)
-    return np.exp(0.5 * (low + high))
-
-
-def _bisect(stable, inside, outside):
-    """Edges (n, 2) of stability between speeds that are stable, inside, and others."""
-    low, high = np.log(inside), np.log(outside)
-    for _ in range(64):
-        middle = 0.5 * (low + high)
-        is_inside = stable(np.exp(middle))
-        low, high = np.where(is_inside, middle, low), np.where(is_inside, high, middle)
-    return np.exp(0.5 * (low + high))
+        least = np.clip(on_grid.argmin(axis=1), 1, grid.size - 2)
+        around = grid[np.stack([least - 1, least + 1], axis=1)]
+        low, high = around.T[..., None]
+        lowest = root_between(lambda v: margin(v + STEP) - margin(v - STEP), low, high)
+        inside = np.where(some[:, None], inside, around)
+        outside = np.where(some[:, None], outside, lowest)
+    lower, upper = np.exp(root_between(margin, inside, outside)).T
+    lower = np.where(np.isnan(lower), np.inf, lower)
+    upper = np.where(np.isnan(upper) | (some & (last == 0)), np.inf, upper)
+    return np.where(unstable[:, 0], 0.0, lower), upper

@@ -34,7 +34,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import stability
-from .roots import polynomial_product, polynomial_roots
+from .roots import polynomial_roots
 from .tuples import dot
 
 # Smallest eta with a finite fastest mode.
@@ -73,17 +73,24 @@ class Edges(NamedTuple):
     no edge.
     """
 
-    z: np.ndarray  # (..., n) omega^2; kappa is eta z plus the quasi-static part
-    quasi_static: np.ndarray
+    z: np.ndarray  # (..., n) omega^2
+    per_z: np.ndarray  # kappa/z, less eta
     pairs: np.ndarray
 
     def kappa(self, inertia):
         """kappa of each edge, for eta (...)."""
-        return self.z * inertia[..., None] + self.quasi_static
+        return self.z * (inertia[..., None] + self.per_z)
 
-    def unstable_pairs(self, stiffness, inertia):
-        """(...) number of unstable pairs of eigenvalues, for kappa and eta (...)."""
-        return (self.pairs * (stiffness[..., None] <= self.kappa(inertia))).sum(axis=-1)
+    def margin(self, stiffness, inertia):
+        """(...) |kappa - edge|/(kappa + |edge|) of the nearest edge; < 0 if sliding is unstable.
+
+        stiffness, inertia : kappa and eta (...)
+        """
+        kappa, stiffness = self.kappa(inertia), stiffness[..., None]
+        ratio = kappa / stiffness
+        apart = np.where(self.pairs == 0, 1.0, np.abs(1.0 - ratio) / (1.0 + np.abs(ratio)))
+        unstable_pairs = (self.pairs * (stiffness <= kappa)).sum(axis=-1)
+        return np.where(unstable_pairs > 0, -1.0, 1.0) * apart.min(axis=-1)
 
 
 def edges(law, p):
@@ -97,32 +104,34 @@ def edges(law, p):
         # (friction may be so regularized that none is left, in double precision)
         excess = r / np.where(S_v == 0.0, 1.0, S_v) - 1.0
         z = s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
-        return Edges(z, z * S_v / s, (z > 0.0).astype(int))
-    z = polynomial_roots(_numerator(S_v, [x[..., None] for x in _each(r * s**2)], s**2))
+        return Edges(z, S_v / s, (z > 0.0).astype(int))
+    z = polynomial_roots(_numerator(S_v, r * s**2, s**2))
     is_edge = (np.abs(z.imag) <= IMAGINARY * np.abs(z)) & (z.real > 0.0)
     z = np.where(is_edge, z.real, 0.0)
     apart = np.where(is_edge, z, 1.0)[..., None] + (s**2)[..., None, :]
-    quasi_static = z * ((r * s)[..., None, :] / apart).sum(axis=-1)
+    per_z = ((r * s)[..., None, :] / apart).sum(axis=-1)
     direction = ((r * s**2)[..., None, :] / apart**2).sum(axis=-1)
-    return Edges(z, quasi_static, np.where(is_edge, np.sign(direction), 0.0).astype(int))
+    return Edges(z, per_z, np.where(is_edge, np.sign(direction), 0.0).astype(int))
 
 
-def _numerator(head, residues, poles):
-    """The numerator of head - sum_k residues_k/(x + poles_k): a polynomial, highest power first.
+def _numerator(head, residues, poles, power=0):
+    """The numerator of head - x^power sum_k residues_k/(x + poles_k).
 
-    head, residues : such polynomials (..., m); poles : (..., n)
+    Polynomials (..., m) have their highest power first; residues, poles : (..., n)
     """
-    factors = [np.stack([np.ones_like(pole), pole], axis=-1) for pole in _each(poles)]
-    total = polynomial_product([*factors, head])
-    for k, residue in enumerate(residues):
-        part = polynomial_product([*factors[:k], *factors[k + 1 :], residue])
-        total[..., -part.shape[-1] :] -= part
+    total, product = head, np.ones_like(poles[..., :1])
+    for k in range(poles.shape[-1]):
+        pole, end = poles[..., k, None], head.shape[-1] + k + 1 - power
+        total = _times_factor(total, pole)
+        total[..., end - k - 1 : end] -= residues[..., k, None] * product
+        product = _times_factor(product, pole)
     return total
 
 
-def _each(x):
-    """The arrays (...) along the last axis."""
-    return np.moveaxis(x, -1, 0)
+def _times_factor(c, pole):
+    """x + pole times a polynomial."""
+    zero = np.zeros_like(c[..., :1])
+    return np.concatenate([c, zero], axis=-1) + pole * np.concatenate([zero, c], axis=-1)
 
 
 class Critical(NamedTuple):
@@ -134,9 +143,6 @@ class Critical(NamedTuple):
 
 def critical(law, p, inertia):
     """`Critical` of steady sliding at V_ref under a law with these coefficients, for eta."""
-    if law.one_length:
-        b1 = p[0] - 1.0
-        return Critical(b1 * (1.0 + inertia), np.sqrt(np.where(b1 > 0.0, b1, np.nan)))
     found = edges(law, p)
     kappa = found.kappa(inertia)
     last = kappa.argmax(axis=-1)[..., None]
@@ -151,12 +157,8 @@ def K_c(law, V, *, sigma, M, **values):
     """
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
-    return (
-        critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).kappa
-        * values["a"]
-        * sigma
-        / values["Dc"]
-    )
+    p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
+    return critical(law, p, inertia).kappa * values["a"] * sigma / values["Dc"]
 
 
 def omega_c(law, V, *, sigma, M, **values):
@@ -176,9 +178,13 @@ def is_stable(law, V, *, sigma, K, M, **values):
     """Whether steady sliding at V is stable; it is not on the edge."""
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
-    stiffness = K * values["Dc"] / (values["a"] * sigma)
+    return stability_margin(law, V, sigma=sigma, K=K, M=M, **values) > 0.0
+
+
+def stability_margin(law, V, *, sigma, K, M, **values):
+    """`Edges.margin` of steady sliding at V."""
     p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
-    return edges(law, p).unstable_pairs(stiffness, inertia) <= 0
+    return edges(law, p).margin(K * values["Dc"] / (values["a"] * sigma), inertia)
 
 
 def eigenvalues(law, V, *, sigma, K, M, **values):
@@ -188,13 +194,8 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
     """
     if law.one_length:
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
-    rigid = np.isinf(K)
-    kappa = np.where(rigid, 1.0, K) * values["Dc"] / (values["a"] * sigma)
     p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
-    found = modes(law, p, kappa, inertia)
-    relaxing = np.full(found.shape, -np.inf, complex)
-    relaxing[..., :-2] = -np.sort(linearisation(law, p).rates, axis=-1)
-    found = np.where(rigid[..., None], relaxing, found)
+    found = modes(law, p, K * values["Dc"] / (values["a"] * sigma), inertia)
     rate = (V / values["Dc"])[..., None]
     found.real, found.imag = found.real * rate, found.imag * rate  # -inf times a complex is nan
     return found
@@ -203,24 +204,26 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
 def modes(law, p, kappa, inertia):
     """`eigenvalues` [V/Dc] of steady sliding at V_ref, under a law with these coefficients.
 
-    kappa, inertia : K Dc/(a sigma) < inf, and eta
+    kappa, inertia : K Dc/(a sigma), and eta
     """
     S_v, r, s = linearisation(law, p)
     if s.shape[-1] == 1:  # by a change of units those of eq. 1 and a law of one length
-        r, s = r[..., 0], s[..., 0]
-        eta, kappa, beta = inertia * s / S_v, kappa / (s * S_v), r / S_v
+        rate = s[..., 0]
+        eta, kappa, beta = inertia * rate / S_v, kappa / (rate * S_v), r[..., 0] / S_v
         found = stability.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
-        found.real, found.imag = found.real * s[..., None], found.imag * s[..., None]
+        found.real, found.imag = found.real * s, found.imag * s
         return found
-    head = np.stack([inertia, S_v, kappa], axis=-1)
-    residues = [np.stack([x, np.zeros_like(x)], axis=-1) for x in _each(r * s)]
-    whole = _numerator(head, residues, s)
+    rigid, light = np.isinf(kappa), inertia < LIGHTEST
+    head = np.stack([inertia, S_v, np.where(rigid, 1.0, kappa)], axis=-1)
+    whole = _numerator(head, r * s, s, power=1)
     found = np.full((*S_v.shape, whole.shape[-1] - 1), -np.inf, complex)
-    light = inertia < LIGHTEST
     found[light, :-1] = polynomial_roots(whole[light, 1:])
     found[~light] = polynomial_roots(whole[~light])
     order = np.lexsort((-found.imag, -found.real), axis=-1)
-    return np.take_along_axis(found, order, -1)
+    found = np.take_along_axis(found, order, -1)
+    found[rigid] = -np.inf
+    found[rigid, :-2] = -np.sort(s[rigid], axis=-1)
+    return found
 
 
 def beside_the_pair(modes, omega):

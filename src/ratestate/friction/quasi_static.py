@@ -43,9 +43,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import ParameterError, SolverError
-from .elementwise import elementwise
 from .laws import law_name
-from .stability import K_c_qs
+from .stability import K_c_qs, elementwise
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512
@@ -88,7 +87,7 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     if name == "aging":
         return kappa * convex(-psi) + convex(-(v + psi))
     if name != "slip":
-        raise ParameterError(f"law = {law!r}: excursion knows 'slip' and 'aging' only")
+        raise ParameterError(f"law = {law!r} has no excursion. Give 'slip' or 'aging'.")
     x = v + b / a * psi
     with np.errstate(divide="ignore"):
         return -x - np.log1p(-np.minimum(x + kappa * convex(v), 1.0))

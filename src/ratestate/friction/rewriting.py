@@ -133,6 +133,8 @@ def source_of(roots, known):
         if one.kind == "number":
             return repr(one.parts[0])
         if one not in names:
+            if not one.operands:
+                raise LookupError(f"no value is given for the symbol {one.parts[0]!r}")
             text = _text(one, name)
             names[one] = f"t{len(lines)}"
             lines.append(f"{names[one]} = {text}")

@@ -8,48 +8,53 @@ MAX_STEPS = 60
 CONVERGED = 1e-14
 
 
-def root(off, start, where):
-    """The root (n,) of an increasing function, best of a nearly linear one, as friction is in ln V.
-
-    It is not finite if none is found.
+@np.errstate(all="ignore")  # (if a root does not matter there may be none)
+def root(off, start, where=True):
+    """The root (n,) of an increasing function, within some 4000 of the start; NaN if there is none.
 
     off : the function, of (n,), giving (n,)
     start : (n,) near the root
-    where : (n,) whether the root matters
+    where : (n,) whether the root matters; NaN if not
     """
-    with np.errstate(all="ignore"):  # (if it does not matter there may be no root)
-        found, slope = start, off(start + 1.0) - off(start)
-        for _ in range(2):  # (the second step corrects the rounding of the slope)
-            found = found - off(found) / slope
-        wrong = where & ~(np.abs(off(found)) <= 1e-11 * np.maximum(1.0, np.abs(found)))
-    return np.where(wrong, _bisected(off, start), found) if wrong.any() else found
-
-
-def _bisected(off, start):
-    """`root` of functions that are not nearly linear."""
+    start = np.where(where, start, np.nan)
     low, high = start - 1.0, start + 1.0
-    with np.errstate(all="ignore"):
-        for width in 2.0 ** np.arange(12):
-            low = np.where(off(low) > 0.0, low - width, low)
-            high = np.where(off(high) < 0.0, high + width, high)
-        inside = (off(low) <= 0.0) & (off(high) >= 0.0)
-        for _ in range(70):
-            middle = 0.5 * (low + high)
-            below = off(middle) < 0.0
-            low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return np.where(inside, 0.5 * (low + high), np.nan)
+    for width in 2.0 ** np.arange(12):
+        is_above, is_below = off(low) > 0.0, off(high) < 0.0
+        if not (is_above | is_below).any():
+            break
+        low, high = np.where(is_above, low - width, low), np.where(is_below, high + width, high)
+    return root_between(off, low, high)
 
 
-def polynomial_product(factors):
-    """The product of polynomials, coefficients along the last axis, highest first."""
-    product = factors[0]
-    for factor in factors[1:]:
-        size = product.shape[-1] + factor.shape[-1] - 1
-        longer = np.zeros((*product.shape[:-1], size), product.dtype)
-        for i in range(factor.shape[-1]):
-            longer[..., i : i + product.shape[-1]] += factor[..., i, None] * product
-        product = longer
-    return product
+@np.errstate(all="ignore")
+def root_between(off, low, high):
+    """The root of a function between numbers at which its signs differ; NaN if they do not.
+
+    Each is found by inverse quadratic interpolation, or else bisection, to rounding.
+
+    Source: Chandrupatla (1997) doi:10.1016/S0965-9978(96)00051-8.
+    """
+    x, y, other, y_other = high, off(high), low, off(low)
+    found = np.where(y * y_other <= 0.0, x, np.nan)
+    done, part = np.isnan(found), np.full(np.shape(found), 0.5)
+    for _ in range(2 * MAX_STEPS):
+        if done.all():
+            break
+        new = x + part * (other - x)
+        y_new = off(new)
+        stays = (y_new > 0.0) == (y > 0.0)  # (and x is left out, else the other)
+        left, y_left = np.where(stays, x, other), np.where(stays, y, y_other)
+        other, y_other = np.where(stays, other, x), np.where(stays, y_other, y)
+        x, y = new, y_new
+        found = np.where(done, found, np.where(np.abs(y) < np.abs(y_other), x, other))
+        least = 2.0**-52 * np.abs(found) / np.abs(other - x)
+        done = done | (y == 0.0) | ~(least < 0.5)
+        u, f = (x - other) / (left - other), (y - y_other) / (y_left - y_other)
+        smooth = (f**2 < u) & ((1.0 - f) ** 2 < 1.0 - u)
+        bent = y / (y_other - y) * y_left / (y_other - y_left)
+        bent = bent + (left - x) / (other - x) * y / (y_left - y) * y_other / (y_left - y_other)
+        part = np.clip(np.where(smooth, bent, 0.5), least, 1.0 - least)
+    return found
 
 
 def polynomial_roots(c):

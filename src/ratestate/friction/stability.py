@@ -7,15 +7,52 @@ Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
 doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).
 """
 
+import functools
+import inspect
+
 import numpy as np
 
-from .elementwise import elementwise
 from .roots import polynomial_roots
 
 # Largest K/K_c_qs - 1 that may be rounding.
 ROUNDING = 1e-15
 #: relative distance from K_c below which a slider is called neither stable nor unstable
 EDGE_WIDTH = 1e-8
+
+
+def elementwise(*dims):
+    """Let a function of NumPy arrays take floats, arrays or DataArrays, as `call_elementwise`."""
+
+    def extended(function):
+        signature = inspect.signature(function)
+
+        @functools.wraps(function)
+        def of_any(*args, **kwargs):
+            return call_elementwise(function, signature.bind(*args, **kwargs).arguments, *dims)
+
+        return of_any
+
+    return extended
+
+
+def call_elementwise(function, given, *dims):
+    """Call a function of NumPy arrays with floats, arrays or DataArrays by name.
+
+    All arguments are broadcast to one shape.  The result is a DataArray if an argument is one, else
+    an array, or a NumPy number for shape ().
+
+    dims : names of the dimensions that the function adds at the end
+    """
+
+    def of_arrays(*arrays):
+        full = np.broadcast_arrays(*arrays)
+        return function(**dict(zip(given, full, strict=True)))
+
+    if any(hasattr(value, "dims") for value in given.values()):
+        import xarray
+
+        return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
+    return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]
 
 
 def eta(V, *, a, Dc, sigma, M):
@@ -71,16 +108,6 @@ def K_c(V, *, a, b, Dc, sigma, M):
         K_c [Pa/m], in the shape that the arguments broadcast to.
     """
     return K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) * (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
-
-
-def M_of_K_c(V, critical, *, a, b, Dc, sigma):
-    """Return the M [kg/m^2] at which K_c at V [m/s] is `critical` [Pa/m], by eq. 6.
-
-    It is negative if `critical` is below K_c_qs, which no mass makes critical.  b > a is not
-    checked.
-    """
-    excess = critical / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma) - 1
-    return excess / eta(V, a=a, Dc=Dc, sigma=sigma, M=1.0)
 
 
 def b_of_K_c(V, critical, *, a, Dc, sigma, M):
@@ -199,12 +226,9 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
         stable first.  Modes of infinite rate are -inf: one at M = 0, two at K = inf, where V is
         imposed and only the state relaxes, at the rate V/Dc.
     """
-    rigid = np.isinf(K)
-    K = np.where(rigid, 1.0, K)
     inertia, kappa = eta(V, a=a, Dc=Dc, sigma=sigma, M=M), K * Dc / (a * sigma)
     margin = (K - K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)) * Dc / (a * sigma)
     modes = steady_modes(inertia, kappa, b / a, margin)
-    modes[rigid] = [-1.0, -np.inf, -np.inf]
     rate = (V / Dc)[..., None]
     modes.real, modes.imag = modes.real * rate, modes.imag * rate  # -inf times a complex is nan
     return modes
@@ -219,16 +243,19 @@ def steady_modes(eta, kappa, beta, margin):
 
     Complex array: three along a last axis, by descending real part, a conjugate pair with its
     positive imaginary part first.  Each is good to a few units in the last place of its modulus
-    unless it is nearly a double one; at eta = 0 the last is -inf.  Ranges are not checked.
+    unless it is nearly a double one; at eta = 0 the last is -inf, and at kappa = inf the last two
+    are.  Ranges are not checked.
 
     ======  =======================================================================
     eta     M V^2/(sigma a Dc) (eq. 7), >= 0
-    kappa   K Dc/(a sigma), > 0, finite
+    kappa   K Dc/(a sigma), > 0; if it is inf, the margin is not used
     beta    b/a
     margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
             digits that it loses are lost by the growth rate
     ======  =======================================================================
     """
+    rigid = np.isinf(kappa)
+    kappa = np.where(rigid, 1.0, kappa)
     rho = _isolated_root(eta, kappa, beta)
     # With L = -rho/eta known, the other two solve L^2 + p L + q = 0.  In this form of p nothing
     # cancels but the margin itself, so that the growth rate has its sign whatever the rounding.
@@ -244,7 +271,9 @@ def steady_modes(eta, kappa, beta, margin):
     modes.real = np.stack(real, -1)
     modes.imag = np.where(paired, root, 0.0)[..., None] * [1, -1, 0]
     order = np.argsort(-modes.real, axis=-1, kind="stable")
-    return np.take_along_axis(modes, order, -1)
+    modes = np.take_along_axis(modes, order, -1)
+    modes[rigid] = [-1.0, -np.inf, -np.inf]
+    return modes
 
 
 def _isolated_root(eta, kappa, beta):

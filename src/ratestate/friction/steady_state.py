@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from .roots import root
+
 # Newton steps before the root is bracketed.
-ITERATIONS = 20
+ITERATIONS = 10
 
 
 def steady_variables(law, p, v):
@@ -40,11 +42,10 @@ def _steady_variable(law, k, p, v, start):
             before = moved
             if done.all():
                 return found
-        from scipy.optimize.elementwise import bracket_root, find_root  # slow to import
-
-        # (these call it for the elements that have not converged yet)
-        bracket = bracket_root(rate, start[k] - 1.0, start[k] + 1.0, args=(v, *p)).bracket
-        return np.where(done, found, find_root(rate, bracket, args=(v, *p)).x)
+        rest = ~done & np.isfinite(start[k])
+        v, p = v[rest], [x[rest] for x in p]
+        found[rest] = root(lambda psi_k: -rate(psi_k, v, *p), start[k][rest])
+        return found
 
 
 def steady_problem(law, psi, p, v=0.0):

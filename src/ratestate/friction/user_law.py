@@ -105,25 +105,27 @@ def named_law(kind):
     law = kind()
     if not isinstance(getattr(kind, "label", None), str):
         law.label = f"{name} law"
-    if "rates" in _own(kind):
+    bases = kind.__mro__[: kind.__mro__.index(FrictionLaw)]
+    own = {name for base in bases for name in vars(base)}
+    if "rates" in own:
         raise ParameterError(
             f"law {name!r} has the method rates, of an old form of laws. Replace it, and its "
             f"derivatives, by evolution(self, V, theta, p), which returns d theta/dt."
         )
-    if derived := sorted(x for x in _own(kind) if hasattr(FrictionLaw, x) and x not in OWN):
+    if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in OWN):
         raise ParameterError(
-            f"law {name!r} has {derived[0]} of its own, which is derived from the formula. Remove "
-            f"it, or give it another name."
+            f"law {name!r} has {derived[0]} of its own. Rename it, or remove it: laws keep under "
+            f"this name what is derived from their formulas."
         )
-    if "evolution" not in _own(kind):
+    if "evolution" not in own:
         raise ParameterError(
             f"law {name!r} has no method evolution. Add evolution(self, V, theta, p), which "
             f"returns d theta/dt."
         )
     try:
         _check_states(law)
-        own = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
-        content = f"{law.form} {dict(law.states)} {own}\n{law.equations.text}"
+        quantities = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
+        content = f"{law.form} {dict(law.states)} {quantities}\n{law.equations.text}"
     except RAISED as error:
         raise ParameterError(located(name, law, error)) from error
     law.name = f"{name}{MARK}{_hash(content)}"
@@ -147,12 +149,6 @@ def _check_states(law):
                 f"states[{state!r}] = {symbols!r} must be the symbols of b and Dc of this state. "
                 f"Add those that the law has of its own to parameters too."
             )
-
-
-def _own(kind):
-    """Names in a class of laws and its bases, but for those that every law has."""
-    bases = kind.__mro__[: kind.__mro__.index(FrictionLaw)]
-    return {name for base in bases for name in vars(base)}
 
 
 def _place_of(error, law):

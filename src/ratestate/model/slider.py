@@ -10,12 +10,11 @@ import numpy as np
 from ..errors import ParameterError
 from ..friction.composition import JOINT, composed, form_of
 from ..friction.critical_speeds import V_c
-from ..friction.elementwise import call_elementwise
 from ..friction.forms import forms_with, parameters_of
 from ..friction.law import LOG
 from ..friction.laws import DEFAULT, friction_law, owners
 from ..friction.linear_stability import K_c
-from ..friction.stability import eta, f_n
+from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
 from .names import check_keywords
 from .parameters import parameter_to_si

@@ -90,7 +90,7 @@ class System:
         if self.friction_law.one_length:
             return self.margin >= 0.0
         found = linear_stability.edges(self.friction_law, self.coefficients)
-        return found.unstable_pairs(self.kappa, self.eta) <= 0
+        return found.margin(self.kappa, self.eta) > 0.0
 
     @property
     def may_cycle(self):

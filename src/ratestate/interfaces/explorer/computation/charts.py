@@ -13,8 +13,8 @@ from ....dynamics.cycles.regimes import REGIMES, classify
 from ....dynamics.hopf import bautin
 from ....dynamics.refusals import check_one_length
 from ....errors import ParameterError
-from ....friction.elementwise import call_elementwise
 from ....friction.linear_stability import K_c
+from ....friction.stability import call_elementwise
 from ....model.slider import SpringSlider
 from .budget import Deadline, TimeUp
 

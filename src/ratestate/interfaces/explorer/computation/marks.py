@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ....friction.stability import M_of_K_c
+from ....friction.stability import eta
 
 #: field -> the critical values of its quantity, attributes of the `Verdict`
 OF_VERDICT = {"K": ("K_c", "K_fold"), "V_lp": ("V_c", "V_c_upper")}
@@ -28,7 +28,8 @@ def _critical_mass(slider, V_lp):
     """The mass per area [kg/m^2] at which K = K_c; None where it has no closed form or place."""
     if not slider.friction_law.one_length or slider.b <= slider.a:
         return None
-    return M_of_K_c(V_lp, slider.K, a=slider.a, b=slider.b, Dc=slider.Dc, sigma=slider.sigma)
+    of_unit_mass = eta(V_lp, a=slider.a, Dc=slider.Dc, sigma=slider.sigma, M=1.0)
+    return (slider.K / slider.K_c_qs - 1.0) / of_unit_mass
 
 
 def _exists(value):
