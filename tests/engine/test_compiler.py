@@ -26,7 +26,6 @@ class Given(NamedTuple):
     k: np.ndarray  # (4,) int64
     table: np.ndarray  # (2, 3)
     cube: np.ndarray  # (2, 3, 4)
-    small: np.ndarray  # (4,) int8
     inner: Inner
     out: np.ndarray  # (8,)
 
@@ -96,10 +95,7 @@ def loops(run, n):
         count += 3
         if count & 1 == 1 and total > 0.5:
             break
-    for one in (total, 2.0 * total, float(count)):
-        if one > 4.0:
-            break
-        run.out[0] += one
+    run.out[0] = 2.0 * total
     for a in range(2):
         for b in range(3):
             if b > run.k[a]:
@@ -138,8 +134,8 @@ def tuples(run, n):
         pair = (0.5, 4)
     made = Pair(second=n, first=a)
     run.out[0], run.out[1], run.out[2] = pair[0], pair[1], b
-    for one in made:
-        add_to(run, 3, one)
+    run.table[n & 1] = b, made[0], made[1]
+    add_to(run, 3, made[0])
     c, d = b, float(a)
     c, d = d, c
     run.out[4] = c - 2.0 * d
@@ -151,17 +147,16 @@ def arrays(run, n):
     i, j = run.k[0] & 1, n & 1
     run.table[i, j] += run.cube[j, 2, i + 1]
     run.cube[i, j, 3] = run.table[i, 2]
-    run.small[j] = run.small[i] - 3
     run.inner.items[run.inner.n & 3] = n
     items = run.inner.items
     items[5] *= 2
-    run.out[0] = run.table.shape[1] + run.cube.shape[2] + run.small[j]
+    run.out[0] = run.table.shape[1] + run.cube.shape[2]
     run.out[1] = run.table[i, j]
     return items[0] > 0
 
 
-SHAPES = (4,), (4,), (2, 3), (2, 3, 4), (4,), (6,), (8,)
-TYPES = float, np.int64, float, float, np.int8, np.int64, float
+SHAPES = (4,), (4,), (2, 3), (2, 3, 4), (6,), (8,)
+TYPES = float, np.int64, float, float, np.int64, float
 
 
 def record():
@@ -258,10 +253,6 @@ def number_for_bool(run, n):
     return flag
 
 
-def mixed(run, n):
-    return (n > 0 and n) > 0
-
-
 def tuple_for_number(run, n):
     total = 0.0
     if n > 3:
@@ -294,12 +285,6 @@ def else_of_a_loop(run, n):
     else:
         n += 1
     return n > 0
-
-
-def backwards(run, n):
-    for _ in range(n, 0, -1):
-        n += 1
-    return True
 
 
 def over_an_array(run, n):
@@ -353,14 +338,12 @@ REFUSED = {
     whole_of_floats: "run.x[0] // 2",
     another_kind: "total += run.x[0]",
     number_for_bool: "flag = n",
-    mixed: "n > 0 and n",
     tuple_for_number: "total = (1.0, 2.0)",
     returns_two: "return (True, False)",
     falls_off: "def falls_off(run, n):",
     returns_none: "must return a bool",
     itself: "itself(run, n - 1)",
     else_of_a_loop: "for _ in range(n):",
-    backwards: "for _ in range(n, 0, -1):",
     over_an_array: "for x in run.x:",
     by_name: "add_to(run, at=0, x=1.0)",
     math_s_own: "math.log(run.x[0])",

@@ -20,9 +20,8 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``equations``                         the equations at one point
 ``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
 ``taylor``                            a Taylor step: its equations, series and length
-``code``                              numbers that write LLVM text
-``unit_code``                         units as LLVM text
-``compiler``, ``instructions``        compile the control from a small part of Python
+``code``                              numbers that write LLVM text; units as LLVM text
+``compiler``                          compile the control from a small part of Python
 ``machine_code``, ``programs``        compile and load LLVM text; programs run from Python
 ``cache``                             machine code kept on disk
 ``noise``                             whiten the noise of a record

@@ -1,7 +1,7 @@
 """Running cases on an NVIDIA GPU, with one slider a thread: kernels, launches, progress.
 
 No formula stands here.  `kernel_of` joins three texts in LLVM's language: the units of a law for
-vectors of one lane (unit_code.py); the control, which the compiler of the CPU's control makes from
+vectors of one lane (code.py); the control, which the compiler of the CPU's control makes from
 `march_lane`; and the entry, which gives each thread its number.  The control calls units by name,
 so LLVM puts the steps into the loop.  Arrays are in the GPU's global memory, LLVM's address space
 1.  `ptx` turns the text into PTX, which NVIDIA's driver assembles.
@@ -31,15 +31,14 @@ from ..errors import ParameterError, SolverError
 from . import cache, cuda_driver
 from . import rows as R
 from .backend import check_stopped
-from .compiler import kernel_text
+from .code import unit_text
+from .compiler import Array, kernel_text
 from .control import IDLE, idle_lanes, next_case
-from .instructions import Array
 from .machine_code import optimized, target
 from .march import Run
 from .programs import LEVEL, Context
 from .return_map import ReturnRun
 from .rows import WORK, add, call_lanes
-from .unit_code import unit_text
 from .units import unit_names
 
 # One warp a block: threads share nothing, and the finer a batch of a few thousand cases is cut, the

@@ -139,10 +139,7 @@ def finish(run, l):
         f_min=s[R.F_LOW + l],
         xf_min=s[R.XF_LOW + l],
     )
-    k = 0
-    for number in numbers:
-        results.numbers[i, k] = number
-        k += 1
+    results.numbers[i] = numbers
     leave(run, l)
 
 

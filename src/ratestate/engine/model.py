@@ -83,7 +83,7 @@ class Results(NamedTuple):
     final: np.ndarray  # (n, len(y)) x, v, psi at the end
     saved: np.ndarray  # (n, n_times, len(y))
     numbers: np.ndarray  # (n, len(NUMBERS))
-    status: np.ndarray  # (n,) int8
+    status: np.ndarray  # (n,)
 
 
 class Numbers(NamedTuple):
@@ -115,5 +115,5 @@ def empty_results(y, n_times):
         np.full((n, size), np.nan),
         np.full((n, n_times, size), np.nan),
         np.full((n, len(NUMBERS)), np.nan),
-        np.full(n, RUNNING, np.int8),
+        np.full(n, RUNNING),
     )

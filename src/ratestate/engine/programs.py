@@ -15,11 +15,10 @@ import numpy as np
 
 from ..errors import CompilationError
 from . import cache
-from .compiler import kernel_text
-from .instructions import ITEMS, Array, Word
+from .code import unit_text
+from .compiler import KINDS, Array, Word, kernel_text
 from .machine_code import compiled, loaded
 from .rows import WIDTH
-from .unit_code import unit_text
 from .units import unit_names
 
 #: the level of optimisation of a control: its code is no faster at 2, which takes 0.2 s more
@@ -58,8 +57,8 @@ class Context:
                 words.append(operator.index(x))
 
     def _address(self, x):
-        if not x.flags.c_contiguous or x.dtype not in ITEMS:
-            names = ", ".join(map(str, ITEMS))
+        if not x.flags.c_contiguous or x.dtype not in KINDS:
+            names = ", ".join(map(str, KINDS))
             raise TypeError(f"an array of a kernel must be contiguous, of {names}")
         return self._place(x)
 

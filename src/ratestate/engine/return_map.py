@@ -55,7 +55,7 @@ class ReturnResults(NamedTuple):
     psi: np.ndarray  # (n, number of states)
     along: np.ndarray  # (n, perturbations, len(DERIVATIVES)): derivatives along each
     psi_along: np.ndarray  # (n, perturbations, number of states)
-    status: np.ndarray  # (n,) int8
+    status: np.ndarray  # (n,)
 
 
 #: Dimensionless; G is d ln V/dT at the return, v_max and v_min are v, at psi = 0, of the extreme
@@ -78,7 +78,7 @@ def empty_return_results(y):
     n, size = y.shape
     shapes = (len(RETURN_NUMBERS),), (size - 2,), (size - 1, len(DERIVATIVES)), (size - 1, size - 2)
     numbers, psi, along, psi_along = (np.full((n, *shape), np.nan) for shape in shapes)
-    return ReturnResults(numbers, psi, along, psi_along, np.full(n, RUNNING, np.int8))
+    return ReturnResults(numbers, psi, along, psi_along, np.full(n, RUNNING))
 
 
 class ReturnRun(NamedTuple):
@@ -141,10 +141,7 @@ def end(run, l):
         f_min=s[R.F_LOW + l],
         xf_min=s[R.XF_LOW + l],
     )
-    k = 0
-    for number in numbers:
-        results.numbers[i, k] = number
-        k += 1
+    results.numbers[i] = numbers
     for j in range(states + 1):
         z = shape.z + j * (2 + states) * R.LANES + l
         shift = work[FOUND + 3 + j]  # in time, to the section
