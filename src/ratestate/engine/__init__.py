@@ -7,11 +7,10 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``dispatch``, ``backend``             run cases from Python: threads, time limits, progress
 ``cuda``, ``cuda_driver``             run cases on a GPU; calls of NVIDIA's driver by ctypes
 ``control``                           fill lanes with cases; move sliders between methods
-``march``                             a run from start to end: segments, saved times
+``march``                             a run from start to end: segments, jumps, saved times
 ``return_map``                        from one point of the section V = V_lp to the next
 ``events``                            extremes, crossings and runaway within a step
 ``periodicity``                       find the period of a run
-``normal_stress``                     segments and jumps of normal stress
 ``rows``                              layout of the lane buffer; calls of units from the control
 ``units``                             list of what depends on the law
 ``lanes``, ``taylor_lanes``           steps of a lane by either method, their commit, their events

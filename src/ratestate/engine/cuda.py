@@ -33,11 +33,9 @@ from . import rows as R
 from .backend import check_stopped
 from .code import unit_text
 from .compiler import Array, kernel_text
-from .control import IDLE, idle_lanes, next_case
+from .control import IDLE, Run, idle_lanes, next_case
 from .machine_code import optimized, target
-from .march import Run
 from .programs import LEVEL, Context
-from .return_map import ReturnRun
 from .rows import WORK, add, call_lanes
 from .units import unit_names
 
@@ -129,7 +127,7 @@ def _unguarded_launches(memory, kernel, law, taylor, order, given):
     blocks = min(-(-n // BLOCK), RESIDENT * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
     s, _ = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
     position, under_way = np.zeros(3, np.int64), np.zeros(1)
-    run = kernel.record(
+    run = Run(
         kernel=kernel,
         shape=shape,
         units=units_by_name(law, kernel.units),
@@ -170,7 +168,7 @@ def _image(law, kind, context):
 class Threads(NamedTuple):
     """All that the threads work on."""
 
-    run: Run | ReturnRun
+    run: Run
     under_way: np.ndarray  # (1,) sum of the fractions done of unfinished cases
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from ..machine import cores
 from . import backend, cache
 from . import rows as R
-from .control import IDLE, SETS, idle_lanes, run_lanes
+from .control import IDLE, SETS, Run, idle_lanes, run_lanes
 from .march import MARCH, POINTS, RIGID_MARCH
 from .model import NUMBERS, STEP_LIMIT, empty_results
 from .programs import Program, units_of
@@ -59,7 +59,7 @@ def run_returns(law, starts):
     Threads, device, exceptions, `law` as for `run_march`.
     """
     results = empty_return_results(starts.y)
-    given = {"starts": _uniform(starts), "results": results}
+    given = {"cases": _uniform(starts), "results": results}
     given["waveform"] = int((starts.period > 0.0).any())
     _run({RETURN_MAP: np.arange(len(starts.y))}, law, True, None, given)
     return results
@@ -160,7 +160,7 @@ class _Worker:
         units = units_of(law, kernel.units)
         lanes = {"s": self.s, "queue": np.ascontiguousarray(queue), "position": self.position}
         given |= {"kernel": kernel, "shape": shape, "units": units, "taylor": int(taylor)}
-        self._program = Program(run_lanes, kernel.record(work=np.zeros(WORK), **lanes, **given))
+        self._program = Program(run_lanes, Run(work=np.zeros(WORK), **lanes, **given))
         cache.report_time()
 
     def go(self, budget=BUDGET):

@@ -15,82 +15,44 @@ from .rows import FOUND, call_point
 
 #: by how much extreme forces may be off, over the tolerance of a step
 ENOUGH = 0.01
-#: the last step of Newton's method, in fractions of a step: its square is below rounding
-CONVERGED = 1e-9
-#: what `of_step` finds: with its slope a force, or a speed; a speed less the load point's
+#: what `of_step` finds
 FORCE, SPEED, LEAD = 0, 1, 2
 # Parts of x, the stress S that opposes motion, the strength N and friction R: `units.force`.
 NONE, INERTIAL_FORCE, FRICTION = (0.0, 0.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
-NO_LOAD = (0.0, 0.0, 0.0)
+NO_LOAD = (0.0, 0.0)
+#: a speed of the load point that stands for rest
+LEAST = 1e-300
 
 
 def component(run, l, i, at):
-    """Number i of (x, v, psi...) at a place in the lane's step; its first and second derivative."""
+    """Number i of (x, v, psi...) at a place in the lane's step, and its derivative by the place."""
     s, shape = run.s, run.shape
     row = shape.c + i * shape.terms * R.LANES + l
     last = (shape.terms if s[R.TAYLOR + l] > 0.0 else R.OF_RODAS5P) - 1
-    y, dy, bend = s[row + last * R.LANES], 0.0, 0.0
+    y, dy = s[row + last * R.LANES], 0.0
     for k in range(1, last + 1):
-        bend = dy + at * bend
         dy = y + at * dy
         y = s[row + (last - k) * R.LANES] + at * y
-    return y, dy, 2.0 * bend
+    return y, dy
 
 
 def state_at(run, l, at, work, place):
     """Put x, v and each psi at a place in the lane's step into `work`, and their derivatives."""
     n = 2 + run.shape.states
     for i in range(n):
-        y, dy, _ = component(run, l, i, at)
-        work[place + i], work[place + n + i] = y, dy
-
-
-def v_ahead(run, l, load, at):
-    """How far v is above the load point's, and its slope; load : as of `crossing`."""
-    w_lp, dw, log_w_lp = load
-    v, slope, _ = component(run, l, 1, at)
-    if dw == 0.0:
-        return v - log_w_lp, slope
-    w = w_lp + dw * at
-    return v - log(w), slope - dw / w
-
-
-def rate_of_v(run, l, load, at):
-    """dv/ds at a place s in the lane's step, and its slope."""
-    _, rate, bend = component(run, l, 1, at)
-    return rate, bend
-
-
-def zero(run, l, function, load, low, high):
-    """Where from low to high `v_ahead` or `rate_of_v` vanishes, by Newton's method in a bracket.
-
-    Where it has one sign at both ends, the end where it is smaller in size.
-    """
-    start, _ = function(run, l, load, low)
-    end, _ = function(run, l, load, high)
-    if (start < 0.0) == (end < 0.0):
-        return low if abs(start) < abs(end) else high
-    at = low + (high - low) * (start / (start - end))
-    for _ in range(60):
-        off, slope = function(run, l, load, at)
-        if (off < 0.0) == (start < 0.0):
-            low = at
-        else:
-            high = at
-        new = at - off / slope if slope != 0.0 else 2.0
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        elif abs(new - at) < CONVERGED:
-            return new
-        at = new
-    return at
+        work[place + i], work[place + n + i] = component(run, l, i, at)
 
 
 def of_step(run, l, what, parts, load, at):
-    """A force, a sum of parts of x, S, N and R, or a speed, w, at a place in the lane's step.
+    """A number at a place in the lane's step, and what is to vanish where `root` finds it.
 
-    And what is to vanish: its slope or, of a LEAD, how far v is ahead of the load point's.
+    =====  ==========================================================================
+    FORCE  a sum of parts of x, S, N and R, and its slope
+    SPEED  the speed, as of `kinematics.order_of_speed`, and its slope
+    LEAD   the same, and how far v is ahead of the load point's, of which `load` holds
+           the speed at the start of the step and its change in the step
+    =====  ==========================================================================
     """
     work = run.work
     if what == FORCE:
@@ -99,7 +61,11 @@ def of_step(run, l, what, parts, load, at):
         state_at(run, l, at, work, 5)
         call_point(run.units.force, run.s, l, work)
         return work[FOUND], work[FOUND + 1]
-    work[0] = load[0] + load[1] * at
+    w_lp = load[0] + load[1] * at
+    if run.shape.reverses == 0:
+        v, slope = component(run, l, 1, at)
+        return v, slope if what == SPEED else v - log(max(w_lp, LEAST))
+    work[0] = w_lp
     state_at(run, l, at, work, 1)
     call_point(run.units.speed, run.s, l, work)
     return work[FOUND], work[FOUND + 1] if what == SPEED else work[FOUND + 2]
@@ -143,23 +109,13 @@ def extreme_value(run, l, parts, enough):
 
 def extreme_speed(run, l):
     """Where in the lane's step the speed is extreme, and its `order_of_speed`."""
-    if run.shape.reverses:
-        return root(run, l, SPEED, NONE, NO_LOAD, 0.0, 1.0, 0.0)
-    at = zero(run, l, rate_of_v, NO_LOAD, 0.0, 1.0)
-    v, _, _ = component(run, l, 1, at)
-    return at, v
+    return root(run, l, SPEED, NONE, NO_LOAD, 0.0, 1.0, 0.0)
 
 
 def crossing(run, l, load, low, high):
-    """Where from low to high the speed is the load point's, which the caller has seen it cross.
-
-    load : the load point's speed at the start of the step, its change in the step, and, if that is
-        0, the logarithm of the speed
-    """
-    if run.shape.reverses:
-        at, _ = root(run, l, LEAD, NONE, load, low, high, 0.0)
-        return at
-    return zero(run, l, v_ahead, load, low, high)
+    """Where from low to high the speed is the load point's, which the caller has seen it cross."""
+    at, _ = root(run, l, LEAD, NONE, load, low, high, 0.0)
+    return at
 
 
 def observe(run, l):
@@ -196,9 +152,8 @@ def cross(run, l, rises, low, high):
     """Record that V crosses V_lp from low to high in the step: a maximum of stress if it rises."""
     s = run.s
     h = s[R.H_USED + l]
-    load = s[R.W_LP + l], h * s[R.RAMP + l], s[R.LOG_W_LP + l]
-    at = crossing(run, l, load, low, high)
-    x, _, _ = component(run, l, 0, at)
+    at = crossing(run, l, (s[R.W_LP + l], h * s[R.RAMP + l]), low, high)
+    x, _ = component(run, l, 0, at)
     if rises:
         close_cycle(run, l, s[R.T_LOW + l] + at * h, x)
     else:

@@ -10,7 +10,7 @@ is as accurate as the steps are.
 
 import math
 from collections import namedtuple
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,11 +20,11 @@ from .control import Kernel, fill, leave, stuck
 from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING
 from .rows import FOUND, call_lanes, call_point
 from .units import ReturnUnits
-from .waveform import LOG_SLOW_BELOW, SLOW_BELOW
+from .waveform import SLOW_BELOW
 
 # A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
 NEAREST = 1e-6
-SECTION, SLOW = (1.0, 0.0, 0.0), (SLOW_BELOW, 0.0, LOG_SLOW_BELOW)
+SECTION, SLOW = (1.0, 0.0), (SLOW_BELOW, 0.0)
 
 
 class Starts(NamedTuple):
@@ -81,27 +81,11 @@ def empty_return_results(y):
     return ReturnResults(numbers, psi, along, psi_along, np.full(n, RUNNING))
 
 
-class ReturnRun(NamedTuple):
-    """All that a return map works on, as `march.Run`."""
-
-    kernel: Kernel
-    shape: R.Shape
-    units: Any  # `units.ReturnUnits`
-    taylor: int
-    s: np.ndarray
-    queue: np.ndarray
-    position: np.ndarray
-    work: np.ndarray
-    waveform: int  # 1 if its integrals are wanted
-    starts: Starts
-    results: ReturnResults
-
-
 def load(run, l, i):
     """Put case i into lane l."""
-    s, shape, starts = run.s, run.shape, run.starts
+    s, shape, starts = run.s, run.shape, run.cases
     n = 2 + shape.states
-    fill(run, l, i, starts, starts.eta[i], starts.atol[i])
+    fill(run, l, i, starts.eta[i], starts.atol[i])
     for k in range(n):
         s[shape.steady + k * R.LANES + l] = starts.steady[i, k]
         for j in range(n - 1):
@@ -141,7 +125,6 @@ def end(run, l):
         f_min=s[R.F_LOW + l],
         xf_min=s[R.XF_LOW + l],
     )
-    results.numbers[i] = numbers
     for j in range(states + 1):
         z = shape.z + j * (2 + states) * R.LANES + l
         shift = work[FOUND + 3 + j]  # in time, to the section
@@ -155,7 +138,7 @@ def end(run, l):
             results.psi_along[i, j, k] = s[z + (2 + k) * R.LANES] - shift * rate
     for k in range(states):
         results.psi[i, k] = s[R.y_row(shape, 2 + k) + l]
-    leave(run, l)
+    leave(run, l, numbers)
 
 
 def commit(run, first, n, taylor):
@@ -270,4 +253,4 @@ def handle(run, l):
         s[R.STATUS + l] = STEADY_SLIDING
 
 
-RETURN_MAP = Kernel(ReturnRun, ReturnUnits, load, handle, commit, end)
+RETURN_MAP = Kernel(ReturnUnits, load, handle, commit, end)

@@ -18,14 +18,14 @@ LANES = 16
 WIDTH = doubles_of_vector()  # lanes that go together
 OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 72
+COMMON_ROWS = 71
 
 # fmt: off
 (
     HOME,                                   # a column that keeps returns (`highs`): each has one
     X, V, W,                                # stress, ln w, w
     KAPPA, ETA0,                            # parameters (model.py)
-    W_LP, RAMP, LOG_W_LP,                   # load point: speed, its rate, ln of a constant speed
+    W_LP, RAMP,                             # load point: speed, its rate
     T, T_LOW, BREAKPOINT, H,                # time in two parts, next breakpoint, next step size
     TOLERANCE, MEMORY,                      # of x, v and psi; err**(1/16) of the last good step
     SAVE_AT, V_LIMIT, STEADY,               # next saved time, runaway ln w, steady-state tolerance
