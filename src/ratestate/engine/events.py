@@ -1,4 +1,4 @@
-"""What happens inside an accepted step, read off its dense output.
+"""What happens inside an accepted step, read off its dense output, and what period it makes.
 
 Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  An upward
 crossing is a stress maximum and closes a cycle; a downward one is its minimum.
@@ -6,11 +6,14 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 The dense output of a step are polynomials in the fraction of the step that is over, 0 to 1.  Their
 coefficients, the constant first, stand in rows of the lane buffer: of degree 4 after a step of
 Rodas5P, of `taylor.ORDER` after one of the Taylor method.
+
+The period of a run is seen where stress maxima and minima of its last cycles are compared.
 """
+
+import math
 
 from ..friction.functions import log
 from . import rows as R
-from .periodicity import close_cycle
 from .rows import FOUND, call_point
 
 #: by how much extreme forces may be off, over the tolerance of a step
@@ -23,6 +26,18 @@ WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
 NO_LOAD = (0.0, 0.0)
 #: a speed of the load point that stands for rest
 LEAST = 1e-300
+
+
+# Smallest visible change of stress maxima or minima from one return to the next, divided by the
+# amplitude; part of it that may be left after a whole period.
+VISIBLE, REPEATS = 1e-3, 0.1
+# Largest change after a period of several returns, divided by the amplitude: chaos comes near one
+# by chance.  Errors of a run may be so many times its tolerance, and hide it up to `VISIBLE`.
+EXACT, ERRORS = 1e-4, 100.0
+# How often stress maxima turn back, among those that are known, where a motion is irregular; and
+# what part of their earlier changes the later ones then are, for it may be on its way to a period.
+# Where changes after a period grow it is irregular too: it leaves an orbit that it came near to.
+REVERSALS, LASTING = 3, 0.5
 
 
 def component(run, l, i, at):
@@ -139,23 +154,13 @@ def observe(run, l):
     return at
 
 
-def speed_at(run, l, at):
-    """w at a place in the lane's step."""
-    work = run.work
-    work[0] = 1.0
-    state_at(run, l, at, work, 1)
-    call_point(run.units.speed, run.s, l, work)
-    return work[FOUND]
-
-
-def cross(run, l, rises, low, high):
+def cross(run, l, load, rises, low, high):
     """Record that V crosses V_lp from low to high in the step: a maximum of stress if it rises."""
     s = run.s
-    h = s[R.H_USED + l]
-    at = crossing(run, l, (s[R.W_LP + l], h * s[R.RAMP + l]), low, high)
+    at = crossing(run, l, load, low, high)
     x, _ = component(run, l, 0, at)
     if rises:
-        close_cycle(run, l, s[R.T_LOW + l] + at * h, x)
+        close_cycle(run, l, s[R.T_LOW + l] + at * s[R.H_USED + l], x)
     else:
         s[R.X_LOW + l] = x
 
@@ -163,7 +168,7 @@ def cross(run, l, rises, low, high):
 def handle(run, l):
     """Everything of interest in the lane's accepted step, before it is committed."""
     s = run.s
-    w_lp, dw = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
+    load = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
     events, at = int(s[R.EVENTS + l]), -1.0  # where V is extreme
     if s[R.OBSERVE + l] > 0.0:
         at = observe(run, l)
@@ -171,11 +176,98 @@ def handle(run, l):
         at, _ = extreme_speed(run, l)
     if run.shape.rigid:
         return
-    above = s[R.W_NEW + l] >= w_lp + dw
-    if (s[R.W + l] < w_lp) == above:
-        cross(run, l, above, 0.0, 1.0)
-    elif at > 0.0 and (speed_at(run, l, at) < w_lp + dw * at) == above:  # there and back
-        cross(run, l, not above, 0.0, at)
-        cross(run, l, above, at, 1.0)
+    above = s[R.W_NEW + l] >= load[0] + load[1]
+    if (s[R.W + l] < load[0]) == above:
+        cross(run, l, load, above, 0.0, 1.0)
+    elif at > 0.0:
+        _, lead = of_step(run, l, LEAD, NONE, load, at)
+        if (lead < 0.0) == above:  # there and back
+            cross(run, l, load, not above, 0.0, at)
+            cross(run, l, load, above, at, 1.0)
     if events & R.BEYOND > 0:
         call_point(run.units.outrun, s, l, run.work)
+
+
+# The period of a run
+
+
+def close_cycle(run, l, here, x_high):
+    """Record the cycle that ends at this upward crossing; `here` is the time since s[T]."""
+    s, shape = run.s, run.shape
+    if s[R.CROSS_LOW + l] < math.inf:
+        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + int(s[R.HOME + l])
+        s[shape.highs + at], s[shape.lows + at] = x_high, s[R.X_LOW + l]
+        s[shape.spans + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
+        s[R.CYCLES + l] += 1.0
+    s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
+
+
+def change(s, home, shape, first, end, p):
+    """Largest change of a maximum or minimum of x after p returns, at the returns first to end - 1.
+
+    home : the column where they are kept
+    """
+    most = 0.0
+    for k in range(first, end):
+        now, before = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
+        most = max(most, abs(s[shape.highs + now] - s[shape.highs + before]))
+        most = max(most, abs(s[shape.lows + now] - s[shape.lows + before]))
+    return most
+
+
+def last_period(run, l):
+    """Amplitude (in x) and duration (in T) of the last period, and how many returns it has.
+
+    More than one where the motion repeats after these, and hardly after fewer.  Where it is
+    irregular there is no period: 0 returns, the amplitude of the later half of those that are
+    known, and how long one of them takes.  Before the first return 0.0, inf and 0.
+    """
+    s, shape = run.s, run.shape
+    cycles, home = int(s[R.CYCLES + l]), int(s[R.HOME + l])
+    if cycles == 0:
+        return 0.0, math.inf, 0
+    known = min(cycles, R.RING)
+    last = ((cycles - 1) % R.RING) * R.LANES + home
+    amplitude = s[shape.highs + last] - s[shape.lows + last]
+    visible = VISIBLE * amplitude
+    errors = ERRORS * s[R.TOLERANCE + l]
+    exact = max(EXACT * amplitude, min(visible, errors))
+    first = cycles - known // 2  # in chaos a few returns may repeat by chance
+    returns, left = 1, change(s, home, shape, first, cycles, 1)
+    for p in range(2, known // 2 + 1):
+        if left > (visible if returns == 1 else exact):
+            by_p = change(s, home, shape, first, cycles, p)
+            if by_p < REPEATS * left:
+                returns, left = p, by_p
+    changes = left > (visible if returns == 1 else exact)
+    half = first + known // 4
+    before = max(errors, change(s, home, shape, first, half, returns))
+    grows = (changes or returns > 1) and change(s, home, shape, half, cycles, returns) > before
+    irregular = (changes or grows) and is_irregular(s, home, shape, cycles, visible, grows)
+    over = known // 2 if irregular else returns
+    high, low, span = -math.inf, math.inf, 0.0
+    for k in range(cycles - over, cycles):
+        at = (k % R.RING) * R.LANES + home
+        high, low = max(high, s[shape.highs + at]), min(low, s[shape.lows + at])
+        span += s[shape.spans + at]
+    return high - low, span / over if irregular else span, 0 if irregular else returns
+
+
+def is_irregular(s, home, shape, cycles, visible, grows):
+    """Whether stress maxima go up and down visibly, and lately not much less than before.
+
+    grows : whether changes after a period grow; then changes after a return need not last
+    """
+    count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
+    known = min(cycles, R.RING)
+    for k in range(cycles - known + 1, cycles):
+        now, last = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
+        rise = s[shape.highs + now] - s[shape.highs + last]
+        if abs(rise) > visible:
+            count += rise * rise_before < 0.0
+            rise_before = rise
+        if k < cycles - known // 2:
+            earlier = max(earlier, abs(rise))
+        else:
+            later = max(later, abs(rise))
+    return count >= REVERSALS and (grows or later > LASTING * earlier)

@@ -8,7 +8,6 @@ from . import events, lanes
 from . import rows as R
 from .control import Kernel, fill, leave, stuck
 from .model import FINISHED, NOT_FINITE, RUNAWAY, RUNNING, Numbers
-from .periodicity import last_period
 from .rows import FOUND, call_lanes, call_point
 from .units import MarchUnits, RigidUnits
 
@@ -167,7 +166,7 @@ def finish(run, l):
         else:
             for n in range(results.saved.shape[1]):
                 results.saved[i, n, k] = math.nan
-    amplitude, period, returns = last_period(run, l)
+    amplitude, period, returns = events.last_period(run, l)
     call_point(run.units.orders, s, l, work)
     numbers = Numbers(
         t=(s[R.T + l] + s[R.T_LOW + l]) / run.cases.scale[i],

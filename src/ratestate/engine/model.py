@@ -100,7 +100,7 @@ class Numbers(NamedTuple):
     v_max: float  # ln(V/V0); where slip may reverse v at psi = 0 (`kinematics.v_of_order`)
     v_min: float
     g_max: float  # of |g|
-    returns: float  # in the last period; 0: none, or irregular (`periodicity.last_period`)
+    returns: float  # in the last period; 0: none, or irregular (`events.last_period`)
     f_min: float
     xf_min: float  # of x + N
 
