@@ -9,8 +9,7 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``control``                           fill lanes with cases; move sliders between methods
 ``march``                             a run from start to end: segments, jumps, saved times
 ``return_map``                        from one point of the section V = V_lp to the next
-``events``                            extremes, crossings and runaway within a step
-``periodicity``                       find the period of a run
+``events``                            extremes, crossings, runaway in a step; a run's period
 ``rows``                              layout of the lane buffer; calls of units from the control
 ``units``                             list of what depends on the law
 ``lanes``, ``taylor_lanes``           steps of a lane by either method, their commit, their events
@@ -21,8 +20,8 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``taylor``                            a Taylor step: its equations, series and length
 ``code``                              numbers that write LLVM text; units as LLVM text
 ``compiler``                          compile the control from a small part of Python
-``machine_code``, ``programs``        compile and load LLVM text; programs run from Python
-``cache``                             machine code kept on disk
+``machine_code``                      compile LLVM text, keep it on disk, load it
+``programs``                          programs run from Python
 ``noise``                             whiten the noise of a record
 ===================================== ==============================================================
 """

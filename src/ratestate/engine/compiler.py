@@ -82,9 +82,9 @@ class Slot(NamedTuple):
 
 
 def kernel_text(function, layout, pointer="ptr", own=""):
-    """LLVM text of ``i1 function(words, ...)``, and of all that it calls.
+    """LLVM text of ``{ i1 } function(words, ...)``, and of all that it calls.
 
-    SyntaxError, which says where and why, for what is refused.
+    An error, with notes that say where, for what is refused.
 
     function : of a record and ints; it returns a bool
     layout : the record, with a `Word` for each int and an `Array` for each array
@@ -95,12 +95,8 @@ def kernel_text(function, layout, pointer="ptr", own=""):
     ints = [Bits(None, "")] * (len(inspect.signature(function).parameters) - 1)
     _, returns = program.add(function, (layout, *ints), function.__name__)
     if returns != (Condition,):
-        raise SyntaxError(f"{_name_of(function)} must return a bool")
+        raise TypeError(f"{function.__qualname__} must return a bool")
     return "\n".join([*sorted(program.declarations.values()), *program.texts, "!0 = !{}", ""])
-
-
-def _name_of(function):
-    return f"{function.__module__}.{function.__qualname__}"
 
 
 def _in_tuples(function, x):
@@ -114,8 +110,7 @@ def _flat(x):
 
 def _type_of(kinds):
     """The type of what a function returns."""
-    types = ", ".join(kind.item for kind in kinds)
-    return f"{{ {types} }}" if len(kinds) > 1 else types or "void"
+    return f"{{ {', '.join(kind.item for kind in kinds)} }}" if kinds else "void"
 
 
 def _kind_of(x):
@@ -154,24 +149,17 @@ class _Function(Code):
         self._program, self._function = program, function
         self._parameters, self._slots = [program.words], []
         self._variables, self._ends, self._count = {}, [], itertools.count()
-        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(function))).body
-        self._checked(tree, lambda _: self._body(tree, arguments))
+        tree: Any = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+        for one, given in zip(tree.args.args, arguments, strict=True):
+            self._assign(ast.Name(one.arg), _in_tuples(self._parameter, given))
+        if not self._block(tree.body):
+            self._do_Return(ast.Return())
 
     def whole(self, head):
         """The text; head : in which {} stands for the type of what the function returns."""
         body = "\n  ".join(["entry:", *self._slots, *self.lines])
         head = head.format(_type_of(self.returns))
         return f"define {head}({', '.join(self._parameters)}) {{\n  {body}\n}}"
-
-    def _body(self, tree, arguments):
-        if not isinstance(tree, ast.FunctionDef) or tree.decorator_list:
-            raise TypeError("it is not a plain function")
-        for one, given in zip(tree.args.args, arguments, strict=True):
-            self._assign(ast.Name(one.arg), _in_tuples(self._parameter, given))
-        if not self._block(tree.body):
-            if self.returns:
-                raise TypeError("it may end without a return")
-            self._do_Return(ast.Return())
 
     def _parameter(self, given):
         if not isinstance(given, Value):
@@ -240,20 +228,12 @@ class _Function(Code):
         return any(self._statement(one) for one in statements)
 
     def _statement(self, node):
-        return self._checked(node, getattr(self, f"_do_{type(node).__name__}", self._refuse))
-
-    def _checked(self, node, write):
         try:
-            return bool(write(node))
-        except SyntaxError:
-            raise
-        except Exception as error:  # tracing runs any method of the source's values
+            return bool(getattr(self, f"_do_{type(node).__name__}")(node))
+        except Exception as error:
             text = ast.unparse(node).partition("\n")[0]
-            reason = f"{text} ({type(error).__name__}: {error})"
-            raise SyntaxError(f"{_name_of(self._function)} cannot be compiled: {reason}") from error
-
-    def _refuse(self, node):
-        raise TypeError(f"{type(node).__name__} is not known")
+            error.add_note(f"{self._function.__module__}.{self._function.__qualname__}: {text}")
+            raise
 
     def _do_Expr(self, node):
         self._value(node.value)
@@ -272,9 +252,11 @@ class _Function(Code):
                 self._assign(one, part)
         elif isinstance(target, ast.Subscript):
             array, index = self._value(target.value), self._value(target.slice)
-            row = type(value) is tuple
-            for k, one in enumerate(value) if row else [(None, value)]:
-                self._put(one, self._item(array, (index, k) if row else index))
+            if type(value) is not tuple:
+                return self._put(value, self._item(array, index))
+            row = index if type(index) is tuple else (index,)
+            for k, one in enumerate(value):
+                self._put(one, self._item(array, (*row, k)))
         else:
             self._variables[target.id] = self._assigned(self._variables.get(target.id), value)
 
@@ -299,26 +281,20 @@ class _Function(Code):
         found = found if type(found) is tuple else (found,)
         if self.returns is None:
             self.returns = tuple(map(_kind_of, found))
-        pairs = zip(self.returns, found, strict=True)
-        texts = [self._argument(*pair) for pair in pairs]
-        if len(texts) > 1:
-            kind, whole = _type_of(self.returns), "poison"
-            for i, text in enumerate(texts):
-                whole = self.write(f"insertvalue {kind} {whole}, {text}, {i}", Value).name
-            texts = [f"{kind} {whole}"]
-        self.lines.append(f"ret {texts[0] if texts else 'void'}")
+        whole = f"{_type_of(self.returns)} poison"
+        for i, (kind, x) in enumerate(zip(self.returns, found, strict=True)):
+            one = self.write(f"insertvalue {whole}, {self._argument(kind, x)}, {i}", Value)
+            whole = f"{_type_of(self.returns)} {one.name}"
+        self.lines.append(f"ret {whole}" if self.returns else "ret void")
         return True
 
     def _do_If(self, node):
-        test = self._value(node.test)
-        if not isinstance(test, Value):
-            return self._block(node.body if test else node.orelse)
-        return self._branches(test, self._block, node.body, node.orelse)
+        return self._branches(node.test, self._block, node.body, node.orelse)
 
     def _branches(self, test, write, *sides):
         """Write both sides of a condition; whether both end in a jump."""
         labels, end = [self._label() for _ in sides], self._label()
-        self._branch(test, *labels)
+        self._branch(self._value(test), *labels)
         ended = []
         for label, side in zip(labels, sides, strict=True):
             self.lines.append(f"{label}:")
@@ -350,9 +326,9 @@ class _Function(Code):
         if node.orelse or ast.unparse(node.iter) != f"range({', '.join(given)})":
             raise TypeError("a loop is over a range, and has no else")
         names = {"i": i, "end": end, "target": ast.unparse(node.target)}
-        first, loop = ast.parse(FOR.format(**names, start=start, stop=stop, step=step)).body
-        loop.body += node.body  # type: ignore[attr-defined]
-        return self._block([first, loop])
+        tree: Any = ast.parse(FOR.format(**names, start=start, stop=stop, step=step))
+        tree.body[-1].body += node.body
+        return self._block(tree.body)
 
     def _do_Break(self, node):
         self._jump(self._ends[-1])
@@ -361,7 +337,7 @@ class _Function(Code):
     # Expressions: a `Value`, a tuple, or what is known
 
     def _value(self, node):
-        return getattr(self, f"_of_{type(node).__name__}", self._refuse)(node)
+        return getattr(self, f"_of_{type(node).__name__}")(node)
 
     def _of_Constant(self, node):
         return node.value
@@ -392,7 +368,9 @@ class _Function(Code):
 
     def _of_UnaryOp(self, node):
         x = self._value(node.operand)
-        return ~self._truth(x) if isinstance(node.op, ast.Not) else OPERATORS[type(node.op)](x)
+        if isinstance(node.op, ast.Not):
+            return ~self.as_value(self._truth(x), Condition)
+        return OPERATORS[type(node.op)](x)
 
     def _of_Compare(self, node):
         values = [self._value(one) for one in (node.left, *node.comparators)]
@@ -408,10 +386,8 @@ class _Function(Code):
         return self._of_IfExp(ast.IfExp(first, ast.Constant(True), rest))
 
     def _of_IfExp(self, node):
-        test, found = self._value(node.test), ast.Name(f"?{next(self._count)}")
-        if not isinstance(test, Value):
-            return self._value(node.body if test else node.orelse)
-        self._branches(test, lambda x: self._assign(found, self._value(x)), node.body, node.orelse)
+        found, sides = ast.Name(f"?{next(self._count)}"), (node.body, node.orelse)
+        self._branches(node.test, lambda x: self._assign(found, self._value(x)), *sides)
         return self._value(found)
 
     def _of_Call(self, node):
@@ -421,9 +397,6 @@ class _Function(Code):
             return tuple(function(*arguments, **named))
         if node.keywords:
             raise TypeError("arguments are given by their place")
-        flat = _flat(arguments)
-        if not any(isinstance(x, (Value, Array)) or hasattr(x, "_fields") for x in flat):
-            return function(*arguments)
         if function in (max, min):
             return functools.reduce(functools.partial(_further, function), arguments)
         if function is int and isinstance(arguments[0], Number):
@@ -445,15 +418,13 @@ class _Function(Code):
         )
         name, returns = self._program.add(function, kinds)
         given = [f"{x.item} {x.name}" for x in _flat(kinds) if isinstance(x, Value)]
-        kind = _type_of(returns)
-        call = f"call {kind} @{name}({', '.join([self._program.words, *given])})"
+        of = _type_of(returns)
+        call = f"call {of} @{name}({', '.join([self._program.words, *given])})"
         if not returns:
             return self.lines.append(call)
-        if len(returns) == 1:
-            return self.write(call, *returns)
-        whole = self.write(call, Value).name
-        each = enumerate(returns)
-        return tuple(self.write(f"extractvalue {kind} {whole}, {i}", one) for i, one in each)
+        whole, each = f"{of} {self.write(call, Value).name}", enumerate(returns)
+        found = tuple(self.write(f"extractvalue {whole}, {i}", one) for i, one in each)
+        return found[0] if len(found) == 1 else found
 
     def _call_unit(self, unit, buffer, first, last):
         """Call a unit, by its name or its address, of a column; last : a number, or `work`."""

@@ -46,7 +46,7 @@ class Run(NamedTuple):
     """All that a kernel works on; lanes stand in `SETS` sets if `taylor`, else in one."""
 
     kernel: Kernel
-    shape: R.Shape
+    shape: Any  # `rows.Shape`
     units: Any  # of the kernel's kind
     taylor: int  # 1 if steps that are not stiff are of the Taylor method, which the law allows
     s: np.ndarray  # (sets * size,) the lanes
@@ -63,6 +63,8 @@ class Run(NamedTuple):
     path: np.ndarray = np.empty((0, 1))
     # of a return map
     waveform: int = 0  # 1 if its integrals are wanted
+    # on a GPU
+    under_way: np.ndarray = np.zeros(1)  # sum of the fractions done of unfinished cases
 
 
 def run_lanes(run, budget):
@@ -97,8 +99,7 @@ def run_lanes(run, budget):
                 kernel.end(run, l)
                 if s[R.CASE + l] == IDLE:
                     vacant = regroup = True
-        if run.taylor > 0 and (vacant or any_changes(s, first, n)):
-            change_sets(s, shape, first)
+        if run.taylor > 0 and change_sets(s, shape, first):
             regroup = True
     return False
 
@@ -151,12 +152,11 @@ def stuck(s, l):
 
 
 def idle_lanes(shape, sets):
-    """A lane buffer of free lanes, and the columns of each of its sets."""
-    s = np.zeros(sets * shape.size)
-    columns = np.add.outer(shape.size * np.arange(sets), np.arange(R.LANES))
-    s[R.CASE + columns] = IDLE
-    s[R.HOME + columns] = columns
-    return s, columns
+    """A lane buffer of free lanes."""
+    s, lanes = np.zeros((sets, shape.size)), np.arange(R.LANES)
+    s[:, R.CASE + lanes] = IDLE
+    s[:, R.HOME + lanes] = np.add.outer(shape.size * np.arange(sets), lanes)
+    return s.ravel()
 
 
 def idle_column(s, first):
@@ -214,25 +214,23 @@ def move(s, shape, l, to):
     s[R.CASE + l] = IDLE
 
 
-def any_changes(s, first, n):
-    """Whether a slider in the first n vectors of lanes of a set changes its method."""
-    for l in range(first, first + R.WIDTH * n):
-        if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
-            return True
-    return False
-
-
 def change_sets(s, shape, first):
-    """Move those of a set that change their method, and call in sliders that wait for its lanes."""
-    size = shape.size
+    """Move those of a set that change their method, and call in sliders that wait for its lanes.
+
+    Whether any has moved.
+    """
+    size, moves = shape.size, False
     taylor = 1.0 if first == size else 0.0
     for l in range(first, first + R.LANES):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             s[R.TAYLOR + l] = 1.0 - taylor
             move(s, shape, l, room(s, shape, 1.0 - taylor))
+            moves = True
     for l in range(2 * size, 2 * size + R.LANES):
         if s[R.CASE + l] != IDLE and s[R.TAYLOR + l] == taylor:
             to = idle_column(s, first)
             if to < 0:
                 break
             move(s, shape, l, to)
+            moves = True
+    return moves

@@ -69,8 +69,7 @@ ReturnNumbers = namedtuple(
 )
 RETURN_NUMBERS = ReturnNumbers._fields
 #: those of which the derivatives are found
-Derivatives = namedtuple("Derivatives", "period x x_low v_max v_min")
-DERIVATIVES = Derivatives._fields
+DERIVATIVES = "period", "x", "x_low", "v_max", "v_min"
 
 
 def empty_return_results(y):
@@ -128,11 +127,9 @@ def end(run, l):
     for j in range(states + 1):
         z = shape.z + j * (2 + states) * R.LANES + l
         shift = work[FOUND + 3 + j]  # in time, to the section
-        results.along[i, j, 0] = -(shift + s[shape.early + j * R.LANES + l])
-        results.along[i, j, 1] = s[z]
-        results.along[i, j, 2] = s[shape.x_low + j * R.LANES + l]
-        results.along[i, j, 3] = s[shape.v_high + j * R.LANES + l]
-        results.along[i, j, 4] = s[shape.v_low + j * R.LANES + l]
+        at = j * R.LANES + l
+        high, low = s[shape.v_high + at], s[shape.v_low + at]
+        results.along[i, j] = -(shift + s[shape.early + at]), s[z], s[shape.x_low + at], high, low
         for k in range(states):
             rate = work[FOUND + 4 + states + k]
             results.psi_along[i, j, k] = s[z + (2 + k) * R.LANES] - shift * rate
