@@ -153,9 +153,9 @@ def stuck(s, l):
 
 def idle_lanes(shape, sets):
     """A lane buffer of free lanes."""
-    s, lanes = np.zeros((sets, shape.size)), np.arange(R.LANES)
-    s[:, R.CASE + lanes] = IDLE
-    s[:, R.HOME + lanes] = np.add.outer(shape.size * np.arange(sets), lanes)
+    s, columns = np.zeros((sets, shape.size)), np.arange(R.LANES)
+    s[:, R.CASE : R.CASE + R.LANES] = IDLE
+    s[:, R.HOME : R.HOME + R.LANES] = np.add.outer(shape.size * np.arange(sets), columns)
     return s.ravel()
 
 
