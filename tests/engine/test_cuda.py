@@ -20,7 +20,7 @@ import xarray as xr
 import ratestate as rs
 from ratestate.dynamics.cycles import shooting
 from ratestate.dynamics.cycles.system import System, state
-from ratestate.engine import backend, cache, cuda, cuda_driver, dispatch, machine_code
+from ratestate.engine import backend, cuda, cuda_driver, dispatch, machine_code
 from ratestate.engine.model import FINISHED, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
 from ratestate.friction.laws import friction_law
@@ -177,7 +177,7 @@ def emulated(job="simulations", broken=""):
     with pytest.MonkeyPatch.context() as change:
         change.setattr(cuda_driver, "library", lambda: driver)
         change.setattr(cuda, "ptx", str.encode)
-        change.setattr(cache, "obtained", lambda name, make: make())
+        change.setattr(machine_code, "obtained", lambda name, make: make())
         change.setattr(cuda, "BLOCK", 3 if job == "turns" else 18)
         change.setattr(cuda, "RESIDENT", 2 if job == "turns" else 1)
         change.setattr(cuda, "GROWTH", 1)

@@ -38,7 +38,7 @@ def of_v(c):
 
 
 def extreme(run):
-    return events.zero(run, LANE, events.rate_of_v, (), 0.0, 1.0)
+    return events.extreme_speed(run, LANE)[0]
 
 
 def from_derivative(terms, *roots):
@@ -86,7 +86,7 @@ def test_where_a_step_of_high_order_has_its_extreme():
 
 
 def crossing(c, *load):
-    return events.zero(of_v(c), LANE, events.v_ahead, load, 0.0, 1.0)
+    return events.crossing(of_v(c), LANE, load, 0.0, 1.0)
 
 
 @TERMS
@@ -105,19 +105,25 @@ def test_where_a_step_crosses_the_speed_of_the_load_point(roots, at, sign, terms
     c = np.append(c, np.zeros(terms - c.size))
     c[0] += np.log(3.0)
     near = 1e-13 if len(set(roots)) == len(roots) else 1e-4  # rounding hides a flat crossing
-    assert crossing(c, 3.0, 0.0, np.log(3.0)) == pytest.approx(at, abs=near)
+    assert crossing(c, 3.0, 0.0) == pytest.approx(at, abs=near)
 
 
 def test_a_crossing_from_where_the_middle_is_flat():
-    """(s - 1/2)^3 - 0.027, in which Newton's method cannot begin."""
+    """(s - 1/2)^3 - 0.027."""
     c = np.array([-0.152, 0.75, -1.5, 1.0, 0.0])
-    assert crossing(c, 1.0, 0.0, 0.0) == pytest.approx(0.8, abs=1e-13)
+    assert crossing(c, 1.0, 0.0) == pytest.approx(0.8, abs=1e-13)
 
 
 def test_a_crossing_of_a_load_point_that_speeds_up():
     """From 0.01 below ln(2), v meets ln(2 + 2 s) at s = 1/2, where both are ln(3)."""
     c = np.array([np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0])
-    assert crossing(c, 2.0, 2.0, np.nan) == pytest.approx(0.5, abs=1e-12)
+    assert crossing(c, 2.0, 2.0) == pytest.approx(0.5, abs=1e-12)
+
+
+def test_a_crossing_of_a_load_point_that_starts_from_rest():
+    """ln(0) is no number; v meets ln(2 s) at s = 1/2."""
+    c = np.array([1.0, -2.0, 0.0, 0.0, 0.0])
+    assert crossing(c, 0.0, 2.0) == pytest.approx(0.5, abs=1e-12)
 
 
 def extreme_value(c, parts, h, law, p):

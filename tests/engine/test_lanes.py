@@ -13,7 +13,7 @@ from synthetic_records import SLIDER, STEP, record
 import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.simulation.simulate import SimulateCall
-from ratestate.engine import backend, cache, dispatch, lanes, programs
+from ratestate.engine import backend, dispatch, lanes, machine_code, programs
 from ratestate.engine import rows as R
 from ratestate.engine.lanes import control_step
 from ratestate.engine.programs import units_of
@@ -204,9 +204,9 @@ def test_code_is_made_once(monkeypatch):
     work(slider, np.linspace(0.0, 1e-3, 5))
     rs.fit(fitted, SLIDER, errors="covariance")
     before = list(programs._functions)
-    of_records = [(f, *(one for one in kinds if isinstance(one, str))) for f, kinds in before]
+    of_records = [(f, *(one for one in kinds if isinstance(one[0], str))) for f, kinds in before]
     assert len(set(of_records)) == len(before)  # each for one kind of record
-    monkeypatch.setattr(cache, "obtained", None)
+    monkeypatch.setattr(machine_code, "obtained", None)
     work(many, np.linspace(0.0, 1e-3, 9)[::2])
     escape(slider, 3.6e-4)
     rs.fit(fitted, SLIDER, errors="covariance")

@@ -8,11 +8,10 @@ import pytest
 from exact_functions import exact_function
 
 from ratestate.engine import machine_code
-from ratestate.engine.code import Code, Number
+from ratestate.engine.code import Code, Number, unit_text
 from ratestate.engine.equations import exponentials
 from ratestate.engine.machine_code import compiled, loaded, target
 from ratestate.engine.rows import LANES, WIDTH, rows_of
-from ratestate.engine.unit_code import unit_text
 from ratestate.engine.units import MarchUnits, ReturnUnits, lane_units, point_units
 from ratestate.friction import functions
 from ratestate.friction.functions import CODE, where
@@ -26,7 +25,7 @@ def run(function, width, *columns):
     code = Code(width)
     results = function(*(code.load("%in", k * width) for k in range(len(columns))))
     for k, one in enumerate(results):
-        code.store(code.number(one), "%out", k * width)
+        code.store(one, "%out", k * width)
     head, end = "define void @f(ptr %in, ptr %out) {", ["ret void", "}"]
     text = "\n".join([*code.declarations.values(), head, *code.lines, *end])
     address = loaded(compiled(text), ["f"])["f"]

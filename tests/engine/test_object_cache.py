@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ratestate.engine import cache, machine_code, programs
+from ratestate.engine import machine_code, programs
 from ratestate.engine.units import ReturnUnits
 from ratestate.errors import CompilationError
 from ratestate.friction.laws import LAWS
@@ -33,13 +33,13 @@ def usual(tmp_path, monkeypatch):
     (tmp_path / "tmp").mkdir()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
-    cache.say.cache_clear()
-    return tmp_path / "cache" / "ratestate" / f"kernels-{cache.DIGEST}"
+    machine_code.say.cache_clear()
+    return tmp_path / "cache" / "ratestate" / f"kernels-{machine_code.DIGEST}"
 
 
 @pytest.fixture
 def temporary(tmp_path, usual):
-    return tmp_path / "tmp" / f"ratestate-{os.geteuid()}" / f"kernels-{cache.DIGEST}"
+    return tmp_path / "tmp" / f"ratestate-{os.geteuid()}" / f"kernels-{machine_code.DIGEST}"
 
 
 def called(number=3):
@@ -50,7 +50,7 @@ def called(number=3):
         made.append(True)
         return machine_code.compiled(TEXT.format(number=number))
 
-    code = cache.obtained("add_three", make)
+    code = machine_code.obtained("add_three", make)
     add = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)
     assert add(machine_code.loaded(code, ["add_three"])["add_three"])(4) == 4 + number
     return not made
@@ -59,7 +59,7 @@ def called(number=3):
 def only(folder):
     """The one file in a folder."""
     (path,) = folder.iterdir()
-    assert path.name == f"add_three-{cache._machine()}.o"
+    assert path.name == f"add_three-{machine_code._machine()}.o"
     return path
 
 
@@ -73,23 +73,23 @@ def test_code_is_compiled_once(usual, temporary, capfd):
 
 def test_one_file_for_each_processor_and_compiler(usual, monkeypatch):
     assert not called()
-    names = {only(usual).name}
+    names, (triple, *_) = {only(usual).name}, machine_code.processor()
     for module, name, value in (
-        (cache, "processor", lambda: ("x86_64-unknown-linux-gnu", "another", "+sse2")),
-        (cache.llvmlite, "__version__", "0.0"),
+        (machine_code, "processor", lambda: (triple, "generic", "")),
+        (machine_code.llvmlite, "__version__", "0.0"),
     ):
         monkeypatch.setattr(module, name, value)
-        cache._machine.cache_clear()
-        names.add(f"add_three-{cache._machine()}.o")
+        machine_code._machine.cache_clear()
+        names.add(f"add_three-{machine_code._machine()}.o")
         assert [called(), called()] == [False, True]
-    cache._machine.cache_clear()
+    machine_code._machine.cache_clear()
     assert {path.name for path in usual.iterdir()} == names
     assert len(names) == 3
 
 
 def test_code_is_of_its_sources(tmp_path, monkeypatch):
     """A change of any file of the engine or of friction, or a new one, has another folder."""
-    package = Path(cache.__file__).parents[1]
+    package = Path(machine_code.__file__).parents[1]
     sources = [
         path for folder in ("engine", "friction") for path in (package / folder).rglob("*.py")
     ]
@@ -97,15 +97,15 @@ def test_code_is_of_its_sources(tmp_path, monkeypatch):
         copy = tmp_path / path.relative_to(package)
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(path, copy)
-    monkeypatch.setattr(cache, "__file__", str(tmp_path / "engine" / "cache.py"))
-    assert cache._digest() == cache.DIGEST
+    monkeypatch.setattr(machine_code, "__file__", str(tmp_path / "engine" / "machine_code.py"))
+    assert machine_code._digest() == machine_code.DIGEST
     for path in sorted(tmp_path.rglob("*.py")):
         content = path.read_bytes()
         path.write_bytes(content + b"\n")
-        assert cache._digest() != cache.DIGEST, path
+        assert machine_code._digest() != machine_code.DIGEST, path
         path.write_bytes(content)
     (tmp_path / "friction" / "another.py").write_text("# a law\n")
-    assert cache._digest() != cache.DIGEST
+    assert machine_code._digest() != machine_code.DIGEST
 
 
 def flipped(content, place):
@@ -163,7 +163,7 @@ def test_a_flipped_bit_of_real_machine_code(tmp_path):
     log_determinant = np.linalg.slogdet(np.eye(3) + np.exp(-abs(t - t[:, None])))[1]
     assert float(first[0].split()[-1]) == pytest.approx(log_determinant, rel=1e-14)
     (path,) = tmp_path.rglob("*.o")
-    assert path.is_relative_to(tmp_path / "ratestate" / f"kernels-{cache.DIGEST}")
+    assert path.is_relative_to(tmp_path / "ratestate" / f"kernels-{machine_code.DIGEST}")
     content = path.read_bytes()
     assert content[CHECKSUM : CHECKSUM + 4] in (b"\x7fELF", b"\xcf\xfa\xed\xfe")
     start = len(content) // 3
@@ -191,9 +191,9 @@ def test_two_processes_at_once_in_an_empty_folder(tmp_path):
 def test_a_process_that_is_killed_while_it_writes(usual, tmp_path):
     """What it leaves is not taken for code."""
     stops = (
-        "import os, pathlib, time; from ratestate.engine import cache;"
+        "import os, pathlib, time; from ratestate.engine import machine_code;"
         "os.replace = pathlib.Path.replace = lambda *given: (print(flush=True), time.sleep(60));"
-        "cache.obtained('add_three', lambda: bytes(300_000))"
+        "machine_code.obtained('add_three', lambda: bytes(300_000))"
     )
     process = run(stops, tmp_path / "cache")
     process.stdout.readline()
@@ -209,14 +209,14 @@ def test_a_process_that_is_killed_while_it_writes(usual, tmp_path):
 
 def refuse(monkeypatch, *folders):
     """Let writes into some folders find the disk full."""
-    write = cache._write
+    write = machine_code._write
 
     def full(path, content):
         if path.parent in folders:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         write(path, content)
 
-    monkeypatch.setattr(cache, "_write", full)
+    monkeypatch.setattr(machine_code, "_write", full)
 
 
 def test_a_full_disk_leads_to_one_folder_of_this_user(usual, temporary, monkeypatch, capfd):
@@ -308,10 +308,10 @@ def test_a_folder_of_others_is_passed_over(level, change, reason, usual, tempora
     for folder in (usual, temporary):
         for part in (*reversed(folder.parents), folder):
             part.mkdir(mode=0o700, exist_ok=True)
-        assert folder in cache._folders()
+        assert folder in machine_code._folders()
         changed = (folder, *folder.parents)[level]
         change(changed)
-        assert folder not in cache._folders()
+        assert folder not in machine_code._folders()
         said = capfd.readouterr().err
         assert said.startswith(f"ratestate: machine code in {folder.parent} is not used: ")
         assert f"{changed}" in said
@@ -321,15 +321,15 @@ def test_a_folder_of_others_is_passed_over(level, change, reason, usual, tempora
 
 def test_folders_that_are_safe_are_used(usual, temporary, capfd):
     """Others may write above them under the sticky bit, or the group; and above there are links."""
-    assert cache._folders() == [usual, temporary]  # where there is nothing yet
+    assert machine_code._folders() == [usual, temporary]  # where there is nothing yet
     cache_home = usual.parents[1]
     cache_home.mkdir()
     for mode in (0o1777, 0o775, 0o755, 0o700):
         cache_home.chmod(mode)
-        assert cache._folders() == [usual, temporary], oct(mode)
+        assert machine_code._folders() == [usual, temporary], oct(mode)
     linked(cache_home)
     elsewhere = cache_home.with_name("else") / "ratestate" / usual.name
-    assert cache._folders() == [elsewhere, temporary]
+    assert machine_code._folders() == [elsewhere, temporary]
     assert capfd.readouterr().err == ""
 
 
@@ -396,13 +396,13 @@ def test_a_file_of_others_is_not_loaded(change, told, usual, capfd):
 
 def test_writers_at_once_leave_a_whole_file(usual):
     program = (
-        "import sys; from pathlib import Path; from ratestate.engine import cache\n"
+        "import sys; from pathlib import Path; from ratestate.engine import machine_code\n"
         "path, content = Path(sys.argv[1]), bytes([int(sys.argv[2])]) * 300_000\n"
-        "for _ in range(40): cache._write(path, content)"
+        "for _ in range(40): machine_code._write(path, content)"
     )
     usual.mkdir(parents=True)
     path = usual / "x.o"
-    cache._write(path, bytes(300_000))
+    machine_code._write(path, bytes(300_000))
     command = [sys.executable, "-c", program, str(path)]
     writers = [subprocess.Popen([*command, str(i)]) for i in (1, 2)]
     while any(writer.poll() is None for writer in writers):
@@ -422,7 +422,7 @@ def test_code_without_a_function_is_made_anew(usual):
         return machine_code.compiled(next(texts))
 
     with contextlib.suppress(StopIteration):
-        assert programs._addresses("add_three", make, ["add_three"])["add_three"] > 0
+        assert machine_code.addresses("add_three", make, ["add_three"])["add_three"] > 0
     assert next(texts, None) is None
     assert called()  # it is kept
 
@@ -433,7 +433,7 @@ def test_code_that_cannot_be_made_or_lacks_a_function_still(text, usual):
         return machine_code.compiled(text)
 
     with pytest.raises(CompilationError, match=r"cannot be compiled on this machine \(\w+Error: "):
-        programs._addresses("add_three", make, ["add_three"])
+        machine_code.addresses("add_three", make, ["add_three"])
 
 
 def test_a_law_that_cannot_be_compiled_is_named(usual, monkeypatch):
@@ -447,25 +447,25 @@ def test_a_law_that_cannot_be_compiled_is_named(usual, monkeypatch):
 
 @pytest.mark.parametrize(("seconds", "reported"), [(0.6, "1.2"), (0.4, ""), (30.0, "60.0")])
 def test_a_long_time_is_reported_once(seconds, reported, usual, monkeypatch, capfd):
-    monkeypatch.setattr(cache, "_reported", [])
-    monkeypatch.setattr(cache, "_seconds", [])
+    monkeypatch.setattr(machine_code, "_reported", [])
+    monkeypatch.setattr(machine_code, "_seconds", [])
     clock = iter(np.arange(100) * seconds)
     monkeypatch.setattr(time, "perf_counter", lambda: next(clock))
     for _ in range(3):
         for name in ("one", "other"):
-            cache.made(name, lambda: b"code")
-        cache.report_time()
+            machine_code.made(name, lambda: b"code")
+        machine_code.report_time()
     said = f"ratestate: compiled the solver for this machine in {reported} s; it is kept\n"
     assert capfd.readouterr().err == (said if reported else "")
 
 
 def test_nothing_is_reported_of_code_that_is_kept(usual, monkeypatch, capfd):
-    monkeypatch.setattr(cache, "LONG", 1e-9)
-    monkeypatch.setattr(cache, "_reported", [])
+    monkeypatch.setattr(machine_code, "LONG", 1e-9)
+    monkeypatch.setattr(machine_code, "_reported", [])
     called()
-    cache.report_time()
+    machine_code.report_time()
     assert "it is kept" in capfd.readouterr().err
-    cache._reported.clear()
+    machine_code._reported.clear()
     called()
-    cache.report_time()
+    machine_code.report_time()
     assert capfd.readouterr().err == ""

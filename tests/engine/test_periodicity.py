@@ -7,7 +7,7 @@ import pytest
 from machine_control import Machine
 
 from ratestate.engine import rows as R
-from ratestate.engine.periodicity import last_period
+from ratestate.engine.events import last_period
 from ratestate.friction.laws import LAWS
 
 LAW = LAWS["slip"]

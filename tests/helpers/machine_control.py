@@ -43,7 +43,7 @@ class Formula:
         code, count = Code(1), iter(range(10_000))
         found = function(*each(lambda _: code.load("%given", next(count)), like))
         for k, one in enumerate(flat(found)):
-            code.store(code.number(one), "%found", k)
+            code.store(one, "%found", k)
         head = "define void @f(ptr %given, ptr %found) {"
         text = "\n".join([*code.declarations.values(), head, *code.lines, "ret void", "}"])
         kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)

@@ -36,7 +36,7 @@ def arrays_of(x, name="run"):
     """name -> array, of all arrays of a record."""
     if isinstance(x, np.ndarray):
         return {name: x}
-    if not isinstance(x, tuple):
+    if x == () or not isinstance(x, tuple):
         return {}
     fields = x._asdict().items()
     return {k: v for key, one in fields for k, v in arrays_of(one, f"{name}.{key}").items()}

@@ -273,7 +273,7 @@ def test_laws_are_the_same_in_every_process():
     """Their formulas, and the code of all that is made of them, do not hang on hashes of text."""
     code = """
 import hashlib
-from ratestate.engine.unit_code import unit_text
+from ratestate.engine.code import unit_text
 from ratestate.engine.units import MarchUnits, ReturnUnits
 from ratestate.friction.composition import composed, forms_of, under_varying_stress
 from ratestate.friction.laws import LAWS

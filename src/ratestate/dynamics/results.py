@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ..engine.cache import DIGEST
+from ..engine.machine_code import DIGEST
 from ..engine.model import STATUSES
 from ..friction.composition import composed
 from ..friction.laws import friction_law

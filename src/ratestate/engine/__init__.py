@@ -7,11 +7,9 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``dispatch``, ``backend``             run cases from Python: threads, time limits, progress
 ``cuda``, ``cuda_driver``             run cases on a GPU; calls of NVIDIA's driver by ctypes
 ``control``                           fill lanes with cases; move sliders between methods
-``march``                             a run from start to end: segments, saved times
+``march``                             a run from start to end: segments, jumps, saved times
 ``return_map``                        from one point of the section V = V_lp to the next
-``events``                            extremes, crossings and runaway within a step
-``periodicity``                       find the period of a run
-``normal_stress``                     segments and jumps of normal stress
+``events``                            extremes, crossings, runaway in a step; a run's period
 ``rows``                              layout of the lane buffer; calls of units from the control
 ``units``                             list of what depends on the law
 ``lanes``, ``taylor_lanes``           steps of a lane by either method, their commit, their events
@@ -20,11 +18,10 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``equations``                         the equations at one point
 ``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
 ``taylor``                            a Taylor step: its equations, series and length
-``code``                              numbers that write LLVM text
-``unit_code``                         units as LLVM text
-``compiler``, ``instructions``        compile the control from a small part of Python
-``machine_code``, ``programs``        compile and load LLVM text; programs run from Python
-``cache``                             machine code kept on disk
+``code``                              numbers that write LLVM text; units as LLVM text
+``compiler``                          compile the control from a small part of Python
+``machine_code``                      compile LLVM text, keep it on disk, load it
+``programs``                          programs run from Python
 ``noise``                             whiten the noise of a record
 ===================================== ==============================================================
 """

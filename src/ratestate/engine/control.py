@@ -14,7 +14,7 @@ one number, its column: its lane, and where its set begins.
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,9 +33,8 @@ IDLE = -1.0
 
 
 class Kernel(NamedTuple):
-    """A kind of run: its record, its units, and what it does with the lane of a column l."""
+    """A kind of run: its units, and what it does with the lane of a column l."""
 
-    record: type
     units: type
     load: Callable  # (run, l, i): put case i there
     handle: Callable  # (run, l): see to what its accepted step holds
@@ -43,10 +42,35 @@ class Kernel(NamedTuple):
     end: Callable  # (run, l): at a break; where its case is over, write it out, and be IDLE
 
 
+class Run(NamedTuple):
+    """All that a kernel works on; lanes stand in `SETS` sets if `taylor`, else in one."""
+
+    kernel: Kernel
+    shape: Any  # `rows.Shape`
+    units: Any  # of the kernel's kind
+    taylor: int  # 1 if steps that are not stiff are of the Taylor method, which the law allows
+    s: np.ndarray  # (sets * size,) the lanes
+    queue: np.ndarray  # (n,) case numbers, in the order in which to start them
+    position: np.ndarray  # (3,) next in queue; cases done; rows of `path` filled
+    work: Any  # (WORK,) array; on a GPU each thread has its own
+    cases: Any  # `model.Cases`, or of a return map `Starts`
+    results: Any  # `model.Results`, or `ReturnResults`
+    # of a march
+    loads: Any = ()  # `model.Loads`
+    save_times: np.ndarray = np.empty((1, 0))  # (rows, n_times) [s], increasing
+    # (m, 1 + len(y)) T, x, v, psi after each step of the only slider, inside Taylor steps, and
+    # after each jump; empty if not wanted
+    path: np.ndarray = np.empty((0, 1))
+    # of a return map
+    waveform: int = 0  # 1 if its integrals are wanted
+    # on a GPU
+    under_way: np.ndarray = np.zeros(1)  # sum of the fractions done of unfinished cases
+
+
 def run_lanes(run, budget):
     """Let lanes step until all cases are done (True) or the budget is spent (False).
 
-    run : a kernel's record; budget : int, sweeps over the lanes
+    run : `Run`; budget : int, sweeps over the lanes
     """
     s, shape, units, kernel, position = run.s, run.shape, run.units, run.kernel, run.position
     capacity = 2 * R.LANES if run.taylor > 0 else R.LANES
@@ -75,8 +99,7 @@ def run_lanes(run, budget):
                 kernel.end(run, l)
                 if s[R.CASE + l] == IDLE:
                     vacant = regroup = True
-        if run.taylor > 0 and (vacant or any_changes(s, first, n)):
-            change_sets(s, shape, first)
+        if run.taylor > 0 and change_sets(s, shape, first):
             regroup = True
     return False
 
@@ -87,9 +110,9 @@ def next_case(run):
     return run.queue[n] if n < run.queue.shape[0] else -1
 
 
-def fill(run, l, i, cases, eta0, tolerance):
-    """Put what `Cases` and `Starts` have in common of case i into lane l; all else there is 0."""
-    s, shape = run.s, run.shape
+def fill(run, l, i, eta0, tolerance):
+    """Put what all kernels' cases have in common of case i into lane l; all else there is 0."""
+    s, shape, cases = run.s, run.shape, run.cases
     for row in range(R.HOME + R.LANES, shape.kept, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
@@ -110,8 +133,10 @@ def fill(run, l, i, cases, eta0, tolerance):
         call_point(run.units.begin, s, l, run.work)
 
 
-def leave(run, l):
-    """Let the lane, whose case is over, be idle."""
+def leave(run, l, numbers):
+    """Put the numbers of the lane's case, which is over, into its results; the lane is idle."""
+    i = int(run.s[R.CASE + l])
+    run.results.numbers[i] = numbers
     run.s[R.CASE + l] = IDLE
     add(run.position, 1, 1)
 
@@ -127,12 +152,11 @@ def stuck(s, l):
 
 
 def idle_lanes(shape, sets):
-    """A lane buffer of free lanes, and the columns of each of its sets."""
-    s = np.zeros(sets * shape.size)
-    columns = np.add.outer(shape.size * np.arange(sets), np.arange(R.LANES))
-    s[R.CASE + columns] = IDLE
-    s[R.HOME + columns] = columns
-    return s, columns
+    """A lane buffer of free lanes."""
+    s, columns = np.zeros((sets, shape.size)), np.arange(R.LANES)
+    s[:, R.CASE : R.CASE + R.LANES] = IDLE
+    s[:, R.HOME : R.HOME + R.LANES] = np.add.outer(shape.size * np.arange(sets), columns)
+    return s.ravel()
 
 
 def idle_column(s, first):
@@ -190,25 +214,23 @@ def move(s, shape, l, to):
     s[R.CASE + l] = IDLE
 
 
-def any_changes(s, first, n):
-    """Whether a slider in the first n vectors of lanes of a set changes its method."""
-    for l in range(first, first + R.WIDTH * n):
-        if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
-            return True
-    return False
-
-
 def change_sets(s, shape, first):
-    """Move those of a set that change their method, and call in sliders that wait for its lanes."""
-    size = shape.size
+    """Move those of a set that change their method, and call in sliders that wait for its lanes.
+
+    Whether any has moved.
+    """
+    size, moves = shape.size, False
     taylor = 1.0 if first == size else 0.0
     for l in range(first, first + R.LANES):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             s[R.TAYLOR + l] = 1.0 - taylor
             move(s, shape, l, room(s, shape, 1.0 - taylor))
+            moves = True
     for l in range(2 * size, 2 * size + R.LANES):
         if s[R.CASE + l] != IDLE and s[R.TAYLOR + l] == taylor:
             to = idle_column(s, first)
             if to < 0:
                 break
             move(s, shape, l, to)
+            moves = True
+    return moves

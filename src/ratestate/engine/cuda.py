@@ -1,7 +1,7 @@
 """Running cases on an NVIDIA GPU, with one slider a thread: kernels, launches, progress.
 
 No formula stands here.  `kernel_of` joins three texts in LLVM's language: the units of a law for
-vectors of one lane (unit_code.py); the control, which the compiler of the CPU's control makes from
+vectors of one lane (code.py); the control, which the compiler of the CPU's control makes from
 `march_lane`; and the entry, which gives each thread its number.  The control calls units by name,
 so LLVM puts the steps into the loop.  Arrays are in the GPU's global memory, LLVM's address space
 1.  `ptx` turns the text into PTX, which NVIDIA's driver assembles.
@@ -23,23 +23,19 @@ import contextlib
 import ctypes
 import re
 import time
-from typing import NamedTuple
 
 import numpy as np
 
 from ..errors import ParameterError, SolverError
-from . import cache, cuda_driver
+from . import cuda_driver, machine_code
 from . import rows as R
 from .backend import check_stopped
-from .compiler import kernel_text
-from .control import IDLE, idle_lanes, next_case
-from .instructions import Array
+from .code import unit_text
+from .compiler import Array, kernel_text
+from .control import IDLE, Run, idle_lanes, next_case
 from .machine_code import optimized, target
-from .march import Run
 from .programs import LEVEL, Context
-from .return_map import ReturnRun
 from .rows import WORK, add, call_lanes
-from .unit_code import unit_text
 from .units import unit_names
 
 # One warp a block: threads share nothing, and the finer a batch of a few thousand cases is cut, the
@@ -77,7 +73,7 @@ define ptx_kernel void @kernel(ptr addrspace(1) %words, i64 %budget) {
   %work = alloca [WORK x double]
   %number = call i32 @thread()
   %thread = zext i32 %number to i64
-  call i1 @march_lane(ptr addrspace(1) %words, ptr %work, i64 %thread, i64 %budget)
+  call { i1 } @march_lane(ptr addrspace(1) %words, ptr %work, i64 %thread, i64 %budget)
   ret void
 }
 """
@@ -128,21 +124,18 @@ def _unguarded_launches(memory, kernel, law, taylor, order, given):
     """Do the work of `_launches`; exceptions are the driver's."""
     shape, n = R.shape_of(law), len(order)
     blocks = min(-(-n // BLOCK), RESIDENT * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
-    s, _ = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
+    s = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
     position, under_way = np.zeros(3, np.int64), np.zeros(1)
-    run = kernel.record(
-        kernel=kernel,
-        shape=shape,
-        units=units_by_name(law, kernel.units),
-        taylor=int(taylor and shape.terms > R.OF_RODAS5P),
-        s=s,
-        queue=np.ascontiguousarray(order),
-        position=position,
-        work=OWN,
-        **given,
-    )
-    context = Context(Threads(run, under_way), memory.place)
-    function = cuda_driver.function(_image(law, kernel.units, context))
+    names, kind = unit_names(law, kernel.units), kernel.units
+    # LLVM deletes code that would call "null", a unit that the law does not have.
+    units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
+    uses_taylor = taylor and shape.terms > R.OF_RODAS5P
+    lanes = int(uses_taylor), s, np.ascontiguousarray(order), position, OWN
+    run = Run(kernel, shape, units, *lanes, **given, under_way=under_way)
+    context = Context(run, memory.place)
+    name = f"{law.name}-{kernel.units.__name__}-{machine_code.short_hash(context.kinds)}-{OLDEST}"
+    image = machine_code.obtained(name, lambda: ptx(kernel_of(law, kernel.units, context)))
+    function = cuda_driver.function(image)
     words, budget = ctypes.c_uint64(memory.place(context.words)), ctypes.c_int64(LEAST_BUDGET)
     while position[1] < n:
         under_way[0] = 0.0
@@ -158,40 +151,19 @@ def _unguarded_launches(memory, kernel, law, taylor, order, given):
         memory.fetch(array)
 
 
-def _image(law, kind, context):
-    """Return the PTX of a kernel, from disk if it is kept there."""
-    kinds = cache.short_hash(tuple(context.kinds))
-    name = f"{law.name}-{kind.__name__}-{kinds}-{OLDEST}"
-    return cache.obtained(name, lambda: ptx(kernel_of(law, kind, context)))
-
-
 # The kernel of a law, as LLVM text and as PTX
-
-
-class Threads(NamedTuple):
-    """All that the threads work on."""
-
-    run: Run | ReturnRun
-    under_way: np.ndarray  # (1,) sum of the fractions done of unfinished cases
-
-
-def units_by_name(law, kind):
-    """The LLVM names of a law's units; kind : `MarchUnits` or `ReturnUnits`."""
-    names = unit_names(law, kind)
-    # LLVM deletes code that would call "null", a unit that the law does not have.
-    return kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
 
 
 def kernel_of(law, kind, context):
     """LLVM text of ``void kernel(words, budget)``.
 
-    kind : of the law's units; context : `Context` of its `Threads`
+    kind : of the law's units; context : of its `Run`
     """
     units = unit_text(law, kind, 1)
     units = units.replace("i64 %n)", "i64 %n) alwaysinline")
     text = kernel_text(march_lane, context.layout(), "ptr addrspace(1)", ", ptr %work")
     entry = ENTRY.replace("WORK", str(WORK))
-    functions = re.sub("define (void|i1)", r"define internal \1", f"{units}\n{text}")
+    functions = re.sub(r"define (void|\{)", r"define internal \1", f"{units}\n{text}")
     lines = f"{functions}\n{entry}".splitlines()
     # LLVM refuses to declare a function twice.
     first = dict.fromkeys(line for line in lines if line.startswith("declare"))
@@ -204,15 +176,9 @@ def ptx(text):
     return machine.emit_assembly(optimized(text, machine, LEVEL)).encode()
 
 
-def column_of(run, thread):
-    """The column of a thread's lane."""
-    return thread // R.LANES * run.shape.size + thread % R.LANES
-
-
-def march_lane(threads, thread, budget):
+def march_lane(run, thread, budget):
     """Do the work of `control.run_lanes` in one lane; whether no case is left."""
-    run = threads.run
-    s, kernel, l = run.s, run.kernel, column_of(run, thread)
+    s, kernel, l = run.s, run.kernel, thread // R.LANES * run.shape.size + thread % R.LANES
     for _ in range(budget):
         if s[R.CASE + l] == IDLE:
             i = next_case(run)
@@ -232,5 +198,5 @@ def march_lane(threads, thread, budget):
         if run.taylor > 0 and s[R.CHANGES + l] > 0.0:
             s[R.TAYLOR + l] = 1.0 - s[R.TAYLOR + l]
     if s[R.CASE + l] != IDLE:
-        add(threads.under_way, 0, s[R.T + l] / s[R.T_END + l])
+        add(run.under_way, 0, s[R.T + l] / s[R.T_END + l])
     return False

@@ -6,9 +6,9 @@ from concurrent.futures import ThreadPoolExecutor, wait
 import numpy as np
 
 from ..machine import cores
-from . import backend, cache
+from . import backend, machine_code
 from . import rows as R
-from .control import IDLE, SETS, idle_lanes, run_lanes
+from .control import IDLE, SETS, Run, idle_lanes, run_lanes
 from .march import MARCH, POINTS, RIGID_MARCH
 from .model import NUMBERS, STEP_LIMIT, empty_results
 from .programs import Program, units_of
@@ -39,7 +39,6 @@ def run_march(taylor, law, cases, loads, save_times, order, progress=None):
     results = empty_results(cases.y, save_times.shape[1])
     given = {"cases": cases, "loads": loads, "results": results}
     given["save_times"] = np.ascontiguousarray(save_times, float)
-    given["path"] = np.empty((0, 1 + cases.y.shape[1]))
     is_rigid = np.isinf(cases.kappa[order])
     queues = {MARCH: order[~is_rigid], RIGID_MARCH: order[is_rigid]}
     _run(queues, law, taylor, progress, given)
@@ -59,7 +58,7 @@ def run_returns(law, starts):
     Threads, device, exceptions, `law` as for `run_march`.
     """
     results = empty_return_results(starts.y)
-    given = {"starts": _uniform(starts), "results": results}
+    given = {"cases": _uniform(starts), "results": results}
     given["waveform"] = int((starts.period > 0.0).any())
     _run({RETURN_MAP: np.arange(len(starts.y))}, law, True, None, given)
     return results
@@ -107,10 +106,17 @@ def _run(queues, law, taylor, progress, given):
 
 
 def _report(workers, n, progress):
-    """Give progress what is done of n cases; `backend.Stopped` where the backend stops them."""
+    """Give progress the part of n cases that is done; `backend.Stopped` where they are stopped."""
     backend.check_stopped()
-    if progress:
-        progress(_fraction(workers, n))
+    if not progress:
+        return
+    done = 0.0
+    for worker in workers:
+        case, t, end = (worker.sets[:, row : row + R.LANES] for row in (R.CASE, R.T, R.T_END))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            parts = t / end
+        done += worker.position[1] + np.nan_to_num(parts[case != IDLE]).sum()
+    progress(min(1.0, done / n))
 
 
 def run_path(taylor, law, cases, loads, progress=None):
@@ -125,9 +131,9 @@ def run_path(taylor, law, cases, loads, progress=None):
     results = empty_results(cases.y, 0)
     # A step needs so many rows at most, a jump one more, and the start one.
     buffer = np.empty((PATH_STEPS * (POINTS + 1) + 1, 1 + cases.y.shape[1]))
-    given = {"cases": cases, "loads": loads, "save_times": np.empty((1, 0)), "results": results}
+    given = {"cases": cases, "loads": loads, "results": results, "path": buffer}
     kernel = RIGID_MARCH if np.isinf(cases.kappa[0]) else MARCH
-    worker = _Worker(kernel, np.zeros(1, np.int64), law, taylor, path=buffer, **given)
+    worker = _Worker(kernel, np.zeros(1, np.int64), law, taylor, **given)
     pieces: list[np.ndarray] = []
     done = False
     rows = 0
@@ -155,26 +161,13 @@ class _Worker:
         rigid = kernel.units is RigidUnits
         shape = R.shape_of(law)._replace(rigid=int(rigid))
         taylor = taylor and not rigid and shape.terms > R.OF_RODAS5P
-        self.s, self.columns = idle_lanes(shape, SETS if taylor else 1)
-        self.position = np.zeros(3, np.int64)
-        units = units_of(law, kernel.units)
-        lanes = {"s": self.s, "queue": np.ascontiguousarray(queue), "position": self.position}
-        given |= {"kernel": kernel, "shape": shape, "units": units, "taylor": int(taylor)}
-        self._program = Program(run_lanes, kernel.record(work=np.zeros(WORK), **lanes, **given))
-        cache.report_time()
+        s, self.position = idle_lanes(shape, SETS if taylor else 1), np.zeros(3, np.int64)
+        self.sets = s.reshape(-1, shape.size)
+        units, queue = units_of(law, kernel.units), np.ascontiguousarray(queue)
+        lanes = int(taylor), s, queue, self.position, np.zeros(WORK)
+        self._program = Program(run_lanes, Run(kernel, shape, units, *lanes, **given))
+        machine_code.report_time()
 
     def go(self, budget=BUDGET):
         """Work for a while; whether all is done."""
         return self._program(budget)
-
-
-def _fraction(workers, n):
-    """Cases done, and the parts of those under way, over all."""
-    done = 0.0
-    for worker in workers:
-        s, columns = worker.s, worker.columns
-        busy = s[R.CASE + columns] != IDLE
-        with np.errstate(invalid="ignore", divide="ignore"):
-            parts = s[R.T + columns] / s[R.T_END + columns]
-        done += worker.position[1] + np.nan_to_num(parts[busy]).sum()
-    return min(1.0, done / n)

@@ -1,4 +1,4 @@
-"""What happens inside an accepted step, read off its dense output.
+"""What happens inside an accepted step, read off its dense output, and what period it makes.
 
 Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  An upward
 crossing is a stress maximum and closes a cycle; a downward one is its minimum.
@@ -6,91 +6,68 @@ crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 The dense output of a step are polynomials in the fraction of the step that is over, 0 to 1.  Their
 coefficients, the constant first, stand in rows of the lane buffer: of degree 4 after a step of
 Rodas5P, of `taylor.ORDER` after one of the Taylor method.
+
+The period of a run is seen where stress maxima and minima of its last cycles are compared.
 """
+
+import math
 
 from ..friction.functions import log
 from . import rows as R
-from .periodicity import close_cycle
 from .rows import FOUND, call_point
 
 #: by how much extreme forces may be off, over the tolerance of a step
 ENOUGH = 0.01
-#: the last step of Newton's method, in fractions of a step: its square is below rounding
-CONVERGED = 1e-9
-#: what `of_step` finds: with its slope a force, or a speed; a speed less the load point's
+#: what `of_step` finds
 FORCE, SPEED, LEAD = 0, 1, 2
 # Parts of x, the stress S that opposes motion, the strength N and friction R: `units.force`.
 NONE, INERTIAL_FORCE, FRICTION = (0.0, 0.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
 WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
-NO_LOAD = (0.0, 0.0, 0.0)
+NO_LOAD = (0.0, 0.0)
+#: a speed of the load point that stands for rest
+LEAST = 1e-300
+
+
+# Smallest visible change of stress maxima or minima from one return to the next, divided by the
+# amplitude; part of it that may be left after a whole period.
+VISIBLE, REPEATS = 1e-3, 0.1
+# Largest change after a period of several returns, divided by the amplitude: chaos comes near one
+# by chance.  Errors of a run may be so many times its tolerance, and hide it up to `VISIBLE`.
+EXACT, ERRORS = 1e-4, 100.0
+# How often stress maxima turn back, among those that are known, where a motion is irregular; and
+# what part of their earlier changes the later ones then are, for it may be on its way to a period.
+# Where changes after a period grow it is irregular too: it leaves an orbit that it came near to.
+REVERSALS, LASTING = 3, 0.5
 
 
 def component(run, l, i, at):
-    """Number i of (x, v, psi...) at a place in the lane's step; its first and second derivative."""
+    """Number i of (x, v, psi...) at a place in the lane's step, and its derivative by the place."""
     s, shape = run.s, run.shape
     row = shape.c + i * shape.terms * R.LANES + l
     last = (shape.terms if s[R.TAYLOR + l] > 0.0 else R.OF_RODAS5P) - 1
-    y, dy, bend = s[row + last * R.LANES], 0.0, 0.0
+    y, dy = s[row + last * R.LANES], 0.0
     for k in range(1, last + 1):
-        bend = dy + at * bend
         dy = y + at * dy
         y = s[row + (last - k) * R.LANES] + at * y
-    return y, dy, 2.0 * bend
+    return y, dy
 
 
 def state_at(run, l, at, work, place):
     """Put x, v and each psi at a place in the lane's step into `work`, and their derivatives."""
     n = 2 + run.shape.states
     for i in range(n):
-        y, dy, _ = component(run, l, i, at)
-        work[place + i], work[place + n + i] = y, dy
-
-
-def v_ahead(run, l, load, at):
-    """How far v is above the load point's, and its slope; load : as of `crossing`."""
-    w_lp, dw, log_w_lp = load
-    v, slope, _ = component(run, l, 1, at)
-    if dw == 0.0:
-        return v - log_w_lp, slope
-    w = w_lp + dw * at
-    return v - log(w), slope - dw / w
-
-
-def rate_of_v(run, l, load, at):
-    """dv/ds at a place s in the lane's step, and its slope."""
-    _, rate, bend = component(run, l, 1, at)
-    return rate, bend
-
-
-def zero(run, l, function, load, low, high):
-    """Where from low to high `v_ahead` or `rate_of_v` vanishes, by Newton's method in a bracket.
-
-    Where it has one sign at both ends, the end where it is smaller in size.
-    """
-    start, _ = function(run, l, load, low)
-    end, _ = function(run, l, load, high)
-    if (start < 0.0) == (end < 0.0):
-        return low if abs(start) < abs(end) else high
-    at = low + (high - low) * (start / (start - end))
-    for _ in range(60):
-        off, slope = function(run, l, load, at)
-        if (off < 0.0) == (start < 0.0):
-            low = at
-        else:
-            high = at
-        new = at - off / slope if slope != 0.0 else 2.0
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        elif abs(new - at) < CONVERGED:
-            return new
-        at = new
-    return at
+        work[place + i], work[place + n + i] = component(run, l, i, at)
 
 
 def of_step(run, l, what, parts, load, at):
-    """A force, a sum of parts of x, S, N and R, or a speed, w, at a place in the lane's step.
+    """A number at a place in the lane's step, and what is to vanish where `root` finds it.
 
-    And what is to vanish: its slope or, of a LEAD, how far v is ahead of the load point's.
+    =====  ==========================================================================
+    FORCE  a sum of parts of x, S, N and R, and its slope
+    SPEED  the speed, as of `kinematics.order_of_speed`, and its slope
+    LEAD   the same, and how far v is ahead of the load point's, of which `load` holds
+           the speed at the start of the step and its change in the step
+    =====  ==========================================================================
     """
     work = run.work
     if what == FORCE:
@@ -99,7 +76,11 @@ def of_step(run, l, what, parts, load, at):
         state_at(run, l, at, work, 5)
         call_point(run.units.force, run.s, l, work)
         return work[FOUND], work[FOUND + 1]
-    work[0] = load[0] + load[1] * at
+    w_lp = load[0] + load[1] * at
+    if run.shape.reverses == 0:
+        v, slope = component(run, l, 1, at)
+        return v, slope if what == SPEED else v - log(max(w_lp, LEAST))
+    work[0] = w_lp
     state_at(run, l, at, work, 1)
     call_point(run.units.speed, run.s, l, work)
     return work[FOUND], work[FOUND + 1] if what == SPEED else work[FOUND + 2]
@@ -143,23 +124,13 @@ def extreme_value(run, l, parts, enough):
 
 def extreme_speed(run, l):
     """Where in the lane's step the speed is extreme, and its `order_of_speed`."""
-    if run.shape.reverses:
-        return root(run, l, SPEED, NONE, NO_LOAD, 0.0, 1.0, 0.0)
-    at = zero(run, l, rate_of_v, NO_LOAD, 0.0, 1.0)
-    v, _, _ = component(run, l, 1, at)
-    return at, v
+    return root(run, l, SPEED, NONE, NO_LOAD, 0.0, 1.0, 0.0)
 
 
 def crossing(run, l, load, low, high):
-    """Where from low to high the speed is the load point's, which the caller has seen it cross.
-
-    load : the load point's speed at the start of the step, its change in the step, and, if that is
-        0, the logarithm of the speed
-    """
-    if run.shape.reverses:
-        at, _ = root(run, l, LEAD, NONE, load, low, high, 0.0)
-        return at
-    return zero(run, l, v_ahead, load, low, high)
+    """Where from low to high the speed is the load point's, which the caller has seen it cross."""
+    at, _ = root(run, l, LEAD, NONE, load, low, high, 0.0)
+    return at
 
 
 def observe(run, l):
@@ -183,24 +154,13 @@ def observe(run, l):
     return at
 
 
-def speed_at(run, l, at):
-    """w at a place in the lane's step."""
-    work = run.work
-    work[0] = 1.0
-    state_at(run, l, at, work, 1)
-    call_point(run.units.speed, run.s, l, work)
-    return work[FOUND]
-
-
-def cross(run, l, rises, low, high):
+def cross(run, l, load, rises, low, high):
     """Record that V crosses V_lp from low to high in the step: a maximum of stress if it rises."""
     s = run.s
-    h = s[R.H_USED + l]
-    load = s[R.W_LP + l], h * s[R.RAMP + l], s[R.LOG_W_LP + l]
     at = crossing(run, l, load, low, high)
-    x, _, _ = component(run, l, 0, at)
+    x, _ = component(run, l, 0, at)
     if rises:
-        close_cycle(run, l, s[R.T_LOW + l] + at * h, x)
+        close_cycle(run, l, s[R.T_LOW + l] + at * s[R.H_USED + l], x)
     else:
         s[R.X_LOW + l] = x
 
@@ -208,7 +168,7 @@ def cross(run, l, rises, low, high):
 def handle(run, l):
     """Everything of interest in the lane's accepted step, before it is committed."""
     s = run.s
-    w_lp, dw = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
+    load = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
     events, at = int(s[R.EVENTS + l]), -1.0  # where V is extreme
     if s[R.OBSERVE + l] > 0.0:
         at = observe(run, l)
@@ -216,11 +176,98 @@ def handle(run, l):
         at, _ = extreme_speed(run, l)
     if run.shape.rigid:
         return
-    above = s[R.W_NEW + l] >= w_lp + dw
-    if (s[R.W + l] < w_lp) == above:
-        cross(run, l, above, 0.0, 1.0)
-    elif at > 0.0 and (speed_at(run, l, at) < w_lp + dw * at) == above:  # there and back
-        cross(run, l, not above, 0.0, at)
-        cross(run, l, above, at, 1.0)
+    above = s[R.W_NEW + l] >= load[0] + load[1]
+    if (s[R.W + l] < load[0]) == above:
+        cross(run, l, load, above, 0.0, 1.0)
+    elif at > 0.0:
+        _, lead = of_step(run, l, LEAD, NONE, load, at)
+        if (lead < 0.0) == above:  # there and back
+            cross(run, l, load, not above, 0.0, at)
+            cross(run, l, load, above, at, 1.0)
     if events & R.BEYOND > 0:
         call_point(run.units.outrun, s, l, run.work)
+
+
+# The period of a run
+
+
+def close_cycle(run, l, here, x_high):
+    """Record the cycle that ends at this upward crossing; `here` is the time since s[T]."""
+    s, shape = run.s, run.shape
+    if s[R.CROSS_LOW + l] < math.inf:
+        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + int(s[R.HOME + l])
+        s[shape.highs + at], s[shape.lows + at] = x_high, s[R.X_LOW + l]
+        s[shape.spans + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
+        s[R.CYCLES + l] += 1.0
+    s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
+
+
+def change(s, home, shape, first, end, p):
+    """Largest change of a maximum or minimum of x after p returns, at the returns first to end - 1.
+
+    home : the column where they are kept
+    """
+    most = 0.0
+    for k in range(first, end):
+        now, before = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
+        most = max(most, abs(s[shape.highs + now] - s[shape.highs + before]))
+        most = max(most, abs(s[shape.lows + now] - s[shape.lows + before]))
+    return most
+
+
+def last_period(run, l):
+    """Amplitude (in x) and duration (in T) of the last period, and how many returns it has.
+
+    More than one where the motion repeats after these, and hardly after fewer.  Where it is
+    irregular there is no period: 0 returns, the amplitude of the later half of those that are
+    known, and how long one of them takes.  Before the first return 0.0, inf and 0.
+    """
+    s, shape = run.s, run.shape
+    cycles, home = int(s[R.CYCLES + l]), int(s[R.HOME + l])
+    if cycles == 0:
+        return 0.0, math.inf, 0
+    known = min(cycles, R.RING)
+    last = ((cycles - 1) % R.RING) * R.LANES + home
+    amplitude = s[shape.highs + last] - s[shape.lows + last]
+    visible = VISIBLE * amplitude
+    errors = ERRORS * s[R.TOLERANCE + l]
+    exact = max(EXACT * amplitude, min(visible, errors))
+    first = cycles - known // 2  # in chaos a few returns may repeat by chance
+    returns, left = 1, change(s, home, shape, first, cycles, 1)
+    for p in range(2, known // 2 + 1):
+        if left > (visible if returns == 1 else exact):
+            by_p = change(s, home, shape, first, cycles, p)
+            if by_p < REPEATS * left:
+                returns, left = p, by_p
+    changes = left > (visible if returns == 1 else exact)
+    half = first + known // 4
+    before = max(errors, change(s, home, shape, first, half, returns))
+    grows = (changes or returns > 1) and change(s, home, shape, half, cycles, returns) > before
+    irregular = (changes or grows) and is_irregular(s, home, shape, cycles, visible, grows)
+    over = known // 2 if irregular else returns
+    high, low, span = -math.inf, math.inf, 0.0
+    for k in range(cycles - over, cycles):
+        at = (k % R.RING) * R.LANES + home
+        high, low = max(high, s[shape.highs + at]), min(low, s[shape.lows + at])
+        span += s[shape.spans + at]
+    return high - low, span / over if irregular else span, 0 if irregular else returns
+
+
+def is_irregular(s, home, shape, cycles, visible, grows):
+    """Whether stress maxima go up and down visibly, and lately not much less than before.
+
+    grows : whether changes after a period grow; then changes after a return need not last
+    """
+    count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
+    known = min(cycles, R.RING)
+    for k in range(cycles - known + 1, cycles):
+        now, last = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
+        rise = s[shape.highs + now] - s[shape.highs + last]
+        if abs(rise) > visible:
+            count += rise * rise_before < 0.0
+            rise_before = rise
+        if k < cycles - known // 2:
+            earlier = max(earlier, abs(rise))
+        else:
+            later = max(later, abs(rise))
+    return count >= REVERSALS and (grows or later > LASTING * earlier)

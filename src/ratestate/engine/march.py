@@ -1,17 +1,13 @@
 """The march: a slider's motion from start to end, by segments of its loading, with saved times."""
 
 import math
-from typing import Any, NamedTuple
 
-import numpy as np
-
+from ..friction.expressions import LIMIT
 from ..friction.functions import log
 from . import events, lanes
 from . import rows as R
 from .control import Kernel, fill, leave, stuck
-from .model import FINISHED, RUNNING, Cases, Loads, Numbers, Results
-from .normal_stress import enter_stress
-from .periodicity import last_period
+from .model import FINISHED, NOT_FINITE, RUNAWAY, RUNNING, Numbers
 from .rows import FOUND, call_lanes, call_point
 from .units import MarchUnits, RigidUnits
 
@@ -19,24 +15,10 @@ from .units import MarchUnits, RigidUnits
 POINTS = 8
 
 
-class Run(NamedTuple):
-    """All that a march works on; lanes stand in `control.SETS` sets if `taylor`, else in one."""
-
-    kernel: Kernel
-    shape: R.Shape
-    units: Any  # `units.MarchUnits`, or `units.RigidUnits` if K = inf
-    taylor: int  # 1 if steps that are not stiff are of the Taylor method, which the law allows
-    s: np.ndarray  # (sets * size,) the lanes
-    queue: np.ndarray  # (n,) case numbers, in the order in which to start them
-    position: np.ndarray  # (3,) next in queue; cases done; rows of `path` filled
-    work: np.ndarray  # (WORK,)
-    cases: Cases
-    loads: Loads
-    save_times: np.ndarray  # (rows, n_times) [s], increasing
-    results: Results
-    # (m, 1 + len(y)) T, x, v, psi after each step of the only slider, inside Taylor steps, and
-    # after each jump; empty if not wanted
-    path: np.ndarray
+# Parts of sigma by which a segment may begin beside the end of the one before, without a jump.
+AGREE = 1e-12
+# Widest bracket and most iterations in which a speed is sought.
+WIDEST, MOST = 4096.0, 200
 
 
 def enter_segment(run, l):
@@ -51,16 +33,14 @@ def enter_segment(run, l):
     while k < last and loads.t[k + 1] * scale <= s[R.T + l]:
         k += 1
     s[R.SEGMENT + l] = k
-    w_lp = loads.V[row, k] / V0
     # A kink leaves dx/dT continuous; only a jump restarts the step size and the cycle count.
     jump = k == 0
     if k > 0:
         start = loads.V[row, k - 1]
         end = start + loads.rate[row, k - 1] * (loads.t[k] - loads.t[k - 1])
         jump = abs(loads.V[row, k] - end) > 1e-9 * max(start, loads.V[row, k])
-    s[R.W_LP + l] = w_lp
+    s[R.W_LP + l] = loads.V[row, k] / V0
     s[R.RAMP + l] = loads.rate[row, k] / (V0 * scale)
-    s[R.LOG_W_LP + l] = log(w_lp) if w_lp > 0.0 else -math.inf
     t_break = s[R.T_END + l]
     if k < last:
         t_break = min(t_break, loads.t[k + 1] * scale)
@@ -77,10 +57,75 @@ def enter_segment(run, l):
     return stress_jumps or x_jumps
 
 
+def enter_stress(run, l, i, row, k):
+    """Put the lane's normal stress, of case i, at the start of segment k; whether it jumps there.
+
+    row : of the history of the loading
+    """
+    if run.shape.varies == 0:
+        return False
+    loads, work = run.loads, run.work
+    sigma = run.cases.sigma[i]
+    start, end = loads.sigma[row, k] / sigma, loads.sigma_end[row, k] / sigma
+    rate = 0.0
+    if end != start:
+        rate = (end - start) / ((loads.t[k + 1] - loads.t[k]) * run.cases.scale[i])
+    work[0], work[1] = start, rate
+    call_point(run.units.enter_stress, run.s, l, work)
+    before, now = work[FOUND], work[FOUND + 1]
+    if abs(now - before) <= AGREE * now:
+        return False
+    jump(run, l, log(now / before))
+    return True
+
+
+def jump(run, l, rise):
+    """Change the lane's state as a jump of ln sigma by `rise` changes it."""
+    s, work = run.s, run.work
+    work[0] = rise
+    call_point(run.units.jump, s, l, work)  # psi, and v at the same speed
+    v = work[FOUND]
+    if s[R.ETA0 + l] == 0.0 and not run.shape.rigid:
+        v = balanced(run, l, v)
+        pull(run, l, v)
+        if work[FOUND + 1] > LIMIT:  # of a slider without mass or damping that nothing holds
+            s[R.STATUS + l] = RUNAWAY if work[FOUND + 2] > 0.0 else NOT_FINITE
+    s[R.V + l] = v
+    call_point(run.units.note, s, l, work)
+
+
+def pull(run, l, v):
+    """x - S at another v."""
+    run.work[0] = v
+    call_point(run.units.pull, run.s, l, run.work)
+    return run.work[FOUND]
+
+
+def balanced(run, l, v):
+    """v at which the stress that opposes motion is the spring's, from another, by bisection.
+
+    Where there is none, a speed beyond all: friction that no longer rises with speed.
+    """
+    pulls = pull(run, l, v) > 0.0
+    reach = 1.0 if pulls else -1.0
+    while abs(reach) < WIDEST and (pull(run, l, v + reach) > 0.0) == pulls:
+        reach *= 2.0
+    low, high = min(v, v + reach), max(v, v + reach)
+    for _ in range(MOST):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        if pull(run, l, middle) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
 def load(run, l, i):
     """Put case i into lane l at t = 0."""
     s, cases, times = run.s, run.cases, run.save_times
-    fill(run, l, i, cases, cases.eta0[i], cases.rtol[i])
+    fill(run, l, i, cases.eta0[i], cases.rtol[i])
     s[R.EVERY_STEP + l] = 1.0 if run.path.shape[0] > 0 else 0.0
     s[R.T_END + l] = cases.t_end[i] * cases.scale[i]
     enter_segment(run, l)
@@ -121,7 +166,7 @@ def finish(run, l):
         else:
             for n in range(results.saved.shape[1]):
                 results.saved[i, n, k] = math.nan
-    amplitude, period, returns = last_period(run, l)
+    amplitude, period, returns = events.last_period(run, l)
     call_point(run.units.orders, s, l, work)
     numbers = Numbers(
         t=(s[R.T + l] + s[R.T_LOW + l]) / run.cases.scale[i],
@@ -139,11 +184,7 @@ def finish(run, l):
         f_min=s[R.F_LOW + l],
         xf_min=s[R.XF_LOW + l],
     )
-    k = 0
-    for number in numbers:
-        results.numbers[i, k] = number
-        k += 1
-    leave(run, l)
+    leave(run, l, numbers)
 
 
 def end(run, l):
@@ -231,6 +272,6 @@ def keep_inside(run, l):
         run.position[2] += 1
 
 
-MARCH = Kernel(Run, MarchUnits, load, handle, commit, end)
+MARCH = Kernel(MarchUnits, load, handle, commit, end)
 #: of sliders that move with their load points (K = inf)
 RIGID_MARCH = MARCH._replace(units=RigidUnits)

@@ -83,7 +83,7 @@ class Results(NamedTuple):
     final: np.ndarray  # (n, len(y)) x, v, psi at the end
     saved: np.ndarray  # (n, n_times, len(y))
     numbers: np.ndarray  # (n, len(NUMBERS))
-    status: np.ndarray  # (n,) int8
+    status: np.ndarray  # (n,)
 
 
 class Numbers(NamedTuple):
@@ -100,7 +100,7 @@ class Numbers(NamedTuple):
     v_max: float  # ln(V/V0); where slip may reverse v at psi = 0 (`kinematics.v_of_order`)
     v_min: float
     g_max: float  # of |g|
-    returns: float  # in the last period; 0: none, or irregular (`periodicity.last_period`)
+    returns: float  # in the last period; 0: none, or irregular (`events.last_period`)
     f_min: float
     xf_min: float  # of x + N
 
@@ -115,5 +115,5 @@ def empty_results(y, n_times):
         np.full((n, size), np.nan),
         np.full((n, n_times, size), np.nan),
         np.full((n, len(NUMBERS)), np.nan),
-        np.full(n, RUNNING, np.int8),
+        np.full(n, RUNNING),
     )

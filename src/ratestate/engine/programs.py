@@ -1,9 +1,8 @@
-"""Kernels run from Python: machine code of a control (compiler.py) and of a law's units.
+"""Kernels run from Python: machine code of a control (compiler.py) and of a law's units (code.py).
 
-Each object is made when it is first needed, and kept on disk (cache.py).
+Each object is made when it is first needed, and kept on disk (machine_code.py).
 """
 
-import contextlib
 import ctypes
 import functools
 import inspect
@@ -14,12 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import CompilationError
-from . import cache
-from .compiler import kernel_text
-from .instructions import ITEMS, Array, Word
-from .machine_code import compiled, loaded
+from . import machine_code
+from .code import unit_text
+from .compiler import KINDS, Array, Word, kernel_text
+from .machine_code import compiled
 from .rows import WIDTH
-from .unit_code import unit_text
 from .units import unit_names
 
 #: the level of optimisation of a control: its code is no faster at 2, which takes 0.2 s more
@@ -49,19 +47,15 @@ class Context:
             elif isinstance(x, tuple):
                 self._add(x, words)
             elif type(x) is np.ndarray:
-                words.append(self._address(x))
-                words.extend(x.shape)
+                if not x.flags.c_contiguous or x.dtype not in KINDS:
+                    names = ", ".join(map(str, KINDS))
+                    raise TypeError(f"an array of a kernel must be contiguous, of {names}")
+                words += self._place(x), *x.shape
                 self.kinds.append((x.ndim, x.dtype))
             elif inspect.isfunction(x):
-                self.kinds += x.__module__, x.__name__
+                self.kinds.append((x.__module__, x.__name__))
             elif not _is_known(x):
                 words.append(operator.index(x))
-
-    def _address(self, x):
-        if not x.flags.c_contiguous or x.dtype not in ITEMS:
-            names = ", ".join(map(str, ITEMS))
-            raise TypeError(f"an array of a kernel must be contiguous, of {names}")
-        return self._place(x)
 
     def layout(self):
         """The record, with a `Word` for each int and an `Array` for each array."""
@@ -77,12 +71,8 @@ def _layout(x, places):
         return type(x)(*(_layout(one, places) for one in x))
     if _is_known(x):
         return x
-    at = next(places)
-    if not isinstance(x, np.ndarray):
-        return Word(at)
-    for _ in x.shape:
-        next(places)
-    return Array(at, x.ndim, x.dtype)
+    at, *_ = itertools.islice(places, 1 + np.ndim(x))
+    return Array(at, x.ndim, x.dtype) if isinstance(x, np.ndarray) else Word(at)
 
 
 def _own_address(x):
@@ -90,6 +80,9 @@ def _own_address(x):
         return ctypes.addressof(ctypes.c_char.from_buffer(x))
     except (TypeError, ValueError):  # it cannot be written to, or is empty
         return x.ctypes.data
+
+
+_functions: dict = {}  # (function, kinds of arrays) -> function of ctypes
 
 
 class Program:
@@ -104,37 +97,32 @@ class Program:
     def __init__(self, function, record):
         self._context = Context(record)
         self._words = self._context.words.ctypes.data
-        self._run = _compiled(function, self._context)
+        key = function, tuple(self._context.kinds)
+        if key not in _functions:
+            _functions[key] = self._loaded(function, key[1])
+        self._run = _functions[key]
+
+    def _loaded(self, function, kinds):
+        name, layout = function.__name__, self._context.layout()
+        file = Path(inspect.getfile(function))  # it may be in another package
+        version = machine_code.short_hash((kinds, file.read_bytes()))
+        found = machine_code.addresses(
+            f"{name}-{version}",
+            lambda: compiled(kernel_text(function, layout), level=LEVEL),
+            [name],
+        )
+        return ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)(found[name])
 
     def __call__(self, budget):
         """What the function returns; other threads of Python may run meanwhile."""
         return self._run(self._words, budget)
 
 
-_functions: dict = {}  # (function, kinds of arrays) -> function of ctypes
-
-
-def _compiled(function, context):
-    key = function, tuple(context.kinds)
-    if key not in _functions:
-        name = function.__name__
-
-        def make():
-            return compiled(kernel_text(function, context.layout()), level=LEVEL)
-
-        file = Path(inspect.getfile(function))  # it may be in another package
-        version = cache.short_hash((key[1], file.read_bytes()))
-        addresses = _addresses(f"{name}-{version}", make, [name])
-        kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)
-        _functions[key] = kind(addresses[name])
-    return _functions[key]
-
-
 @functools.cache
 def units_of(law, kind):
     """The units of a law, loaded; kind : their class (units.py)."""
-    name, make = f"{law.name}-{kind.__name__}-{WIDTH}", lambda: compiled(_text(law, kind))
-    found = _addresses(name, make, unit_names(law, kind))
+    name, names = f"{law.name}-{kind.__name__}-{WIDTH}", unit_names(law, kind)
+    found = machine_code.addresses(name, lambda: compiled(_text(law, kind)), names)
     return kind(**dict.fromkeys(kind._fields, 0) | found)
 
 
@@ -143,29 +131,6 @@ def _text(law, kind):
         return unit_text(law, kind, WIDTH)
     except Exception as error:  # a law's methods are a user's, and may raise anything
         raise CompilationError(
-            f"the law {law.name} cannot be compiled ({_reason(error)}). Its methods may hold "
-            f"arithmetic, and functions that ratestate has for laws."
+            f"the law {law.name} cannot be compiled ({machine_code.reason(error)}). Its methods "
+            f"may hold arithmetic, and functions that ratestate has for laws."
         ) from error
-
-
-def _addresses(name, make, functions):
-    """Addresses of functions in machine code of this name, which is kept, else made.
-
-    Code that is kept and cannot be loaded is made anew.  CompilationError if that fails too.
-    """
-    try:
-        with contextlib.suppress(ImportError):
-            return loaded(cache.obtained(name, make), functions)
-        return loaded(cache.made(name, make), functions)
-    except (CompilationError, SyntaxError):  # of a law; of a control, which no user writes
-        raise
-    except Exception as error:  # none of a case's: machine code has but status codes
-        raise CompilationError(
-            f"the solver cannot be compiled on this machine ({_reason(error)}). No parameter is "
-            f"at fault: free memory, or install ratestate and llvmlite anew, and run the same "
-            f"again."
-        ) from error
-
-
-def _reason(error):
-    return f"{type(error).__name__}: {error}".splitlines()[0]

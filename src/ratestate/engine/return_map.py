@@ -10,7 +10,7 @@ is as accurate as the steps are.
 
 import math
 from collections import namedtuple
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,11 +20,11 @@ from .control import Kernel, fill, leave, stuck
 from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING
 from .rows import FOUND, call_lanes, call_point
 from .units import ReturnUnits
-from .waveform import LOG_SLOW_BELOW, SLOW_BELOW
+from .waveform import SLOW_BELOW
 
 # A crossing nearer to the start of a step than this part of it is landed on by extrapolation.
 NEAREST = 1e-6
-SECTION, SLOW = (1.0, 0.0, 0.0), (SLOW_BELOW, 0.0, LOG_SLOW_BELOW)
+SECTION, SLOW = (1.0, 0.0), (SLOW_BELOW, 0.0)
 
 
 class Starts(NamedTuple):
@@ -55,7 +55,7 @@ class ReturnResults(NamedTuple):
     psi: np.ndarray  # (n, number of states)
     along: np.ndarray  # (n, perturbations, len(DERIVATIVES)): derivatives along each
     psi_along: np.ndarray  # (n, perturbations, number of states)
-    status: np.ndarray  # (n,) int8
+    status: np.ndarray  # (n,)
 
 
 #: Dimensionless; G is d ln V/dT at the return, v_max and v_min are v, at psi = 0, of the extreme
@@ -69,8 +69,7 @@ ReturnNumbers = namedtuple(
 )
 RETURN_NUMBERS = ReturnNumbers._fields
 #: those of which the derivatives are found
-Derivatives = namedtuple("Derivatives", "period x x_low v_max v_min")
-DERIVATIVES = Derivatives._fields
+DERIVATIVES = "period", "x", "x_low", "v_max", "v_min"
 
 
 def empty_return_results(y):
@@ -78,30 +77,14 @@ def empty_return_results(y):
     n, size = y.shape
     shapes = (len(RETURN_NUMBERS),), (size - 2,), (size - 1, len(DERIVATIVES)), (size - 1, size - 2)
     numbers, psi, along, psi_along = (np.full((n, *shape), np.nan) for shape in shapes)
-    return ReturnResults(numbers, psi, along, psi_along, np.full(n, RUNNING, np.int8))
-
-
-class ReturnRun(NamedTuple):
-    """All that a return map works on, as `march.Run`."""
-
-    kernel: Kernel
-    shape: R.Shape
-    units: Any  # `units.ReturnUnits`
-    taylor: int
-    s: np.ndarray
-    queue: np.ndarray
-    position: np.ndarray
-    work: np.ndarray
-    waveform: int  # 1 if its integrals are wanted
-    starts: Starts
-    results: ReturnResults
+    return ReturnResults(numbers, psi, along, psi_along, np.full(n, RUNNING))
 
 
 def load(run, l, i):
     """Put case i into lane l."""
-    s, shape, starts = run.s, run.shape, run.starts
+    s, shape, starts = run.s, run.shape, run.cases
     n = 2 + shape.states
-    fill(run, l, i, starts, starts.eta[i], starts.atol[i])
+    fill(run, l, i, starts.eta[i], starts.atol[i])
     for k in range(n):
         s[shape.steady + k * R.LANES + l] = starts.steady[i, k]
         for j in range(n - 1):
@@ -141,24 +124,18 @@ def end(run, l):
         f_min=s[R.F_LOW + l],
         xf_min=s[R.XF_LOW + l],
     )
-    k = 0
-    for number in numbers:
-        results.numbers[i, k] = number
-        k += 1
     for j in range(states + 1):
         z = shape.z + j * (2 + states) * R.LANES + l
         shift = work[FOUND + 3 + j]  # in time, to the section
-        results.along[i, j, 0] = -(shift + s[shape.early + j * R.LANES + l])
-        results.along[i, j, 1] = s[z]
-        results.along[i, j, 2] = s[shape.x_low + j * R.LANES + l]
-        results.along[i, j, 3] = s[shape.v_high + j * R.LANES + l]
-        results.along[i, j, 4] = s[shape.v_low + j * R.LANES + l]
+        at = j * R.LANES + l
+        high, low = s[shape.v_high + at], s[shape.v_low + at]
+        results.along[i, j] = -(shift + s[shape.early + at]), s[z], s[shape.x_low + at], high, low
         for k in range(states):
             rate = work[FOUND + 4 + states + k]
             results.psi_along[i, j, k] = s[z + (2 + k) * R.LANES] - shift * rate
     for k in range(states):
         results.psi[i, k] = s[R.y_row(shape, 2 + k) + l]
-    leave(run, l)
+    leave(run, l, numbers)
 
 
 def commit(run, first, n, taylor):
@@ -273,4 +250,4 @@ def handle(run, l):
         s[R.STATUS + l] = STEADY_SLIDING
 
 
-RETURN_MAP = Kernel(ReturnRun, ReturnUnits, load, handle, commit, end)
+RETURN_MAP = Kernel(ReturnUnits, load, handle, commit, end)

@@ -9,7 +9,7 @@ these are `rows_of` it, and known when a kernel is compiled for it.
 import functools
 import itertools
 from collections import namedtuple
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from .machine_code import doubles_of_vector
 from .taylor import ORDER, has_recurrences
@@ -18,14 +18,14 @@ LANES = 16
 WIDTH = doubles_of_vector()  # lanes that go together
 OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
-COMMON_ROWS = 72
+COMMON_ROWS = 71
 
 # fmt: off
 (
     HOME,                                   # a column that keeps returns (`highs`): each has one
     X, V, W,                                # stress, ln w, w
     KAPPA, ETA0,                            # parameters (model.py)
-    W_LP, RAMP, LOG_W_LP,                   # load point: speed, its rate, ln of a constant speed
+    W_LP, RAMP,                             # load point: speed, its rate
     T, T_LOW, BREAKPOINT, H,                # time in two parts, next breakpoint, next step size
     TOLERANCE, MEMORY,                      # of x, v and psi; err**(1/16) of the last good step
     SAVE_AT, V_LIMIT, STEADY,               # next saved time, runaway ln w, steady-state tolerance
@@ -75,6 +75,7 @@ class LawRows(NamedTuple):
     history: tuple  # and the last of them, if normal stress varies
     e: tuple  # its exponentials, before and after a step
     e_new: tuple
+    psi: tuple
     y: tuple  # before and after a step
     y_new: tuple
     steady: tuple  # y of steady sliding, from which STEADY is measured
@@ -97,30 +98,20 @@ class LawRows(NamedTuple):
     size: int  # of the buffer
 
 
-#: what the control knows of a law: numbers, and where rows of some kinds begin (`LawRows`)
-Shape = namedtuple(
-    "Shape",
-    "states coefficients terms "  # how many psi, p, and numbers in each of c and of c_z
-    "reverses varies rigid "  # 1 if slip may reverse; normal stress varies; K = inf
-    "psi p steady z early x_low v_high v_low kept z_new c_z c highs lows spans size",
-)
+# How many psi, p, and numbers in each of c and c_z; 1 if slip may reverse, if normal stress varies,
+# if K = inf.
+COUNTS = ["states", "coefficients", "terms", "reverses", "varies", "rigid"]
+#: what the control knows of a law: these, and where the rows of each kind begin (`LawRows`)
+Shape: Any = namedtuple("Shape", [*COUNTS, *LawRows._fields])  # type: ignore[misc]
 
 
 @functools.cache
 def shape_of(law):
     """`Shape` of a law, on a spring."""
     rows = rows_of(law)
-    kinds = {name: one for name, one in rows._asdict().items() if name in Shape._fields}
-    return Shape(
-        states=len(law.states),
-        coefficients=len(rows.p),
-        terms=len(rows.c[0]),
-        reverses=int(law.reverses),
-        varies=int(len(rows.history) > 0),
-        rigid=0,
-        psi=rows.y[2],
-        **{name: _first(one) for name, one in kinds.items()},
-    )
+    counts = len(law.states), len(rows.p), len(rows.c[0])
+    kinds = int(law.reverses), int(len(rows.history) > 0), 0
+    return Shape(*counts, *kinds, *map(_first, rows))  # type: ignore[call-arg]
 
 
 def _first(rows):
@@ -160,6 +151,7 @@ def rows_of(law):
         history=law.history(p),
         e=e,
         e_new=e_new,
+        psi=psi,
         y=(X, V, *psi),
         y_new=(X_NEW, V_NEW, *psi_new),
         steady=steady,

@@ -1,7 +1,7 @@
 """What the engine does under one law, as functions of a lane: the units, called by the control.
 
 Units of lanes go over whole vectors.  Those of one lane are given numbers and find some; which
-these are is said of each.  They are written as code by `unit_code`, and run in Python as they are.
+these are is said of each.  They are written as code by `code`, and run in Python as they are.
 """
 
 from collections import namedtuple

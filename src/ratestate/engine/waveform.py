@@ -12,8 +12,8 @@ from ..friction.tuples import plus, select, times
 from . import rows as R
 from .rows import read_rows, rows_of, write_rows
 
-# V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`), and its ln.
-SLOW_BELOW, LOG_SLOW_BELOW = 0.1, -2.302585092994046
+# V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`).
+SLOW_BELOW = 0.1
 # Coefficients of a polynomial for each node: of a step of Rodas5P three.
 TERMS_OF_NODE = 2
 
