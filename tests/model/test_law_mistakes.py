@@ -225,8 +225,8 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
             "evolution(self, V, theta, p), which returns d theta/dt.",
         ),
         (
-            "def stress_in_v(self, v, w, psi, p): return 2 * self.resistance(v, w, psi, p)",
-            "law 'plain' has stress_in_v of its own, which is derived from the formula. "
+            "def stiffness(self, kappa, p): return 2 * kappa",
+            "law 'plain' has stiffness of its own, which is derived from the formula. "
             "Remove it, or give it another name.",
         ),
         (

@@ -5,37 +5,26 @@ import functools
 from ..friction.functions import larger, smaller, where
 from ..friction.tuples import (
     dot,
-    dot_onto,
     grouped,
     largest,
-    minus_dot,
     pairwise_sum,
     plus,
     product,
     select,
-    size_of,
     times,
     total,
 )
 from . import lanes as L
 from . import rows as R
-from .equations import inertial_force
 from .rows import load_each, read_rows, rows_of, store_each, write_rows
 from .tangent import step as tangent_step
 from .taylor import ORDER, integrals, longest, powers, size, variational_coefficients
 from .taylor_lanes import last_sizes, momentum_of, record, step_lengths
 
 
-def changes_of_speed(z, shares):
-    """The change of omega (`kinematics`) by each of the perturbations z."""
-    return tuple(dot_onto(one[1], shares, one[2:]) for one in z)
-
-
 def step_of_lane(s, l, law, h):
     """What `tangent.step` gives for a step of size h from where the lane is."""
-    rows = rows_of(law)
-    y, e, z = read_rows(s, rows.y, l), read_rows(s, rows.e, l), load_each(s, rows.z, l)
-    return tangent_step(y, s[R.W + l], e, z, 1.0, h, L.system_of(s, l, law))
+    return tangent_step(L.read_point(s, l, law), load_each(s, rows_of(law).z, l), h)
 
 
 def try_step(s, l, law):
@@ -43,15 +32,14 @@ def try_step(s, l, law):
     h = s[R.H + l]
     new, z_new, error, dense, s[R.D_TRACE + l] = step_of_lane(s, l, law, h)
     store_each(s, rows_of(law).z_new, l, z_new)
-    L.record(s, l, law, h, new, error, dense)
+    L.record(s, l, h, new, error, dense)
 
 
 def try_taylor_step(s, l, law):
     """Take one step of the lane by the Taylor method, perturbations included."""
-    rows, system = rows_of(law), L.system_of(s, l, law)
-    y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
-    z = load_each(s, rows.z, l)
-    c, c_z, trace = variational_coefficients(law, y, w, e, z, *system[1:])
+    rows, start = rows_of(law), L.read_point(s, l, law)
+    y, z = start.y, load_each(s, rows.z, l)
+    c, c_z, trace = variational_coefficients(start, z)
     momentum = momentum_of(s, l)
     lengths = step_lengths(s, l, last_sizes(c, momentum))
     last, before = (grouped([one[k] for one in c_z], y) for k in (ORDER, ORDER - 1))
@@ -67,7 +55,7 @@ def try_taylor_step(s, l, law):
     store_each(s, rows.z_new, l, grouped(z_new, y))
     (mean_trace,) = integrals((trace,), h_powers)
     s[R.D_TRACE + l] = h * mean_trace
-    record(s, l, law, h, h_powers, c, lengths, total(z_new) + mean_trace)
+    record(s, l, start, h, h_powers, c, lengths, total(z_new) + mean_trace)
 
 
 def sizes_of_each(z, last, before, momentum):
@@ -88,27 +76,12 @@ def commit_lane(s, l, law):
     A perturbation along the orbit is a shift in time.  It grows and shrinks with the speed of the
     state, by twenty orders of magnitude in a stick-slip cycle, and would take all digits of the
     rest: it is taken out after each step.
-
-    ================  ===================================================
-    f_x, f_v, f_psi   speed of the state, d/dT
-    pace              the largest of these
-    direction         the speeds over pace
-    ================  ===================================================
     """
-    ok = s[R.OK + l] > 0.0
-    rows, system = rows_of(law), L.system_of(s, l, law)
-    y, w, e = read_rows(s, rows.y, l), s[R.W + l], read_rows(s, rows.e, l)
-    f_x = system[1] * (1.0 - w)
-    f_psi = law.rates_in_v(y[1], w, y[2:], e, system[3])
-    g, S_v, S_psi = inertial_force(y, w, e, law, system[3])
-    rounding = L.ROUNDING_OF_FORCE * (abs(y[0]) + abs(S_v * y[1]) + size_of(S_psi, y[2:]))
-    c = law.speed_slope(w, e)
-    m = s[R.ETA0 + l] * c
-    lost = (abs(g) <= rounding) | (m == 0.0)
-    f_omega = where(lost, (f_x - dot(S_psi, f_psi)) / S_v, g / m)
-    f_v = minus_dot(f_omega, law.shares(w, 1.0 / c, system[3]), f_psi)
-    pace = larger(larger(abs(f_x), abs(f_v)), larger(largest(f_psi), 1e-300))
-    direction = (f_x / pace, f_v / pace, *times(1.0 / pace, f_psi))
+    rows, ok, at = rows_of(law), s[R.OK + l] > 0.0, L.read_point(s, l, law)
+    by, unit = at.acceleration(1.0, at.is_balanced)
+    speeds = at.in_v((at.of_x(1.0), by / unit, *at.f))
+    pace = larger(largest(speeds), 1e-300)
+    direction = times(1.0 / pace, speeds)
     share = 1.0 / dot(direction, direction)
     z, z_new = load_each(s, rows.z, l), load_each(s, rows.z_new, l)
     shifts = tuple(share * dot(one, direction) for one in z_new)

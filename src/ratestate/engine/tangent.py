@@ -18,9 +18,8 @@ from ..friction.expressions import LIMIT
 from ..friction.functions import where
 from ..friction.motion import product
 from ..friction.tuples import dot, dot_onto, minus_dot, plus_sum, sum_of, times, total
-from .equations import derived, exponentials, in_omega
-from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
-from .tableau import NODES, A, B
+from .rodas5p import Arrow, end_of_step, next_point, stages
+from .tableau import A, B
 
 
 def right_hand_side(du, jacobian, k, rest, curvature, r, m):
@@ -49,61 +48,49 @@ def trace_of(jacobian, shares, unit):
     return dot_onto(total(by_psi) + unit * of_v[1], shares, [row[1] for row in of_psi])
 
 
-def step_end(z, dk, held, S_v, S_psi, shares):
-    """The perturbation z at the end of the step: v's follows the others' where v is held."""
-    end = plus_sum(z, A[8], dk)
-    omega = minus_dot(end[0], S_psi, end[2:]) / S_v
-    return end[0], where(held, minus_dot(omega, shares, end[2:]), end[1]), *end[2:]
+def perturbation_at_end(new, held, z):
+    """A perturbation of the end of a step, where v's follows the others' if v is held."""
+    S_v, *S_psi = new.S_slopes
+    of_held = new.in_v((z[0], minus_dot(z[0], S_psi, z[2:]) / S_v, *z[2:]))
+    return z[0], where(held, of_held[1], z[1]), *z[2:]
 
 
-def step(y, w, e, z, w_lp, h, system):
-    """One step of size h from y = (x, v, psi), and of small perturbations z of it.
+def step(start, z, h):
+    """One step of size h, and of small perturbations z of its start; w_lp is 1.
 
     Parameters
     ----------
-    y, w, e : state, e**v and the law's exponentials at the start
+    start : the slider at the start, a `Point` with eta0 > 0
     z : perturbations (a tuple of tuples)
-    w_lp : speed of the load point, a constant
-    system : (law, kappa, eta0, p), eta0 > 0
 
     Returns
     -------
-    new : y, w and e at the end
+    new : the slider at the end
     z_new : the perturbations there
     error : estimated error of y (tuple)
     dense : what `rodas5p.dense_output` gives
     trace : integral of the trace of J
     """
-    law, kappa, eta0, p = system
-    start = prepare(y, w, e, h, system)
-    r, c_inverse = 1.0 / h, 1.0 / start.c
-    moves = where(law.log_of_faster(y[1], y[2:], p) > -LIMIT, 1.0, 0.0)
-    at_start = functools.partial(derived, y=y, w=w, e=e, law=law, p=p, moves=moves, kappa=kappa)
+    arrow, r = Arrow(start, h), 1.0 / h
+    moves = where(start.log_of_faster > -LIMIT, 1.0, 0.0)
+    at_start = functools.partial(start.derived, moves=moves, kappa=start.kappa)
     curvatures = [at_start("curvature", z=one, q=1.0, m=start.m) for one in z]
-    at: tuple = (w, c_inverse, e)
     k: tuple = ()
     dk: list[tuple] = [() for _ in z]
     traces: list = []
-    for _ in NODES:
-        u, c = next_point(y, k)
-        at = exponentials(u, law, p) if k else at
-        numbers = {"q": start.c * at[1], "m": start.m, "kappa": kappa}
-        jacobian = derived("jacobian", u, at[0], at[2], law, p, **numbers)
-        shares = law.shares(at[0], at[1], p)
-        k_new = increment(u, at, w_lp, times(r, c), (), system, start)
-        k_omega = in_omega(k_new, start.shares)
+    for at, _, k in stages(arrow, h, 1.0):
+        jacobian = at.derived("jacobian", q=start.c * at.c_inverse, m=start.m, kappa=start.kappa)
+        k_omega = start.in_omega(k[-1])
         for j, (one, curvature) in enumerate(zip(z, curvatures, strict=True)):
             du, rest = next_point(one, dk[j])
-            du = in_omega(du, shares)
+            du = at.in_omega(du)
             rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
-            dk[j] = *dk[j], solve_arrow(rows, start)
-        k, traces = (*k, k_new), [*traces, trace_of(jacobian, shares, 1.0 / start.m)]
-    new, held, error, dense = end_of_step(y, k, at, h, system)
-    S_v, S_psi = law.stress_slopes(new[0][1], new[1], new[0][2:], new[2], p)
-    shares = law.shares(new[1], 1.0 / law.speed_slope(new[1], new[2]), p)
-    z_new = tuple(
-        step_end(one, of_one, held, S_v, S_psi, shares) for one, of_one in zip(z, dk, strict=True)
-    )
+            dk[j] = *dk[j], arrow.solve(rows)
+        traces.append(trace_of(jacobian, at.shares, 1.0 / start.m))
+    new, held, error, dense = end_of_step(start, k, at, h)
+    ends = (plus_sum(one, A[8], of_one) for one, of_one in zip(z, dk, strict=True))
+    z_new = tuple(perturbation_at_end(new, held, one) for one in ends)
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
-    (gradient,) = at_start("change_of_trace", z=sum_of(B, k), q=moves * c_inverse / eta0, m=1.0)
+    q = moves * start.c_inverse / start.eta0
+    gradient = at_start("change_of_trace", z=sum_of(B, k), q=q, m=1.0)
     return new, z_new, error, dense, h * (gradient + dot(B, traces))
