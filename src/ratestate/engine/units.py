@@ -11,7 +11,7 @@ import numpy as np
 
 from ..friction.functions import expm1, larger, smaller, sqrt, where
 from ..friction.tuples import dot, grouped, plus, times, total
-from . import lanes, return_lanes, rigid, taylor_lanes, waveform
+from . import lanes, rigid, tangent, taylor_lanes, waveform
 from . import rows as R
 from .model import NOT_FINITE, RUNAWAY, SLAVED
 from .rows import FOUND, load_each, read_rows, rows_of, write_rows
@@ -175,7 +175,7 @@ def changes_of_order(at, z):
 
 def perturbed(s, l, law, at):
     """`changes_of_order` at a place in the step, by a step of Rodas5P that ends there."""
-    end, z, _, _, _ = return_lanes.step_of_lane(s, l, law, at * s[R.H_USED + l])
+    end, z, _, _, _ = tangent.step_of_lane(s, l, law, at * s[R.H_USED + l])
     return changes_of_order(end, z)
 
 
@@ -210,8 +210,8 @@ def lane_units(law, kind):
     kind : the class of the units
     """
     returns, events = kind is ReturnUnits, rigid if kind is RigidUnits else lanes
-    step = return_lanes.try_step if returns else events.try_step
-    taylor_step = return_lanes.try_taylor_step if returns else taylor_lanes.try_step
+    step = tangent.try_step if returns else events.try_step
+    taylor_step = tangent.try_taylor_step if returns else taylor_lanes.try_step
     has_taylor = has_recurrences(law) and kind is not RigidUnits
 
     def control(s, l, law):
@@ -220,7 +220,7 @@ def lane_units(law, kind):
         if has_taylor:
             taylor_lanes.find_calm(s, l, law)
 
-    of_return = [return_lanes.commit_lane] if returns else []
+    of_return = [tangent.commit_lane] if returns else []
     slow = [waveform.find_slow] if returns else []
     found = {"step": [step, control, *slow], "commit": [lanes.commit_lane, *of_return]}
     if has_taylor:

@@ -195,6 +195,6 @@ def _put(found, values):
     return tuple(_put(one, values) for one in found) if isinstance(found, list) else next(values)
 
 
-def product(rows, k):
+def matrix_product(rows, k):
     """The product of a matrix as `Motion` gives it and a vector, a tuple."""
     return tuple(dot(tuple(row.values()), tuple(k[j] for j in row)) for row in rows)
