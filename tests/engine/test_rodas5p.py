@@ -10,8 +10,7 @@ from machine_control import Formula
 from naive import Naive
 
 import ratestate as rs
-from ratestate.engine import rodas5p as M
-from ratestate.engine import tableau as R
+from ratestate.engine import rodas5p as R
 from ratestate.friction.laws import LAWS
 from ratestate.friction.point import point_at
 
@@ -121,7 +120,7 @@ def step_of(law):
     """`rodas5p.step` under this law as machine code."""
 
     def step(y, w_lp, ramp, h, kappa, eta0, p):
-        new, *others = M.step(point_at(law, p, y, kappa, eta0), w_lp, ramp, h)
+        new, *others = R.step(point_at(law, p, y, kappa, eta0), w_lp, ramp, h)
         return (new.y, new.w, new.e), *others
 
     return Formula(step, (0.0,) * 3, *[0.0] * 5, (0.0,))

@@ -12,7 +12,6 @@ from test_rodas5p import A, C
 
 from ratestate.engine import rodas5p as R
 from ratestate.engine import tangent as T
-from ratestate.engine.tableau import GAMMA
 from ratestate.friction.laws import LAWS as FORMULAS
 from ratestate.friction.point import point_at
 
@@ -81,7 +80,7 @@ def plain_step(y, h, f, J):
         there = np.array(y, complex)
         there[j] += 1j * SMALLEST
         matrix[n, j] = np.trace(J(there)).imag / SMALLEST if np.isrealobj(y) else 0.0
-    solve = np.linalg.inv(np.eye(n + 1) / (GAMMA * h) - matrix)
+    solve = np.linalg.inv(np.eye(n + 1) / (R.GAMMA * h) - matrix)
     k = np.zeros((8, n + 1), complex)
     for i in range(8):
         u = y + A[i] @ k[:, :n]

@@ -12,7 +12,7 @@ from textbook import OF_LAW, Textbook, drawn
 
 import ratestate as rs
 from ratestate.friction.composition import composed
-from ratestate.friction.law import MARK
+from ratestate.friction.law_formula import MARK
 from ratestate.friction.laws import LAWS
 
 NAMES = pytest.mark.parametrize("name", LAWS)

@@ -17,7 +17,7 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``lanes``, ``taylor_lanes``           steps of a lane by either method, their commit, their events
 ``tangent``, ``waveform``             the same with perturbations; Fourier integrals of the stress
 ``rigid``                             steps of a slider that moves with its load point (K = inf)
-``rodas5p``, ``tableau``              a step of Rodas5P, its coefficients
+``rodas5p``                           a step of Rodas5P
 ``taylor``                            a Taylor step: its equations, series and length
 ``code``                              numbers that write LLVM text
 ``unit_code``                         units as LLVM text

@@ -3,7 +3,7 @@
     dpsi/dT = f(v, psi),     v that of the speed w_lp(T),     x = S(v, psi) + eta0 dw_lp/dT
 
 Speeds jump with the load point's.  No state is coupled to another, so that the matrix of a step of
-Rodas5P (`tableau`) is diagonal.  Its dense output has psi alone, from which x and v follow.
+Rodas5P is diagonal.  Its dense output has psi alone, from which x and v follow.
 """
 
 import math
@@ -13,9 +13,8 @@ from ..friction.point import point_at
 from ..friction.tuples import dot, largest, plus, plus_sum, product, sum_of, times, total
 from . import rows as R
 from .lanes import ROUNDING, read_point, saves, step_size, write_point
-from .rodas5p import dense_output, leaves, next_point, with_drift
+from .rodas5p import GAMMA, NODES, A, D, H, dense_output, leaves, next_point, with_drift
 from .rows import read_rows, rows_of, store_each
-from .tableau import GAMMA, NODES, A, D, H
 
 
 def point(s, l, law, dT, psi):

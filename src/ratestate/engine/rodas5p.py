@@ -1,7 +1,13 @@
 """One step of Rodas5P: Rosenbrock, 8 stages, order 5(4), stiffly accurate, with dense output.
 
-The method is written out in `tableau`, the system in `model`: y = (x, v, psi), with a psi for each
-of the law's variables.  Two things are done with its shape.
+As published: Steinebach (2023), BIT Numer. Math. 63, 27, doi:10.1007/s10543-023-00967-x, in the
+transformed form of Hairer & Wanner (1996, IV.7), where
+
+    (1/(gamma h) - J) k_i = f(T + c_i h, y + sum_j A_ij k_j) + sum_j (C_ij/h) k_j + h d_i df/dT
+    y_new = y + sum_j A_8j k_j + k_8,      error estimate = k_8.
+
+The system is that of `model`: y = (x, v, psi), with a psi for each of the law's variables.  Two
+things are done with its shape.
 
 * J is an arrow (x and each psi couple to v alone), so one scalar pivot solves each stage.
 * The v row is multiplied by m = eta0 w(v at the start), which turns dv/dT = g/(eta0 w) into
@@ -17,7 +23,126 @@ weights `B` that the method implies for a pure quadrature.
 from ..friction.functions import larger, where
 from ..friction.point import Point
 from ..friction.tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, total
-from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
+
+GAMMA = 0.21193756319429014
+A6 = (
+    -7.502846399306121,
+    2.561846144803919,
+    -11.627539656261098,
+    -0.18268767659942256,
+    0.030198172008377946,
+)
+A = (
+    (),
+    (3.0,),
+    (2.849394379747939, 0.45842242204463923),
+    (-6.954028509809101, 2.489845061869568, -10.358996098473584),
+    (2.8029986275628964, 0.5072464736228206, -0.3988312541770524, -0.04721187230404641),
+    A6,
+    (*A6, 1.0),
+    (*A6, 1.0, 1.0),
+    (*A6, 1.0, 1.0, 1.0),  # the new state
+)
+C = (
+    (),
+    (-14.155112264123755,),
+    (-17.97296035885952, -2.859693295451294),
+    (147.12150275711716, -1.41221402718213, 71.68940251302358),
+    (165.43517024871676, -0.4592823456491126, 42.90938336958603, -5.961986721573306),
+    (
+        24.854864614690072,
+        -3.0009227002832186,
+        47.4931110020768,
+        5.5814197821558125,
+        -0.6610691825249471,
+    ),
+    (
+        30.91273214028599,
+        -3.1208243349937974,
+        77.79954646070892,
+        34.28646028294783,
+        -19.097331116725623,
+        -28.087943162872662,
+    ),
+    (
+        37.80277123390563,
+        -3.2571969029072276,
+        112.26918849496327,
+        66.9347231244047,
+        -40.06618937091002,
+        -54.66780262877968,
+        -9.48861652309627,
+    ),
+)
+NODES = (
+    0.0,
+    0.6358126895828704,
+    0.4095798393397535,
+    0.9769306725060716,
+    0.4288403609558664,
+    1.0,
+    1.0,
+    1.0,
+)
+D = (
+    0.21193756319429014,
+    -0.42387512638858027,
+    -0.3384627126235924,
+    1.8046452872882734,
+    2.325825639765069,
+    0.0,
+    0.0,
+    0.0,
+)
+# Dense output of order 4: y(s) = (1-s) y + s (y_new + (1-s) (K_1 + s (K_2 + s K_3))).
+H = (
+    (
+        25.948786856663858,
+        -2.5579724845846235,
+        10.433815404888879,
+        -2.3679251022685204,
+        0.524948541321073,
+        1.1241088310450404,
+        0.4272876194431874,
+        -0.17202221070155493,
+    ),
+    (
+        -9.91568850695171,
+        -0.9689944594115154,
+        3.0438037242978453,
+        -24.495224566215796,
+        20.176138334709044,
+        15.98066361424651,
+        -6.789040303419874,
+        -6.710236069923372,
+    ),
+    (
+        11.419903575922262,
+        2.8879645146136994,
+        72.92137995996029,
+        80.12511834622643,
+        -52.072871366152654,
+        -59.78993625266729,
+        -0.15582684282751913,
+        4.883087185713722,
+    ),
+)
+
+
+def quadrature_weights():
+    """Eight weights B with y_new - y = h sum_i B_i s_i where dy/dT = s depends on the others only.
+
+    Such a row reads k_i/(gamma h) = s_i + sum_j (C_ij/h) k_j, hence B (1/gamma - C) = (A_8, 1).
+    """
+    weights = [*A[8]]
+    for i in reversed(range(8)):
+        later = sum(weights[j] * C[j][i] for j in range(i + 1, 8))
+        weights[i] = GAMMA * (weights[i] + later)
+    return tuple(weights)
+
+
+B = quadrature_weights()
+DRIFT = sum(b * d for b, d in zip(B, D, strict=True))
 
 
 class Arrow:
@@ -108,7 +233,7 @@ def end_of_step(start, k, last, h):
 def dense_output(y0, y1, k1, k2, k3):
     """Polynomials in the fraction of the step, each a tuple of coefficients, the constant first.
 
-    y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 (tableau.py)
+    y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 of `H`
     """
     each = zip(y0, y1, k1, k2, k3, strict=True)
     return tuple((u0, (u1 - u0) + a, b - a, c - b, -c) for u0, u1, a, b, c in each)

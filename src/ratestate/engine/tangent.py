@@ -34,9 +34,8 @@ from ..friction.tuples import (
 )
 from . import lanes as L
 from . import rows as R
-from .rodas5p import Arrow, end_of_step, next_point, stages
+from .rodas5p import A, Arrow, B, end_of_step, next_point, stages
 from .rows import load_each, read_rows, rows_of, store_each, write_rows
-from .tableau import A, B
 from .taylor import ORDER, integrals, longest, powers, size, variational_coefficients
 from .taylor_lanes import last_sizes, momentum_of, record, step_lengths
 

@@ -24,8 +24,6 @@ from .expressions import LIMIT, ordered
 from .law_formula import EXAMPLE, LOG, LawFormula, eq_1
 from .point import Point
 
-#: between a user's law's own name and the hash of its content
-MARK = "@"
 #: ln(V/V_ref) of rest, a rate that is none, and what own parameters may be
 REST, NOTHING, OWN_EXAMPLE = -300.0, 1e-50, 0.7
 #: points (v, psi) at which rates of one length are compared, and what may be between them
@@ -141,11 +139,6 @@ class FrictionLaw(LawFormula):
         return v > LIMIT if self.heals_at_rest else False
 
     # What kind of law it is
-
-    @property
-    def is_of_user(self):
-        """Whether a user brings it: then its name ends in the hash of its formula."""
-        return MARK in self.name
 
     @property
     def of_slider(self):

@@ -12,6 +12,8 @@ from .functions import exp_and_inverse, log
 
 #: the friction of eq. 1, a form by its name
 LOG = "log"
+#: between a user's law's own name and the hash of its content
+MARK = "@"
 #: values of the parameters that every formula is given, as examples
 EXAMPLE = {"a": 0.01, "b": 0.015, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-6}
 

@@ -2,7 +2,7 @@
 
 from ..errors import ParameterError
 from .built_in_laws import BUILT_IN
-from .law import MARK
+from .law_formula import MARK
 
 #: the law of a slider that names none
 DEFAULT = BUILT_IN[0].name

@@ -16,8 +16,8 @@ import numpy as np
 
 from ..errors import ParameterError
 from .expressions import FormulaError
-from .law import MARK, FrictionLaw
-from .law_formula import EXAMPLE
+from .law import FrictionLaw
+from .law_formula import EXAMPLE, MARK
 from .rewriting import Derivative
 from .steady_state import steady_point, steady_problem
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...friction.law import MARK
+from ...friction.law_formula import MARK
 from ...model.history import NormalStress
 from ...model.loading import Loading
 from ...model.units import is_array

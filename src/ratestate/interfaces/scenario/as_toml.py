@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.law import MARK
-from ...friction.law_formula import LOG
+from ...friction.law_formula import LOG, MARK
 from ...model.history import NormalStress
 from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES

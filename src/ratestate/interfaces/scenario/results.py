@@ -9,8 +9,7 @@ import xarray
 from ...dynamics import attributes
 from ...errors import ParameterError
 from ...friction.forms import parameters_of
-from ...friction.law import MARK
-from ...friction.law_formula import LOG
+from ...friction.law_formula import LOG, MARK
 from ...friction.laws import DEFAULT, friction_law, known_law
 from ...model.conversion import in_si
 from ...model.slider import OPTIONAL, SpringSlider
