@@ -37,7 +37,7 @@ from . import rows as R
 from .rodas5p import A, Arrow, B, end_of_step, next_point, stages
 from .rows import load_each, read_rows, rows_of, store_each, write_rows
 from .taylor import ORDER, integrals, longest, powers, size, variational_coefficients
-from .taylor_lanes import last_sizes, momentum_of, record, step_lengths
+from .taylor_lanes import momentum_of, record, step_lengths
 
 
 def right_hand_side(du, jacobian, k, rest, curvature, r, m):
@@ -135,10 +135,9 @@ def try_taylor_step(s, l, law):
     rows, start = rows_of(law), L.read_point(s, l, law)
     y, z = start.y, load_each(s, rows.z, l)
     c, c_z, trace = variational_coefficients(start, z)
-    momentum = momentum_of(s, l)
-    lengths = step_lengths(s, l, last_sizes(c, momentum))
+    lengths = step_lengths(s, l, c)
     last, before = (grouped([one[k] for one in c_z], y) for k in (ORDER, ORDER - 1))
-    of_last, of_before = sizes_of_each(z, last, before, momentum)
+    of_last, of_before = sizes_of_each(z, last, before, momentum_of(s, l))
     by_z = longest(of_last, of_before, s[R.TOLERANCE + l])
     h = smaller(smaller(lengths[0], lengths[1]), by_z)
     landing = s[R.LANDING_STEP + l]
@@ -154,7 +153,7 @@ def try_taylor_step(s, l, law):
 
 
 def sizes_of_each(z, last, before, momentum):
-    """The largest `last_sizes` of a perturbation, over its own.
+    """The largest sizes of the last two coefficients of a perturbation, over its own size.
 
     last, before : of each perturbation the last coefficients
     """

@@ -32,21 +32,15 @@ def fastest_rate(at, frequency):
     return larger(larger(abs(at.S_slopes[0]) / (at.eta0 * at.w), frequency), largest(of_psi))
 
 
-def last_sizes(c, momentum):
-    """Sizes of the last two of `coefficients`."""
-    last, before = ([one[k] for one in c] for k in (ORDER, ORDER - 1))
-    return size(last, momentum), size(before, momentum)
-
-
 def momentum_of(s, l):
     """The momentum of the lane's slider, as of `taylor.size`."""
     return s[R.ETA0 + l] * s[R.FREQUENCY + l] * s[R.W + l]
 
 
-def step_lengths(s, l, sizes):
-    """How long a step may be to be accurate, and to be stable, by its `last_sizes`."""
-    accurate = longest(sizes[0], sizes[1], s[R.TOLERANCE + l])
-    return accurate, STABLE / s[R.RATE + l]
+def step_lengths(s, l, c):
+    """How long a step may be to be accurate, by its last two `coefficients`, and to be stable."""
+    last, before = (size([one[k] for one in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
+    return longest(last, before, s[R.TOLERANCE + l]), STABLE / s[R.RATE + l]
 
 
 def record(s, l, start, h, h_powers, c, lengths, also):
@@ -80,7 +74,7 @@ def try_step(s, l, law):
     """Take one step of the lane by the Taylor method."""
     start = L.read_point(s, l, law)
     c, rates_of_work = coefficients(start, s[R.W_LP + l], s[R.RAMP + l])
-    lengths = step_lengths(s, l, last_sizes(c, momentum_of(s, l)))
+    lengths = step_lengths(s, l, c)
     h = where(lengths[0] < lengths[1], lengths[0], lengths[1])
     h = L.step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     h_powers = powers(h)
