@@ -33,7 +33,7 @@ def rows_of_point(law, at_end=False):
 def read_point(s, l, law, at_end=False):
     """The slider where the lane is, or at the end of its step, a `Point`.
 
-    Its coefficients are those of the start of the step, between which normal stress may change.
+    Its coefficients are those of the start: at the end normal stress may be another (`later`).
     """
     y, w, e = rows_of_point(law, at_end)
     y, e, p = (read_rows(s, one, l) for one in (y, e, rows_of(law).p))

@@ -133,12 +133,16 @@ def try_step(s, l, law):
 def try_taylor_step(s, l, law):
     """Take one step of the lane by the Taylor method, perturbations included."""
     rows, start = rows_of(law), L.read_point(s, l, law)
-    y, z = start.y, load_each(s, rows.z, l)
+    y, z, momentum = start.y, load_each(s, rows.z, l), momentum_of(s, l)
     c, c_z, trace = variational_coefficients(start, z)
     lengths = step_lengths(s, l, c)
-    last, before = (grouped([one[k] for one in c_z], y) for k in (ORDER, ORDER - 1))
-    of_last, of_before = sizes_of_each(z, last, before, momentum_of(s, l))
-    by_z = longest(of_last, of_before, s[R.TOLERANCE + l])
+
+    def largest_of_order(k):
+        """The largest size of a perturbation's coefficients, divided by that of itself."""
+        each = zip(grouped([one[k] for one in c_z], y), z, strict=True)
+        return functools.reduce(larger, (size(a, momentum) / size(b, momentum) for a, b in each))
+
+    by_z = longest(largest_of_order(ORDER), largest_of_order(ORDER - 1), s[R.TOLERANCE + l])
     h = smaller(smaller(lengths[0], lengths[1]), by_z)
     landing = s[R.LANDING_STEP + l]
     h = where((landing > 0.0) & (landing < h), landing, h)
@@ -150,18 +154,6 @@ def try_taylor_step(s, l, law):
     (mean_trace,) = integrals((trace,), h_powers)
     s[R.D_TRACE + l] = h * mean_trace
     record(s, l, start, h, h_powers, c, lengths, total(z_new) + mean_trace)
-
-
-def sizes_of_each(z, last, before, momentum):
-    """The largest sizes of the last two coefficients of a perturbation, over its own size.
-
-    last, before : of each perturbation the last coefficients
-    """
-    sizes = []
-    for one, of_last, of_before in zip(z, last, before, strict=True):
-        whole = size(one, momentum)
-        sizes.append((size(of_last, momentum) / whole, size(of_before, momentum) / whole))
-    return functools.reduce(lambda a, b: (larger(a[0], b[0]), larger(a[1], b[1])), sizes)
 
 
 def commit_lane(s, l, law):
