@@ -20,7 +20,7 @@ import numpy as np
 import ratestate as rs
 from ratestate.friction.composition import takes_forms
 from ratestate.friction.forms import FORMS
-from ratestate.friction.law import LOG
+from ratestate.friction.law_formula import LOG
 from ratestate.friction.laws import LAWS
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/helpers"))

@@ -9,7 +9,8 @@ from builtins import abs  # noqa: A004  (a function of formulas too)
 from .friction.functions import asinh, cosh, exp, expm1, log, log1p, sinh, sqrt, tanh, where
 from .friction.functions import larger as maximum
 from .friction.functions import smaller as minimum
-from .friction.law import FrictionLaw, Parameter
+from .friction.law import FrictionLaw
+from .friction.law_formula import Parameter
 
 __all__ = [
     "FrictionLaw",

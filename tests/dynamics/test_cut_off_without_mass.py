@@ -12,6 +12,7 @@ import ratestate as rs
 from ratestate.dynamics.simulation import cases
 from ratestate.friction.composition import composed_law
 from ratestate.friction.forms import RESOLVED
+from ratestate.friction.point import point_at
 
 A, B, DC, SIGMA, V = 0.01, 0.015, 1e-5, 1e7, 1e-3
 COMMON = {"a": A, "b": B, "Dc": DC, "sigma": SIGMA, "mu0": 0.6, "V0": 1e-6, "M": 0.0}
@@ -121,7 +122,8 @@ def test_what_friction_loses_with_slip_decides():
     v, psi = 30.0, (-1.0,)
     part = 10.0 * math.exp(-1.0) / (1.0 + 10.0 * math.exp(-1.0))
     loses = B / A * part * (30.0 - 1.0)
-    found = [law.outruns_spring(v, math.exp(v), psi, (), loses * x, p) for x in (0.999, 1.001)]
+    at = point_at(law, p, (0.0, v, *psi))
+    found = [law.outruns_spring(at, v, loses * x) for x in (0.999, 1.001)]
     assert found == [True, False]
     assert law.resolved(math.log(3e8 / V), p) == pytest.approx(math.log(0.1) + RESOLVED)
     assert law.resolved(1.0, p) == 1.0

@@ -21,6 +21,7 @@ from ratestate.engine.rows import call_lanes
 from ratestate.engine.units import MarchUnits
 from ratestate.friction.laws import LAWS as FORMULAS
 from ratestate.friction.laws import friction_law
+from ratestate.friction.point import Point
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 NAMES = ["V", "theta", "tau", "delta", "mu", "status", "steps", "energy_residual", "V_max", "V_min"]
@@ -91,7 +92,7 @@ def test_a_step_that_is_no_number_is_rejected(where, wrong):
     y, error = [[2.0, 0.0, 0.5], [3e-7, 0.0, 1e-7]]
     (error if where < 3 else y)[where % 3] += wrong
     dense = ((0.0,) * R.OF_RODAS5P,) * 3
-    lanes.record(s, l, law, 0.1, (tuple(y), 1.0, ()), tuple(error), dense)
+    lanes.record(s, l, 0.1, Point(law, (1.5, 1.5), tuple(y), 1.0, ()), tuple(error), dense)
     control_step(s, l)
     assert s[R.OK + l] == (wrong == 0.0)
     assert s[R.BAD + l] == (wrong != 0.0)

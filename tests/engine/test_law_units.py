@@ -7,13 +7,14 @@ import pytest
 from textbook import OF_LAW
 
 from ratestate.engine import rows as R
-from ratestate.engine.equations import exponentials
+from ratestate.engine.lanes import write_point
 from ratestate.engine.programs import units_of
-from ratestate.engine.rows import FOUND, WORK, read_rows, rows_of, write_rows
+from ratestate.engine.rows import FOUND, WORK, read_rows, rows_of
 from ratestate.engine.units import MarchUnits, ReturnUnits, in_python, lane_units
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.forms import FORMS
 from ratestate.friction.laws import LAWS
+from ratestate.friction.point import point_at
 
 #: all laws; forms under laws of one state and of two; damping and varying stress, and all together
 COMPOSED = [composed(LAWS[name]) for name in OF_LAW]
@@ -40,9 +41,8 @@ def random_lanes(law, rng):
     s = s.ravel()
     for l in range(R.LANES):
         p = read_rows(s, rows.p, l)
-        for y, w, e in (rows.y, R.W, rows.e), (rows.y_new, R.W_NEW, rows.e_new):
-            s[w + l], _, of_lane = exponentials(read_rows(s, y, l), law, p)
-            write_rows(s, e, l, of_lane)
+        write_point(s, l, point_at(law, p, read_rows(s, rows.y, l)))
+        write_point(s, l, point_at(law, p, read_rows(s, rows.y_new, l)), True)
     return s
 
 

@@ -9,13 +9,13 @@ from exact_functions import exact_function
 
 from ratestate.engine import machine_code
 from ratestate.engine.code import Code, Number, unit_text
-from ratestate.engine.equations import exponentials
 from ratestate.engine.machine_code import compiled, loaded, target
 from ratestate.engine.rows import LANES, WIDTH, rows_of
 from ratestate.engine.units import MarchUnits, ReturnUnits, lane_units, point_units
 from ratestate.friction import functions
 from ratestate.friction.functions import CODE, where
 from ratestate.friction.laws import LAWS
+from ratestate.friction.point import point_at
 
 WIDTHS = (1, 2, 4, 8)
 
@@ -117,8 +117,7 @@ def test_rates_of_laws(name, width):
     y = rng.normal(size=(2 + len(law.states), n))
 
     def rates(*y):
-        w, _, e = exponentials(y, law, p)
-        return law.rates_in_v(y[1], w, y[2:], e, p)
+        return point_at(law, p, y).f
 
     mine = run(rates, width, *y)
     np.testing.assert_allclose(mine, np.transpose([rates(*one) for one in y.T]), rtol=1e-12)

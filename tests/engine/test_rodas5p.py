@@ -10,10 +10,9 @@ from machine_control import Formula
 from naive import Naive
 
 import ratestate as rs
-from ratestate.engine import rodas5p as M
-from ratestate.engine import tableau as R
-from ratestate.engine.equations import exponentials
+from ratestate.engine import rodas5p as R
 from ratestate.friction.laws import LAWS
+from ratestate.friction.point import point_at
 
 # The published (transformed) coefficients as full matrices: stage i starts from y + sum_j A_ij k_j.
 A, C = np.zeros((9, 8)), np.zeros((8, 8))
@@ -121,8 +120,8 @@ def step_of(law):
     """`rodas5p.step` under this law as machine code."""
 
     def step(y, w_lp, ramp, h, kappa, eta0, p):
-        w, _, e = exponentials(y, law, p)
-        return M.step(y, w, e, w_lp, ramp, h, (law, kappa, eta0, p))
+        new, *others = R.step(point_at(law, p, y, kappa, eta0), w_lp, ramp, h)
+        return (new.y, new.w, new.e), *others
 
     return Formula(step, (0.0,) * 3, *[0.0] * 5, (0.0,))
 

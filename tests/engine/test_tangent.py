@@ -12,9 +12,8 @@ from test_rodas5p import A, C
 
 from ratestate.engine import rodas5p as R
 from ratestate.engine import tangent as T
-from ratestate.engine.equations import exponentials
-from ratestate.engine.tableau import GAMMA
 from ratestate.friction.laws import LAWS as FORMULAS
+from ratestate.friction.point import point_at
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 SMALLEST = 1e-30  # an imaginary part so small that its square is nothing
@@ -47,12 +46,12 @@ def steps_of(law):
     """`tangent.step` with two perturbations, and `rodas5p.step`, as machine code."""
 
     def step(y, z, h, kappa, eta, p):
-        w, _, e = exponentials(y, law, p)
-        return T.step(y, w, e, z, 1.0, h, (law, kappa, eta, p))
+        new, *others = T.step(point_at(law, p, y, kappa, eta), z, h)
+        return (new.y, new.w, new.e), *others
 
     def base_step(y, h, kappa, eta, p):
-        w, _, e = exponentials(y, law, p)
-        return R.step(y, w, e, 1.0, 0.0, h, (law, kappa, eta, p))
+        new, *others = R.step(point_at(law, p, y, kappa, eta), 1.0, 0.0, h)
+        return (new.y, new.w, new.e), *others
 
     y, p, others = (0.0,) * 3, (0.0,), [0.0] * 3
     return Formula(step, y, (y, y), *others, p), Formula(base_step, y, *others, p)
@@ -81,7 +80,7 @@ def plain_step(y, h, f, J):
         there = np.array(y, complex)
         there[j] += 1j * SMALLEST
         matrix[n, j] = np.trace(J(there)).imag / SMALLEST if np.isrealobj(y) else 0.0
-    solve = np.linalg.inv(np.eye(n + 1) / (GAMMA * h) - matrix)
+    solve = np.linalg.inv(np.eye(n + 1) / (R.GAMMA * h) - matrix)
     k = np.zeros((8, n + 1), complex)
     for i in range(8):
         u = y + A[i] @ k[:, :n]

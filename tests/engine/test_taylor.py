@@ -18,6 +18,7 @@ from ratestate.engine.taylor import (
     has_recurrences,
     variational_coefficients,
 )
+from ratestate.friction.point import point_at
 from ratestate.friction.tuples import pairwise_sum, product
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
@@ -123,10 +124,8 @@ def solution(law, p, point, start=None, terms=ORDER + 3):
         w_lp = Truncated([point["w_lp"], point["ramp"]])
         x, v, *psi = (Truncated(one.c) for one in y)
         w = v.exp()
-        exponents = law.exponents(v, w, tuple(psi), p)
-        e = tuple(one.exp() for one in exponents)
-        S = law.stress_in_v(v, w, tuple(psi), p)
-        f = law.rates_in_v(v, w, tuple(psi), e, p)
+        at = law.at_speed(v, tuple(psi), p)
+        S, f = at.S, at.f
         rates = [point["kappa"] * (w_lp - w), (x - S) / (w * point["eta0"]), *f]
         y = [Truncated.of(rate).integral(one) for rate, one in zip(rates, start, strict=True)]
     return y, [x * w_lp, S * w]
@@ -134,10 +133,8 @@ def solution(law, p, point, start=None, terms=ORDER + 3):
 
 def found_coefficients(law, p, point):
     y = (point["x"], point["v"], *[point["psi"]] * len(law.states))
-    w = math.exp(y[1])
-    e = tuple(map(math.exp, law.exponents(y[1], w, y[2:], p)))
-    load = point["w_lp"], point["ramp"]
-    return coefficients(law, y, w, e, *load, point["kappa"], point["eta0"], p)
+    start = point_at(law, p, y, point["kappa"], point["eta0"])
+    return coefficients(start, point["w_lp"], point["ramp"])
 
 
 @pytest.mark.parametrize("name", WITH_RECURRENCES)
@@ -163,10 +160,8 @@ def test_coefficients_of_perturbations(name):
     y = start_of(law, point)
     rng, n = np.random.default_rng(7), len(y)
     z = tuple(tuple(rng.normal(size=n).tolist()) for _ in range(n - 1))
-    w, states = math.exp(y[1]), tuple(y[2:])
-    e = tuple(map(math.exp, law.exponents(y[1], w, states, p)))
-    given = law, tuple(y), w, e, z, point["kappa"], point["eta0"], p
-    of_y, of_z, trace = variational_coefficients(*given)
+    start = point_at(law, p, tuple(y), point["kappa"], point["eta0"])
+    of_y, of_z, trace = variational_coefficients(start, z)
     assert len(of_z) == n * (n - 1)
     with mpmath.workdps(60):
         tiny = mpmath.mpf(10) ** -25

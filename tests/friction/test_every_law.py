@@ -12,7 +12,7 @@ from textbook import OF_LAW, Textbook, drawn
 
 import ratestate as rs
 from ratestate.friction.composition import composed
-from ratestate.friction.law_properties import MARK
+from ratestate.friction.law_formula import MARK
 from ratestate.friction.laws import LAWS
 
 NAMES = pytest.mark.parametrize("name", LAWS)
@@ -35,11 +35,10 @@ def test_friction_and_evolution_are_those_of_the_textbook(name, seed):
     psi = law.variables(v, logs, p)
     np.testing.assert_allclose(law.log_states(v, psi, p), logs, rtol=1e-13, atol=1e-13)
     reference = law.reference_friction(np.array([V0]), values)[0]
-    mu = reference + parameters["a"] * law.resistance(v, math.exp(v), psi, p)
+    mu = reference + parameters["a"] * law.at_speed(v, psi, p).R
     assert mu == pytest.approx(twin.mu(V, theta), abs=1e-12)
     # d ln theta/dt at constant V, from the rates of the variables, on which ln theta is linear
-    w = math.exp(v)
-    rates = law.rates(v, w, psi, law.exponentials(v, w, psi, p), p)
+    rates = law.at_speed(v, psi, p).f
     later = law.log_states(v, tuple(x + rate for x, rate in zip(psi, rates, strict=True)), p)
     by_us = [(x - y) * V0 / parameters["Dc"] for x, y in zip(later, logs, strict=True)]
     if name == "nagata":  # where V is constant mu changes by theta alone
@@ -60,8 +59,8 @@ def test_steady_sliding_is_steady(name):
         parameters, V = drawn(name, rng)
         values = {k: np.array([x]) for k, x in parameters.items()}
         p = law.coefficient_arrays(V, values)
-        psi = law.steady_variables(p)
-        rates = law.rates(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+        at = law.steady(p)
+        rates, psi = at.f, at.psi
         rounding = 2e-14 if name == "flash-heating" else 4e-16  # its terms are mu/a
         np.testing.assert_allclose(rates, 0.0, atol=rounding)
         theta = [
@@ -131,7 +130,7 @@ def test_steady_states_of_many_sliders_are_found():
     law, r = Healing(), np.array([0.5, 1.0, 2.0, 3.0, 900.0, 1e-8])
     values = {"a": 0.01, "b": 0.012, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-6}
     for found in (r, np.array(2.0)):
-        (psi,) = law.steady_variables(law.coefficient_arrays(1.0, values | {"r": found}))
+        (psi,) = law.steady(law.coefficient_arrays(1.0, values | {"r": found})).psi
         np.testing.assert_allclose(psi, np.log(found), rtol=1e-12, atol=1e-12)
 
 
@@ -139,7 +138,7 @@ def test_steady_states_of_many_sliders_are_found():
 def test_a_law_is_pickled_without_what_is_derived(name):
     for damped in (False, True):
         law = composed(LAWS[name], damped=damped)
-        _ = law.steady_variables((1.0,) * law.n_coefficients), law.one_length
+        _ = law.steady((1.0,) * law.n_coefficients), law.one_length
         made = pickle.dumps(law)
         assert len(made) < 500
         assert pickle.loads(made).equations.text == law.equations.text

@@ -71,15 +71,8 @@ def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
     p = tuple(float(x[0]) for x in law.coefficient_arrays(V, values))
     y, n = rng.normal(size=1 + len(law.states)), len(law.states)
 
-    def given(y):
-        return y[0], math.exp(y[0]), tuple(y[1:])
-
-    def rates(y):
-        return np.array(law.rates(*given(y), law.exponentials(*given(y), p), p))
-
-    def flat(found):
-        by_v, by_psi = found
-        return np.array([by_v, *by_psi])
+    def at(y):
+        return law.at_speed(y[0], tuple(y[1:]), p)
 
     def slopes(function):
         h, steps = 1e-3, np.eye(1 + n)
@@ -87,16 +80,13 @@ def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
         each = [np.array(one) for one in each]
         return (8 * (each[1] - each[2]) - (each[0] - each[3])) / (12 * h)
 
-    of_rates = slopes(rates)
-    by_v, by_psi = law.rate_partials(*given(y), law.exponentials(*given(y), p), p)
+    of_rates, (by_v, by_psi) = slopes(lambda y: np.array(at(y).f)), at(y).f_slopes
     pairs = [
-        (flat(law.stress_partials(*given(y), p)), slopes(lambda y: law.stress(*given(y), p))),
-        (
-            np.array(law.resistance_bends(*given(y), p)),
-            slopes(lambda y: flat(law.resistance_partials(*given(y), p))),
-        ),
-        (np.array(by_v), of_rates[0]),
-        (np.array(by_psi), np.diag(of_rates[1:])),
+        (at(y).S_slopes, slopes(lambda y: at(y).S)),
+        (at(y).R_slopes, slopes(lambda y: at(y).R)),
+        (at(y).slaved_slopes, slopes(lambda y: at(y).slaved)[1:]),
+        (by_v, of_rates[0]),
+        (by_psi, np.diag(of_rates[1:])),
     ]
     for found, true in pairs:
         np.testing.assert_allclose(found, true, rtol=0, atol=1e-7 * np.abs(found).max() + 1e-9)
@@ -114,7 +104,7 @@ def test_friction_is_that_of_the_textbook(law, form, seed):
     v, theta = rng.normal(), [D / V * math.exp(rng.normal()) for D in twin.D]
     psi = tuple(math.log(V * th / D) for th, D in zip(theta, twin.D, strict=True))
     reference = friction.reference_friction(np.array([V]), values)[0]
-    mu = reference + parameters["a"] * friction.resistance(v, math.exp(v), psi, p)
+    mu = reference + parameters["a"] * friction.at_speed(v, psi, p).R
     assert mu == pytest.approx(twin.mu(V * math.exp(v), theta), abs=1e-12)
     steady = twin.mu(V, twin.steady_theta(V))
     assert friction.steady_friction(np.array([V]), values)[0] == pytest.approx(steady, abs=1e-12)

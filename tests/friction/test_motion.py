@@ -7,10 +7,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from ratestate.engine.equations import derived, exponentials, in_omega
 from ratestate.engine.tangent import trace_of
 from ratestate.friction.composition import composed, forms_of
 from ratestate.friction.laws import LAWS
+from ratestate.friction.point import point_at
 
 SLIDER = {"a": 0.01, "b": 0.015, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-6, "sigma": 5e6, "damping": 5e6}
 OWN = {"b2": 0.003, "Dc2": 3e-5, "c": 2.0, "V_cut": 1e-7, "V_w": 0.1, "mu_w": 0.2}
@@ -33,11 +33,8 @@ def drawn(law, rng):
 
 def motion(y, law, kappa, eta0, p):
     """dx/dT, but for the load point's speed, dv/dT and d psi/dT."""
-    w, c_inverse, e = exponentials(y, law, p)
-    f = law.rates_in_v(y[1], w, y[2:], e, p)
-    of_v = (y[0] - law.stress_in_v(y[1], w, y[2:], p)) * c_inverse / eta0
-    shares = law.shares(w, c_inverse, p)
-    return [-kappa * w, of_v - sum(s * one for s, one in zip(shares, f, strict=False)), *f]
+    at = point_at(law, p, y)
+    return at.in_v((-kappa * at.w, at.g * at.c_inverse / eta0, *at.f))
 
 
 def slopes(function, y, along, h):
@@ -66,18 +63,18 @@ def test_derivatives(name, form, damped):
             exact = jacobian(at, *system)
             change = slopes(lambda u, system=system: jacobian(u, *system), at, z, mp.mpf(1e-22))
             traces = [float(np.trace(one)) for one in (exact, change)]
-        w, c_inverse, e = exponentials(y, law, p)
-        how = {"y": y, "w": w, "e": e, "law": law, "p": p, "z": z, "kappa": kappa}
-        directions = [in_omega(tuple(one), law.shares(w, c_inverse, p)) for one in np.eye(len(y))]
+        at = point_at(law, p, y)
+        how = {"z": z, "kappa": kappa, "q": at.c_inverse / eta0, "m": 1.0}
+        directions = [at.in_omega(tuple(one)) for one in np.eye(len(y))]
         for matrix, true in (("jacobian", exact), ("curvature", change)):
-            rows = derived(matrix, **how, q=c_inverse / eta0, m=1.0)
+            rows = at.derived(matrix, **how)
             if matrix == "jacobian":
-                found = [trace_of(rows, law.shares(w, c_inverse, p), 1.0)]
+                found = [trace_of(rows, at.shares, 1.0)]
             for row, of_row in zip(rows, true.astype(float), strict=True):
                 terms = np.array([[x * k[j] for j, x in row.items()] for k in directions])
                 size = max(np.abs(terms).max(), np.abs(of_row).max())
                 np.testing.assert_allclose(terms.sum(axis=1), of_row, rtol=0, atol=1e-12 * size)
-        found += derived("change_of_trace", **how, q=c_inverse / eta0, m=1.0)
+        found.append(at.derived("change_of_trace", **how))
         for one, true, matrix in zip(found, traces, (exact, change), strict=True):
             size = np.abs(np.diag(matrix).astype(float)).max()
             assert one == pytest.approx(true, rel=0, abs=1e-12 * size)

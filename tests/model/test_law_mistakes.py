@@ -225,11 +225,11 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
             "evolution(self, V, theta, p), which returns d theta/dt.",
         ),
         (
-            "def stress_in_v(self, v, w, psi, p): return 2 * self.resistance(v, w, psi, p)",
-            "law 'plain' has stress_in_v of its own. Rename it, or remove it: laws keep under this "
+            "def stiffness(self, kappa, p): return 2 * kappa",
+            "law 'plain' has stiffness of its own. Rename it, or remove it: laws keep under this "
             "name what is derived from their formulas.",
         ),
-        ("places = {}", "law 'plain' has places of its own. Rename it, or remove it: "),
+        ("motion = {}", "law 'plain' has motion of its own. Rename it, or remove it: "),
         (
             "name = 'slip'",
             "law 'slip' of FILE: the name 'slip' is that of a built-in law; choose another",

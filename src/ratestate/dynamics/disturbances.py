@@ -135,7 +135,7 @@ def _disturbed(system, kind, size):
     law, psi, p = system.friction_law, tuple(y[:, 2:].T), system.coefficients
 
     def off(v):
-        return law.stress_in_v(v, law.speed(v, psi, p), psi, p) - y[:, 0]
+        return law.at(v, psi, p).S - y[:, 0]
 
     y[:, 1] = np.where(at_once, root(off, y[:, 1], at_once), y[:, 1])
     return y

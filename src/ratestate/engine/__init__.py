@@ -13,10 +13,9 @@ Only numbers and arrays are handled here, no xarray, no units of measurement.
 ``rows``                              layout of the lane buffer; calls of units from the control
 ``units``                             list of what depends on the law
 ``lanes``, ``taylor_lanes``           steps of a lane by either method, their commit, their events
-``return_lanes``, ``waveform``        the same with perturbations; Fourier integrals of the stress
+``tangent``, ``waveform``             the same with perturbations; Fourier integrals of the stress
 ``rigid``                             steps of a slider that moves with its load point (K = inf)
-``equations``                         the equations at one point
-``rodas5p``, ``tableau``, ``tangent`` a step of Rodas5P, its coefficients, its derivative
+``rodas5p``                           a step of Rodas5P
 ``taylor``                            a Taylor step: its equations, series and length
 ``code``                              numbers that write LLVM text; units as LLVM text
 ``compiler``                          compile the control from a small part of Python

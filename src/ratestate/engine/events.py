@@ -64,7 +64,7 @@ def of_step(run, l, what, parts, load, at):
 
     =====  ==========================================================================
     FORCE  a sum of parts of x, S, N and R, and its slope
-    SPEED  the speed, as of `kinematics.order_of_speed`, and its slope
+    SPEED  the speed, as of `Point.order_of_speed`, and its slope
     LEAD   the same, and how far v is ahead of the load point's, of which `load` holds
            the speed at the start of the step and its change in the step
     =====  ==========================================================================

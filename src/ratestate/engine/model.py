@@ -8,9 +8,9 @@ With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu_ref)/a and T
 
 which is eqs 1-4 of Im, Marone & Elsworth (2019).  The stress S that opposes motion, which is the
 friction R = (mu - mu_ref)/a unless there is damping too, and the rates f are the friction law's
-(friction/law.py), with one psi or more: y = (x, v, psi) has as many numbers.  g = x - S is the
+(friction/motion.py), with one psi or more: y = (x, v, psi) has as many numbers.  g = x - S is the
 inertial force over a sigma.  Where slip may reverse another w follows from v and psi, which
-friction/kinematics.py has, and with it another equation of v.
+friction/point.py has, and with it another equation of v.
 """
 
 import tomllib
@@ -97,7 +97,7 @@ class Numbers(NamedTuple):
     amplitude: float  # max - min of x in the last period; 0 before there is one
     period: float  # its T; inf before there is one
     cycles: float  # returns to V = V_lp since the last jump of the loading
-    v_max: float  # ln(V/V0); where slip may reverse v at psi = 0 (`kinematics.v_of_order`)
+    v_max: float  # ln(V/V0); where slip may reverse v at psi = 0 (`Point.order_slope`)
     v_min: float
     g_max: float  # of |g|
     returns: float  # in the last period; 0: none, or irregular (`events.last_period`)

@@ -1,85 +1,113 @@
 """One step of Rodas5P: Rosenbrock, 8 stages, order 5(4), stiffly accurate, with dense output.
 
-The method is written out in `tableau`, the system in `model`: y = (x, v, psi), with a psi for each
-of the law's variables.  Two things are done with its shape.
+As published: Steinebach (2023), BIT Numer. Math. 63, 27, doi:10.1007/s10543-023-00967-x, in the
+transformed form of Hairer & Wanner (1996, IV.7), where
+
+    (1/(gamma h) - J) k_i = f(T + c_i h, y + sum_j A_ij k_j) + sum_j (C_ij/h) k_j + h d_i df/dT
+    y_new = y + sum_j A_8j k_j + k_8,      error estimate = k_8.
+
+The system is that of `model`: y = (x, v, psi), with a psi for each of the law's variables.  Two
+things are done with its shape.
 
 * J is an arrow (x and each psi couple to v alone), so one scalar pivot solves each stage.
 * The v row is multiplied by m = eta0 w(v at the start), which turns dv/dT = g/(eta0 w) into
   m dv/dT = g w_start/w.  Nothing overflows as V -> 0, and eta0 = 0 is a regular case: the row
   then reads S_v k_v = k_x - S_psi k_psi and a linearly implicit method keeps x = S(v, psi).
   What remains is this same method on the other variables, so the quasi-static limit needs no code
-  of its own.  (Where slip may reverse c takes the place of w, and omega that of v: `kinematics`.)
+  of its own.  (Where slip may reverse c takes the place of w, and omega that of v: `point`.)
 
 Beside the state, a step integrates the load-point work and the frictional dissipation with the
 weights `B` that the method implies for a pure quadrature.
 """
 
-from typing import NamedTuple
-
 from ..friction.functions import larger, where
-from ..friction.tuples import (
-    dot_onto,
-    minus_dot,
-    plus,
-    plus_sum,
-    product,
-    sum_of,
-    times,
-    total,
+from ..friction.point import Point
+from ..friction.tuples import dot_onto, minus_dot, plus, plus_sum, product, sum_of, times, total
+
+GAMMA = 0.21193756319429014
+# fmt: off
+A6 = (
+    -7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256,
+    0.030198172008377946,
 )
-from .equations import derived, exponentials, inertial_force, later, works
-from .tableau import DRIFT, GAMMA, NODES, A, B, C, D, H
+A = (
+    (),
+    (3.0,),
+    (2.849394379747939, 0.45842242204463923),
+    (-6.954028509809101, 2.489845061869568, -10.358996098473584),
+    (2.8029986275628964, 0.5072464736228206, -0.3988312541770524, -0.04721187230404641),
+    A6,
+    (*A6, 1.0),
+    (*A6, 1.0, 1.0),
+    (*A6, 1.0, 1.0, 1.0),  # the new state
+)
+C = (
+    (),
+    (-14.155112264123755,),
+    (-17.97296035885952, -2.859693295451294),
+    (147.12150275711716, -1.41221402718213, 71.68940251302358),
+    (165.43517024871676, -0.4592823456491126, 42.90938336958603, -5.961986721573306),
+    (24.854864614690072, -3.0009227002832186, 47.4931110020768, 5.5814197821558125,
+     -0.6610691825249471),
+    (30.91273214028599, -3.1208243349937974, 77.79954646070892, 34.28646028294783,
+     -19.097331116725623, -28.087943162872662),
+    (37.80277123390563, -3.2571969029072276, 112.26918849496327, 66.9347231244047,
+     -40.06618937091002, -54.66780262877968, -9.48861652309627),
+)
+NODES = (
+    0.0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1.0, 1.0,
+    1.0,
+)
+D = (
+    0.21193756319429014, -0.42387512638858027, -0.3384627126235924, 1.8046452872882734,
+    2.325825639765069, 0.0, 0.0, 0.0,
+)
+# Dense output of order 4: y(s) = (1-s) y + s (y_new + (1-s) (K_1 + s (K_2 + s K_3))).
+H = (
+    (25.948786856663858, -2.5579724845846235, 10.433815404888879, -2.3679251022685204,
+     0.524948541321073, 1.1241088310450404, 0.4272876194431874, -0.17202221070155493),
+    (-9.91568850695171, -0.9689944594115154, 3.0438037242978453, -24.495224566215796,
+     20.176138334709044, 15.98066361424651, -6.789040303419874, -6.710236069923372),
+    (11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643,
+     -52.072871366152654, -59.78993625266729, -0.15582684282751913, 4.883087185713722),
+)
+# fmt: on
 
 
-class Arrow(NamedTuple):
-    """The matrix of a step (`kinematics` has c, slopes and shares)."""
+def quadrature_weights():
+    """Eight weights B with y_new - y = h sum_i B_i s_i where dy/dT = s depends on the others only.
 
-    c: float
-    m: float  # eta0 c
-    gamma_h: float
-    kappa_c: float
-    f_v: tuple  # slopes of the law's rates by omega
-    g_psi: tuple  # those of -m dv/dT
-    a_psi: tuple  # gamma h/(1 - gamma h f_psi)
-    pivot: float  # one over it
-    shares: tuple
+    Such a row reads k_i/(gamma h) = s_i + sum_j (C_ij/h) k_j, hence B (1/gamma - C) = (A_8, 1).
+    """
+    weights = [*A[8]]
+    for i in reversed(range(8)):
+        later = sum(weights[j] * C[j][i] for j in range(i + 1, 8))
+        weights[i] = GAMMA * (weights[i] + later)
+    return tuple(weights)
 
 
-class Drift(NamedTuple):
-    """h d/dT of the equations at the start of a step, where x, v and psi are constant."""
-
-    x: float  # of dx/dT: the load point accelerates
-    v: tuple  # of m dv/dT, one number
-    psi: tuple  # of d psi/dT; this and v are () unless normal stress varies
+B = quadrature_weights()
+DRIFT = sum(b * d for b, d in zip(B, D, strict=True))
 
 
-def prepare(y, w, e, h, system):
-    """What the first point y of a step fixes: the arrow matrix, and its pivot."""
-    law, kappa, eta0, p = system
-    f_v, f_psi = law.rate_slopes(y[1], w, y[2:], e, p)
-    c = law.speed_slope(w, e)
-    gamma_h = GAMMA * h
-    m = eta0 * c
-    kappa_c = kappa * c
-    a_psi = leaves(gamma_h, f_psi)
-    diagonal, *g_psi = derived("inertia_slopes", y, w, e, law, p, q=1.0, m=m)
-    pivot = 1.0 / dot_onto(m / gamma_h + diagonal + gamma_h * kappa_c, product(g_psi, a_psi), f_v)
-    shares = law.shares(w, 1.0 / c, p)
-    return Arrow(c, m, gamma_h, kappa_c, f_v, tuple(g_psi), a_psi, pivot, shares)
+class Arrow:
+    """The matrix of a step of size h from the point `at`, in x, omega and psi."""
 
+    def __init__(self, at, h):
+        self.at, self.m, self.gamma_h = at, at.m, GAMMA * h
+        self.f_v, f_psi = at.f_slopes
+        self.kappa_c, self.a_psi = at.kappa * at.c, leaves(self.gamma_h, f_psi)
+        diagonal, *self.g_psi = at.derived("inertia_slopes", q=1.0, m=at.m)  # slopes of -m dv/dT
+        diagonal = at.m / self.gamma_h + diagonal + self.gamma_h * self.kappa_c
+        self.pivot = 1.0 / dot_onto(diagonal, product(self.g_psi, self.a_psi), self.f_v)
 
-def drift_of(y, w, h, ramp, system, start):
-    """The `Drift` of a step from y."""
-    law, kappa, _, p = system
-    psi = times(h, law.rate_drift(y[1], w, y[2:], p))
-    strength = times(-h, law.strength_drift(y[1], w, y[2:], p))
-    of_v = tuple(minus_dot(one, times(start.m, start.shares), psi) for one in strength)
-    return Drift(h * kappa * ramp, of_v, psi)
-
-
-def with_drift(rest, drift, d):
-    """rest + d drift of each state, where there is a drift."""
-    return plus(rest, times(d, drift)) if drift else rest
+    def solve(self, r):
+        """The k, in x, v and psi, that solves it for this right-hand side."""
+        r_v = dot_onto(r[1], times(self.m, self.at.shares), r[2:])
+        r_v = minus_dot(r_v + self.gamma_h * r[0], product(self.g_psi, self.a_psi), r[2:])
+        k_omega = self.pivot * r_v
+        k_psi = product(self.a_psi, plus(r[2:], times(k_omega, self.f_v)))
+        return self.at.in_v((self.gamma_h * (r[0] - self.kappa_c * k_omega), k_omega, *k_psi))
 
 
 def leaves(gamma_h, f_psi):
@@ -87,47 +115,20 @@ def leaves(gamma_h, f_psi):
     return tuple(gamma_h / (1.0 - gamma_h * slope) for slope in f_psi)
 
 
-def solve_arrow(r, start):
-    """The k that solves the arrow matrix of `prepare` for this right-hand side (x, v, psi).
+def drift_of(start, h, ramp):
+    """h d/dT of dx/dT, m dv/dT and d psi/dT at constant x, v and psi, each a tuple.
 
-    It is an arrow in x, omega and psi, of which v's increment follows.
+    The load point accelerates.  Those of v and psi are () unless normal stress varies.
     """
-    _, m, gamma_h, kappa_c, f_v, g_psi, a_psi, pivot, shares = start
-    r_v = dot_onto(r[1], times(m, shares), r[2:])
-    k_omega = pivot * minus_dot(r_v + gamma_h * r[0], product(g_psi, a_psi), r[2:])
-    k_psi = product(a_psi, plus(r[2:], times(k_omega, f_v)))
-    return gamma_h * (r[0] - kappa_c * k_omega), minus_dot(k_omega, shares, k_psi), *k_psi
+    psi = times(h, start.f_drift)
+    of_v = times(-h, start.N_drift)
+    of_v = tuple(minus_dot(one, times(start.m, start.shares), psi) for one in of_v)
+    return (h * start.kappa * ramp,), of_v, psi
 
 
-def on_manifold(y, w, e, v_start, h, system):
-    """y with v held where friction balances the spring, and whether it is, if inertia is lost.
-
-    It is where m = eta0 c is below rounding.  Over a step in which c changes by orders of
-    magnitude, J sees a deviation at its start and not at its end.
-
-    w, e : near the end of the step
-    """
-    law, _, eta0, p = system
-    g, S_v, _ = inertial_force(y, w, e, law, p)
-    negligible = eta0 * law.speed_slope(w, e) * larger(1.0, abs(y[1] - v_start)) < 1e-14 * h
-    v = where(negligible, y[1] + g / S_v, y[1])
-    return (y[0], v, *y[2:]), negligible
-
-
-def increment(u, at, w_lp, rest, drift, system, start):
-    """Increment k of a stage at u, given rest = sum_j (C_ij/h) k_j + h d_i df/dT.
-
-    at : w, 1/c and e at u; drift : of m dv/dT, h d_i times its d/dT, in a tuple
-    system = (law, kappa, eta0, p); start : what `prepare` gave
-    """
-    law, kappa, _, p = system
-    w, c_inverse, e = at
-    g = u[0] - law.stress_in_v(u[1], w, u[2:], p)
-    f = law.rates_in_v(u[1], w, u[2:], e, p)
-    r_x = kappa * (w_lp - w) + rest[0]
-    r_v = total((g * (start.c * c_inverse) + start.m * rest[1], *drift))
-    r_v = minus_dot(r_v, times(start.m, law.shares(w, c_inverse, p)), f)
-    return solve_arrow((r_x, r_v, *plus(f, rest[2:])), start)
+def with_drift(rest, drift, d):
+    """rest + d drift of each number, where there is a drift."""
+    return plus(rest, times(d, drift)) if drift else rest
 
 
 def next_point(y, k):
@@ -136,69 +137,79 @@ def next_point(y, k):
     return plus_sum(y, A[i], k), sum_of(C[i], k) if k else (0.0,) * len(y)
 
 
-def end_of_step(y, k, last, h, system):
-    """The state (y, w, e) at the end; whether v is held; the estimated error; dense output.
+def stages(arrow, h, w_lp, ramp=None):
+    """Each of the eight stages of a step: its point, and the increments up to its own.
 
-    k : the eight increments; last : w, 1/c and e of the last stage
+    w_lp, ramp : load-point speed at the start and its rate d w_lp/dT; None if it is constant
     """
-    free = plus_sum(y, A[8], k)
-    y_new, held = on_manifold(free, last[0], last[2], y[1], h, system)
-    error = (k[7][0], k[7][1] + (y_new[1] - free[1]), *k[7][2:])
-    w_new, _, e_new = exponentials(y_new, system[0], system[3])
-    dense = dense_output(y, y_new, sum_of(H[0], k), sum_of(H[1], k), sum_of(H[2], k))
-    return (y_new, w_new, e_new), held, error, dense
+    start = arrow.at
+    k: tuple = ()
+    of_x, of_v, of_psi = ((), (), ()) if ramp is None else drift_of(start, h, ramp)
+    for node, d in zip(NODES, D, strict=True):
+        u, c = next_point(start.y, k)
+        at = start.at(u, node * h) if k else start
+        w_lp_here = w_lp if ramp is None else w_lp + node * (h * ramp)
+        x, v, *psi = times(1.0 / h, c)
+        r_v = total((at.g * (start.c * at.c_inverse) + start.m * v, *times(d, of_v)))
+        r_v = minus_dot(r_v, times(start.m, at.shares), at.f)
+        r_x = at.of_x(w_lp_here) + total((x, *times(d, of_x)))
+        k = *k, arrow.solve((r_x, r_v, *plus(at.f, with_drift(psi, of_psi, d))))
+        yield at, w_lp_here, k
+
+
+def end_of_step(start, k, last, h):
+    """The point at the end; whether v is held there; the estimated error; dense output.
+
+    v is held where friction balances the spring, if inertia is lost: where m = eta0 c is below
+    rounding.  Over a step in which c changes by orders of magnitude, J sees a deviation at its
+    start and not at its end.
+
+    k : the eight increments; last : the point of the last stage
+    """
+    y = plus_sum(start.y, A[8], k)
+    near = Point(last.law, last.p, y, last.w, last.e, None, last.kappa, last.eta0)
+    held = near.m * larger(1.0, abs(y[1] - start.v)) < 1e-14 * h
+    v = where(held, y[1] + near.g / near.S_slopes[0], y[1])
+    new = start.at((y[0], v, *y[2:]), h)
+    error = (k[7][0], k[7][1] + (v - y[1]), *k[7][2:])
+    return new, held, error, dense_output(start.y, new.y, *(sum_of(row, k) for row in H))
 
 
 def dense_output(y0, y1, k1, k2, k3):
     """Polynomials in the fraction of the step, each a tuple of coefficients, the constant first.
 
-    y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 (tableau.py)
+    y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 of `H`
     """
     each = zip(y0, y1, k1, k2, k3, strict=True)
     return tuple((u0, (u1 - u0) + a, b - a, c - b, -c) for u0, u1, a, b, c in each)
 
 
-def step(y, w, e, w_lp, ramp, h, system):
-    """One step of size h from y = (x, v, psi).
+def step(start, w_lp, ramp, h):
+    """One step of size h.
 
     Parameters
     ----------
-    y, w, e : state, speed and exponentials (`kinematics`) at the start
-    w_lp, ramp : load-point speed at the start and its rate d w_lp/dT
-    system : (law, kappa, eta0, p), p the law's coefficients
+    start : the slider at the start, a `Point`
+    w_lp, ramp : load-point speed there and its rate d w_lp/dT
 
     Returns
     -------
-    new : y, w and e at the end
+    new : the slider at the end
     error : estimated error of y (tuple)
     dense : what `dense_output` gives
-    load_work, dissipation : integrals of `works` over the step
+    load_work, dissipation : integrals of `Point.works` over the step
     """
-    law, _, _, p = system
-    start = prepare(y, w, e, h, system)
-    dw, drift = h * ramp, drift_of(y, w, h, ramp, system, start)
-    at: tuple = (w, 1.0 / start.c, e)
-    k: tuple = ()
-    powers: list = []
-    for node, d in zip(NODES, D, strict=True):
-        u, c = next_point(y, k)
-        here, w_lp_here = later(system, node * h), w_lp + node * dw
-        at = exponentials(u, law, here[3]) if k else at
-        rest = times(1.0 / h, c)
-        rest = rest[0] + d * drift.x, rest[1], *with_drift(rest[2:], drift.psi, d)
-        powers.append(works(u, at[0], w_lp_here, here))
-        k = *k, increment(u, at, w_lp_here, rest, times(d, drift.v), here, start)
-    new, _, error, dense = end_of_step(y, k, at, h, later(system, h))
+    taken = [*stages(Arrow(start, h), h, w_lp, ramp)]
+    last, _, k = taken[-1]
+    new, _, error, dense = end_of_step(start, k, last, h)
 
     # The two quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
-    dy = sum_of(B, k)
+    powers = [at.works(w_lp_here) for at, w_lp_here, _ in taken]
+    dy, (S_v, *S_psi) = start.in_omega(sum_of(B, k)), start.S_slopes
     load_1, friction_1 = sum_of(B[:4], powers[:4])
     load_2, friction_2 = sum_of(B[4:], powers[4:])
-    S = law.stress_in_v(y[1], w, y[2:], p)
-    S_v, S_psi = law.stress_slopes(y[1], w, y[2:], e, p)
-    d_omega = dot_onto(dy[1], start.shares, dy[2:])
-    load_work = w_lp * dy[0] + DRIFT * dw * y[0] + load_1 + load_2
-    gradient = w * dot_onto(S_v * d_omega, S_psi, dy[2:]) + S * (start.c * d_omega)
-    of_drift = times(DRIFT * h * w, law.strength_drift(y[1], w, y[2:], p))
+    load_work = w_lp * dy[0] + DRIFT * (h * ramp) * start.x + load_1 + load_2
+    gradient = start.w * dot_onto(S_v * dy[1], S_psi, dy[2:]) + start.S * (start.c * dy[1])
+    of_drift = times(DRIFT * h * start.w, start.N_drift)
     dissipation = total((gradient, *of_drift)) + friction_1 + friction_2
     return new, error, dense, h * load_work, h * dissipation

@@ -1,4 +1,4 @@
-"""One step of Rodas5P together with its derivative in some directions (variational equation).
+"""Steps of a return map: those of the state together with their derivative in some directions.
 
 A Rosenbrock method applied to y' = f(y), z' = J(y) z, with the exact Jacobian of both, is the
 derivative of the same method's step at fixed step size.  So the matrix is the one of `rodas5p`,
@@ -15,12 +15,29 @@ the logarithm of a volume of states grows.
 import functools
 
 from ..friction.expressions import LIMIT
-from ..friction.functions import where
-from ..friction.motion import product
-from ..friction.tuples import dot, dot_onto, minus_dot, plus_sum, sum_of, times, total
-from .equations import derived, exponentials, in_omega
-from .rodas5p import end_of_step, increment, next_point, prepare, solve_arrow
-from .tableau import NODES, A, B
+from ..friction.functions import larger, smaller, where
+from ..friction.motion import matrix_product
+from ..friction.tuples import (
+    dot,
+    dot_onto,
+    grouped,
+    largest,
+    minus_dot,
+    pairwise_sum,
+    plus,
+    plus_sum,
+    product,
+    select,
+    sum_of,
+    times,
+    total,
+)
+from . import lanes as L
+from . import rows as R
+from .rodas5p import A, Arrow, B, end_of_step, next_point, stages
+from .rows import load_each, read_rows, rows_of, store_each, write_rows
+from .taylor import ORDER, integrals, longest, powers, size, variational_coefficients
+from .taylor_lanes import momentum_of, record, step_lengths
 
 
 def right_hand_side(du, jacobian, k, rest, curvature, r, m):
@@ -37,7 +54,7 @@ def right_hand_side(du, jacobian, k, rest, curvature, r, m):
 
     du and k are of x, omega and psi.
     """
-    first, second = product(jacobian, du), product(curvature, k)
+    first, second = matrix_product(jacobian, du), matrix_product(curvature, k)
     scaled = r * rest[0], (m * r) * rest[1], *times(r, rest[2:])
     return tuple(a + b + c for a, b, c in zip(first, scaled, second, strict=True))
 
@@ -49,61 +66,114 @@ def trace_of(jacobian, shares, unit):
     return dot_onto(total(by_psi) + unit * of_v[1], shares, [row[1] for row in of_psi])
 
 
-def step_end(z, dk, held, S_v, S_psi, shares):
-    """The perturbation z at the end of the step: v's follows the others' where v is held."""
-    end = plus_sum(z, A[8], dk)
-    omega = minus_dot(end[0], S_psi, end[2:]) / S_v
-    return end[0], where(held, minus_dot(omega, shares, end[2:]), end[1]), *end[2:]
+def perturbation_at_end(new, held, z):
+    """A perturbation of the end of a step, where v's follows the others' if v is held."""
+    S_v, *S_psi = new.S_slopes
+    of_held = new.in_v((z[0], minus_dot(z[0], S_psi, z[2:]) / S_v, *z[2:]))
+    return z[0], where(held, of_held[1], z[1]), *z[2:]
 
 
-def step(y, w, e, z, w_lp, h, system):
-    """One step of size h from y = (x, v, psi), and of small perturbations z of it.
+def step(start, z, h):
+    """One step of size h, and of small perturbations z of its start; w_lp is 1.
 
     Parameters
     ----------
-    y, w, e : state, e**v and the law's exponentials at the start
+    start : the slider at the start, a `Point` with eta0 > 0
     z : perturbations (a tuple of tuples)
-    w_lp : speed of the load point, a constant
-    system : (law, kappa, eta0, p), eta0 > 0
 
     Returns
     -------
-    new : y, w and e at the end
+    new : the slider at the end
     z_new : the perturbations there
     error : estimated error of y (tuple)
     dense : what `rodas5p.dense_output` gives
     trace : integral of the trace of J
     """
-    law, kappa, eta0, p = system
-    start = prepare(y, w, e, h, system)
-    r, c_inverse = 1.0 / h, 1.0 / start.c
-    moves = where(law.log_of_faster(y[1], y[2:], p) > -LIMIT, 1.0, 0.0)
-    at_start = functools.partial(derived, y=y, w=w, e=e, law=law, p=p, moves=moves, kappa=kappa)
+    arrow, r = Arrow(start, h), 1.0 / h
+    moves = where(start.log_of_faster > -LIMIT, 1.0, 0.0)
+    at_start = functools.partial(start.derived, moves=moves, kappa=start.kappa)
     curvatures = [at_start("curvature", z=one, q=1.0, m=start.m) for one in z]
-    at: tuple = (w, c_inverse, e)
     k: tuple = ()
     dk: list[tuple] = [() for _ in z]
     traces: list = []
-    for _ in NODES:
-        u, c = next_point(y, k)
-        at = exponentials(u, law, p) if k else at
-        numbers = {"q": start.c * at[1], "m": start.m, "kappa": kappa}
-        jacobian = derived("jacobian", u, at[0], at[2], law, p, **numbers)
-        shares = law.shares(at[0], at[1], p)
-        k_new = increment(u, at, w_lp, times(r, c), (), system, start)
-        k_omega = in_omega(k_new, start.shares)
+    for at, _, k in stages(arrow, h, 1.0):
+        jacobian = at.derived("jacobian", q=start.c * at.c_inverse, m=start.m, kappa=start.kappa)
+        k_omega = start.in_omega(k[-1])
         for j, (one, curvature) in enumerate(zip(z, curvatures, strict=True)):
             du, rest = next_point(one, dk[j])
-            du = in_omega(du, shares)
+            du = at.in_omega(du)
             rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
-            dk[j] = *dk[j], solve_arrow(rows, start)
-        k, traces = (*k, k_new), [*traces, trace_of(jacobian, shares, 1.0 / start.m)]
-    new, held, error, dense = end_of_step(y, k, at, h, system)
-    S_v, S_psi = law.stress_slopes(new[0][1], new[1], new[0][2:], new[2], p)
-    shares = law.shares(new[1], 1.0 / law.speed_slope(new[1], new[2]), p)
-    z_new = tuple(
-        step_end(one, of_one, held, S_v, S_psi, shares) for one, of_one in zip(z, dk, strict=True)
-    )
+            dk[j] = *dk[j], arrow.solve(rows)
+        traces.append(trace_of(jacobian, at.shares, 1.0 / start.m))
+    new, held, error, dense = end_of_step(start, k, at, h)
+    ends = (plus_sum(one, A[8], of_one) for one, of_one in zip(z, dk, strict=True))
+    z_new = tuple(perturbation_at_end(new, held, one) for one in ends)
     # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
-    (gradient,) = at_start("change_of_trace", z=sum_of(B, k), q=moves * c_inverse / eta0, m=1.0)
+    q = moves * start.c_inverse / start.eta0
+    gradient = at_start("change_of_trace", z=sum_of(B, k), q=q, m=1.0)
     return new, z_new, error, dense, h * (gradient + dot(B, traces))
+
+
+# Loops over lanes
+
+
+def step_of_lane(s, l, law, h):
+    """What `step` gives for a step of size h from where the lane is."""
+    return step(L.read_point(s, l, law), load_each(s, rows_of(law).z, l), h)
+
+
+def try_step(s, l, law):
+    """Try one step of the lane by Rodas5P, perturbations included, and record its outcome."""
+    h = s[R.H + l]
+    new, z_new, error, dense, s[R.D_TRACE + l] = step_of_lane(s, l, law, h)
+    store_each(s, rows_of(law).z_new, l, z_new)
+    L.record(s, l, h, new, error, dense)
+
+
+def try_taylor_step(s, l, law):
+    """Take one step of the lane by the Taylor method, perturbations included."""
+    rows, start = rows_of(law), L.read_point(s, l, law)
+    y, z, momentum = start.y, load_each(s, rows.z, l), momentum_of(s, l)
+    c, c_z, trace = variational_coefficients(start, z)
+    lengths = step_lengths(s, l, c)
+
+    def largest_of_order(k):
+        """The largest size of a perturbation's coefficients, divided by that of itself."""
+        each = zip(grouped([one[k] for one in c_z], y), z, strict=True)
+        return functools.reduce(larger, (size(a, momentum) / size(b, momentum) for a, b in each))
+
+    by_z = longest(largest_of_order(ORDER), largest_of_order(ORDER - 1), s[R.TOLERANCE + l])
+    h = smaller(smaller(lengths[0], lengths[1]), by_z)
+    landing = s[R.LANDING_STEP + l]
+    h = where((landing > 0.0) & (landing < h), landing, h)
+    h_powers = powers(h)
+    dense = tuple(product(one, h_powers) for one in c_z)
+    store_each(s, rows.c_z, l, dense)
+    z_new = tuple(map(pairwise_sum, dense))
+    store_each(s, rows.z_new, l, grouped(z_new, y))
+    (mean_trace,) = integrals((trace,), h_powers)
+    s[R.D_TRACE + l] = h * mean_trace
+    record(s, l, start, h, h_powers, c, lengths, total(z_new) + mean_trace)
+
+
+def commit_lane(s, l, law):
+    """`lanes.commit_lane` for what a return map adds, once that is done.
+
+    A perturbation along the orbit is a shift in time.  It grows and shrinks with the speed of the
+    state, by twenty orders of magnitude in a stick-slip cycle, and would take all digits of the
+    rest: it is taken out after each step.
+    """
+    rows, ok, at = rows_of(law), s[R.OK + l] > 0.0, L.read_point(s, l, law)
+    by, unit = at.acceleration(1.0, at.is_balanced)
+    speeds = at.in_v((at.of_x(1.0), by / unit, *at.f))
+    pace = larger(largest(speeds), 1e-300)
+    direction = times(1.0 / pace, speeds)
+    share = 1.0 / dot(direction, direction)
+    z, z_new = load_each(s, rows.z, l), load_each(s, rows.z_new, l)
+    shifts = tuple(share * dot(one, direction) for one in z_new)
+    for of_one, one, new, along in zip(rows.z, z, z_new, shifts, strict=True):
+        write_rows(s, of_one, l, select(ok, plus(new, times(-along, direction)), one))
+    early = read_rows(s, rows.early, l)
+    write_rows(s, rows.early, l, select(ok, plus(early, times(1.0 / pace, shifts)), early))
+    s[R.TRACE + l] += where(ok, s[R.D_TRACE + l], 0.0)
+    s[R.SINCE + l] += s[R.OK + l]

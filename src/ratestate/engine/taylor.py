@@ -66,35 +66,35 @@ def variational_equations(law):
     return perturbations, everything, sum(diagonal, graph.number(0.0))
 
 
-def coefficients(law, y, w, e, w_lp, ramp, kappa, eta0, p):
+def coefficients(start, w_lp, ramp):
     """Taylor coefficients in T of x, v and each psi, and of the powers of `works`, lists of lists.
 
     Of the powers one less; arguments as of `rodas5p.step`, any kind of numbers.
     """
-    known = _known(law, y, w, e, (w_lp, ramp), kappa, eta0, p)
-    derivatives, powers = equations(law)
-    return expand(derivatives, powers, ORDER, known)
+    derivatives, powers = equations(start.law)
+    return expand(derivatives, powers, ORDER, _known(start, (w_lp, ramp)))
 
 
-def variational_coefficients(law, y, w, e, z, kappa, eta0, p):
+def variational_coefficients(start, z):
     """Taylor coefficients in T of x, v and psi, of each number of z in turn, and of the trace.
 
     Lists.  The load point is at V0.
 
     z : perturbations of the state
     """
-    known = _known(law, y, w, e, 1.0, kappa, eta0, p)
-    perturbations, derivatives, trace = variational_equations(law)
+    known, n = _known(start, 1.0), len(start.y)
+    perturbations, derivatives, trace = variational_equations(start.law)
     for symbols, one in zip(perturbations, z, strict=True):
         known |= zip(symbols, one, strict=True)
     found, (of_trace,) = expand(derivatives, [trace], ORDER, known)
-    return found[: len(y)], found[len(y) :], of_trace
+    return found[:n], found[n:], of_trace
 
 
-def _known(law, y, w, e, w_lp, kappa, eta0, p):
+def _known(start, w_lp):
     """Values of all symbols and exponentials of `equations`."""
-    numbers = {"x": y[0], "w_lp": w_lp, "kappa": kappa, "1/eta0": 1.0 / eta0}
-    return law.motion.known(y[1], w, y[2:], p, e, **numbers)
+    symbols = start.motion.symbols
+    numbers = {"x": start.x, "w_lp": w_lp, "kappa": start.kappa, "1/eta0": 1.0 / start.eta0}
+    return start.known | {symbols[name]: x for name, x in numbers.items()}
 
 
 def longest(last, before, tolerance):

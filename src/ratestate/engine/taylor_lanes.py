@@ -9,8 +9,7 @@ from ..friction.functions import larger, where
 from ..friction.tuples import largest, pairwise_sum, product, total
 from . import lanes as L
 from . import rows as R
-from .equations import exponentials
-from .rows import read_rows, rows_of, store_each, write_rows
+from .rows import rows_of, store_each
 from .taylor import ORDER, coefficients, integrals, longest, powers, size
 
 # Steps of either method are measured by the fastest rate of the equations.
@@ -27,18 +26,10 @@ CALM = 2.0
 FASTEST = 1e20
 
 
-def fastest_rate(y, w, e, frequency, system):
+def fastest_rate(at, frequency):
     """The fastest of these: how v relaxes, how each state does, how the slider vibrates."""
-    law, _, eta0, p = system
-    S_v, _ = law.stress_slopes(y[1], w, y[2:], e, p)
-    _, f_psi = law.rate_partials(y[1], w, y[2:], e, p)
-    return larger(larger(abs(S_v) / (eta0 * w), frequency), largest(f_psi))
-
-
-def last_sizes(c, momentum):
-    """Sizes of the last two of `coefficients`."""
-    last, before = ([one[k] for one in c] for k in (ORDER, ORDER - 1))
-    return size(last, momentum), size(before, momentum)
+    _, of_psi = at.f_slopes
+    return larger(larger(abs(at.S_slopes[0]) / (at.eta0 * at.w), frequency), largest(of_psi))
 
 
 def momentum_of(s, l):
@@ -46,30 +37,28 @@ def momentum_of(s, l):
     return s[R.ETA0 + l] * s[R.FREQUENCY + l] * s[R.W + l]
 
 
-def step_lengths(s, l, sizes):
-    """How long a step may be to be accurate, and to be stable, by its `last_sizes`."""
-    accurate = longest(sizes[0], sizes[1], s[R.TOLERANCE + l])
-    return accurate, STABLE / s[R.RATE + l]
+def step_lengths(s, l, c):
+    """How long a step may be to be accurate, by its last two `coefficients`, and to be stable."""
+    last, before = (size([one[k] for one in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
+    return longest(last, before, s[R.TOLERANCE + l]), STABLE / s[R.RATE + l]
 
 
-def record(s, l, law, h, h_powers, c, lengths, also):
+def record(s, l, start, h, h_powers, c, lengths, also):
     """Put the outcome of a step into its rows, and see whether the next is Rodas5P's.
 
-    h : its length; h_powers : `powers` of that; lengths : what `step_lengths` gave
+    start : a `Point`; h : the step's length; h_powers : `powers` of that
+    lengths : what `step_lengths` gave
     also : the sum of what else the step has found: not finite where any of that is not
     """
     accurate, stable = lengths
-    rows, system = rows_of(law), L.system_of(s, l, law)
     dense = tuple(product(one, h_powers) for one in c)
-    store_each(s, rows.c, l, dense)
-    y_new = tuple(map(pairwise_sum, dense))
-    w_new, _, e_new = exponentials(y_new, law, system[3])
-    write_rows(s, rows.y_new, l, y_new)
-    write_rows(s, rows.e_new, l, e_new)
-    s[R.W_NEW + l], s[R.H_USED + l] = w_new, h
-    ok = abs(total(y_new) + also) < 1e300
+    store_each(s, rows_of(start.law).c, l, dense)
+    end = start.at(tuple(map(pairwise_sum, dense)))
+    L.write_point(s, l, end, True)
+    s[R.H_USED + l] = h
+    ok = abs(total(end.y) + also) < 1e300
     fails = ok ^ True
-    rate = fastest_rate(y_new, w_new, e_new, s[R.FREQUENCY + l], system)
+    rate = fastest_rate(end, s[R.FREQUENCY + l])
     stable = where(ok, STABLE / rate, stable)
     # (if the step is taken back, to end at a crossing, a rate nearby will do for the shorter one)
     s[R.RATE + l] = rate
@@ -83,23 +72,20 @@ def record(s, l, law, h, h_powers, c, lengths, also):
 
 def try_step(s, l, law):
     """Take one step of the lane by the Taylor method."""
-    rows, system = rows_of(law), L.system_of(s, l, law)
-    y, e, w = read_rows(s, rows.y, l), read_rows(s, rows.e, l), s[R.W + l]
-    c, rates_of_work = coefficients(law, y, w, e, s[R.W_LP + l], s[R.RAMP + l], *system[1:])
-    lengths = step_lengths(s, l, last_sizes(c, momentum_of(s, l)))
+    start = L.read_point(s, l, law)
+    c, rates_of_work = coefficients(start, s[R.W_LP + l], s[R.RAMP + l])
+    lengths = step_lengths(s, l, c)
     h = where(lengths[0] < lengths[1], lengths[0], lengths[1])
     h = L.step_size(h, s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     h_powers = powers(h)
     load, friction = integrals(rates_of_work, h_powers)
     s[R.D_LOAD + l], s[R.D_FRICTION + l] = h * load, h * friction
-    record(s, l, law, h, h_powers, c, lengths, load + friction)
+    record(s, l, start, h, h_powers, c, lengths, load + friction)
 
 
 def find_calm(s, l, law):
     """Set CHANGES: whether, after a step of Rodas5P, the next one is not too long for Taylor's."""
-    rows, system = rows_of(law), L.system_of(s, l, law)
-    y, e = read_rows(s, rows.y_new, l), read_rows(s, rows.e_new, l)
-    rate = fastest_rate(y, s[R.W_NEW + l], e, s[R.FREQUENCY + l], system)
+    rate = fastest_rate(L.read_point(s, l, law, True), s[R.FREQUENCY + l])
     s[R.RATE + l] = rate
     calm = (s[R.H_NEXT + l] * rate < CALM) & (rate < FASTEST) & (rate > 1.0 / FASTEST)
     s[R.CHANGES + l] = where(calm & (s[R.OK + l] > 0.0), 1.0, 0.0)

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from ..friction.functions import larger, smaller, sqrt, where
-from ..friction.tuples import dot, dot_onto, grouped, minus_dot, plus, times, total
-from . import lanes, return_lanes, rigid, taylor_lanes, waveform
+from ..friction.functions import expm1, larger, smaller, sqrt, where
+from ..friction.tuples import dot, grouped, plus, times, total
+from . import lanes, rigid, tangent, taylor_lanes, waveform
 from . import rows as R
-from .equations import exponentials, force_slopes, forces, in_omega, inertial_force
 from .model import NOT_FINITE, RUNAWAY, SLAVED
 from .rows import FOUND, load_each, read_rows, rows_of, write_rows
 from .taylor import has_recurrences
@@ -42,19 +41,11 @@ ReturnUnits = namedtuple(
 
 def note(s, l, law):
     """Let exponentials and extremes of V, |g|, f and x + N be those of the lane's state too."""
-    rows = rows_of(law)
-    y, p = read_rows(s, rows.y, l), read_rows(s, rows.p, l)
-    w, _, e = exponentials(y, law, p)
-    s[R.W + l] = w
-    write_rows(s, rows.e, l, e)
-    speed = law.order_of_speed(y[1], w)
-    s[R.V_HIGH + l] = larger(s[R.V_HIGH + l], speed)
-    s[R.V_LOW + l] = smaller(s[R.V_LOW + l], speed)
-    s[R.F_LOW + l] = smaller(s[R.F_LOW + l], law.resistance_in_v(y[1], w, y[2:], p))
-    strength = law.strength_in_v(y[1], w, y[2:], p)
-    s[R.XF_LOW + l] = smaller(s[R.XF_LOW + l], y[0] + strength)
-    force = y[0] - law.stress_in_v(y[1], w, y[2:], p)
-    s[R.G_HIGH + l] = larger(s[R.G_HIGH + l], abs(force))
+    at = lanes.read_point(s, l, law)
+    at = at.at(at.y)
+    lanes.write_point(s, l, at)
+    for row, x in lanes.extremes(s, l, at).items():
+        s[row + l] = x
     return ()
 
 
@@ -68,12 +59,9 @@ def begin(s, l, law):
 
 def first_step(s, l, law):
     """Set the lane's next step: small beside the time in which the state, or the load, changes."""
-    rows, w, w_lp = rows_of(law), s[R.W + l], s[R.W_LP + l]
-    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
-    f_psi = law.rates_in_v(y[1], w, y[2:], e, p)
-    fastest = abs(s[R.KAPPA + l] * (w_lp - w)) + total(map(abs, f_psi))
-    fastest = fastest + law.speed_slope(w, e) + abs(w_lp)
-    fastest = fastest + total(map(abs, law.strength_drift(y[1], w, y[2:], p)))
+    at, w_lp = lanes.read_point(s, l, law), s[R.W_LP + l]
+    fastest = abs(at.of_x(w_lp)) + total(map(abs, at.f)) + at.c + abs(w_lp)
+    fastest = fastest + total(map(abs, at.N_drift))
     h = 0.1 * sqrt(sqrt(s[R.TOLERANCE + l])) / fastest
     s[R.H + l], s[R.MEMORY + l] = smaller(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
     return ()
@@ -84,13 +72,10 @@ def force(s, l, law, at, *given):
 
     given : four parts, x, v, psi... there, and their derivatives by the place
     """
-    n = 2 + len(law.states)
-    parts, y, dy, h = given[:4], given[4 : 4 + n], given[4 + n : 4 + 2 * n], s[R.H_USED + l]
-    p = law.later(read_rows(s, rows_of(law).p, l), at * h)
-    w, c_inverse, e = exponentials(y, law, p)
-    change = in_omega(dy, law.shares(w, c_inverse, p))
-    slopes = force_slopes(y, w, e, change, h, law, p)
-    return dot(parts, forces(y, w, law, p)), dot(parts, slopes)
+    n, h = 2 + len(law.states), s[R.H_USED + l]
+    parts, y, dy = given[:4], given[4 : 4 + n], given[4 + n : 4 + 2 * n]
+    here = lanes.read_point(s, l, law).at(y, at * h)
+    return dot(parts, here.forces), dot(parts, here.changes_of_forces(here.in_omega(dy), h))
 
 
 def speed(s, l, law, w_lp, *given):
@@ -99,10 +84,9 @@ def speed(s, l, law, w_lp, *given):
     given : x, v, psi... there, and their derivatives by the place
     """
     n = 2 + len(law.states)
-    y, dy, p = given[:n], given[n : 2 * n], read_rows(s, rows_of(law).p, l)
-    w, c_inverse, e = exponentials(y, law, p)
-    _, d_omega, *_ = in_omega(dy, law.shares(w, c_inverse, p))
-    return w, law.speed_slope(w, e) * d_omega, y[1] - law.v_at(w_lp, y[2:], p)
+    at = lanes.read_point(s, l, law).at(given[:n])
+    _, d_omega, *_ = at.in_omega(given[n : 2 * n])
+    return at.w, at.c * d_omega, at.v - law.v_at(w_lp, at.psi, at.p)
 
 
 def outrun(s, l, law):
@@ -110,22 +94,21 @@ def outrun(s, l, law):
 
     Its status is then RUNAWAY or, where it is lost, NOT_FINITE.
     """
-    rows = rows_of(law)
-    y, p = read_rows(s, rows.y_new, l), read_rows(s, rows.p, l)
-    v, kappa = law.log_of_faster(y[1], y[2:], p), law.stiffness(s[R.KAPPA + l], p)
-    w, e = s[R.W_NEW + l], read_rows(s, rows.e_new, l)
-    away = law.runs_away(v, y[2:], kappa, p) | law.outruns_spring(v, w, y[2:], e, kappa, p)
-    lost = where(law.is_lost(v, p), float(NOT_FINITE), s[R.STATUS + l])
+    at = lanes.read_point(s, l, law, True)
+    v, kappa = at.log_of_faster, law.stiffness(at.kappa, at.p)
+    away = law.runs_away(v, at.psi, kappa, at.p) | law.outruns_spring(at, v, kappa)
+    lost = where(law.is_lost(v, at.p), float(NOT_FINITE), s[R.STATUS + l])
     s[R.STATUS + l] = where(away, float(RUNAWAY), lost)
     return ()
 
 
 def orders(s, l, law):
-    """v of the largest and of the smallest speed so far."""
-    rows = rows_of(law)
-    psi, p = read_rows(s, rows.y[2:], l), read_rows(s, rows.p, l)
-    high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
-    return law.v_of_order(high, psi, p), law.v_of_order(low, psi, p)
+    """v, at psi = 0 if slip may reverse, of the largest and of the smallest speed so far."""
+    found, psi = (s[R.V_HIGH + l], s[R.V_LOW + l]), law.reference_state
+    if not law.reverses:
+        return found
+    p = read_rows(s, rows_of(law).p, l)
+    return tuple(law.v_at(one, psi, p) for one in found)
 
 
 # Of varying normal stress
@@ -141,90 +124,74 @@ def enter_stress(s, l, law, start, rate):
 
 
 def jump(s, l, law, rise):
-    """Change psi as a jump of ln sigma by `rise` does; v of the same speed."""
-    rows, w = rows_of(law), s[R.W + l]
-    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
-    psi = law.after_jump(y[1], w, y[2:], e, p, rise)
-    write_rows(s, rows.y[2:], l, psi)
-    return (law.v_at(w, psi, p) if law.reverses else y[1],)
+    """Let psi be where ln s has risen by `rise` at once, at constant V; v of the same speed.
+
+    R changes in proportion to the jumps of psi, which it makes larger or smaller.
+    """
+    at = lanes.read_point(s, l, law)
+    growth = rise * at.jump_growth
+    grows = abs(growth) > 0.0
+    effective = rise * where(grows, expm1(growth) / where(grows, growth, 1.0), 1.0)
+    psi = plus(at.psi, times(effective, at.jumps))
+    write_rows(s, rows_of(law).y[2:], l, psi)
+    return (law.v_at(at.w, psi, at.p) if law.reverses else at.v,)
 
 
 def pull(s, l, law, v):
     """x - S at another v, the logarithm of that speed, and 1 where it would run away."""
-    rows = rows_of(law)
-    x, _, *psi = read_rows(s, rows.y, l)
-    p = read_rows(s, rows.p, l)
-    w, _, _ = exponentials((x, v, *psi), law, p)
-    log_w = law.log_of_faster(v, tuple(psi), p)
-    away = law.runs_away(log_w, tuple(psi), law.stiffness(s[R.KAPPA + l], p), p)
-    return x - law.stress_in_v(v, w, tuple(psi), p), log_w, where(away, 1.0, 0.0)
+    at = lanes.read_point(s, l, law)
+    at = at.at((at.x, v, *at.psi))
+    kappa = law.stiffness(at.kappa, at.p)
+    away = law.runs_away(at.log_of_faster, at.psi, kappa, at.p)
+    return at.g, at.log_of_faster, where(away, 1.0, 0.0)
 
 
-# Of a return map
+# Of a return map, whose load point moves at a speed of 1
 
 
-def rates(s, l, law, y, w, e):
-    """dx/dT, dv/dT and dpsi/dT, a tuple, if the load point's speed is 1."""
-    _, kappa, eta, p = lanes.system_of(s, l, law)
-    f_x = kappa * (1.0 - w)
-    f_psi = law.rates_in_v(y[1], w, y[2:], e, p)
-    g, S_v, S_psi = inertial_force(y, w, e, law, p)
-    c = law.speed_slope(w, e)
-    slaved = (eta <= 0.0) | (larger(eta, abs(g)) < SLAVED * sqrt(abs(S_v) / c))
-    f_omega = where(slaved, (f_x - dot(S_psi, f_psi)) / S_v, g / (eta * c))
-    return f_x, minus_dot(f_omega, law.shares(w, 1.0 / c, p), f_psi), *f_psi
+def d_omega(at):
+    """d omega/dT, without inertia where G is better known so (`model.SLAVED`)."""
+    by_omega, size = abs(at.S_slopes[0]), larger(at.eta0, abs(at.g))
+    by, unit = at.acceleration(1.0, (at.eta0 <= 0.0) | (size < SLAVED * sqrt(by_omega / at.c)))
+    return by / unit
 
 
 def land(s, l, law):
     """Move the end of a step that was cut at a crossing onto the section."""
-    rows = rows_of(law)
-    y = read_rows(s, rows.y_new, l)
-    e, p = read_rows(s, rows.e_new, l), read_rows(s, rows.p, l)
-    f_x, *others = rates(s, l, law, y, s[R.W_NEW + l], e)
-    shares = law.shares(s[R.W_NEW + l], 1.0 / law.speed_slope(s[R.W_NEW + l], e), p)
-    omega = dot_onto(others[0], shares, others[1:])
-    dt = -(y[1] - law.v_at(1.0, y[2:], p)) / omega
-    psi = plus(y[2:], times(dt, others[1:]))
+    at = lanes.read_point(s, l, law, True)
+    dt = -(at.v - law.v_at(1.0, at.psi, at.p)) / d_omega(at)
+    psi = plus(at.psi, times(dt, at.f))
     # (dx/dT vanishes at the section)
-    end = (y[0] + 0.5 * f_x * dt, law.v_at(1.0, psi, p), *psi)
-    write_rows(s, rows.y_new, l, end)
-    _, _, e = exponentials(end, law, p)
-    s[R.W_NEW + l] = 1.0
-    write_rows(s, rows.e_new, l, e)
-    s[R.H_USED + l] = s[R.H_USED + l] + dt
+    end = at.at((at.x + 0.5 * at.of_x(1.0) * dt, law.v_at(1.0, psi, at.p), *psi))
+    lanes.write_point(s, l, end, True)
+    s[R.W_NEW + l], s[R.H_USED + l] = 1.0, s[R.H_USED + l] + dt
     return ()
 
 
-def order_slopes(law, y, w, e, z, p):
-    """How perturbations z change the speed, as of `v_of_order`."""
-    shares = law.shares(w, 1.0 / law.speed_slope(w, e), p)
-    return times(law.order_slope(w, y[2:], e, p), return_lanes.changes_of_speed(z, shares))
+def changes_of_order(at, z):
+    """How perturbations z change v at psi = 0 and the speed of a point, a tuple."""
+    return times(at.order_slope, tuple(at.in_omega(one)[1] for one in z))
 
 
 def perturbed(s, l, law, at):
-    """`order_slopes` at a place in the lane's step, by a step of Rodas5P that ends there."""
-    (y, w, e), z, _, _, _ = return_lanes.step_of_lane(s, l, law, at * s[R.H_USED + l])
-    return order_slopes(law, y, w, e, z, read_rows(s, rows_of(law).p, l))
+    """`changes_of_order` at a place in the step, by a step of Rodas5P that ends there."""
+    end, z, _, _, _ = tangent.step_of_lane(s, l, law, at * s[R.H_USED + l])
+    return changes_of_order(end, z)
 
 
 def perturbed_taylor(s, l, law, *given):
-    """`order_slopes`; given : x, v, psi... and the numbers of each perturbation there."""
-    n, p = 2 + len(law.states), read_rows(s, rows_of(law).p, l)
-    y, z = given[:n], grouped(given[n : n * n], given[:n])
-    w, _, e = exponentials(y, law, p)
-    return order_slopes(law, y, w, e, z, p)
+    """`changes_of_order`; given : x, v, psi... and the numbers of each perturbation there."""
+    n = 2 + len(law.states)
+    at = lanes.read_point(s, l, law).at(given[:n])
+    return changes_of_order(at, grouped(given[n : n * n], given[:n]))
 
 
 def outcome(s, l, law):
     """G; v of the largest and of the smallest speed; shifts to the section; d psi/dT."""
-    rows = rows_of(law)
-    y, e, p = read_rows(s, rows.y, l), read_rows(s, rows.e, l), read_rows(s, rows.p, l)
-    speeds = rates(s, l, law, y, s[R.W + l], e)
-    c = law.speed_slope(s[R.W + l], e)
-    shares = law.shares(s[R.W + l], 1.0 / c, p)
-    omega = dot_onto(speeds[1], shares, speeds[2:])
-    changes = return_lanes.changes_of_speed(load_each(s, rows.z, l), shares)
-    return omega * c, *orders(s, l, law), *times(1.0 / omega, changes), *speeds[2:]
+    at = lanes.read_point(s, l, law)
+    omega = d_omega(at)
+    changes = tuple(at.in_omega(z)[1] for z in load_each(s, rows_of(law).z, l))
+    return omega * at.c, *orders(s, l, law), *times(1.0 / omega, changes), *at.f
 
 
 # Without a spring
@@ -232,9 +199,8 @@ def outcome(s, l, law):
 
 def settle(s, l, law):
     """Let the lane's x and v be those at its load point's speed, and `note` them."""
-    rows = rows_of(law)
-    y, _, _, _ = rigid.point(s, l, law, 0.0, read_rows(s, rows.y[2:], l))
-    write_rows(s, rows.y, l, y)
+    at = rigid.point(s, l, law, 0.0, read_rows(s, rows_of(law).y[2:], l))
+    lanes.write_point(s, l, at)
     return note(s, l, law)
 
 
@@ -244,8 +210,8 @@ def lane_units(law, kind):
     kind : the class of the units
     """
     returns, events = kind is ReturnUnits, rigid if kind is RigidUnits else lanes
-    step = return_lanes.try_step if returns else events.try_step
-    taylor_step = return_lanes.try_taylor_step if returns else taylor_lanes.try_step
+    step = tangent.try_step if returns else events.try_step
+    taylor_step = tangent.try_taylor_step if returns else taylor_lanes.try_step
     has_taylor = has_recurrences(law) and kind is not RigidUnits
 
     def control(s, l, law):
@@ -254,7 +220,7 @@ def lane_units(law, kind):
         if has_taylor:
             taylor_lanes.find_calm(s, l, law)
 
-    of_return = [return_lanes.commit_lane] if returns else []
+    of_return = [tangent.commit_lane] if returns else []
     slow = [waveform.find_slow] if returns else []
     found = {"step": [step, control, *slow], "commit": [lanes.commit_lane, *of_return]}
     if has_taylor:

@@ -1,8 +1,8 @@
 """Friction laws, and the stability of steady sliding.
 
 ==================== ============================================================================
-``law``              what a friction law is: a formula
-``law_properties``   what follows from the formula: kind of law, steady sliding
+``law_formula``      what a friction law states: names, parameters, a formula
+``law``              what follows from the formula: kind of law, steady sliding
 ``built_in_laws``    the built-in laws of friction
 ``laws``             laws by their names
 ``forms``            forms of friction beside that of eq. 1
@@ -14,8 +14,8 @@
 ``taylor``           Taylor coefficients of expressions
 ``functions``        what exp, log and others mean to numbers of any kind; their derivatives
 ``tuples``           arithmetic on tuples of these numbers
-``kinematics``       slip rate as a function of the solver's variables
 ``motion``           the equations of motion and their derivatives, as expressions
+``point``            their values at a point, and how fast a slider slips there
 ``composition``      combine a law with a form of friction, damping and varying normal stress
 ``steady_state``     steady sliding by root finding
 ``linear_stability`` stability of steady sliding under any law, and its response

@@ -7,7 +7,8 @@ time at V >> V_lp.  They say when y, and so V, can only grow.
 from types import MappingProxyType
 
 from .functions import exp, expm1, log, sinh, sqrt, where
-from .law import FrictionLaw, Parameter
+from .law import FrictionLaw
+from .law_formula import Parameter
 
 
 class SlipLaw(FrictionLaw):

@@ -21,12 +21,11 @@ from types import MappingProxyType
 from typing import Any
 
 from ..errors import ParameterError
-from .expressions import LIMIT
 from .forms import FORMS, form_name
-from .functions import cosine, expm1, sine, where
-from .law import LOG, FrictionLaw, Parameter
+from .functions import cosine, sine
+from .law import FrictionLaw
+from .law_formula import LOG, Parameter
 from .laws import friction_law
-from .tuples import dot, plus, times
 
 #: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
 EXTRAS = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
@@ -35,8 +34,9 @@ JOINT = "+"
 DAMPED = "damping"
 VARYING = "varying-sigma"
 #: places, from the end of p, of a history: base, its rate, amplitude, frequency and phase [periods]
-#: of a sinusoid on it; then s, ds/dT and d2s/dT2, to which the base, a straight line, adds nothing
-BASE, RATE, AMPLITUDE, FREQUENCY, PHASE, S, DS, DDS = range(-8, 0)
+#: of a sinusoid on it, and s; then ds/dT and d2s/dT2, to which the base, a straight line, adds
+#: nothing
+BASE, RATE, AMPLITUDE, FREQUENCY, PHASE, S = range(-8, -2)
 
 
 class Damped(FrictionLaw):
@@ -48,28 +48,6 @@ class Damped(FrictionLaw):
     """
 
     OWN = EXTRAS
-    # what is known of a law of one length is without a dashpot
-    one_length, series, has_own_speed = False, None, True
-    inner: FrictionLaw  # the law without the dashpot
-
-    def coefficients(self, V_ref, slider):
-        """Those of the law without the dashpot, and zeta."""
-        import numpy as np
-
-        with np.errstate(over="ignore"):  # at speeds at which V_c is sought
-            zeta = slider.damping * V_ref / (slider.a * slider.sigma)
-        return (*self.inner.coefficients(V_ref, slider), zeta)
-
-    def _zeta(self, p):
-        return p[self.places[DAMPED]]
-
-    def stress_of(self, N, w, p):
-        """N + zeta w."""
-        return N + self._zeta(p) * w
-
-    def runs_away(self, v, psi, kappa, p):
-        """Never, at any speed the dashpot holds what friction does not; unless it is none."""
-        return (self._zeta(p) <= 0.0) & (v > LIMIT)
 
 
 class Varying(FrictionLaw):
@@ -95,45 +73,9 @@ class Varying(FrictionLaw):
         history = 1.0, 0.0, amplitude, frequency, 0.0, 1.0, 0.0, 0.0
         return (*of_law, mu_ref / slider.a, *at_mu_ref, *by_R, *history)
 
-    def strength_of(self, R, p):
-        """N = s R + (s - 1) mu_ref/a."""
-        return p[S] * R + (p[S] - 1.0) * p[self.places[VARYING]]
-
-    def _jumps(self, R, p):
-        """d psi_k/d ln s of each state, a tuple."""
-        return plus(self._h(0, p), times(R, self._h(1, p)))
-
-    def _h(self, k, p):
-        n, start = len(self.states), self.places[VARYING] + 1
-        return p[start + k * n : start + (k + 1) * n]
-
-    def rates_of(self, rates, R, growth, p):
-        """d psi/dT: the law's, and what normal stress adds."""
-        return plus(rates, times(growth, self._jumps(R, p)))
-
-    def growth(self, p):
-        """d ln s/dT."""
-        return p[DS] / p[S]
-
-    def after_jump(self, v, w, psi, e, p, rise):
-        """psi where ln s has risen by `rise` at once, at constant V, from which v then follows.
-
-        R changes in proportion to the jumps, which it makes larger or smaller.
-        """
-        _, *by_psi = self.motion("resistance_slopes", v, w, psi, p, e)
-        growth = rise * dot(by_psi, self._h(1, p))
-        grows = abs(growth) > 0.0
-        effective = rise * where(grows, expm1(growth) / where(grows, growth, 1.0), 1.0)
-        jumps = self._jumps(self.resistance_in_v(v, w, psi, p), p)
-        return plus(psi, times(effective, jumps))
-
     def history(self, p):
         """Those of p that belong to the history."""
         return p[BASE:]
-
-    def rates_in_time(self, growth, p):
-        """s and `growth`, expressions, -> their derivatives in T."""
-        return {p[S]: p[DS], growth: p[DDS] / p[S] - growth * growth}
 
     def later(self, p, dT):
         """p at a time dT later in the same segment."""
@@ -217,7 +159,6 @@ def _with(law, part):
     made.name, made.label = f"{law.name}{JOINT}{part}", law.label
     made.parameters = {**law.parameters, **changes.OWN}
     made.inner, made.part = law, part
-    made.places = {**law.places, part: law.n_coefficients}
     return made
 
 

@@ -15,10 +15,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .expressions import FormulaError, Graph, ordered
+from .expressions import LIMIT, FormulaError, Graph, ordered
 from .functions import exp
-from .law_properties import EXAMPLE
-from .rewriting import Derivative, Hoisting, source_of, times_each, values_of
+from .rewriting import Hoisting, source_of, times_each, values_of
 
 #: parameters of every slider that are > 0
 POSITIVE = ("a", "Dc", "V0")
@@ -26,6 +25,8 @@ POSITIVE = ("a", "Dc", "V0")
 
 class Equations:
     """d psi_k/dT and resistance R = (mu - mu_ref)/a as expressions in v and psi.
+
+    law : whose formulas these are; names : symbols of the parameters that they are given
 
     Attributes
     ----------
@@ -39,16 +40,16 @@ class Equations:
     named : name -> another constant expression, what the law's `constants` gives
     constants : symbol -> constant expression in parameters and V_ref: the coefficients
     friction_at_reference : mu_ref, such an expression: mu at V_ref and theta_k = D_k/V_ref
-    slopes, bends : derivatives of R by v and each psi; those of each by v and each psi
-    rate_slopes : derivatives of each rate by v; of each by its own psi
+    zeta : damping V_ref/(a sigma), if there is damping; else None
     """
 
-    def __init__(self, law):
+    def __init__(self, law, names):
         graph = Graph()
         positive = {*POSITIVE, *(x for x, one in law.parameters.items() if one.bound == "> 0")}
-        names = (*EXAMPLE, *law.parameters)
         symbols = {x: graph.symbol(("p", x), is_positive=x in positive) for x in names}
         symbols["V_ref"] = V_ref = graph.symbol("V_ref", is_positive=True)
+        if "damping" in symbols:
+            symbols["sigma"] = graph.symbol("sigma", is_positive=True)
         v = graph.symbol("v", is_constant=False)
         psi = [graph.symbol(("psi", k), is_constant=False) for k in range(len(law.states))]
         kappa = graph.symbol("kappa", is_constant=False)
@@ -80,7 +81,12 @@ class Equations:
         self.named = {name: [hoisting(graph.number(one))] for name, one in of_law.items()}
         self.v, self.kappa, *self.psi = map(hoisting, (v, kappa, *psi))
         self.w = hoisting(exp(v))
-        away = law.runaway(v, tuple(psi), kappa, p)
+        if "damping" in symbols:
+            zeta = p.damping * V_ref / (p.a * symbols["sigma"])
+            self.zeta = hoisting(zeta)
+            away = (zeta <= 0.0) & (v > LIMIT)  # the dashpot holds what friction does not
+        else:
+            self.zeta, away = None, law.runaway(v, tuple(psi), kappa, p)
         self.runs_away = None if away is None else [hoisting(away)]
         self.log_theta = self.variables = None
         if any(one is not other for one, other in zip(logs, psi, strict=True)):
@@ -92,12 +98,6 @@ class Equations:
             if one.kind == "exp" and not one.is_constant and one is not self.w
         ]
         self.exponents = [one.parts[0] for one in self.exponentials]
-        # Now, and not when they are asked for: sums are in the order in which terms were made.
-        y, (R,) = (self.v, *self.psi), self.resistance
-        self.slopes = [self.derivative(R, symbol) for symbol in y]
-        self.rate_slopes = [self.derivative(rate, self.v) for rate in self.rates]
-        self.rate_slopes += map(self.derivative, self.rates, self.psi)
-        self.bends = [self.derivative(slope, symbol) for slope in self.slopes for symbol in y]
 
     def coefficients(self, V_ref, values):
         """The numbers p that stand for what is constant, a tuple.
@@ -131,27 +131,10 @@ class Equations:
         found = {*ordered(self.constants.values())}
         return {name for name, one in self._parameters.items() if one in found}
 
-    def derivative(self, x, *by):
-        """The derivative of an expression by `v` or one of `psi`, by several in turn."""
-        return functools.reduce(lambda one, symbol: self._derivatives[symbol](one), by, x)
-
-    @functools.cached_property
-    def _derivatives(self):
-        one = self.graph.number(1.0)
-        return {x: Derivative(self.graph, {x: one}) for x in (self.v, *self.psi)}
-
-    def values(self, expressions, v, w, psi, p, e=None, kappa=None):
-        """Values of expressions where v, w, psi (a tuple), p and exponentials are these, a list.
-
-        w, e : None if they are to be computed from v and psi
-        """
-        known = {self.v: v, self.kappa: kappa, **dict(zip(self.psi, psi, strict=True))}
-        known |= zip(self.constants, p, strict=False)
-        if w is not None:
-            known[self.w] = w
-        if e is not None:
-            known |= zip(self.exponentials, e, strict=True)
-        return values_of(expressions, known)
+    def values(self, expressions, v, psi, p, kappa=None):
+        """Values of expressions where v, psi (a tuple) and p are these, a list."""
+        known = {self.v: v, self.kappa: kappa, **dict(zip(self.psi, psi, strict=False))}
+        return values_of(expressions, known | dict(zip(self.constants, p, strict=False)))
 
 
 def _returned(graph, found, law):

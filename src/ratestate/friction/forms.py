@@ -11,9 +11,20 @@ from typing import Any
 
 from ..errors import ParameterError
 from .expressions import LIMIT
-from .functions import asinh, exp, larger, log, smaller, softplus, where
-from .kinematics import Reversing
-from .law import LOG, FrictionLaw, Parameter, eq_1
+from .functions import (
+    asinh,
+    asinh_of,
+    bounded_exp,
+    exp,
+    larger,
+    log,
+    smaller,
+    softplus,
+    tanh,
+    where,
+)
+from .law import FrictionLaw
+from .law_formula import LOG, Parameter, eq_1
 from .tuples import dot
 
 # ln(V/V1) up to which double precision tells V from friction, there to 1e-5: by the slope e**-20.
@@ -34,8 +45,6 @@ class CutOff(FrictionLaw):
             "V2": Parameter("m/s", "cut-off speed of the state", "> 0", "'1 m/s'"),
         }
     )
-    # what is known of a law of one length is under eq. 1
-    one_length, series = False, None
 
     def mu(self, V, theta, ages, p, effects):
         """From the theta_k/D_k and the b_k."""
@@ -51,15 +60,14 @@ class CutOff(FrictionLaw):
         """Where the spring pulls harder than friction at all speeds, as when sigma falls."""
         return v > LIMIT
 
-    def without_rounding(self, error, y, w, e, p, inertia, rounding, size, allowed):
+    def without_rounding(self, at, error, inertia, rounding, size, allowed):
         """Force tells v by the direct effect, by damping, and by inertia in the step.
 
         It is rounded to parts of the numbers it is a sum of, and of 1, as `softplus` is.
         """
-        by_v, _ = self.stress_slopes(y[1], w, y[2:], e, p)
-        effects = self.evolution_effects(p)
-        offset = softplus(self.constant("v1", p)) - sum(effects) * softplus(self.constant("v2", p))
-        slope = larger(by_v + inertia * w, LEAST_SLOPE)
+        v1, v2 = self.constant("v1", at.p), self.constant("v2", at.p)
+        offset = softplus(v1) - sum(self.evolution_effects(at.p)) * softplus(v2)
+        slope = larger(at.S_slopes[0] + inertia * at.w, LEAST_SLOPE)
         part = allowed * slope / (rounding * (1.0 + size + abs(offset)))
         return error * where(part < 1.0, part, 1.0)
 
@@ -73,17 +81,16 @@ class CutOff(FrictionLaw):
         """Where friction does not tell V."""
         return v > self.constant("v1", p) + RESOLVED
 
-    def outruns_spring(self, v, w, psi, e, kappa, p):
+    def outruns_spring(self, at, v, kappa):
         """Whether -sum_k b_k dpsi_k/dD > kappa, with slip D and the b_k left at these ages.
 
         Where V >> V1, d(1/w)/dD = (kappa + sum_k b_k dpsi_k/dD)/w1, w1 = V1/V_ref: 1/w falls
         to 0 within a slip of w1/w [Dc], in which neither the states nor sigma change.
         """
-        _, left = self.resistance_partials(v, w, psi, p)
-        return -dot(left, self.rates(v, w, psi, e, p)) > kappa * w
+        return -dot(at.R_slopes[1:], at.f) > kappa * at.w
 
 
-class Regularized(Reversing, FrictionLaw):
+class Regularized(FrictionLaw):
     """mu = a asinh(V/(2 V0) exp((mu0 + b ln(V0 theta/Dc))/a)), and of a second state likewise.
 
     It is eq. 1 where that is well above a.  mu_ref is 0, so that friction and stress keep their
@@ -94,8 +101,8 @@ class Regularized(Reversing, FrictionLaw):
     """
 
     OWN: Mapping[str, Parameter] = MappingProxyType({})
-    # what is known of a law of one length is under eq. 1
-    one_length, series = False, None
+    reverses = True
+    one_length = False  # (what is known of such a law is under eq. 1)
 
     def mu(self, V, theta, ages, p, effects):
         """From the theta_k/D_k and the b_k."""
@@ -113,8 +120,31 @@ class Regularized(Reversing, FrictionLaw):
         return {"barrier": states / p.a - log(p.V0 / p.V_ref)}
 
     def barrier(self, psi, p):
-        """Theta."""
+        """Theta (point.py)."""
         return self.constant("barrier", p) + dot(self.evolution_effects(p), psi)
+
+    def net_speed(self, v, psi, p):
+        """w, 1/c, and c in a tuple."""
+        t = tanh(v)
+        c = bounded_exp(self.log_of_faster(v, psi, p)) * (2.0 / (1.0 + abs(t)))
+        return c * t, 1.0 / c, (c,)
+
+    def log_of_faster(self, v, psi, p):
+        """ln of the rate of forward or of backward jumps, whichever is larger."""
+        return abs(v) - self.barrier(psi, p)
+
+    def v_at(self, w, psi, p):
+        """v at the speed w, of arrays too."""
+        return asinh_of(w, self.barrier(psi, p))
+
+    def speed(self, v, psi, p):
+        """w, but where the engine's saturates far up."""
+        import numpy as np
+
+        t = np.tanh(v)
+        with np.errstate(over="ignore"):
+            jumps = np.exp(np.maximum(self.log_of_faster(v, psi, p), -LIMIT))
+            return jumps * (2.0 / (1.0 + np.abs(t))) * t
 
 
 #: name of a form -> its class, but for that of eq. 1; OWN are its parameters

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import ParameterError
 from .laws import friction_law, of_one_length
+from .point import Point
 
 
 def friction(V, theta, *, a, b, mu0, V0, Dc):
@@ -91,8 +92,7 @@ def dtheta_dt(V, theta, *, Dc, law):
     omega = V * theta / Dc
     # Omega ln(Omega) -> 0 with Omega: the smallest float stands in for 0 under the logarithm
     v = np.log(np.maximum(omega, 5e-324))
-    found, psi = _one_length(law), (0.0,)
-    return found.rates(v, omega, psi, found.exponentials(v, omega, psi, ()), ())[0]
+    return Point(_one_length(law), (), (None, v, 0.0), omega).f[0]
 
 
 def dtheta_dt_partials(V, theta, *, Dc, law):
@@ -123,8 +123,7 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
         Unknown law, or one with other parameters than Dc.
     """
     omega = V * theta / Dc
-    found, psi = _one_length(law), (np.log(omega),)
-    (slope,), _ = found.rate_partials(0.0, 1.0, psi, found.exponentials(0.0, 1.0, psi, ()), ())
+    (slope,), _ = _one_length(law).at_speed(0.0, (np.log(omega),), ()).f_slopes
     return slope * theta / Dc, slope * V / Dc
 
 

@@ -2,7 +2,7 @@
 
 from ..errors import ParameterError
 from .built_in_laws import BUILT_IN
-from .law_properties import MARK
+from .law_formula import MARK
 
 #: the law of a slider that names none
 DEFAULT = BUILT_IN[0].name
@@ -19,7 +19,7 @@ def add(law, own):
 
 
 def of_one_length():
-    """Names of the laws of one length (law_properties.py), a list."""
+    """Names of the laws of one length (law.py), a list."""
     return [name for name, law in LAWS.items() if law.one_length]
 
 

@@ -55,9 +55,8 @@ class Linearisation(NamedTuple):
 
 def linearisation(law, p):
     """The `Linearisation` of steady sliding at V_ref, under a law with these coefficients."""
-    psi = law.steady_variables(p)
-    by_v, by_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
-    S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
+    at = law.steady(p)
+    (by_v, by_psi), (S_v, *S_psi) = at.f_slopes, at.S_slopes
     shape = np.shape(p[0])
     by_v, by_psi, S_psi = (
         np.stack([np.broadcast_to(x, shape) for x in parts], axis=-1)
@@ -249,10 +248,8 @@ def responses(law, p, kappa, inertia, mu, h, Omega):
     h : tuple, d psi_k/d ln s of each variable
     Omega : omega Dc/V_ref
     """
-    psi = law.steady_variables(p)
-    f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
-    S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
-    R_v, R_psi = law.resistance_partials(0.0, 1.0, psi, p)
+    at = law.steady(p)
+    (f_v, f_psi), (S_v, *S_psi), (R_v, *R_psi) = at.f_slopes, at.S_slopes, at.R_slopes
     i = 1j * Omega
     by_v = [slope / (i - own) for slope, own in zip(f_v, f_psi, strict=True)]
     by_s = [i * jump / (i - own) for jump, own in zip(h, f_psi, strict=True)]

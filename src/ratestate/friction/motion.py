@@ -2,7 +2,7 @@
 
     dx/dT = kappa (w_lp - w),    dv/dT = g/(eta0 c) - sum_k s_k f_k,    d psi_k/dT = f_k
 
-with g = x - S, and w, c and s_k of `kinematics`: if slip never reverses, c is w and the s_k are 0.
+with g = x - S, and w, c and s_k of `point`: if slip never reverses, c is w and the s_k are 0.
 With s = sigma(t)/sigma(0), if normal stress varies, and damping,
 
     S = N + zeta w,     N = s R + (s - 1) mu_ref/a,     R = (mu - mu_ref)/a.
@@ -11,33 +11,40 @@ Derivatives are along directions (x, omega, psi), with d omega = dw/c: those by 
 constant psi, and those by psi at constant w.
 """
 
-from .functions import where
+from typing import Any
+
 from .rewriting import Derivative, values_of
 from .tuples import dot
 
 #: symbols of numbers, beside the state and what follows from it
-NUMBERS = "x", "w_lp", "g", "F", "q", "moves", "growth"
+NUMBERS = "x", "w_lp", "g", "F", "q", "moves"
 CONSTANTS = "kappa", "1/eta0", "m", "dT"
+#: what p holds before s and its derivatives, if that varies (`composition.Varying`)
+HISTORY = "base", "rate", "amplitude", "frequency", "phase"
 
 
 class Motion:
-    """The equations of motion, and what follows from them: lists of expressions, by name.
+    """The equations of motion, and what follows from them: expressions by name, in lists.
 
     ============================  ===============================================================
-    stress, strength, resistance  S, N and R
-    rates                         f of each state
-    stress_slopes                 of S by omega, and by each of psi
-    resistance_slopes             the same of R
-    rate_slopes                   of each rate by omega; of each by its own state
-    force_slopes                  how S, N and R change along z, here a direction (x, omega, psi),
+    S, N, R                       the stress that opposes motion, strength and resistance
+    f                             d psi/dT of each state
+    exponents                     of the exponentials that f holds
+    S_slopes, R_slopes            slopes by omega, and by each of psi
+    f_slopes                      of each of f by omega; of each by its own state
+    changes                       how S, N and R change along z, here a direction (x, omega, psi),
                                   and in a time dT
-    strength_drift, rate_drift    in T at constant v and psi; none unless normal stress varies
+    N_drift, f_drift              in T at constant v and psi; none unless normal stress varies
     inertia_slopes                of -(q g + m t F) by omega and by each of psi, where F is held
     jacobian                      rows of derivatives of the equations by x, omega and each of psi:
                                   column -> element, unless that is 0
     curvature                     how `jacobian` changes along z
     change_of_trace               how the trace of the Jacobian matrix in x, v and psi changes
                                   along z
+    slaved, slaved_slopes         d omega/dT without inertia if the load point's speed is w, and
+                                  its slopes by each of psi
+    jumps, jump_growth            d psi/d ln s where normal stress varies, and the derivative of ln
+                                  of these
     ============================  ===============================================================
 
     They hold the symbols
@@ -46,38 +53,46 @@ class Motion:
     g, F      x - S, or 0 at rest, and sum_k beta_k f_k: known as numbers
     q, m      factors of the equation of v, q g + m t F: 1/(eta0 c) and 1, unless it is scaled
     moves     1, or 0 at rest, where w is a constant
-    growth    of ln s in T
     z         a direction (x, v, psi)
     ========  ===================================================================================
+
+    reverses : whether v is friction itself, from which slip may reverse; else it is ln w
     """
 
-    def __init__(self, law):
-        self.law, self.own = law, law.equations
+    def __init__(self, law, reverses):
+        self.law, self.own, self.reverses = law, law.equations, reverses
+        self._lists: dict[str, Any] = {}
         self.graph = self.own.graph
         self.v, self.w, self.psi = self.own.v, self.own.w, self.own.psi
         self.symbols = {name: self._symbol(name) for name in NUMBERS}
         self.symbols |= {name: self._symbol(name, is_constant=True) for name in CONSTANTS}
-        self.z = [self._symbol(("z", k)) for k in range(2 + len(self.psi))]
-        places = range(law.n_coefficients)
-        changing = law.history(places)
-        own = (*self.own.constants,)
-        self.p = (*own, *(self._symbol(("p", k), k not in changing) for k in places[len(own) :]))
-        if law.reverses:
+        self.symbols["z"] = [self._symbol(("z", k)) for k in range(2 + len(self.psi))]
+        if reverses:
             self.v, self.w, self.c = map(self._symbol, ("v", "w", "c"))
             self.t, self.slope = map(self._symbol, ("t", "slope"))  # w/c, and d ln |w|/d omega
-        growth = self.symbols["growth"]
-        self.changes_in_time = law.rates_in_time(growth, self.p)
-        self.R = self.v if law.reverses else self.own.resistance[0]
-        self.N = law.strength_of(self.R, self.p)
-        self.S = law.stress_of(self.N, self.w, self.p)
-        f = law.rates_of(tuple(self.own.rates), self.R, growth, self.p)
-        self.f = list(map(self.graph.number, f))
-        # All at once, and not when they are asked for: sums are in the order in which terms were
-        # made.
-        self.lists = self._lists()
+        self.R = self.v if reverses else self.own.resistance[0]
+        self.N, self.f, self.p, self.drifts = self.R, self.own.rates, (*self.own.constants,), {}
+        if law.varies:
+            self._vary()
+        self.S = self.N if self.own.zeta is None else self.N + self.own.zeta * self.w
+        self._lists |= {"S": self.S, "N": self.N, "R": self.R, "f": self.f}
+        self._lists["exponents"] = self.own.exponents
+        self._rest = iter((self._slopes, self._changes, self._without_inertia))
 
     def _symbol(self, name, is_constant=False):
         return self.graph.symbol(("motion", name), is_constant=is_constant)
+
+    def _vary(self):
+        """Let normal stress vary, by numbers that come after the law's own coefficients."""
+        n = len(self.psi)
+        level, *h = (self._symbol(("p", k), is_constant=True) for k in range(1 + 2 * n))
+        s, ds, dds = (self._symbol(name) for name in ("s", "ds", "dds"))
+        self.p = (*self.p, level, *h, *map(self._symbol, HISTORY), s, ds, dds)
+        self.N = s * self.R + (s - 1.0) * level
+        self.by_R, self.drifts, growth = h[n:], {s: ds, ds: dds}, ds / s
+        jumps = [one + self.R * by_R for one, by_R in zip(h[:n], self.by_R, strict=True)]
+        self.f = [f + growth * jump for f, jump in zip(self.f, jumps, strict=True)]
+        self._lists["jumps"] = jumps
 
     def _along(self, x, omega, *psi, has_rates=True, dT=0.0):
         """`Derivative` in a direction; without the change of F if not has_rates.
@@ -87,7 +102,7 @@ class Motion:
         known, effects, moves = self.symbols, self.own.effects, self.symbols["moves"]
         changes = {known["x"]: x, **dict(zip(self.psi, psi, strict=True))}
         change_of_w, growth = moves * omega, omega
-        if self.law.reverses:
+        if self.reverses:
             c, t, sigma, of_log = self.c, self.t, dot(effects, psi), self.slope * omega
             bend, of_v = (1.0 - t) * (1.0 + t), omega + t * sigma
             growth = t * omega - bend * sigma  # of ln c
@@ -97,80 +112,63 @@ class Motion:
         else:
             changes |= {self.v: omega, self.w: change_of_w * self.w}
         changes[known["q"]] = -moves * growth * known["q"]
-        changes |= {one: dT * rate for one, rate in self.changes_in_time.items()}
+        changes |= {one: dT * rate for one, rate in self.drifts.items()}
         along = Derivative(self.graph, changes)
         along.found[known["g"]] = x - along(self.S)
-        if self.law.reverses and has_rates:
+        if self.reverses and has_rates:
             along.found[known["F"]] = dot(effects, tuple(map(along, self.f)))
         return along
 
-    def _lists(self):
-        known, graph, f, n = self.symbols, self.graph, self.f, 2 + len(self.psi)
-        zero, (x, v, *psi) = graph.number(0.0), self.z
-        units = [[graph.one if j == k else zero for j in range(n)] for k in range(n)]
-        basis = [self._along(*one) for one in units]
-        by_omega, *by_psi = basis[1:]
-        held = [self._along(*one, has_rates=False) for one in units[1:]]
-        forces = self._along(*self.z, dT=known["dT"])
-        in_time = Derivative(graph, self.changes_in_time)
+    def __getitem__(self, name):
+        """A list.  They are made in one order, in which sums then have their terms."""
+        while name not in self._lists:
+            if (make := next(self._rest, None)) is None:
+                raise KeyError(name)
+            self._lists |= make()
+        return self._lists[name]
+
+    def _slopes(self):
+        n, zero = 2 + len(self.psi), self.graph.number(0.0)
+        units = [[self.graph.one if j == k else zero for j in range(n)] for k in range(n)]
+        self._units, self._basis = units, [self._along(*one) for one in units]
+        _, by_omega, *by_psi = self._basis
+        own = [along(f) for along, f in zip(by_psi, self.f, strict=True)]
+        S, R = ([along(one) for along in self._basis[1:]] for one in (self.S, self.R))
+        found = {"S_slopes": S, "R_slopes": R, "f_slopes": [[*map(by_omega, self.f)], own]}
+        return found | ({"jump_growth": dot(R[1:], self.by_R)} if self.drifts else {})
+
+    def _changes(self):
+        known, f, (x, v, *psi) = self.symbols, self.f, self.symbols["z"]
+        held = [self._along(*one, has_rates=False) for one in self._units[1:]]
+        forces = self._along(x, v, *psi, dT=known["dT"])
+        in_time = Derivative(self.graph, self.drifts)
         of_v, omega = known["q"] * known["g"], v
-        if self.law.reverses:
+        if self.reverses:
             of_v = of_v + known["m"] * self.t * known["F"]
             omega = v - self.t * dot(self.own.effects, psi)
         along_z = self._along(x, omega, *psi)
         equations = [-known["kappa"] * self.w, of_v, *f]
-        own_slopes = [along(one) for along, one in zip(by_psi, f, strict=True)]
-        trace = sum(own_slopes, held[0](of_v))
-        varies = self.law.varies
         return {
-            "stress": [self.S],
-            "strength": [self.N],
-            "resistance": [self.R],
-            "rates": f,
-            "stress_slopes": [along(self.S) for along in basis[1:]],
-            "resistance_slopes": [along(self.R) for along in basis[1:]],
-            "rate_slopes": [*map(by_omega, f), *own_slopes],
-            "force_slopes": [*map(forces, (self.S, self.N, self.R))],
-            "strength_drift": [in_time(self.N)] if varies else [],
-            "rate_drift": [*map(in_time, f)] if varies else [],
+            "changes": [*map(forces, (self.S, self.N, self.R))],
+            "N_drift": [in_time(self.N)] if self.drifts else [],
+            "f_drift": [*map(in_time, f)] if self.drifts else [],
             "inertia_slopes": [-along(of_v) for along in held],
-            "jacobian": _rows(equations, basis),
-            "curvature": _rows(map(along_z, equations), basis),
-            "change_of_trace": [along_z(trace)],
+            "jacobian": _rows(equations, self._basis),
+            "curvature": _rows(map(along_z, equations), self._basis),
+            "change_of_trace": along_z(sum(self["f_slopes"][1], held[0](of_v))),
         }
 
-    def known(self, v, w, psi, p, e=None, z=(), **numbers):
-        """Symbols, w and exponentials -> values; of those that are given.
+    def _without_inertia(self):
+        by_omega, *by_psi = self["S_slopes"]
+        slaved = -dot(by_psi, self.f) / by_omega
+        return {"slaved": slaved, "slaved_slopes": [along(slaved) for along in self._basis[2:]]}
 
-        e : as of `kinematics`; None if it is not at hand
+    def values(self, name, known):
+        """Values of one of the lists, in tuples; rows as dicts.
+
+        known : symbol -> value, of w and exponentials too if these are at hand
         """
-        known = {self.v: v, self.w: w, **dict(zip(self.psi, psi, strict=True))}
-        known |= dict(zip(self.p, p, strict=False)) | dict(zip(self.z, z, strict=False))
-        known |= {self.symbols[name]: x for name, x in numbers.items()}
-        if self.law.varies:
-            known[self.symbols["growth"]] = self.law.growth(p)
-        if e is not None:
-            if self.law.reverses:
-                (log_size, size), c = self.law.magnitude(v, w), e[0]
-                known |= {self.own.v: log_size, self.own.w: size, self.c: c, self.t: w / c}
-                known[self.slope] = where(w > 0.0, c, -c) / size
-            known |= dict(zip(self.own.exponentials, e[self.law.reverses :], strict=True))
-        return known
-
-    def __call__(self, name, v, w, psi, p, e=None, moves=1.0, **others):
-        """Values of one of the lists; rows as dicts.
-
-        others : values of those of the symbols that the list needs
-        """
-        known, found = self.known(v, w, psi, p, e, moves=moves, **others), self.lists[name]
-        if not _has_rows(found):
-            return tuple(values_of(found, known))
-        values = iter(values_of([x for row in found for x in row.values()], known))
-        return [{j: next(values) for j in row} for row in found]
-
-
-def _has_rows(found):
-    return bool(found) and isinstance(found[0], dict)
+        return _put(self[name], iter(values_of(_numbers_of(self[name]), known)))
 
 
 def _rows(equations, basis):
@@ -182,6 +180,21 @@ def _rows(equations, basis):
     return rows
 
 
-def product(rows, k):
+def _numbers_of(found):
+    """The expressions in lists and dicts, one after the other."""
+    if isinstance(found, list | dict):
+        parts = found.values() if isinstance(found, dict) else found
+        return [x for one in parts for x in _numbers_of(one)]
+    return [found]
+
+
+def _put(found, values):
+    """The same lists, as tuples, and dicts with values in place of the expressions."""
+    if isinstance(found, dict):
+        return {key: next(values) for key in found}
+    return tuple(_put(one, values) for one in found) if isinstance(found, list) else next(values)
+
+
+def matrix_product(rows, k):
     """The product of a matrix as `Motion` gives it and a vector, a tuple."""
     return tuple(dot(tuple(row.values()), tuple(k[j] for j in row)) for row in rows)

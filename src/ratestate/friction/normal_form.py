@@ -100,14 +100,13 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
     law, p : the law and its coefficients with V_ref = V_lp, a tuple of arrays
     kappa, eta, omega : arrays, at the bifurcation; not checked
     """
-    kappa, eta, psi = _long(kappa), _long(eta), law.steady_variables(p)
-    S_v, S_psi = law.stress_partials(0.0, 1.0, psi, p)
-    f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+    kappa, eta, at = _long(kappa), _long(eta), law.steady(p)
+    (f_v, f_psi), (S_v, *S_psi) = at.f_slopes, at.S_slopes
 
     def form(*vectors):
         """The second or third derivative of the equations along two or three vectors."""
         numbers = (x for vector in vectors for x in vector)
-        return _forms(law)[len(vectors)](0.0, 0.0, kappa, *psi, *p, *numbers)
+        return _forms(law)[len(vectors)](0.0, 0.0, kappa, *at.psi, *p, *numbers)
 
     def by_states(L, rest):
         """sum_k S_k rest_k/(L - f_k)."""
@@ -153,14 +152,13 @@ def _forms(law):
     kappa, *p = (graph.symbol(("p", k)) for k in range(1 + law.n_coefficients))
     names = ("v", "g", *law.states)
     v, g, *psi = (graph.symbol(name, is_constant=False) for name in names)
-    e = tuple(map(exp, law.exponents(v, exp(v), psi, p)))
-    S = law.stress(v, exp(v), psi, p)
-    equations = [-kappa * exp(v), g * exp(-v), *law.rates(v, exp(v), psi, e, p)]
+    at = law.at_speed(v, psi, p)
+    equations = [-kappa * exp(v), g * exp(-v), *at.f]
     known, found = [v, g, kappa, *psi, *p], {}
     for order in (1, 2, 3):
         y = [graph.symbol((order, name)) for name in ("x", *names[:1], *names[2:])]
         along = Derivative(graph, {v: y[1], **dict(zip(psi, y[2:], strict=True))})
-        along.found[g] = y[0] - along(S)
+        along.found[g] = y[0] - along(at.S)
         equations, known = [along(one) for one in equations], [*known, *y]
         found[order] = function_of(equations, known)
     return found

@@ -2,38 +2,39 @@
 
 import numpy as np
 
+from .law_formula import MARK
 from .roots import root
 
 # Newton steps before the root is bracketed.
 ITERATIONS = 10
 
 
-def steady_variables(law, p, v):
-    """psi of each state in steady sliding at V_ref exp(v), a tuple.
+def steady_point(law, p, v):
+    """A `Point` of steady sliding at V_ref exp(v), if there is one.
 
     p : coefficients, arrays of one shape; v : such an array, or a number
     """
-    v, *p = np.broadcast_arrays(v, *p)
-    start = law.variables(v, (-v,) * len(law.states), p)
-    return tuple(_steady_variable(law, k, p, v, start) for k in range(len(law.states)))
+    at, *each = np.broadcast_arrays(v, *p)
+    start = law.variables(at, (-at,) * len(law.states), each)
+    found = (_steady_variable(law, k, each, at, start) for k in range(len(law.states)))
+    return law.at_speed(v, tuple(found), p)
 
 
 def _steady_variable(law, k, p, v, start):
     """psi_k, from theta_k = D_k/V on; its rate does not depend on other states."""
 
-    def arguments(psi_k, v, p):
-        psi, w = (psi_k,) * len(law.states), np.exp(v)
-        return v, w, psi, law.exponentials(v, w, psi, p), p
+    def at(psi_k, v, p):
+        return law.at_speed(v, (psi_k,) * len(law.states), p)
 
     def rate(psi_k, v, *p):
-        return law.rates(*arguments(psi_k, v, p))[k]
+        return at(psi_k, v, p).f[k]
 
     found, done = start[k], np.zeros(np.shape(start[k]), bool)
     before = np.full(np.shape(found), np.inf)
     with np.errstate(all="ignore"):  # (steps may lead nowhere)
         for _ in range(ITERATIONS):
-            value = rate(found, v, *p)
-            slope = law.rate_partials(*arguments(found, v, p))[1][k]
+            here = at(found, v, p)
+            value, slope = here.f[k], here.f_slopes[1][k]
             step = np.where(value == 0.0, 0.0, value / slope)
             found = np.where(done, found, found - step)
             size, moved = np.maximum(1.0, np.abs(found)), np.abs(step)
@@ -48,25 +49,21 @@ def _steady_variable(law, k, p, v, start):
         return found
 
 
-def steady_problem(law, psi, p, v=0.0):
-    """The problem with steady sliding under a user's law or friction, as text; "" if none."""
-    w = np.exp(v)
-    if law.is_of_user and all(np.all(np.isfinite(x)) for x in p):
-        for name, one in zip(law.states, psi, strict=True):
+def steady_problem(at):
+    """The problem with steady sliding there under a user's law or friction, as text; "" if none."""
+    law = at.law
+    if MARK in law.name and all(np.all(np.isfinite(x)) for x in at.p):
+        for name, one in zip(law.states, at.psi, strict=True):
             if not np.all(np.isfinite(one)):
                 return f"{name} has no steady value"
-        slopes = law.rate_partials(v, w, psi, law.exponentials(v, w, psi, p), p)[1]
-        for name, slope in zip(law.states, slopes, strict=True):
+        for name, slope in zip(law.states, at.f_slopes[1], strict=True):
             if not np.all(slope < 0.0):
                 return (
                     f"{name} does not go to its steady value: there d {name}/dt does not fall with "
                     f"{name}"
                 )
     if law.gives("friction"):
-        by_v, _ = law.resistance_partials(v, w, psi, p)
-        if np.any(by_v <= 0.0):
-            return (
-                "friction does not rise with V in steady sliding, (d mu/d ln V)/a = "
-                f"{np.min(by_v):.4g}"
-            )
+        by_v = np.min(at.R_slopes[0])
+        if by_v <= 0.0:
+            return f"friction does not rise with V in steady sliding, (d mu/d ln V)/a = {by_v:.4g}"
     return ""

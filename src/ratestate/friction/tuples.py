@@ -42,11 +42,6 @@ def minus_dot(start, c, k):
     return functools.reduce(operator.sub, product(c, k), start)
 
 
-def size_of(c, k):
-    """sum_i |c_i k_i|."""
-    return total(map(abs, product(c, k)))
-
-
 def plus_sum(y, c, k):
     """y + sum_i c_i k_i for tuples k_i, summed from the left; of as many c, or fewer k."""
     return functools.reduce(plus, map(times, c, k), y)

@@ -17,8 +17,9 @@ import numpy as np
 from ..errors import ParameterError
 from .expressions import FormulaError
 from .law import FrictionLaw
-from .law_properties import EXAMPLE, MARK
-from .steady_state import steady_problem, steady_variables
+from .law_formula import EXAMPLE, MARK
+from .rewriting import Derivative
+from .steady_state import steady_point, steady_problem
 
 #: what a user's code may raise, but for an interrupt
 RAISED = (Exception, SystemExit)
@@ -202,14 +203,12 @@ def check(law, values):
     values = {symbol: np.float64(x) for symbol, x in (EXAMPLE | values).items()}
     p = law.equations.coefficients(SPEEDS, values)
     psi = law.variables(0.0, (AGES,) * len(law.states), p)
-    e = law.exponentials(0.0, 1.0, psi, p)
-    rates, resistance = law.rates(0.0, 1.0, psi, e, p), law.resistance(0.0, 1.0, psi, p)
-    _check_finite("", "evolution", rates)
-    _check_finite("a derivative of ", "evolution", law.rate_partials(0.0, 1.0, psi, e, p))
-    _check_finite("", "friction", resistance)
-    slopes = law.resistance_partials(0.0, 1.0, psi, p)
-    _check_finite("a derivative of ", "friction", slopes)
-    if (by_v := _on_grid(slopes[0])).min() <= 0.0:
+    at = law.at_speed(0.0, psi, p)
+    _check_finite("", "evolution", at.f)
+    _check_finite("a derivative of ", "evolution", at.f_slopes)
+    _check_finite("", "friction", at.R)
+    _check_finite("a derivative of ", "friction", at.R_slopes)
+    if (by_v := _on_grid(at.R_slopes[0])).min() <= 0.0:
         k = np.argmax(by_v <= 0.0)
         raise FormulaError(
             f"friction must rise with V at a constant state: d mu/d ln V = "
@@ -217,11 +216,10 @@ def check(law, values):
             f"parameters.",
             "friction",
         )
-    for name, rate in zip(law.states, rates, strict=True):
+    for name, rate in zip(law.states, at.f, strict=True):
         for V, row in zip(SPEEDS[:, 0], _on_grid(rate), strict=True):
             _check_steady(name, V, row)
-    steady = steady_variables(law, p, 0.0)
-    if problem := steady_problem(law, steady, p):
+    if problem := steady_problem(steady_point(law, p, 0.0)):
         raise FormulaError(
             f"{problem}. Mend evolution, or the examples of parameters.", "evolution"
         )
@@ -237,7 +235,7 @@ def _check_coupling(law):
     equations = law.equations
     for k, rate in enumerate(equations.rates):
         for j, psi in enumerate(equations.psi):
-            slope = equations.derivative(rate, psi)
+            slope = Derivative(equations.graph, {psi: equations.graph.one})(rate)
             if j != k and not (slope.kind == "number" and slope.parts[0] == 0.0):
                 names = list(law.states)
                 raise FormulaError(

@@ -103,7 +103,8 @@ def steady_sliding_state(law, batch, V):
 def steady_state(law, batch, V):
     """v and ln(V0 theta/D) of each state, a tuple, in steady sliding at V (n,)."""
     V0 = batch.flat("V0")
-    steady = law.steady_log_states(law.coefficient_arrays(V, batch.columns))
+    at_V = law.coefficient_arrays(V, batch.columns)
+    steady = law.log_states(0.0, law.steady(at_V).psi, at_V)
     states = tuple(state - np.log(V / V0) for state in steady)
     return law.v_at(V / V0, states, law.coefficient_arrays(V0, batch.columns)), states
 
@@ -111,7 +112,7 @@ def steady_state(law, batch, V):
 def stress(law, v, log_states, p):
     """What opposes the motion, as x is counted, by the states as they are reported."""
     psi = law.variables(v, log_states, p)
-    return law.stress_in_v(v, law.speed(v, psi, p), psi, p)
+    return law.at(v, psi, p).S
 
 
 def _state_by_stress(law, x, w, states, p, k, where):

@@ -11,7 +11,7 @@ from ..errors import ParameterError
 from ..friction.composition import JOINT, composed, form_of
 from ..friction.critical_speeds import V_c
 from ..friction.forms import forms_with, parameters_of
-from ..friction.law import LOG
+from ..friction.law_formula import LOG
 from ..friction.laws import DEFAULT, friction_law, owners
 from ..friction.linear_stability import K_c
 from ..friction.stability import call_elementwise, eta, f_n

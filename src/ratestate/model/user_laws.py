@@ -6,7 +6,7 @@ import os
 from ..errors import ParameterError
 from ..friction import laws
 from ..friction.expressions import FormulaError
-from ..friction.law_properties import MARK
+from ..friction.law_formula import MARK
 from ..friction.user_law import (
     RAISED,
     check,

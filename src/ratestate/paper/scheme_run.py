@@ -21,7 +21,7 @@ from ..dynamics.results import provenance
 from ..engine.programs import Program
 from ..errors import ParameterError, SolverError
 from ..friction.functions import exp, expm1, log
-from ..friction.law import LOG
+from ..friction.law_formula import LOG
 from ..machine import check_fits
 from ..model.loading import Loading
 from ..model.names import keywords_checked

@@ -13,6 +13,7 @@ from ...engine import dispatch
 from ...engine.lanes import ROUNDING
 from ...engine.model import FINISHED
 from ...engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
+from ...friction.point import point_at
 from .system import is_slaved
 
 # A hundred times what a stick-slip cycle over 20 decades of V takes.
@@ -57,7 +58,8 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     directions = np.zeros((n, k, k + 1))  # d(x, v, psi)/d u
     directions[:, range(k - 1), range(2, k + 1)] = 1.0
     directions[:, :-1, 0], directions[:, -1, 0] = by_psi, system.eta
-    for i, share in enumerate(_shares_on_section(system, y)):
+    on_section = point_at(system.friction_law, system.coefficients, tuple(y.T))
+    for i, share in enumerate(on_section.shares):
         directions[:, i, 1] = -share
     starts = Starts(
         system.kappa,
@@ -85,13 +87,6 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     return Returns(results.status, image, jacobian, numbers, gradients)
 
 
-def _shares_on_section(system, y):
-    """s_k of d omega = dv + sum_k s_k d psi_k at V_lp (`kinematics`), a tuple."""
-    law, p, v, psi = system.friction_law, system.coefficients, y[:, 1], tuple(y[:, 2:].T)
-    _, c_inverse, _ = law.net_speed(v, psi, p)
-    return law.shares(1.0, c_inverse, p)
-
-
 def _jacobian(system, psi, G, d_x, d_psi):
     """(n, k, k) derivatives of the next u; of G by the rates if inertia is lost in rounding.
 
@@ -104,24 +99,10 @@ def _jacobian(system, psi, G, d_x, d_psi):
         d_G = d_x - (by_psi[:, :, None] * d_psi).sum(axis=1)
         d_G = d_G / np.where(slaved, 1.0, system.eta)[:, None]
         if slaved.any():
-            slope = _slaved_slope(system, psi)
+            at = system.friction_law.at_speed(0.0, tuple(psi.T), system.coefficients)
+            slope = np.stack(at.slaved_slopes, axis=1)
             d_G = np.where(slaved[:, None], (slope[:, :, None] * d_psi).sum(axis=1), d_G)
     return np.concatenate([d_psi, d_G[:, None]], axis=1)
-
-
-def _slaved_slope(system, psi):
-    """(n, n_states) derivatives of G = -S_psi f/S_v by psi at V_lp, with f the rates of psi."""
-    law, p, states = system.friction_law, system.coefficients, tuple(psi.T)
-    at = 0.0, 1.0, states, law.exponentials(0.0, 1.0, states, p), p
-    rates, (_, f_psi) = law.rates(*at), law.rate_partials(*at)
-    S_v, S_psi = system.slopes(psi)
-    (_, *S_vpsi), *S_psipsi = law.resistance_bends(0.0, 1.0, states, p)  # (damping bends by v)
-    slopes = []
-    for j in range(len(states)):
-        bends = sum(row[1 + j] * rate for row, rate in zip(S_psipsi, rates, strict=True))
-        drive = sum(S_psi[:, k] * rate for k, rate in enumerate(rates))
-        slopes.append((drive * S_vpsi[j] / S_v - bends - S_psi[:, j] * f_psi[j]) / S_v)
-    return np.stack(slopes, axis=1)
 
 
 def change_along(gradients, step):

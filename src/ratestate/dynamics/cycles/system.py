@@ -72,7 +72,7 @@ class System:
         """(n, n_states) the law's variables in steady sliding at V_lp."""
         if self.friction_law.one_length:
             return np.zeros((len(self.kappa), 1))
-        return np.stack(self.friction_law.steady_variables(self.coefficients), axis=1)
+        return np.stack(self.friction_law.steady(self.coefficients).psi, axis=1)
 
     @functools.cached_property
     def critical(self):
@@ -124,7 +124,7 @@ class System:
     def slopes(self, psi):
         """S_v (n,) and S_psi (n, n_states) at V_lp and the variables psi (n, n_states)."""
         psi = tuple(psi.T)
-        by_v, by_psi = self.friction_law.stress_partials(0.0, 1.0, psi, self.coefficients)
+        by_v, *by_psi = self.friction_law.at_speed(0.0, psi, self.coefficients).S_slopes
         n = len(self.kappa)
         S_psi = np.empty((n, len(psi)))
         for k, values in enumerate(by_psi):
@@ -160,15 +160,15 @@ def state(system, u):
     psi = u[:, :-1] + system.steady
     zero = np.zeros(len(u))
     law, states, p = system.friction_law, tuple(psi.T), system.coefficients
-    x = law.stress(0.0, 1.0, states, p)
+    x = law.at_speed(0.0, states, p).S
     return np.stack([x + system.eta * u[:, -1], zero + law.v_at(1.0, states, p), *states], axis=1)
 
 
 def steady_sliding_at(system, w):
     """(n, len(y)) x, v, psi of steady sliding at w (n,) times V_lp."""
-    law, p, log_w = system.friction_law, system.coefficients, np.log(w)
-    psi = law.steady_variables(p, log_w)
-    return np.stack([law.stress(log_w, w, psi, p), law.v_at(w, psi, p), *psi], axis=1)
+    law, p = system.friction_law, system.coefficients
+    at = law.steady(p, np.log(w))
+    return np.stack([at.S, law.v_at(w, at.psi, p), *at.psi], axis=1)
 
 
 def is_slaved(system, psi, g):
@@ -182,11 +182,8 @@ def is_slaved(system, psi, g):
 
 def slaved_G(system, offset):
     """(n,) G without inertia, from the variables less their steady values, offset (n, n_states)."""
-    psi = offset + system.steady
-    law, p, states = system.friction_law, system.coefficients, tuple(psi.T)
-    S_v, S_psi = system.slopes(psi)
-    rates = law.rates(0.0, 1.0, states, law.exponentials(0.0, 1.0, states, p), p)
-    return -sum(S_psi[:, k] * rate for k, rate in enumerate(rates)) / S_v
+    states = tuple((offset + system.steady).T)
+    return system.friction_law.at_speed(0.0, states, system.coefficients).slaved
 
 
 def distance(system, vectors):
@@ -202,7 +199,7 @@ def linear_section(system):
     """
     law, p, psi = system.friction_law, system.coefficients, tuple(system.steady.T)
     omega = frequency(system)
-    f_v, f_psi = law.rate_partials(0.0, 1.0, psi, law.exponentials(0.0, 1.0, psi, p), p)
+    f_v, f_psi = law.at_speed(0.0, psi, p).f_slopes
     # v = sin(omega T) is 0 there, and rises
     states = [(f / (1j * omega - g)).imag for f, g in zip(f_v, f_psi, strict=True)]
     return np.stack([*states, omega], axis=1)

@@ -55,9 +55,8 @@ def cycle_variables(law, batch, status, measures, stable):
         }
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     mu = law.reference_friction(V, batch.columns)
-    alone = law.steady_resistance(at_V)
-    both = alone + law.steady_stress(at_V)
-    lowest = mu + p.a * measured("f_min", alone), 2.0 * mu + p.a * measured("xf_min", both)
+    at = law.steady(at_V)
+    lowest = mu + p.a * measured("f_min", at.R), 2.0 * mu + p.a * measured("xf_min", at.R + at.S)
     variables |= domain_variables(law, batch, *lowest)
     without = np.full((batch.n, 1 + len(law.states)), np.nan)
     for name, dtype in (("multipliers", complex), ("multipliers_error", float)):

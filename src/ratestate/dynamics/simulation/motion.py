@@ -153,7 +153,7 @@ def _series(slider, batch, loading, motion):
             name: getattr(p, D) / p.V0 * np.exp(state)
             for name, D, state in zip(law.states, law.lengths, logs, strict=True)
         }
-        friction = law.resistance_in_v(v, w, psi, coefficients)
+        friction = law.at(v, psi, coefficients).R
     # Beyond double precision V and theta differ from those that friction was computed from.
     in_range = law.reverses | ((v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V))
     for theta in states.values():

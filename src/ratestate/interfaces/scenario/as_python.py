@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...friction.law_properties import MARK
+from ...friction.law_formula import MARK
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.units import is_array

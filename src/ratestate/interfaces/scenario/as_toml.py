@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.law import LOG
-from ...friction.law_properties import MARK
+from ...friction.law_formula import LOG, MARK
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES

@@ -13,7 +13,8 @@ from ...errors import ParameterError
 from ...files import NUMBERS, PICTURES
 from ...friction.composition import composed
 from ...friction.forms import FORMS, form_name
-from ...friction.law import LOG, FrictionLaw
+from ...friction.law import FrictionLaw
+from ...friction.law_formula import LOG
 from ...friction.laws import DEFAULT, LAWS, friction_law, own_parameters
 from ...model.names import nearest, one_of
 from ...model.parameters import WHOLE_CONTACT

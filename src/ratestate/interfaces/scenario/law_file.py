@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ...friction.law_properties import MARK
+from ...friction.law_formula import MARK
 from ...friction.laws import friction_law, known_law
 from ...model.user_laws import register
 from .known_keys import example, keys_of, tables_with

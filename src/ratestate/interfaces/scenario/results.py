@@ -11,8 +11,7 @@ from ...dynamics.recorded_loading import recorded_loading, with_labels
 from ...dynamics.results import parameter
 from ...errors import ParameterError
 from ...friction.forms import parameters_of
-from ...friction.law import LOG
-from ...friction.law_properties import MARK
+from ...friction.law_formula import LOG, MARK
 from ...friction.laws import DEFAULT, friction_law, known_law
 from ...model.conversion import in_si
 from ...model.slider import OPTIONAL, SpringSlider

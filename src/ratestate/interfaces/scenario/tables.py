@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from ...dynamics.continuation.family import PARAMETERS
 from ...friction.composition import EXTRAS
 from ...friction.law import FrictionLaw
-from ...friction.law_properties import MARK
+from ...friction.law_formula import MARK
 from ...friction.laws import known_law
 from ...model.names import one_of
 from ...model.parameters import WHOLE_CONTACT

@@ -103,9 +103,9 @@ class Forward:
         if of_mu:
             with np.errstate(over="ignore", invalid="ignore"):
                 of_samples = tuple(column[:, None] for column in p)
-                w = self.law.speed(v, tuple(psi), of_samples)
-                shown = self.law.resistance_in_v(v, w, tuple(psi), of_samples)
-        steady = self.law.steady_resistance(p) if of_mu else self.law.steady_stress(p)
+                shown = self.law.at(v, tuple(psi), of_samples).R
+        at = self.law.steady(p)
+        steady = at.R if of_mu else at.S
         friction = a * (shown - np.reshape(steady, (-1, 1)))
         if self.stress is not None and not of_mu:  # tau over sigma of the time
             level = self.record.level
@@ -157,7 +157,7 @@ class Forward:
     def start(self, values, p):
         """ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
         V_start, *states = (values[name] for name in starts_of(self.law))
-        steady = self.law.steady_log_states(p)
+        steady = self.law.log_states(0.0, self.law.steady(p).psi, p)
         return V_start, tuple(x + y for x, y in zip(steady, states, strict=True))
 
     def coefficients(self, values):
@@ -189,7 +189,7 @@ class Forward:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             log_w, log_states = self.start(values, p)
             psi = self.law.variables(log_w, log_states, p)
-            x = self.law.stress(log_w, np.exp(log_w), psi, p)
+            x = self.law.at_speed(log_w, psi, p).S
             v = self.law.v_at(np.exp(log_w), psi, p)
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(

@@ -7,7 +7,7 @@ import numpy as np
 
 from ....errors import ParameterError
 from ....friction.composition import composed, form_of
-from ....friction.law_properties import MARK
+from ....friction.law_formula import MARK
 from ....friction.laws import LAWS, friction_law, known_law
 from ....model.quantities import readable
 from ....model.slider import SpringSlider
