@@ -503,7 +503,7 @@ def test_short_rows_are_counted(tmp_path):
 def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
     path = tmp_path / "r.txt"
     for content, match in [
-        ("1," * 3_000_000 + "\n", "r.txt is no record: line 1 has 6,000,000 characters"),
+        ("1," * 300_000 + "\n", "r.txt is no record: line 1 has 600,000 characters"),
         ("\n" + "x" * 20_001 + "\n1\t2\n", "line 2 has 20,001 characters, more than 20,000"),
         ("one word\n" * 100_000, "no line of numbers"),
     ]:
