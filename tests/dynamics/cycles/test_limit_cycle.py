@@ -335,7 +335,7 @@ def test_thirteen_decades(law):
 def test_error_is_what_it_says(law):
     """Neither too small nor far too large, of random sliders and close to the Hopf point."""
     rng = np.random.default_rng(42)
-    n = 32
+    n = 20
     beta, eta = 1 + 10 ** rng.uniform(-1, 0.7, n), 10 ** rng.uniform(-12, 3, n)
     below = rng.uniform(0.02, 0.995, n)
     within = 1 + eta * (1 - 10 ** rng.uniform(-9, 0, n))
