@@ -460,7 +460,7 @@ def test_each_doubt_is_a_warning(good):
         assert {one.filename for one in emitted} == {__file__}  # the line that asked
 
 
-@pytest.mark.parametrize("given", [5e-5, 2e-4, 8e-4])
+@pytest.mark.parametrize("given", [5e-5, 8e-4])
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_misfit_is_measured_by_the_noise_that_the_record_shows(good, given):
     """Whatever noise was given: the probability is nearly the same."""
@@ -504,7 +504,7 @@ def test_the_oscillation_of_a_soft_machine_does_not_pass_for_correlated_noise(la
 
 
 @pytest.mark.parametrize("slider", [SLIDER, SOFT])
-@pytest.mark.parametrize("Dc2", ["4 um", "20 um", "80 um"])
+@pytest.mark.parametrize("Dc2", ["4 um", "80 um"])
 def test_a_second_state_is_among_the_transients(slider, Dc2):
     """Whether the machine is stiff or oscillates: they span most of its effect, to first order."""
     found = solution_of(record(slider, LONG_STEP, LONG_T, noise=1e-5), slider)
@@ -562,7 +562,7 @@ def test_a_load_point_that_accelerates_from_the_start_is_fitted():
     t = np.arange(0.0, 60.0, 0.1)
     loading = rs.Loading.series([0.0, 60.0], ["1 um/s", "30 um/s"])
     z = []
-    for seed in range(3):
+    for seed in range(2):
         data = record(SLIDER, loading, t, noise=1e-4, seed=seed)
         result = rs.fit(data, SLIDER.replace(a=0.008, Dc="20 um"), loading=loading)
         for name in ("a", "b", "Dc"):
