@@ -361,19 +361,10 @@ def test_laws_are_compared(good):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_noisy_record_does_not_decide_between_laws(monkeypatch):
-    monkeypatch.setattr(sampling, "LIVE", 20)
+def test_a_noisy_record_does_not_decide_between_laws():
     data = record(SLIDER, STEP, T, noise=5e-3, seed=3)
-    both = rs.fit(data, SLIDER, ("a", "Dc"), law=("slip", "aging"), errors="posterior")
+    both = rs.fit(data, SLIDER, ("a", "Dc"), law=("slip", "aging"), errors="covariance")
     assert "does not decide between the laws" in both.attrs["comparison"]
-    assert "which decides nothing" in both.attrs["comparison"]
-    evidence = both.log_evidence - both.log_evidence.max()
-    np.testing.assert_allclose(both.log_bayes_factor, evidence)
-    assert float(both.log_bayes_factor_error.max()) > 0.0
-    # a common prior, and laws of the same number of parameters: the factor is that of likelihoods
-    ratio = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
-    factor = both.log_evidence.sel(law="slip") - both.log_evidence.sel(law="aging")
-    assert abs(float(factor - ratio)) < 1.5
 
 
 @pytest.mark.parametrize(
@@ -395,6 +386,7 @@ def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidenc
     assert by_likelihood in text
     assert by_evidence in text
     assert float(table.aic_difference.sel(law="aging")) == pytest.approx(2.0 * apart)
+    assert float(table.log_bayes_factor.sel(law="aging")) == pytest.approx(-apart)
 
 
 @pytest.mark.parametrize(
@@ -424,16 +416,6 @@ def test_laws_that_leave_more_than_the_noise_do_not_fit(good, noise, fits):
     both = rs.fit(good, SLIDER, law=("slip", "aging"), noise=noise, errors="covariance")
     assert ("Neither law fits" in both.comparison) != fits
     assert ("slip law fits clearly better" in both.comparison) == fits
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_of_two_states_no_law_with_one_fits():
-    two = SLIDER.replace(law="two-state-slip", b2=0.004, Dc2="60 um")
-    loading = rs.Loading.steps("1 um/s", (100.0, "10 um/s"))
-    data = record(two, loading, np.arange(0.0, 240.0, 0.2), noise=1e-4)
-    both = rs.fit(data, SLIDER, law=("slip", "aging"), errors="covariance")
-    assert "Neither law fits the record within its noise, as the warnings say" in both.comparison
-    assert all("does not describe the record" in text for text in both.warnings.values)
 
 
 def test_each_doubt_is_a_warning(good):
