@@ -13,7 +13,7 @@ from ratestate.friction.expressions import LIMIT
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 bounded = settings(
-    max_examples=5,
+    max_examples=4,
     deadline=None,
     derandomize=True,
     suppress_health_check=list(HealthCheck),
@@ -152,7 +152,7 @@ def test_limit_cycle(law, cases, rtol):
 
 @LAWS
 @given(cases=st.lists(case, min_size=6, max_size=6))
-@settings(bounded, max_examples=6)
+@settings(bounded, max_examples=3)
 def test_own_steps(law, cases):
     """One slider at a time, by the scalar path and with every step kept."""
     slider, p = build(cases, law)

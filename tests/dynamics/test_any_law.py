@@ -8,7 +8,6 @@ from load_step import load_step
 from textbook import OF_LAW, Textbook, drawn
 
 import ratestate as rs
-from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.orbit import orbit
 from ratestate.friction import normal_form
 from ratestate.friction.laws import LAWS, of_one_length
@@ -251,22 +250,6 @@ def test_a_slider_without_mass_on_a_soft_spring_runs_away(law):
     assert float(error.value.best.time[-1]) > 0.01
 
 
-def test_without_mass_the_law_of_perrin_rice_and_zheng_runs_away_from_a_large_step():
-    """Its Hopf bifurcation is subcritical there: an unstable cycle parts rest from runaway."""
-    light = slider("prz", M=0.0, b=0.0045, K=1.2 * slider("prz", b=0.0045).K_c_qs)
-    edge = escape(light, V)
-    assert str(edge.outcome.values) == "runaway"
-    step = float(edge.step_up)
-    for factor, runs_away in ((0.999, False), (1.001, True)):
-        start = {"V_start": V / (factor * step)}
-        if runs_away:
-            with pytest.raises(rs.QuasiStaticInstability):
-                rs.simulate(light, rs.Loading.constant(V), 1e3, **start)
-        else:
-            run = rs.simulate(light, rs.Loading.constant(V), 10.0, times=[10.0], **start)
-            assert float(run.V[-1]) == pytest.approx(V, rel=1e-3)
-
-
 def test_critical_stiffness_depends_on_the_speed_under_a_law_with_one_of_its_own():
     case = slider("kato-tullis")
     with pytest.raises(rs.ParameterError, match="K_c_qs depends on the speed"):
@@ -359,15 +342,3 @@ def test_sweeps_take_a_laws_own_parameters():
         assert float(runs.theta2[i, 0]) == pytest.approx(float(run.theta2[0]), rel=1e-6)
         assert float(cycles.period[i]) == pytest.approx(float(rs.limit_cycle(one, V).period))
         assert float(steady.K_c[i]) == pytest.approx(one.K_c(V), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("name", "call"),
-    [
-        ("bautin", lambda s: rs.bautin(s.law, 2.0)),
-    ],
-)
-def test_functions_that_cannot_serve_a_law_say_why(name, call):
-    said = rf"law = 'nagata': {name} is for laws of one state and one length, 'slip' and 'aging'"
-    with pytest.raises(rs.ParameterError, match=said):
-        call(slider("nagata"))

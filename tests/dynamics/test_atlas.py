@@ -106,7 +106,7 @@ def test_the_strip_closes_at_the_bautin_point():
     assert np.isnan(width[2])
 
 
-@pytest.mark.parametrize("b_over_a", [1.2, 2.0, 5.0, 12.0])
+@pytest.mark.parametrize("b_over_a", [1.2, 5.0])
 def test_slip_law_has_no_cycle_beside_stable_sliding(b_over_a):
     assert np.isnan(folds("slip", b_over_a, np.geomspace(1e-6, 1e2, 20)).kappa).all()
     # nor is one reached from afar

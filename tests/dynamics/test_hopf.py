@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import ratestate as rs
 from ratestate import bautin, hopf, stability
 from ratestate.dynamics.cycles.small_cycles import curvature
-from ratestate.friction.normal_form import law_curvatures, lyapunov_1, third_order
+from ratestate.friction.normal_form import law_curvatures, lyapunov_1
 from ratestate.paper.laws import LAWS
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
@@ -64,30 +64,6 @@ def first_lyapunov(A, second, third, measure):
     return mp.re((p * cubic)[0]) / 8
 
 
-def change_variables(T, A, second, third, measure):
-    """The same system in y = T x."""
-    n, T = len(A), mp.matrix(T)
-    inverse = T**-1
-    unit = [mp.eye(n)[:, i] for i in range(n)]
-
-    def moved(form, count):
-        f = symmetric(form, count)
-        table = {}
-        for where in itertools.combinations_with_replacement(range(n), count):
-            value = T * f(*(inverse * unit[k] for k in where))
-            table |= {(i, *where): value[i] for i in range(n)}
-        return table
-
-    measure = [mp.fdot(measure, inverse * unit[k]) for k in range(n)]
-    return T * mp.matrix(A) * inverse, moved(second, 2), moved(third, 3), measure
-
-
-def normal_form(s):
-    """x' = -y + s x (x^2+y^2), y' = x + s y (x^2+y^2): r' = s r^3."""
-    third = {(0, 0, 0, 0): 6 * s, (0, 0, 1, 1): 2 * s, (1, 0, 0, 1): 2 * s, (1, 1, 1, 1): 6 * s}
-    return [[0, -1], [1, 0]], {}, third, [1, 0]
-
-
 def van_der_pol():
     """x'' + (x^2 - mu) x' + x = 0: r' = mu r/2 - r^3/8."""
     return [[0, 1], [-1, 0]], {}, {(1, 0, 0, 1): -2}, [1, 0]
@@ -99,13 +75,6 @@ def brusselator(A):
     second = {(0, 0, 0): 2 * B / A, (0, 0, 1): 2 * A, (1, 0, 0): -2 * B / A, (1, 0, 1): -2 * A}
     third = {(0, 0, 0, 1): 2, (1, 0, 0, 1): -2}
     return [[B - 1, A**2], [-B, -(A**2)]], second, third, [1, 0]
-
-
-def slaved_round(k, s):
-    """x' = -y + x z, y' = x + y z, z' = -k z + s (x^2+y^2): on the manifold z = s r^2/k."""
-    A = [[0, -1, 0], [1, 0, 0], [0, 0, -k]]
-    second = {(0, 0, 2): 1, (1, 1, 2): 1, (2, 0, 0): 2 * s, (2, 1, 1): 2 * s}
-    return A, second, {}, [1, 0, 0]
 
 
 def slaved_swinging(k, s):
@@ -121,20 +90,13 @@ def slaved_swinging(k, s):
 @pytest.mark.parametrize(
     ("system", "expected"),
     [
-        (normal_form(mp.mpf(-0.7)), -0.7),
-        (normal_form(mp.mpf(0.3)), 0.3),
         (van_der_pol(), -1 / 8),
-        (brusselator(mp.mpf(1)), -3 / 8),  # -(2 + A^2)/(8 A^2): Kuramoto (1984)
-        (brusselator(mp.mpf(2)), -6 / 32),
-        (slaved_round(mp.mpf(2), mp.mpf(-3)), -3 / 2),
+        (brusselator(mp.mpf(2)), -6 / 32),  # -(2 + A^2)/(8 A^2): Kuramoto (1984)
         (slaved_swinging(mp.mpf(3), mp.mpf(5)), 5 / 12 + 5 * 3 / (8 * 13)),
     ],
 )
 def test_formula_on_known_bifurcations(system, expected):
     assert float(first_lyapunov(*system)) == pytest.approx(expected, rel=1e-14, abs=0)
-    T = mp.matrix([[3, 1, -2], [-1, 2, 0.5], [0.25, 1, 1]])[: len(system[0]), : len(system[0])]
-    moved = first_lyapunov(*change_variables(T, *system))
-    assert float(moved) == pytest.approx(expected, rel=1e-14, abs=0)
 
 
 # The slider through the same formula.
@@ -181,8 +143,7 @@ def test_lyapunov_1_over_the_physical_range(law, log_eta, log_b1):
         assert doubt < 1e-11 * abs(value)
 
 
-@pytest.mark.parametrize("eta", [1e-3, 0.3, 20.0])
-@pytest.mark.parametrize("b1", [0.1, 3.0])
+@pytest.mark.parametrize(("eta", "b1"), [(1e-3, 3.0), (0.3, 0.1), (20.0, 3.0)])
 @pytest.mark.parametrize(("h2", "h3"), [(0.3, 0.0), (0.0, 0.7), (-1.2, 2.0)])
 def test_lyapunov_1_of_any_law_with_one_length(eta, b1, h2, h3):
     """d psi/dT = w h(v + psi), h = -z + h2 z^2/2 + h3 z^3/6; without inertia not degenerate."""
@@ -201,19 +162,6 @@ def test_laws_have_the_form_that_the_coefficient_is_for(law):
     assert first == (-1, -1)
     assert second == (h2 - 2, h2 - 1, h2)
     assert third == (h3 + 3 * h2 - 3, h3 + 2 * h2 - 1, h3 + h2, h3)
-
-
-@settings(deadline=None)
-@given(st.floats(-6, 2))
-def test_what_the_docstring_says_of_both_laws(log_b1):
-    beta = 1 + (b1 := 10**log_b1)
-    for law, factor, powers in (
-        ("slip", 2 * beta**2, (0, 1, 10, 9)),
-        ("aging", 2 * beta, (0, -1, 6, 3 + 4 * beta)),
-    ):
-        found = third_order(b1, *law_curvatures(law))
-        assert found[0] == 0
-        np.testing.assert_allclose(found, factor * np.array(powers), rtol=1e-14)
 
 
 @settings(deadline=None)
@@ -452,21 +400,9 @@ def test_broadcasting_gives_what_one_call_a_case_gives():
         assert seen >= {"none", "subcritical", "supercritical"}
 
 
-def test_axes_that_are_not_parameters():
-    eta = rs.logspace("ratio", 0.01, 100, 5)
-    slider = rs.SpringSlider(**FIG_2, K=900e6, M=3000)
-    V_lp = np.sqrt(eta * 0.003 * 1e-5 * 2e6 / 3000)
-    point = hopf(slider, V_lp)
-    assert point.lyapunov_1.dims == ("ratio",)
-    np.testing.assert_allclose(point.eta, eta, rtol=1e-15)
-    np.testing.assert_array_equal(point.V_lp, V_lp)
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((0,), "V_lp = 0 m/s must be > 0"),
-        (("3.2 mm",), "V_lp = '3.2 mm' is a length"),
         (
             (xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M"),),
             "M and V_lp have different coordinates along the dimension 'M'",
@@ -480,11 +416,6 @@ def test_bad_input(arguments, message):
         hopf(slider, *arguments)
 
 
-def test_bad_slider():
-    with pytest.raises(rs.ParameterError, match="is not a SpringSlider"):
-        hopf({"a": 0.003})
-
-
 @pytest.mark.parametrize(
     ("law", "ratio", "message"),
     [
@@ -493,9 +424,6 @@ def test_bad_slider():
         ("aging", 1.0, "b_over_a = 1 must be > 1.*no Hopf bifurcation"),
         ("slip", -2.0, "b_over_a = -2 must be > 1"),
         ("slip", xr.DataArray([2.0, 0.5], dims="q"), "b_over_a = 0.5 must be > 1"),
-        ("slip", float("nan"), "b_over_a = nan is not a number"),
-        ("slip", float("inf"), "b_over_a = inf must be finite"),
-        ("slip", "2 mm", "b_over_a = '2 mm' is a length"),
         ("slip", [2.0], "such as 2, or for many values"),
     ],
 )

@@ -94,7 +94,7 @@ def test_the_frequency_response(pair, m, law):
     assert_same(*(rs.frequency_response(x, V, frequencies) for x in (own, its)))
 
 
-@LIKE
+@pytest.mark.parametrize(("m", "law"), [(2.0, "prz")])
 def test_a_fit(pair, m, law):
     """With the exponent held; freed, it is found."""
     times = np.linspace(30.0, 60.0, 200)

@@ -153,7 +153,7 @@ def test_sweeps_are_refused():
         verdict(FIG2.replace(M=rs.logspace("M", 1.0, 2.0, 2)), 3e-4)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     a=st.floats(1e-4, 0.05),
     ratio=st.floats(0.5, 5.0),

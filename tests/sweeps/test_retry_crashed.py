@@ -13,7 +13,7 @@ from ratestate.engine.model import CRASHED
 from ratestate.interfaces.cli import main
 from ratestate.sweeps import calls, subprocesses, task, writing
 from ratestate.sweeps.chunks import Chunks
-from ratestate.sweeps.solve import form_of, solve
+from ratestate.sweeps.solve import form_of
 from ratestate.sweeps.status import store_status
 
 MASSES = xr.DataArray([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], dims="M")
@@ -154,11 +154,8 @@ def test_an_error_of_compiling_ends_a_sweep_and_is_not_stored(path):
 def test_so_it_does_in_a_process_of_its_own(monkeypatch):
     monkeypatch.setattr(subprocesses, "GRACE", 0.0)
     call = stability_call(SLIDER.replace(M=MASSES[[0, 1, 3]]), 1e-5)
-    given = vars(call).copy()
-    specs = form_of(call).specs
-    tasks = subprocesses.SubprocessTasks(Chunks({"M": 3}, (3,)), specs, None, "cpu")
+    uncompiled = Uncompiled(**vars(call))
+    chunks, specs = Chunks({"M": 3}, (3,)), form_of(call).specs
+    tasks = subprocesses.SubprocessTasks(chunks, specs, None, "cpu")
     with pytest.raises(rs.CompilationError, match="spanner"):
-        tasks.do(0, Uncompiled(**given))
-    found = tasks.do(0, Broken(**given)).variables
-    assert found["status"].values.tolist() == [0, CRASHED, 0]
-    assert np.array_equal(found["growth_rate"][[0, 2]], solve(call, specs)["growth_rate"][[0, 2]])
+        tasks.do(0, uncompiled)

@@ -179,23 +179,26 @@ ARRAYS = {
 
 
 @pytest.mark.parametrize("arrays", ARRAYS)
-def test_any_arrays(arrays, tmp_path):
+def test_any_arrays(arrays):
     slider, arguments = rs.SpringSlider(**FIG2 | ARRAYS[arrays]), {"V_lp": "3.2 mm/s", "rtol": 1e-6}
     alone = rs.limit_cycle(slider, **arguments)
-    for chunk, store in ((1, None), (2, tmp_path / "x.zarr")):
-        found = sweep(rs.limit_cycle, slider, chunk=chunk, store=store, **arguments)
-        xarray.testing.assert_identical(found.drop_vars("message").load(), alone)
+    found = sweep(rs.limit_cycle, slider, chunk=1, **arguments)
+    xarray.testing.assert_identical(found.drop_vars("message"), alone)
 
 
 @pytest.mark.parametrize(
     "changes",
     [
-        {"t_end": xarray.DataArray([0.05, 0.05, 0.05, 0.04], dims="V_lp"), "times": None},
-        {"times": xarray.DataArray(np.outer([1.0, 0.9, 0.9], [0.01, 0.05]), dims=("M", "time"))},
-        {"times": None},
-        {"initial": {"theta": xarray.DataArray([1.0, 2.0, 3.0], dims="M")}},
-        {"V_start": xarray.DataArray([1e-3, 2e-3], dims="start")},
-        {"method": "rodas5p"},
+        {
+            "times": xarray.DataArray(np.outer([1.0, 0.9, 0.9], [0.01, 0.05]), dims=("M", "time")),
+            "method": "rodas5p",
+        },
+        {
+            "times": None,
+            "t_end": xarray.DataArray([0.05, 0.05, 0.05, 0.04], dims="V_lp"),
+            "initial": {"theta": xarray.DataArray([1.0, 2.0, 3.0], dims="M")},
+        },
+        {"times": None, "V_start": xarray.DataArray([1e-3, 2e-3], dims="start")},
     ],
 )
 def test_any_arguments_of_simulate(changes, tmp_path):
@@ -256,7 +259,7 @@ def raising(monkeypatch):
     monkeypatch.setattr(LimitCycleCall, "run", raises)
 
 
-@pytest.mark.parametrize(("chunk", "store"), [(None, True), (1, True), (5, False), (None, False)])
+@pytest.mark.parametrize(("chunk", "store"), [(None, False), (5, True)])
 def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
     mass = xarray.DataArray([1e3, 2e3, 3e3, BAD], dims="M")
     slider, speeds = rs.SpringSlider(**FIG2, M=mass), V_LP[1:3]
@@ -273,17 +276,12 @@ def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
         assert np.array_equal(found[name].isel(M=good), variable, equal_nan=True), name
 
 
-def test_the_first_case_may_raise(raising):
-    slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, 1e3], dims="M"))
-    found = sweep("limit_cycle", slider, V_lp=V_LP)
+@pytest.mark.parametrize("other", [BAD, 1e3])
+def test_the_first_case_may_raise(raising, other):
+    slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, other], dims="M"))
+    found = sweep("limit_cycle", slider, V_lp=V_LP[:2])
     assert (found.status.isel(M=0) == CRASHED).all()
-    assert (found.status.isel(M=1) <= 1).all()
-
-
-def test_a_sweep_in_which_every_case_raises(raising):
-    slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, BAD], dims="M"))
-    found = sweep("limit_cycle", slider, V_lp=V_LP)
-    assert (found.status == CRASHED).all()
+    assert ((found.status.isel(M=1) == CRASHED) == (other == BAD)).all()
 
 
 def test_what_cases_have_in_common_is_kept(monkeypatch):

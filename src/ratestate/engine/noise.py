@@ -29,6 +29,7 @@ class Filter(NamedTuple):
     covariance: np.ndarray  # (m, m)
     predicted: np.ndarray  # (m, k)
     gain: np.ndarray  # (m,)
+    part: np.ndarray  # (m,) of the innovation: the gain divided by its variance
     keep: np.ndarray  # (m,)
 
 
@@ -46,7 +47,7 @@ def whiten(dt, white, variances, times, columns):
     """
     n, m = len(columns), len(variances)
     given = (np.ascontiguousarray(x, float) for x in (dt, [white], variances, times, columns))
-    shapes = columns.shape, (1,), (m, m), (m, columns.shape[1]), (m,), (m,)
+    shapes = columns.shape, (1,), (m, m), (m, columns.shape[1]), (m,), (m,), (m,)
     filter_ = Filter(*given, *(np.zeros(shape) for shape in shapes))
     filter_.covariance[...] = np.diag(variances)
     Program(_filter, filter_)(n)
@@ -54,7 +55,8 @@ def whiten(dt, white, variances, times, columns):
 
 
 def _filter(run, n):
-    gain, keep, covariance, predicted = run.gain, run.keep, run.covariance, run.predicted
+    gain, part, keep = run.gain, run.part, run.keep
+    covariance, predicted = run.covariance, run.predicted
     k, m, log_determinant, last = run.columns.shape[1], gain.shape[0], 0.0, -1.0
     for i in range(n):
         total = run.white[0]
@@ -65,6 +67,8 @@ def _filter(run, n):
             total += gain[a]
         log_determinant += log(total)
         root = 1.0 / sqrt(total)
+        for a in range(m):
+            part[a] = gain[a] / total
         if i + 1 < n and run.dt[i] != last:
             last = run.dt[i]
             for a in range(m):
@@ -75,7 +79,7 @@ def _filter(run, n):
                 innovation -= predicted[a, j]
             run.out[i, j] = innovation * root
             for a in range(m):
-                predicted[a, j] = keep[a] * (predicted[a, j] + gain[a] / total * innovation)
+                predicted[a, j] = keep[a] * (predicted[a, j] + part[a] * innovation)
         for a in range(m):
             for b in range(m):
                 left = covariance[a, b] - gain[a] * gain[b] / total

@@ -11,13 +11,14 @@ from typing import Any
 
 import zarr
 from zarr.codecs import ZstdCodec
+from zarr.storage import MemoryStore
 
 from ..errors import StoreError
 from . import sentence
 from .inputs import checksum, inputs_of
 from .legacy import METADATA, SWEEP_GROUP
 from .lock import lock_folder, remove_if_abandoned
-from .manifest import MANIFEST, RECORDS, digests_of, keys_in, manifest_entry
+from .manifest import MANIFEST, RECORDS, keys_in, manifest_entry, sha256
 from .origin import origin
 from .store import device_attrs, python_text, zarr_3_warnings_ignored
 from .writing import FILL_VALUES, NO_RESULT, to_disk
@@ -69,26 +70,39 @@ def remove_abandoned(path):
 
 
 def make(folder, request, chunks):
-    """Make a store without results in an empty folder: all its files except those of chunks."""
+    """Make a store without results in an empty folder: all its files except those of chunks.
+
+    It is made in memory first, which takes half as long as on disk.
+    """
+    contents: dict = {}
+    memory = MemoryStore(contents)
     with zarr_3_warnings_ignored():
-        _write_static(folder, request, chunks)
+        _write_static(memory, request, chunks)
         made_by = origin(request.device)
-        _write_sweep_group(folder, request, chunks, made_by["versions"])
-        zarr.consolidate_metadata(folder)
+        _write_sweep_group(memory, contents, request, chunks, made_by["versions"])
+        zarr.consolidate_metadata(memory)
+        _write_files(folder, contents)
         manifest: Any = zarr.open_array(folder / MANIFEST, mode="r+", zarr_format=3)
         manifest[chunks.number] = manifest_entry(folder, keys_in(folder), None, made_by)
 
 
-def _write_static(folder, request, chunks):
+def _write_files(folder, contents):
+    """Write these contents into a folder: key -> zarr's buffer."""
+    for key, content in contents.items():
+        (folder / key).parent.mkdir(parents=True, exist_ok=True)
+        (folder / key).write_bytes(content.as_buffer_like())
+
+
+def _write_static(store, request, chunks):
     """Write what is known of the result before it is computed, and arrays for the rest."""
     call, form = request.call, request.form
     result = python_text(call.dataset(form.static).drop_attrs(deep=False))
-    group = zarr.open_group(folder, mode="a", zarr_format=3)
+    group = zarr.open_group(store, mode="a", zarr_format=3)
     encoding: dict = {name: {"compressors": [CODEC]} for name in result.variables}
     for name, variable in result.variables.items():
         if variable.dtype.kind == "f":
             encoding[name] |= {"fill_value": NO_RESULT, "_FillValue": None}
-    result.to_zarr(folder, mode="a", consolidated=False, zarr_format=3, encoding=encoding)
+    result.to_zarr(store, mode="a", consolidated=False, zarr_format=3, encoding=encoding)
     for name, spec in form.specs.items():
         if name not in form.static:
             _add_variable(group, name, spec, chunks)
@@ -112,11 +126,14 @@ def _add_variable(group, name, spec, chunks):
     )
 
 
-def _write_sweep_group(folder, request, chunks, versions):
-    """Write the inputs of the sweep, and that no chunk is done."""
+def _write_sweep_group(store, contents, request, chunks, versions):
+    """Write the inputs of the sweep, and that no chunk is done.
+
+    contents : those of the store, key -> zarr's buffer
+    """
     inputs = inputs_of(request.name, request.call)
-    sweep_group = zarr.open_group(folder, mode="r+", zarr_format=3).create_group(SWEEP_GROUP)
-    inputs.to_zarr(folder, group=f"{SWEEP_GROUP}/inputs", consolidated=False, zarr_format=3)
+    sweep_group = zarr.open_group(store, mode="r+", zarr_format=3).create_group(SWEEP_GROUP)
+    inputs.to_zarr(store, group=f"{SWEEP_GROUP}/inputs", consolidated=False, zarr_format=3)
     add_record(sweep_group, "done", bool, chunks.number)
     add_record(sweep_group, "manifest", str, chunks.number + 1)
     records = [f"{SWEEP_GROUP}/{name}/{METADATA}" for name in ("done", "manifest")]
@@ -128,7 +145,7 @@ def _write_sweep_group(folder, request, chunks, versions):
             "device": request.device,
             "checksum": checksum(inputs),
             "versions": versions,
-            RECORDS: digests_of(folder, records),
+            RECORDS: {key: sha256(contents[key].to_bytes()) for key in records},
         }
     )
 

@@ -273,7 +273,7 @@ def test_fold():
     assert float(cycles.amplitude[1] / fold.amplitude) == pytest.approx(1, abs=0.02)
 
 
-@pytest.mark.parametrize("parameter", ["K", "M", "Dc"])
+@pytest.mark.parametrize("parameter", ["K", "M"])
 def test_the_same_fold_whatever_leads_to_it(parameter):
     """A fold is a place in (K, eta, b/a): a branch in any other parameter turns there too."""
     branch, slider, V_lp = across(parameter, "aging")
@@ -289,11 +289,9 @@ def test_the_same_fold_whatever_leads_to_it(parameter):
         assert float(other[name]) == pytest.approx(float(fold[name]), rel=1e-4), name
 
 
-@LAWS
-def test_one_branch_through_speed_and_mass(law):
+def test_one_branch_through_speed_and_mass():
     """Of M and V_lp only eta ~ M V_lp^2 counts: amplitude/a, and the period in Dc/V_lp."""
-    slider = FIG2.replace(K=6.06e8, law=law)
-    by_speed = across("V_lp", law)[0]
+    by_speed, slider, _ = across("V_lp", "aging")
     V = 1e-3
     by_mass = continue_cycle(slider, "M", 3e3 * (5e-3 / V) ** 2, 1.0, V_lp=V)
     assert specials(by_mass) == specials(by_speed)
@@ -311,19 +309,17 @@ def test_one_branch_through_speed_and_mass(law):
         assert off.max() < 2e-3
         assert np.log(values["V_lp"].values[0]) == pytest.approx(known[0], rel=1e-7)
         assert np.log(values["V_lp"].values[-1]) == pytest.approx(known[-1], rel=1e-7)
-    if law == "aging":
-        one = float(eta["M"][_at_fold(by_mass)])
-        assert one == pytest.approx(float(eta["V_lp"][_at_fold(by_speed)]), rel=1e-7)
+    one = float(eta["M"][_at_fold(by_mass)])
+    assert one == pytest.approx(float(eta["V_lp"][_at_fold(by_speed)]), rel=1e-7)
 
 
 def _at_fold(branch):
     return int(np.flatnonzero(branch.special == "fold")[0])
 
 
-@pytest.mark.parametrize("V_lp", [3.6e-4, 4.2e-4])
-def test_unstable_cycles_against_scipy(V_lp):
+def test_unstable_cycles_against_scipy():
     """Newton's method on the return map in physical variables, by LSODA."""
-    K = STRIP.K
+    K, V_lp = STRIP.K, 4.2e-4
     branch = continue_cycle(STRIP, "K", K, 2 * K, V_lp=V_lp)
     assert specials(branch) == ["start", "fold", "start"]
     cycle = branch.isel(point=-1)
@@ -409,44 +405,22 @@ def test_period_doublings():
 
 BAD = {
     "parameter 'V0'": ((FIG2, "V0", 1e-3, 1e-2), {}, ["parameter = 'V0'", "one of V_lp, K"]),
-    "parameter 'mu0'": ((FIG2, "mu0", 0.5, 0.6), {"V_lp": 1e-2}, ["parameter = 'mu0'"]),
-    "no parameter": ((FIG2, None, 1e-3, 1e-2), {}, ["parameter = None"]),
     "list": ((FIG2, ["K"], 1e-3, 1e-2), {}, ["parameter = ['K']"]),
     "no slider": (({"a": 1}, "K", 1e-3, 1e-2), {}, ["slider", "SpringSlider"]),
     "no V_lp": ((FIG2, "K", 1e9, 1e8), {}, ["V_lp is missing", "at which K changes"]),
     "V_lp twice": ((FIG2, "V_lp", 1e-3, 1e-2), {"V_lp": 1e-3}, ["leave V_lp= out"]),
-    "V_lp = 0": ((FIG2, "K", 1e9, 1e8), {"V_lp": 0}, ["V_lp = 0 m/s must be > 0"]),
-    "V_lp unit": ((FIG2, "K", 1e9, 1e8), {"V_lp": "1 mm"}, ["V_lp = '1 mm'", "3.2 mm/s"]),
     "start = stop": ((FIG2, "V_lp", "10 mm/s", 1e-2), {}, ["start = stop = 0.01"]),
-    "start < 0": ((FIG2, "V_lp", -1e-2, 1e-2), {}, ["start = -0.01 m/s must be > 0"]),
     "start = 0": ((FIG2, "V_lp", 0, 1e-2), {}, ["start = 0 m/s"]),
-    "stop = inf": ((FIG2, "V_lp", 1e-2, np.inf), {}, ["stop = inf m/s must be finite"]),
-    "stop = nan": ((FIG2, "V_lp", 1e-2, np.nan), {}, ["stop = nan", "not a number"]),
     "start unit": ((FIG2, "K", "1 GPa", 1e8), {"V_lp": 1e-2}, ["start = '1 GPa'", "Pa/m"]),
     "start array": ((FIG2, "V_lp", xr.DataArray([1e-3], dims="q"), 1), {}, ["start is an array"]),
-    "stop list": ((FIG2, "V_lp", 1e-3, [1e-2]), {}, ["stop = [0.01] is of type list"]),
-    "V_lp array": (
-        (FIG2, "K", 1e9, 1e8),
-        {"V_lp": xr.DataArray([1e-3], dims="q")},
-        ["V_lp is an array"],
-    ),
     "sweep": (
         (FIG2.replace(M=xr.DataArray([1e2, 1e3], dims="M")), "V_lp", 1e-3, 1e-2),
         {},
         ["M is an array", "one slider"],
     ),
     "rtol small": ((FIG2, "V_lp", 1e-2, 1e-3), {"rtol": 9e-11}, ["rtol = 9e-11", "1e-10 to 1e-4"]),
-    "rtol large": ((FIG2, "V_lp", 1e-2, 1e-3), {"rtol": 2e-4}, ["rtol = 0.0002", "such as 1e-8"]),
-    "rtol = 0": ((FIG2, "V_lp", 1e-2, 1e-3), {"rtol": 0}, ["rtol = 0 must be > 0"]),
-    "rtol array": (
-        (FIG2, "V_lp", 1e-2, 1e-3),
-        {"rtol": xr.DataArray([1e-6], dims="q")},
-        ["rtol is an array"],
-    ),
     "b = a": ((FIG2.replace(b=0.003), "V_lp", 1e-2, 1e-3), {}, ["b <= a (b/a = 1)", "b > a"]),
-    "b < 0": ((FIG2.replace(b=-0.002), "K", 1e9, 1e8), {"V_lp": 1e-2}, ["b <= a", "-0.666667"]),
     "b to a": ((FIG2, "b", 0.001, 0.003), {"V_lp": 1e-2}, ["b <= a"]),
-    "a above b": ((FIG2, "a", 0.0065, 0.007), {"V_lp": 1e-2}, ["b <= a"]),
     "b from < 0": ((FIG2, "b", -0.001, 0.006), {"V_lp": 1e-2}, ["start = -0.001", "0 < start"]),
     "M = 0": ((FIG2.replace(M=0), "V_lp", 1e-2, 1e-3), {}, ["M = 0", "is of sliders with mass"]),
     "M to 0": ((FIG2, "M", 1e3, 0), {"V_lp": 1e-2}, ["stop = 0.0", "is of sliders with mass"]),

@@ -193,22 +193,6 @@ def test_accuracy_asked_for(law, rtol):
     assert (tight.V_max > V_lp).all()
 
 
-@LAWS
-def test_small_cycles_beyond_the_boundary(law):
-    """Just below K_c the slip law's amplitude grows as a square root, at the Hopf frequency."""
-    slider, V_lp = STICK.replace(law=law), 3e-2
-    K_c = float(slider.K_c(V_lp))
-    for epsilon in (1e-3, 4e-3):
-        found = limit_cycle(slider.replace(K=(1 - epsilon) * K_c), V_lp, rtol=1e-7)
-        assert found.status == 0
-        omega_c = V_lp / 1e-5 * math.sqrt(0.6)
-        # quasi-static omega_c is exact at the boundary; the cycle is a little slower
-        assert float(found.frequency) < omega_c / (2 * math.pi) * (1 + 1e-3)
-        assert float(found.frequency) > 0.9 * omega_c / (2 * math.pi)
-    above = limit_cycle(slider.replace(K=1.01 * K_c), V_lp)
-    assert above.status == 1
-
-
 # Where b >> a and K is near K_c_qs the slip law's motion may never repeat.
 CHAOS = SpringSlider(a=0.01, b=0.2, Dc=1e-5, sigma=1e6, K=1.1 * 1.9e10, M=6e4)
 
@@ -335,7 +319,7 @@ def test_thirteen_decades(law):
 def test_error_is_what_it_says(law):
     """Neither too small nor far too large, of random sliders and close to the Hopf point."""
     rng = np.random.default_rng(42)
-    n = 32
+    n = 20
     beta, eta = 1 + 10 ** rng.uniform(-1, 0.7, n), 10 ** rng.uniform(-12, 3, n)
     below = rng.uniform(0.02, 0.995, n)
     within = 1 + eta * (1 - 10 ** rng.uniform(-9, 0, n))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from dimensionless import P1, P2, P4B, jacobian, make_system, random_sliders, rates
+from dimensionless import P1, P4B, jacobian, make_system, random_sliders, rates
 from naive import top
 from scipy.integrate import solve_ivp
 
@@ -199,7 +199,6 @@ def test_how_far_an_orbit_leaps(multiplier, fixed_point, expected):
     ("law", "parameters", "method"),
     [
         ("slip", P1, "DOP853"),
-        ("slip", P2, "Radau"),
         ("aging", P4B, "Radau"),
         ("aging", (0.8 * 20, 2.0, 20.0), "DOP853"),
         ("slip", (0.05, 1.5, 1e-3), "Radau"),

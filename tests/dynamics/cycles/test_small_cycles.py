@@ -70,7 +70,6 @@ def shot(law, kappa, beta, eta, guess):
     ("law", "kappa", "beta", "eta", "stable"),
     [
         ("slip", 1.5, 2.0, 0.512, True),  # Fig. 2 at 3.2 mm/s
-        ("aging", 1.5, 2.0, 0.512, True),
         ("slip", 0.9 * (1 + 3.0) - 0.01, 1.9, 3.0, True),
         ("aging", 2.0 * 1.05 + 6e-4, 3.0, 0.05, False),
     ],
@@ -152,10 +151,8 @@ def precise_cycle(law, r, beta, eta):
 @pytest.mark.parametrize(
     ("law", "r", "beta", "eta"),
     [
-        ("slip", 1e-8, 1.7, 0.3),
         ("aging", 1e-8, 1.7, 0.3),
         ("slip", 1e-6, 3.0, 1e6),
-        ("aging", 1e-6, 1.001, 20.0),
         ("aging", 1e-5, 40.0, 1e-4),
         ("slip", 1e-5, 2.0, 1e-5),
     ],
@@ -228,17 +225,17 @@ def test_series_is_that_of_the_law(law):
 
 def test_same_bits_in_any_batch():
     rng = np.random.default_rng(6)
-    beta, eta = 1 + 10 ** rng.uniform(-3, 1, 40), 10 ** rng.uniform(-3, 3, 40)
-    law, *arguments = at_margin_of(10 ** rng.uniform(-4, -0.8, 40), "aging", beta, eta)
+    beta, eta = 1 + 10 ** rng.uniform(-3, 1, 12), 10 ** rng.uniform(-3, 3, 12)
+    law, *arguments = at_margin_of(10 ** rng.uniform(-4, -0.8, 12), "aging", beta, eta)
     together = small_cycle(law, *arguments)
     assert together.valid.mean() > 0.9
-    for i in range(40):
+    for i in range(12):
         alone = small_cycle(law, *(value[i : i + 1] for value in arguments))
         for one, all_ in zip(alone, together, strict=True):
             assert one.tobytes() == all_[i : i + 1].tobytes()
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     laws,
     st.floats(-6, 2),
@@ -260,7 +257,7 @@ def test_never_fails(law, log_b1, log_eta, log_margin, sign, given_margin):
         assert all(np.isnan(value[0]) for value in cycle[1:])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(laws, st.floats(-6, 2), st.floats(-6, 14), st.floats(-8, -1.5))
 def test_finds_what_there_is(law, log_b1, log_eta, log_r):
     arguments = at_margin_of(10**log_r, law, 1 + 10**log_b1, 10**log_eta)

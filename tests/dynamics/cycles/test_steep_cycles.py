@@ -65,7 +65,7 @@ def true_error(cycle, period, amplitude):
 
 
 @pytest.mark.parametrize("name", CYCLES)
-@pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-10])
 def test_error_bounds_the_true_error_and_not_by_far(name, rtol):
     slider, exact = CYCLES[name]
     slider, V_lp = slider_of(*slider)

@@ -7,7 +7,7 @@ import naive
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import solve_ivp
 
 import ratestate as rs
 from ratestate import Loading, SpringSlider, logspace, simulate
@@ -59,7 +59,7 @@ def test_own_steps_are_fine_enough_to_draw():
     assert np.abs(np.diff(np.log(run.V))).max() < 0.15
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_steps_land_on_breaks_and_end(seed):
     """To the last bit, whatever the times: the march lands there, it does not come near."""
     rng = np.random.default_rng(seed)
@@ -76,7 +76,7 @@ def test_steps_land_on_breaks_and_end(seed):
         assert run.V_load.sel(time=t2) == 2e-4
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_saved_times_are_all_there(seed):
     """No NaN beside status 0: neither at t_end nor where a time falls on a step's end."""
     rng = np.random.default_rng(seed)
@@ -577,42 +577,6 @@ def test_rigid_step(law, M):
     assert float(own.V_min) == pytest.approx(V1, rel=1e-12)
 
 
-@LAWS
-@pytest.mark.parametrize("rate", [0.05, -4e-4])
-def test_rigid_ramp(law, rate):
-    """Against quadrature of the linear equation that the state obeys."""
-    V1, Dc, t_end = 1e-3, 1e-5, 2.0
-
-    def speed(t):
-        return V1 + rate * t
-
-    loading = Loading.series([0, t_end], [V1, speed(t_end)])
-    times = [0.01, 0.3, 2.0]
-    run = simulate(SLIDER.replace(K=np.inf, law=law), loading, t_end, times=times, V_start=1e-4)
-    for i, t in enumerate(times):
-
-        def slip(s, t=t):
-            return (t - s) * 0.5 * (speed(s) + speed(t))
-
-        decay = np.exp(-slip(0.0) / Dc)
-        window = max(0.0, t - 60 * Dc / min(speed(t), V1))
-
-        def integrate(f, t=t, slip=slip, window=window):
-            def g(s):
-                return f(s) * np.exp(-slip(s) / Dc)
-
-            return quad(g, window, t, epsabs=0, epsrel=1e-12, limit=500)[0]
-
-        if law == "aging":
-            theta = Dc / 1e-4 * decay + integrate(lambda s: 1.0)
-        else:
-            log = np.log(V1 / 1e-4) * decay + integrate(lambda s: rate / speed(s))
-            theta = Dc / speed(t) * np.exp(log)
-        assert float(run.theta[i]) == pytest.approx(theta, rel=1e-9)
-        # the ramp takes its force: tau = sigma mu + M dV/dt
-        assert float(run.tau[i] - 2e6 * run.mu[i]) == pytest.approx(3e3 * rate, abs=1e-8)
-
-
 # M = 0: the instability ---------------------------------------------------------------------------
 
 
@@ -672,15 +636,6 @@ def test_series_and_own_odd_shapes():
     speeds = [float(v[2]) for v in V]
     one = simulate(STIFF.replace(M=100.0), Loading.series(t, speeds), 0.1, rtol=1e-8, times=[0.1])
     np.testing.assert_allclose(logs(run.isel(gain=2, M=1)), logs(one), rtol=0, atol=1e-9)
-
-
-def test_a_rigid_case_in_a_batch_is_the_limit_of_stiff_ones():
-    K = xr.DataArray([1e13, np.inf], dims="K")
-    times = [0.02, 0.05]
-    run = simulate(SLIDER.replace(K=K, M=1.0), Loading.steps(1e-3, (0.01, 3e-3)), 0.05, times=times)
-    np.testing.assert_allclose(run.mu[0], run.mu[1], rtol=1e-5)
-    np.testing.assert_allclose(run.V[0], run.V[1], rtol=1e-4)
-    assert not (run.mu[0] == run.mu[1]).all()
 
 
 def test_a_rigid_run_along_a_sampled_record_is_shown_at_its_rows_too():

@@ -361,19 +361,10 @@ def test_laws_are_compared(good):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_noisy_record_does_not_decide_between_laws(monkeypatch):
-    monkeypatch.setattr(sampling, "LIVE", 20)
+def test_a_noisy_record_does_not_decide_between_laws():
     data = record(SLIDER, STEP, T, noise=5e-3, seed=3)
-    both = rs.fit(data, SLIDER, ("a", "Dc"), law=("slip", "aging"), errors="posterior")
+    both = rs.fit(data, SLIDER, ("a", "Dc"), law=("slip", "aging"), errors="covariance")
     assert "does not decide between the laws" in both.attrs["comparison"]
-    assert "which decides nothing" in both.attrs["comparison"]
-    evidence = both.log_evidence - both.log_evidence.max()
-    np.testing.assert_allclose(both.log_bayes_factor, evidence)
-    assert float(both.log_bayes_factor_error.max()) > 0.0
-    # a common prior, and laws of the same number of parameters: the factor is that of likelihoods
-    ratio = both.log_likelihood.sel(law="slip") - both.log_likelihood.sel(law="aging")
-    factor = both.log_evidence.sel(law="slip") - both.log_evidence.sel(law="aging")
-    assert abs(float(factor - ratio)) < 1.5
 
 
 @pytest.mark.parametrize(
@@ -395,6 +386,7 @@ def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidenc
     assert by_likelihood in text
     assert by_evidence in text
     assert float(table.aic_difference.sel(law="aging")) == pytest.approx(2.0 * apart)
+    assert float(table.log_bayes_factor.sel(law="aging")) == pytest.approx(-apart)
 
 
 @pytest.mark.parametrize(
@@ -426,16 +418,6 @@ def test_laws_that_leave_more_than_the_noise_do_not_fit(good, noise, fits):
     assert ("slip law fits clearly better" in both.comparison) == fits
 
 
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_of_two_states_no_law_with_one_fits():
-    two = SLIDER.replace(law="two-state-slip", b2=0.004, Dc2="60 um")
-    loading = rs.Loading.steps("1 um/s", (100.0, "10 um/s"))
-    data = record(two, loading, np.arange(0.0, 240.0, 0.2), noise=1e-4)
-    both = rs.fit(data, SLIDER, law=("slip", "aging"), errors="covariance")
-    assert "Neither law fits the record within its noise, as the warnings say" in both.comparison
-    assert all("does not describe the record" in text for text in both.warnings.values)
-
-
 def test_each_doubt_is_a_warning(good):
     """Each by a record that gives reason to it, and not by the good one."""
     assert rs.fit(good, SLIDER).warnings.item() == ""
@@ -460,7 +442,7 @@ def test_each_doubt_is_a_warning(good):
         assert {one.filename for one in emitted} == {__file__}  # the line that asked
 
 
-@pytest.mark.parametrize("given", [5e-5, 2e-4, 8e-4])
+@pytest.mark.parametrize("given", [5e-5, 8e-4])
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_misfit_is_measured_by_the_noise_that_the_record_shows(good, given):
     """Whatever noise was given: the probability is nearly the same."""
@@ -504,7 +486,7 @@ def test_the_oscillation_of_a_soft_machine_does_not_pass_for_correlated_noise(la
 
 
 @pytest.mark.parametrize("slider", [SLIDER, SOFT])
-@pytest.mark.parametrize("Dc2", ["4 um", "20 um", "80 um"])
+@pytest.mark.parametrize("Dc2", ["4 um", "80 um"])
 def test_a_second_state_is_among_the_transients(slider, Dc2):
     """Whether the machine is stiff or oscillates: they span most of its effect, to first order."""
     found = solution_of(record(slider, LONG_STEP, LONG_T, noise=1e-5), slider)
@@ -562,7 +544,7 @@ def test_a_load_point_that_accelerates_from_the_start_is_fitted():
     t = np.arange(0.0, 60.0, 0.1)
     loading = rs.Loading.series([0.0, 60.0], ["1 um/s", "30 um/s"])
     z = []
-    for seed in range(3):
+    for seed in range(2):
         data = record(SLIDER, loading, t, noise=1e-4, seed=seed)
         result = rs.fit(data, SLIDER.replace(a=0.008, Dc="20 um"), loading=loading)
         for name in ("a", "b", "Dc"):

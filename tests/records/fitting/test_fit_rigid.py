@@ -15,8 +15,9 @@ RIGID = rs.SpringSlider(a=0.008, b=0.010, Dc=1e-5, sigma=1e7, V0=1e-6, K=np.inf,
 T = np.arange(600) * 0.3
 
 
-@pytest.mark.parametrize("law", ["slip", "aging"])
-@pytest.mark.parametrize("speeds", [(1e-6, 5e-6, 2e-6), (5e-6, 1e-6, 1e-5)], ids=["up", "down"])
+@pytest.mark.parametrize(
+    ("law", "speeds"), [("slip", (1e-6, 5e-6, 2e-6)), ("aging", (5e-6, 1e-6, 1e-5))]
+)
 def test_a_sample_at_the_time_of_a_step_is_that_after_it(law, speeds):
     """As `simulate` has it; the steps are at samples, 200 and 400."""
     loading = rs.Loading.steps(speeds[0], (T[200], speeds[1]), (T[400], speeds[2]))
@@ -88,7 +89,7 @@ def moved(lag=0.0, takes=0.0, K=np.inf, seed=0, last=5e-6):
 
 
 @pytest.mark.parametrize(
-    "cause", [{"K": 1e11}, {"K": 3e11}, {"lag": 0.3}, {"takes": 0.5}], ids=lambda cause: str(cause)
+    "cause", [{"K": 1e11}, {"lag": 0.3}, {"takes": 0.5}], ids=lambda cause: str(cause)
 )
 def test_a_spring_and_a_load_point_that_moves_later_are_both_named(cause):
     text = warned(*moved(**cause))
@@ -107,8 +108,7 @@ def test_a_lag_that_no_spring_explains_is_named_alone(lag, last, side):
     assert 0.7 < float(number) * {"s": 1.0, "ms": 1e-3}[unit] / abs(lag) < 1.4
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_rigid_machine_has_neither(seed):
-    text = warned(*moved(seed=seed))
+def test_a_rigid_machine_has_neither():
+    text = warned(*moved())
     assert "a spring" not in text
     assert "load point that moves" not in text

@@ -17,7 +17,6 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate import ParameterError, files
-from ratestate.records.reading import isolated
 from ratestate.records.reading.isolated import read_isolated
 
 T = np.arange(120) * 0.25
@@ -76,14 +75,6 @@ def test_what_a_reader_finds_comes_back_from_a_child(path):
 def test_whatever_goes_wrong_is_a_parameter_error(path, reader, message):
     with pytest.raises(ParameterError, match=message):
         read_isolated(getattr(readers, reader), path, "a thing")
-
-
-def test_a_child_that_never_ends_is_ended(path, monkeypatch):
-    monkeypatch.setattr(isolated, "SECONDS", 2.0)
-    with pytest.raises(
-        ParameterError, match=r"r.dat cannot be read as a thing: it took more than 2"
-    ):
-        read_isolated(readers.endless, path, "a thing")
 
 
 @pytest.mark.parametrize("program", ["/no/such/python", "/bin/false"])

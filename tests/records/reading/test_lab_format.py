@@ -84,7 +84,7 @@ def tables(draw):
 
 
 @given(table=tables())
-@settings(max_examples=25, deadline=None,
+@settings(max_examples=12, deadline=None,
           suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
 def test_a_description_reads_as_the_options_it_was_made_with(tmp_path, table):
     header, values, options, delimiter, decimal = table

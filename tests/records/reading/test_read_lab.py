@@ -121,7 +121,7 @@ NAMES = st.fixed_dictionaries(
     ),
     comments=st.sets(st.integers(2, N - 2), max_size=3),
 )
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_layout(tmp_path, header, order, delimiter, end, bad, comments):
     rows = cells()
     for (row, column), text in bad.items():
@@ -503,9 +503,9 @@ def test_short_rows_are_counted(tmp_path):
 def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
     path = tmp_path / "r.txt"
     for content, match in [
-        ("1," * 3_000_000 + "\n", "r.txt is no record: line 1 has 6,000,000 characters"),
+        ("1," * 300_000 + "\n", "r.txt is no record: line 1 has 600,000 characters"),
         ("\n" + "x" * 20_001 + "\n1\t2\n", "line 2 has 20,001 characters, more than 20,000"),
-        ("one word\n" * 100_000, "no line of numbers"),
+        ("one word\n" * 10_000, "no line of numbers"),
     ]:
         path.write_text(content)
         with pytest.raises(rs.ParameterError, match=match):

@@ -275,9 +275,9 @@ def test_a_gap_makes_no_step(moved, noise):
 
 
 def test_short_pieces_between_gaps_make_no_steps():
-    """Pieces of 3 rows and more at one speed, the displacement of each anywhere: 100 records."""
+    """Pieces of 3 rows and more at one speed, the displacement of each anywhere: 40 records."""
     rng = np.random.default_rng(1)
-    for _ in range(100):
+    for _ in range(40):
         V = 1e-6 * 10 ** rng.uniform(-1, 1.5)
         t, x, t_from, x_from = [], [], 0.0, 0.0
         for rows in [*rng.integers(3, 500, rng.integers(1, 5)), 50]:
@@ -341,7 +341,7 @@ SLOWER = ((0, 250, 0.1), (250, 262, 0.01), [(0, 2.29e-6), (252, 22.9e-6)])
 FASTER = ((0, 2, 0.001), (2, 262, 0.1), [(0, 229e-6), (1.99, 2.29e-6)])
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize(
     ("parts", "noises", "other"),
     [
@@ -377,7 +377,7 @@ def test_noise_that_differs_at_one_rate(ratio):
 def test_errors_come_from_the_noise_of_their_own_rate():
     """Of a speed at 10 Hz and 0.07 um, then at 100 Hz and 0.42 um: by least squares."""
     scaled = []
-    for seed in range(100):
+    for seed in range(50):
         t, x = averaging_recorder(100 + seed, *SLOWER, (0.07e-6, 0.42e-6))
         found = segments_from_displacement(t, x)
         scaled.append((found.V - [2.29e-6, 22.9e-6]) / found.V_error)
@@ -386,7 +386,7 @@ def test_errors_come_from_the_noise_of_their_own_rate():
     assert found.V_error[0] == pytest.approx(slow, rel=0.15)
 
 
-@pytest.mark.parametrize("jump", [-100e-6, -30e-6, 30e-6, 100e-6])
+@pytest.mark.parametrize("jump", [-100e-6, -30e-6, 30e-6])
 @pytest.mark.parametrize("noise", [0.0, 0.2e-6])
 def test_a_jump_at_a_step_moves_no_step(jump, noise):
     """A sensor that is set to zero when the speed changes, as the next slide begins."""

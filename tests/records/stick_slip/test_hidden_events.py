@@ -51,9 +51,7 @@ def damped():
     ("noise", "digits", "error"),
     [
         (0.0, 12, (300.0, 2e3)),
-        (0.0, 8, (300.0, 2e3)),
         (1e-5, 8, (300.0, 2e3)),
-        (0.0, 4, (408.0, 2e3)),
         (0.0, 3, (4082.0, 1e4)),
     ],
 )
@@ -104,29 +102,29 @@ def unique(t, digit):
     return np.unique(np.round(t / digit), return_index=True)[1]
 
 
-@pytest.mark.parametrize("gap", [3.0, 6.0, 12.0])
-@pytest.mark.parametrize("noise", [1e-3, 0.02, 0.05])
+@pytest.mark.parametrize(
+    ("gap", "noise"), [(3.0, 1e-3), (3.0, 0.05), (6.0, 0.02), (12.0, 1e-3), (12.0, 0.05)]
+)
 def test_close_events_are_two_or_told(gap, noise):
     """Two events so many samples apart: two within their errors, several, or a large one."""
-    for seed in range(2):
-        rng = np.random.default_rng(seed)
-        starts = np.sort([*(100.0 * np.arange(1, 9) + rng.uniform()), 400.0 + gap])
-        truth = sawtooth(starts, DROP * rng.uniform(0.7, 1.3, 9), 1.0, rng, noise * DROP)
-        events = rs.events(truth.record, K=truth.K)
-        several = events.event_status.values == SEVERAL
-        large = np.array(["it may be several events" in text for text in messages(events)])
-        assert (several | large).sum() <= 1
-        assert events.sizes["event"] == (8 if (several | large).any() else 9)
-        near = [int(np.abs(truth.times - x).argmin()) for x in events.event_time.values]
-        off = (events.stress_drop.values - truth.drops[near]) / events.stress_drop_error.values
-        assert np.abs(off[np.isfinite(off) & ~large]).max() < 4.5
-        late = (events.event_time.values - truth.times[near]) / events.event_time_error.values
-        assert np.abs(late[np.isfinite(late) & ~large]).max() < 4.5
-        told = ["this fall is several events" in text for text in messages(events)]
-        assert told == several.tolist()
-        for name in ("stress_drop", "duration", "slip", "peak_slip_rate", "friction_work"):
-            half = events[f"{name}_error"].values >= 0.5 * np.abs(events[name].values)
-            assert (half | np.isnan(events[f"{name}_error"].values))[several].all()
+    rng = np.random.default_rng(0)
+    starts = np.sort([*(100.0 * np.arange(1, 9) + rng.uniform()), 400.0 + gap])
+    truth = sawtooth(starts, DROP * rng.uniform(0.7, 1.3, 9), 1.0, rng, noise * DROP)
+    events = rs.events(truth.record, K=truth.K)
+    several = events.event_status.values == SEVERAL
+    large = np.array(["it may be several events" in text for text in messages(events)])
+    assert (several | large).sum() <= 1
+    assert events.sizes["event"] == (8 if (several | large).any() else 9)
+    near = [int(np.abs(truth.times - x).argmin()) for x in events.event_time.values]
+    off = (events.stress_drop.values - truth.drops[near]) / events.stress_drop_error.values
+    assert np.abs(off[np.isfinite(off) & ~large]).max() < 4.5
+    late = (events.event_time.values - truth.times[near]) / events.event_time_error.values
+    assert np.abs(late[np.isfinite(late) & ~large]).max() < 4.5
+    told = ["this fall is several events" in text for text in messages(events)]
+    assert told == several.tolist()
+    for name in ("stress_drop", "duration", "slip", "peak_slip_rate", "friction_work"):
+        half = events[f"{name}_error"].values >= 0.5 * np.abs(events[name].values)
+        assert (half | np.isnan(events[f"{name}_error"].values))[several].all()
 
 
 def test_a_single_fall_is_not_several():
@@ -143,7 +141,7 @@ def test_a_single_fall_is_not_several():
 def test_small_falls_in_the_loading_are_told(size, found):
     """A fall of 0.2 drops in noise of 0.05 drops is below the threshold, and seen on average."""
     count = 0
-    for seed in range(4):
+    for seed in range(2):
         rng = np.random.default_rng(seed)
         starts = np.sort([*(200.0 * np.arange(1, 7)), 500.0])
         drops = np.where(starts == 500.0, size * DROP, DROP)
@@ -154,7 +152,7 @@ def test_small_falls_in_the_loading_are_told(size, found):
         told = ["may span two events" in text for text in messages(events)]
         count += told[2]
         assert not any(told[:2] + told[3:])
-    assert count == (4 if found else 0)
+    assert count == (2 if found else 0)
 
 
 def test_outliers_are_not_hidden_events():
@@ -208,11 +206,11 @@ def test_durations_below_a_sample_are_not_made_up():
     np.testing.assert_allclose(long.duration, 19.0, atol=4.0)
 
 
-@pytest.mark.parametrize(("noise", "uneven"), [(0.01, 0.0), (0.1, 0.0), (0.1, 0.8), (0.2, 0.0)])
+@pytest.mark.parametrize(("noise", "uneven"), [(0.01, 0.0), (0.1, 0.8), (0.2, 0.0)])
 def test_noise_does_not_bias_drops(noise, uneven):
     """Noise up to a fifth of the drop; `benchmarks/events.py` has 9 records of each kind."""
     off, relative = [], []
-    for seed in range(4):
+    for seed in range(3):
         rng = np.random.default_rng(seed)
         starts = np.cumsum(200.0 * np.exp(0.1 * rng.normal(size=8)))
         truth = sawtooth(starts, np.full(8, DROP), 2.0, rng, noise * DROP, uneven=uneven)

@@ -118,7 +118,7 @@ def modes(likelihood, family, near=None):
         simplex = first + size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         options: Any = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150}
         result = minimize(
-            lambda point: -likelihood.at(family.shape(point)).log_likelihood,
+            lambda point: -likelihood.log_likelihood(family.shape(point)),
             first,
             method="Nelder-Mead",
             bounds=family.bounds,

@@ -7,6 +7,7 @@ frequency such as 1/f, a sum of relaxations, one a decade.  The numbers are give
 (estimated_noise.py).
 """
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -34,22 +35,25 @@ class Noise(NamedTuple):
         """Variances (m,) and times (m,) [s] of the relaxations, for a time between samples [s]."""
         if self.exponent is None:
             return np.array([self.red**2]), np.array([self.time])
-        decades = max(round(math.log10(self.time / spacing)), 1)
-        times = np.geomspace(self.time, spacing, 1 + decades)
+        times = _decades(self.time, spacing)
         weights = (times / self.time) ** (self.exponent - 1.0)
         return self.red**2 * weights / weights.sum(), times
 
     def whiten(self, t, columns):
         """(n, k) columns at times t (n,) with white noise of unit variance; ln det(covariance)."""
         columns = np.ascontiguousarray(np.reshape(columns, (t.size, -1)))
+        dt = np.diff(t)
+        return self.whiten_steps(dt, float(np.median(dt)) if self.red else 0.0, columns)
+
+    def whiten_steps(self, dt, spacing, columns):
+        """As `whiten`, for steps dt (n - 1,) between samples [s], of which `spacing` is usual.
+
+        columns : (n, k), contiguous
+        """
         if self.red == 0.0:
-            out = columns / self.white
-            log_determinant = 2.0 * t.size * math.log(self.white)
-        else:
-            dt = np.diff(t)
-            variances, times = self.relaxations(float(np.median(dt)))
-            out, log_determinant = whiten(dt, self.white**2, variances, times, columns)
-        return out, log_determinant
+            return columns / self.white, 2.0 * len(columns) * math.log(self.white)
+        variances, times = self.relaxations(spacing)
+        return whiten(dt, self.white**2, variances, times, columns)
 
     @property
     def level(self):
@@ -59,6 +63,14 @@ class Noise(NamedTuple):
     def times(self, factor):
         """Noise of the same shape that is larger by a factor."""
         return self._replace(white=factor * self.white, red=factor * self.red)
+
+
+@functools.lru_cache(maxsize=16)
+def _decades(longest, shortest):
+    """Times [s], about one a decade, from the longest down to the shortest."""
+    times = np.geomspace(longest, shortest, 1 + max(round(math.log10(longest / shortest)), 1))
+    times.flags.writeable = False
+    return times
 
 
 #: white noise of unit variance

@@ -46,7 +46,15 @@ def fits_of_samples(data, settings, loading):
 
 def inferences_of(data, settings, loading=None):
     """list of `Inference`, for each law, of a fit of friction; arguments as of `fits_of_cycles`."""
-    free, sliders, noise, against, trend, start, errors = settings
+    noise, errors = settings.noise, settings.errors
+    solutions = solutions_of(data, settings, loading)
+    inferences = [infer(solution, noise, errors) for solution in solutions]
+    return with_posteriors(inferences) if errors == "posterior" else inferences
+
+
+def solutions_of(data, settings, loading=None):
+    """list of `Solution`, as `inferences_of`: estimates alone, without their errors."""
+    free, sliders, noise, against, trend, start, _ = settings
     record = record_of(data, sliders[0], loading=loading, trend=trend, against=against)
     if "alpha" in free and record.loading.normal_stress is None:
         raise refusal("free.constant_sigma")
@@ -55,8 +63,7 @@ def inferences_of(data, settings, loading=None):
         has = free_under([one.friction_law])
         of_law = tuple(name for name in free if name in has)
         solutions.append(least_squares_fit(record, one, of_law, noise, start))
-    inferences = [infer(solution, noise, errors) for solution in solutions]
-    return with_posteriors(inferences) if errors == "posterior" else inferences
+    return solutions
 
 
 def datasets_of(inferences, laws, data):

@@ -31,11 +31,12 @@ FAST, SLOW = 1e-5, 3e-6
 SPEEDS = (SLOW, FAST, SLOW, (0.0, 300.0), SLOW, FAST)
 MANY = (SLOW, FAST) * 3 + (SLOW,)
 FREE = ["a", "b", "Dc", "K"]
+ROWS = 300  # at each speed
 
 
 @pytest.fixture(scope="module")
 def data():
-    return experiment(SLIDER, SPEEDS, 500e-6, 600, drift=10.0, seed=4, **NOISE)
+    return experiment(SLIDER, SPEEDS, 500e-6, ROWS, drift=10.0, seed=4, **NOISE)
 
 
 @pytest.fixture(scope="module")
@@ -197,11 +198,15 @@ def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip)
     assert float(of_stress.sigma_after[0]) == pytest.approx(8.8e6)
 
 
-def test_one_number_of_normal_stress_holds_for_all_steps(data, under_slip):
+def test_one_number_of_normal_stress_holds_for_all_steps(data):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
-        result = rs.fit(data.assign(sigma=8e6), START, each="step", errors="covariance")
-    np.testing.assert_allclose(result.a, under_slip.a, rtol=1e-6)
+        first = data.isel(time=slice(0, 2 * ROWS))
+        found, expected = (
+            rs.fit(one, START, each="step", errors="covariance")
+            for one in (first.assign(sigma=8e6), first)
+        )
+    np.testing.assert_allclose(found.a, expected.a, rtol=1e-6)
 
 
 def test_a_record_of_stick_slip_alone_is_refused(data, under_slip):
@@ -262,7 +267,7 @@ def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_steps_up_and_down_are_alike_under_the_right_law_alone():
     """Of steps of the slip law the aging law wants Dc shorter up and longer down."""
-    many = experiment(SLIDER, MANY, 400e-6, 400, seed=6, **NOISE)
+    many = experiment(SLIDER, MANY, 400e-6, 200, seed=6, **NOISE)
     result = rs.fit(many, START, law=("slip", "aging"), each="step", errors="covariance")
     ratio = result.up_over_down.sel(parameter="Dc")
     error = result.up_over_down_error.sel(parameter="Dc")
@@ -304,7 +309,7 @@ def test_steps_up_beside_steps_down():
 
 def test_a_step_that_fails_leaves_the_others(data, under_slip):
     bad = data.copy(deep=True)
-    bad.friction.values[1900] = np.nan
+    bad.friction.values[3 * ROWS + 50] = np.nan
     with pytest.warns(rs.FitWarning, match=r"1 of 4 cannot be fitted \(step 3; see message\)"):
         result = rs.fit(bad, START, each="step", errors="covariance")
     assert result.status.values.tolist() == [0, 0, 1, 0]
@@ -359,7 +364,7 @@ def test_normal_stress_that_changes_slowly_is_no_step(data):
 
 
 def test_a_hold_at_the_end(data):
-    until = data.sel(time=slice(0.0, 600.0))
+    until = data.sel(time=slice(250.0, 600.5))
     with pytest.warns(rs.FitWarning):
         result = rs.fit(until, SLIDER, each="step", errors="covariance")
     assert "217 s, to the record's end" in fitting.summary(result)
@@ -434,13 +439,13 @@ def test_steps_of_normal_stress_give_alpha():
     slider = SLIDER.replace(alpha=0.25)
     loading = rs.Loading.steps(SLOW, (150.0, FAST), (220.0, SLOW))
     loading = loading.sigma_step(400.0, "8.8 MPa").sigma_step(600.0, "9.6 MPa")
-    t = np.arange(4000) * 0.2  # stress steps at a sample: between two, its time is uncertain
+    t = np.arange(2000) * 0.4  # stress steps at a sample: between two, its time is uncertain
     run = rs.simulate(slider, loading, t[-1], times=t, rtol=1e-9)
     noise = 1e-4 * np.random.default_rng(3).normal(size=t.size)
     data = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma + noise)
     result = rs.fit(data, START.replace(alpha=0.1), each="step", errors="covariance")
     assert result.kind.values.tolist() == ["step", "step", "normal stress", "normal stress"]
-    np.testing.assert_allclose(result.step_t[2:], [400.0, 600.0], atol=0.3)
+    np.testing.assert_allclose(result.step_t[2:], [400.0, 600.0], atol=0.5)
     np.testing.assert_allclose(result.sigma, [8e6, 8e6, 8e6, 8.8e6], rtol=1e-6)
     assert np.isnan(result.alpha[:2]).all()
     assert np.isnan(result.a[2:]).all()
@@ -523,7 +528,7 @@ def test_the_slider_of_all_steps(under_both):
 def test_a_spring_that_is_left_out_is_told(K, sprung):
     """K = inf takes elasticity for friction; the cause stands before what follows from it."""
     truth = SLIDER.replace(K=K)
-    data = experiment(truth, (SLOW, FAST, SLOW), 300e-6, 600, seed=4, noise=1.5e-4)
+    data = experiment(truth, (SLOW, FAST, SLOW), 300e-6, 300, seed=4, noise=1.5e-4)
     rigid = truth.replace(K=np.inf)
     result = rs.fit(data, rigid, free=("a", "b", "Dc"), each="step", errors="covariance")
     for text in result.warnings.values:

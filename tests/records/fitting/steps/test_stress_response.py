@@ -21,9 +21,9 @@ SLOW, FAST = 3e-6, 1e-5
 @pytest.fixture(scope="module")
 def data():
     loading = rs.Loading.steps(SLOW, (150.0, FAST), (220.0, SLOW)).sigma_step(400.0, "8.8 MPa")
-    t = np.arange(1200) * 0.5
+    t = np.arange(600.0)
     run = rs.simulate(SLIDER, loading, t[-1], times=t, rtol=1e-9)
-    rng = np.random.default_rng(1)
+    rng = np.random.default_rng(10)
     noise = 3e-4 * correlated(t, 5.0, rng) + 1e-4 * rng.normal(size=t.size)
     return run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma + noise)
 
@@ -58,7 +58,7 @@ def test_the_table_shows_the_bound(result):
     cell = table.rows[-1][table.heads.index("alpha [1e-3]")]
     assert cell == f"< {short(1e3 * upper)}"
     assert f"alpha < {short(upper)} (95 %)" in str(result.warnings[-1].item())
-    assert table.rows[-1][:3] == ["3", "399.8", "sigma 8 -> 8.8 MPa"]
+    assert table.rows[-1][:3] == ["3", "399.5", "sigma 8 -> 8.8 MPa"]
     assert "sigma 8 -> 8.8 MPa" in fitting.summary(result)
 
 
@@ -80,13 +80,13 @@ def test_laws_that_fit_no_step_do_not_fit(data):
 
 def test_long_windows_are_averaged(data, monkeypatch):
     """As those of other steps are."""
-    monkeypatch.setattr(each, "MOST", 300)
+    monkeypatch.setattr(each, "MOST", 150)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
         found = rs.fit(data, START, each="step", errors="covariance")
     rows = [one.part(data).sizes["time"] for one in windows_of(data)]
-    assert rows[-1] > 300
-    np.testing.assert_array_equal(found.rows_per_sample, np.ceil(np.array(rows) / 300))
+    assert rows[-1] > 150
+    np.testing.assert_array_equal(found.rows_per_sample, np.ceil(np.array(rows) / 150))
     np.testing.assert_array_equal(found.samples, rows // found.rows_per_sample)
 
 

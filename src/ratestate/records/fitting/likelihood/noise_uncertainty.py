@@ -167,7 +167,7 @@ def _principal_axes(likelihood, family, point):
     point = np.clip(point, low + h, high - h)
 
     def minus(x, y):
-        return -likelihood.at(family.shape(point + np.array([x, y]))).log_likelihood
+        return -likelihood.log_likelihood(family.shape(point + np.array([x, y])))
 
     centre = minus(0.0, 0.0)
     with np.errstate(invalid="ignore"):  # where a shape is impossible, by its infinite likelihood

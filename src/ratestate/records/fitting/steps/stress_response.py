@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from ....errors import RateStateError
 from ....model.quantities import readable
 from ..estimates import ROOTS
+from ..one_record import single_blas, solutions_of
 from ..unknowns import to_value
 from .comparison import grouped
 from .each import fit_window, task_of
@@ -28,7 +30,7 @@ def fit_stress_steps(data, windows, settings, fits, shared):
             fit = fit_window(alone)
             laws[slider.law] = fit.laws[slider.law]
             if one := fit.of(slider.law):
-                changes = [_change(alone, slider.law, moved) for moved in directions]
+                changes = [_change(alone, moved) for moved in directions]
                 _widen(one.result, float(np.sqrt(np.sum(np.square(changes)))))
         fitted.append(Fitted(task.with_sliders(sliders), laws))
     return fitted
@@ -59,17 +61,18 @@ def _values(names, point):
     return {name: float(to_value(name, x)) for name, x in zip(names, point, strict=True)}
 
 
-def _change(task, law, sides):
+def _change(task, sides):
     """Half the difference of alpha between two sets of held parameters; inf without a fit."""
     alphas = []
-    settings = task.settings._replace(errors="covariance")  # profiles of alpha are not needed
     for moved in sides:
-        sliders = [slider.replace(**moved) for slider in settings.sliders]
-        one = fit_window(task._replace(settings=settings._replace(sliders=sliders))).of(law)
-        if not one:
+        sliders = [slider.replace(**moved) for slider in task.settings.sliders]
+        try:
+            with single_blas():
+                (one,) = solutions_of(task.data, task.settings._replace(sliders=sliders))
+        except RateStateError:
             return np.inf
-        alphas.append(float(one.result["alpha"]))
-    return 0.5 * (alphas[0] - alphas[1])
+        alphas.append(to_value("alpha", one.point[one.unknowns.names.index("alpha")]))
+    return float(0.5 * (alphas[0] - alphas[1]))
 
 
 def _widen(result, extra):
