@@ -1,5 +1,8 @@
 """The equations of motion, whose derivatives are held against differences in mpmath."""
 
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import exact_functions  # noqa: F401  (by which formulas run with mpmath's numbers)
@@ -78,3 +81,22 @@ def test_derivatives(name, form, damped):
         for one, true, matrix in zip(found, traces, (exact, change), strict=True):
             size = np.abs(np.diag(matrix).astype(float)).max()
             assert one == pytest.approx(true, rel=0, abs=1e-12 * size)
+
+
+def test_threads_get_the_same_equations():
+    law = type(LAWS["two-state-aging"])()
+    names = [*["curvature", "slaved_slopes", "f_slopes", "change_of_trace"] * 2]
+    start, before = threading.Barrier(len(names)), sys.getswitchinterval()
+
+    def make(name):
+        start.wait()
+        return law.motion, law.motion[name]
+
+    sys.setswitchinterval(1e-6)
+    try:
+        with ThreadPoolExecutor(len(names)) as pool:
+            made = list(pool.map(make, names))
+    finally:
+        sys.setswitchinterval(before)
+    assert len({id(one) for one, _ in made}) == 1
+    assert all(law.motion[name] is found for name, (_, found) in zip(names, made, strict=True))

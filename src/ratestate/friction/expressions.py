@@ -13,8 +13,11 @@ import functools
 import math
 import numbers
 import operator
+import threading
 from typing import Any
 
+#: held while the expressions of a law are made, of which threads need the same ones
+MAKING = threading.RLock()
 #: functions of which the values are positive
 POSITIVE = ("exp", "softplus", "logistic", "asinh_of_exp", "cosh")
 #: nodes of a graph that are no numbers -> the operator in them
@@ -124,7 +127,7 @@ class Graph:
     def _node(self, kind, parts, is_constant=None, key=None):
         key = kind, key or parts
         if key not in self._known:
-            self._known[key] = Expression(self, kind, parts, is_constant)
+            self._known.setdefault(key, Expression(self, kind, parts, is_constant))
         return self._known[key]
 
 

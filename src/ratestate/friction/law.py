@@ -20,7 +20,7 @@ from functools import cached_property
 from types import SimpleNamespace
 
 from ..errors import ParameterError
-from .expressions import LIMIT, ordered
+from .expressions import LIMIT, MAKING, ordered
 from .law_formula import EXAMPLE, LOG, LawFormula, eq_1
 from .point import Point
 
@@ -30,6 +30,14 @@ REST, NOTHING, OWN_EXAMPLE = -300.0, 1e-50, 0.7
 POINTS, ROUNDING = ((0.3, -0.2), (-1.1, 0.9), (0.7, 0.4)), 1e-12
 #: of which c2, c3, ... are known, which serve to double precision for |z| < 0.5
 LAST_OF_SERIES = 15
+
+
+class _made_once(cached_property):
+    """A cached property that threads, too, make once."""
+
+    def __get__(self, instance, owner=None):
+        with MAKING:
+            return super().__get__(instance, owner)
 
 
 class FrictionLaw(LawFormula):
@@ -58,21 +66,21 @@ class FrictionLaw(LawFormula):
 
     # What follows from the formula: equations (equations.py, motion.py), and values at a point
 
-    @cached_property
+    @_made_once
     def equations(self):
         """The law's `Equations`."""
         from .equations import Equations  # (which needs NumPy)
 
         return Equations(self, (*EXAMPLE, *self.parameters))
 
-    @cached_property
+    @_made_once
     def motion(self):
         """The equations of motion in the engine's variables, a `Motion`."""
         from .motion import Motion
 
         return Motion(self, self.reverses)
 
-    @cached_property
+    @_made_once
     def motion_in_speed(self):
         """The same with v = ln(V/V_ref)."""
         from .motion import Motion

@@ -13,6 +13,7 @@ constant psi, and those by psi at constant w.
 
 from typing import Any
 
+from .expressions import MAKING
 from .rewriting import Derivative, values_of
 from .tuples import dot
 
@@ -121,10 +122,11 @@ class Motion:
 
     def __getitem__(self, name):
         """A list.  They are made in one order, in which sums then have their terms."""
-        while name not in self._lists:
-            if (make := next(self._rest, None)) is None:
-                raise KeyError(name)
-            self._lists |= make()
+        with MAKING:
+            while name not in self._lists:
+                if (make := next(self._rest, None)) is None:
+                    raise KeyError(name)
+                self._lists |= make()
         return self._lists[name]
 
     def _slopes(self):
