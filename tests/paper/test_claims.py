@@ -23,12 +23,17 @@ from ratestate.paper.fig3 import UNSTABLE
 from ratestate.paper.parameters import FIG2, FIG2_START, FIG4, FIG6
 from ratestate.paper.scheme_map import critical_velocity, multiplier, step_response, time_step
 
+#: claims of the 156 cases of Fig. 3
+CASES = ("cases_at_10_s", "cases_converged")
+
 
 @pytest.fixture(scope="module")
 def rows():
-    """id -> row, of the whole table for the slip law."""
-    table = claims("slip")
-    assert [row.id for row in table] == [*statements()]
+    """id -> row, of the table for the slip law, but for `CASES`, which are statistics."""
+    table = claims(
+        "slip", [part for part in claims_table.MEASUREMENTS if part is not claims_steps.on_map]
+    )
+    assert [row.id for row in table] == [one for one in statements() if one not in CASES]
     assert len(table) >= 30
     return {row.id: row for row in table}
 
@@ -42,8 +47,6 @@ CONVERGED = {
     "K_c_qs": (600.0,),
     "V_c": (math.sqrt(10.0),),
     "cycle_range": (2.7786482, 3.6515032),
-    "cases_at_10_s": (156.0,),
-    "cases_converged": (156.0,),
     "eta_1": (100 * math.sqrt(0.002),),
     "f_n": (math.sqrt(0.96e7) / (2 * math.pi), math.sqrt(0.60e7) / (2 * math.pi)),
     "eta_fig6": (0.002,),
@@ -133,7 +136,6 @@ def test_the_scheme_is_the_cause_where_the_table_says_so(rows):
     steps = rows["V_c"].scheme
     assert [step[0] for step in steps] == [0.1, 0.01]
     assert [step[1] for step in steps] == pytest.approx([1.8257e-4, 1.8257e-5], rel=1e-3)
-    assert list(rows["cases_at_10_s"].scheme.values()) == [(154.0,), (156.0,)]
     assert not rows["step_to_3.1"].holds(next(iter(rows["step_to_3.1"].scheme.values())))
 
 
@@ -233,6 +235,15 @@ def test_scheme_figure(monkeypatch):
 def _truth(data):
     found = {name: data[f"cycle_{name}"] for name in ("V_min", "V_max", "amplitude")}
     return data[["V_c"]].rename(V_c="V_c_scheme").assign(found)
+
+
+@pytest.mark.statistics
+def test_the_cases_of_figure_3():
+    rows = claims("slip", [claims_steps.on_map])
+    assert tuple(row.id for row in rows) == CASES
+    for row in rows:
+        assert (row.converged, row.error, row.verdict) == ((156.0,), 0.0, "agrees")
+    assert list(rows[0].scheme.values()) == [(154.0,), (156.0,)]
 
 
 def test_every_case_is_counted_by_the_scheme(monkeypatch):

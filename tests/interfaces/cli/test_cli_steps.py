@@ -15,6 +15,7 @@ from ratestate.interfaces.cli.report import report
 from ratestate.interfaces.cli.summary_csv import summary_csv
 from ratestate.records.fitting.steps.table import Table
 
+pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
 SPEEDS = (3e-6, 3e-5, 3e-6, (0.0, 100.0), 3e-6)
 LAWS = ("aging", "slip")  # the worse one first

@@ -5,6 +5,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import ratestate as rs
 from ratestate.dynamics.verdict import verdict
@@ -170,23 +171,27 @@ class TestBranch:
 class TestWindow:
     LIMITS = (0.995, 1.01, 1e-3, 3e-3)
 
+    @pytest.fixture(autouse=True)
+    def small_window(self, monkeypatch):
+        monkeypatch.setattr(charts, "WINDOW_SIZE", 12)
+
     def test_cells_are_those_of_classify(self):
         slider = FIG6.replace(law="aging")
         header, arrays = charts.window(slider, self.LIMITS, Deadline(120.0))
-        assert (header["key"], header["size"]) == (("aging", 2.0), 48)
-        regime = arrays["regime"].reshape(48, 48)
-        for i, k in ((0, 0), (20, 10), (40, 23), (47, 0)):
-            ratio, eta = arrays["K_over_K_c_qs"][k], arrays["eta"][i]
-            M = eta * slider.a * slider.sigma * slider.Dc / V_LP**2
-            of_cell = slider.replace(K=ratio * slider.K_c_qs, M=M)
-            wanted = rs.regimes.classify(rs.limit_cycle(of_cell, V_LP)).regime.item()
-            assert charts.REGIMES[int(regime[i, k])] == wanted
+        assert (header["key"], header["size"]) == (("aging", 2.0), 12)
+        regime = arrays["regime"].reshape(12, 12)
+        for i in (0, 5, 11):
+            M = arrays["eta"][i] * slider.a * slider.sigma * slider.Dc / V_LP**2
+            K = xr.DataArray(arrays["K_over_K_c_qs"] * slider.K_c_qs, dims="K")
+            cycles = rs.limit_cycle(slider.replace(K=K, M=M), V_LP)
+            wanted = rs.regimes.classify(cycles).regime.values.tolist()
+            assert [charts.REGIMES[int(one)] for one in regime[i]] == wanted
         assert {1.0, 2.0} <= set(regime[:, 0])
 
     def test_its_strip_is_that_of_the_verdict(self):
         slider = FIG6.replace(law="aging")
         _, arrays = charts.window(slider, self.LIMITS, Deadline(120.0))
-        for i in (0, 24, 48):
+        for i in (0, 6, 12):
             eta = arrays["line_eta"][i]
             assert arrays["K_c_over_K_c_qs"][i] == pytest.approx(1.0 + eta, rel=1e-12)
             M = eta * slider.a * slider.sigma * slider.Dc / V_LP**2
@@ -204,7 +209,8 @@ class TestWindow:
             strip = np.isfinite(arrays["K_fold_over_K_c_qs"])
             assert strip.any() == (law == "aging")
 
-    def test_it_is_bounded(self):
+    def test_it_is_bounded(self, monkeypatch):
+        monkeypatch.setattr(charts, "WINDOW_SIZE", 48)
         with pytest.raises(rs.ParameterError, match="48 x 48 points of the map take more than 0 s"):
             charts.window(FIG4, (0.1, 0.2, 1e-3, 1e-2), Deadline(0.0))
 

@@ -1,5 +1,6 @@
 """Figures of what the page shows: files that open, curves that are the run's, legends."""
 
+import functools
 import re
 import struct
 from concurrent.futures import ThreadPoolExecutor
@@ -20,6 +21,7 @@ from ratestate.interfaces.explorer.sharing import exports, figure
 STICK_SLIP = presets()[0]["entries"]
 STEPPED = next(p["entries"] for p in presets() if p["name"] == "Step to just above V_c")
 SLOWER = STEPPED | {"V_lp": "3 mm/s"}
+PINNED = STEPPED, SLOWER, STEPPED | {"K": "800 MPa/m"}
 RIGID = presets()[-1]["entries"]
 CAPTION = "this slider"
 
@@ -32,10 +34,21 @@ def small_maps():
         yield
 
 
-def drawn(texts, *pinned):
-    states = [entries.state_of(one) for one in (texts, *pinned)]
+@pytest.fixture(scope="module")
+def svg():
+    """A figure of `STICK_SLIP`."""
+    return file_of("svg", STICK_SLIP)
+
+
+@functools.cache
+def _drawn(*questions):
+    states = [entries.state_of(dict(texts)) for texts in questions]
     fig = figure.figure_of(states[0], states[1:], Deadline(60.0))
     return fig, fig.subfigs[0].axes + fig.subfigs[1].axes
+
+
+def drawn(*questions):
+    return _drawn(*(tuple(texts.items()) for texts in questions))
 
 
 def file_of(form, texts, *pinned):
@@ -74,7 +87,7 @@ class TestCurves:
         assert x == pytest.approx(steady, rel=1e-12)
 
     def test_time_0_is_the_step_of_the_load_point_too(self):
-        _, (_, speed, *_) = drawn(STEPPED)
+        _, (_, speed, *_) = drawn(*PINNED)
         load = by_label(speed)["load point"]
         t, V = load.get_data()
         before, after = V[t < 0], V[t > 0]
@@ -131,7 +144,7 @@ class _Late(Deadline):
 
 class TestPinned:
     def test_they_lie_behind_by_name(self):
-        fig, (stress, speed, phase, _) = drawn(STEPPED, SLOWER, STEPPED | {"K": "800 MPa/m"})
+        fig, (stress, speed, phase, _) = drawn(*PINNED)
         names = [text.get_text() for text in fig.legends[0].get_texts()]
         assert names == [
             "the run shown",
@@ -165,8 +178,8 @@ def _told(svg):
 
 
 class TestFiles:
-    def test_legends_and_captions_are_in_the_svg(self):
-        text = file_of("svg", STICK_SLIP).decode()
+    def test_legends_and_captions_are_in_the_svg(self, svg):
+        text = svg.decode()
         root = ElementTree.fromstring(text)
         assert root.tag == "{http://www.w3.org/2000/svg}svg"
         said = "\n".join(re.findall("<!-- (.*?) -->", text, re.DOTALL))
@@ -193,8 +206,8 @@ class TestFiles:
         assert width == round(7.2 * 96) * 2
         assert height == int((figure.HEIGHT + figure.ROW) * 192)
 
-    def test_two_at_once_are_as_each_alone(self):
-        alone = [_told(file_of("svg", texts)) for texts in (STICK_SLIP, RIGID)]
+    def test_two_at_once_are_as_each_alone(self, svg):
+        alone = [_told(svg), _told(file_of("svg", RIGID))]
         before = dict(mpl.rcParams)
         with ThreadPoolExecutor(2) as pool:
             jobs = [pool.submit(file_of, "svg", texts) for texts in (STICK_SLIP, RIGID)]
@@ -204,8 +217,8 @@ class TestFiles:
 
     def test_nothing_overlaps(self):
         beyond = STICK_SLIP | {"law": "aging", "K": "0.1 MPa/m"}  # the longest legend of a map
-        for texts, pinned in ((STEPPED, [SLOWER]), (RIGID, []), (beyond, [])):
-            fig, axes = drawn(texts, *pinned)
+        for questions in (PINNED, [beyond]):
+            fig, axes = drawn(*questions)
             fig.draw_without_rendering()
             boxes = [
                 fig._suptitle.get_window_extent(),
@@ -220,4 +233,4 @@ class TestFiles:
                 assert box.x0 >= 0
                 assert box.x1 <= fig.bbox.width
                 for other in boxes[:i]:
-                    assert not box.padded(-1).overlaps(other.padded(-1)), texts
+                    assert not box.padded(-1).overlaps(other.padded(-1)), questions

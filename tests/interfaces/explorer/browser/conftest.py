@@ -19,11 +19,14 @@ NUMBERS = """() => Object.fromEntries([...document.querySelectorAll('#numbers di
 # The headless one starts no browser around the page.
 CHROMIUMS = ("chromium-headless-shell", "chromium", "chromium-browser")
 CHROMIUM = next(filter(None, map(shutil.which, CHROMIUMS)), None)
+VIEWPORT = {"width": 1280, "height": 860}
+#: what a page can be given when it is open already
+EMULATED = {"viewport", "color_scheme", "reduced_motion"}
 # The map of a page that rests is of few sliders, or its computing would slow down all tests.
 COARSE = """
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.explorer.computation import charts
-charts.SIZES, charts.WINDOW_SIZE = (8, 16), 16
+charts.SIZES, charts.WINDOW_SIZE = (4, 6), 16
 main()
 """
 FINE = "from ratestate.interfaces.cli import main; main()"
@@ -64,17 +67,44 @@ class Shown:
     """A page of the explorer, and what went on in it."""
 
     def __init__(self, browser, address, fragment="", **look):
-        self.context = browser.new_context(
-            accept_downloads=True, **{"viewport": {"width": 1280, "height": 860}} | look
-        )
+        self.context = browser.new_context(accept_downloads=True, **{"viewport": VIEWPORT} | look)
         self.context.grant_permissions(["clipboard-read", "clipboard-write"])
         self.page = self.context.new_page()
         self.complaints, self.requests = [], []
         self.page.on("console", lambda m: self.complaints.append(m.text))
         self.page.on("pageerror", lambda e: self.complaints.append(str(e)))
         self.page.on("request", lambda r: self.requests.append(r.url))
-        self.page.goto(f"{address}#{fragment}")
+        self.address = address
+        self.open(fragment)
+
+    def open(self, fragment):
+        """Load the page."""
+        self.page.goto(f"{self.address}#{fragment}")
         self.wait()
+
+    def go(self, fragment):
+        """Follow a link while the page is open."""
+        asked = "asked => document.body.dataset.asked !== asked"
+        before = self.page.evaluate("document.body.dataset.asked")
+        self.page.evaluate("fragment => { location.hash = fragment }", fragment)
+        self.page.wait_for_function(asked, arg=before)
+        self.wait()
+
+    def leave(self):
+        """Leave the page, as if it had never been open, for a picture of the same server.
+
+        The next page loads in half the time then, as its process is there already.
+        """
+        self.page.evaluate("sessionStorage.clear()")
+        self.page.mouse.move(0, 0)
+        self.page.goto(f"{self.address}icon.svg")
+        self.complaints.clear()
+        self.requests.clear()
+
+    def emulate(self, viewport=VIEWPORT, color_scheme="light", reduced_motion="no-preference"):
+        """Give the page a window and a reader's preferences."""
+        self.page.set_viewport_size(viewport)
+        self.page.emulate_media(color_scheme=color_scheme, reduced_motion=reduced_motion)
 
     def wait(self):
         """Until everything asked for is drawn."""
@@ -106,17 +136,28 @@ def server(tmp_path_factory):
         yield found
 
 
-_browsers: list = []  # the one that is open, if any
-_open_browsers = contextlib.ExitStack()
+class Opened:
+    """The browser, once a test needs it, and its pages between two tests."""
+
+    def __init__(self):
+        self.stack = contextlib.ExitStack()
+        self.browser, self.modules, self.resting = None, None, []
+
+    def close(self):
+        self.stack.close()
+        self.__init__()
+
+
+OPENED = Opened()
 
 
 @pytest.fixture(scope="module")
 def browser():
     if not CHROMIUM:
         pytest.skip("no chromium: make browser, or tools/chromium.sh, installs Debian's")
-    if not _browsers:
-        _browsers.append(_open_browsers.enter_context(browsing()))
-    return _browsers[0]
+    if not OPENED.browser:
+        OPENED.browser = OPENED.stack.enter_context(browsing())
+    return OPENED.browser
 
 
 @pytest.hookimpl(wrapper=True)
@@ -124,8 +165,16 @@ def pytest_runtest_teardown(nextitem):
     """Close the browser after the last test of this folder: with it open no event loop can run."""
     yield
     if nextitem is None or Path(__file__).parent not in nextitem.path.parents:
-        _browsers.clear()
-        _open_browsers.close()
+        OPENED.close()
+
+
+@pytest.fixture
+def modules(browser, server):
+    """A page that is none of the explorer, but can import its modules."""
+    if not OPENED.modules:
+        OPENED.modules = browser.new_page()
+        OPENED.modules.goto(f"{server.address}js/motion/pace.js")
+    return OPENED.modules
 
 
 @pytest.fixture
@@ -134,14 +183,24 @@ def show(browser, server):
     with contextlib.ExitStack() as stack:
 
         def opened(fragment="", **look):
-            shown = Shown(browser, server.address, fragment, **look)
-            stack.callback(finish, shown)
+            if OPENED.resting and look.keys() <= EMULATED:
+                shown = OPENED.resting.pop()
+                shown.emulate(**look)
+                shown.open(fragment)
+            else:
+                shown = Shown(browser, server.address, fragment, **look)
+            stack.callback(finish, shown, look)
             return shown
 
-        def finish(shown):
-            shown.context.close()
-            assert shown.complaints == []
-            assert {url.split("/")[2] for url in shown.requests if url[:5] != "blob:"} == {
+        def finish(shown, look):
+            complaints, requests = shown.complaints.copy(), {*shown.requests}
+            if look.keys() <= EMULATED:
+                shown.leave()
+                OPENED.resting.append(shown)
+            else:
+                shown.context.close()
+            assert complaints == []
+            assert {url.split("/")[2] for url in requests if url[:5] != "blob:"} == {
                 server.address.split("/")[2]
             }
 

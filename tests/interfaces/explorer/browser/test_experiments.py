@@ -59,10 +59,8 @@ def test_a_velocity_step_and_back(show):
     shown.wait()
     assert shown.entry("V_lp") == "100 \u00b5m/s"
     assert not shown.page.is_visible("#stepped")
-
-
-def test_a_step_of_normal_stress_and_back(show):
-    shown = show(STEADY)
+    # and of normal stress
+    shown.go(STEADY)
     shown.type("alpha", "0.2")
     shown.wait()
     shown.page.fill("#factor-sigma", "0")
@@ -78,21 +76,20 @@ def test_a_step_of_normal_stress_and_back(show):
     shown.wait()
     assert shown.entry("sigma") == "2 MPa"
     # a link may have both at once, and both are undone together
-    both = f"{STEADY}&V_from=0.1 mm/s&sigma_from=1.9 MPa"
-    other = show(both)
-    assert other.text("#stepped").startswith(
+    shown.go(f"{STEADY}&V_from=0.1 mm/s&sigma_from=1.9 MPa")
+    assert shown.text("#stepped").startswith(
         "Stepped from 0.1 mm/s to 0.3 mm/s, and from 1.9 MPa to 2 MPa at time 0."
     )
-    with other.page.expect_download() as saving:
-        other.page.click("#scenario")
+    with shown.page.expect_download() as saving:
+        shown.page.click("#scenario")
     saved = scenario.loads(saving.value.path().read_text())
     assert saved.slider.sigma == 1.9e6
     at_end = saved.settings["loading"].sigma(saved.settings["t_end"], saved.slider.sigma)
     assert float(at_end) == 2e6
-    other.page.click("#unstep")
-    other.wait()
-    assert [other.entry(symbol) for symbol in ("V_lp", "sigma")] == ["0.1 mm/s", "1.9 MPa"]
-    assert not other.page.is_visible("#stepped")
+    shown.page.click("#unstep")
+    shown.wait()
+    assert [shown.entry(symbol) for symbol in ("V_lp", "sigma")] == ["0.1 mm/s", "1.9 MPa"]
+    assert not shown.page.is_visible("#stepped")
 
 
 def test_a_step_follows_another(show):
@@ -230,17 +227,21 @@ def test_the_list_is_edited(show):
 
 
 def test_a_wrong_protocol_of_a_link_is_shown_and_said(show):
-    shown = show(f"{STEADY}&protocol=hold it&kick=one")
+    shown = show("protocol=0 m/s for 10 s")
+    shown.page.fill("#protocol input >> nth=1", "banana")
+    shown.page.keyboard.press("Enter")
+    shown.wait()
+    assert shown.text("#stale") == "Shown: the last valid values, no protocol; correct protocol."
+    shown.go(f"{STEADY}&protocol=hold it&kick=one")
     assert "segment 1 = 'hold it' is none; expected 'V for T'" in shown.text("#problem-protocol")
     assert "kick = 'one' is of no use" in shown.text("#problem-kick")
     assert [row[0] for row in rows(shown)] == ["before", "kick", "1", "then"]
-    long = show(f"{STEADY}&protocol={'0 m/s for 1 s; ' * 90}")
-    assert "and a page may have 20 in 1000; leave some out" in long.text("#problem-protocol")
+    shown.go(f"{STEADY}&protocol={'0 m/s for 1 s; ' * 90}")
+    assert "and a page may have 20 in 1000; leave some out" in shown.text("#problem-protocol")
 
 
-def test_what_the_load_point_does_is_drawn(show):
+def test_what_the_load_point_does_is_drawn(modules):
     """Of a hold nothing is drawn on a logarithmic axis; a line is at each change."""
-    shown = show(STEADY)
     speeds = """() => import('/js/common/changes.js').then(({ changes, speedOf }) => {
         const values = { V_from: null, V_lp: 3, protocol: [[0, null, 2], [1, null, 1]] };
         const picture = { changes: [0, 2, 3], values, arrays: { run_time: [-1, 4] } };
@@ -251,14 +252,4 @@ def test_what_the_load_point_does_is_drawn(show):
         picture.arrays.run_time = [0, 4];
         changes.draw({ ctx, bbox: { top: 0, height: 1 } }, 'speed', x => 100 * x, null, picture);
         return [[-1, 0, 1.9, 2, 3, 4].map(speedOf(picture)), at] })"""
-    assert shown.page.evaluate(speeds) == [[3, 0, 0, 1, 3, 3], [0, 20, 30, 200, 300]]
-    press(shown, "hold")
-    assert shown.page.inner_text("#banner") == ""
-
-
-def test_what_is_shown_in_place_of_a_wrong_protocol_is_said(show):
-    shown = show("protocol=0 m/s for 10 s")
-    shown.page.fill("#protocol input >> nth=1", "banana")
-    shown.page.keyboard.press("Enter")
-    shown.wait()
-    assert shown.text("#stale") == "Shown: the last valid values, no protocol; correct protocol."
+    assert modules.evaluate(speeds) == [[3, 0, 0, 1, 3, 3], [0, 20, 30, 200, 300]]

@@ -6,6 +6,18 @@ INSIDE = """() => { const b = document.querySelector('#explanation').getBounding
     return b.left >= 0 && b.top >= 0 && b.right <= innerWidth && b.bottom <= innerHeight }"""
 TEXT = "() => document.querySelector('#explanation').innerText"
 LABEL, SPEED = (f"label[for=entry-{symbol}] [data-meaning]" for symbol in ("K", "V_lp"))
+#: where the page names something -> how its explanation begins
+NAMED = {
+    "#reasons [data-meaning=K_c_qs]": "Kc,qs quasi-static critical stiffness [Pa/m]",
+    "#numbers [data-meaning='Floquet multiplier']": "Floquet multiplier\n\nBy this factor",
+    "#readout [data-meaning='tau/sigma']": "\u03c4/\u03c3 stress of the spring over",
+    "#stress-chart .u-axis >> nth=1": "\u03c4/\u03c3 stress of the spring over normal stress\n",
+    "#speed-chart .u-axis >> nth=0": "t time [s]",
+    "#map .axis-name.x": "K/Kc,qs stiffness over quasi-static critical stiffness\n",
+    "#phase .axis-name.y": "V slip velocity [m/s]",
+    "#cycle-key [data-meaning]": "limit cycle\n\nA motion that repeats",
+    ".drag [data-meaning=M]": "M mass per area [kg/m\u00b2]",
+}
 
 
 def test_a_symbol_that_is_pointed_at_is_explained(show):
@@ -39,30 +51,13 @@ def test_a_symbol_that_is_pointed_at_is_explained(show):
     page.mouse.move(700, 500)
     page.hover(f"{SPEED} sub")
     page.wait_for_selector(VISIBLE)
-
-
-#: where the page names something -> how its explanation begins
-NAMED = {
-    "#reasons [data-meaning=K_c_qs]": "Kc,qs quasi-static critical stiffness [Pa/m]",
-    "#numbers [data-meaning='Floquet multiplier']": "Floquet multiplier\n\nBy this factor",
-    "#readout [data-meaning='tau/sigma']": "\u03c4/\u03c3 stress of the spring over",
-    "#stress-chart .u-axis >> nth=1": "\u03c4/\u03c3 stress of the spring over normal stress\n",
-    "#speed-chart .u-axis >> nth=0": "t time [s]",
-    "#map .axis-name.x": "K/Kc,qs stiffness over quasi-static critical stiffness\n",
-    "#phase .axis-name.y": "V slip velocity [m/s]",
-    "#cycle-key [data-meaning]": "limit cycle\n\nA motion that repeats",
-    ".drag [data-meaning=M]": "M mass per area [kg/m\u00b2]",
-}
-
-
-def test_symbols_terms_and_axes_are_explained_wherever_they_are(show):
-    shown = show()
+    # and so is what is named elsewhere
     for where, begins in NAMED.items():
-        shown.page.locator(where).first.hover()
-        shown.page.wait_for_function(
+        page.locator(where).first.hover()
+        page.wait_for_function(
             f"begins => ({TEXT})().startsWith(begins)", arg=begins, timeout=5_000
         )
-        assert shown.page.evaluate(INSIDE), where
+        assert page.evaluate(INSIDE), where
 
 
 def test_what_has_the_focus_is_explained_until_it_is_changed(show):

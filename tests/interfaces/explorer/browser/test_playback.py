@@ -59,15 +59,6 @@ def evaluated(page, arrays, shares=(), times=(), window=None):
     )
 
 
-@pytest.fixture(scope="module")
-def modules(server, browser):
-    """A page that can import the page's modules."""
-    page = browser.new_page()
-    page.goto(f"{server.address}js/motion/pace.js")
-    yield page
-    page.close()
-
-
 def test_slips_have_half_of_the_playing_time(modules):
     """Of the time of the run they have less than one part in 100."""
     arrays = arrays_of(0)
@@ -190,14 +181,14 @@ def test_a_run_is_played_frame_by_frame(show):
     assert shown.text("#play") == "Pause"
     page.evaluate("draw(1, 20)")  # the first frame has no time before it
     assert time_told(shown) == 0.0
-    page.evaluate("draw(200, 20)")
+    page.evaluate("draw(50, 80)")
     assert share() == pytest.approx(4.0 / (lengths[-1] / 2.0), abs=1.0 / STEPS)
     t = np.interp(2.0 * 4.0, lengths, arrays["run_time"])
     assert time_told(shown) == pytest.approx(t, rel=1e-4)
     # a quarter as fast; and a browser that was away goes on where it was
     before = share()
     page.select_option("#playing-speed", "0.25")
-    page.evaluate("draw(200, 20)")
+    page.evaluate("draw(50, 80)")
     assert share() - before == pytest.approx(1.0 / (lengths[-1] / 2.0), abs=1.5 / STEPS)
     before = share()
     page.evaluate("draw(1, 60_000)")
@@ -225,9 +216,13 @@ def test_a_run_is_played_frame_by_frame(show):
 
 
 def test_it_plays_again_unless_motion_is_minded(show):
+    shown = show()
+    page = shown.page
     for reduced, ends in (("no-preference", False), ("reduce", True)):
-        shown = show(reduced_motion=reduced)
-        page = shown.page
+        page.emulate_media(reduced_motion=reduced)
+        if ends:
+            page.reload()
+            shown.wait()
         page.wait_for_timeout(100)
         assert (shown.text("#play"), page.input_value("#played")) == ("Play", "0")
         page.evaluate(FRAMES)
@@ -370,7 +365,7 @@ def test_the_nearest_place_is_that_of_the_last_passage(modules):
     assert modules.evaluate(find, [[], [], 1.0, 1.0, 0.0])["distance"] == np.inf
 
 
-def test_without_a_run_there_is_nothing_to_play(modules, server):
+def test_without_a_run_there_is_nothing_to_play(modules):
     played = """async () => {
         const { Playback } = await import('/js/motion/playback.js');
         const { Instant } = await import('/js/motion/instant.js');

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import synthetic_records
 
-T = np.arange(0.0, 240.0, 0.1)
+T = np.arange(0.0, 240.0, 0.2)
 STEP_AT = 100.0  # s, of synthetic_records.STEP
 #: of synthetic_records.SLIDER what no record has
 SLIDER = f"law={synthetic_records.SLIDER.law}&a=0.01&b=0.014&Dc=10 um&K=64 GPa/m&M=0&V0=1 um/s"
@@ -129,34 +129,6 @@ def test_a_record_lies_behind_the_curve(show, text, data):
     assert [what for what in page.evaluate("shifts") if what] == []
 
 
-def test_a_record_is_shifted(show, text):
-    shown = show("V_from=1 um/s")
-    page = shown.page
-    page.click("#record-open")
-    assert page.evaluate("document.activeElement.id") == "record-choose"
-    page.set_input_files(
-        "#record-file", {"name": "r.csv", "mimeType": "text/csv", "buffer": text.encode()}
-    )
-    page.wait_for_selector("#record-shown:enabled")
-    begin = zero(shown)
-    page.focus("#record-zero")
-    page.keyboard.press("ArrowUp")
-    step = zero(shown) - begin
-    box = [readout(shown, "#stress-chart", fraction)[0] for fraction in (0.002, 0.998)]
-    assert 0.005 < step / (box[1] - box[0]) < 0.025
-    page.click("#record-later")
-    page.click("#record-later")
-    assert zero(shown) == pytest.approx(begin - step, rel=1e-7)
-    page.click("#record-earlier")
-    assert zero(shown) == pytest.approx(begin, rel=1e-7)
-    for typed, invalid in (("5050", "false"), ("50x", "true"), ("", "true"), ("5060.5", "false")):
-        page.fill("#record-zero", typed)
-        page.press("#record-zero", "Enter")
-        assert page.get_attribute("#record-zero", "aria-invalid") == invalid
-    page.keyboard.press("ArrowDown")
-    assert zero(shown) == pytest.approx(5060.5 - step, rel=1e-6)
-
-
 def test_columns_are_chosen(show, data):
     columns = T, data.delta_lp.values * 1e3, data.friction.values
     shown = show()
@@ -188,10 +160,33 @@ def test_columns_are_chosen(show, data):
     assert page.input_value("#record-from") == ""
 
 
-def test_what_is_no_record_is_said_and_the_page_goes_on(show, text):
-    shown = show()
+def test_a_record_is_shifted_and_stays_until_there_is_another(show, text):
+    shown = show("V_from=1 um/s")
     page = shown.page
-    drop(shown, "good.csv", text)
+    page.click("#record-open")
+    assert page.evaluate("document.activeElement.id") == "record-choose"
+    page.set_input_files(
+        "#record-file", {"name": "good.csv", "mimeType": "text/csv", "buffer": text.encode()}
+    )
+    page.wait_for_selector("#record-shown:enabled")
+    begin = zero(shown)
+    page.focus("#record-zero")
+    page.keyboard.press("ArrowUp")
+    step = zero(shown) - begin
+    box = [readout(shown, "#stress-chart", fraction)[0] for fraction in (0.002, 0.998)]
+    assert 0.005 < step / (box[1] - box[0]) < 0.025
+    page.click("#record-later")
+    page.click("#record-later")
+    assert zero(shown) == pytest.approx(begin - step, rel=1e-7)
+    page.click("#record-earlier")
+    assert zero(shown) == pytest.approx(begin, rel=1e-7)
+    for typed, invalid in (("5050", "false"), ("50x", "true"), ("", "true"), ("5060.5", "false")):
+        page.fill("#record-zero", typed)
+        page.press("#record-zero", "Enter")
+        assert page.get_attribute("#record-zero", "aria-invalid") == invalid
+    page.keyboard.press("ArrowDown")
+    assert zero(shown) == pytest.approx(5060.5 - step, rel=1e-6)
+    # what is no record changes nothing
     for name, content, said in (
         ("r.png", "\x89PNG\0\0", "r.png is neither text nor HDF5 nor MAT"),
         ("empty.txt", 0, "empty.txt is empty; expected rows such as"),
@@ -212,10 +207,7 @@ def test_what_is_no_record_is_said_and_the_page_goes_on(show, text):
     drop(shown, "second.csv", text)
     assert shown.text("#record-said").startswith("second.csv: ")
     assert shown.page.evaluate("document.body.classList.contains('dropping')") is False
-
-
-@pytest.mark.parametrize("kind", ["file", "text"])
-def test_files_are_taken_from_a_drag_and_nothing_else(show, kind):
+    # from a drag files are taken, and nothing else
     over = """kind => { const data = new DataTransfer();
         if (kind === 'file') data.items.add(new File(['1'], 'r'));
         else data.items.add('1', 'text/plain');
@@ -223,7 +215,8 @@ def test_files_are_taken_from_a_drag_and_nothing_else(show, kind):
             cancelable: true });
         document.body.dispatchEvent(event);
         return [event.defaultPrevented, document.body.classList.contains('dropping')] }"""
-    assert show().page.evaluate(over, kind) == [kind == "file"] * 2
+    for kind in ("text", "file"):
+        assert page.evaluate(over, kind) == [kind == "file"] * 2
 
 
 #: the lines that a record draws, its range, and its friction at two times
@@ -241,8 +234,8 @@ LAYER = """async isLog => { const { LabRecord } = await import('/js/record/recor
 
 
 @pytest.mark.parametrize("is_log", [True, False])
-def test_a_load_point_that_rests_has_no_place_on_a_logarithmic_axis(show, is_log):
-    found = show().page.evaluate(LAYER, is_log)
+def test_a_load_point_that_rests_has_no_place_on_a_logarithmic_axis(modules, is_log):
+    found = modules.evaluate(LAYER, is_log)
     first = [["move", -10, 2], ["line", 0, 2]]
     hold, last = [["line", 0, 0], ["line", 10, 0]], [[10, 3], [20, 3]]
     starts = ("move", "line") if is_log else ("line", "line")

@@ -65,15 +65,14 @@ def taken(browser, server, tmp_path_factory):
     assert shown.complaints == []
 
 
-def test_a_figure_is_taken_along(taken):
+def test_a_saved_page_opens_without_a_server(browser, taken, show):
     assert taken.svg.name == "ratestate.svg"
     text = taken.svg.read_text()
     assert "<!-- Quasi-harmonic vibration at 50.59 Hz" in text
     assert "<!-- $K$ = 800 MPa/m -->" in text
-
-
-def test_a_saved_page_opens_without_a_server(browser, taken):
-    with opened(browser, taken.page.as_uri(), viewport={"width": 1440, "height": 900}) as page:
+    # a link has no say
+    address = f"{taken.page.as_uri()}#K=1 GPa/m"
+    with opened(browser, address, viewport={"width": 1440, "height": 900}) as page:
         assert page.inner_text("#headline").replace("\N{NO-BREAK SPACE}", " ") == taken.headline
         assert page.evaluate(NUMBERS) == taken.numbers
         assert page.title() == taken.headline.replace("\u03c4/\u03c3", "tau/sigma")
@@ -83,10 +82,7 @@ def test_a_saved_page_opens_without_a_server(browser, taken):
         assert "ratestate explore" in page.inner_text("#saved")
         height = "document.documentElement.scrollHeight - innerHeight"
         assert page.evaluate(height) == 0
-
-
-def test_what_a_saved_page_shows_can_be_read_at_the_pointer(browser, taken):
-    with opened(browser, taken.page.as_uri(), color_scheme="dark") as page:
+        # what it shows can be read at the pointer
         page.hover("#stress-chart .u-over")
         page.wait_for_function(
             "() => document.querySelector('#readout').innerText.includes('= 0.5')"
@@ -94,10 +90,7 @@ def test_what_a_saved_page_shows_can_be_read_at_the_pointer(browser, taken):
         before = page.evaluate("document.querySelector('#phase-canvas').toDataURL()")
         page.check("#whole")
         assert page.evaluate("document.querySelector('#phase-canvas').toDataURL()") != before
-
-
-def test_nothing_in_a_saved_page_can_be_changed(browser, taken):
-    with opened(browser, f"{taken.page.as_uri()}#K=1 GPa/m") as page:  # a link has no say
+        # and nothing in it can be changed
         names = page.evaluate(
             """[...document.querySelectorAll(':is(button, input, select):enabled')]
                 .filter(x => x.checkVisibility()).map(x => x.id)"""
@@ -112,10 +105,7 @@ def test_nothing_in_a_saved_page_can_be_changed(browser, taken):
         assert page.input_value("#entry-K") == "900 MPa/m"
         assert page.is_disabled("#undo")
         assert page.evaluate("document.body.dataset.asked") == "1"
-
-
-def test_the_link_of_a_saved_page_is_to_the_live_one(browser, taken, show):
-    with opened(browser, taken.page.as_uri()) as page:
+        # its link is to the live one
         href = page.get_attribute("#saved a", "href")
     assert href.startswith("http://127.0.0.1:8765/#")
     live = show(href.partition("#")[2])

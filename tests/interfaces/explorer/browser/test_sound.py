@@ -41,32 +41,23 @@ def frequency(samples, rate):
     return rate / (k + shift)
 
 
-@pytest.fixture(scope="module")
-def page(browser, server):
-    """A page for what its modules compute."""
-    found = browser.new_page()
-    found.goto(server.address)
-    yield found
-    found.close()
-
-
 @pytest.mark.parametrize(
     ("f", "raised"),
     [(30, 0), (29.99, 3), (12.5, 4), (0.4193, 9), (1e-10, 41), (8000, 0), (8000.1, -5), (4e4, -7)],
 )
-def test_frequencies_that_are_not_heard_are_moved_by_octaves(page, f, raised):
-    assert page.evaluate(CALL, ["octaves", f]) == raised
+def test_frequencies_that_are_not_heard_are_moved_by_octaves(modules, f, raised):
+    assert modules.evaluate(CALL, ["octaves", f]) == raised
     if raised:
         assert 200.0 <= f * 2.0**raised < 400.0
 
 
-def test_samples_are_means_of_the_curve(page):
+def test_samples_are_means_of_the_curve(modules):
     rng = np.random.default_rng(3)
     time = 7.0 + np.append(0.0, np.cumsum(rng.exponential(size=40)))
     V = rng.normal(size=time.size)
     V[-1] = V[0]
     periods, count = 3, 50
-    found = page.evaluate(CALL, ["means", time.tolist(), V.tolist(), periods, count])
+    found = modules.evaluate(CALL, ["means", time.tolist(), V.tolist(), periods, count])
     found = [found[str(k)] for k in range(count)] if isinstance(found, dict) else found
     T = np.ptp(time)
     fine = np.unique(
@@ -86,14 +77,14 @@ def test_samples_are_means_of_the_curve(page):
     ("shape", "peak", "size"),
     [("sine", 0.25 * 2**0.5, 0.25), ("spike", 1.0, 0.1), ("flat", 0.0, 0.0)],
 )
-def test_all_are_as_loud_as_their_peaks_allow(page, shape, peak, size):
+def test_all_are_as_loud_as_their_peaks_allow(modules, shape, peak, size):
     t = np.arange(1000) / 1000
     curve = {
         "sine": 3.0 + np.sin(2 * np.pi * t),
         "spike": 1e9 * (np.arange(1000) % 100 == 0),
         "flat": 0.0 * t + 2.0,
     }[shape]
-    found = page.evaluate(
+    found = modules.evaluate(
         f"async given => Array.from(await ({CALL})(given))", ["levelled", curve.tolist()]
     )
     assert np.abs(found).max() == pytest.approx(peak, rel=0.02)
@@ -101,11 +92,11 @@ def test_all_are_as_loud_as_their_peaks_allow(page, shape, peak, size):
 
 
 @pytest.mark.parametrize("pitch", [30.0, 391.7, 7990.0])
-def test_a_voice_has_its_pitch(page, pitch):
+def test_a_voice_has_its_pitch(modules, pitch):
     """Of a stick-slip, whose points are where it moves."""
     phase = np.linspace(0, 1, 400) ** 3
     V = 1e-6 * np.exp(10.0 * np.exp(-(((phase - 0.3) / 0.1) ** 2)))
-    samples = np.array(page.evaluate(RENDER, [(5.0 * phase).tolist(), V.tolist(), pitch]))
+    samples = np.array(modules.evaluate(RENDER, [(5.0 * phase).tolist(), V.tolist(), pitch]))
     assert frequency(samples[4800:], 48000.0) == pytest.approx(pitch, rel=2e-3)
     assert np.std(samples[4800:]) > 0.02
     # it begins, and goes on, without a click: no step is larger than the sound itself has
@@ -113,7 +104,7 @@ def test_a_voice_has_its_pitch(page, pitch):
     assert steps[:2400].max() < 1.1 * steps[4800:].max()
 
 
-def test_one_sound_gives_way_to_the_next_without_a_click(page):
+def test_one_sound_gives_way_to_the_next_without_a_click(modules):
     """Two that are alike but for their phase, which differs by a third of a period."""
     t = np.linspace(0, 1, 200)
     join = """async ([time, V]) => {
@@ -126,7 +117,7 @@ def test_one_sound_gives_way_to_the_next_without_a_click(page):
             new Voice(context, arrays, 240.7, context.destination);
             context.resume(); });
         return Array.from((await context.startRendering()).getChannelData(0)) }"""
-    samples = np.array(page.evaluate(join, [t.tolist(), np.cos(2 * np.pi * t).tolist()]))
+    samples = np.array(modules.evaluate(join, [t.tolist(), np.cos(2 * np.pi * t).tolist()]))
     steps = np.abs(np.diff(np.append(0.0, samples)))
     assert steps[:1000].max() < 1.05 * steps[10000:20000].max()
     assert steps[20000:].max() < 1.05 * steps[10000:20000].max()
