@@ -27,7 +27,6 @@ NO_LOAD = (0.0, 0.0)
 #: a speed of the load point that stands for rest
 LEAST = 1e-300
 
-
 # Smallest visible change of stress maxima or minima from one return to the next, divided by the
 # amplitude; part of it that may be left after a whole period.
 VISIBLE, REPEATS = 1e-3, 0.1

@@ -97,11 +97,12 @@ def draw(data):
 def _coexistence(data, ax, V_c):
     """The two cycles and steady sliding, and where all of them are."""
     V, amplitude = data.branch_V_lp / V_c, data.branch_amplitude
-    stable = data.branch_stable.astype(bool)
-    fold = float(V[data.branch_special == "fold"][0])
+    stable, at_fold = data.branch_stable.astype(bool), data.branch_special == "fold"
+    fold = float(V[at_fold][0])
     ax.axvspan(fold, 1.0, color="#fdf0d5", lw=0)
-    ax.plot(V.where(stable), amplitude.where(stable), "k", lw=1.2, label="stable cycle")
-    ax.plot(V.where(~stable), amplitude.where(~stable), "k--", lw=1.2, label="unstable cycle")
+    for drawn, style, label in ((stable, "k", "stable cycle"), (~stable, "k--", "unstable cycle")):
+        drawn = drawn | at_fold  # (there rounding tells one from the other)
+        ax.plot(V.where(drawn), amplitude.where(drawn), style, lw=1.2, label=label)
     ax.plot([0.5, 1.0], [0.0, 0.0], color=plot.BLUE, lw=2.0, label="stable sliding", clip_on=False)
     ax.plot([1.0, 1.5], [0.0, 0.0], color=plot.BLUE, lw=2.0, ls=":", clip_on=False)
     ax.set(xlim=(0.5, 1.5), ylim=(0.0, 0.022), xlabel=r"$V_{lp}/V_c$", ylabel=plot.AMPLITUDE)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from synthetic_records import SLIDER, record
 
 import ratestate as rs
+from ratestate.dynamics.recorded_loading import recorded_loading
 from ratestate.records.fitting.record import record_of
 from ratestate.records.fitting.unknowns import unknowns_of
 
@@ -81,9 +82,9 @@ def test_several_steps_are_fitted_together(law):
     assert_finds(result, SLIDER)
     first = rs.fit(data.sel(time=slice(None, 69.9)), START, law=law)
     assert (result.standard_error < first.standard_error).all()
-    loading = json.loads(result.attrs["loading"])
-    np.testing.assert_allclose(loading["V"], [1e-6, 1e-5, 1e-6, 3e-5], rtol=1e-6)
-    np.testing.assert_allclose(loading["t"], [0.0, 40.0, 70.0, 120.0], atol=1e-4)
+    loading = recorded_loading(result)
+    np.testing.assert_allclose(loading.V, [1e-6, 1e-5, 1e-6, 3e-5], rtol=1e-6)
+    np.testing.assert_allclose(loading.t, [0.0, 40.0, 70.0, 120.0], atol=1e-4)
 
 
 @pytest.mark.parametrize("law", ["aging"])

@@ -1,7 +1,6 @@
 """Fits of stick-slip and vibration by the features of their cycles."""
 
 import functools
-import json
 import warnings
 
 import numpy as np
@@ -12,6 +11,7 @@ from naive import FIG2, Naive, one_cycle
 
 import ratestate as rs
 from ratestate import plot
+from ratestate.dynamics.recorded_loading import recorded_loading
 from ratestate.records.fitting.cycles import folding
 from ratestate.records.fitting.cycles.diagnostics import diagnose
 from ratestate.records.fitting.cycles.features import FEATURES
@@ -419,10 +419,10 @@ def test_the_result_keeps_the_speeds_and_can_be_drawn():
     parts = [segment(BRAKE, V_lp, noise=0.01) for V_lp in (3.2e-3, 2e-3)]
     data = record(*parts)
     result = rs.fit(data, BRAKE.replace(b=0.006), free="b", against="cycles")
-    loading = json.loads(result.attrs["loading"])
-    assert loading["V"] == [3.2e-3, 2e-3]
+    loading = recorded_loading(result)
+    assert loading.V.tolist() == [3.2e-3, 2e-3]
     before = float(data.segment_t[1] - result.time[0])
-    assert loading["t"] == pytest.approx([0.0, before], abs=1e-9)
+    assert loading.t == pytest.approx([0.0, before], abs=1e-9)
     ax = Figure().subplots()
     plot.fit(result, ax=ax)
     assert ax.get_xlabel().startswith("Time")
