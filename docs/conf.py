@@ -7,7 +7,6 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from jupyter_cache import get_cache
-from jupyter_client.connect import ConnectionFileMixin
 from numpydoc.xref import DEFAULT_LINKS
 
 HERE = Path(__file__).parent
@@ -29,8 +28,6 @@ PROFILE = BUILD / "ipython" / "profile_default"
 PROFILE.mkdir(parents=True, exist_ok=True)
 (PROFILE / "ipython_kernel_config.py").write_text("c.IPKernelApp.log_level = 40\n", "utf-8")
 os.environ["IPYTHONDIR"] = str(PROFILE.parent)
-# Kernels listen on files: two that start at once may choose the same port.
-ConnectionFileMixin.transport.default_value = "ipc"
 
 project = "ratestate"
 author = "The ratestate developers"
