@@ -3,9 +3,9 @@
 Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  An upward
 crossing is a stress maximum and closes a cycle; a downward one is its minimum.
 
-The dense output of a step are polynomials in the fraction of the step that is over, 0 to 1.  Their
-coefficients, the constant first, stand in rows of the lane buffer: of degree 4 after a step of
-Rodas5P, of `taylor.ORDER` after one of the Taylor method.
+The dense output of a step is a polynomial for each number, in the fraction of the step that is
+over, 0 to 1.  Its coefficients, the constant first, stand in rows of the lane buffer: of degree 4
+after a step of Rodas5P, of `taylor.ORDER` after one of the Taylor method.
 
 The period of a run is seen where stress maxima and minima of its last cycles are compared.
 """
@@ -40,7 +40,10 @@ REVERSALS, LASTING = 3, 0.5
 
 
 def component(run, l, i, at):
-    """Number i of (x, v, psi...) at a place in the lane's step, and its derivative by the place."""
+    """Number i of (x, v, psi...) at a place in the lane's step, and its derivative by the place.
+
+    After a step of the Taylor method those of the perturbations z follow in a return map.
+    """
     s, shape = run.s, run.shape
     row = shape.c + i * shape.terms * R.LANES + l
     last = (shape.terms if s[R.TAYLOR + l] > 0.0 else R.OF_RODAS5P) - 1
@@ -86,7 +89,7 @@ def of_step(run, l, what, parts, load, at):
 
 
 def root(run, l, what, parts, load, low, high, enough):
-    """Where from low to high the second of what `of_step` gives vanishes, and the first there.
+    """Find where from low to high the second number of `of_step` is 0, and the first number there.
 
     By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
     size.

@@ -1,8 +1,8 @@
 """Machine code: LLVM text is compiled into an object, which is kept on disk, and loaded.
 
-The folder's name is a hash of all the engine's sources, a file's name one of all else that the
-code depends on, and a file begins with the SHA-256 of its content.  An object that cannot be loaded
-is compiled anew; one that cannot be kept is used all the same.
+The folder's name is a hash of the sources of engine and friction, a file's name one of all else
+that the code depends on, and a file begins with the SHA-256 of its content.  An object that cannot
+be loaded is compiled anew; one that cannot be kept is used all the same.
 
 Loading a file runs what is in it.  So only files and folders are used that nobody but this user
 can have written (`_distrust`, `_read`).

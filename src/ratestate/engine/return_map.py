@@ -178,7 +178,7 @@ def end_at_crossing(run, l):
 
 
 def perturbed(run, l, at, row):
-    """Put the perturbations of the speed, as of `v_of_order`, at a place in the step into rows.
+    """Put the perturbations of the speed at a place in the step into rows: `changes_of_order`.
 
     By the dense output of the Taylor method; that of Rodas5P has none of perturbations, and its
     step is repeated.
@@ -189,11 +189,8 @@ def perturbed(run, l, at, row):
     n = 2 + shape.states
     if s[R.TAYLOR + l] > 0.0:
         events.state_at(run, l, at, work, 0)
-        for i in range(n * (n - 1)):
-            first, z = shape.c_z + i * shape.terms * R.LANES + l, 0.0
-            for k in range(shape.terms):
-                z = s[first + (shape.terms - 1 - k) * R.LANES] + at * z
-            work[n + i] = z
+        for i in range(n, n * n):
+            work[i], _ = events.component(run, l, i, at)
         call_point(run.units.perturbed_taylor, s, l, work)
     else:
         work[0] = at

@@ -3,7 +3,7 @@
 A lane is a column of the buffer `s`, a flat array in which row R of lane l is ``s[R + l]``.  One
 buffer with constant row offsets, rather than an array a row, is what lets LLVM see that no row
 aliases another, so that it vectorises.  How many rows there are of some kinds depends on the law:
-these are `rows_of` it, and known when a kernel is compiled for it.
+`rows_of` it lists them.  They are constants of its units; the control reads them from `Shape`.
 """
 
 import functools
@@ -87,9 +87,9 @@ class LawRows(NamedTuple):
     v_low: tuple
     kept: int  # where those begin that hold nothing between steps
     z_new: tuple  # z after a step
-    c_z: tuple  # and over one of the Taylor method, coefficients of each number; () without these
     c: tuple  # dense output of a step, coefficients of each of y: `ORDER` + 1 where the law has
     # recurrences, else `OF_RODAS5P`
+    c_z: tuple  # directly behind, if the law has recurrences, those of each number of z
     # of a march: of each return, in turn, its stress maximum, the minimum before, how long it took;
     # these stay in the column HOME where the rest moves to another (control.py)
     highs: int

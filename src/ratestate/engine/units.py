@@ -96,7 +96,7 @@ def outrun(s, l, law):
     """
     at = lanes.read_point(s, l, law, True)
     v, kappa = at.log_of_faster, law.stiffness(at.kappa, at.p)
-    away = law.runs_away(v, at.psi, kappa, at.p) | law.outruns_spring(at, v, kappa)
+    away = law.runs_away(v, at.psi, kappa, at.p) | law.outruns_spring(at, kappa)
     lost = where(law.is_lost(v, at.p), float(NOT_FINITE), s[R.STATUS + l])
     s[R.STATUS + l] = where(away, float(RUNAWAY), lost)
     return ()
@@ -260,7 +260,7 @@ def unit_names(law, kind):
 
 
 def in_python(law, kind):
-    """The units of a law as functions of Python, which `calls` takes as it takes machine code.
+    """The units of a law as functions of Python, which the control calls as it calls machine code.
 
     kind : their class
     """

@@ -1,7 +1,7 @@
 """A friction law with what else stands in the balance of forces, as one law.
 
-Code is written for a law, and what a slider does not have costs it nothing: one with the friction
-of eq. 1 and without damping is that of the law of state alone.
+Code is written for each composed law.  It leaves out what a slider lacks: the code for eq. 1
+without damping is that of the law of state alone.
 
 Normal stress may vary with time: s(t) = sigma(t)/sigma(0), known from the loading.  Friction pushes
 with sigma(t) mu.  A change of normal stress changes the states too, by

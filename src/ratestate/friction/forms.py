@@ -81,7 +81,7 @@ class CutOff(FrictionLaw):
         """Where friction does not tell V."""
         return v > self.constant("v1", p) + RESOLVED
 
-    def outruns_spring(self, at, v, kappa):
+    def outruns_spring(self, at, kappa):
         """Whether -sum_k b_k dpsi_k/dD > kappa, with slip D and the b_k left at these ages.
 
         Where V >> V1, d(1/w)/dD = (kappa + sum_k b_k dpsi_k/dD)/w1, w1 = V1/V_ref: 1/w falls

@@ -24,7 +24,7 @@ from .expressions import LIMIT, MAKING, ordered
 from .law_formula import EXAMPLE, LOG, LawFormula, eq_1
 from .point import Point
 
-#: ln(V/V_ref) of rest, a rate that is none, and what own parameters may be
+#: ln(V/V_ref) of rest, the largest rate that counts as 0, and an example of own parameters
 REST, NOTHING, OWN_EXAMPLE = -300.0, 1e-50, 0.7
 #: points (v, psi) at which rates of one length are compared, and what may be between them
 POINTS, ROUNDING = ((0.3, -0.2), (-1.1, 0.9), (0.7, 0.4)), 1e-12
@@ -33,7 +33,7 @@ LAST_OF_SERIES = 15
 
 
 class _made_once(cached_property):
-    """A cached property that threads, too, make once."""
+    """A cached property that is computed once, even if threads ask for it at once."""
 
     def __get__(self, instance, owner=None):
         with MAKING:

@@ -158,11 +158,11 @@ class LawFormula:
         """
         return v_limit
 
-    def outruns_spring(self, at, v, kappa):
+    def outruns_spring(self, at, kappa):
         """Whether friction, which hardly depends on V there, falls faster with slip than the
         spring's force: a slider without mass at V >> V_lp then runs away for sure.
 
-        at : a `Point`; v : ln(V/V_ref)
+        at : a `Point`
         """
         return False
 

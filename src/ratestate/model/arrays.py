@@ -155,7 +155,7 @@ class Batch:
     are beyond double precision; the values themselves are not checked.
 
     Attributes: dims, shape and n, the sweep's dimensions, their sizes, the number of cases; alone,
-    whether it is no sweep but a single case, which may take the engine's scalar path.
+    whether it is a single case without dimensions.
     """
 
     def __init__(self, values, own=None, taken=()):
