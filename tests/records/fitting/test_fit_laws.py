@@ -174,6 +174,19 @@ def test_friction_is_that_of_simulate(slider, kind, M, noisy):
     assert abs(float(expected[0]) - float(steady.mu)) > (1e-3 if M == 0.0 else -1.0)
 
 
+def test_friction_at_a_point_does_not_depend_on_the_other_points(noisy):
+    """Under a law that needs mu0, which Newton's method finds in more steps at some points."""
+    own = {"law": "flash-heating", "V_w": 1e-5, "mu_w": 0.2, "mu0": 0.6}
+    slider = rs.SpringSlider(**COMMON, **own)
+    data = record_of(noisy, slider, loading=STEP, trend=None, against="time")
+    forward = Forward(data, slider, ("a", "V_w"))
+    points = np.array([[0.01, np.log(V_w)] for V_w in (1e-7, 1e-6, 1e-5, 1e-3, 1.0)])
+    together = forward.friction(points)
+    alone = np.concatenate([forward.friction(points[k : k + 1]) for k in range(len(points))])
+    np.testing.assert_array_equal(together, alone)
+    assert np.ptp(together, axis=0).max() > 1e-3
+
+
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_start_out_of_steady_sliding_has_each_state():
     loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (90.0, "10 um/s"))
