@@ -10,6 +10,7 @@ from synthetic_records import SLIDER, record
 from user_laws import MINE
 
 import ratestate as rs
+from ratestate.dynamics.verdict import verdict
 from ratestate.interfaces import scenario
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
@@ -207,6 +208,52 @@ def test_friction_that_falls_with_speed_is_refused():
                 f"law = '{slider.law}': friction does not rise with V in steady sliding, "
                 f"(d mu/d ln V)/a = {part}. Give other parameters."
             )
+
+
+def test_cycles_and_a_verdict_under_an_own_friction_with_a_kink():
+    """Also where no slider of a batch has a cycle to be measured."""
+
+    class Own(rs.FrictionLaw):
+        name = "own"
+        parameters = MappingProxyType({"V_k": rs.laws.Parameter("m/s", "kink", "> 0", "1 mm/s")})
+
+        def friction(self, V, theta, p):
+            beyond = rs.laws.where(p.V_k > V, 0.0, 0.3 * p.a * rs.laws.log(V / p.V_k))
+            of_state = p.b * rs.laws.log(1.0 + p.V0 * theta / p.Dc)
+            return p.mu0 + p.a * rs.laws.log(V / p.V0) + beyond + of_state
+
+        def evolution(self, V, theta, p):
+            return 1.0 - V * theta / p.Dc
+
+    slider, speed = FIG2.replace(law=Own, V_k=2e-2, V0=0.1, K=3e8), 1e-4
+    cycle = rs.limit_cycle(slider, speed)
+    t_end = 12.0 * float(cycle.period)
+    run = rs.simulate(slider, rs.Loading.constant(speed), t_end, V_start=2.0 * speed, times=[t_end])
+    assert float(cycle.V_max) > 100.0 * speed
+    assert float(run.frequency * cycle.period) == pytest.approx(1.0, rel=1e-4)
+    stable = slider.replace(K=1e10)
+    assert str(rs.limit_cycle(stable, speed).status.values) == "1"
+    assert verdict(stable, speed).sentences[0].startswith("Steady sliding at")
+
+
+def test_a_window_of_instability_may_end_at_a_kink():
+    """Steady friction weakens up to V_x alone; the window lies between two speeds of a grid."""
+
+    class Window(rs.FrictionLaw):
+        name = "window"
+        parameters = MappingProxyType({"V_x": rs.laws.Parameter("m/s", "end", "> 0", "1 mm/s")})
+
+        def evolution(self, V, theta, p):
+            beyond = p.Dc / p.V_x * (p.V_x / V) ** 0.2
+            return 1.0 - theta / rs.laws.where(p.V_x > V, p.Dc / V, beyond)
+
+    V_x, V_c = 1.15e-3, 1.15e-3 / np.array([1.001, 1.03, 1.06, 1.14])
+    aging = rs.SpringSlider(a=0.004, b=0.008, Dc=1e-5, sigma=2e6, M=1e4, K=1e9, law="aging")
+    K = aging.K_c(xr.DataArray(V_c, dims="K")).values
+    slider = aging.replace(law=Window, V_x=V_x, K=xr.DataArray(K, dims="K"))
+    np.testing.assert_allclose(slider.V_c, V_c, rtol=1e-9)
+    np.testing.assert_allclose(slider.V_c_upper, V_x, rtol=1e-9)
+    assert np.isinf(slider.replace(K=1.01 * K.max()).V_c)
 
 
 def test_other_parameters_than_the_examples_may_have_no_steady_sliding():

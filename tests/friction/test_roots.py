@@ -55,6 +55,15 @@ def test_roots_of_like_sizes_are_those_of_numpy():
         np.testing.assert_allclose(np.poly(z) * one[0], one, rtol=1e-11, atol=1e-12)
 
 
+@pytest.mark.parametrize("slope", [1.0, -1.0])
+@pytest.mark.parametrize("zero", [-4.0, -1.0, 0.0, 1.0, 2.0, 8.0])
+def test_a_root_may_be_where_it_is_looked_for(slope, zero):
+    low, high = np.array([zero, zero - 3.0]), np.array([zero + 3.0, zero])
+    found = root_between(lambda x: slope * (x - zero), low, high)
+    np.testing.assert_array_equal(found, zero)
+    np.testing.assert_array_equal(root(lambda x: x - zero, np.array([0.0])), zero)
+
+
 def test_roots_that_are_zero_or_coincide():
     found = polynomial_roots(
         np.array([[1.0, -3.0, 2.0, 0.0], [2.0, 0.0, 0.0, 0.0], [1.0, -3.0, 3.0, -1.0]])

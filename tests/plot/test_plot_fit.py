@@ -130,6 +130,25 @@ def test_a_hold_at_the_end_lasts_until_the_last_sample():
     assert change.text() == "hold 100 s"
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
+def test_a_fit_under_a_long_recorded_loading():
+    """It has more rows than fit into an attribute."""
+    t = np.concatenate([[0.0], np.linspace(39.0, 41.0, 1200), [140.0]])
+    loading = rs.Loading.series(t, np.interp(t, [39.5, 40.5], [1e-6, 1e-5]))
+    data = record(SLIDER, loading, np.linspace(0.0, 140.0, 301), noise=3e-4)
+    both = rs.fit(data, SLIDER, law=("slip", "aging"), loading=loading, errors="covariance")
+    assert both.loading_0_t.size == 2 * t.size
+    assert record_of(both).changes == []
+    plot.page(both)
+
+
+def test_a_fit_of_an_earlier_version_has_no_marks_of_steps(both):
+    before = both.assign_attrs(loading='{"t": [0.0, 40.0], "V": [1e-6, 1e-5], "rate": [0.0, 0.0]}')
+    assert record_of(before).changes == []
+    assert len(record_of(both).changes) == 1
+    plot.fit(before)
+
+
 @pytest.mark.parametrize(("width", "shrinks"), [(7.2, False), (2.5, True)])
 def test_letters_of_a_table_are_as_large_as_its_figure_allows(width, shrinks):
     cells = [("A wide heading", ["0.0123 +- 0.0004"]) for _ in range(4)]

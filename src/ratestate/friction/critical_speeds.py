@@ -14,8 +14,8 @@ from .roots import root_between
 # Speeds [m/s] between which V_c is sought if a law has a speed of its own, and points per decade.
 # (Nothing slips faster than light.  If weakening fades as 1/V, rounding would decide up there.)
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e9, 10
-# Step in ln V of the derivative that is 0 at the least stable speed.
-STEP = 1e-4
+# How many grids, of how many points, find the least stable speed, to 1e-8 of itself.
+GRIDS, POINTS = 6, 33
 # Sliders for which they are sought at a time, to limit memory.
 TOGETHER = 1000
 
@@ -89,10 +89,19 @@ def _speeds_by_search(law, *, K, **values):
         least = np.clip(on_grid.argmin(axis=1), 1, grid.size - 2)
         around = grid[np.stack([least - 1, least + 1], axis=1)]
         low, high = around.T[..., None]
-        lowest = root_between(lambda v: margin(v + STEP) - margin(v - STEP), low, high)
         inside = np.where(some[:, None], inside, around)
-        outside = np.where(some[:, None], outside, lowest)
+        outside = np.where(some[:, None], outside, _least(margin, low, high))
     lower, upper = np.exp(root_between(margin, inside, outside)).T
     lower = np.where(np.isnan(lower), np.inf, lower)
     upper = np.where(np.isnan(upper) | (some & (last == 0)), np.inf, upper)
     return np.where(unstable[:, 0], 0.0, lower), upper
+
+
+def _least(function, low, high):
+    """Where between numbers (n, 1) a function is least, by ever finer grids: it may have jumps."""
+    for _ in range(GRIDS):
+        grid = low + (high - low) * np.linspace(0.0, 1.0, POINTS)
+        least = function(grid).argmin(axis=1)[:, None]
+        beside = np.clip(least + np.array([-1, 1]), 0, POINTS - 1)
+        low, high = np.take_along_axis(grid, beside, axis=1).T[..., None]
+    return np.take_along_axis(grid, least, 1)

@@ -35,8 +35,10 @@ def root_between(off, low, high):
     Source: Chandrupatla (1997) doi:10.1016/S0965-9978(96)00051-8.
     """
     x, y, other, y_other = high, off(high), low, off(low)
-    found = np.where(y * y_other <= 0.0, x, np.nan)
-    done, part = np.isnan(found), np.full(np.shape(found), 0.5)
+    found = np.where(np.sign(y) * np.sign(y_other) <= 0.0, x, np.nan)
+    found = np.where(y_other == 0.0, other, found)
+    done = np.isnan(found) | (y == 0.0) | (y_other == 0.0)
+    part = np.full(np.shape(found), 0.5)
     for _ in range(2 * MAX_STEPS):
         if done.all():
             break

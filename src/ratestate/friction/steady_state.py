@@ -62,8 +62,7 @@ def steady_problem(at):
                     f"{name} does not go to its steady value: there d {name}/dt does not fall with "
                     f"{name}"
                 )
-    if law.gives("friction"):
-        by_v = np.min(at.R_slopes[0])
-        if by_v <= 0.0:
-            return f"friction does not rise with V in steady sliding, (d mu/d ln V)/a = {by_v:.4g}"
+    if law.gives("friction") and np.any((by_v := at.R_slopes[0]) <= 0.0):
+        least = np.nanmin(by_v)
+        return f"friction does not rise with V in steady sliding, (d mu/d ln V)/a = {least:.4g}"
     return ""

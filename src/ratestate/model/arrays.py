@@ -11,6 +11,8 @@ from ..machine import check_fits
 from .quantities import QUANTITIES, attrs, expected
 from .units import RESERVED, is_array, is_pint, to_si, unit_of
 
+#: dimension of a record's rows, which no sweep has
+ROW = "row of the record"
 #: numbers that the equations hold -> powers of what they consist of
 PRODUCTS = {
     "K Dc/(a sigma)": {"K": 1, "Dc": 1, "a": -1, "sigma": -1},
@@ -76,8 +78,8 @@ def column(symbol, values):
     import xarray
 
     if is_array(values) and values.dims[1:] and values.dims[-1] == "segment":  # as a result has it
-        rows = to_si(symbol, values.rename(segment="row"), bound=">= 0")
-        return rows.rename(row="segment").drop_attrs()
+        rows = to_si(symbol, values.rename(segment=ROW), bound=">= 0")
+        return rows.rename({ROW: "segment"}).drop_attrs()
     unit = unit_of(values)
     values = values.magnitude if is_pint(values) else values
     if not hasattr(values, "__len__") or isinstance(values, str | Mapping):
@@ -90,7 +92,7 @@ def column(symbol, values):
             raise ParameterError(f"{symbol} has {numbers.ndim} dimensions; a column has 1")
         if not numbers.size:
             raise ParameterError(f"{symbol} has no values; {expected(symbol)} in each row")
-        rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
+        rows = xarray.DataArray(numbers, dims=ROW, attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
     return stack({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})

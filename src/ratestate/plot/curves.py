@@ -77,12 +77,13 @@ def record_of(result, x=None):
     """
     if x is not None and x not in ABSCISSAE:
         raise ParameterError(f"x = {x!r} is unknown; choose 'delta_lp' or 'time'")
-    segments, laws = _segments(result), results_by_law(result)
+    laws = results_by_law(result)
+    part = next(iter(laws.values()))  # (all have the same record)
+    segments = _segments(part)
     of_time = "delta_lp" not in result
     if of_time and x == "delta_lp":
         raise ParameterError("a fit of cycles has times alone; leave x out, or give x='time'")
     x = x or ("time" if of_time or any(V == 0.0 for _, V in segments) else "delta_lp")
-    part = next(iter(laws.values()))  # (all have the same record)
     t = part["time"].values - part["time"].values[0]
     values = t if x == "time" else part["delta_lp"].values
     factor, unit = prefixed(QUANTITIES[x].unit, float(np.abs(values).max()))
@@ -95,8 +96,14 @@ def record_of(result, x=None):
 
 
 def _segments(result):
-    """Starts [s], from the first sample on, and speeds [m/s] of the load point; none of a wave."""
-    loading = recorded_loading(result)
+    """Starts [s], from the first sample on, and speeds [m/s] of the load point.
+
+    None of a wave, nor of a fit of an earlier version.
+    """
+    try:
+        loading = recorded_loading(result)
+    except ParameterError:
+        return []
     if loading.t.size > MARKED or loading.rate.any():
         return []
     return list(zip(loading.t.tolist(), loading.V.tolist(), strict=True))

@@ -367,6 +367,13 @@ def test_a_start_at_rest_or_backwards_and_back(again, V):
         again(Scenario("simulate", SLIDER, given))
 
 
+def test_a_record_swept_along_rows():
+    speeds = [xr.DataArray([1e-4, 2e-4], dims="row"), 1e-4, 2e-4, 3e-4]
+    given = {"loading": Loading.series([0.0, 1.0, 1.0, 3.0], speeds), "t_end": 3.0}
+    result = run(Scenario("simulate", SLIDER, given | {"times": np.array([3.0])}))
+    assert run(from_result(result)).identical(result)
+
+
 def test_of_a_sweep_that_was_cut(again):
     whole = run(SCENARIOS["cycles"])
     part = whole.sel(M=1e4).isel(V_lp=[0, 2])

@@ -102,9 +102,10 @@ def _effect(solution, start, duration):
 def _moved_further(loading, start, duration, distance):
     """A loading whose load point moves a distance [m] further, from start for a duration [s]."""
     end = start + duration
-    t = np.union1d(loading.t, [start, end])
-    k = np.searchsorted(loading.t, t, side="right") - 1
     until = loading.speed.until
+    t = np.union1d(loading.t, [start, end])
+    t = t[t < until]
+    k = np.searchsorted(loading.t, t, side="right") - 1
     last = np.append(t[1:], until if np.isfinite(until) else t[-1])  # (constant if it is inf)
     push = np.where((t >= start) & (t < end), distance / duration, 0.0)
     first, final = (loading.V[k] + loading.rate[k] * (x - loading.t[k]) + push for x in (t, last))
