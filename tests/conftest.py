@@ -1,6 +1,7 @@
 """Seeds that are the same each time; laws that a test registers are forgotten after it."""
 
 import gc
+import sys
 
 import hypothesis
 import pytest
@@ -29,6 +30,12 @@ def laws_as_before():
     for table, old in before:
         table.clear()
         table.update(old)
+
+
+def pytest_runtest_setup():
+    """Write pictures of few pixels: no test looks at them."""
+    if layout := sys.modules.get("ratestate.plot.layout"):
+        layout.DPI = 40
 
 
 @pytest.fixture(scope="module")
