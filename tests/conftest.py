@@ -32,10 +32,15 @@ def laws_as_before():
         table.update(old)
 
 
-def pytest_runtest_setup():
-    """Write pictures of few pixels: no test looks at them."""
+def pytest_runtest_setup(item):
+    """Write pictures of few pixels, which no test looks at; read NetCDF without a child process.
+
+    A child takes 0.3 s a file.  `test_isolated` and `test_files` test reading with one.
+    """
     if layout := sys.modules.get("ratestate.plot.layout"):
         layout.DPI = 40
+    if isolated := sys.modules.get("ratestate.records.reading.isolated"):
+        isolated._is_child = item.path.parent.name in ("files", "cli", "scenario", "paper")
 
 
 @pytest.fixture(scope="module")
