@@ -1,6 +1,7 @@
 """Seeds that are the same each time; laws that a test registers are forgotten after it."""
 
 import gc
+import sys
 
 import hypothesis
 import pytest
@@ -29,6 +30,17 @@ def laws_as_before():
     for table, old in before:
         table.clear()
         table.update(old)
+
+
+def pytest_runtest_setup(item):
+    """Write pictures of few pixels, which no test looks at; read NetCDF without a child process.
+
+    A child takes 0.3 s a file.  `test_isolated` and `test_files` test reading with one.
+    """
+    if layout := sys.modules.get("ratestate.plot.layout"):
+        layout.DPI = 40
+    if isolated := sys.modules.get("ratestate.records.reading.isolated"):
+        isolated._is_child = item.path.parent.name in ("files", "cli", "scenario", "paper")
 
 
 @pytest.fixture(scope="module")

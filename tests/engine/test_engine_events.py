@@ -156,7 +156,7 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
     h = 0.7
     s = np.linspace(0.0, 1.0, 20_001)
     changes = {0: 0, 1: 0, 3: 0}
-    for _ in range(200):
+    for _ in range(70):
         c, b = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
         p = law.coefficients(1.0, SimpleNamespace(b=b, **UNITS))
         x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
@@ -176,8 +176,8 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
             changes[len(inner)] += 1
             size = np.abs(force).max()
             assert np.abs(force[inner] - found).min() < 1e-8 * size
-    assert changes[0] > 50
-    assert changes[1] > 50
+    assert changes[0] > 15
+    assert changes[1] > 15
 
 
 @pytest.mark.parametrize("parts", [(1.0, -1.0, 0.0, 0.0), (1.0, 0.0, 1.0, 0.0)])
@@ -185,7 +185,7 @@ def test_extreme_forces_where_normal_stress_varies(parts):
     """N = s R + (s - 1) mu_ref/a, s = 1.1 + 0.2 T + 0.1 sin(2 pi (0.3 + T))."""
     rng, law = np.random.default_rng(13), under_varying_stress(SlipLaw())
     s, h, minima = np.linspace(0.0, 1.0, 100_001), 0.4, 0
-    for _ in range(100):
+    for _ in range(40):
         c, beta = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
         own = (beta, 1.0, 3.0, 0.0, 0.0, 1.1, 0.2, 0.1, 1.0, 0.3, 1.0, 0.0, 0.0)
         p = tuple(map(float, law.at_time(own, 1.1, 0.2, 0.3)))
@@ -199,4 +199,4 @@ def test_extreme_forces_where_normal_stress_varies(parts):
             inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])
             minima += 1
             assert np.abs(force[inner] - found).min() < 1e-8 * np.abs(force).max()
-    assert minima > 30
+    assert minima > 12

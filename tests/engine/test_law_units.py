@@ -26,6 +26,10 @@ COMPOSED += [
 ]
 
 
+#: lanes that run as Python too, which takes long: in each group of WIDTH lanes one or two
+COMPARED = [0, 3, 6, 9, 13]
+
+
 def random_lanes(law, rng):
     """A set of lanes: states, perturbations and dense output of either sign, the rest > 0."""
     rows = R.rows_of(law)
@@ -59,7 +63,7 @@ def by_machine(unit, s, work, is_of_lanes):
 
 
 def by_python(unit, s, work, is_of_lanes):
-    for l in range(R.LANES):
+    for l in COMPARED:
         unit(s, l) if is_of_lanes else unit(s, l, work[l])
 
 
@@ -76,7 +80,7 @@ def is_near(ours, theirs, near):
 @pytest.mark.parametrize("kind", [MarchUnits, ReturnUnits])
 @pytest.mark.parametrize("law", COMPOSED, ids=lambda law: law.name)
 def test_every_unit(law, kind):
-    """To 1e-12, or what a change of all numbers by 1e-15 makes, in 16 random lanes."""
+    """To 1e-12, or what a change of all numbers by 1e-15 makes, in some random lanes."""
     if kind is ReturnUnits and rows_of(law).history:
         pytest.skip("normal stress is constant in a return")
     machine, python = units_of(law, kind), in_python(law, kind)
@@ -85,10 +89,13 @@ def test_every_unit(law, kind):
     s, work = random_lanes(law, rng), rng.uniform(0.1, 0.5, (R.LANES, WORK))
     assert [bool(one) for one in machine] == [bool(one) for one in python]
 
+    def compared(s, work):
+        return np.concatenate([s.reshape(-1, R.LANES)[:, COMPARED].ravel(), work[COMPARED].ravel()])
+
     def found(run, unit, name, change=0.0):
         both = [one * (1.0 + change * rng.choice([-1.0, 1.0], one.shape)) for one in (s, work)]
         run(unit, *both, name in of_lanes)
-        return np.concatenate([one.ravel() for one in both])
+        return compared(*both)
 
     for name in kind._fields:
         if not getattr(machine, name):
@@ -99,10 +106,10 @@ def test_every_unit(law, kind):
         theirs, *near = (
             found(by_python, getattr(python, name), name, k) for k in (0, 1e-15, 1e-15)
         )
-        changed = not np.array_equal(theirs, np.concatenate([s, work.ravel()]))
+        changed = not np.array_equal(theirs, compared(s, work))
         assert changed or name == "outrun", name  # (not all laws run away)
         bad = np.flatnonzero(~is_near(ours, theirs, near))
         # (a bit of an event hangs on the sign of a number that may be 0 to rounding: in one lane)
-        flips = (bad >= R.EVENTS) & (bad < R.EVENTS + R.LANES)
+        flips = bad // len(COMPARED) == R.EVENTS // R.LANES
         bad = bad[~flips] if flips.sum() == 1 else bad
         assert bad.size == 0, (name, bad[:5], ours[bad[:5]], theirs[bad[:5]])

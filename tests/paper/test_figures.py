@@ -33,7 +33,7 @@ def numbers():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(basins, "SPEEDS", (0.8, 0.95, 2))
         patch.setattr(basins, "STIFFNESS", (*basins.STIFFNESS[:2], 5))
-        patch.setattr(branches, "SPEEDS", (1.5, 0.6))
+        patch.setattr(branches, "SPEEDS", (1.1, 0.6))
         yield of
 
 

@@ -133,7 +133,6 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
             result = call(*arguments)
             assert result.exit_code == 0, (line, result.output)
 
-    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
     monkeypatch.setattr("ratestate.interfaces.explorer.serve", lambda **how: served.append(how))
     monkeypatch.chdir(tmp_path)
     for name in ("record", "fig3"):

@@ -51,13 +51,13 @@ V_lp = ["1 mm/s", "3 mm/s", "10 mm/s"]
 """
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3e3, V0=1e-9)
 LOADING = rs.Loading.steps(1e-4, (0.05, 3.2e-3))
-BRANCH = ["--start", "3.5 mm/s", "--stop", "3 mm/s"]
+BRANCH = ["--start", "3.3 mm/s", "--stop", "3 mm/s"]
 #: command -> its arguments, and the same through the Python API
 COMMANDS = {
     "run": ([], lambda: rs.simulate(SLIDER, LOADING, 0.2)),
     "stability": ([], lambda: rs.stability(SLIDER, 3.2e-3)),
     "cycle": ([], lambda: rs.limit_cycle(SLIDER, 3.2e-3)),
-    "branch": (BRANCH, lambda: rs.continue_cycle(SLIDER, "V_lp", 3.5e-3, 3e-3)),
+    "branch": (BRANCH, lambda: rs.continue_cycle(SLIDER, "V_lp", 3.3e-3, 3e-3)),
 }
 
 
@@ -123,7 +123,7 @@ def test_numbers_are_those_of_the_python_api(command, lab, api):
         ("run", ["At the end, 200 ms, after", "V_max 26.8682 mm/s", "cycles 6", "V_lp = 3.2 mm/s"]),
         ("stability", ["Steady sliding at 3.2 mm/s is unstable", "907.2 MPa/m", "3.16228 mm/s"]),
         ("cycle", ["19.7649 ms", "3e-10", "0.0012347", "0.9706, 7.097e-09", "1.141 V_lp"]),
-        ("branch", ["V_lp from 3.162 mm/s to 3.5 mm/s", "3.16228 mm/s", "hopf", "start"]),
+        ("branch", ["V_lp from 3.162 mm/s to 3.3 mm/s", "3.16228 mm/s", "hopf", "start"]),
     ],
 )
 def test_tables(command, words, lab):
@@ -419,23 +419,19 @@ def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
     assert "stable at any speed" in call("stability", lab).stdout
 
 
-@pytest.mark.parametrize(
-    ("command", "ending"), [*((command, "csv") for command in COMMANDS), ("branch", "zarr")]
-)
-def test_other_files(command, ending, lab, api):
+@pytest.mark.parametrize("ending", ["csv", "zarr"])
+def test_other_files(ending, lab, api):
     out = lab.with_name(f"out.{ending}")
-    assert call(command, lab, *COMMANDS[command][0], "--out", out).exit_code == 0
+    assert call("cycle", lab, "--out", out).exit_code == 0
     if ending == "zarr":
-        xr.testing.assert_identical(files.read(out), api[command])
+        xr.testing.assert_identical(files.read(out), api["cycle"])
     else:
-        assert out.read_text() == files.csv_text(api[command])
+        assert out.read_text() == files.csv_text(api["cycle"])
 
 
-@pytest.mark.parametrize("command", ["run", "branch"])
-def test_pictures(command, lab, monkeypatch):
-    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
+def test_pictures(lab):
     path = lab.with_name("page.png")
-    result = call(command, lab, *COMMANDS[command][0], "--plot", path)
+    result = call("branch", lab, *BRANCH, "--plot", path)
     assert result.exit_code == 0, result.output
     assert result.stderr == f"wrote {path}\n"
     assert path.read_bytes()[:4] == b"\x89PNG"
@@ -462,7 +458,10 @@ def test_a_sweep_in_memory(lab):
     found = parse_strict(result.stdout)
     assert found["failed"] == 3
     assert found["data_vars"]["message"]["data"][1] == ["", "", ""]
-    text = call("run", lab).stdout
+    again = call("run", "--from", "x.nc", "--out", "y.nc")
+    assert again.exit_code == 3
+    xr.testing.assert_identical(files.read("y.nc"), expected)
+    text = again.stdout
     assert "6 cases of limit_cycle over M (2 from 0 kg/m^2 to 3000 kg/m^2), V_lp (3 from" in text
     assert "3 cycles, 3 failed (quasi static instability)" in text
     row = next(line.split() for line in text.splitlines() if line.startswith("amplitude"))
@@ -546,13 +545,6 @@ def test_from_a_result_to_the_same_bits(command, ending, lab, api):
     result = call("run", "--from", first, "--out", second)
     assert result.exit_code == 0, result.output
     xr.testing.assert_identical(files.read(second), files.read(first))
-
-
-def test_a_sweep_again(lab):
-    lab.write_text(SWEEP)
-    assert call("run", lab, "--out", "x.nc").exit_code == 3
-    assert call("run", "--from", "x.nc", "--out", "y.nc").exit_code == 3
-    xr.testing.assert_identical(files.read("y.nc"), files.read("x.nc"))
 
 
 # ------------------------------------------------------------------------------ what may go wrong
@@ -781,30 +773,18 @@ def test_other_ends(error, code, message, lab, monkeypatch):
     assert [path.name for path in lab.parent.iterdir()] == ["lab.toml"]
 
 
-def test_a_reader_that_leaves_ends_it_quietly(lab):
+@pytest.mark.parametrize("errors", [subprocess.PIPE, subprocess.STDOUT])
+def test_a_reader_that_leaves_ends_it_quietly(errors, lab):
     command = [sys.executable, "-c", "from ratestate.interfaces.cli import main; main()"]
-    arguments = ["run", lab, "--json", "--out", "x.csv"]
+    arguments = ["stability", lab, "--json", "--out", "x.csv"]
     with subprocess.Popen(
-        [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*command, *arguments], stdout=subprocess.PIPE, stderr=errors, text=True
     ) as process:
-        process.stdout.close()  # before anything is said
-        errors = process.stderr.read()
+        process.stdout.close()  # before anything is said, as of `2>&1 | head`
+        if process.stderr:
+            assert process.stderr.read() == "wrote x.csv\n"
     assert process.returncode == 0
-    assert errors == "wrote x.csv\n"
-    first, *_, last = lab.with_name("x.csv").read_text().splitlines()
-    assert first.startswith("time [s],V [m/s],")
-    assert last.startswith("0.2,")
-
-
-def test_messages_may_be_closed_with_the_output(lab):
-    command = [sys.executable, "-c", "from ratestate.interfaces.cli import main; main()"]
-    arguments = ["stability", lab, "--out", "x.csv"]
-    with subprocess.Popen(
-        [*command, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
-    ) as process:
-        process.stdout.close()  # as of `2>&1 | head`
-    assert process.returncode == 0
-    assert lab.with_name("x.csv").stat().st_size > 100
+    assert lab.with_name("x.csv").read_text().startswith("K_c [Pa/m],")
 
 
 def test_colours_are_for_terminals(lab, monkeypatch):

@@ -61,7 +61,8 @@ def test_a_description_is_printed(lab):
 
 
 def test_a_fit_needs_no_other_option_than_the_format(lab):
-    done = call("fit", "r.txt", "--format", "mylab.toml", "--free", "a,b,Dc", "--out", "made")
+    given = ("--format", "mylab.toml", "--free", "a,b,Dc", "--errors", "covariance")
+    done = call("fit", "r.txt", *given, "--out", "made")
     assert done.exit_code in (0, 3), done.output
     result = files.read("made/fit.nc")
     slider = json.loads(result.attrs["slider"])
@@ -72,8 +73,7 @@ def test_a_fit_needs_no_other_option_than_the_format(lab):
     assert again.exit_code == 2  # the fit's own sigma is none of the record
     assert "no column is known as sigma" in again.stderr
     # what is given goes first
-    own = call("fit", "r.txt", "--format", "mylab.toml", "--free", "a,b,Dc", "--K", "50 GPa/m",
-               "--json")  # fmt: skip
+    own = call("fit", "r.txt", *given, "--K", "50 GPa/m", "--json")
     assert json.loads(own.stdout)["attrs"]["slider"]["K"] == 5e10
 
 
@@ -90,7 +90,8 @@ def test_several_files_are_joined(lab):
 
 
 def test_the_report_names_all_files(lab):
-    done = call("fit", "a.txt", "b.txt", "--format", "mylab.toml", "--out", "joined")
+    given = ("--format", "mylab.toml", "--errors", "covariance")
+    done = call("fit", "a.txt", "b.txt", *given, "--out", "joined")
     assert done.exit_code in (0, 3), done.output
     text = Path("joined/report.md").read_text("utf-8")
     assert text.startswith("# Fit of a.txt, b.txt")

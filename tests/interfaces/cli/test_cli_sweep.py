@@ -334,8 +334,7 @@ def test_a_sweep_from_file_to_store(file, tmp_path):
     xr.testing.assert_equal(found.drop_vars("message"), cycle)
 
 
-def test_files_pictures_and_json_of_a_store(file, tmp_path, monkeypatch):
-    monkeypatch.setattr("ratestate.plot.layout.DPI", 30)
+def test_files_pictures_and_json_of_a_store(file, tmp_path):
     store, out, plot = (tmp_path / name for name in ("x.zarr", "x.nc", "x.png"))
     file.write_text(
         SCENARIO.replace("M = {", 'K = ["500 MPa/m", inf]\n#').replace(
