@@ -114,7 +114,7 @@ def test_a_law_file_is_another_one_with_a_file_that_it_imports(law_file, tmp_pat
     M, store = rs.logspace("M", 1, 10, 3), tmp_path / "s.zarr"
     for _ in range(2):  # the second continues it
         rs.sweep("stability", slider.replace(M=M), V_lp=1e-3, store=store, progress=False)
-    law_file("G = 2.5", "constant.py")
+    law_file("G = 2.50", "constant.py")  # (of another length, which its bytecode is told by)
     code = (
         "import sys, ratestate as rs; name = rs.register(sys.argv[1]); common = eval(sys.argv[2])"
     )

@@ -11,7 +11,7 @@ from ..machine import check_fits
 from .quantities import QUANTITIES, attrs, expected
 from .units import RESERVED, is_array, is_pint, to_si, unit_of
 
-#: dimension of a record's rows, which no sweep has
+#: dimension of the rows of swept columns, which no sweep has
 ROW = "row of the record"
 #: numbers that the equations hold -> powers of what they consist of
 PRODUCTS = {
@@ -92,7 +92,7 @@ def column(symbol, values):
             raise ParameterError(f"{symbol} has {numbers.ndim} dimensions; a column has 1")
         if not numbers.size:
             raise ParameterError(f"{symbol} has no values; {expected(symbol)} in each row")
-        rows = xarray.DataArray(numbers, dims=ROW, attrs={} if unit is None else {"units": unit})
+        rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
     return stack({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})
