@@ -1,6 +1,7 @@
 """Sentences in pictures: symbols as mathematics, numbers as they are printed, lines that fit."""
 
 import re
+from bisect import bisect_right
 
 from .labels import LETTERS, PREFIXES, STRESS, label
 from .layout import text_width
@@ -23,11 +24,10 @@ def mathematics(text):
 
 def wrapped(parts, width, size, joint=" "):
     """Texts one after another, in lines that are at most `width` wide if each text is [points]."""
-    lines: list[str] = []
-    for part in parts:
-        longer = f"{lines[-1]}{joint}{part}" if lines else part
-        if lines and text_width(longer, size) <= width:
-            lines[-1] = longer
-        else:
-            lines.append(part)
+    lines, rest = [], list(parts)
+    while rest:
+        counts = range(2, len(rest) + 1)
+        n = 1 + bisect_right(counts, width, key=lambda k: text_width(joint.join(rest[:k]), size))
+        lines.append(joint.join(rest[:n]))
+        rest = rest[n:]
     return f"{joint.rstrip()}\n".join(lines)
