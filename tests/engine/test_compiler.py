@@ -302,6 +302,7 @@ REFUSED = {
 @pytest.mark.parametrize("function", REFUSED, ids=lambda f: f.__name__)
 def test_what_is_not_known_is_refused(function):
     """With the name of the function and the text."""
+    # (of many kinds, as Python's own operators refuse; what is tested are the notes)
     with pytest.raises(Exception) as refused:  # noqa: PT011
         kernel_text(function, Context(record()[0]).layout())
     notes = "\n".join(refused.value.__notes__)

@@ -60,6 +60,14 @@ def recorded_loading(result):
     return loading
 
 
+def known_loading(result):
+    """The `recorded_loading` of a result; None if it cannot be made again."""
+    try:
+        return recorded_loading(result)
+    except ParameterError:
+        return None
+
+
 def _argument(result, value):
     """An argument of a call, from JSON or a variable of the result."""
     if isinstance(value, list):

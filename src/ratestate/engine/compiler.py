@@ -230,7 +230,7 @@ class _Function(Code):
     def _statement(self, node):
         try:
             return bool(getattr(self, f"_do_{type(node).__name__}")(node))
-        except Exception as error:
+        except Exception as error:  # any: to say where, it gets a note, and goes on
             text = ast.unparse(node).partition("\n")[0]
             error.add_note(f"{self._function.__module__}.{self._function.__qualname__}: {text}")
             raise

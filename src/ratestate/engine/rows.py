@@ -102,6 +102,7 @@ class LawRows(NamedTuple):
 # if K = inf.
 COUNTS = ["states", "coefficients", "terms", "reverses", "varies", "rigid"]
 #: what the control knows of a law: these, and where the rows of each kind begin (`LawRows`)
+# (of names that mypy cannot read)
 Shape: Any = namedtuple("Shape", [*COUNTS, *LawRows._fields])  # type: ignore[misc]
 
 
@@ -111,7 +112,7 @@ def shape_of(law):
     rows = rows_of(law)
     counts = len(law.states), len(rows.p), len(rows.c[0])
     kinds = int(law.reverses), int(len(rows.history) > 0), 0
-    return Shape(*counts, *kinds, *map(_first, rows))  # type: ignore[call-arg]
+    return Shape._make((*counts, *kinds, *map(_first, rows)))
 
 
 def _first(rows):
