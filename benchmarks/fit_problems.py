@@ -14,11 +14,11 @@ from scipy.optimize import least_squares
 
 import ratestate as rs
 from ratestate.paper.parameters import FIG2
-from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.problem import Problem as Search
 from ratestate.records.fitting.problem import search, with_best_level
 from ratestate.records.fitting.record import record_of
 from ratestate.records.fitting.unknowns import to_coordinate, to_value, unknowns_of
+from ratestate.records.kit.noise import Noise
 
 SAMPLES, SEED = 3000, 6
 FREE = ("a", "b", "Dc", "K")

@@ -10,9 +10,9 @@ from report import Part, power
 from timing import cpu, interleaved, one_core
 
 import ratestate as rs
-from ratestate.records.fitting.one_record import single_blas
 from ratestate.records.fitting.problem import search, with_best_level
 from ratestate.records.fitting.unknowns import to_coordinate
+from ratestate.records.kit.least_squares import single_blas
 
 OURS, CALL = "least squares alone", "fit"
 ENOUGH = 0.05  # standard errors: estimates as near as this to the exact ones will do

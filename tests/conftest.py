@@ -47,7 +47,7 @@ def pytest_runtest_setup(item):
 def in_one_process():
     """Fit all steps of an experiment here: a child takes longer to start than it saves."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ratestate.records.child_process.cores", lambda: 1)
+        patch.setattr("ratestate.records.kit.child_process.cores", lambda: 1)
         yield
 
 

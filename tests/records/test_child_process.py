@@ -5,8 +5,8 @@ import os
 import pytest
 from child_work import dies_elsewhere, prints, refuses, squared
 
-from ratestate.records import child_process
-from ratestate.records.child_process import mapped
+from ratestate.records.kit import child_process
+from ratestate.records.kit.child_process import mapped
 
 
 @pytest.fixture(autouse=True)

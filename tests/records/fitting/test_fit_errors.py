@@ -31,10 +31,10 @@ from ratestate.records.fitting.likelihood.profiles import are_gaussian, compute_
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.likelihood.transients import _transients, chance_of_transients
 from ratestate.records.fitting.likelihood.uncertainty import infer
-from ratestate.records.fitting.noise import Noise
-from ratestate.records.fitting.raw_record import raw_record
 from ratestate.records.fitting.record import Record, record_of
 from ratestate.records.fitting.unknowns import Unknowns, starts_of, unknowns_of
+from ratestate.records.kit.noise import Noise
+from ratestate.records.raw_record import raw_record
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))

@@ -8,11 +8,15 @@ from synthetic_records import SLIDER, STEP, correlated, power_law, record
 
 import ratestate as rs
 from ratestate.paper.laws import LAWS
-from ratestate.records.fitting.estimated_noise import Relaxation, estimated_noise, modes
 from ratestate.records.fitting.forward import Forward, _difference
-from ratestate.records.fitting.noise import Noise
 from ratestate.records.fitting.record import record_of
-from ratestate.records.fitting.restricted_likelihood import RestrictedLikelihood
+from ratestate.records.kit.estimated_noise import (
+    Relaxation,
+    RestrictedLikelihood,
+    estimated_noise,
+    modes,
+)
+from ratestate.records.kit.noise import Noise
 
 T = np.concatenate([np.linspace(0.0, 99.0, 34), np.linspace(100.05, 104.0, 80)])
 MASSES = {"none": 0.0, "inertial": 3e11}

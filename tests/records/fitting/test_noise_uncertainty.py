@@ -7,14 +7,13 @@ import pytest
 from scipy.stats import norm
 from synthetic_records import correlated, power_law
 
-from ratestate.records.fitting.estimated_noise import estimated_noise
 from ratestate.records.fitting.estimates import GAUSSIAN
 from ratestate.records.fitting.likelihood.noise_uncertainty import (
     _quantile,
     likely_noise,
 )
-from ratestate.records.fitting.noise import WHITE, Noise
-from ratestate.records.fitting.restricted_likelihood import RestrictedLikelihood
+from ratestate.records.kit.estimated_noise import RestrictedLikelihood, estimated_noise
+from ratestate.records.kit.noise import WHITE, Noise
 
 T = np.linspace(0.0, 10.0, 300)
 # level, trend, and a transient that is over after a tenth of the record

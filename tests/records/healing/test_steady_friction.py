@@ -5,12 +5,12 @@ import pytest
 from slide_hold_slide import clean, loading_of, noisy, truth
 
 import ratestate as rs
-from ratestate.records.fitting.noise import Noise
 from ratestate.records.healing.fault_slip import fault_slip
 from ratestate.records.healing.record import healing_record
 from ratestate.records.healing.sliding import _Line, levels_of
 from ratestate.records.healing.transients import Shape
-from ratestate.records.sample_noise import resolution
+from ratestate.records.kit.noise import Noise
+from ratestate.records.kit.sample_noise import resolution
 
 #: with it slides of 200 um are short: friction is oscillating still, with a decay length of 32 um
 SOFT = rs.SpringSlider(

@@ -17,8 +17,7 @@ from machine_records import (
 
 import ratestate as rs
 from ratestate import ParameterError, plot
-from ratestate.records.fitting.raw_record import raw_record
-from ratestate.records.load_point import segments_of
+from ratestate.records.loading import segments_of
 from ratestate.records.machine import summary
 from ratestate.records.machine.inertia import mass_and_damping
 from ratestate.records.machine.loading_curve import curve
@@ -26,6 +25,7 @@ from ratestate.records.machine.loading_fit import fit_loading_curve
 from ratestate.records.machine.result import stiffness_remarks
 from ratestate.records.machine.ring_down import RingDown, ring_down
 from ratestate.records.machine.stress_drops import stress_drops
+from ratestate.records.raw_record import raw_record
 from ratestate.records.stick_slip import catalogue
 
 

@@ -17,10 +17,9 @@ from paths import LAB
 import ratestate as rs
 from ratestate import files
 from ratestate.errors import RecordWarning
+from ratestate.records.load_point.stress_steps import stress_steps
 from ratestate.records.reading import read_lab, titles
 from ratestate.records.reading.columns import choose_columns
-from ratestate.records.reading.messages import message
-from ratestate.records.reading.stress_steps import stress_steps
 from ratestate.records.reading.table import Column, Table
 from ratestate.records.reading.titles import LIKE, match_rank
 
@@ -634,13 +633,6 @@ def test_columns_that_do_not_agree_or_have_no_unit(tmp_path):
         assert "sigma" not in read_lab(path)
     with pytest.raises(rs.ParameterError, match="has no unit"):
         read_lab(path, {"sigma": 4})
-
-
-def test_every_sentence_is_used():
-    source = "".join(path.read_text("utf-8") for path in message.path.parent.glob("*.py"))
-    for table, sentences in message.tables.items():
-        for name in sentences:
-            assert f'{table}.{name}"' in source or f'"{name}"' in source, (table, name)
 
 
 def real(name):

@@ -15,7 +15,7 @@ from synthetic_records import correlated
 from synthetic_stick_slip import cycles
 
 import ratestate as rs
-from ratestate.records.sample_noise import sample_noise
+from ratestate.records.kit.sample_noise import sample_noise
 from ratestate.records.stick_slip.detection import Rough, in_gaps, turning_points
 from ratestate.records.stick_slip.measures import (
     CUT_BY_END,

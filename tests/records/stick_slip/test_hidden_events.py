@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 from synthetic_stick_slip import sawtooth
 
 import ratestate as rs
-from ratestate.records.sample_noise import rounding
+from ratestate.records.kit.sample_noise import rounding
 from ratestate.records.stick_slip.detection import Rough, without_rebounds
 from ratestate.records.stick_slip.hidden import has_several, has_step_down
 from ratestate.records.stick_slip.measures import SEVERAL, UNDERSAMPLED, WHOLE

@@ -3,15 +3,11 @@
 =============================== =================================================================
 ``fit``                         the function `fit`: what is done for which settings
 ``settings``                    which settings of `fit` are refused
-``raw_record``                  which Datasets are records; the loading, given or as recorded
 ``record``                      which records can be fitted sample by sample
 ``unknowns``                    parameters that may be free: coordinates, bounds, starts
 ``forward``                     friction of a slider, and its derivatives
 ``march``                       motions of many sliders at the samples, by the engine
 ``problem``                     residuals, and where searches start
-``noise``                       level and correlation of the noise, given or estimated
-``estimated_noise``             these from residuals, by their ``restricted_likelihood``
-``levenberg_marquardt``         the search: least squares within bounds
 ``generalized_least_squares``   the best fit, and whether its start is steady or free
 ``score``                       whether one more parameter would fit better, without a search
 ``estimates``                   errors, intervals and correlation from a covariance; what is open
@@ -22,7 +18,6 @@
 ``result``                      the Dataset of a fit
 ``by_law``                      the way back: estimates and `slider_of` from such a Dataset
 ``table``, ``text``             estimates as cells; `summary`, all of a fit as text
-``refusals``, ``refusals.toml`` sentences of errors
 =============================== =================================================================
 
 Nothing heavy is loaded until it is used.

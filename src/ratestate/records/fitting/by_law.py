@@ -8,7 +8,7 @@ from ...friction.laws import law_name
 from ...friction.linear_stability import K_c
 from ...model.conversion import in_si
 from ...model.slider import OPTIONAL, PARAMETERS, SpringSlider
-from .refusals import refusal
+from ..messages import fitting as sentences
 
 #: relative step of a difference
 STEP = 1e-5
@@ -27,7 +27,7 @@ def checked_by_law(result, caller):
     """`results_by_law`, or a ParameterError in the name of `caller` if `fit` did not give this."""
     title = result.attrs.get("title") if isinstance(result, xarray.Dataset) else None
     if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
-        raise refusal("result.not_of_fit", caller=caller)
+        raise sentences.refusal("result.not_of_fit", caller=caller)
     return results_by_law(in_si(result))
 
 
@@ -51,7 +51,7 @@ def value_of(part, symbol):
     """
     value = part[symbol] if symbol in part.data_vars else parameter(part, symbol)
     if np.ndim(value):
-        raise refusal("result.several_values", symbol=symbol)
+        raise sentences.refusal("result.several_values", symbol=symbol)
     return float(value)
 
 
@@ -172,7 +172,7 @@ def slider_of(result, law=None):
     if law not in laws:
         choices = " or ".join(f"law={name!r}" for name in laws)
         sentence = "several_laws" if law is None else "other_law"
-        raise refusal(f"result.{sentence}", law=law, choices=choices)
+        raise sentences.refusal(f"result.{sentence}", law=law, choices=choices)
     known = slider_parameters(laws[law])
     of_law = (*PARAMETERS, *OPTIONAL, *law_of(laws[law]).parameters)
     values = {s: value_of(laws[law], s) for s in known if s in of_law and s != "friction"}

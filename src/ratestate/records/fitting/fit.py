@@ -7,14 +7,13 @@ from ...dynamics.results import provenance
 from ...errors import FitWarning
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
+from ..kit.least_squares import single_blas
+from ..kit.results import kept_attributes
 from .by_law import warnings_of
-from .one_record import fits_of_cycles, fits_of_samples, single_blas
+from .one_record import fits_of_cycles, fits_of_samples
 from .result import side_by_side
 from .settings import check_each, checked_settings
 from .steps.experiment import fit_experiment, warning_of_steps
-
-#: attributes of a record that its fit keeps
-RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
 
 
 @keywords_checked
@@ -160,7 +159,7 @@ def fit(
     names = json.dumps(settings.free)
     if each is not None:
         result = fit_experiment(in_si(data), settings)
-        kept = _kept(data)
+        kept = kept_attributes(data)
         law = settings.laws[0] if len(settings.laws) == 1 else None
         origin = provenance("fit", slider, law=law, free=names, each=each, **settings.recorded)
         result.attrs = origin | result.attrs | kept
@@ -170,7 +169,7 @@ def fit(
     with single_blas():
         fits = fits_of_cycles if against == "cycles" else fits_of_samples
         results = fits(in_si(data), settings, loading)
-    kept = _kept(data)
+    kept = kept_attributes(data)
     for name, result in results.items():
         origin = provenance("fit", slider, law=name, free=names, **settings.recorded)
         result.coords["law"] = name
@@ -180,8 +179,3 @@ def fit(
             warnings.warn(prefix + text, FitWarning, stacklevel=3)
     alone = law is None or isinstance(law, str | type)
     return results[settings.laws[0]] if alone else side_by_side(results)
-
-
-def _kept(data):
-    """What a result keeps of its record's attributes."""
-    return {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}

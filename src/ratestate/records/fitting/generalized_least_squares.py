@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .estimated_noise import estimated_noise
+from ..kit.estimated_noise import estimated_noise
+from ..kit.noise import Noise
+from ..messages import fitting as sentences
 from .forward import Forward
-from .noise import Noise
 from .problem import SAMPLES, Problem, search, starting_points
 from .record import before_changes
-from .refusals import refusal
 from .score import FALL, gain_of
 from .unknowns import Unknowns, starts_of, unknowns_of
 
@@ -96,7 +96,7 @@ def _best_start(problem, *first):
             if len(least) > 1 and in_order:
                 break
     if best is None:
-        raise refusal("search.no_motion")
+        raise sentences.refusal("search.no_motion")
     return best
 
 
@@ -104,7 +104,7 @@ def _checked_search(problem, point, noise):
     """`search` from this point, or a ParameterError if nothing moves there."""
     if result := search(problem, point, noise):
         return result
-    raise refusal("search.no_motion")
+    raise sentences.refusal("search.no_motion")
 
 
 def solution_from(problem, point, noise):

@@ -1,25 +1,14 @@
 """The fits of one record under all laws that are asked for."""
 
-import functools
-
-from threadpoolctl import ThreadpoolController
-
+from ..messages import fitting as sentences
 from .cycles.fit import fit_cycles
 from .cycles.result import cycles_dataset
 from .diagnostics.misfit import is_misfit
 from .generalized_least_squares import least_squares_fit
 from .likelihood.uncertainty import infer, with_posteriors
 from .record import record_of
-from .refusals import refusal
 from .result import add_comparison, dataset_of
 from .unknowns import free_under
-
-_thread_pools = functools.cache(ThreadpoolController)
-
-
-def single_blas():
-    """A context in which BLAS uses one thread: more spin longer than they work."""
-    return _thread_pools().limit(limits=1, user_api="blas")
 
 
 def fits_of_cycles(data, settings, loading):
@@ -57,7 +46,7 @@ def solutions_of(data, settings, loading=None):
     free, sliders, noise, against, trend, start, _ = settings
     record = record_of(data, sliders[0], loading=loading, trend=trend, against=against)
     if "alpha" in free and record.loading.normal_stress is None:
-        raise refusal("free.constant_sigma")
+        raise sentences.refusal("free.constant_sigma")
     solutions = []
     for one in sliders:
         has = free_under([one.friction_law])

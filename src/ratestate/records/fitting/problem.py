@@ -7,9 +7,9 @@ them and the user's own.
 
 import numpy as np
 
+from ..kit.least_squares import minimum
+from ..kit.noise import Noise
 from .forward import Forward
-from .levenberg_marquardt import minimum
-from .noise import Noise
 from .unknowns import distinct, parameter, sizes_of, to_coordinate
 
 #: most evaluations of one least-squares fit

@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...model.loading import Loading
-from ..reading.stress_steps import VARIABLE
-from .raw_record import loading_of, raw_record
-from .refusals import refusal
+from ..load_point.stress_steps import VARIABLE
+from ..loading import loading_of
+from ..messages import fitting as sentences
+from ..raw_record import raw_record
 
 #: most samples: a march keeps each of them for a dozen sliders at once
 MOST = 200_000
@@ -100,9 +101,9 @@ def _check_samples(friction):
     """Refuse more samples than a fit takes, and constant friction."""
     if friction.size > MOST:
         every = -(-friction.size // MOST)
-        raise refusal("record.many", samples=friction.size, most=MOST, every=every)
+        raise sentences.refusal("record.many", samples=friction.size, most=MOST, every=every)
     if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
-        raise refusal("record.constant", friction=friction[0], samples=friction.size)
+        raise sentences.refusal("record.constant", friction=friction[0], samples=friction.size)
 
 
 def _check_steps(loading, t):
@@ -110,21 +111,21 @@ def _check_steps(loading, t):
     if loading.normal_stress is not None or (loading.t.size < 2 and loading.rate[0]):
         return
     if loading.t.size < 2:
-        raise refusal("load_point.no_step", V=float(loading.V[0]))
+        raise sentences.refusal("load_point.no_step", V=float(loading.V[0]))
     before = int(np.searchsorted(t, loading.t[1]))
     after = t.size - int(np.searchsorted(t, loading.t[-1]))
     if min(before, after) < BESIDE:
         side = "before the first" if before < after else "after the last"
         samples = min(before, after)
-        raise refusal("load_point.few_beside", samples=samples, side=side, fewest=BESIDE)
+        raise sentences.refusal("load_point.few_beside", samples=samples, side=side, fewest=BESIDE)
 
 
 def _times_at(displacement, loading, t):
     """Times in order at which the load point passed these displacements, and their rows."""
     if displacement is None:
-        raise refusal("load_point.no_displacement")
+        raise sentences.refusal("load_point.no_displacement")
     if not np.all(loading.V > 0.0) or np.any(loading.rate):
-        raise refusal("load_point.holds")
+        raise sentences.refusal("load_point.holds")
     advance = displacement - np.median(displacement - loading.delta_lp(t))
     breaks = loading.delta_lp(loading.t)
     segment = np.clip(np.searchsorted(breaks, advance, side="right") - 1, 0, None)

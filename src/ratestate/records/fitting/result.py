@@ -5,7 +5,7 @@ import xarray
 
 from ...dynamics.recorded_loading import record_loading
 from ...friction.laws import friction_law
-from ...model.quantities import attrs
+from ..kit.results import labelled
 from .diagnostics.checks import diagnose
 from .diagnostics.model_comparison import compare_laws
 from .diagnostics.trend import without_trend
@@ -71,11 +71,6 @@ def side_by_side(results):
         if variable.dtype == object:  # text, padded where a law has less of it
             joined[name] = variable.fillna("").astype(str)
     return joined
-
-
-def labelled(dims, **values):
-    """name -> variable along these dimensions (or one); each name is one of `QUANTITIES`."""
-    return {name: (dims, value, attrs(name)) for name, value in values.items()}
 
 
 def estimate_variables(estimates):

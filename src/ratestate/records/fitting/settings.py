@@ -6,9 +6,9 @@ from typing import NamedTuple
 from ...dynamics.refusals import check_one_length
 from ...model.slider import checked, law_of
 from ...model.units import is_array
+from ..kit.noise import Noise, given_noise
+from ..messages import fitting as sentences
 from .likelihood.uncertainty import ERRORS
-from .noise import Noise, given_noise
-from .refusals import refusal
 from .unknowns import LINEAR, PARAMETERS, SUMS, checked_free, starts_of
 
 #: setting -> what it may be, the default first
@@ -53,7 +53,7 @@ def checked_settings(slider, *, free, law, noise, **choices):
     checked(slider)
     for symbol, value in slider.values.items():
         if is_array(value):
-            raise refusal("settings.slider_array", symbol=symbol)
+            raise sentences.refusal("settings.slider_array", symbol=symbol)
     for name, value in choices.items():
         check_choice(name, value, CHOICES[name])
     noise = given_noise(noise)
@@ -66,7 +66,7 @@ def checked_settings(slider, *, free, law, noise, **choices):
         changed = [name for name in names if choices[name] != CHOICES[name][0]]
         changed += [] if noise is None else ["noise"]
         if changed:
-            raise refusal("settings.not_for_cycles", names=", ".join(changed))
+            raise sentences.refusal("settings.not_for_cycles", names=", ".join(changed))
     return Settings(free, sliders, noise, **choices)
 
 
@@ -74,16 +74,16 @@ def check_choice(name, value, choices):
     """Raise ParameterError unless a setting is one of these texts, or the None among them."""
     if not (value is None or isinstance(value, str)) or value not in choices:
         listed = ", ".join(map(repr, choices))
-        raise refusal("settings.unknown", name=name, value=value, choices=listed)
+        raise sentences.refusal("settings.unknown", name=name, value=value, choices=listed)
 
 
 def check_each(each, settings, loading):
     """Refuse what fits of each step have no use for, and an `each` that is none."""
     check_choice("each", each, EACH)
     if each is not None and loading is not None:
-        raise refusal("each.loading")
+        raise sentences.refusal("each.loading")
     if each is not None and settings.against == "cycles":
-        raise refusal("each.cycles")
+        raise sentences.refusal("each.cycles")
 
 
 def sliders_under(slider, law):
@@ -95,12 +95,12 @@ def sliders_under(slider, law):
     one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
     laws = [law_of(name) for name in ([slider.law if law is None else law] if one else law)]
     if not laws or len(set(laws)) < len(laws):
-        raise refusal("settings.laws", law=law)
+        raise sentences.refusal("settings.laws", law=law)
     for known in laws:
         names = ", ".join(symbol for symbol in known.parameters if symbol not in slider.values)
         if names:
-            raise refusal("settings.lacks", law=known.name, names=names, of=slider.law)
+            raise sentences.refusal("settings.lacks", law=known.name, names=names, of=slider.law)
         for symbol in known.parameters:
             if symbol in (*PARAMETERS, *LINEAR, *SUMS, *starts_of(known)):
-                raise refusal("settings.name_taken", law=known.name, symbol=symbol)
+                raise sentences.refusal("settings.name_taken", law=known.name, symbol=symbol)
     return [slider.replace(law=known.name) for known in laws]

@@ -16,7 +16,7 @@ import numpy as np
 from ...friction.composition import EXTRAS
 from ...friction.forms import FORMS
 from ...friction.laws import LAWS, own_parameters, owners
-from .refusals import refusal
+from ..messages import fitting as sentences
 
 #: step of a difference in a logarithm, or over the size of what moves as itself
 STEP = 3e-5
@@ -203,34 +203,34 @@ def checked_free(free, sliders):
     try:
         names = (free,) if isinstance(free, str) else tuple(free)
     except TypeError:
-        raise refusal("free.no_sequence", free=free, allowed=listed) from None
+        raise sentences.refusal("free.no_sequence", free=free, allowed=listed) from None
     if not names:
-        raise refusal("free.empty", allowed=listed)
+        raise sentences.refusal("free.empty", allowed=listed)
     if not all(isinstance(name, str) for name in names):
-        raise refusal("free.no_sequence", free=free, allowed=listed)
+        raise sentences.refusal("free.no_sequence", free=free, allowed=listed)
     for name in names:
         if name in EXTRAS and name not in allowed:
-            raise refusal("free.undamped")
+            raise sentences.refusal("free.undamped")
         if name not in allowed:
             raise _not_of_these(name, laws, listed)
     if len(set(names)) < len(names):
-        raise refusal("free.twice", names=names)
+        raise sentences.refusal("free.twice", names=names)
     if "K" in names and math.isinf(sliders[0].K):
-        raise refusal("free.rigid")
+        raise sentences.refusal("free.rigid")
     if "M" in names and sliders[0].M == 0.0:
-        raise refusal("free.massless")
+        raise sentences.refusal("free.massless")
     for law in laws:
         if not set(names) & set(free_under([law])):
-            raise refusal("free.only_mu0", law=law.name, slider=", ".join(of_slider(law)))
+            raise sentences.refusal("free.only_mu0", law=law.name, slider=", ".join(of_slider(law)))
     return tuple(name for name in allowed[:-1] if name in names)
 
 
 def _not_of_these(name, laws, listed):
     """The error for a name that none of these laws has: who has it, if any law does."""
     if not (having := owners(name)):
-        return refusal("free.unknown", name=name, allowed=listed)
+        return sentences.refusal("free.unknown", name=name, allowed=listed)
     compared, having = (" and ".join(map(repr, x)) for x in ([law.name for law in laws], having))
-    return refusal("free.of_other_law", name=name, laws=compared, owners=having)
+    return sentences.refusal("free.of_other_law", name=name, laws=compared, owners=having)
 
 
 def to_coordinate(name, value):

@@ -7,14 +7,12 @@
 ``slide_noise``              the noise of friction that slides show
 ``sliding``                  steady friction of each slide, with a drift common to all
 ``transients``               how friction approaches its steady level after reloading
-``polynomial_windows``       windows in which friction is a polynomial
 ``peak``                     the peak on reloading
 ``measured``                 healing and relaxation of one hold, with errors; its status
 ``rate``                     healing and relaxation per decade of hold time
 ``sliders``, ``prediction``  sliders, perhaps of a fit, and what they predict for a hold
 ``result``                   the Dataset
 ``text``                     `summary`, the Dataset as text
-``messages``, ``.toml``      sentences on holds, and errors
 ============================ ==========================================================
 """
 

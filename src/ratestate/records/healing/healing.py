@@ -5,12 +5,12 @@ import json
 from ...dynamics.results import versions
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
-from ..fitting.fit import RECORD_ATTRIBUTES
-from ..fitting.noise import given_noise
-from ..fitting.one_record import single_blas
 from ..fitting.settings import CHOICES, check_choice
+from ..kit.least_squares import single_blas
+from ..kit.noise import given_noise
+from ..kit.results import kept_attributes
+from ..messages import healing as sentences
 from .measured import measure
-from .messages import refusal
 from .prediction import predict
 from .record import healing_record
 from .result import dataset_of
@@ -105,7 +105,7 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
             record.t, record.friction, [one.rows for one in record.slides]
         )
         if found is None:
-            raise refusal("record.no_slide", fewest=FEWEST)
+            raise sentences.refusal("record.no_slide", fewest=FEWEST)
         levels = levels_of(record, found)
         measured = [measure(record, hold, found, levels) for hold in record.holds]
     predicted = {
@@ -113,7 +113,7 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
         for law, fitted in sliders.items()
     }
     result = dataset_of(record, found, measured, sliders, predicted)
-    kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
+    kept = kept_attributes(data)
     result.attrs = {
         "title": "ratestate healing",
         "trend": str(trend),

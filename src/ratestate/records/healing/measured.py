@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..regression import generalized_least_squares
-from ..sample_noise import OF_STEP, resolution
+from ..kit.polynomial_windows import GROWTH, fewest_samples, largest_straight, window_of
+from ..kit.regression import generalized_least_squares
+from ..kit.sample_noise import OF_STEP, resolution
 from .peak import FEW, maximum_of, peak_window
-from .polynomial_windows import GROWTH, fewest_samples, largest_straight, window_of
 from .slide_noise import FEWEST
 from .sliding import Level
 

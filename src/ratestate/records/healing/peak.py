@@ -10,7 +10,7 @@ import math
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from .polynomial_windows import (
+from ..kit.polynomial_windows import (
     CERTAIN,
     GROWTH,
     SIGNIFICANT,

@@ -12,7 +12,7 @@ import xarray
 from ...dynamics.simulation.simulate import simulate
 from ...errors import QuasiStaticInstability, RateStateError
 from ...model.loading import Loading
-from .messages import message
+from ..messages import healing as sentences
 
 #: step of a difference, over a parameter; start of the hold in the run, over its duration
 STEP, LEAD = 1e-4, 1e-3
@@ -41,14 +41,14 @@ def predict(fitted, hold, kind):
     try:
         window = _about_peak(fitted.slider, loading, end, end + hold.slide, kind)
         if window is None:
-            return none._replace(message=message("prediction.no_peak", law=fitted.slider.law))
+            return none._replace(message=sentences("prediction.no_peak", law=fitted.slider.law))
         steps = [STEP * (abs(getattr(fitted.slider, s)) or fitted.slider.a) for s in free]
         times = np.concatenate([[0.0, end], np.linspace(window[0], window[1], POINTS)])
         cases = _cases(fitted.slider, free, steps)
         run = simulate(cases, loading, float(times[-1]), times=times, rtol=RTOL)
     except RateStateError as error:
         return none._replace(
-            message=message("prediction.failed", law=fitted.slider.law, reason=str(error))
+            message=sentences("prediction.failed", law=fitted.slider.law, reason=str(error))
         )
     friction = _friction(run, cases, kind).transpose(..., "time").values.reshape(-1, times.size)
     level, low, high = friction[:, 0], friction[:, 1], _largest(friction[:, 2:])

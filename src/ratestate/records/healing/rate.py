@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..regression import weighted_line
+from ..kit.regression import weighted_line
 
 #: points at which the line through the holds is given; hold times this near count as one
 POINTS, SAME = 41, 1e-3

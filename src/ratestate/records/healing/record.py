@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ..fitting.raw_record import raw_record
-from ..load_point import Segments, segments_of
+from ..loading import Segments, segments_of
+from ..messages import healing as sentences
+from ..raw_record import raw_record
 from .fault_slip import fault_slip
 from .holds import holds_of
-from .messages import refusal
 
 #: samples of which the mean is friction at a slide's end; speeds that differ by more are two speeds
 LAST, SPEEDS = 12, 0.05
@@ -63,12 +63,12 @@ def healing_record(data, loading, trend):
     """
     names = getattr(data, "variables", ())
     if "tau" in names and "friction" not in names and "sigma" not in names:
-        raise refusal("record.no_sigma")
+        raise sentences.refusal("record.no_sigma")
     raw = raw_record(data, None)
     segments = segments_of(raw, loading)
     holds = holds_of(raw, segments)
     if not holds:
-        raise refusal("record.no_hold")
+        raise sentences.refusal("record.no_hold")
     slip, k = fault_slip(raw.friction, segments.displacement(raw.time), holds)
     level = raw.friction - (_drift(raw.friction, slip, holds) * slip if trend else 0.0)
     slides = _slides(level, holds)

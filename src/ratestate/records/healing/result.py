@@ -4,10 +4,10 @@ import numpy as np
 import xarray
 
 from ...dynamics.results import flags
-from ..fitting.result import labelled
-from ..reading.stress_steps import VARIABLE, stress_range
+from ..kit.results import labelled
+from ..load_point.stress_steps import VARIABLE, stress_range
+from ..messages import healing as sentences
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
-from .messages import message
 from .rate import line_of, slope_of, times_along
 from .record import is_same
 from .slide_noise import FEWEST
@@ -95,7 +95,7 @@ def _message(record, hold, measured):
     short = measured.status == SHORT
     samples, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
     name = STATUSES[measured.status]
-    return message(f"status.{name}", samples=samples.size, fewest=fewest)
+    return sentences(f"status.{name}", samples=samples.size, fewest=fewest)
 
 
 def _remarks(record, hold, measured):
@@ -103,16 +103,16 @@ def _remarks(record, hold, measured):
     remarks, before = [], measured.before
     if not is_same(hold.V_before, hold.V_after):
         speeds = {"before": hold.V_before, "after": hold.V_after}
-        remarks.append(message("evaluated.other_speed", **speeds))
+        remarks.append(sentences("evaluated.other_speed", **speeds))
     change = stress_range(record.data, slice(hold.before[0], hold.after[-1] + 1))
     if change > VARIABLE:
-        remarks.append(message("evaluated.stress_varies", percent=100.0 * change))
+        remarks.append(sentences("evaluated.stress_varies", percent=100.0 * change))
     level, error = before.at(before.end)
     drift = before.at(measured.along)[0] - level
     if abs(drift) > max(DRIFT * error, OF_HEALING * abs(measured.found["delta_mu"][0])):
-        remarks.append(message("evaluated.drift", drift=drift, error=error))
+        remarks.append(sentences("evaluated.drift", drift=drift, error=error))
     if before.own_error > TRANSIENT * measured.found["friction_peak"][1]:
-        remarks.append(message("evaluated.transient"))
+        remarks.append(sentences("evaluated.transient"))
     return remarks
 
 

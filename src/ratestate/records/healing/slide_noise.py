@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
-from ..fitting.estimated_noise import estimated_noise
-from ..fitting.noise import Noise
-from ..sample_noise import rounding
-from .polynomial_windows import window_of
+from ..kit.estimated_noise import estimated_noise
+from ..kit.noise import Noise
+from ..kit.polynomial_windows import window_of
+from ..kit.sample_noise import rounding
 
 #: part of a slide that may be steady: its end; fewest samples of it
 STEADY, FEWEST = 0.5, 12

@@ -12,7 +12,7 @@ from ..fitting.by_law import checked_by_law, error_of, slider_of
 from ..fitting.steps.fitted import OF_MACHINE
 from ..fitting.steps.table import is_of_steps, results_by_law_of_steps
 from ..fitting.unknowns import of_slider
-from .messages import refusal
+from ..messages import healing as sentences
 
 
 class Fitted(NamedTuple):
@@ -42,7 +42,7 @@ def sliders_of(slider):
     if isinstance(slider, SpringSlider):
         for symbol, value in slider.parameters.items():
             if is_array(value):
-                raise refusal("slider.array", symbol=symbol)
+                raise sentences.refusal("slider.array", symbol=symbol)
         return {slider.law: Fitted(slider)}
     if isinstance(slider, xarray.Dataset) and is_of_steps(slider):
         parts, errors = results_by_law_of_steps(in_si(slider)), _errors_of_steps
@@ -80,7 +80,7 @@ def _errors_of_steps(part, names):
     separate = np.hypot(here["standard_error"].median("step"), here["scatter"].fillna(0.0)).values
     for i in np.flatnonzero(np.isnan(errors)):
         if names[i] not in OF_MACHINE:
-            raise refusal("slider.no_joint_fit", law=str(part["law"].item()))
+            raise sentences.refusal("slider.no_joint_fit", law=str(part["law"].item()))
         errors[i] = separate[i]
     correlation = here["shared_correlation"].sel(other=names).fillna(0.0).values
     np.fill_diagonal(correlation, 1.0)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import chdtri, logsumexp
 
-from .polynomial_windows import GROWTH, window_of
+from ..kit.polynomial_windows import GROWTH, window_of
 from .record import is_same
 from .slide_noise import FEWEST
 from .transients import LINEAR, QUADRATIC, shapes_of

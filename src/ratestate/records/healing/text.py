@@ -5,8 +5,8 @@ import pandas
 from ...dynamics import attributes
 from ...model.conversion import in_si
 from ...model.quantities import readable, with_error
-from ..text_table import lines_of
-from .messages import message, refusal
+from ..kit.results import lines_of
+from ..messages import healing as sentences
 from .result import RATES
 
 #: scatter over errors that is mentioned
@@ -37,14 +37,14 @@ def summary(result):
     """
     result = checked(result, "summary")
     parts = [heading(result), *lines_of(table(result)), "", *rates(result)]
-    return "\n".join([*parts, *messages(result)])
+    return "\n".join([*parts, *hold_sentences(result)])
 
 
 def checked(result, caller):
     """A result of `healing` in SI; ParameterError in the name of `caller` for anything else."""
     title = getattr(result, "attrs", {}).get("title")
     if title != "ratestate healing" or "delta_mu" not in result:
-        raise refusal("result.other", caller=caller)
+        raise sentences.refusal("result.other", caller=caller)
     return in_si(result)
 
 
@@ -80,12 +80,12 @@ def rates(result):
     for name, rate in RATES.items():
         value = float(result[rate])
         if value != value:
-            texts.append(message("rate.few", name=name))
+            texts.append(sentences("rate.few", name=name))
             continue
         scatter = float(result[f"{rate}_scatter"])
         text = f"{HEADINGS[name]} per decade of hold time: {_rate(result, rate)}"
         if scatter > SCATTER:
-            text += message("rate.scatter", scatter=scatter)
+            text += sentences("rate.scatter", scatter=scatter)
         texts.append(text)
         if f"{rate}_predicted" in result:
             texts += [
@@ -95,7 +95,7 @@ def rates(result):
     return texts
 
 
-def messages(result):
+def hold_sentences(result):
     """What must be known of holds (list of str), each with the number of its hold."""
     texts = enumerate(result["hold_message"].values.tolist(), start=1)
     return [f"hold {number}: {text}" for number, text in texts if text]

@@ -10,7 +10,6 @@
 ``inertia``                mass and damping from these, with friction taken out
 ``result``                 the Dataset
 ``text``                   `summary`, the Dataset as text
-``messages``, ``.toml``    sentences, and errors
 ========================== ============================================================
 """
 

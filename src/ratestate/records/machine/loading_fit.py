@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..fitting.estimated_noise import estimated_noise
-from ..fitting.levenberg_marquardt import minimum
-from ..fitting.noise import Noise
+from ..kit.estimated_noise import estimated_noise
+from ..kit.least_squares import minimum
+from ..kit.noise import Noise
 from .loading_curve import LoadingCurve, curve, relaxation
 
 #: what is assumed of a and of healing per e-fold of time; standard deviation of their logarithms

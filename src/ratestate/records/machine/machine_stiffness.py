@@ -9,12 +9,12 @@ from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from ..fitting.fit import RECORD_ATTRIBUTES
-from ..fitting.one_record import single_blas
-from ..fitting.raw_record import raw_record
-from ..load_point import segments_of
+from ..kit.least_squares import single_blas
+from ..kit.results import kept_attributes
+from ..loading import segments_of
+from ..messages import machine as sentences
+from ..raw_record import raw_record
 from ..reading.sizes import constant_in_si, typical_stress
-from .messages import refusal
 from .result import dataset_of
 from .ring_down import ring_down
 from .slopes import FEWEST, slopes_of
@@ -103,9 +103,9 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
         slopes = slopes_of(raw.time, raw.friction, segments, phases)
     slopes = [one for one in slopes if not _is_inertial(raw.time, one, oscillations)]
     if not slopes and not oscillations:
-        raise refusal("record.nothing", samples=FEWEST)
+        raise sentences.refusal("record.nothing", samples=FEWEST)
     result = dataset_of(raw, sigma, slider, slopes, oscillations)
-    kept = {name: data.attrs[name] for name in RECORD_ATTRIBUTES if name in data.attrs}
+    kept = kept_attributes(data)
     origin = {"title": "ratestate machine_stiffness", "versions": versions()}
     if slider is not None:
         origin = provenance("machine_stiffness", slider)
@@ -118,12 +118,12 @@ def check_slider(slider):
     if slider is None:
         return
     if not isinstance(slider, SpringSlider):
-        raise refusal("slider.unlike", type=type(slider).__name__)
+        raise sentences.refusal("slider.unlike", type=type(slider).__name__)
     for symbol in FRICTION:
         if is_array(getattr(slider, symbol)):
-            raise refusal("slider.array", symbol=symbol)
+            raise sentences.refusal("slider.array", symbol=symbol)
     if not friction_law(slider.law).one_length or slider.friction != "log":
-        raise refusal("slider.two_states", law=slider.law)
+        raise sentences.refusal("slider.two_states", law=slider.law)
 
 
 def _normal_stress(data, sigma):
@@ -131,7 +131,7 @@ def _normal_stress(data, sigma):
     if sigma is not None:
         return constant_in_si("sigma", sigma)
     if "sigma" not in getattr(data, "variables", {}):
-        raise refusal("record.no_sigma")
+        raise sentences.refusal("record.no_sigma")
     return typical_stress(data["sigma"].values)
 
 

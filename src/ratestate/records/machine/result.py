@@ -5,10 +5,10 @@ import json
 import numpy as np
 import xarray
 
-from ..fitting.result import labelled
-from ..regression import mean_with_scatter
+from ..kit.regression import mean_with_scatter
+from ..kit.results import labelled
+from ..messages import machine as sentences
 from .inertia import mass_and_damping
-from .messages import message
 
 NONE = (np.nan, np.nan, np.nan)
 #: relative error of K above which a remark warns
@@ -118,15 +118,15 @@ def _remarks(result, slider, misfits):
     """
     texts = [*stiffness_remarks(result)]
     if misfits:
-        texts.insert(0, message("about.misfit", number=misfits, all=result.sizes["slope"]))
+        texts.insert(0, sentences("about.misfit", number=misfits, all=result.sizes["slope"]))
     if not result.sizes["ring_down"]:
-        texts.append(message("about.no_ring_down"))
+        texts.append(sentences("about.no_ring_down"))
         return texts
     at_rest = int((result["ring_down_V"] == 0.0).sum())
     if at_rest:
-        texts.append(message("about.at_rest", number=at_rest, all=result.sizes["ring_down"]))
+        texts.append(sentences("about.at_rest", number=at_rest, all=result.sizes["ring_down"]))
     if slider is None and at_rest < result.sizes["ring_down"]:
-        texts.append(message("about.friction"))
+        texts.append(sentences("about.friction"))
     return texts
 
 
@@ -134,14 +134,14 @@ def stiffness_remarks(result):
     """What must be known of K (iterator of str)."""
     kinds = result["slope_kind"].values[result["slope_used"].values]
     if not kinds.size:
-        yield message("about.no_K")
+        yield sentences("about.no_K")
         return
     if float(result["K_scatter"]) > 2.0:
-        yield message("about.scatter", scatter=float(result["K_scatter"]))
+        yield sentences("about.scatter", scatter=float(result["K_scatter"]))
     error = float(result["K_error"] / result["K"])
     if kinds.size == 1:
-        yield message("about.single", error=100.0 * error)
+        yield sentences("about.single", error=100.0 * error)
     elif error > UNCERTAIN:
-        yield message("about.uncertain", slopes=kinds.size, error=100.0 * error)
+        yield sentences("about.uncertain", slopes=kinds.size, error=100.0 * error)
     if "stick" in kinds:
-        yield message("about.stick")
+        yield sentences("about.stick")

@@ -11,8 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..fitting.estimated_noise import estimated_noise
-from ..fitting.noise import Noise
+from ..kit.estimated_noise import estimated_noise
+from ..kit.noise import Noise
 
 #: shortest window that is searched, and a window over the one before; most samples of the longest
 SHORTEST, GROWTH, LONGEST = 32, 2, 16384

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ..sample_noise import sample_noise
+from ..kit.sample_noise import sample_noise
 from .loading_curve import LoadingCurve
 from .loading_fit import fit_loading_curve
 

@@ -6,8 +6,8 @@ import pandas
 
 from ...model.conversion import in_si
 from ...model.quantities import power_of, prefixed_unit, readable, with_error
-from ..text_table import lines_of
-from .messages import refusal
+from ..kit.results import lines_of
+from ..messages import machine as sentences
 
 
 def summary(result):
@@ -30,7 +30,7 @@ def summary(result):
     """
     title = getattr(result, "attrs", {}).get("title")
     if title != "ratestate machine_stiffness" or "slope_K" not in result:
-        raise refusal("result.other", caller="summary")
+        raise sentences.refusal("result.other", caller="summary")
     result = in_si(result)
     lines = [estimate(result, symbol) for symbol in ("K", "M", "damping")]
     for table in (slopes(result), ring_downs(result)):

@@ -24,19 +24,11 @@
 ``downsampling``                means over blocks of rows, of a very long record
 ``values``                      rows with codes, impossible values or dropouts; signs to turn
 ``agreement``                   whether columns contradict each other, or are too coarse
-``segments``                    `find_segments`: constant speeds, their errors; steps in words
-``overshoots``                  brief speeds about a step, which are no steps
-``splits``                      where rows are cut into runs
-``sampling_noise``              how large the noise is, at each sampling rate and place
-``stress_steps``                steps of normal stress
-``steps``                       which cuts are steps; what is a hold, a jump, a ramp
-``runs``                        lines through runs, and where they meet
-``messages``, ``messages.toml`` sentences of notes and errors
 =============================== =================================================================
 """
 
+from ..load_point.segments import find_segments
 from .describe import describe
 from .read import read_lab
-from .segments import find_segments
 
 __all__ = ["describe", "find_segments", "read_lab"]

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ...errors import ParameterError
+from ..messages import reading as sentences
 from .columns import column_by_name
-from .messages import message
 from .sizes import in_si, unit_of
 from .table import quoted
 
@@ -28,7 +28,7 @@ def disagreements(rows, coarse):
     notes = [
         _friction_disagreement(rows.record),
         _constant_friction(rows.record),
-        message("notes.remedy", text=coarse) if coarse else "",
+        sentences("notes.remedy", text=coarse) if coarse else "",
         _velocity_disagreement(rows),
     ]
     return [note for note in notes if note]
@@ -43,7 +43,7 @@ def _friction_disagreement(record):
     if recorded == 0.0:
         return ""
     ratio = float(np.median(record["tau"][good] / record["sigma"][good]) / recorded)
-    return message("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > AGREE else ""
+    return sentences("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > AGREE else ""
 
 
 def _constant_friction(record):
@@ -65,7 +65,7 @@ def _constant_friction(record):
     if repeats + 1 < CONSTANT or not noisy or t.size * p**repeats > CHANCE:
         return ""
     span = {"first": t[first], "last": t[last], "rows": repeats + 1}
-    return message("notes.constant", friction=friction[first], **span)
+    return sentences("notes.constant", friction=friction[first], **span)
 
 
 def coarse_resolution(record, segments):
@@ -82,7 +82,7 @@ def coarse_resolution(record, segments):
         part = max(1, (j - i) // 10)
         moved = abs(np.median(x[j - part : j]) - np.median(x[i : i + part]))
         if V == 0.0 and moved > DIGITS * digit:
-            return message("notes.coarse", digit=digit)
+            return sentences("notes.coarse", digit=digit)
     return ""
 
 
@@ -107,4 +107,4 @@ def _velocity_disagreement(rows):
     if abs(by_V - by_x) <= MOVED * max(by_V, by_x):
         return ""
     title = quoted(columns[index].title)
-    return message("notes.speeds", title=title, by_V=by_V, by_x=by_x, first=t[0], last=t[-1])
+    return sentences("notes.speeds", title=title, by_V=by_V, by_x=by_x, first=t[0], last=t[-1])

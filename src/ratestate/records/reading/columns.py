@@ -4,7 +4,7 @@ import contextlib
 import difflib
 
 from ...errors import ParameterError
-from .messages import message, refusal
+from ..messages import reading as sentences
 from .sizes import unit_of
 from .table import name_list, quoted
 from .titles import CERTAIN, PATTERNS, TABLE, WORDS, letters, match_rank, spaced
@@ -32,7 +32,7 @@ def choose_columns(table, columns, constants=()):
     columns = {} if columns is None else columns
     if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
         given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
-        raise refusal("columns.symbols", symbols=", ".join(PATTERNS), given=given)
+        raise sentences.refusal("columns.symbols", symbols=", ".join(PATTERNS), given=given)
     chosen = {symbol: _requested(table, symbol, request) for symbol, request in columns.items()}
     for symbol in PATTERNS:
         replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
@@ -51,7 +51,7 @@ def choose_columns(table, columns, constants=()):
             values["columns"] = name_list(table.titles) + table.unread_text()
             column = _column_of_unit(table, ways[0], chosen.values())
             such = "such as" if column else "in"
-            raise refusal("columns.missing", such=such, column=column or "...", **values)
+            raise sentences.refusal("columns.missing", such=such, column=column or "...", **values)
     return chosen
 
 
@@ -85,10 +85,10 @@ def title_warnings(table, chosen, requested, constants=()):
         if symbol in requested:
             continue
         if _rank(table, chosen, symbol) >= CERTAIN[symbol]:
-            notes.append(message("notes.perhaps", symbol=symbol, title=title))
+            notes.append(sentences("notes.perhaps", symbol=symbol, title=title))
         if symbol == "pore_pressure":
             sigma = quoted(table.titles[chosen["sigma"]])
-            notes.append(message("notes.effective", title=title, sigma=sigma))
+            notes.append(sentences("notes.effective", title=title, sigma=sigma))
     if "pore_pressure" not in chosen and {"sigma"} & {*chosen, *constants}:
         effective = "sigma" in chosen and _rank(table, chosen, "sigma") == 0
         for i, column in enumerate(table.columns):
@@ -97,7 +97,7 @@ def title_warnings(table, chosen, requested, constants=()):
             if free and (known or WORDS["pressure"].search(spaced(column.name))):
                 excess = _is_excess(table, "pore_pressure", i)
                 name = "notes.excess_pressure" if excess else "notes.pore_pressure"
-                notes.append(message(name, title=quoted(column.title)))
+                notes.append(sentences(name, title=quoted(column.title)))
     return notes
 
 
@@ -108,9 +108,9 @@ def _requested(table, symbol, request):
     if isinstance(request, int) and not isinstance(request, bool):
         if 1 <= request <= len(titles):
             return request - 1
-        raise refusal("columns.number", count=len(titles), **values)
+        raise sentences.refusal("columns.number", count=len(titles), **values)
     if not isinstance(request, str):
-        raise refusal("columns.type", **values)
+        raise sentences.refusal("columns.type", **values)
     values["request"] = quoted(request)
     for spelling in (str, letters):
         for names in (titles, [column.name for column in table.columns]):
@@ -119,11 +119,13 @@ def _requested(table, symbol, request):
                 return same[0]
             if same:
                 numbers = ", ".join(str(i + 1) for i in same)
-                raise refusal("columns.several", count=len(same), numbers=numbers, **values)
+                raise sentences.refusal(
+                    "columns.several", count=len(same), numbers=numbers, **values
+                )
     lower = {title.lower(): title for title in titles}
     near = difflib.get_close_matches(request.lower()[:60], lower, n=1, cutoff=0.7)
     meant = f"; did you mean {quoted(lower[near[0]])}?" if near else ""
-    raise refusal("columns.unknown", meant=meant, **values)
+    raise sentences.refusal("columns.unknown", meant=meant, **values)
 
 
 def column_by_name(table, symbol, taken, needed=False):
@@ -139,7 +141,7 @@ def column_by_name(table, symbol, taken, needed=False):
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
         titles, first = name_list([table.titles[i] for i in same]), _reference(table, same[0])
-        raise refusal("columns.ambiguous", symbol=symbol, titles=titles, column=first)
+        raise sentences.refusal("columns.ambiguous", symbol=symbol, titles=titles, column=first)
     return same[0] if len(same) == 1 else None
 
 

@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 
 from ...model.units import is_integer
-from .messages import message, refusal
+from ..messages import reading as sentences
 
 #: most rows that are kept, by default: `fit` takes a fifth of that, and one of many steps less
 MOST = 1_000_000
@@ -21,7 +21,7 @@ FEWEST = 1_000
 def checked_most(rows):
     """The most rows to keep, as given, None for all; ParameterError for what is no such number."""
     if rows is not None and not (is_integer(rows) and rows >= FEWEST):
-        raise refusal("rows.most", rows=rows, fewest=FEWEST, most=MOST)
+        raise sentences.refusal("rows.most", rows=rows, fewest=FEWEST, most=MOST)
     return rows
 
 
@@ -41,7 +41,7 @@ def downsample(rows, most):
     after = float(np.median(np.diff(rows.record["time"])))
     rows.gaps = np.searchsorted(starts, rows.gaps)
     values = {"n": n, "kept": starts.size, "factor": factor, "before": before, "after": after}
-    rows.warnings.append(message("notes.means", **values))
+    rows.warnings.append(sentences("notes.means", **values))
 
 
 def blocks(n, gaps, most):

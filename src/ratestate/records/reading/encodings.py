@@ -3,7 +3,7 @@
 import codecs
 import contextlib
 
-from .messages import refusal
+from ..messages import reading as sentences
 from .titles import TABLE
 
 BLOCK = 1 << 24  # bytes
@@ -24,13 +24,13 @@ def examined(path):
     ends = 0
     for block in _blocks(path):
         if b"\0" in block and not utf_16:
-            raise refusal("text.binary", name=path.name)
+            raise sentences.refusal("text.binary", name=path.name)
         ends += block.count(b"\n") + block.count(b"\r")
     eastern = [name for name, words in _WORDS.items() if _has_any(head, name, words)]
     for encoding in ["utf-16"] if utf_16 else ["utf-8-sig", *eastern, "cp1252", "latin-1"]:
         if _decodes(path, encoding):
             return encoding, ends + 1
-    raise refusal("text.encoding", name=path.name)
+    raise sentences.refusal("text.encoding", name=path.name)
 
 
 def _blocks(path):

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import ParameterError
+from ..messages import reading as sentences
 from .cells import COMMENTS, cells_of, is_comment, number_in
-from .messages import refusal
 from .table import quoted
 from .titles import WORDS, is_known, is_unit, letters, name_and_units, plain, spaced
 
@@ -60,7 +60,7 @@ def header_of(lines, delimiter, width, written=None):
         if kept and not is_comment(kept[-1]):
             values = {"header": quoted(kept[-1].strip()), "width": width, "line": len(lines) + 1}
             count = len(_cells(kept[-1].strip(" \n"), delimiter))
-            raise refusal("text.header", count=count, **values)
+            raise sentences.refusal("text.header", count=count, **values)
         return Header(nothing, nothing)
     if above and any(names) and all(not plain(name) or is_unit(name) for name in names):
         return Header(above, names)
@@ -96,7 +96,7 @@ def check_headers(lines, rows, layout, above, header, name):
             other = None
         if other is None or other.meaning() != header.meaning():
             values = {"line": above + found + 1, "text": quoted(lines[found].strip())}
-            raise refusal("text.second_header", name=name, **values)
+            raise sentences.refusal("text.second_header", name=name, **values)
 
 
 def _is_header(line, delimiter, widths, first):

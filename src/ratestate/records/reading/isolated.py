@@ -22,7 +22,7 @@ import warnings
 from pathlib import Path
 
 from ...errors import ParameterError
-from .messages import refusal
+from ..messages import reading as sentences
 
 #: what a child may take for itself, and more of it for each byte of the file
 MEMORY, MEMORY_EACH = 1024**3, 20  # bytes
@@ -84,7 +84,7 @@ def read_isolated(reader, path, kind, *more, seconds=None, stop=None):
         failure = f"it ended the process that read it ({_ending(process.returncode)})"
     else:  # no such process is to be had here: the file is not to blame
         return reader(path, *more)
-    raise refusal("file.child", name=path.name, kind=kind, failure=failure[:LONGEST])
+    raise sentences.refusal("file.child", name=path.name, kind=kind, failure=failure[:LONGEST])
 
 
 def _start(reader, memory, seconds):

@@ -6,8 +6,8 @@ import numpy as np
 
 from ...model.quantities import QUANTITIES
 from ...model.units import scaled, unit_factor
+from ..messages import reading as sentences
 from .columns import NEEDS
-from .messages import message, refusal
 from .table import Column, Table
 
 #: how the times of files may follow each other
@@ -30,7 +30,7 @@ class Part(NamedTuple):
 def check_join(join):
     """ParameterError for another way to join than those there are."""
     if join not in JOINS:
-        raise refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
+        raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
 
 
 def join_parts(parts, join, constants=()):
@@ -84,8 +84,8 @@ def _common_symbols(parts, constants):
         if without:
             values = {"symbol": symbol, "name": with_[0], "lacking": without[0]}
             if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
-                raise refusal("join.columns", **values)
-            notes.append(message("notes.not_in_all", **values))
+                raise sentences.refusal("join.columns", **values)
+            notes.append(sentences("notes.not_in_all", **values))
     return symbols, notes
 
 
@@ -126,7 +126,7 @@ def _check_order(parts, times, unit):
             ]
             values = {"before": before.name, "after": after.name, "end": end, "begin": begin}
             values |= {"last_row": rows[0], "first_row": rows[1], "unit": unit}
-            raise refusal("join.overlap", **values)
+            raise sentences.refusal("join.overlap", **values)
 
 
 def _follow_on(parts, pieces, units):
@@ -138,11 +138,11 @@ def _follow_on(parts, pieces, units):
         added = _ends(pieces["time"][i - 1])[1] + _usual_step(t) - _ends(t)[0]
         pieces["time"][i] = t + added
         values = {"before": before, "after": after, "added": added, "unit": units["time"]}
-        notes.append(message("notes.restart", **values))
+        notes.append(sentences("notes.restart", **values))
         if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i - 1 : i + 1])):
             pieces["delta_lp"][i] = pieces["delta_lp"][i] + added
             values |= {"added": added, "unit": units["delta_lp"]}
-            notes.append(message("notes.zeroed", **values))
+            notes.append(sentences("notes.zeroed", **values))
     return notes
 
 

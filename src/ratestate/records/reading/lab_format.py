@@ -11,7 +11,7 @@ from ...model.names import one_of
 from ...model.parameters import WHOLE_CONTACT, quantity_of
 from ...model.quantities import QUANTITIES
 from ...model.units import has_unit, to_si
-from .messages import message, refusal
+from ..messages import reading as sentences
 from .text import DELIMITERS
 from .titles import LIKE, plain
 
@@ -71,20 +71,20 @@ def lab_format(path):
     path = _path(path)
     try:
         if path.stat().st_size > LARGEST:
-            raise refusal("format.large", name=path.name, most=LARGEST)
+            raise sentences.refusal("format.large", name=path.name, most=LARGEST)
         tables = tomllib.loads(path.read_bytes().decode("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise refusal("format.toml", name=path.name, error=error) from None
+        raise sentences.refusal("format.toml", name=path.name, error=error) from None
     except (OSError, ValueError) as error:  # (ValueError: a null character in the path)
         what = getattr(error, "strerror", None) or error
-        raise refusal("format.unreadable", path=path, error=what) from None
+        raise sentences.refusal("format.unreadable", path=path, error=what) from None
     problems = [problem for name, table in tables.items() for problem in _problems(name, table)]
     if (
         not problems
         and "sigma" in tables.get("columns", ())
         and "sigma" in tables.get("constants", ())
     ):
-        problems.append(message("format.sigma_twice"))
+        problems.append(sentences("format.sigma_twice"))
     if problems:
         raise ParameterError("\n".join(f"{path.name}: {problem}" for problem in problems))
     text = tables.pop("text", {})
@@ -96,22 +96,22 @@ def _path(path):
     try:
         return Path(path).expanduser()
     except TypeError:
-        raise refusal("format.path", path=path) from None
+        raise sentences.refusal("format.path", path=path) from None
 
 
 def _problems(name, table):
     """What is wrong with a table: texts that name key, value and remedy."""
     if name not in TABLES:
-        yield message("format.table", table=name, wanted=one_of(TABLES, name))
+        yield sentences("format.table", table=name, wanted=one_of(TABLES, name))
     elif not isinstance(table, dict):
-        yield message("format.no_table", table=name, key=TABLES[name][0])
+        yield sentences("format.no_table", table=name, key=TABLES[name][0])
     else:
         for key, value in table.items():
             where = {"table": name, "key": key, "value": value}
             if key not in TABLES[name]:
-                yield message("format.key", wanted=one_of(TABLES[name], key), **where)
+                yield sentences("format.key", wanted=one_of(TABLES[name], key), **where)
             elif (wanted := _wanted(name, key, value)) is not None:
-                yield message("format.value", wanted=wanted, **where)
+                yield sentences("format.value", wanted=wanted, **where)
 
 
 def _wanted(table, key, value):
@@ -144,7 +144,7 @@ def checked_machine(values):
     given = {symbol: value for symbol, value in values.items() if value is not None}
     for symbol, value in given.items():
         if (wanted := _wanted("machine", symbol, value)) is not None:
-            raise refusal("format.machine", symbol=symbol, value=value, wanted=wanted)
+            raise sentences.refusal("format.machine", symbol=symbol, value=value, wanted=wanted)
     return {symbol: as_text(symbol, value) for symbol, value in given.items()}
 
 

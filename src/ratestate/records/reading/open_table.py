@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from ..messages import reading as sentences
 from .isolated import read_isolated
 from .memory_file import MemoryFile, read_into_memory
-from .messages import refusal
 from .stored import read_hdf5, read_mat
 from .text import DELIMITERS, read_text
 
@@ -34,7 +34,7 @@ def file_of(file):
     try:
         return read_into_memory(file) if hasattr(file, "read") else Path(file).expanduser()
     except TypeError:
-        raise refusal("file.path", path=file) from None
+        raise sentences.refusal("file.path", path=file) from None
 
 
 def open_table(path, delimiters=DELIMITERS, decimal=None):
@@ -45,7 +45,7 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
     try:
         if isinstance(path, Path) and not path.is_file():  # a pipe would be waited for
             kind = "folder" if path.is_dir() else "special" if path.exists() else "missing"
-            raise refusal(f"file.{kind}", path=path)
+            raise sentences.refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
             head = file.read(1024)
         for kind, (begin, ending, reader) in FORMATS.items():
@@ -57,7 +57,7 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
                 return read_isolated(reader, path, kind)
         for begin, what in FOREIGN.items():
             if head.startswith(begin):
-                raise refusal("file.foreign", name=path.name, what=what)
+                raise sentences.refusal("file.foreign", name=path.name, what=what)
         return read_text(path, delimiters, decimal)
     except OSError as error:
-        raise refusal("file.error", path=path, error=error.strerror or error) from None
+        raise sentences.refusal("file.error", path=path, error=error.strerror or error) from None

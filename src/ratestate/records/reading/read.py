@@ -4,9 +4,9 @@ import warnings
 
 from ...errors import RecordWarning
 from ...model.names import keywords_checked
+from ..messages import reading as sentences
 from .downsampling import MOST
 from .lab_format import LabFormat, lab_format
-from .messages import refusal
 from .open_table import file_of, open_table
 from .record import record_of
 
@@ -96,7 +96,7 @@ def read_lab(
     own = LabFormat() if format is None else lab_format(format)
     paths = path if isinstance(path, list | tuple) else [path]
     if not paths:
-        raise refusal("join.none")
+        raise sentences.refusal("join.none")
     files = [file_of(one) for one in paths]
     data, messages = record_of(
         [open_table(file, own.delimiters, own.decimal) for file in files],

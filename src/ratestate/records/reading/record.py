@@ -6,14 +6,15 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import attrs, readable
+from ..load_point.segments import segments_from_displacement, segments_from_velocity
+from ..load_point.stress_steps import stress_steps
+from ..messages import reading as sentences
 from .agreement import coarse_resolution, disagreements
 from .columns import choose_columns, column_by_name, title_warnings
 from .downsampling import MOST, blocks, checked_most, downsample, means
 from .joining import Part, check_join, join_parts
 from .lab_format import LabFormat
-from .messages import message, refusal
 from .rows import Rows, window
-from .segments import segments_from_displacement, segments_from_velocity
 from .sizes import (
     check_numbers,
     check_sizes,
@@ -23,7 +24,6 @@ from .sizes import (
     unit_of,
     unusual,
 )
-from .stress_steps import stress_steps
 from .table import Column, quoted
 from .values import drop_codes, drop_dropouts, drop_impossible, flip_signs
 
@@ -85,7 +85,7 @@ def record_of(
     time, has_sigma = record["time"], "sigma" in record
     stress = stress_steps(time, record["sigma"]) if has_sigma and not coarse else []
     if segments.V.size == 1 and not stress:
-        turned.append(message("notes.no_step"))
+        turned.append(sentences("notes.no_step"))
     messages = kept.warnings + notes + of_files + unusual(record, segments.V)
     messages += disagreements(kept, coarse)
     data = _dataset(record, segments)
@@ -109,7 +109,7 @@ def record_of(
 def _constant(sigma, columns):
     """A normal stress that is given [Pa]; ParameterError for none of a usual size, or two."""
     if "sigma" in (columns or {}):
-        raise refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
+        raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
     return constant_in_si("sigma", sigma)
 
 
@@ -123,7 +123,7 @@ def _part(table, name, columns, units, constant):
     chosen = {symbol: table.columns[i] for symbol, i in places.items()}
     notes = title_warnings(table, places, columns or {}, given)
     if ratio := _ratio_of_forces(chosen, units):
-        notes.append(message("notes.forces", title=ratio.title))
+        notes.append(sentences("notes.forces", title=ratio.title))
         chosen = {s: c for s, c in chosen.items() if s not in ("tau", "sigma")} | {
             "friction": ratio
         }
@@ -133,10 +133,10 @@ def _part(table, name, columns, units, constant):
     chosen = {symbol: chosen[symbol] for symbol in unit}
     if len({column.values.size for column in chosen.values()}) > 1:
         sizes = ", ".join(f"{quoted(c.title)} has {c.values.size}" for c in chosen.values())
-        raise refusal("column.lengths", sizes=sizes)
+        raise sentences.refusal("column.lengths", sizes=sizes)
     if given and (index := column_by_name(table, "sigma", ())) is not None:
         values = {"sigma": readable("sigma", constant), "title": quoted(table.titles[index])}
-        notes.append(message("notes.constant_sigma", **values))
+        notes.append(sentences("notes.constant_sigma", **values))
     return Part(table, name, chosen, unit), notes
 
 
@@ -157,7 +157,9 @@ def _ratio_of_forces(chosen, units):
 def _units(table, chosen, requested, units):
     """Units of columns, and notes on optional columns left out for want of one."""
     if unused := units.keys() - chosen.keys():
-        raise refusal("units.unused", symbols=", ".join(sorted(unused)), chosen=", ".join(chosen))
+        raise sentences.refusal(
+            "units.unused", symbols=", ".join(sorted(unused)), chosen=", ".join(chosen)
+        )
     for symbol, column in chosen.items():
         check_numbers(table, symbol, column)
     unit, notes = {}, []

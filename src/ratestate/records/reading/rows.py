@@ -3,14 +3,13 @@
 import numpy as np
 
 from ...model.units import to_si
-from .messages import message, refusal
+from ..load_point.runs import GAP
+from ..messages import reading as sentences
 from .sizes import check_numbers, in_si
 from .table import quoted
 
 FEWEST = 10  # rows
 LISTED = 5  # rows of each kind in a message
-#: a gap is a step of time so many times longer than usual on either side of it
-GAP = 5.0
 #: a step of time this short, over the usual one, counts as 0: it gives no speed
 SAME = 1e-9
 NEIGHBOURS = 10  # rows that define what is usual
@@ -70,12 +69,12 @@ class Rows:
         """
         for symbol, (name, low, high) in windows.items():
             if symbol not in self.columns:
-                raise refusal("window.no_displacement")
+                raise sentences.refusal("window.no_displacement")
             values = self.in_si(symbol)
             inside = np.flatnonzero((values >= low) & (values <= high))
             if not inside.size:
                 ends = {"low": np.nanmin(values), "high": np.nanmax(values)}
-                raise refusal("window.no_row", name=name, symbol=symbol, **ends)
+                raise sentences.refusal("window.no_row", name=name, symbol=symbol, **ends)
             self.keep(slice(inside[0], inside[-1] + 1))
         self.check_enough(" in the window" if windows else "")
         self.record = {symbol: self.in_si(symbol) for symbol in self.columns}
@@ -116,8 +115,8 @@ class Rows:
             values |= {"count": int(good[symbol].sum()), "whole": int(whole.sum())}
             values |= {"rows": int(some.sum()), "row": self.table.row_label(self.kept[row])}
             if "friction" not in self.columns or symbol not in ("tau", "sigma"):
-                raise refusal("column.sparse", **values)
-            self.warnings.append(message("notes.sparse", **values))
+                raise sentences.refusal("column.sparse", **values)
+            self.warnings.append(sentences("notes.sparse", **values))
             self.columns = {s: c for s, c in self.columns.items() if s != symbol}
             self.record.pop(symbol, None)
 
@@ -128,7 +127,9 @@ class Rows:
         if (steps < 0.0).any():
             back = np.flatnonzero(steps < 0.0) + 1
             first, next_ = t[back[0] - 1 : back[0] + 1]
-            raise refusal("rows.backwards", rows=self.listed(back), first=first, next=next_)
+            raise sentences.refusal(
+                "rows.backwards", rows=self.listed(back), first=first, next=next_
+            )
         usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
         repeated = np.append(False, steps <= SAME * usual)
         self.leave_out(repeated, "with the time of the row before", lambda i: f"{t[i]:.10g} s")
@@ -156,12 +157,14 @@ class Rows:
     def check_enough(self, where=""):
         """ParameterError if fewer than `FEWEST` rows are kept.
 
-        where : what follows "are left" in the message, such as " in the window"
+        where : what follows "are left" in the messages, such as " in the window"
         """
         if self.kept.size < FEWEST:
             warnings = "; ".join(self.warnings) or "give a longer record or a wider window"
             count = _count(self.kept.size)
-            raise refusal("rows.few", count=count, where=where, fewest=FEWEST, warnings=warnings)
+            raise sentences.refusal(
+                "rows.few", count=count, where=where, fewest=FEWEST, warnings=warnings
+            )
 
 
 def _count(rows):
@@ -179,9 +182,9 @@ def window(symbol, ends, name):
         first, last = (x.item() if isinstance(x, np.generic) else x for x in pair)
     except (TypeError, ValueError):
         example = "('11640 s', '11720 s')" if symbol == "time" else "('8600 um', '8900 um')"
-        raise refusal("window.pair", name=name, window=ends, example=example) from None
+        raise sentences.refusal("window.pair", name=name, window=ends, example=example) from None
     low = -np.inf if first is None else to_si(symbol, first, label=f"{name} (from)", bound="")
     high = np.inf if last is None else to_si(symbol, last, label=f"{name} (to)", bound="")
     if not low < high:
-        raise refusal("window.order", name=name, window=(first, last))
+        raise sentences.refusal("window.order", name=name, window=(first, last))
     return name, low, high

@@ -8,7 +8,7 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
 from ...model.units import OF_WHOLE_CONTACT, one_in_si, scaled, to_si, unit_factor
-from .messages import message, refusal
+from ..messages import reading as sentences
 from .table import quoted
 from .titles import LIKE, USUAL, WEIGHTS, plain
 
@@ -25,7 +25,7 @@ def checked_units(units):
     units = {} if units is None else units
     sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
     if not sound or not units.keys() <= LIKE.keys():
-        raise refusal("units.type", units=units, symbols=", ".join(LIKE))
+        raise sentences.refusal("units.type", units=units, symbols=", ".join(LIKE))
     return units
 
 
@@ -39,9 +39,11 @@ def unit_of(column, symbol, units):
         return "1"
     names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE[symbol]}
     if not unit:
-        raise refusal("units.none", **names)
+        raise sentences.refusal("units.none", **names)
     if column.other_unit and symbol not in units and not _is_same(unit, column.other_unit, symbol):
-        raise refusal("units.contradiction", unit=unit, other=plain(column.other_unit), **names)
+        raise sentences.refusal(
+            "units.contradiction", unit=unit, other=plain(column.other_unit), **names
+        )
     try:
         to_si(symbol, f"1 {unit}", bound="")
     except ParameterError as error:
@@ -50,7 +52,7 @@ def unit_of(column, symbol, units):
         where = f"units: {symbol} =" if symbol in units else "the unit"
         other = "" if OF_WHOLE_CONTACT in what else ", or name another column in columns"
         names |= {"unit": unit, "what": what}
-        raise refusal("units.kind", where=where, other=other, **names) from None
+        raise sentences.refusal("units.kind", where=where, other=other, **names) from None
     return unit
 
 
@@ -94,7 +96,7 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     where = {"title": quoted(column.title), "symbol": symbol, "row": table.row_label(row)}
     cell = table.cell(row, column)
     dated = symbol == "time" and CLOCK.search(cell)
-    raise refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
+    raise sentences.refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
 
 
 def unusual(record, speeds):
@@ -106,15 +108,15 @@ def unusual(record, speeds):
     friction = float(np.median(np.abs(record["friction"])))
     low, high = COMMON_FRICTION
     if not low <= friction <= high:
-        notes.append(message("notes.friction", friction=friction, low=low, high=high))
+        notes.append(sentences("notes.friction", friction=friction, low=low, high=high))
     stress = float(np.median(record["sigma"])) if "sigma" in record else COMMON_STRESS[0]
     if not COMMON_STRESS[0] <= stress <= COMMON_STRESS[1]:
-        notes.append(message("notes.stress", stress=stress))
+        notes.append(sentences("notes.stress", stress=stress))
     far = float(np.ptp(record["delta_lp"])) if "delta_lp" in record else 0.0
     fastest = float(np.max(speeds))
     if far > FAR or fastest > FAST:
         sizes = {"far": far, "most": FAR, "V": fastest, "fast": FAST}
-        notes.append(message("notes.far" if far > FAR else "notes.fast", **sizes))
+        notes.append(sentences("notes.far" if far > FAR else "notes.fast", **sizes))
     return notes
 
 
@@ -124,7 +126,9 @@ def constant_in_si(symbol, value):
     low, high = USUAL[symbol]
     if not low <= number <= high:
         si = QUANTITIES[symbol].unit
-        raise refusal("column.constant", symbol=symbol, value=number, low=low, high=high, si=si)
+        raise sentences.refusal(
+            "column.constant", symbol=symbol, value=number, low=low, high=high, si=si
+        )
     return float(number)
 
 
@@ -132,7 +136,7 @@ def check_stress(wrong, values):
     """ParameterError, by row, where a recorded normal stress (n,) is wrong, a mask (n,)."""
     if wrong.any():
         row = int(np.argmax(wrong))
-        raise refusal("column.stress", value=values[row], row=row)
+        raise sentences.refusal("column.stress", value=values[row], row=row)
 
 
 def typical_stress(values):
@@ -145,7 +149,7 @@ def typical_stress(values):
     median = float(np.median(values))
     low, high = USUAL["sigma"]
     if not low <= median <= high:
-        raise refusal("column.stress_size", median=median, low=low, high=high)
+        raise sentences.refusal("column.stress_size", median=median, low=low, high=high)
     return median
 
 
@@ -161,7 +165,9 @@ def check_sizes(symbol, values, column, unit):
     # sigma and pore_pressure may be constant, and V_load in a record without a step
     if symbol not in ("sigma", "V_load", "pore_pressure") and not np.ptp(values) > 0.0:
         what = "tau, and so friction perhaps," if symbol == "tau" else symbol
-        raise refusal("column.dead", what=what, value=values[0], rows=values.size, **names)
+        raise sentences.refusal(
+            "column.dead", what=what, value=values[0], rows=values.size, **names
+        )
     span = symbol in ("time", "delta_lp")
     size = float(np.ptp(values) if span else np.median(np.abs(values)))
     if symbol == "friction":
@@ -170,4 +176,4 @@ def check_sizes(symbol, values, column, unit):
     if size > 0.0 and not low <= size <= high:
         sentence = "friction" if symbol == "friction" else "span" if span else "size"
         si = QUANTITIES[symbol].unit
-        raise refusal(f"column.{sentence}", size=size, low=low, high=high, si=si, **names)
+        raise sentences.refusal(f"column.{sentence}", size=size, low=low, high=high, si=si, **names)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .messages import refusal
+from ..messages import reading as sentences
 from .table import Column, Table, quoted
 from .titles import name_and_units
 
@@ -39,7 +39,7 @@ def read_hdf5(path):
         remaining -= item.nbytes
         if remaining < 0:
             values = {"name": path.name, "title": quoted(title), "bytes": item.nbytes}
-            raise refusal("file.damaged", size=size, **values)
+            raise sentences.refusal("file.damaged", size=size, **values)
         columns.extend(_columns(title, item[()], item.attrs))
 
     with path.open("rb") as stored, h5py.File(stored, "r") as file:
@@ -70,7 +70,7 @@ def refuse_other_files(file, name):
 
     if found := file.visititems_links(other_of_link) or file.visititems(other_of_data):
         title, other = map(quoted, found)
-        raise refusal("file.elsewhere", name=name, title=title, other=other)
+        raise sentences.refusal("file.elsewhere", name=name, title=title, other=other)
 
 
 def read_mat(path):
@@ -152,5 +152,5 @@ def _table(path, columns, texts=()):
     """These columns as a table, if there are any."""
     table = Table(columns, "row", {}, unread=tuple(texts))
     if not columns:
-        raise refusal("file.no_columns", name=path.name, unread=table.unread_text())
+        raise sentences.refusal("file.no_columns", name=path.name, unread=table.unread_text())
     return table

@@ -10,11 +10,11 @@ from collections import Counter
 
 import numpy as np
 
+from ..messages import reading as sentences
 from .cells import ODD, Layout, cells_of, is_full, number_in, rows_in, trimmed
 from .clock import DATE, clock_of, continuous
 from .encodings import examined
 from .header import check_headers, end_of_labview, header_of
-from .messages import refusal
 from .sizes import CLOCK
 from .table import Column, Table, quoted
 from .titles import match_rank
@@ -45,7 +45,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     of another number of names.
     """
     if (size := path.stat().st_size) > LARGEST:
-        raise refusal("text.large", name=path.name, size=size / 1e9, most=LARGEST / 1e9)
+        raise sentences.refusal("text.large", name=path.name, size=size / 1e9, most=LARGEST / 1e9)
     encoding, most = examined(path)
     with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
         blocks = _blocks(file, path.name)
@@ -96,7 +96,7 @@ def _blocks(file, name):
         if lengths and max(lengths) > LONGEST:  # would take for ever
             line = next(i for i, line in enumerate(lines, 1) if len(line.rstrip("\n")) > LONGEST)
             values = {"line": before + line, "length": len(lines[line - 1].rstrip("\n"))}
-            raise refusal("text.long", name=name, most=LONGEST, **values)
+            raise sentences.refusal("text.long", name=name, most=LONGEST, **values)
         before += len(lines)
         yield (
             lines
@@ -188,7 +188,9 @@ def _layout(path, lines, full, delimiters):
     if full:
         _check_short_rows(path, lines, full, delimiters)
     begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
-    raise refusal("text.no_numbers" if full else "text.empty", name=path.name, begins=begins)
+    raise sentences.refusal(
+        "text.no_numbers" if full else "text.empty", name=path.name, begins=begins
+    )
 
 
 def _check_short_rows(path, lines, full, delimiters):
@@ -201,7 +203,7 @@ def _check_short_rows(path, lines, full, delimiters):
         if short and width >= NEEDED and len(rows) - len(short) >= FEWEST:
             first = {"line": f"line {short[0] + 1}", "cells": quoted(lines[short[0]].strip())}
             counts = {"short": len(short), "rows": len(rows), "width": width}
-            raise refusal("text.short_rows", name=path.name, **first, **counts)
+            raise sentences.refusal("text.short_rows", name=path.name, **first, **counts)
 
 
 def _decimal(path, rows, delimiter):
@@ -212,7 +214,7 @@ def _decimal(path, rows, delimiter):
         return marks.most_common(1)[0][0]
     grouped = [cell for cell in cells if "," in cell and _is_number(cell)]
     if grouped and not any("." in cell for cell in cells):
-        raise refusal("text.decimal", name=path.name, cell=quoted(grouped[0]))
+        raise sentences.refusal("text.decimal", name=path.name, cell=quoted(grouped[0]))
     return "."
 
 

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 
 from ...model.quantities import readable
-from .messages import message
+from ..messages import reading as sentences
 from .table import quoted
 from .titles import USUAL
 
@@ -47,7 +47,7 @@ def drop_impossible(rows):
         if "friction" in record and bad.all():
             size = float(np.median(record.pop("sigma")))
             title = quoted(rows.columns["sigma"].title)
-            notes.append(message("notes.dead_sigma", title=title, size=size, low=low, high=high))
+            notes.append(sentences("notes.dead_sigma", title=title, size=size, low=low, high=high))
         else:
             _drop(rows, "sigma", bad, f"with normal stress outside {low:g} to {high:g} Pa")
     if "friction" not in rows.record:

@@ -20,7 +20,6 @@
 ``measures``                    drop, slip, slip rate, work, kind of each event
 ``trends``                      stress drop against the logarithm of recurrence and of V_lp
 ``result``                      the Dataset
-``refusals``, ``refusals.toml`` sentences of errors, and of messages on events
 =============================== =================================================================
 """
 

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..sample_noise import sample_noise
+from ..kit.sample_noise import sample_noise
+from ..messages import stick_slip as sentences
 from . import computed, recorded
 from .detection import in_gaps, rough_events, without_rebounds
 from .hidden import has_several, has_step_down
@@ -24,7 +25,6 @@ from .measures import (
 )
 from .noise import Noise, loading_noise
 from .outliers import without_outliers
-from .refusals import sentence
 from .significance import is_stick_slip
 from .stiffness import Stiffness, loading_stiffness
 from .trends import Trend, speed_groups, trend
@@ -261,13 +261,13 @@ def _messages(status, why, drop, stiffness, reports):
     for k, code in enumerate(status):
         texts = []
         if code in names:
-            texts.append(sentence(f"message.{names[code]}"))
+            texts.append(sentences(f"message.{names[code]}"))
         elif not math.isfinite(drop[k]):
-            texts.append(sentence("message.unmeasured"))
-        texts += [sentence(f"message.{name}") for name, holds in reports.items() if holds[k]]
+            texts.append(sentences("message.unmeasured"))
+        texts += [sentences(f"message.{name}") for name, holds in reports.items() if holds[k]]
         if why[k] and code not in (CUT_BY_START, CUT_BY_END):
-            texts.append(sentence(f"message.{why[k]}"))
+            texts.append(sentences(f"message.{why[k]}"))
         if not math.isfinite(stiffness.K):
-            texts.append(sentence("message.no_stiffness"))
+            texts.append(sentences("message.no_stiffness"))
         messages.append("; ".join(texts))
     return np.array(messages, dtype=object if not messages else str)

@@ -9,10 +9,14 @@ from scipy.ndimage import uniform_filter1d
 from ...dynamics.results import parameter
 from ...model.conversion import in_si
 from ...model.units import one_in_si
-from ..reading.segments import segments_from_displacement, segments_from_velocity, stored_segments
+from ..kit.sample_noise import rounding
+from ..load_point.segments import (
+    segments_from_displacement,
+    segments_from_velocity,
+    stored_segments,
+)
+from ..messages import stick_slip as sentences
 from ..reading.sizes import constant_in_si, typical_stress
-from ..sample_noise import rounding
-from .refusals import refusal
 
 #: least samples
 FEWEST = 30
@@ -68,7 +72,7 @@ class Series(NamedTuple):
 def series_of(data, K=None, M=None, sigma=None):
     """The `Series` of a Dataset of `read_lab` or `simulate`; ParameterError for what is none."""
     if not isinstance(data, xarray.Dataset):
-        raise refusal("data.type", type=type(data).__name__)
+        raise sentences.refusal("data.type", type=type(data).__name__)
     data = in_si(data)
     own = {symbol: _scalar(symbol, x) for symbol, x in (("K", K), ("M", M), ("sigma", sigma))}
     is_run = data.attrs.get("title") == "ratestate simulate" and {*data.variables} >= RUN
@@ -78,10 +82,12 @@ def series_of(data, K=None, M=None, sigma=None):
         data = data.isel(time=np.append(True, np.diff(data["time"].values) != 0.0))
     t = _column(data, "time")
     if t.size < FEWEST:
-        raise refusal("data.few", samples=t.size, fewest=FEWEST)
+        raise sentences.refusal("data.few", samples=t.size, fewest=FEWEST)
     if not (np.diff(t) > 0.0).all():
         row = int(np.argmin(np.diff(t) > 0.0)) + 1
-        raise refusal("data.not_increasing", before=float(t[row - 1]), after=float(t[row]), row=row)
+        raise sentences.refusal(
+            "data.not_increasing", before=float(t[row - 1]), after=float(t[row]), row=row
+        )
     return _of_run(data, t, own) if is_run else _of_record(data, t, own)
 
 
@@ -89,9 +95,9 @@ def _check_run(run):
     """ParameterError for a sweep, and a run of which only the ends were saved."""
     for dim in run["tau"].dims if "tau" in run else ():
         if dim != "time":
-            raise refusal("data.several", dim=dim)
+            raise sentences.refusal("data.several", dim=dim)
     if run.sizes.get("time", 1) < FEWEST:
-        raise refusal("data.end_only", times=run.sizes.get("time", 1))
+        raise sentences.refusal("data.end_only", times=run.sizes.get("time", 1))
 
 
 def _of_run(run, t, own):
@@ -99,7 +105,7 @@ def _of_run(run, t, own):
     slider = {symbol: _scalar(symbol, parameter(run, symbol)) for symbol in ("K", "M", "a")}
     K = slider["K"] if own["K"] is None else own["K"]
     if not np.isfinite(K):
-        raise refusal("data.rigid")
+        raise sentences.refusal("data.rigid")
     tau, delta_lp = _column(run, "tau"), _column(run, "delta_lp")
     sigma = _column(run, "sigma") if "sigma" in run.data_vars else None
     if sigma is None:
@@ -136,9 +142,9 @@ def _of_record(data, t, own):
         tau = _column(data, "tau")
         resolution = rounding(tau)
     elif "friction" not in data.variables:
-        raise refusal("data.no_stress", variables=_names(data))
+        raise sentences.refusal("data.no_stress", variables=_names(data))
     elif sigma is None:
-        raise refusal("data.no_sigma")
+        raise sentences.refusal("data.no_sigma")
     else:
         friction = _column(data, "friction")
         tau, resolution = friction * sigma, rounding(friction) * float(np.abs(sigma).max())
@@ -171,7 +177,7 @@ def _recorded_load(data, t):
         found = find(t, _column(data, name))
         starts, V, error = found.t, found.V, found.V_error
     else:
-        raise refusal("data.no_load", variables=_names(data))
+        raise sentences.refusal("data.no_load", variables=_names(data))
     ends = np.append(starts[1:], max(t[-1], starts[-1]))
     times = np.column_stack([starts, ends]).ravel()
     moved = np.concatenate([[0.0], np.cumsum(V * (ends - starts))])
@@ -186,15 +192,15 @@ def _scalar(symbol, value):
 def _column(data, name):
     """(n,) finite values of a variable along time [SI]."""
     if name not in data.variables:
-        raise refusal("data.absent", name=name, variables=_names(data))
+        raise sentences.refusal("data.absent", name=name, variables=_names(data))
     variable = data[name]
     for dim in variable.dims:
         if dim != "time":
-            raise refusal("data.several", dim=dim)
+            raise sentences.refusal("data.several", dim=dim)
     values = np.atleast_1d(_values(variable))
     if not np.isfinite(values).all():
         row = int(np.argmin(np.isfinite(values)))
-        raise refusal("data.not_finite", name=name, value=float(values[row]), row=row)
+        raise sentences.refusal("data.not_finite", name=name, value=float(values[row]), row=row)
     return values
 
 

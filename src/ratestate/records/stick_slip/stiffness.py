@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .refusals import sentence
+from ..messages import stick_slip as sentences
 
 #: part of a loading phase, in time, that is fitted; that where creep shows
 STICKS, CREEPS = (0.15, 0.45), (0.6, 0.8)
@@ -89,4 +89,4 @@ def _combined(slopes, variances):
 def stiffness_text(stiffness):
     """Where a `Stiffness` comes from, or why it is not known, in words."""
     values = {"phases": stiffness.phases, "part": 100.0 * stiffness.falling, "fewest": FEWEST}
-    return sentence(f"stiffness.{stiffness.source}", **values)
+    return sentences(f"stiffness.{stiffness.source}", **values)

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .refusals import sentence
+from ..messages import stick_slip as sentences
 
 #: fewest events, and least ratio of the largest to the smallest abscissa
 FEWEST, NARROWEST = 4, 1.5
@@ -39,17 +39,17 @@ def trend(x, drop, V_lp, what):
     use = np.isfinite(x) & np.isfinite(drop) & np.isfinite(V_lp) & (np.nan_to_num(x) > 0.0)
     x, drop, V_lp = x[use], drop[use], V_lp[use]
     if x.size < FEWEST:
-        return Trend(message=sentence("trend.few", events=x.size, fewest=FEWEST))
+        return Trend(message=sentences("trend.few", events=x.size, fewest=FEWEST))
     factor = float(x.max() / x.min())
     if factor < NARROWEST:
         values = {"what": what, "factor": factor, "least": NARROWEST}
-        return Trend(message=sentence("trend.narrow", **values))
+        return Trend(message=sentences("trend.narrow", **values))
     group = speed_groups(V_lp)
     design = np.column_stack([np.ones(x.size), np.log10(x)])
     shared = 0.0
     message = ""
     if group.max() < 2:
-        message = sentence("trend.two") if group.max() == 1 else ""
+        message = sentences("trend.two") if group.max() == 1 else ""
     else:
         shared = _shared_variance(design, drop, group)
     coefficients, covariance = _solve(design, drop, group, shared)

@@ -7,9 +7,9 @@ from scipy.special import chdtrc
 
 from ....errors import ParameterError
 from ....model.quantities import readable
+from ...messages import fitting as sentences
 from ..estimates import Estimates, estimates_from
 from ..likelihood.profile import BetterPoint
-from ..refusals import refusal
 from .features import FEATURES, LEVEL
 from .measured import corrected, measure
 from .model import GRID, CycleModel
@@ -108,7 +108,9 @@ def _check_feature_count(space, measured):
         for one in measured
     )
     count, names = len(space.names), ", ".join(space.names)
-    raise refusal("cycles.few_features", count=count, names=names, features=features, listed=listed)
+    raise sentences.refusal(
+        "cycles.few_features", count=count, names=names, features=features, listed=listed
+    )
 
 
 def _ranked(problem, runs):
@@ -116,7 +118,7 @@ def _ranked(problem, runs):
     ranked = sorted((run for run in runs if np.isfinite(run.chi2)), key=lambda run: run.chi2)
     if not ranked:
         names = ", ".join(problem.space.names)
-        raise refusal("cycles.no_cycle", names=names, law=problem.model.law)
+        raise sentences.refusal("cycles.no_cycle", names=names, law=problem.model.law)
     return ranked
 
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..refusals import refusal
+from ...messages import fitting as sentences
 
 # Fewest cycles, and samples in a cycle, that can be used.
 FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6
@@ -76,11 +76,11 @@ def main_period(t, y):
     period = span / (best + 1)
     # white noise: each line of the spectrum is exponential, and a window makes of 2 about 3
     if power[best] < 1.5 * np.log(power.size / CHANCE) * power.mean():
-        raise refusal("cycles.no_oscillation", span=span)
+        raise sentences.refusal("cycles.no_oscillation", span=span)
     if best + 1 < FEWEST_CYCLES:
-        raise refusal("cycles.few", fewest=FEWEST_CYCLES, period=period, span=span)
+        raise sentences.refusal("cycles.few", fewest=FEWEST_CYCLES, period=period, span=span)
     if period < FEWEST_SAMPLES * float(np.median(np.diff(t))):
-        raise refusal("cycles.sparse", period=period, fewest=FEWEST_SAMPLES)
+        raise sentences.refusal("cycles.sparse", period=period, fewest=FEWEST_SAMPLES)
     return period
 
 
@@ -98,7 +98,7 @@ def thinned(segment, period):
         segment = segment._replace(t=t, y=y)
     if segment.t.size > MOST:
         cycles = (segment.t[-1] - segment.t[0]) / period
-        raise refusal("cycles.many", samples=segment.t.size, most=MOST, cycles=cycles)
+        raise sentences.refusal("cycles.many", samples=segment.t.size, most=MOST, cycles=cycles)
     return segment
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from ..refusals import refusal
+from ...messages import fitting as sentences
 from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
 from .segments import SENTENCES, Segment, regular_cuts
@@ -105,7 +105,9 @@ def corrected(measured, wave, features):
             copies.append(fold(segment.t, y, cuts, measured.bins))
     if len(copies) < COPIES // 2:
         amplitude = np.exp(measured.raw[AMPLITUDE])
-        raise refusal("cycles.lost_in_noise", amplitude=amplitude, noise=measured.noise.sd)
+        raise sentences.refusal(
+            "cycles.lost_in_noise", amplitude=amplitude, noise=measured.noise.sd
+        )
     drawn = np.array([_features(copy) for copy in copies])
     true = np.array(features)
     true[PERIOD] = np.log(cycles.period)

@@ -5,7 +5,8 @@ import xarray
 
 from ....dynamics.recorded_loading import record_loading
 from ....model.loading import Loading
-from ..result import curve_variables, estimate_variables, labelled, text_variables
+from ...kit.results import labelled
+from ..result import curve_variables, estimate_variables, text_variables
 from .diagnostics import diagnose
 from .features import FEATURES, LEVEL
 from .fit import wave_at

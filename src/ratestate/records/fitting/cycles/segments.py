@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ....model.names import Sentences
-from ..raw_record import constant_speeds_of, raw_record
-from ..refusals import refusal
+from ...loading import constant_speeds_of
+from ...messages import fitting as sentences
+from ...raw_record import raw_record
 from .folding import FEWEST_CYCLES, cut_cycles
 
 # Fewest samples of a segment that is used.
@@ -35,7 +36,7 @@ def segments_of(record, slider, loading):
     """
     raw = raw_record(record, slider)
     if raw.kind != "tau":
-        raise refusal("cycles.of_mu")
+        raise sentences.refusal("cycles.of_mu")
     loading, t = constant_speeds_of(raw, loading), raw.t
     segments = []
     for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
@@ -43,7 +44,7 @@ def segments_of(record, slider, loading):
         if V_lp > 0.0 and rows.sum() >= FEWEST:
             segments.append(Segment(raw.time[rows], raw.friction[rows], float(V_lp)))
     if not segments:
-        raise refusal("cycles.no_stretch", fewest=FEWEST)
+        raise sentences.refusal("cycles.no_stretch", fewest=FEWEST)
     return segments
 
 
@@ -55,7 +56,7 @@ def regular_cuts(segment, period):
     t, y, V_lp = segment
     cuts = cut_cycles(t, y, period)
     if cuts.size <= FEWEST_CYCLES:
-        raise refusal("cycles.few_whole", V_lp=V_lp, fewest=FEWEST_CYCLES)
+        raise sentences.refusal("cycles.few_whole", V_lp=V_lp, fewest=FEWEST_CYCLES)
     amplitude = np.array(
         [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in pairwise(cuts)]
     )
@@ -67,7 +68,9 @@ def regular_cuts(segment, period):
         cuts = cuts[first:]
     periods = np.diff(cuts)
     if (scatter := float(periods.std() / periods.mean())) > IRREGULAR:
-        raise refusal("cycles.irregular", V_lp=V_lp, scatter=100 * scatter, most=100 * IRREGULAR)
+        raise sentences.refusal(
+            "cycles.irregular", V_lp=V_lp, scatter=100 * scatter, most=100 * IRREGULAR
+        )
     return cuts, left_out
 
 

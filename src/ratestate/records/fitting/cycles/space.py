@@ -12,7 +12,7 @@ the cycle, and least squares need not follow a curved valley.
 import numpy as np
 
 from ....friction.stability import K_c, a_of_K_c, b_of_K_c
-from ..refusals import refusal
+from ...messages import fitting as sentences
 from ..unknowns import checked_free, of_slider, parameter
 
 # Largest distance of a coordinate from its start: a run that gets there does not converge.
@@ -41,15 +41,15 @@ class Space:
         self.names = checked_free(free, [slider])
         for name in self.names:
             if what := parameter(name).no_part_in_cycles:
-                raise refusal("cycles.no_part", name=name, what=what)
+                raise sentences.refusal("cycles.no_part", name=name, what=what)
         symbols = of_slider(slider.friction_law)
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
         if self.fixed["M"] == 0.0:
-            raise refusal("cycles.massless")
+            raise sentences.refusal("cycles.massless")
         if np.isinf(self.fixed["K"]):
-            raise refusal("cycles.rigid")
+            raise sentences.refusal("cycles.rigid")
         if not {"a", "b"} & set(self.names) and self.fixed["b"] <= self.fixed["a"]:
-            raise refusal("cycles.strengthening", a=self.fixed["a"], b=self.fixed["b"])
+            raise sentences.refusal("cycles.strengthening", a=self.fixed["a"], b=self.fixed["b"])
         self.V_lp, self.sigma = V_lp, float(slider.sigma)
         # the parameter in place of which the distance from steady sliding is a coordinate
         self.replaced = "b" if "b" in self.names else "a" if "a" in self.names else None

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....model.names import Sentences
 from ....model.quantities import readable
-from ...reading.stress_steps import VARIABLE, stress_range
+from ...load_point.stress_steps import VARIABLE, stress_range
 from ..likelihood.transients import longest_distance
 from ..record import changes
 from ..score import responds, response

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....model.names import Sentences
 from ....model.quantities import readable
-from ...regression import generalized_least_squares
+from ...kit.regression import generalized_least_squares
 from ..record import before_changes
 from ..table import rate_dependence_text
 from ..unknowns import parameter

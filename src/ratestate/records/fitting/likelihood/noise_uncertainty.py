@@ -15,10 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from ..estimated_noise import families, modes
+from ...kit.estimated_noise import RestrictedLikelihood, families, modes
 from ..estimates import GAUSSIAN, LEVELS
 from ..generalized_least_squares import Solution
-from ..restricted_likelihood import RestrictedLikelihood
 from ..score import projected
 
 #: spacing of the grid, in standard deviations of the shape; shortest and longest in a coordinate

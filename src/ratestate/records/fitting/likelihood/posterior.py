@@ -14,8 +14,8 @@ import numpy as np
 from ....dynamics.progress import bar
 from ....model.names import Sentences
 from ....model.quantities import QUANTITIES
+from ...messages import fitting as sentences
 from ..estimates import LEVELS
-from ..refusals import refusal
 from ..unknowns import LINEAR, parameter
 
 LIVE, SEED = 400, 20190101
@@ -127,7 +127,7 @@ def sample_posterior(solution, prior, label):
     try:
         import dynesty
     except ImportError:
-        raise refusal("search.no_dynesty") from None
+        raise sentences.refusal("search.no_dynesty") from None
     prior = {name: prior[name] for name in solution.unknowns.names if name in prior}
     low, high = np.array(list(prior.values())).T
     marginal = Marginal(solution)

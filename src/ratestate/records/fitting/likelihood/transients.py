@@ -15,9 +15,9 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ....model.history import History
+from ...kit.estimated_noise import RestrictedLikelihood
 from ..forward import Forward
 from ..record import changes
-from ..restricted_likelihood import RestrictedLikelihood
 from .noise_uncertainty import likely_shapes
 
 #: distances over which added friction changes, divided by the longest distance of the law

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import stdtr
 
-from ...regression import weighted_mean
+from ...kit.regression import weighted_mean
 from ..by_law import value_of
 from ..unknowns import SUMS, parameter
 

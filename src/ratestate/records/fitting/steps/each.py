@@ -4,12 +4,13 @@ import numpy as np
 
 from ....dynamics.progress import bar
 from ....errors import RateStateError
-from ...child_process import mapped
+from ...kit.child_process import mapped
+from ...kit.least_squares import single_blas
+from ...messages import fitting as sentences
 from ..by_law import value_of
 from ..diagnostics.misfit import is_misfit
 from ..likelihood.uncertainty import inflation_of
-from ..one_record import datasets_of, inferences_of, single_blas
-from ..refusals import refusal, sentence
+from ..one_record import datasets_of, inferences_of
 from ..score import responds
 from .fitted import Fitted, Separate, Task, shared_coordinates
 from .stick_slip import stick_slip_about, stick_slip_slides
@@ -48,10 +49,10 @@ def _divided(data, settings):
     unstable = []
     for window in (window for window in windows if found[window]):
         slide = {"events": found[window].events, "V_lp": found[window].V}
-        laws = dict.fromkeys(settings.laws, sentence("each.stick_slip", **slide))
+        laws = dict.fromkeys(settings.laws, sentences("each.stick_slip", **slide))
         unstable.append(Fitted(task_of(window, data, settings), laws, is_stick_slip=True))
     if len(unstable) == len(windows):
-        raise refusal("each.all_stick_slip", count=len(windows), **slide)
+        raise sentences.refusal("each.all_stick_slip", count=len(windows), **slide)
     return [window for window in windows if not found[window]], unstable
 
 

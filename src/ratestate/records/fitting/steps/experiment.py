@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..one_record import single_blas
-from ..refusals import refusal
+from ...kit.least_squares import single_blas
+from ...messages import fitting as sentences
 from .each import fit_each
 from .result import FAILED, STICK_SLIP, dataset_of_steps
 from .shared import shared_fit
@@ -21,7 +21,7 @@ def fit_experiment(data, settings):
         fits += fit_stress_steps(data, of_stress, settings, fits, shared)
     fits.sort(key=lambda fit: fit.task.window.t)
     if not any(fit.of(law) for fit in fits for law in settings.laws):
-        raise refusal("each.failed", count=len(fits), message=_first_failure(fits))
+        raise sentences.refusal("each.failed", count=len(fits), message=_first_failure(fits))
     return dataset_of_steps(fits, shared, settings.laws)
 
 

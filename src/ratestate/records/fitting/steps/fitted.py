@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ...reading.stress_steps import VARIABLE, stress_range
+from ...kit.noise import Noise
+from ...load_point.stress_steps import VARIABLE, stress_range
+from ...messages import fitting as sentences
 from ..likelihood.noise_uncertainty import Inflation
-from ..noise import Noise
 from ..record import Record
-from ..refusals import sentence
 from ..settings import Settings
 from ..unknowns import Unknowns
 from .windows import Window
@@ -85,9 +85,9 @@ class Fitted(NamedTuple):
 
     def remarks(self, law):
         """Sentences (list) on why all steps leave out one that is fitted under a law."""
-        found = [sentence("each.stress_varies")] if self.is_spoilt else []
+        found = [sentences("each.stress_varies")] if self.is_spoilt else []
         if names := self.of(law).at_bound:
-            found.append(sentence("each.at_bound", names=" and ".join(names)))
+            found.append(sentences("each.at_bound", names=" and ".join(names)))
         return found
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..result import labelled
+from ...kit.results import labelled
 
 #: most samples of a window that are kept for figures
 KEPT = 1000

@@ -6,10 +6,10 @@ import xarray
 from ....dynamics.results import flags
 from ....friction.laws import friction_law
 from ....model.quantities import attrs
+from ...kit.results import labelled
 from ..by_law import value_of
 from ..diagnostics.model_comparison import compare_laws
 from ..estimates import LEVELS, SIDES
-from ..result import labelled
 from ..unknowns import SUMS, free_under, to_value
 from .comparison import estimates_of, grouped, is_down, is_up, ratio_of
 from .recorded import curve_variables, window_variables

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import fdtrc
 
-from ..levenberg_marquardt import minimum
+from ...kit.least_squares import minimum
 from ..problem import Problem
 from .fitted import shared_coordinates
 

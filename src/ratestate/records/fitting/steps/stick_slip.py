@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ....errors import RateStateError
+from ...loading import recorded_segments
 from ...stick_slip.catalogue import detected
 from ...stick_slip.series import series_of
-from ..raw_record import recorded_segments
 
 #: fewest events at one speed, and least drop of a typical one, over the range of friction there
 FEWEST, DROP = 4, 1.0 / 3.0

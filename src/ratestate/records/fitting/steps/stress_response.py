@@ -4,8 +4,9 @@ import numpy as np
 
 from ....errors import RateStateError
 from ....model.quantities import readable
+from ...kit.least_squares import single_blas
 from ..estimates import ROOTS
-from ..one_record import single_blas, solutions_of
+from ..one_record import solutions_of
 from ..unknowns import to_value
 from .comparison import grouped
 from .each import fit_window, task_of

@@ -4,10 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...reading.overshoots import without_overshoots
-from ...reading.stress_steps import stress_steps
-from ..raw_record import checked_time, recorded_segments
-from ..refusals import refusal
+from ...load_point.overshoots import without_overshoots
+from ...load_point.stress_steps import stress_steps
+from ...loading import recorded_segments
+from ...messages import fitting as sentences
+from ...raw_record import checked_time
 
 #: part of the sliding before a change that belongs to its window: the change before it is over
 LEAD = 0.5
@@ -78,7 +79,7 @@ def windows_of(data):
             )
         )
     if not windows:
-        raise refusal("each.no_step")
+        raise sentences.refusal("each.no_step")
     return windows
 
 

@@ -11,7 +11,7 @@ import functools
 import numpy as np
 
 from ...model.arrays import running_sum
-from .messages import refusal
+from ..messages import load_point as sentences
 from .sampling_noise import SHORTEST, sampling_noise
 
 MOST = 500  # runs
@@ -90,7 +90,7 @@ def cut(rows):
             open_ += [(i, k), (k, j)]
     if len(cuts) > MOST:
         t, T = rows.t[0], rows.t[-1]
-        raise refusal("segments.none", first=t, last=T, most=MOST, tenth=t + (T - t) / 10)
+        raise sentences.refusal("segments.none", first=t, last=T, most=MOST, tenth=t + (T - t) / 10)
     cuts = _improved(rows, sorted(cuts))
     if rows.every > 1:
         # all rows near the cuts as candidates, not only every second or so

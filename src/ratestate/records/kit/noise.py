@@ -15,7 +15,7 @@ import numpy as np
 
 from ...engine.noise import whiten
 from ...model.units import one_in_si
-from .refusals import refusal
+from ..messages import kit as sentences
 
 
 class Noise(NamedTuple):
@@ -88,14 +88,14 @@ def given_noise(noise):
     if not isinstance(noise, dict):
         return Noise(one_in_si("noise", noise))
     if not set(noise) <= {"white", "red", "time"} or not noise:
-        raise refusal("noise.form", noise=noise)
+        raise sentences.refusal("noise.form", noise=noise)
     if "red" in noise and "time" not in noise:
-        raise refusal("noise.no_time")
+        raise sentences.refusal("noise.no_time")
     white, red = (
         one_in_si("noise", noise.get(k, 0.0), label=f"noise {k}", bound=">= 0")
         for k in ("white", "red")
     )
     if not white + red > 0.0:
-        raise refusal("noise.zero")
+        raise sentences.refusal("noise.zero")
     time = one_in_si("t", noise.get("time", 1.0), label="noise time", bound="> 0")
     return Noise(white, red, time)

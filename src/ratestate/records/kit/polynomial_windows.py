@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from ..regression import generalized_least_squares
+from .regression import generalized_least_squares
 
 #: chi-square of two more coefficients that 1 in 1000 windows exceed by chance; and 1 in 10,000, for
 #: the smallest window, without which there is no answer

@@ -5,8 +5,8 @@ import pytest
 import xarray
 from synthetic_records import power_law
 
+from ratestate.records.load_point.stress_steps import VARIABLE, stress_range, stress_steps
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.stress_steps import VARIABLE, stress_range, stress_steps
 
 T = np.arange(1200) * 0.5
 NOISE = 5e3 * np.random.default_rng(3).normal(size=T.size)

@@ -7,8 +7,9 @@ import pytest
 from scipy.signal import lfilter
 
 from ratestate import ParameterError
-from ratestate.records.reading import find_segments, splits
-from ratestate.records.reading.segments import segments_from_displacement, segments_from_velocity
+from ratestate.records.load_point import splits
+from ratestate.records.load_point.segments import segments_from_displacement, segments_from_velocity
+from ratestate.records.reading import find_segments
 
 NOISE = 0.3e-6
 

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .rows import GAP
-
+#: a gap is a step of time so many times longer than usual on either side of it
+GAP = 5.0
 ROUNDS = 50  # of moving rows from one line to the next
 NEAR = 10  # rows beside a place where a displacement may jump
 MANY = 400  # rows that tell the correlation of their noise

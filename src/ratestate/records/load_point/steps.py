@@ -5,8 +5,8 @@ import itertools
 
 import numpy as np
 
-from ..sample_noise import sample_noise
-from .messages import message
+from ..kit.sample_noise import sample_noise
+from ..messages import load_point as sentences
 from .runs import JUMP, Run, Samples, jump_between, jump_size, noise_variances, refine_breakpoints
 from .sampling_noise import SHORTEST
 from .splits import RowSums, cut, drop_weak_cuts
@@ -116,10 +116,10 @@ def _mark_holds(runs):
         hold = abs(run.V) <= least
         beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
         if hold and least > BACK * beside > 0.0:
-            notes.append(message("notes.short_hold", first=run.start, last=run.end, V=least))
+            notes.append(sentences("notes.short_hold", first=run.start, last=run.end, V=least))
         if not hold and -BACK * beside <= run.V < 0.0:
             hold = True
-            notes.append(message("notes.runs_back", by=-run.V * lasts, first=run.start))
+            notes.append(sentences("notes.runs_back", by=-run.V * lasts, first=run.start))
         if hold and marked and marked[-1].hold:
             marked[-1] = marked[-1].joined(run, hold=True)
         else:
@@ -137,7 +137,7 @@ def _without_ramps(runs):
             ramp = span[-1].start - span[0].end
             around = min(run.end - run.start for run in (span[0], span[-1]))
             if ramp < RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
-                notes.append(message("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
+                notes.append(sentences("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
                 del runs[m:last]
                 break
         m += 1
@@ -174,11 +174,11 @@ def _oddities(t, x, runs):
         for first, _ in run.rows[1:]:
             if gap := jump_size(t, x, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
-                notes.append(message("notes.jump", gap=gap, t=t[first], lost=lost))
+                notes.append(sentences("notes.jump", gap=gap, t=t[first], lost=lost))
     for one, other in itertools.pairwise(runs):
         if gap := jump_between(one, other):
-            notes.append(message("notes.jump_at_step", gap=gap, t=t[other.first]))
+            notes.append(sentences("notes.jump_at_step", gap=gap, t=t[other.first]))
     scatter, steps = _scatter_of(runs)
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x), _digit(x)):
-        notes.append(message("notes.wanders", scatter=scatter, steps=steps))
+        notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))
     return notes

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, lsq_linear
 
-from ratestate.records.fitting.levenberg_marquardt import CONVERGED, minimum
+from ratestate.records.kit.least_squares import CONVERGED, minimum
 
 FREE = np.full(3, -np.inf), np.full(3, np.inf)
 T = np.linspace(0.0, 4.0, 200)

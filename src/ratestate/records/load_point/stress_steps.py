@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import ParameterError
-from ..sample_noise import OF_SECOND
+from ..kit.sample_noise import OF_SECOND
 from .runs import Run, Samples
 from .sampling_noise import SHORTEST
 from .splits import RowSums, cut

@@ -16,7 +16,7 @@ import threading
 from pathlib import Path
 from typing import Any
 
-from ..machine import cores
+from ...machine import cores
 
 #: fewest items for each child: it takes a second or two to start
 FEWEST = 4

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...model.quantities import power_of, prefixed_unit, readable, readable_change
-from .messages import message, refusal
+from ..messages import load_point as sentences
 from .overshoots import without_overshoots
 from .runs import breakpoints, is_gap, noise_variances
 from .splits import RowSums, cut, drop_weak_cuts
@@ -78,7 +78,7 @@ def stored_segments(data):
     usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in found)
     usable = usable and len(found) == 2 and bool(np.isfinite(found).all())
     if not usable or (np.diff(found[0]) <= 0.0).any():
-        raise refusal("segments.altered")
+        raise sentences.refusal("segments.altered")
     return tuple(one.astype(float) for one in found)
 
 
@@ -134,7 +134,7 @@ def segments_from_displacement(t, x):
             window = f"(None, '{first}')" if run.first else f"('{last}', None)"
             option = f"',{first}'" if run.first else f"'{last},'"
             values = {"first": first, "last": last, "window": window, "option": option}
-            raise refusal("segments.backwards", V=-run.V, **values)
+            raise sentences.refusal("segments.backwards", V=-run.V, **values)
     noise, (at, spans) = noise_variances(runs), breakpoints(runs)
     variance = [
         (s * one.variance(tau, -1) + z * other.variance(tau, 0)) / (one.V - other.V) ** 2
@@ -147,7 +147,7 @@ def segments_from_displacement(t, x):
     for tau, span, one, other in zip(at, spans, runs, runs[1:], strict=False):
         if span and is_gap(one, other):
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
-            notes.append(message("notes.step_in_gap", **ends))
+            notes.append(sentences("notes.step_in_gap", **ends))
     # (a row at a break, to rounding, is before it: nothing has changed there)
     rounding = ROUNDING * np.abs(t[[0, -1]]).max()
     near = t[np.searchsorted(t, at - rounding)]
@@ -156,7 +156,7 @@ def segments_from_displacement(t, x):
     _, _, kept = without_overshoots(starts, V, t[-1])
     for i in sorted({*range(V.size)} - {*kept.tolist()}):
         lasts = np.append(starts, t[-1])[i + 1] - starts[i]
-        notes.append(message("notes.overshoot", V=V[i], lasts=lasts, first=starts[i]))
+        notes.append(sentences("notes.overshoot", V=V[i], lasts=lasts, first=starts[i]))
     V_error = [0.0 if r.hold else (s / r.spread) ** 0.5 for r, s in zip(runs, noise, strict=True)]
     return FoundSegments(
         starts,
@@ -197,7 +197,7 @@ def segments_from_velocity(t, V):
     means, errors = levels(at)
     if means.min() < 0.0:
         i = int(np.argmin(means))
-        raise refusal("segments.negative", V=means[i], first=t[at[i]])
+        raise sentences.refusal("segments.negative", V=means[i], first=t[at[i]])
     edges = np.array(at[1:-1], int)
     before, after = t[edges - 1], t[edges]
     relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise[edges] / np.diff(means) ** 2) ** 2)
@@ -214,11 +214,11 @@ def _checked(t, x, symbol):
     """Times and values as arrays of numbers, or ParameterError."""
     t, x = np.asarray(t, float), np.asarray(x, float)
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
-        raise refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
+        raise sentences.refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
     if not (np.isfinite(t).all() and np.isfinite(x).all()):
-        raise refusal("segments.finite", symbol=symbol)
+        raise sentences.refusal("segments.finite", symbol=symbol)
     if not (np.diff(t) > 0.0).all():
-        raise refusal("segments.order", row=int(np.argmin(np.diff(t) > 0.0)) + 1)
+        raise sentences.refusal("segments.order", row=int(np.argmin(np.diff(t) > 0.0)) + 1)
     return t, x
 
 

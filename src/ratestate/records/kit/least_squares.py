@@ -6,9 +6,11 @@ and clipped to the bounds; a coordinate stays at a bound beyond which the sum of
 How the damping follows from the last step: Nielsen (1999), report IMM-REP-1999-05.
 """
 
+import functools
 from typing import Any, NamedTuple
 
 import numpy as np
+from threadpoolctl import ThreadpoolController
 
 #: damping of the first step, and the largest, over the squares of the scaled derivatives
 FIRST, LARGEST = 1e-2, 1e12
@@ -110,3 +112,11 @@ class _Linear:
 
 def _half_square(x):
     return 0.5 * float(x @ x)
+
+
+_thread_pools = functools.cache(ThreadpoolController)
+
+
+def single_blas():
+    """A context in which BLAS uses one thread: more spin longer than they work."""
+    return _thread_pools().limit(limits=1, user_api="blas")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ratestate.records.reading.overshoots import without_overshoots
-from ratestate.records.reading.segments import segments_from_displacement
+from ratestate.records.load_point.overshoots import without_overshoots
+from ratestate.records.load_point.segments import segments_from_displacement
 
 SLOW, FAST = 1e-5, 1e-4
 
