@@ -72,7 +72,7 @@ def test_a_million_steps_lose_no_time():
     law = FORMULAS["aging"]
     s = np.zeros(R.rows_of(law).size)
     s[R.H_USED], s[R.OK], s[R.BREAKPOINT] = 0.1, 1.0, np.inf
-    assert Machine(commit_often, Commits(units_of(law, MarchUnits).commit, s))(10**6)
+    assert Machine(commit_often, Commits(units_of(law, MarchUnits, 1).commit, s))(10**6)
     exact = 10**6 * Fraction(0.1)
     off = Fraction(s[R.T]) + Fraction(s[R.T_LOW]) - exact
     assert abs(off) < 1e-20 * exact

@@ -54,7 +54,7 @@ def by_machine(unit, s, work, is_of_lanes):
     """Run machine code of a unit on all lanes: s and work are changed."""
     place = s.ctypes.data
     if is_of_lanes:
-        ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)(unit)(place, R.LANES // R.WIDTH)
+        ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)(unit)(place, R.LANES)
         return
     code = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(unit)
     for l in range(R.LANES):
@@ -83,7 +83,7 @@ def test_every_unit(law, kind):
     """To 1e-12, or what a change of all numbers by 1e-15 makes, in some random lanes."""
     if kind is ReturnUnits and rows_of(law).history:
         pytest.skip("normal stress is constant in a return")
-    machine, python = units_of(law, kind), in_python(law, kind)
+    machine, python = units_of(law, kind, R.WIDTH), in_python(law, kind)
     of_lanes = lane_units(law, kind)
     rng = np.random.default_rng(3)
     s, work = random_lanes(law, rng), rng.uniform(0.1, 0.5, (R.LANES, WORK))

@@ -151,7 +151,7 @@ def test_this_processor_without_avx(monkeypatch):
         code = compiled(unit_text(law, MarchUnits, width), machine)
         buffer = s.copy()
         call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
-        call(loaded(code, [name])[name])(buffer.ctypes.data, LANES // width)
+        call(loaded(code, [name])[name])(buffer.ctypes.data, LANES)
         found.append(buffer)
     assert (found[0] != s).any()
     np.testing.assert_allclose(*found, rtol=1e-8, atol=1e-12)

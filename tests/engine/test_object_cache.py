@@ -442,7 +442,7 @@ def test_a_law_that_cannot_be_compiled_is_named(usual, monkeypatch):
 
     monkeypatch.setattr(programs, "unit_text", fails)
     with pytest.raises(CompilationError, match=r"the law slip .*\(TypeError: no number\)"):
-        programs.units_of(type(LAWS["slip"])(), ReturnUnits)
+        programs.units_of(type(LAWS["slip"])(), ReturnUnits, 4)
 
 
 @pytest.mark.parametrize(("seconds", "reported"), [(0.6, "1.2"), (0.4, ""), (30.0, "60.0")])

@@ -7,14 +7,13 @@ import pytest
 from plain_python import Pairs
 
 import ratestate as rs
-from ratestate.engine import rows as R
 from ratestate.engine.programs import units_of
 from ratestate.engine.rows import FOUND
 from ratestate.engine.units import in_python, lane_units
 
 
 def called_from_python(law, kind):
-    """Machine code of a law's units, as functions that a control in Python calls."""
+    """Machine code of a law's units, a lane at a time, as functions that Python calls."""
     of_lanes = lane_units(law, kind)
 
     def function(name, address):
@@ -24,15 +23,14 @@ def called_from_python(law, kind):
         code = ctypes.CFUNCTYPE(None, ctypes.c_void_p, *arguments)(address)
 
         def lanes(s, l):
-            if l % R.WIDTH == 0:
-                code(s.ctypes.data + 8 * l, 1)
+            code(s.ctypes.data + 8 * l, 1)
 
         def point(s, l, work):
             code(s.ctypes.data + 8 * l, work.ctypes.data, work.ctypes.data + 8 * FOUND)
 
         return lanes if name in of_lanes else point
 
-    addresses = units_of(law, kind)._asdict()
+    addresses = units_of(law, kind, 1)._asdict()
     return kind(**{name: function(name, address) for name, address in addresses.items()})
 
 

@@ -70,9 +70,9 @@ class Pairs:
         monkeypatch.setattr(dispatch, "Program", self.program)
         monkeypatch.setattr(dispatch, "units_of", self.units_of)
 
-    def units_of(self, law, kind):
+    def units_of(self, law, kind, width):
         self.others = self.units(law, kind)
-        return units_of(law, kind)
+        return units_of(law, kind, width)
 
     def program(self, function, record):
         mine = Program(function, record)

@@ -2,7 +2,8 @@
 
 A `Number` stands for as many doubles as the code's width, one a lane.  Its arithmetic appends
 instructions to the `Code` that it belongs to, each of them once; conditions become bits by which
-`where` selects.  Contraction (a*b + c in one rounding) is the only liberty taken.
+`where` selects.  A sum with a product, a*b + c, has one rounding where the processor can do that:
+the only liberty taken.  It is written as such, so that vectors of any width give the same bits.
 
 The units of a law (units.py) are straight lines of such code, with these signatures:
 
@@ -32,7 +33,7 @@ class Code:
     width : doubles that go together; letter : with which names begin
     """
 
-    flags = " contract"  # of arithmetic
+    contracts = True  # whether a sum with a product has one rounding
 
     def __init__(self, width, letter="v"):
         self.lines, self.declarations = [], {}
@@ -60,12 +61,14 @@ class Code:
             self._known[instruction] = kind(self, name)
         return self._known[instruction]
 
-    def call(self, function, x):
-        """What a function of LLVM gives for a `Number`, such as "sqrt"."""
+    def call(self, function, *given):
+        """What a function of LLVM, such as "sqrt", gives for a `Number`, or for several numbers."""
         name = f"@llvm.{function}.{f'v{self._width}' if self._width > 1 else ''}f64"
         double = self.type(Number)
-        self.declarations[name] = f"declare {double} {name}({double})"
-        return self.write(f"call {double} {name}({double} {x.name})", Number)
+        kinds = ", ".join([double] * len(given))
+        self.declarations[name] = f"declare {double} {name}({kinds})"
+        texts = ", ".join(f"{double} {self.text(Number, x)}" for x in given)
+        return self.write(f"call {double} {name}({texts})", Number)
 
     def as_value(self, x, kind):
         """A number, or a `Value`, as a `Value` of this kind."""
@@ -93,6 +96,16 @@ def kind_of_both(x, y):
     return Bits if Bits in kinds or int in kinds else Condition
 
 
+def _contracted(code, instruction, x, y):
+    """A sum or difference of numbers with a product among them, in one rounding; None without."""
+    if factors := getattr(y, "factors", None):
+        first, second = factors
+        return code.call("fmuladd", first if instruction == "fadd" else -first, second, x)
+    if factors := getattr(x, "factors", None):
+        return code.call("fmuladd", *factors, y if instruction == "fadd" else -y)
+    return None
+
+
 def _operators(of_doubles, of_ints=None, is_test=False):
     """An operator of two values, and its mirror; is_test : it gives a `Condition`."""
 
@@ -103,10 +116,14 @@ def _operators(of_doubles, of_ints=None, is_test=False):
         instruction = of_doubles if kind is Number else of_ints
         if instruction is None:
             raise TypeError("an operator of integers")
-        if kind is Number and not is_test:
-            instruction += code.flags
+        if code.contracts and kind is Number and instruction in ("fadd", "fsub"):
+            if (found := _contracted(code, instruction, x, y)) is not None:
+                return found
         values = f"{code.type(kind)} {code.text(kind, x)}, {code.text(kind, y)}"
-        return code.write(f"{instruction} {values}", Condition if is_test else kind)
+        found = code.write(f"{instruction} {values}", Condition if is_test else kind)
+        if instruction == "fmul":
+            found.factors = code.as_value(x, Number), code.as_value(y, Number)
+        return found
 
     def applied(self, other):
         return written(self.code, self, other)
@@ -187,14 +204,17 @@ class Bits(Value):
 class Number(Value):
     """Doubles."""
 
-    __slots__ = ()
+    __slots__ = ("factors",)  # of a product
     item, casts = "double", {}
 
     def __pow__(self, n):
         return functools.reduce(operator.mul, (self,) * n)  # of a whole n > 0
 
     def __neg__(self):
-        return self.code.write(f"fneg {self.code.type(Number)} {self.name}", Number)
+        found = self.code.write(f"fneg {self.code.type(Number)} {self.name}", Number)
+        if hasattr(self, "factors"):
+            found.factors = -self.factors[0], self.factors[1]
+        return found
 
     def __abs__(self):
         return self.code.call("fabs", self)
@@ -260,7 +280,7 @@ def unit_text(law, kind, width):
 
 
 def _loops(name, loops, width):
-    """A function whose loops over vectors of lanes have these lines."""
+    """A function of n lanes whose loops over vectors of them have these lines."""
     head = f"define void @{name}(ptr %s, i64 %n) {{\n"
     text = ["%some = icmp sgt i64 %n, 0", "br i1 %some, label %enter0, label %done"]
     for k, lines in enumerate(loops):
@@ -270,10 +290,9 @@ def _loops(name, loops, width):
             f"br label %loop{k}",
             f"loop{k}:",
             f"%i{k} = phi i64 [ 0, %enter{k} ], [ %next{k}, %loop{k} ]",
-            f"%at{k} = mul i64 %i{k}, {width}",
-            f"%lane{k} = getelementptr double, ptr %s, i64 %at{k}",
+            f"%lane{k} = getelementptr double, ptr %s, i64 %i{k}",
             *lines,
-            f"%next{k} = add i64 %i{k}, 1",
+            f"%next{k} = add i64 %i{k}, {width}",
             f"%more{k} = icmp slt i64 %next{k}, %n",
             f"br i1 %more{k}, label %loop{k}, label %{after}",
         ]

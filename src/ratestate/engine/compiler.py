@@ -141,7 +141,7 @@ class _Program:
 class _Function(Code):
     """A function's statements and expressions, written as instructions."""
 
-    flags = ""
+    contracts = False
 
     def __init__(self, program, function, arguments):
         super().__init__(1)

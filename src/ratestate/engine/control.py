@@ -38,7 +38,7 @@ class Kernel(NamedTuple):
     units: type
     load: Callable  # (run, l, i): put case i there
     handle: Callable  # (run, l): see to what its accepted step holds
-    commit: Callable  # (run, first, n, taylor): commit steps of n vectors of lanes
+    commit: Callable  # (run, first, n, taylor): commit steps of n lanes
     end: Callable  # (run, l): at a break; where its case is over, write it out, and be IDLE
 
 
@@ -48,6 +48,7 @@ class Run(NamedTuple):
     kernel: Kernel
     shape: Any  # `rows.Shape`
     units: Any  # of the kernel's kind
+    width: int  # lanes of a vector of the units
     taylor: int  # 1 if steps that are not stiff are of the Taylor method, which the law allows
     s: np.ndarray  # (sets * size,) the lanes
     queue: np.ndarray  # (n,) case numbers, in the order in which to start them
@@ -85,16 +86,16 @@ def run_lanes(run, budget):
                 kernel.load(run, room(s, shape, 0.0), i)
             vacant = False
         if regroup:
-            first, n = next_set(s, shape, run.taylor)
+            first, n = next_set(run)
             if n == 0:
                 return True
             regroup = False
         call_lanes(units.taylor if first > 0 else units.step, s, first, n)
-        for l in range(first, first + R.WIDTH * n):
+        for l in range(first, first + n):
             if s[R.CALL + l] > 0.0 and s[R.CASE + l] != IDLE:
                 kernel.handle(run, l)
         kernel.commit(run, first, n, first > 0)
-        for l in range(first, first + R.WIDTH * n):
+        for l in range(first, first + n):
             if s[R.BREAK + l] > 0.0 and s[R.CASE + l] != IDLE:
                 kernel.end(run, l)
                 if s[R.CASE + l] == IDLE:
@@ -181,29 +182,30 @@ def room(s, shape, taylor):
     return l if l >= 0 else idle_column(s, 2 * shape.size)
 
 
-def next_set(s, shape, taylor):
-    """Where the set begins that goes next, and how many vectors of its lanes: 0 without sliders.
+def next_set(run):
+    """Where the set begins that goes next, and how many of its lanes go: 0 without sliders.
 
     Of the two of the methods, or without `taylor` of the only one, that of which more lanes are
     busy, as a part of those that go.  Its sliders are then in these.
     """
+    s, shape = run.s, run.shape
     first, busy = 0, busy_columns(s, 0)
-    n = vectors_for(busy)
-    if taylor > 0:
+    n = whole_vectors(busy, run.width)
+    if run.taylor > 0:
         others = busy_columns(s, shape.size)
-        n_others = vectors_for(others)
+        n_others = whole_vectors(others, run.width)
         more = others * n - busy * n_others
         if more > 0 or (more == 0 and others > busy):
             first, n = shape.size, n_others
-    for l in range(first + R.WIDTH * n, first + R.LANES):
+    for l in range(first + n, first + R.LANES):
         if s[R.CASE + l] != IDLE:
             move(s, shape, l, idle_column(s, first))
     return first, n
 
 
-def vectors_for(busy):
-    """How many vectors of lanes go if so many lanes are busy, the first ones."""
-    return (busy + R.WIDTH - 1) // R.WIDTH
+def whole_vectors(busy, width):
+    """How many lanes go if so many are busy: those of whole vectors."""
+    return (busy + width - 1) // width * width
 
 
 def move(s, shape, l, to):

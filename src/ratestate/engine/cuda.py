@@ -130,7 +130,7 @@ def _unguarded_launches(memory, kernel, law, taylor, order, given):
     # LLVM deletes code that would call "null", a unit that the law does not have.
     units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
     uses_taylor = taylor and shape.terms > R.OF_RODAS5P
-    lanes = int(uses_taylor), s, np.ascontiguousarray(order), position, OWN
+    lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, OWN
     run = Run(kernel, shape, units, *lanes, **given, under_way=under_way)
     context = Context(run, memory.place)
     name = f"{law.name}-{kernel.units.__name__}-{machine_code.short_hash(context.kinds)}-{OLDEST}"

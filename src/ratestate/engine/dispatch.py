@@ -163,8 +163,9 @@ class _Worker:
         taylor = taylor and not rigid and shape.terms > R.OF_RODAS5P
         s, self.position = idle_lanes(shape, SETS if taylor else 1), np.zeros(3, np.int64)
         self.sets = s.reshape(-1, shape.size)
-        units, queue = units_of(law, kernel.units), np.ascontiguousarray(queue)
-        lanes = int(taylor), s, queue, self.position, np.zeros(WORK)
+        width = R.WIDTH if len(queue) > 1 else 1  # (alone, vectors only cost time)
+        units, queue = units_of(law, kernel.units, width), np.ascontiguousarray(queue)
+        lanes = width, int(taylor), s, queue, self.position, np.zeros(WORK)
         self._program = Program(run_lanes, Run(kernel, shape, units, *lanes, **given))
         machine_code.report_time()
 

@@ -17,7 +17,6 @@ from . import machine_code
 from .code import unit_text
 from .compiler import KINDS, Array, Word, kernel_text
 from .machine_code import compiled
-from .rows import WIDTH
 from .units import unit_names
 
 #: the level of optimisation of a control: its code is no faster at 2, which takes 0.2 s more
@@ -119,16 +118,16 @@ class Program:
 
 
 @functools.cache
-def units_of(law, kind):
-    """The units of a law, loaded; kind : their class (units.py)."""
-    name, names = f"{law.name}-{kind.__name__}-{WIDTH}", unit_names(law, kind)
-    found = machine_code.addresses(name, lambda: compiled(_text(law, kind)), names)
+def units_of(law, kind, width):
+    """The units of a law, loaded; kind : their class (units.py); width : lanes of a vector."""
+    name, names = f"{law.name}-{kind.__name__}-{width}", unit_names(law, kind)
+    found = machine_code.addresses(name, lambda: compiled(_text(law, kind, width)), names)
     return kind(**dict.fromkeys(kind._fields, 0) | found)
 
 
-def _text(law, kind):
+def _text(law, kind, width):
     try:
-        return unit_text(law, kind, WIDTH)
+        return unit_text(law, kind, width)
     except Exception as error:  # a law's methods are a user's, and may raise anything
         raise CompilationError(
             f"the law {law.name} cannot be compiled ({machine_code.reason(error)}). Its methods "

@@ -15,7 +15,8 @@ from .machine_code import doubles_of_vector
 from .taylor import ORDER, has_recurrences
 
 LANES = 16
-WIDTH = doubles_of_vector()  # lanes that go together
+#: most lanes that go together; a slider alone takes no more than its own
+WIDTH = doubles_of_vector()
 OF_RODAS5P = 5  # coefficients of a polynomial over one of its steps
 RING = 64  # returns to V = V_lp of which a march keeps stress maxima, minima and durations
 COMMON_ROWS = 71
@@ -204,8 +205,8 @@ WORK = 160
 
 
 def call_lanes(unit, s, first, n):
-    """Call a unit of lanes for n vectors of them, from the column `first` on."""
-    for l in range(first, first + WIDTH * n):
+    """Call a unit of lanes for n of them, whole vectors, from the column `first` on."""
+    for l in range(first, first + n):
         unit(s, l)
 
 
