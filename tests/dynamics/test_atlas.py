@@ -41,9 +41,7 @@ def excess(found, beta, eta):
 # coexistence
 
 
-@pytest.mark.parametrize(
-    ("b_over_a", "eta"), [(1.2, 1e-2), (2.0, 1e-3), (2.0, 0.1), (5.0, 1e-2), (12.0, 0.094)]
-)
+@pytest.mark.parametrize(("b_over_a", "eta"), [(1.2, 1e-2), (2.0, 0.1), (12.0, 0.094)])
 def test_the_fold_is_where_a_branch_turns_back(b_over_a, eta):
     """Against pseudo-arclength continuation; the last one lies beyond the Bautin point."""
     slider = dimensionless("aging", b_over_a, eta, -0.03)
