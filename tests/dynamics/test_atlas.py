@@ -41,9 +41,7 @@ def excess(found, beta, eta):
 # coexistence
 
 
-@pytest.mark.parametrize(
-    ("b_over_a", "eta"), [(1.2, 1e-2), (2.0, 1e-3), (2.0, 0.1), (5.0, 1e-2), (12.0, 0.094)]
-)
+@pytest.mark.parametrize(("b_over_a", "eta"), [(1.2, 1e-2), (2.0, 0.1), (12.0, 0.094)])
 def test_the_fold_is_where_a_branch_turns_back(b_over_a, eta):
     """Against pseudo-arclength continuation; the last one lies beyond the Bautin point."""
     slider = dimensionless("aging", b_over_a, eta, -0.03)
@@ -314,6 +312,8 @@ def test_bad_input(options):
 
 def test_the_chart_is_drawn_from_a_file_alone(charts, tmp_path, monkeypatch):
     monkeypatch.setattr(chart, "atlas", lambda b_over_a, law, n: charts(law))
+    # (the next test looks at it, and `test_files` writes a figure)
+    monkeypatch.setattr(Figure, "savefig", lambda _, path, **how: path.touch())
     paths = chart.make("aging", tmp_path / "new")
     assert [path.name for path in paths] == ["atlas_aging.png", "atlas_aging.pdf", "atlas_aging.nc"]
     assert sorted(paths) == sorted((tmp_path / "new").iterdir())

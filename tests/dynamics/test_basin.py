@@ -37,6 +37,19 @@ def edge():
     return escape(STRIP, V_LP)
 
 
+#: V_lp beyond the fold and just inside the strip, on the way to the Hopf point, and beyond that
+SPEEDS = [
+    *(FOLD * (1 - 1e-4), FOLD * (1 + 1e-4)),
+    *(STRIP.V_c * (1 - 1e-1), STRIP.V_c * (1 - 1e-2), STRIP.V_c * (1 + 1e-6)),
+]
+
+
+@functools.cache
+def edges():
+    """`escape` at all `SPEEDS` at once."""
+    return escape(STRIP, xr.DataArray(SPEEDS, dims="V_lp"))
+
+
 def disturbed(slider, V_lp, name, sizes, t_end, **settings):
     """Runs that begin with disturbances of these sizes, V_lp/V or a change of tau [Pa]."""
     loading, sizes = Loading.constant(V_lp), xr.DataArray(sizes, dims="size")
@@ -142,8 +155,7 @@ def test_the_two_cycles_are_those_of_the_branch():
 
 def test_up_to_the_hopf_point():
     """The threshold goes to 0 as the square root of the distance, with the unstable cycle."""
-    distance = np.array([1e-1, 1e-2])
-    found = escape(STRIP, xr.DataArray(STRIP.V_c * (1 - distance), dims="distance"))
+    distance, found = np.array([1e-1, 1e-2]), edges().isel(V_lp=[2, 3])
     assert (found.outcome == "cycle").all()
     coefficient = float(rs.hopf(STRIP).amplitude_coefficient)
     ratio = found.unstable_amplitude.values / coefficient / np.sqrt(distance)
@@ -158,8 +170,7 @@ def test_up_to_the_hopf_point():
 
 def test_where_the_strip_begins_and_ends():
     """Beyond the fold nothing leaves; at V_c and above there is no steady sliding to leave."""
-    V_lp = [FOLD * (1 - 1e-4), FOLD * (1 + 1e-4), STRIP.V_c * (1 - 1e-2), STRIP.V_c * (1 + 1e-6)]
-    found = escape(STRIP, xr.DataArray(V_lp, dims="V_lp"))
+    found = edges().isel(V_lp=[0, 1, 3, 4])
     assert found.outcome.values.tolist() == ["none", "cycle", "cycle", "no steady sliding"]
     np.testing.assert_array_equal(found.step_up[[0, 3]], [np.inf, 1.0])
     np.testing.assert_array_equal(found.step_down[[0, 3]], [0.0, 1.0])

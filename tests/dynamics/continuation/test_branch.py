@@ -24,11 +24,11 @@ LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 ACROSS = {
     "V_lp": (5e-3, 1e-4, None, 6.06e8),
     "K": (7e8, 3e8, 1e-3, 6.2e8),
-    "M": (1e5, 1e2, 1e-2, 9e8),
-    "sigma": (1e6, 2e7, 1e-3, 9e8),
+    "M": (1e4, 1e2, 1e-2, 9e8),
+    "sigma": (1e6, 6e6, 1e-3, 9e8),
     "a": (1e-3, 1e-2, 1e-3, 9e8),
-    "b": (1e-3, 2e-2, 1e-3, 9e8),
-    "Dc": (1e-6, 1e-2, 1e-3, 9e8),
+    "b": (1e-3, 1.2e-2, 1e-3, 9e8),
+    "Dc": (4e-6, 1e-2, 1e-3, 9e8),
 }
 
 

@@ -790,7 +790,7 @@ class TestServer:
         )
         with page(port) as socket:
 
-            @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+            @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
             @given(messages)
             def send(message):
                 socket.send(message)

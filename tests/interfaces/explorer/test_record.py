@@ -16,6 +16,7 @@ from explorer_server import page, read, served
 from ratestate.interfaces.explorer.computation.decimation import MOST_SENT
 from ratestate.interfaces.explorer.messages import record, wire
 from ratestate.interfaces.explorer.service import upload
+from ratestate.records.reading import isolated
 
 T = np.arange(9000) * 0.1
 X = np.where(T < 400, 3 * T, 10 * T - 2800)
@@ -30,6 +31,12 @@ def text(header=HEADER):
 
 
 GOOD = text()
+
+
+@pytest.fixture
+def without_child(monkeypatch):
+    """Read records in this process: a child takes up to 2 s."""
+    monkeypatch.setattr(isolated, "_is_child", True)
 
 
 def answered(contents, name="r.csv", **choices):
@@ -74,7 +81,7 @@ def test_conditions_of_a_record(V, begin, expected):
     assert record.conditions(found) == dict(zip(names, (*expected, None), strict=True))
 
 
-def test_what_is_missing_can_be_chosen():
+def test_what_is_missing_can_be_chosen(without_child):
     contents = text(("clock", "channel A", "channel B", "load"))
     header, arrays = answered(contents)
     assert header["problem"] == "no column is known as time; choose the column below"
@@ -103,7 +110,7 @@ def test_what_is_missing_can_be_chosen():
         ),
     ],
 )
-def test_what_is_no_record(name, contents, problem):
+def test_what_is_no_record(without_child, name, contents, problem):
     header, arrays = answered(contents, name)
     assert header["problem"].startswith(problem)
     assert (header["columns"], header["chosen"], arrays) == ([], {}, {})

@@ -6,6 +6,7 @@ steady value for each of the law's variables: in these the errors of a return ar
 however small eta is.
 """
 
+import dataclasses
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +35,8 @@ PARAMETERS = ("V_lp", "K", "M", "sigma", "a", "b", "Dc")
 SCALE_PSI, SCALE_G = 0.02, 1e-3
 # Divided by rtol: the tolerance of a return, and its error in units of SCALE.
 TOLERANCE, NOISE = 0.002, 0.1
+# Systems that a family keeps: a step along a branch needs each of a few several times.
+KEPT = 8
 # So that a branch looks smooth.
 STEPS = Steps(largest=0.06)
 
@@ -47,13 +50,16 @@ class MapValues(NamedTuple):
     measures: dict  # "period" and "tol", (m,)
 
 
-class Family(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Family:
     """Sliders that differ in one parameter; nothing is checked here (see `checked_family`)."""
 
     law: str
     values: dict  # symbol -> float [SI], V_lp among them; that of the parameter is not used
     parameter: str
     rtol: float
+    #: bytes of p -> `System`, the last ones that `system` returned
+    systems: dict = dataclasses.field(default_factory=dict, repr=False, compare=False)
 
     def sliders(self, parameter):
         """`System` of the sliders with these values (m,) of the parameter [SI]."""
@@ -64,8 +70,14 @@ class Family(NamedTuple):
 
     def system(self, p):
         """`System` of the sliders at p, (m,) or float, which counts as (1,)."""
-        with np.errstate(over="ignore"):
-            return self.sliders(np.exp(np.atleast_1d(p)))
+        p = np.atleast_1d(np.asarray(p, float))
+        key = p.tobytes()
+        if key not in self.systems:
+            with np.errstate(over="ignore"):
+                self.systems[key] = self.sliders(np.exp(p))
+            if len(self.systems) > KEPT:
+                del self.systems[next(iter(self.systems))]
+        return self.systems[key]
 
     @property
     def smallest(self):

@@ -23,10 +23,13 @@ VIEWPORT = {"width": 1280, "height": 860}
 #: what a page can be given when it is open already
 EMULATED = {"viewport", "color_scheme", "reduced_motion"}
 # The map of a page that rests is of few sliders, or its computing would slow down all tests.
+# Records are read without a child process, which takes 2 s a file; `test_record` has one.
 COARSE = """
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.explorer.computation import charts
+from ratestate.records.reading import isolated
 charts.SIZES, charts.WINDOW_SIZE = (4, 6), 16
+isolated._is_child = True
 main()
 """
 FINE = "from ratestate.interfaces.cli import main; main()"

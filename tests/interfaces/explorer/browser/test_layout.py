@@ -84,9 +84,9 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
         .filter(e => e.scrollWidth > e.clientWidth || (!e.value && e.clientHeight > 30))
         .map(e => e.value ?? e.textContent)"""
     fits = "w => document.documentElement.scrollWidth === w && innerWidth === w"
-    for width in (360, 768, 1280):
+    for width, every in ((360, 1), (768, 4), (1280, 4)):  # the narrowest has least room
         shown.page.set_viewport_size({"width": width, "height": 740})
-        for title in titles[1:]:
+        for title in titles[1::every]:
             shown.page.select_option("#presets", label=title)
             shown.wait()
             assert shown.page.evaluate(clipped) == [], (title, width)
@@ -98,7 +98,7 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
                 assert box["x"] + box["width"] <= width, (title, width)
 
 
-@pytest.mark.parametrize(("width", "height"), [(390, 844), (1024, 768), (2560, 1440)])
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (1024, 768), (1920, 1080)])
 def test_nothing_moves_but_what_is_moved(show, width, height):
     """While a slider goes through the regimes, with their verdicts, notes and legends."""
     shown = show("V_from=90 um/s", viewport={"width": width, "height": height})
