@@ -50,6 +50,23 @@ def test_as_near_the_minimum_as_it_says(seed):
     assert found.jacobian == pytest.approx(exact.jac, rel=1e-2, abs=1e-3)
 
 
+def test_it_ends_where_no_more_than_enough_is_to_be_gained():
+    function, start = problem(0)
+    exact = minimum(function, start, *FREE, 100)
+    calls = []
+
+    def counted(x):
+        calls.append(x)
+        return function(x)
+
+    rough = minimum(counted, start, *FREE, 100, enough=0.5)
+    fewer = len(calls)
+    minimum(counted, start, *FREE, 100)
+    assert rough.converged
+    assert exact.cost <= rough.cost <= exact.cost + 0.25
+    assert fewer < len(calls) - fewer
+
+
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("side", ["below", "above"])
 def test_a_bound_that_holds(seed, side):

@@ -30,13 +30,14 @@ class Minimum(NamedTuple):
     converged: bool
 
 
-def minimum(function, start, low, high, most):
+def minimum(function, start, low, high, most, enough=0.0):
     """The `Minimum` of a sum of squares; None where the residual at the start is not finite.
 
     function : of a point (k,): residual (m,), and jacobian (m, k), which is finite; the search
         does not go where the residual is not finite
     start, low, high : (k,) a point, moved within the bounds, and these
     most : evaluations
+    enough : fall of the sum of squares, by the linear model, at which the search ends too
     """
     x = np.clip(start, low, high)
     residual, jacobian = function(x)
@@ -49,7 +50,8 @@ def minimum(function, start, low, high, most):
         scale = np.maximum(scale, np.linalg.norm(jacobian, axis=0))
         trial = np.clip(x + linear.step(damping, scale), low, high)
         expected = linear.fall(trial - x)
-        if linear.most_fall <= CONVERGED * cost and not linear.frees_by(trial - x):
+        converged = linear.most_fall <= CONVERGED * cost + 0.5 * enough
+        if converged and not linear.frees_by(trial - x):
             better = expected > 0.0  # clipped, a step may lead up
             return Minimum(trial if better else x, cost - max(expected, 0.0), jacobian, True)
         if damping > LARGEST:  # rounding is all that is left, or a region without motion

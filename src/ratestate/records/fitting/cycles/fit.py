@@ -76,8 +76,8 @@ def fit_cycles(record, slider, free, law, loading=None):
     def continued(i, run):
         if i in followed:
             return problem.search(run.end)._replace(start=run.start)
-        problem.begin_at(run.near)
-        return problem.run(run.start, run.end, run.status)
+        problem.near = run.near
+        return problem.run(run.start, run.point, run.status)
 
     runs = _ranked(problem, (continued(i, run) for i, run in enumerate(runs)))
     return _cycles_fit(problem, runs, left_out)
@@ -140,22 +140,21 @@ def _cycles_fit(problem, runs, left_out, refits=REFITS):
     dof = problem.levels.size - len(space.names) - 1
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
-    gradients = np.array([_gradient(space, name, best.end) for name in space.reported])
+    gradients = np.array([problem.gradient(name, best.point) for name in space.reported])
     covariance = gradients @ (enlarged**2 * best.covariance) @ gradients.T
     errors = dict(zip(space.reported, np.sqrt(np.diag(covariance)), strict=True))
     better = BETTER if refits else np.inf
     try:
         intervals = profiled_intervals(problem, best, errors, enlarged, better)
     except BetterPoint as improvement:
-        runs = _ranked(problem, [problem.search(improvement.point), *runs])
+        runs = _ranked(problem, [problem.search(improvement.point[:-1]), *runs])
         return _cycles_fit(problem, runs, left_out, refits - 1)
     waves, features = _waves_and_features(problem, best)
     ends_of_runs = [space.values(run.end[None]) for run in runs]
     run_values = tuple({s: float(v[0]) for s, v in end.items()} for end in ends_of_runs)
     at = run_values[0] | {"mu0": best.mu0}
     at["a_minus_b"] = at["a"] - at["b"]
-    problem.begin_at(best.near)
-    centres = np.array([problem.value(name, best.end) for name in space.reported])
+    centres = np.array([problem.value(name, best.point) for name in space.reported])
     is_log = np.array([name in space.names for name in space.reported])
     values = np.array([at[name] for name in space.reported])
     estimates = estimates_from(space.reported, centres, covariance, is_log, values)
@@ -174,10 +173,3 @@ def _cycles_fit(problem, runs, left_out, refits=REFITS):
         enlarged,
         left_out,
     )
-
-
-def _gradient(space, name, q):
-    """(k + 1,) derivative of a reported quantity by the coordinates and mu0."""
-    if name == "mu0":
-        return np.append(np.zeros(q.size), 1.0)
-    return np.append(space.gradient(name, q), 0.0)

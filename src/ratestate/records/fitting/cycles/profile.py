@@ -10,11 +10,11 @@ along the curve.  Where a search ends, chi-squared is the least for the quantity
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
+from ...kit.least_squares import minimum
 from ..estimates import ROOTS
 from ..likelihood.profile import BetterPoint
-from .search import FLOOR, FTOL, NO_CYCLE, Problem, Run
+from .search import ENOUGH, Problem, Run
 
 # Error of a logarithm below which the parabola is good enough.
 SMALL = 0.08
@@ -44,8 +44,7 @@ def profiled_intervals(problem, run, errors, enlarged, better):
     intervals = {}
     for name, error in errors.items():
         if (error if name in free else worst) >= SMALL:
-            problem.begin_at(run.near)
-            estimate = problem.value(name, run.end)
+            estimate = problem.value(name, run.point)
             profile = _Profile(problem, run, name, estimate, error, enlarged, better)
             intervals[name] = np.stack([profile.side(-1.0), profile.side(1.0)], axis=1)
     return intervals
@@ -64,67 +63,57 @@ class _Profile(NamedTuple):
 
     def side(self, sign):
         """(levels,) ends on one side."""
-        self.problem.begin_at(self.run.near)
-        q, values, roots = self.run.end, [self.estimate], [0.0]
-        gradient = self.problem.gradient(self.name, q)
-        lead = (self.enlarged**2 * self.run.covariance)[:-1, :-1] @ gradient
+        self.problem.near = self.run.near
+        point, values, roots = self.run.point, [self.estimate], [0.0]
+        gradient = self.problem.gradient(self.name, point)
+        lead = self.enlarged**2 * self.run.covariance @ gradient
         lead = lead / max(float(gradient @ lead), 1e-300)
-        step = min(self.error, FIRST / np.abs(lead).max())
+        step = min(self.error, FIRST / np.abs(lead[:-1]).max(initial=1e-300))
         for _ in range(STEPS):
-            fit = self._penalized_fit(values[-1] + sign * step, q + sign * step * lead, step)
+            fit = self._penalized_fit(values[-1] + sign * step, point + sign * step * lead, step)
             moved = 0.0 if fit is None else sign * (fit[0] - values[-1])
             if moved < LEAST * step or fit[2] > roots[-1] + LEAP:
                 step *= SHORTER
                 continue
             value, end, root = fit
-            lead = (end - q) / (value - values[-1])
-            q, step = end, moved / np.clip(root - roots[-1], 1.0 / LONGER, 1.0 / SHORTER)
+            lead = (end - point) / (value - values[-1])
+            point, step = end, moved / np.clip(root - roots[-1], 1.0 / LONGER, 1.0 / SHORTER)
             values.append(value)
             roots.append(root)
-            remaining = FAR - np.abs(q - self.run.end).max()
+            remaining = FAR - self._distance(point)
             if root > ROOTS[-1] or remaining < NEAR:
                 break
-            step = min(step, remaining / np.abs(lead).max())
+            step = min(step, remaining / np.abs(lead[:-1]).max())
         # where the root passes for the last time
         roots = np.minimum.accumulate(roots[::-1])[::-1] + 1e-9 * np.arange(len(roots))
         return np.where(roots[-1] < ROOTS, sign * np.inf, np.interp(ROOTS, roots, values))
 
+    def _distance(self, point):
+        """Farthest that a coordinate of a point is from the run's end."""
+        return np.abs(point - self.run.point)[:-1].max()
+
     def _penalized_fit(self, value, start, step):
-        """Fit with the quantity near a value: value, coordinates, root of the rise of chi-squared.
+        """Fit with the quantity near a value: value, point, root of the rise of chi-squared.
 
         None where there is no cycle.
         """
         problem, name = self.problem, self.name
-        if not problem.has_cycle(start):
-            return None
         weight = WEIGHT * self.enlarged / step
-        no_cycle = np.full(problem.levels.size + 2, NO_CYCLE)
 
-        def penalty(q):
-            """Residual of the penalty, its derivatives by q, and by mu0."""
-            if name == "mu0":
-                return -weight * value, np.zeros(q.size), weight
-            return (
-                weight * (problem.value(name, q) - value),
-                weight * problem.gradient(name, q),
-                0.0,
-            )
+        def with_penalty(point):
+            residual, jacobian = problem.linearized(point)
+            if self._distance(point) > FAR + NEAR:
+                residual = np.full_like(residual, np.nan)
+            penalty = weight * (problem.value(name, point) - value)
+            by_point = weight * problem.gradient(name, point)
+            return np.append(residual, penalty), np.vstack([jacobian, by_point])
 
-        def residual(q):
-            far = np.abs(q - self.run.end).max() > FAR + NEAR
-            return no_cycle if far else problem.residual(q, penalty(q))
-
-        def jacobian(q):
-            return problem.jacobian(q, penalty(q))
-
-        result = least_squares(
-            residual, start, jacobian, x_scale="jac", ftol=FTOL, xtol=1e-6, max_nfev=EVALUATIONS
-        )
-        q = result.x
-        reached = problem.best_mu0(q, penalty(q)) if name == "mu0" else problem.value(name, q)
-        chi2 = 2.0 * result.cost - FLOOR**2 - (weight * (reached - value)) ** 2
-        if not chi2 < 1e12:
+        anywhere = np.full(start.size, np.inf)
+        found = minimum(with_penalty, start, -anywhere, anywhere, EVALUATIONS, ENOUGH)
+        if found is None:
             return None
+        reached = problem.value(name, found.x)
+        chi2 = 2.0 * found.cost - (weight * (reached - value)) ** 2
         if chi2 < self.run.chi2 - self.better:
-            raise BetterPoint(q)
-        return reached, q, float(np.sqrt(max(chi2 - self.run.chi2, 0.0)) / self.enlarged)
+            raise BetterPoint(found.x)
+        return reached, found.x, float(np.sqrt(max(chi2 - self.run.chi2, 0.0)) / self.enlarged)

@@ -1,10 +1,13 @@
-"""Least squares of the features of cycles, from many starts."""
+"""Least squares of the features of cycles, from many starts.
+
+A point is the coordinates of the free parameters (space.py), and mu0, which only moves the level.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
+from ...kit.least_squares import minimum
 from ..unknowns import distinct
 from .features import LEVEL
 from .space import FAR
@@ -15,31 +18,33 @@ CLOUD, STARTS, DISTANCE, SEED = 512, 4, 0.3, 20190117
 ROUGH = 0.1
 # Step of a difference in a coordinate.
 STEP = 1e-3
-# Residual of each feature where there is no cycle: far above any other, but finite.
-NO_CYCLE = 1e8
-MOST_EVALUATIONS = 50
-# A constant residual, and the relative fall of the sum of squares at which the search ends:
-# together a fall of chi-squared by 0.01.
-FLOOR, FTOL = 3.0, 1e-3
+# Most evaluations of a search, and the fall of chi-squared, by the linear model, at which it ends.
+MOST_EVALUATIONS, ENOUGH = 50, 0.01
 
 # Error of a coordinate, or of a combination, that no feature depends on.
 WIDEST = 50.0
 # Runs are distinct if they end more standard errors apart.
 DISTINCT = 4.0
-# No penalty: a residual of 0, its derivatives by the coordinates, and by mu0.
-NO_PENALTY = (0.0, 0.0, 0.0)
 
 
 class Run(NamedTuple):
     """Where a least-squares search began and ended."""
 
     start: np.ndarray  # (k,) coordinates
-    end: np.ndarray  # (k,)
-    mu0: float
-    chi2: float
+    point: np.ndarray  # (k + 1,) coordinates at the end, and mu0
+    chi2: float  # inf without a cycle
     status: str  # "converged", "at a bound", "no cycle" or "not converged"
-    jacobian: np.ndarray  # (features, k + 1) of the whitened residual; mu0 last
+    jacobian: np.ndarray  # (features, k + 1) of the whitened residual
     near: np.ndarray | None  # (segments, 2) the cycles at the end
+
+    @property
+    def end(self):
+        """(k,) coordinates at the end."""
+        return self.point[:-1]
+
+    @property
+    def mu0(self):
+        return float(self.point[-1])
 
     @property
     def covariance(self):
@@ -51,7 +56,7 @@ class Run(NamedTuple):
 def distinct_runs(runs, covariance):
     """Indices of the best run and of those that end away from it and from each other.
 
-    covariance : (k + 1, k + 1) of the coordinates, by which distances are measured, and mu0
+    covariance : (k + 1, k + 1) of a point, by which distances are measured
     """
     # (coordinate by coordinate: along a curved valley the covariance at one end misleads)
     errors = np.sqrt(np.diag(covariance)[:-1])
@@ -67,12 +72,7 @@ class Problem:
         self.whiten = [np.linalg.inv(np.linalg.cholesky(one)) for one in covariances]
         levels = [np.flatnonzero(one.used) == LEVEL for one in measured]
         self.levels = np.concatenate([w @ x for w, x in zip(self.whiten, levels, strict=True)])
-        self.begin_at(None)
-
-    def begin_at(self, near):
-        """Start the next search for cycles from these (segments, 2), whatever came before."""
-        self.near = near
-        self._last: tuple = (np.array([]), None)  # coordinates, and what `linearized` gives there
+        self.near = None
 
     def residuals(self, q):
         """(n, features) fitted less measured over error, with mu0 = 0; NaN without a cycle.
@@ -92,98 +92,58 @@ class Problem:
         ]
         return np.concatenate(parts, axis=1)
 
-    def linearized(self, q):
-        """Residuals (features,) with mu0 = 0, and their derivatives (features, k), at q (k,).
+    def linearized(self, point):
+        """Residuals (features,) at a point (k + 1,), and their derivatives (features, k + 1).
 
-        NaN without a cycle; a derivative is one-sided where cycles end.
+        NaN without a cycle, and derivatives of 0; a derivative is one-sided where cycles end.
         """
-        if not np.array_equal(self._last[0], q):
-            k = q.size
-            steps = STEP * np.concatenate([np.zeros((1, k)), np.eye(k), -np.eye(k)])
-            residuals = self.residuals(q + steps)
-            centre, up, down = residuals[0], residuals[1 : k + 1], residuals[k + 1 :]
-            # one-sided where cycles end
-            up_step, down_step = np.isfinite(up[:, :1]), np.isfinite(down[:, :1])
-            width = STEP * (up_step.astype(float) + down_step)
-            change = np.where(up_step, up, centre) - np.where(down_step, down, centre)
-            self._last = (q.copy(), (centre, (change / np.maximum(width, STEP)).T))
-        return self._last[1]
+        q, k = point[:-1], point.size - 1
+        steps = STEP * np.concatenate([np.zeros((1, k)), np.eye(k), -np.eye(k)])
+        residuals = self.residuals(q + steps)
+        centre, up, down = residuals[0], residuals[1 : k + 1], residuals[k + 1 :]
+        up_step, down_step = np.isfinite(up[:, :1]), np.isfinite(down[:, :1])
+        width = STEP * (up_step.astype(float) + down_step)
+        change = np.where(up_step, up, centre) - np.where(down_step, down, centre)
+        columns = np.nan_to_num((change / np.maximum(width, STEP)).T)
+        return centre + point[-1] * self.levels, np.column_stack([columns, self.levels])
 
-    def has_cycle(self, q):
-        """Whether there are cycles, at all speeds, at coordinates q (k,)."""
-        return np.isfinite(self.linearized(q)[0]).all()
+    def with_best_mu0(self, q):
+        """The point (k + 1,) at coordinates q (k,) whose mu0 fits best; NaN without a cycle."""
+        residual = self.residuals(q[None])[0]
+        return np.append(q, -(residual @ self.levels) / (self.levels @ self.levels))
 
-    def best_mu0(self, q, penalty=NO_PENALTY):
-        """The mu0 that fits best at coordinates q (k,)."""
-        levels = np.append(self.levels, penalty[2])
-        residual = np.append(np.nan_to_num(self.linearized(q)[0]), penalty[0])
-        return -float(residual @ levels / (levels @ levels))
-
-    def value(self, name, q):
-        """A reported quantity at coordinates q (k,): a logarithm, the best mu0, or a - b."""
+    def value(self, name, point):
+        """A reported quantity at a point (k + 1,): a logarithm, mu0, or a - b."""
         if name == "mu0":
-            return self.best_mu0(q)
-        return float(self.space.value(name, q[None])[0])
+            return float(point[-1])
+        return float(self.space.value(name, point[None, :-1])[0])
 
-    def gradient(self, name, q):
-        """(k,) derivative of `value` by the coordinates."""
+    def gradient(self, name, point):
+        """(k + 1,) derivative of `value` by the point."""
         if name == "mu0":
-            columns = np.nan_to_num(self.linearized(q)[1])
-            return -self.levels @ columns / (self.levels @ self.levels)
-        return self.space.gradient(name, q)
-
-    def _without_level(self, vectors, penalty):
-        """Residuals, or columns of them (features + 1, k), with the best mu0 taken out."""
-        levels = np.append(self.levels, penalty[2])
-        unit = levels / np.linalg.norm(levels)
-        return vectors - np.multiply.outer(unit, unit @ vectors)
-
-    def residual(self, q, penalty=NO_PENALTY):
-        """(features + 2,) at coordinates q (k,) and the best mu0; `FLOOR` last.
-
-        penalty : one more residual, its derivatives by the coordinates, and by mu0
-        """
-        residual = np.append(self.linearized(q)[0], penalty[0])
-        if np.isfinite(residual).all():
-            residual = self._without_level(residual, penalty)
-        else:
-            residual = np.full(residual.size, NO_CYCLE)
-        return np.append(residual, FLOOR)
-
-    def jacobian(self, q, penalty=NO_PENALTY):
-        """(features + 2, k) of `residual`."""
-        columns = np.nan_to_num(self.linearized(q)[1])
-        columns = np.vstack([columns, np.broadcast_to(penalty[1], q.size)])
-        return np.vstack([self._without_level(columns, penalty), np.zeros(q.size)])
+            return np.append(np.zeros(point.size - 1), 1.0)
+        return np.append(self.space.gradient(name, point[:-1]), 0.0)
 
     def search(self, start):
         """`Run` of least squares from coordinates start (k,); ends there if there is no cycle."""
-        self.begin_at(None)
-        if not self.has_cycle(start):
-            return self.run(start, start, "no cycle")
-        result = least_squares(
-            self.residual,
-            start,
-            self.jacobian,
-            bounds=(start - FAR, start + FAR),
-            x_scale="jac",
-            ftol=FTOL,
-            xtol=1e-6,
-            gtol=1e-8,
-            max_nfev=MOST_EVALUATIONS,
-        )
-        bound = np.any(np.abs(result.x - start) > 0.999 * FAR)
-        status = "at a bound" if bound else "converged" if result.status > 0 else "not converged"
-        return self.run(start, result.x, status)
+        self.near = None
+        point = self.with_best_mu0(start)
+        away = np.append(np.full(start.size, FAR), np.inf)
+        found = None
+        if np.isfinite(point).all():
+            reach = point - away, point + away
+            found = minimum(self.linearized, point, *reach, MOST_EVALUATIONS, ENOUGH)
+        if found is None:
+            nothing = np.zeros((self.levels.size, point.size))
+            return Run(start, np.append(start, 0.0), np.inf, "no cycle", nothing, None)
+        bound = np.any(np.abs(found.x[:-1] - start) > 0.999 * FAR)
+        status = "at a bound" if bound else "converged" if found.converged else "not converged"
+        return self.run(start, found.x, status)
 
-    def run(self, start, end, status):
-        """`Run` that ended at coordinates end (k,); its chi2 is inf if there is no cycle."""
-        residual, jacobian = self.linearized(end)
-        chi2 = np.inf
-        if np.isfinite(residual).all():
-            chi2 = float(np.sum(self._without_level(np.append(residual, 0.0), NO_PENALTY) ** 2))
-        full = np.column_stack([np.nan_to_num(jacobian), self.levels])
-        return Run(start, end, self.best_mu0(end), chi2, status, full, self.near)
+    def run(self, start, point, status):
+        """`Run` that ended at a point (k + 1,), which has a cycle near the last one."""
+        residual, jacobian = self.linearized(point)
+        return Run(start, point, float(residual @ residual), status, jacobian, self.near)
 
 
 def starts(space, model, measured):
