@@ -1,20 +1,16 @@
 """Records of laboratories: a file as a Dataset, and the load point's history in it.
 
 =============================== =================================================================
-``read``                        the function `read_lab`
+``read``                        the function `read_lab`; an attempt for a page, which asks back
 ``record``                      from tables to a record: in which order all below is done
 ``joining``                     files of one experiment as one table
 ``lab_format``, ``describe``    a laboratory's format, saved as TOML; the function `describe`
-``attempt``                     the same for a page, which asks back, in a process of its own
-``memory_file``                 a file in memory
-``open_table``                  which format a file has, by its first bytes
-``text``                        a text file in blocks: delimiter, decimal comma
-``encodings``                   which encoding it has
+``open_table``                  which format a file has, by its first bytes; a file in memory
+``text``                        a text file in blocks: encoding, delimiter, decimal comma
 ``header``                      names and units in the lines above the numbers
 ``cells``                       numbers in lines
 ``clock``                       clock times in cells
 ``stored``                      which arrays of an HDF5 or MAT file are columns
-``isolated``                    reading in a process of its own: limits of time and memory
 ``table``                       what a file holds before it is interpreted; how messages quote it
 ``titles``                      name and unit in a title; which names mean which quantity
 ``column_names.toml``           these names, units, and the usual sizes of quantities

@@ -1,7 +1,8 @@
 """Clock times, with dates or without, as seconds."""
 
+import contextlib
+import datetime
 import re
-from typing import NamedTuple
 
 import numpy as np
 
@@ -15,103 +16,97 @@ _TIME = re.compile(
 )
 #: 2019-05-14, 14.05.2019, 5/14/2019
 DATE = re.compile(r"(\d{1,4})([-./])(\d{1,2})\2(\d{1,4})")
+#: a time or a date in a cell that is no number
+LIKE_CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
-class Clock(NamedTuple):
-    """How a column of clock times is written."""
+class Clock:
+    """A column of clock times, which is read cell by cell, and then as a whole.
 
-    minutes: bool  # the first number is minutes
-    first: int  # the day of the first row, which counts as 0
-    unsure: bool  # the day or the month may come first: the day is 100 times one plus the other
+    minutes : whether the first number of a time is minutes
+    """
+
+    def __init__(self, minutes):
+        self.minutes = minutes
+        self.numbers: dict[str, int] = {}  # date as written, "" for none -> its number
+
+    def seconds(self, cells):
+        """(cells,) seconds of the day, and `DAY` times the number of the date; NaN for others."""
+        return np.array([self._seconds(cell) for cell in cells])
+
+    def _seconds(self, cell):
+        match = _TIME.fullmatch(cell)
+        if match is None:
+            return np.nan
+        hours, half = float(match["first"]), (match["half"] or "").lower()
+        if half:
+            hours = hours % 12.0 + 12.0 * (half == "p")
+        of_day = (60.0 * hours + float(match["second"])) * (1.0 if self.minutes else 60.0)
+        rest = match["third"] or "0" + (match["part"] or "")
+        number = self.numbers.setdefault(match["date"] or "", len(self.numbers))
+        return of_day + float(rest.replace(",", ".").replace(":", ".")) + DAY * number
+
+    def continuous(self, seconds):
+        """(n,) seconds from the beginning of the first day, out of those of a whole column.
+
+        If no cell has a date, a fall by half a day or more is midnight, or the full hour.
+        """
+        seconds, good = seconds.copy(), np.isfinite(seconds)
+        dates = [*self.numbers]
+        if dates != [""]:
+            days = _days(dates)
+            numbers = np.clip((seconds[good] // DAY).astype(int), 0, len(dates) - 1)
+            seconds[good] += DAY * (days[numbers] - numbers)
+            return seconds
+        period = 3600.0 if self.minutes else DAY
+        falls = np.diff(seconds[good], prepend=seconds[good][:1]) < -period / 2.0
+        seconds[good] += period * np.cumsum(falls)
+        return seconds
 
 
 def clock_of(cell, unit=""):
-    """The `Clock` of a column, by its first cell and its unit; None if it has no clock times."""
+    """The `Clock` of a column, by a cell and its unit; None if the cell is not a clock time."""
     match = _TIME.fullmatch(cell)
     if match is None:
         return None
     alone = not (match["third"] or match["part"] or match["date"] or match["half"])
     written = re.sub(r"\W", "", unit.lower())
-    if alone and written not in ("hhmm", "hmm", "hm", "mmss", "mss", "ms"):
+    in_minutes = written in ("mmss", "mss", "ms")
+    if alone and not in_minutes and written not in ("hhmm", "hmm", "hm"):
         return None  # hours and minutes, or minutes and seconds
-    minutes = bool(match["part"]) or (alone and written in ("mmss", "mss", "ms"))
-    date = DATE.fullmatch(match["date"] or "")
-    unsure = date is not None and len(date[1]) < 4 and date[2] != "."
-    day = _day(match["date"], unsure)
-    return Clock(minutes, 0 if np.isnan(day) else int(day), unsure)
+    return Clock(bool(match["part"]) or (alone and in_minutes))
 
 
-def seconds_in(cells, clock):
-    """(cells,) seconds from the beginning of the first day, NaN for what is not a clock time."""
-    import pandas
+def _days(dates):
+    """(dates,) numbers of days, the first 0: with the day before the month, or after it.
 
-    found = pandas.Series(cells, dtype=str).str.extract(f"^{_TIME.pattern}$", flags=_TIME.flags)
-    numbers = found[["first", "second"]].astype(float)
-    rest = found["third"].fillna("0" + found["part"]).str.replace(r"[,:]", ".", regex=True)
-    hours = numbers["first"]
-    if found["half"].notna().any():
-        hours = hours.mod(12.0) + 12.0 * found["half"].str.lower().eq("p")
-    of_day = 60.0 * hours + numbers["second"]
-    of_day = of_day if clock.minutes else 60.0 * of_day
-    of_day = of_day + rest.astype(float).fillna(0.0)
-    days = {date: _day(date, clock.unsure) for date in found["date"].dropna().unique()}
-    day = found["date"].map(days).astype(float) - clock.first
-    return (of_day + DAY * day.where(found["date"].notna(), 0.0)).to_numpy()
+    Whichever leaves the dates closest together; 0 for "", NaN for what is not a date.
+    """
 
+    def oddness(days):
+        known = days[np.isfinite(days)]
+        span = np.ptp(known) if known.size else 0.0
+        return np.isnan(days).sum(), span, (np.diff(known) < 0.0).any()
 
-def continuous(seconds, clock):
-    """Seconds of a whole column: days in order, and no fall at midnight or at the full hour."""
-    seconds, good = seconds.copy(), np.isfinite(seconds)
-    if clock.unsure:
-        return _in_order(seconds, clock)
-    period = 3600.0 if clock.minutes else DAY
-    falls = np.diff(seconds[good], prepend=seconds[good][:1]) < -period / 2.0
-    seconds[good] += period * np.cumsum(falls)
-    return seconds
+    readings = [np.array([_day(date, first) for date in dates]) for first in (True, False)]
+    days = min(readings, key=oddness)
+    days = days - next(iter(days[np.isfinite(days)]), 0.0)
+    return np.where([date == "" for date in dates], 0.0, days)
 
 
-def _in_order(seconds, clock):
-    """Seconds where the day or the month comes first in dates: what keeps the rows closest."""
-    days = np.floor(seconds / DAY)
-    codes = np.unique(days[np.isfinite(days)]).astype(int)
-    readings = []
-    for day_first in (True, False):
-        dates = [_ordinal(code + clock.first, day_first) for code in codes]
-        if None not in dates:
-            readings.append(np.array(dates) - min(dates))
-    if readings:
-        best = min(readings, key=lambda dates: (np.ptp(dates), (np.diff(dates) < 0).any()))
-        good = np.isfinite(days)
-        places = np.searchsorted(codes, days[good].astype(int))
-        seconds[good] += DAY * (best[places] - days[good])
-    return seconds
-
-
-def _ordinal(code, day_first):
-    """The day of a code of `_day`, None if there is none."""
-    import datetime
-
-    year, parts = divmod(code, 10_000)
-    day, month = divmod(parts, 100) if day_first else divmod(parts, 100)[::-1]
-    try:
-        return datetime.date(year, month, day).toordinal()
-    except ValueError:
-        return None
-
-
-def _day(date, unsure):
-    """The number of a day, or its code if the order of day and month is unsure; NaN for none."""
-    import pandas
-
+def _day(date, day_first):
     if not date:
         return np.nan
     if count := re.fullmatch(r"(\d+)\s*(?:d|days?)?", date):
         return float(count[1])
-    if unsure:
-        match = DATE.fullmatch(date)
-        if match is None:
-            return np.nan
-        year = int(match[4]) + 2000 * (len(match[4]) < 3)
-        return float(10_000 * year + 100 * int(match[1]) + int(match[3]))
+    match = DATE.fullmatch(date)
+    if match and len(match[1]) < 4 and match[2] != ".":
+        parts, year = (int(match[1]), int(match[3])), int(match[4])
+        day, month = parts if day_first else parts[::-1]
+        with contextlib.suppress(ValueError):
+            return float(datetime.date(year + 2000 * (len(match[4]) < 3), month, day).toordinal())
+        return np.nan
+    import pandas
+
     found = pandas.to_datetime(date, errors="coerce", dayfirst="." in date)
     return np.nan if pandas.isna(found) else float(found.toordinal())

@@ -54,20 +54,10 @@ def join_parts(parts, join, constants=()):
     else:
         _check_order(parts, pieces["time"], first.units["time"])
     columns = {s: first.columns[s]._replace(values=np.concatenate(pieces[s])) for s in symbols}
-    odd = {
-        (int(start) + row, columns[symbol].title): cell
-        for start, part in zip(starts, parts, strict=True)
-        for (row, title), cell in part.table.odd.items()
-        for symbol in symbols
-        if part.columns[symbol].title == title
-    }
-    numbers = [
-        np.arange(1, n + 1) if part.table.numbers is None else part.table.numbers
-        for part, n in zip(parts, sizes, strict=True)
-    ]
-    files = tuple((int(i), part.name) for i, part in zip(starts, parts, strict=True))
-    row_name = first.table.row_name
-    table = Table([*columns.values()], row_name, odd, np.concatenate(numbers), files=files)
+    own = [part.table._replace(columns=[part.columns[s] for s in symbols]) for part in parts]
+    names = [part.name for part in parts]
+    files = tuple(zip(starts.tolist(), names, own, strict=True))
+    table = Table([*columns.values()], first.table.row_name, files=files)
     return Part(table, first.name, columns, {s: first.units[s] for s in symbols}), notes
 
 

@@ -1,10 +1,13 @@
-"""`read_lab`: files of a laboratory as a record."""
+"""Files of a laboratory as a record: `read_lab`, and an attempt at one for a page."""
 
 import warnings
+from typing import Any, NamedTuple
 
-from ...errors import RecordWarning
+from ...errors import ParameterError, RecordWarning
 from ...model.names import keywords_checked
+from ..kit.processes import read_isolated
 from ..messages import reading as sentences
+from .columns import choose_columns
 from .downsampling import MOST
 from .lab_format import LabFormat, lab_format
 from .open_table import file_of, open_table
@@ -113,3 +116,39 @@ def read_lab(
     for text in messages:
         warnings.warn(f"{data.attrs['source']}: {text}", RecordWarning, stacklevel=3)
     return data
+
+
+class Attempt(NamedTuple):
+    """What a file has, and the record in it or why there is none."""
+
+    columns: list[tuple[str, str]]  # title and unit of each, "" for none; [] if it has no table
+    chosen: dict[str, int]  # symbol -> number of its column, from 1; {} if that is not clear
+    record: Any  # the Dataset of `read_lab`, or None
+    error: ParameterError | None  # why there is no record
+
+
+def attempt(file, choices, seconds, stop):
+    """The `Attempt` at a `MemoryFile`, in a process of its own, of which no file is written.
+
+    choices : dict, keyword arguments of `read_lab`
+    seconds, stop : as of `read_isolated`
+    """
+    try:
+        return read_isolated(_attempt, file, "a record", choices, seconds=seconds, stop=stop)
+    except ParameterError as error:
+        return Attempt([], {}, None, error)
+
+
+def _attempt(file, choices):
+    """The same in this process."""
+    try:
+        table = open_table(file)
+    except ParameterError as error:
+        return Attempt([], {}, None, error)
+    columns, chosen = [(column.title, column.unit) for column in table.columns], {}
+    try:
+        chosen = {s: i + 1 for s, i in choose_columns(table, choices.get("columns")).items()}
+        record, _ = record_of([table], [file.name], **choices)
+    except ParameterError as error:
+        return Attempt(columns, chosen, None, error)
+    return Attempt(columns, chosen, record, None)

@@ -1,7 +1,6 @@
 """Columns in SI: their units, and checks of what is in them."""
 
 import contextlib
-import re
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
 from ...model.units import OF_WHOLE_CONTACT, one_in_si, scaled, to_si, unit_factor
 from ..messages import reading as sentences
+from .clock import LIKE_CLOCK
 from .table import quoted
 from .titles import LIKE, USUAL, WEIGHTS, plain
 
@@ -17,7 +17,6 @@ from .titles import LIKE, USUAL, WEIGHTS, plain
 COMMON_FRICTION = (0.1, 1.2)
 COMMON_STRESS = (1e3, 1e9)  # Pa
 FAR, FAST = 1.0, 0.1
-CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
 def checked_units(units):
@@ -95,7 +94,7 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     row = int(np.arange(column.values.size)[rows][0])
     where = {"title": quoted(column.title), "symbol": symbol, "row": table.row_label(row)}
     cell = table.cell(row, column)
-    dated = symbol == "time" and CLOCK.search(cell)
+    dated = symbol == "time" and LIKE_CLOCK.search(cell)
     raise sentences.refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
 
 

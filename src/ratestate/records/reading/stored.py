@@ -150,7 +150,7 @@ def _unpacked(values, attrs):
 
 def _table(path, columns, texts=()):
     """These columns as a table, if there are any."""
-    table = Table(columns, "row", {}, unread=tuple(texts))
+    table = Table(columns, "row", unread=tuple(texts))
     if not columns:
         raise sentences.refusal("file.no_columns", name=path.name, unread=table.unread_text())
     return table
