@@ -1,9 +1,9 @@
 """Assigns quantities to the columns of a file, by the names of these."""
 
 import contextlib
-import difflib
 
 from ...errors import ParameterError
+from ...model.names import nearest
 from ..messages import reading as sentences
 from .sizes import unit_of
 from .table import name_list, quoted
@@ -33,7 +33,9 @@ def choose_columns(table, columns, constants=()):
     if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
         given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
         raise sentences.refusal("columns.symbols", symbols=", ".join(PATTERNS), given=given)
-    chosen = {symbol: _requested(table, symbol, request) for symbol, request in columns.items()}
+    chosen = {
+        symbol: requested_column(table, symbol, request) for symbol, request in columns.items()
+    }
     for symbol in PATTERNS:
         replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:
@@ -101,7 +103,7 @@ def title_warnings(table, chosen, requested, constants=()):
     return notes
 
 
-def _requested(table, symbol, request):
+def requested_column(table, symbol, request):
     """Index of the column that was requested by title or number."""
     titles = table.titles
     values = {"symbol": symbol, "request": request, "titles": name_list(titles)}
@@ -122,9 +124,8 @@ def _requested(table, symbol, request):
                 raise sentences.refusal(
                     "columns.several", count=len(same), numbers=numbers, **values
                 )
-    lower = {title.lower(): title for title in titles}
-    near = difflib.get_close_matches(request.lower()[:60], lower, n=1, cutoff=0.7)
-    meant = f"; did you mean {quoted(lower[near[0]])}?" if near else ""
+    near = nearest(request, titles) or nearest(request, [column.name for column in table.columns])
+    meant = f"; did you mean {quoted(near)}?" if near else ""
     raise sentences.refusal("columns.unknown", meant=meant, **values)
 
 
