@@ -203,7 +203,7 @@ def test_the_surer_of_two_names_is_taken():
     row = np.arange(3.0)
     columns = "Time Displacement LP_disp Friction Normal_stress Effective_normal_stress".split()
     table = Table([Column(title, title, "", row) for title in columns], "line")
-    chosen = choose_columns(table, None)
+    chosen = choose_columns(table, {})
     assert chosen == {"time": 0, "delta_lp": 2, "friction": 3, "sigma": 5}
 
 

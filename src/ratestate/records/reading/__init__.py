@@ -4,7 +4,7 @@
 ``read``                        the function `read_lab`; an attempt for a page, which asks back
 ``record``                      from tables to a record: in which order all below is done
 ``joining``                     files of one experiment as one table
-``lab_format``, ``describe``    a laboratory's format, saved as TOML; the function `describe`
+``lab_format``                  a laboratory's format, saved as TOML; the function `describe`
 ``open_table``                  which format a file has, by its first bytes; a file in memory
 ``text``                        a text file in blocks: encoding, delimiter, decimal comma
 ``header``                      names and units in the lines above the numbers
@@ -24,7 +24,7 @@
 """
 
 from ..load_point.segments import find_segments
-from .describe import describe
+from .lab_format import describe
 from .read import read_lab
 
 __all__ = ["describe", "find_segments", "read_lab"]

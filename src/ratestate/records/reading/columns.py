@@ -20,19 +20,26 @@ NEEDS = {
 INSTEAD = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
 
 
+def check_requests(columns, units):
+    """ParameterError unless these are dicts of columns and of units (not read yet) by symbol."""
+    symbols = ", ".join(PATTERNS)
+    if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
+        given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
+        raise sentences.refusal("columns.symbols", symbols=symbols, given=given)
+    sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
+    if not sound or not units.keys() <= PATTERNS.keys():
+        raise sentences.refusal("units.type", units=units, symbols=symbols)
+
+
 def choose_columns(table, columns, constants=()):
     """dict symbol -> index of its column, from 0: as requested, and of others by their names.
 
-    columns : dict symbol -> title or number from 1 on, or None; one column may be requested twice
+    columns : dict symbol -> title or number from 1 on; one column may be requested twice
     constants : symbols for which no column is looked for
 
-    A symbol of `PATTERNS` that is not needed may be absent.  ParameterError: a symbol that is none
-    of them, a request that fits no column or several, a needed column that is missing or ambiguous.
+    A symbol of `PATTERNS` that is not needed may be absent.  ParameterError: a request that fits no
+    column or several, a needed column that is missing or ambiguous.
     """
-    columns = {} if columns is None else columns
-    if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
-        given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
-        raise sentences.refusal("columns.symbols", symbols=", ".join(PATTERNS), given=given)
     chosen = {
         symbol: requested_column(table, symbol, request) for symbol, request in columns.items()
     }

@@ -96,23 +96,14 @@ def read_lab(
     >>> data.attrs["found"]  # doctest: +SKIP
     'velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)'
     """
-    own = LabFormat() if format is None else lab_format(format)
+    lab = lab_format(format).with_call(columns, units, sigma)
     paths = path if isinstance(path, list | tuple) else [path]
     if not paths:
         raise sentences.refusal("join.none")
     files = [file_of(one) for one in paths]
-    data, messages = record_of(
-        [open_table(file, own.delimiters, own.decimal) for file in files],
-        [file.name for file in files],
-        columns,
-        units,
-        time=time,
-        displacement=displacement,
-        rows=rows,
-        join=join,
-        sigma=sigma,
-        lab=own,
-    )
+    tables, names = [lab.open(file) for file in files], [file.name for file in files]
+    windows = {"time": time, "displacement": displacement}
+    data, messages = record_of(tables, names, lab, **windows, rows=rows, join=join)
     for text in messages:
         warnings.warn(f"{data.attrs['source']}: {text}", RecordWarning, stacklevel=3)
     return data
@@ -147,8 +138,9 @@ def _attempt(file, choices):
         return Attempt([], {}, None, error)
     columns, chosen = [(column.title, column.unit) for column in table.columns], {}
     try:
-        chosen = {s: i + 1 for s, i in choose_columns(table, choices.get("columns")).items()}
-        record, _ = record_of([table], [file.name], **choices)
+        lab = LabFormat().with_call(choices.pop("columns", None), choices.pop("units", None))
+        chosen = {s: i + 1 for s, i in choose_columns(table, lab.columns).items()}
+        record, _ = record_of([table], [file.name], lab, **choices)
     except ParameterError as error:
         return Attempt(columns, chosen, None, error)
     return Attempt(columns, chosen, record, None)

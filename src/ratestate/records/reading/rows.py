@@ -79,10 +79,6 @@ class Rows:
         self.check_enough(" in the window" if windows else "")
         self.record = {symbol: self.in_si(symbol) for symbol in self.columns}
 
-    def add_constant(self, symbol, value):
-        """Add a quantity [SI] that the file does not have, the same in all rows."""
-        self.record[symbol] = np.full(self.kept.size, value)
-
     def drop_unreadable(self):
         """Leave out rows without a finite number in any column; ParameterError if one has none."""
         for symbol, column in self.columns.items():

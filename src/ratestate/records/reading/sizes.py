@@ -19,15 +19,6 @@ COMMON_STRESS = (1e3, 1e9)  # Pa
 FAR, FAST = 1.0, 0.1
 
 
-def checked_units(units):
-    """symbol -> unit (not read yet) as given, {} for None; ParameterError for anything else."""
-    units = {} if units is None else units
-    sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
-    if not sound or not units.keys() <= LIKE.keys():
-        raise sentences.refusal("units.type", units=units, symbols=", ".join(LIKE))
-    return units
-
-
 def unit_of(column, symbol, units):
     """The unit of a column as `to_si` reads it: that in `units`, else that beside it in the file.
 
