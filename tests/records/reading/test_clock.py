@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.clock import clock_of
+from ratestate.records.reading.cells import clock_of
 
 #: forms of strftime that say a time to the microsecond, without a date or with one
 ALONE = ["%H:%M:%S.%f", "%I:%M:%S.%f %p", "%H:%M:%S,%f", "%H:%M:%S:%f"]

@@ -11,7 +11,7 @@ import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
 from ratestate.records.reading import text as text_files
-from ratestate.records.reading.downsampling import MOST, blocks, downsample, means
+from ratestate.records.reading.rows import MOST, blocks, downsample, means
 
 DT, FACTOR = 0.01, 10
 N = 20_000

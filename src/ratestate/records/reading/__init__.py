@@ -8,18 +8,17 @@
 ``open_table``                  which format a file has, by its first bytes; a file in memory
 ``text``                        a text file in blocks: encoding, delimiter, decimal comma
 ``header``                      names and units in the lines above the numbers
-``cells``                       numbers in lines
-``clock``                       clock times in cells
+``cells``                       numbers and clock times in lines
 ``stored``                      which arrays of an HDF5 or MAT file are columns
 ``table``                       what a file holds before it is interpreted; how messages quote it
 ``titles``                      name and unit in a title; which names mean which quantity
 ``column_names.toml``           these names, units, and the usual sizes of quantities
 ``columns``                     which column is which quantity; which are needed
 ``sizes``                       units of columns, and sizes that nobody can have measured
-``rows``                        which rows are kept: windows, cells without number, times, gaps
-``downsampling``                means over blocks of rows, of a very long record
-``values``                      rows with codes, impossible values or dropouts; signs to turn
-``agreement``                   whether columns contradict each other, or are too coarse
+``rows``                        which rows are kept: windows, cells without number, times, gaps;
+                                means over blocks of rows, of a very long record
+``values``                      rows with codes, impossible values or dropouts; signs to turn;
+                                columns that contradict each other, or are too coarse
 =============================== =================================================================
 """
 

@@ -8,10 +8,10 @@ from ...model.names import keywords_checked
 from ..kit.processes import read_isolated
 from ..messages import reading as sentences
 from .columns import choose_columns
-from .downsampling import MOST
 from .lab_format import LabFormat, lab_format
 from .open_table import file_of, open_table
 from .record import record_of
+from .rows import MOST
 
 
 @keywords_checked

@@ -9,11 +9,9 @@ from ...model.quantities import attrs, readable
 from ..load_point.segments import segments_from_displacement, segments_from_velocity
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
-from .agreement import coarse_resolution, disagreements
 from .columns import choose_columns, column_by_name, title_warnings
-from .downsampling import MOST, blocks, checked_most, downsample, means
 from .joining import Part, check_join, join_parts
-from .rows import Rows, window
+from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
 from .sizes import (
     check_numbers,
     check_sizes,
@@ -23,7 +21,14 @@ from .sizes import (
     unusual,
 )
 from .table import Column, quoted
-from .values import drop_codes, drop_dropouts, drop_impossible, flip_signs
+from .values import (
+    coarse_resolution,
+    disagreements,
+    drop_codes,
+    drop_dropouts,
+    drop_impossible,
+    flip_signs,
+)
 
 
 def record_of(tables, names, lab, *, time=None, displacement=None, rows=MOST, join="auto"):

@@ -8,7 +8,7 @@ from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
 from ...model.units import OF_WHOLE_CONTACT, one_in_si, scaled, to_si, unit_factor
 from ..messages import reading as sentences
-from .clock import LIKE_CLOCK
+from .cells import LIKE_CLOCK
 from .table import quoted
 from .titles import LIKE, USUAL, WEIGHTS, plain
 

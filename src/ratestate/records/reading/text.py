@@ -14,8 +14,17 @@ from collections import Counter
 import numpy as np
 
 from ..messages import reading as sentences
-from .cells import Layout, cells_of, is_full, number_in, rows_in, trimmed
-from .clock import DATE, LIKE_CLOCK, clock_of
+from .cells import (
+    DATE,
+    LIKE_CLOCK,
+    Layout,
+    cells_of,
+    clock_of,
+    is_full,
+    number_in,
+    rows_in,
+    trimmed,
+)
 from .header import check_headers, end_of_labview, header_of
 from .table import Column, Table, quoted
 from .titles import TABLE, match_rank
