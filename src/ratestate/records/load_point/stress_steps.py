@@ -7,9 +7,8 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..kit.sample_noise import OF_SECOND
-from .runs import Run, Samples
-from .sampling_noise import SHORTEST
-from .splits import RowSums, cut
+from .runs import Run
+from .splits import SHORTEST, RowSums, cut
 
 #: change of a normal stress, as a multiple of its mean, from which it varies
 VARIABLE = 0.01
@@ -112,8 +111,7 @@ def _lines(time, sigma):
         cuts = cut(rows)
     except ParameterError:  # too many
         return []
-    samples = Samples(time, sigma, rows.noise, rows.rates)
-    return [Run(samples, [two]) for two in itertools.pairwise(rows.at[cuts].tolist())]
+    return [Run(rows, [two]) for two in itertools.pairwise(rows.at[cuts].tolist())]
 
 
 def _change(run):
