@@ -63,18 +63,10 @@ def newtons(column, symbol, units):
 
 
 def in_si(symbol, values, unit):
-    """(n,) values of a column in SI, of any sign; NaN where they are not finite."""
-    import xarray
-
-    good = np.isfinite(values)
+    """(n,) values of a column in SI, of any sign; NaN for those that are not finite."""
     converted = scaled(values, unit_factor(QUANTITIES[symbol].unit, unit))
-    if np.isfinite(converted).all():  # so most often, and in half the memory
-        return converted
-    converted = np.full(values.shape, np.nan)
-    if good.any():
-        rows = xarray.DataArray(values[good], dims="row", attrs={"units": unit})
-        converted[good] = to_si(symbol, rows, label=symbol, bound="").values
-    return converted
+    finite = np.isfinite(values)
+    return converted if finite.all() else np.where(finite, converted, np.nan)
 
 
 def check_numbers(table, symbol, column, rows=slice(None)):
