@@ -14,13 +14,12 @@ import pytest
 import readers
 import scipy.io
 import xarray as xr
+from lab_files import MU, T, X
 
 import ratestate as rs
 from ratestate import ParameterError, files
 from ratestate.records.kit.processes import read_isolated
 
-T = np.arange(120) * 0.25
-X, MU = np.where(T < 15, T, 10 * T - 135), 0.6 + 0.003 * np.sin(T)
 RECORD = {"Time_s": T, "disp_um": X, "mu": MU}
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="Linux limits memory")
 
