@@ -43,12 +43,40 @@ def record_of(tables, names, lab, *, time=None, displacement=None, rows=MOST, jo
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
     windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    parts, notes = [], []
-    for table, name in zip(tables, names, strict=True):
-        part, own = _part(table, name, lab, constants)
-        parts.append(part)
-        notes += own
-    part, of_files = join_parts(parts, join, constants)
+    parts = [_part(table, name, lab, constants) for table, name in zip(tables, names, strict=True)]
+    part, of_files = join_parts([part for part, _ in parts], join, constants)
+    of_files = [note for _, notes in parts for note in notes] + of_files
+    kept, turned, of_signs = _kept_rows(part, windows, lab, constants)
+    downsample(kept, most)
+    record = kept.record
+    segments = _segments(record, kept.gaps)
+    coarse = coarse_resolution(record, segments)
+    is_fine = "sigma" in record and not coarse
+    stress = stress_steps(record["time"], record["sigma"]) if is_fine else []
+    if segments.V.size == 1 and not stress:
+        of_signs.append(sentences("notes.no_step"))
+    messages = kept.warnings + of_files + unusual(record, segments.V)
+    messages += disagreements(kept, coarse)
+    data = _dataset(record, segments)
+    sources = {
+        s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in turned else {})
+        for s, c in part.columns.items()
+        if s in record or s == "pore_pressure"
+    }
+    data.attrs = {
+        "title": "ratestate read_lab",
+        "found": coarse or segments.history(record["time"], record.get("delta_lp"), stress),
+        "source": ", ".join(names),
+        "columns": json.dumps(sources),
+        "notes": json.dumps(messages + of_signs + segments.notes),
+    }
+    if lab.machine:
+        data.attrs["machine"] = json.dumps(lab.machine)
+    return data, messages
+
+
+def _kept_rows(part, windows, lab, constants):
+    """The `Rows` that can be used, which symbols had their sign turned, and notes."""
     kept = Rows(part.table, part.columns, part.units)
     kept.cut(windows)
     kept.drop_unreadable()
@@ -58,40 +86,15 @@ def record_of(tables, names, lab, *, time=None, displacement=None, rows=MOST, jo
     for symbol, column in kept.columns.items():
         check_sizes(symbol, kept.record[symbol], column, part.units[symbol])
     drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
-    signs, turned = flip_signs(kept.record, lab.signs)
+    turned, notes = flip_signs(kept.record, lab.signs)
     for symbol, value in constants.items():
         kept.record[symbol] = np.full(kept.kept.size, value)
     pore_pressure = kept.record.pop("pore_pressure", 0.0)
     if "sigma" in kept.record:
         kept.record["sigma"] = kept.record["sigma"] - pore_pressure
-    turned += drop_impossible(kept)
+    notes += drop_impossible(kept)
     kept.find_gaps()
-    downsample(kept, most)
-    record = kept.record
-    segments = _segments(record, kept.gaps)
-    coarse = coarse_resolution(record, segments)
-    time, has_sigma = record["time"], "sigma" in record
-    stress = stress_steps(time, record["sigma"]) if has_sigma and not coarse else []
-    if segments.V.size == 1 and not stress:
-        turned.append(sentences("notes.no_step"))
-    messages = kept.warnings + notes + of_files + unusual(record, segments.V)
-    messages += disagreements(kept, coarse)
-    data = _dataset(record, segments)
-    sources = {
-        s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in signs else {})
-        for s, c in part.columns.items()
-        if s in record or s == "pore_pressure"
-    }
-    data.attrs = {
-        "title": "ratestate read_lab",
-        "found": coarse or segments.history(time, record.get("delta_lp"), stress),
-        "source": ", ".join(names),
-        "columns": json.dumps(sources),
-        "notes": json.dumps(messages + turned + segments.notes),
-    }
-    if lab.machine:
-        data.attrs["machine"] = json.dumps(lab.machine)
-    return data, messages
+    return kept, turned, notes
 
 
 def _part(table, name, lab, constants):
