@@ -217,7 +217,6 @@ def segments_from_velocity(t, V):
 
 
 def _checked(t, x, symbol):
-    """Times and values as arrays of numbers, or ParameterError."""
     t, x = np.asarray(t, float), np.asarray(x, float)
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
         raise sentences.refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
@@ -246,7 +245,6 @@ def _speeds(before, V):
 
 
 def _moved(at, t, displacement):
-    """Displacement at a time in brackets; "" without a record of it."""
     if displacement is None:
         return ""
     x = np.interp(at, t, displacement)

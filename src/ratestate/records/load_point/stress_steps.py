@@ -57,7 +57,6 @@ def stress_steps(time, sigma):
 
 
 def _between(time, sigma, one, other):
-    """The `StressStep` between two levels."""
     begin, end = one.end, other.begin
     rows = np.arange(*np.searchsorted(time, (begin, end))) if end > begin else np.array([], int)
     if 0 < rows.size <= SUDDEN:
@@ -115,7 +114,6 @@ def _lines(time, sigma):
 
 
 def _change(run):
-    """Change of a quantity along its line, over its mean."""
     return abs(run.V) * (run.end - run.start) / run.means[0][1]
 
 

@@ -78,7 +78,6 @@ def _is_excess(table, symbol, index):
 
 
 def _rank(table, chosen, symbol):
-    """The `match_rank` of a column that is chosen."""
     return match_rank(table.columns[chosen[symbol]].name, symbol)
 
 

@@ -166,7 +166,6 @@ def _names(line, delimiter, width, written=None):
 
 
 def _cells(line, delimiter):
-    """The cells of a line of the header."""
     if delimiter is not None:
         return next(csv.reader([line], delimiter=delimiter), [])
     names: list[str] = []

@@ -1,7 +1,6 @@
 """Files of one experiment, one after the other, as one table."""
 
 import itertools
-from typing import NamedTuple
 
 import numpy as np
 
@@ -9,7 +8,8 @@ from ...model.quantities import QUANTITIES
 from ...model.units import scaled, unit_factor
 from ..messages import reading as sentences
 from .columns import NEEDS
-from .table import Column, Table
+from .rows import Rows
+from .table import Table
 
 #: how the times of files may follow each other
 JOINS = ("auto", "absolute", "restart")
@@ -19,15 +19,6 @@ NEAR_ZERO = 1.5
 ZEROED = 3.0
 
 
-class Part(NamedTuple):
-    """What is read of one file."""
-
-    table: Table
-    name: str  # of the file
-    columns: dict[str, Column]  # symbol -> column
-    units: dict[str, str]  # symbol -> its unit
-
-
 def check_join(join):
     """ParameterError for another way to join than those there are."""
     if join not in JOINS:
@@ -35,7 +26,9 @@ def check_join(join):
 
 
 def join_parts(parts, join, constants=()):
-    """One `Part` of all, in the units of the first, and notes (list of str).
+    """The `Rows` of all files, in the units of the first, and notes (list of str).
+
+    parts : list of the `Rows` of each file, with nothing left out
 
     join : "absolute", times go on from file to file; "restart", they begin anew in each; "auto",
     the latter if each file begins at 0, else the former
@@ -55,11 +48,11 @@ def join_parts(parts, join, constants=()):
     columns = {s: first.columns[s]._replace(values=np.concatenate(pieces[s])) for s in symbols}
     starts = np.cumsum([0, *(t.size for t in pieces["time"])]).tolist()
     files = tuple(
-        (start, part.name, part.table._replace(columns=[part.columns[s] for s in symbols]))
+        (start, part.table._replace(columns=[part.columns[s] for s in symbols]))
         for start, part in zip(starts, parts, strict=False)
     )
     table = Table([*columns.values()], first.table.row_name, files=files)
-    return Part(table, first.name, columns, {s: first.units[s] for s in symbols}), notes
+    return Rows(table, columns, {s: first.units[s] for s in symbols}), notes
 
 
 def _common_symbols(parts, constants):
@@ -68,8 +61,8 @@ def _common_symbols(parts, constants):
     symbols = [s for s in known if all(s in part.columns for part in parts)]
     notes = []
     for symbol in [s for s in known if s not in symbols]:
-        name = next(part.name for part in parts if symbol in part.columns)
-        lacking = next(part.name for part in parts if symbol not in part.columns)
+        name = next(part.table.name for part in parts if symbol in part.columns)
+        lacking = next(part.table.name for part in parts if symbol not in part.columns)
         values = {"symbol": symbol, "name": name, "lacking": lacking}
         if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
             raise sentences.refusal("join.columns", **values)
@@ -96,17 +89,20 @@ def _usual_step(t):
 
 
 def _begins_at_zero(t):
-    """Whether times begin with 0 or the first step."""
     return 0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t)
 
 
 def _check_order(parts, times, unit):
-    """ParameterError if a file begins before the one before it ends."""
     for (before, t), (after, u) in itertools.pairwise(zip(parts, times, strict=True)):
         end, begin = _ends(t)[1], _ends(u)[0]
         if begin < end:
             last, first = np.flatnonzero(np.isfinite(t))[-1], np.flatnonzero(np.isfinite(u))[0]
-            values = {"before": before.name, "after": after.name, "end": end, "begin": begin}
+            values = {
+                "before": before.table.name,
+                "after": after.table.name,
+                "end": end,
+                "begin": begin,
+            }
             values |= {"last_row": before.table.row_label(last), "unit": unit}
             values |= {"first_row": after.table.row_label(first)}
             raise sentences.refusal("join.overlap", **values)
@@ -115,7 +111,7 @@ def _check_order(parts, times, unit):
 def _follow_on(parts, pieces, units):
     """Let times of files go on from one to the next, and displacements set to 0 again; notes."""
     notes = []
-    for i, (before, after) in enumerate(itertools.pairwise(part.name for part in parts)):
+    for i, (before, after) in enumerate(itertools.pairwise(part.table.name for part in parts)):
         t, u = pieces["time"][i : i + 2]
         added = _ends(t)[1] + _usual_step(u) - _ends(u)[0]
         pieces["time"][i + 1] = u + added

@@ -213,9 +213,8 @@ def describe(
         if (wanted := _wanted("machine", symbol, value)) is not None:
             raise sentences.refusal("format.machine", symbol=symbol, value=value, wanted=wanted)
     lab = lab_format(format).with_call(columns, units, sigma)
-    file = file_of(path)
-    table = lab.open(file)
-    data, _ = record_of([table], [file.name], lab, time=time, displacement=displacement)
+    table = lab.open(file_of(path))
+    data, _ = record_of([table], lab, time=time, displacement=displacement)
     sources = json.loads(data.attrs["columns"])
     places = choose_columns(table, lab.columns, lab.constants)
     turned = {s: -1 for s, source in sources.items() if source.get("sign") == -1}
@@ -224,7 +223,7 @@ def describe(
         sources |= {s: {"unit": plain(table.columns[places[s]].unit)} for s in ("tau", "sigma")}
     units = {s: source["unit"] for s, source in sources.items()}
     parts = [
-        HEAD.format(source=_one_line(file.name)),
+        HEAD.format(source=_one_line(table.name)),
         _table("text", lab.text),
         _table("columns", {}),
         *(_column(symbol, places[symbol], table) for symbol in sources),
@@ -270,5 +269,4 @@ def _as_text(symbol, value):
 
 
 def _toml(value):
-    """A text or a whole number as TOML writes it."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

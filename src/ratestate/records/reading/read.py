@@ -100,10 +100,9 @@ def read_lab(
     paths = path if isinstance(path, list | tuple) else [path]
     if not paths:
         raise sentences.refusal("join.none")
-    files = [file_of(one) for one in paths]
-    tables, names = [lab.open(file) for file in files], [file.name for file in files]
+    tables = [lab.open(file_of(one)) for one in paths]
     windows = {"time": time, "displacement": displacement}
-    data, messages = record_of(tables, names, lab, **windows, rows=rows, join=join)
+    data, messages = record_of(tables, lab, **windows, rows=rows, join=join)
     for text in messages:
         warnings.warn(f"{data.attrs['source']}: {text}", RecordWarning, stacklevel=3)
     return data
@@ -131,7 +130,6 @@ def attempt(file, choices, seconds, stop):
 
 
 def _attempt(file, choices):
-    """The same in this process."""
     try:
         table = open_table(file)
     except ParameterError as error:
@@ -140,7 +138,7 @@ def _attempt(file, choices):
     try:
         lab = LabFormat().with_call(choices.pop("columns", None), choices.pop("units", None))
         chosen = {s: i + 1 for s, i in choose_columns(table, lab.columns).items()}
-        record, _ = record_of([table], [file.name], lab, **choices)
+        record, _ = record_of([table], lab, **choices)
     except ParameterError as error:
         return Attempt(columns, chosen, None, error)
     return Attempt(columns, chosen, record, None)

@@ -10,7 +10,7 @@ from ..load_point.segments import segments_from_displacement, segments_from_velo
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
 from .columns import choose_columns, column_by_name, title_warnings
-from .joining import Part, check_join, join_parts
+from .joining import check_join, join_parts
 from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
 from .sizes import (
     check_numbers,
@@ -31,11 +31,10 @@ from .values import (
 )
 
 
-def record_of(tables, names, lab, *, time=None, displacement=None, rows=MOST, join="auto"):
+def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="auto"):
     """The Dataset that `read_lab` makes of tables, and a list of what it warns of.
 
     tables : list of `Table`
-    names : list of the names of their files
     lab : `LabFormat`, with what a call gives; other arguments, and what is raised, as of `read_lab`
     """
     most = checked_most(rows)
@@ -43,10 +42,11 @@ def record_of(tables, names, lab, *, time=None, displacement=None, rows=MOST, jo
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
     windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    parts = [_part(table, name, lab, constants) for table, name in zip(tables, names, strict=True)]
-    part, of_files = join_parts([part for part, _ in parts], join, constants)
+    parts = [_chosen(table, lab, constants) for table in tables]
+    kept, of_files = join_parts([part for part, _ in parts], join, constants)
     of_files = [note for _, notes in parts for note in notes] + of_files
-    kept, turned, of_signs = _kept_rows(part, windows, lab, constants)
+    sources = {s: {"title": c.title, "unit": kept.units[s]} for s, c in kept.columns.items()}
+    turned, of_signs = _prepare(kept, windows, lab, constants)
     downsample(kept, most)
     record = kept.record
     segments = _segments(record, kept.gaps)
@@ -59,14 +59,14 @@ def record_of(tables, names, lab, *, time=None, displacement=None, rows=MOST, jo
     messages += disagreements(kept, coarse)
     data = _dataset(record, segments)
     sources = {
-        s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in turned else {})
-        for s, c in part.columns.items()
+        s: source | ({"sign": -1} if s in turned else {})
+        for s, source in sources.items()
         if s in record or s == "pore_pressure"
     }
     data.attrs = {
         "title": "ratestate read_lab",
         "found": coarse or segments.history(record["time"], record.get("delta_lp"), stress),
-        "source": ", ".join(names),
+        "source": ", ".join(table.name for table in tables),
         "columns": json.dumps(sources),
         "notes": json.dumps(messages + of_signs + segments.notes),
     }
@@ -75,16 +75,15 @@ def record_of(tables, names, lab, *, time=None, displacement=None, rows=MOST, jo
     return data, messages
 
 
-def _kept_rows(part, windows, lab, constants):
-    """The `Rows` that can be used, which symbols had their sign turned, and notes."""
-    kept = Rows(part.table, part.columns, part.units)
+def _prepare(kept, windows, lab, constants):
+    """Leave out `Rows` that cannot be used, and turn signs: the symbols turned, and notes."""
     kept.cut(windows)
     kept.drop_unreadable()
     drop_codes(kept)
     kept.order()
     kept.check_enough()
     for symbol, column in kept.columns.items():
-        check_sizes(symbol, kept.record[symbol], column, part.units[symbol])
+        check_sizes(symbol, kept.record[symbol], column, kept.units[symbol])
     drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
     turned, notes = flip_signs(kept.record, lab.signs)
     for symbol, value in constants.items():
@@ -94,11 +93,11 @@ def _kept_rows(part, windows, lab, constants):
         kept.record["sigma"] = kept.record["sigma"] - pore_pressure
     notes += drop_impossible(kept)
     kept.find_gaps()
-    return kept, turned, notes
+    return turned, notes
 
 
-def _part(table, name, lab, constants):
-    """The `Part` that the chosen columns of a table are, and notes.
+def _chosen(table, lab, constants):
+    """All `Rows` of the chosen columns of a table, and notes.
 
     constants : symbol -> constant [SI] in place of a column
     """
@@ -121,7 +120,7 @@ def _part(table, name, lab, constants):
         if (index := column_by_name(table, symbol, ())) is not None:
             values = {"sigma": readable(symbol, value), "title": quoted(table.titles[index])}
             notes.append(sentences("notes.constant_sigma", **values))
-    return Part(table, name, chosen, unit), notes
+    return Rows(table, chosen, unit), notes
 
 
 def _ratio_of_forces(chosen, units):

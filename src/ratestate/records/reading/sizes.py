@@ -47,7 +47,6 @@ def unit_of(column, symbol, units):
 
 
 def _is_same(unit, other, symbol):
-    """Whether two units of a quantity are of one size."""
     si = QUANTITIES[symbol].unit
     with contextlib.suppress(ValueError):
         return unit_factor(si, unit) == unit_factor(si, plain(other))

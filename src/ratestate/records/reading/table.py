@@ -28,8 +28,8 @@ class Table(NamedTuple):
     numbers: np.ndarray | None = None  # of the rows, as an editor counts them; None if 1, 2, ...
     unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
     text_of: Callable[[int, int], str] | None = None  # of a cell, by the numbers of row and place
-    #: of several files: the first row, the name and the table (with these columns) of each
-    files: tuple[tuple[int, str, "Table"], ...] = ()
+    name: str = ""  # of the file
+    files: tuple[tuple[int, "Table"], ...] = ()  # of several: first row and table, with the columns
 
     @property
     def titles(self):
@@ -43,14 +43,14 @@ class Table(NamedTuple):
     def row_label(self, row):
         """How a person finds a row (counted from 0 on) in the file: "line 17"."""
         if self.files:
-            first, name, table = self._file(row)
-            return f"{table.row_label(row - first)} of {name}"
+            first, table = self._file(row)
+            return f"{table.row_label(row - first)} of {table.name}"
         return f"{self.row_name} {self._number(row)}"
 
     def cell(self, row, column):
         """A cell that is not a number as a message shows it, in quotes; "nothing" if empty."""
         if self.files:
-            first, _, table = self._file(row)
+            first, table = self._file(row)
             same = next(i for i, one in enumerate(self.columns) if one is column)
             return table.cell(row - first, table.columns[same])
         text = str(column.values[row])

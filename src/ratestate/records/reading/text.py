@@ -93,7 +93,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         cells = trimmed(cells_of(line, delimiter), width)
         return f"{len(cells)} cells" if len(cells) > width else "".join(cells[place : place + 1])
 
-    return Table(columns, "line", numbers, text_of=text_of)
+    return Table(columns, "line", numbers, text_of=text_of, name=path.name)
 
 
 def _examined(path):
@@ -214,7 +214,6 @@ def _is_data(cells, dense=True):
 
 
 def _is_number(cell):
-    """Whether a cell is a number with either decimal mark."""
     return any(not np.isnan(number_in(cell, mark)) for mark in ".,")
 
 

@@ -87,7 +87,6 @@ def drop_dropouts(rows, *symbols):
 
 
 def _drop(rows, symbol, bad, why):
-    """Leave out rows, reported with their values."""
     values = rows.record[symbol]
     rows.leave_out(bad, why, lambda i: f"{symbol} = {readable(symbol, values[i], 4)}")
     rows.check_enough()
