@@ -132,6 +132,7 @@ def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):
     lines[2000] += ",1"
     lines[2100] = lines[2100].rpartition(",")[0]
     lines[2200] = lines[2200].replace("20.00000000", "2.0D+01")
+    lines += [""] * 1600 + [lines[-1]]
     path.write_text("\n".join(lines))
     whole = text_files.read_text(path)
     monkeypatch.setattr(text_files, "BLOCK", 1000)
@@ -147,7 +148,7 @@ def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):
         assert cells == [whole.cell(row, other) for row in odd]
         found += cells
     assert sorted(found) == ["'5 cells'"] * 4 + ["'over000000'", "nothing"]
-    expected = [*range(2, 1701), *range(1704, 3004)]
+    expected = [*range(2, 1701), *range(1704, 3004), 4604]
     np.testing.assert_array_equal(whole.numbers, expected)
     assert whole.columns[3].values[2199 - 3] == 20.0
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 COMMENTS = "#%"
+PART = 500  # lines of which one without a number lets all be read cell by cell
 #: decimal mark -> numbers with blanks or other marks between groups of three digits: 1,234.5
 _GROUPED = {
     mark: re.compile(
@@ -184,6 +185,12 @@ def rows_in(lines, layout):
     """
     if (values := _all_numbers(lines, layout)) is not None:
         return values, np.arange(len(lines))
+    if len(lines) > PART:
+        starts = range(0, len(lines), PART)
+        parts = [rows_in(lines[i : i + PART], layout) for i in starts]
+        values, places = zip(*parts, strict=True)
+        lines_before = zip(starts, places, strict=True)
+        return np.concatenate(values), np.concatenate([i + own for i, own in lines_before])
     width = layout.width
     places = [i for i, line in enumerate(lines) if is_full(line)]
     rows = [trimmed(cells_of(lines[i], layout.delimiter), width) for i in places]
@@ -196,6 +203,8 @@ def rows_in(lines, layout):
 
 def _all_numbers(lines, layout):
     """(lines, columns) numbers; None unless each line is a row of them, as Python reads numbers."""
+    if not any(line.strip() for line in lines):
+        return None
     if layout.decimal == ",":
         if any("." in line for line in lines):  # between groups of digits perhaps
             return None

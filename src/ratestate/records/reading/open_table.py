@@ -34,11 +34,6 @@ class MemoryFile(NamedTuple):
     def __str__(self):
         return self.name
 
-    @property
-    def suffix(self):
-        """The ending of the name, with its dot."""
-        return PurePath(self.name).suffix
-
     def stat(self):
         """The size, as ``st_size``."""
         return SimpleNamespace(st_size=len(self.contents))
@@ -83,7 +78,7 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
             head = file.read(1024)
         for kind, (begin, ending, reader) in FORMATS.items():
             begins = head.startswith(begin) or head[512:].startswith(begin)
-            if begins or path.suffix.lower() == ending:
+            if begins or PurePath(path.name).suffix.lower() == ending:
                 return read_isolated(reader, path, kind)
         for begin, what in FOREIGN.items():
             if head.startswith(begin):
