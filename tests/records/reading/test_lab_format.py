@@ -150,6 +150,7 @@ def test_options_of_the_call_go_first(tmp_path):
     with pytest.warns(RecordWarning, match=r"sigma = 20 MPa is given; the column 'sigma \(MPa\)'"):
         data = read_lab(path, sigma="20 MPa", format=lab)
     np.testing.assert_allclose(data.sigma, 2e7)
+    assert "sigma" not in json.loads(data.attrs["columns"])
     lab.write_text('[columns]\ndelta_lp = "a"\n[units]\ndelta_lp = "um"\n[constants]\nsigma = 1e7')
     with pytest.raises(rs.ParameterError, match=r"sigma = 1.*, and a column as well"):
         read_lab(path, {"sigma": 6}, format=lab)

@@ -188,17 +188,16 @@ def rows_in(lines, layout):
     if len(lines) > PART:
         starts = range(0, len(lines), PART)
         parts = [rows_in(lines[i : i + PART], layout) for i in starts]
-        values, places = zip(*parts, strict=True)
-        lines_before = zip(starts, places, strict=True)
-        return np.concatenate(values), np.concatenate([i + own for i, own in lines_before])
+        places = [start + own for start, (_, own) in zip(starts, parts, strict=True)]
+        return np.concatenate([values for values, _ in parts]), np.concatenate(places)
     width = layout.width
-    places = [i for i, line in enumerate(lines) if is_full(line)]
-    rows = [trimmed(cells_of(lines[i], layout.delimiter), width) for i in places]
+    full = [i for i, line in enumerate(lines) if is_full(line)]
+    rows = [trimmed(cells_of(lines[i], layout.delimiter), width) for i in full]
     rows = [cells if len(cells) <= width else [] for cells in rows]
     values = np.empty((len(rows), width))
     for j, cells in enumerate(itertools.zip_longest(*rows, [""] * width, fillvalue="")):
         values[:, j] = _column(cells[:-1], j, layout)
-    return values, np.array(places, int)
+    return values, np.array(full, int)
 
 
 def _all_numbers(lines, layout):
