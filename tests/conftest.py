@@ -39,15 +39,15 @@ def pytest_runtest_setup(item):
     """
     if layout := sys.modules.get("ratestate.plot.layout"):
         layout.DPI = 40
-    if isolated := sys.modules.get("ratestate.records.reading.isolated"):
-        isolated._is_child = item.path.parent.name in ("files", "cli", "scenario", "paper")
+    if processes := sys.modules.get("ratestate.records.kit.processes"):
+        processes._is_child = item.path.parent.name in ("files", "cli", "scenario", "paper")
 
 
 @pytest.fixture(scope="module")
 def in_one_process():
     """Fit all steps of an experiment here: a child takes longer to start than it saves."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ratestate.records.kit.child_process.cores", lambda: 1)
+        patch.setattr("ratestate.records.kit.processes.cores", lambda: 1)
         yield
 
 

@@ -90,7 +90,7 @@ FORMS = {
     "sigma loading": '`["5 MPa", "5 MPa", "5.1 MPa", 5.1e6]`',
     "sigma_steps": '`[{ t = "1 s", sigma = "5.1 MPa" }]`; `ramp` beside it',
     "sigma_sinusoid": '`{ amplitude = "50 kPa", period = "2 s" }`, or `frequency`',
-    "file loading": "a name ending in `.csv`, `.tsv` or `.txt`",
+    "file loading": "a name such as `record.csv`",
     "columns": '`["time [s]", "V_lp [um/s]"]`, or numbers from 1 on',
     "units": '`["s", "um/s"]`',
     "t": '`[0, 10, "20 s"]`',

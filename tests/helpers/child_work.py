@@ -1,4 +1,4 @@
-"""Functions that children compute in the tests of child_process.py."""
+"""Functions that children compute in the tests of processes.py."""
 
 import os
 import sys

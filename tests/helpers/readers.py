@@ -52,4 +52,4 @@ def nested(path):
 
 
 def checksum(path, more):
-    return sum(path.read_bytes()), more
+    return sum(path.open("rb").read()), more

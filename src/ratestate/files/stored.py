@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from ..records.reading.isolated import read_isolated
+from ..records.kit.processes import read_isolated
 from ..records.reading.stored import refuse_other_files
 from .place import CHECKSUMS
 

@@ -9,8 +9,7 @@ from scipy.interpolate import make_lsq_spline
 from ..model.history import NormalStress
 from ..model.loading import Loading
 from .kit.sample_noise import sample_noise
-from .load_point.overshoots import without_overshoots
-from .load_point.segments import find_segments, stored_segments
+from .load_point.segments import find_segments, stored_segments, without_overshoots
 from .load_point.stress_steps import VARIABLE, stress_range
 from .messages import raw_record as sentences
 from .raw_record import column, displacement_of, variable_names

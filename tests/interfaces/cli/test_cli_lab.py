@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from ratestate import files
 from ratestate.interfaces.cli import command, main
 from ratestate.records.reading import describe
-from ratestate.records.reading.downsampling import MOST
+from ratestate.records.reading.rows import MOST
 
 
 def call(*arguments):

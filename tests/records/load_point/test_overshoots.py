@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ratestate.records.load_point.overshoots import without_overshoots
-from ratestate.records.load_point.segments import segments_from_displacement
+from ratestate.records.load_point.segments import segments_from_displacement, without_overshoots
 
 SLOW, FAST = 1e-5, 1e-4
 

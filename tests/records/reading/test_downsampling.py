@@ -9,9 +9,9 @@ import pytest
 
 import ratestate as rs
 from ratestate.errors import RecordWarning
-from ratestate.records.reading import cells, read_lab
+from ratestate.records.reading import read_lab
 from ratestate.records.reading import text as text_files
-from ratestate.records.reading.downsampling import MOST, blocks, downsample, means
+from ratestate.records.reading.rows import MOST, blocks, downsample, means
 
 DT, FACTOR = 0.01, 10
 N = 20_000
@@ -132,20 +132,23 @@ def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):
     lines[2000] += ",1"
     lines[2100] = lines[2100].rpartition(",")[0]
     lines[2200] = lines[2200].replace("20.00000000", "2.0D+01")
+    lines += [""] * 1600 + [lines[-1]]
     path.write_text("\n".join(lines))
     whole = text_files.read_text(path)
     monkeypatch.setattr(text_files, "BLOCK", 1000)
     monkeypatch.setattr(text_files, "MOST_ABOVE", 5)
-    monkeypatch.setattr(cells, "PART", 7)
     parts = text_files.read_text(path)
-    assert parts.odd == whole.odd
     assert parts.titles == whole.titles
     np.testing.assert_array_equal(parts.numbers, whole.numbers)
+    found = []
     for one, other in zip(parts.columns, whole.columns, strict=True):
         np.testing.assert_array_equal(one.values, other.values)
-    assert len(whole.odd) == 6
-    assert whole.odd[1499, " Normal stress (MPa)".strip()] == "over000000"
-    expected = [*range(2, 1701), *range(1704, 3004)]
+        odd = np.flatnonzero(np.isnan(one.values))
+        cells = [parts.cell(row, one) for row in odd]
+        assert cells == [whole.cell(row, other) for row in odd]
+        found += cells
+    assert sorted(found) == ["'5 cells'"] * 4 + ["'over000000'", "nothing"]
+    expected = [*range(2, 1701), *range(1704, 3004), 4604]
     np.testing.assert_array_equal(whole.numbers, expected)
     assert whole.columns[3].values[2199 - 3] == 20.0
 
@@ -158,41 +161,3 @@ def test_numbers_are_read_to_the_last_digit(tmp_path):
     path.write_text("\n".join("\t".join(map(repr, row)) for row in values.tolist()))
     table = text_files.read_text(path)
     np.testing.assert_array_equal(np.transpose([c.values for c in table.columns]), values)
-
-
-@pytest.mark.parametrize("delimiter", ["\t", ",", ";"])
-def test_columns_of_texts_are_passed_over_without_a_difference(delimiter, monkeypatch):
-    """Dates and remarks in each row, a number among them now and then: as cell by cell."""
-    rng = np.random.default_rng(7)
-    texts = ["12:00:01", "hold", "", "1.5", "2.0D+01", "nan", "1_0", '"a"', "# no remark", " x "]
-    lines = [
-        delimiter.join([f"{i / 7!r}", texts[rng.integers(10)], f"{i}", texts[rng.integers(10)]])
-        for i in range(700)
-    ]
-    lines[0] = delimiter.join(["0", "run", "0", "12:00"])
-    layout = cells.Layout(delimiter, ".", list("abcd"), {})
-    fast = cells._beside_texts([f"{line}\n" for line in lines], layout, cells.ODD)
-    named = [delimiter.join([name, "1", "2", "3"]) for name in ("on", "# off")]
-    assert cells._beside_texts(named, layout, cells.ODD) is None
-    monkeypatch.setattr(cells, "_beside_texts", lambda *_: None)
-    slow = cells.rows_in(lines, layout)
-    np.testing.assert_array_equal(fast.values, slow.values)
-    np.testing.assert_array_equal(fast.lines, slow.lines)
-    assert fast.odd == slow.odd
-    assert len(fast.odd) > 600
-
-
-def test_not_more_odd_cells_are_kept_than_there_is_room_for(tmp_path, monkeypatch):
-    lines = [f"{i}\t{i % 7}\thold {i % 60}" for i in range(500)]
-    lines[300] = "x\ty\tz"
-    path = tmp_path / "r.txt"
-    path.write_text("\n".join(lines))
-    monkeypatch.setattr(text_files, "BLOCK", 1000)
-    monkeypatch.setattr(text_files, "MOST_ABOVE", 5)
-    monkeypatch.setattr(text_files, "LOOK", 5)
-    monkeypatch.setattr(text_files, "ODD", 100)
-    table = text_files.read_text(path)
-    assert 100 <= len(table.odd) < 200
-    assert table.columns[0].values.size == 500
-    assert np.isnan(table.columns[0].values[300])
-    assert np.isnan(table.columns[2].values).all()

@@ -2,15 +2,12 @@
 
 import numpy as np
 import pytest
+from lab_files import MU, N, T, X
 
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
 
-N = 120
-T = np.arange(N) * 0.25
-X = np.where(T < 15, T, 10 * T - 135)
-MU = 0.6 + 0.003 * np.sin(T)
 COLUMNS = [T, X, 5 * MU, 5.0 + 0.0 * T]
 TITLES = ["Time (s)", "LP disp (um)", "Shear stress (MPa)", "Normal stress (MPa)"]
 

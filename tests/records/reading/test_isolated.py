@@ -14,13 +14,12 @@ import pytest
 import readers
 import scipy.io
 import xarray as xr
+from lab_files import MU, T, X
 
 import ratestate as rs
 from ratestate import ParameterError, files
-from ratestate.records.reading.isolated import read_isolated
+from ratestate.records.kit.processes import read_isolated
 
-T = np.arange(120) * 0.25
-X, MU = np.where(T < 15, T, 10 * T - 135), 0.6 + 0.003 * np.sin(T)
 RECORD = {"Time_s": T, "disp_um": X, "mu": MU}
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="Linux limits memory")
 
@@ -113,7 +112,7 @@ def test_a_script_needs_no_guard_and_a_folder_may_hold_anything(tmp_path):
 
 
 def test_the_child_imports_little():
-    code = "import sys; from ratestate.records.reading import isolated, stored\n"
+    code = "import sys; import ratestate.records.kit.processes, ratestate.records.reading.stored\n"
     code += "import ratestate.files.stored; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     heavy = {"xarray", "pandas", "scipy.ndimage", "scipy.optimize", "matplotlib", "pint", "zarr"}

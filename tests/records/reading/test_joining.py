@@ -7,22 +7,12 @@ import warnings
 import h5py
 import numpy as np
 import pytest
+from lab_files import HEADER, MU, N, T, X, write
 
 import ratestate as rs
 from ratestate.errors import RecordWarning
 
-N = 120
-T = np.arange(N) * 0.25
-X = np.where(T < 15, T, 10 * T - 135)  # a step from 1 to 10 um/s at 15 s
-MU = 0.6 + 0.003 * np.sin(T) + 0.0001 * T
-HEADER = "Time(s)", "Displ(microns)", "Friction", "Normal_stress(MPa)"
 CUT = 50  # rows in the first of two files
-
-
-def write(path, columns, header=HEADER):
-    lines = ["\t".join(map(repr, map(float, row))) for row in zip(*columns, strict=True)]
-    path.write_text("\n".join(["\t".join(header), *lines]))
-    return path
 
 
 @pytest.fixture

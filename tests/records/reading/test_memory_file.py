@@ -5,19 +5,18 @@ import threading
 import time
 
 import h5py
-import numpy as np
 import pytest
 import readers
 import xarray as xr
+from lab_files import MU, T, X
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.records.reading.attempt import attempt
-from ratestate.records.reading.isolated import read_isolated
-from ratestate.records.reading.memory_file import MemoryFile
+from ratestate.records.kit.processes import read_isolated
+from ratestate.records.reading.open_table import MemoryFile
+from ratestate.records.reading.read import attempt
 
-T = np.arange(120) * 0.25
-COLUMNS = {"Time_s": T, "disp_um": np.where(T < 15, T, 10 * T - 135), "mu": 0.6 + T % 1 / 500}
+COLUMNS = {"Time_s": T, "disp_um": X, "mu": MU}
 
 
 def text(columns=COLUMNS):

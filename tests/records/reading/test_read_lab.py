@@ -12,55 +12,30 @@ import scipy.io
 import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from lab_files import HEADER, MU, SIGMA, N, T, X, cells, check, write_rows
 from paths import LAB
 
 import ratestate as rs
 from ratestate import files
 from ratestate.errors import RecordWarning
-from ratestate.records.load_point.stress_steps import stress_steps
-from ratestate.records.reading import read_lab, titles
+from ratestate.records.reading import read_lab
 from ratestate.records.reading.columns import choose_columns
 from ratestate.records.reading.table import Column, Table
-from ratestate.records.reading.titles import LIKE, match_rank
 
-N = 120
-HEADER = "Time(s)", "Displ(microns)", "Friction", "Normal_stress(MPa)"
-
-#: a step from 1 to 10 um/s at 15 s: time [s], displacement [um], friction, normal stress [MPa]
-T = np.arange(N) * 0.25
-X = np.where(T < 15, T, 10 * T - 135)
-MU = 0.6 + 0.003 * np.sin(T) + 0.0001 * T
-COLUMNS = T, X, MU, np.full(N, 20.0)
-
-
-def cells(columns=COLUMNS):
-    return [[repr(float(x)) for x in row] for row in zip(*columns, strict=True)]
-
-
-def write(path, rows, header=HEADER, delimiter="\t", above=(), end="\n", encoding="utf-8"):
-    lines = [*above, *([delimiter.join(header)] if header else []), *map(delimiter.join, rows)]
-    path.write_bytes((end.join(lines) + end).encode(encoding))
-    return path
-
-
-def check(data, rows=slice(None), friction=MU):
-    """That these rows of the record came through, in SI and to rounding."""
-    np.testing.assert_array_equal(data.time, T[rows])
-    np.testing.assert_allclose(data.delta_lp, 1e-6 * X[rows], rtol=3e-16)
-    np.testing.assert_array_equal(data.friction, friction[rows])
+COLUMNS = T, X, MU, SIGMA
 
 
 @pytest.mark.parametrize(("rows", "found"), [(1, True), (40, False)])
 def test_a_step_of_normal_stress_is_found_and_a_ramp_is_none(tmp_path, rows, found):
     """Over as many rows; the load point's step is at 15 s."""
     sigma = np.interp(T, [20.0, 20.0 + 0.25 * rows], [8.0, 8.8])
-    data = read_lab(write(tmp_path / "p1.txt", cells((T, X, MU, sigma))))
+    data = read_lab(write_rows(tmp_path / "p1.txt", cells((T, X, MU, sigma))))
     step = "; step of normal stress 8 -> 8.8 MPa at 20.12 s (66 um)" if found else ""
     assert data.attrs["found"] == f"velocity step 1.00 -> 10.0 um/s at 15 s (15 um){step}"
 
 
 def test_a_record(tmp_path):
-    data = read_lab(write(tmp_path / "p1.txt", cells()))
+    data = read_lab(write_rows(tmp_path / "p1.txt", cells(COLUMNS)))
     check(data)
     assert set(data.sigma.values) == {2e7}
     np.testing.assert_allclose(data.segment_t, [0, 15], rtol=1e-12)
@@ -84,14 +59,14 @@ def test_titles_between_blanks_are_words_and_their_brackets(unit, tmp_path):
     """A bracket belongs to the word before it, with or without blanks inside; a word does not."""
     header = f"Time {unit}", "Displ ( um )", "Friction", "Normal_stress [MPa]"
     units = {} if unit else {"time": "s"}
-    data = read_lab(write(tmp_path / "r.txt", cells(), header, " "), units=units)
+    data = read_lab(write_rows(tmp_path / "r.txt", cells(COLUMNS), header, " "), units=units)
     check(data)
     assert set(data.sigma.values) == {2e7}
 
 
 def test_a_hold_is_named_with_its_length(tmp_path):
     x = np.where(T < 10, T, np.where(T < 18, 10.0, 30 * T - 530))
-    data = read_lab(write(tmp_path / "hold.txt", cells((T, x, MU, np.full(N, 20.0)))))
+    data = read_lab(write_rows(tmp_path / "hold.txt", cells((T, x, MU, np.full(N, 20.0)))))
     hold = "hold of 8 s from 10 s (10 um); slide at 30 um/s from 18 s"
     assert data.attrs["found"].endswith(hold)
 
@@ -122,7 +97,7 @@ NAMES = st.fixed_dictionaries(
 )
 @settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_layout(tmp_path, header, order, delimiter, end, bad, comments):
-    rows = cells()
+    rows = cells(COLUMNS)
     for (row, column), text in bad.items():
         rows[row][column] = text
     lines = [[row[i] for i in order] for row in rows]
@@ -133,7 +108,7 @@ def test_any_layout(tmp_path, header, order, delimiter, end, bad, comments):
         spelled = [f'"{name}"' for name in spelled]  # "Time, s" has a comma itself
     if delimiter == ", ":
         spelled = [name.replace(",", "") for name in spelled]
-    path = write(tmp_path / "r.txt", lines, spelled, delimiter, end=end)
+    path = write_rows(tmp_path / "r.txt", lines, spelled, delimiter, end=end)
     left = sorted(set(range(N)) - {row for row, _ in bad})
     with warnings.catch_warnings(record=True) as emitted:
         warnings.simplefilter("always")
@@ -153,57 +128,11 @@ def test_any_layout(tmp_path, header, order, delimiter, end, bad, comments):
         assert texts[0].removeprefix("r.txt: ") in json.loads(data.attrs["notes"])
 
 
-#: symbol -> titles that real files have
-SPELLINGS = {
-    "time": "Time(s);time [s];Time;t;Elapsed Time (sec);TIME_s;Test time/s;seconds;Timestamp (ms)",
-    "delta_lp": "Displ(microns);LP_Disp(mic);Load Point Displacement [mm];LPDisp;lp displacement;"
-    "disp_mm;Displacement (um);Shear displacement, mm;delta_lp [m];ram_position(mm);Lp;"
-    "Loading point disp",
-    "V_load": "V_load;Velocity (um/s);Load-point velocity [m/s];V_lp;vlp_um/s;Sliding velocity",
-    "friction": "Friction;mu;mu [-];COF;\u00b5;Friction coefficient;coefficient of friction;"
-    "mu_app;Coeff. friction;apparent friction;FRICTION (-)",
-    "tau": "Shear stress, MPa;Shear_stress(MPa);tau [Pa];ShearStress;Shr_stress (MPa);tau_MPa",
-    "sigma": "Normal_stress(MPa);Effective_Normal_stress(MPa);sigma_n [MPa];Eff. normal stress;"
-    "NormStress;sigma;Normal stress, MPa;\u03c3n (MPa)",
-}
-
-
-@pytest.mark.parametrize("symbol", SPELLINGS)
-def test_spellings(symbol):
-    for title in SPELLINGS[symbol].split(";"):
-        name = titles.split(title)[0]
-        known = [symbol for symbol in LIKE if match_rank(name, symbol) is not None]
-        assert known == [symbol], title
-
-
-def test_what_is_no_load_point():
-    for title in ["Slip (mm)", "Normal displacement [mm]", "Layer thickness", "On-board disp"]:
-        assert match_rank(titles.split(title)[0], "delta_lp") is None, title
-
-
-@pytest.mark.parametrize(
-    ("title", "name", "unit"),
-    [
-        ("Time(s)", "Time", "s"),
-        ("mu", "mu", ""),
-        ("Shear stress, MPa", "Shear stress", "MPa"),
-        ("disp_um", "disp", "um"),
-        ("Velocity um/s", "Velocity", "um/s"),
-        ("sigma_n", "sigma_n", ""),
-        ("V_lp", "V_lp", ""),
-        ("Load [kN] left", "Load left", "kN"),
-        ("t/s", "t", "s"),
-    ],
-)
-def test_names_and_units(title, name, unit):
-    assert titles.split(title) == (name, unit)
-
-
 def test_the_surer_of_two_names_is_taken():
     row = np.arange(3.0)
     columns = "Time Displacement LP_disp Friction Normal_stress Effective_normal_stress".split()
-    table = Table([Column(title, title, "", row) for title in columns], "line", {})
-    chosen = choose_columns(table, None)
+    table = Table([Column(title, title, "", row) for title in columns], "line")
+    chosen = choose_columns(table, {})
     assert chosen == {"time": 0, "delta_lp": 2, "friction": 3, "sigma": 5}
 
 
@@ -225,13 +154,13 @@ def above_the_table():
 
 @pytest.mark.parametrize("how", [*above_the_table()])
 def test_layouts(tmp_path, how):
-    data = read_lab(write(tmp_path / "r.dat", cells(), **how))
+    data = read_lab(write_rows(tmp_path / "r.dat", cells(COLUMNS), **how))
     check(data)
     assert set(data.sigma.values) == {2e7}
 
 
 def test_no_header(tmp_path):
-    path = write(tmp_path / "r.txt", cells(), None, ",")
+    path = write_rows(tmp_path / "r.txt", cells(COLUMNS), None, ",")
     units = {"time": "s", "delta_lp": "um"}
     check(read_lab(path, {"time": 1, "delta_lp": 2, "friction": 3}, units))
     with pytest.raises(rs.ParameterError, match=r"no column is known as time.*'column 4'"):
@@ -239,13 +168,13 @@ def test_no_header(tmp_path):
 
 
 def test_decimal_commas(tmp_path):
-    rows = [[cell.replace(".", ",") for cell in row] for row in cells()]
+    rows = [[cell.replace(".", ",") for cell in row] for row in cells(COLUMNS)]
     for delimiter in ";\t ":
-        check(read_lab(write(tmp_path / "r.csv", rows, delimiter=delimiter)))
+        check(read_lab(write_rows(tmp_path / "r.csv", rows, delimiter=delimiter)))
 
 
 def test_columns_and_units_that_are_given(tmp_path):
-    path = write(tmp_path / "r.txt", cells(), ("a", "b (mm)", "c", "d(MPa)"))
+    path = write_rows(tmp_path / "r.txt", cells(COLUMNS), ("a", "b (mm)", "c", "d(MPa)"))
     data = read_lab(path, {"time": "a", "delta_lp": "b", "friction": 3}, {"time": "min"})
     np.testing.assert_allclose(data.time, 60 * T)
     np.testing.assert_allclose(data.delta_lp, 1e-3 * X)
@@ -338,7 +267,7 @@ def test_rows_of_stored_files_count_from_1(tmp_path):
 
 
 def refused(tmp_path, match, rows=None, header=HEADER, *arguments, **keywords):
-    path = write(tmp_path / "r.txt", cells() if rows is None else rows, header)
+    path = write_rows(tmp_path / "r.txt", cells(COLUMNS) if rows is None else rows, header)
     with pytest.raises(rs.ParameterError, match=match):
         read_lab(path, *arguments, **keywords)
 
@@ -436,7 +365,7 @@ def test_files_refused(tmp_path):
 )
 def test_sizes_that_few_experiments_have_are_noted(tmp_path, columns, words):
     columns = (*columns[:2], columns[2] + 1e-6 * np.sin(T))
-    path = write(tmp_path / "r.txt", cells(columns), HEADER[:3])
+    path = write_rows(tmp_path / "r.txt", cells(columns), HEADER[:3])
     with pytest.warns(RecordWarning, match=words) if words else contextlib.nullcontext():
         notes = read_lab(path).attrs["notes"]
     assert words in notes
@@ -446,7 +375,7 @@ def test_sizes_that_few_experiments_have_are_noted(tmp_path, columns, words):
 @pytest.mark.parametrize("sigma", [0.9e-3, 1.1e-3, 999.0, 1001.0])
 def test_a_normal_stress_that_few_machines_reach_is_reported(tmp_path, sigma):
     """Outside 1 kPa to 1 GPa."""
-    path = write(tmp_path / "r.txt", cells((T, X, MU, sigma + 0 * T)))
+    path = write_rows(tmp_path / "r.txt", cells((T, X, MU, sigma + 0 * T)))
     told = pytest.warns(RecordWarning, match=r"sigma is .* \(its median\), which few machines")
     with contextlib.nullcontext() if 1e-3 < sigma < 1e3 else told:
         read_lab(path)
@@ -457,24 +386,14 @@ def test_a_load_point_that_rested_long_still_wanders(tmp_path):
     moved = np.maximum(rows - 900, 0)
     x = 0.5 * moved + 0.05 * np.sin(moved / 60.0)
     mu, sigma = 0.6 + 1e-4 * np.random.default_rng(1).normal(size=rows.size), 20.0 + 0.0 * rows
-    data = read_lab(write(tmp_path / "p1.txt", cells((0.5 * rows, x, mu, sigma))))
+    data = read_lab(write_rows(tmp_path / "p1.txt", cells((0.5 * rows, x, mu, sigma))))
     assert "wanders about constant speeds" in data.attrs["notes"]
 
 
 def test_rows_that_are_never_adjacent_are_refused_in_words(tmp_path):
     text = "\n".join(f"{t} {t / 2} 0.6\n# comment" for t in range(60))
     with pytest.raises(rs.ParameterError, match="no line of numbers"):
-        read_lab(write(tmp_path / "alt.txt", text))
-
-
-@pytest.mark.parametrize("after", [100, 3000])
-def test_a_step_of_normal_stress_is_found_wherever_it_is(after):
-    t, rng = np.arange(6000.0), np.random.default_rng(1)
-    sigma = np.where(t < t.size - after, 8e6, 8.8e6) + 5e3 * rng.normal(size=t.size)
-    (step,) = stress_steps(t, sigma)
-    assert step.t == pytest.approx(t.size - after, abs=1.0)
-    assert (step.before, step.after) == pytest.approx((8e6, 8.8e6), rel=1e-3)
-    assert stress_steps(t, np.where(t < 3000.0, 8e6, 8.07e6)) == []
+        read_lab(write_rows(tmp_path / "alt.txt", text))
 
 
 @pytest.mark.parametrize(("wanders", "noted"), [(0.0, False), (0.05, True)])
@@ -484,18 +403,18 @@ def test_a_load_point_wanders_where_it_is_more_than_rounding(tmp_path, wanders, 
     x = 0.5 * rows + 0.7345 * np.maximum(rows - 400, 0) + wanders * np.sin(rows / 60.0)
     t, x = 0.5 * rows, np.round(x, 6 if wanders else 2)
     columns = (t, x, 0.6 + 0.003 * np.sin(t))
-    notes = read_lab(write(tmp_path / "r.txt", cells(columns), HEADER[:3])).attrs["notes"]
+    notes = read_lab(write_rows(tmp_path / "r.txt", cells(columns), HEADER[:3])).attrs["notes"]
     assert ("wanders about constant speeds" in notes) == noted
 
 
 def test_short_rows_are_counted(tmp_path):
-    rows = [row if i % 2 else row[:2] for i, row in enumerate(cells())]
+    rows = [row if i % 2 else row[:2] for i, row in enumerate(cells(COLUMNS))]
     match = r"r.txt: 60 of the first 120 rows of numbers .* than the 4 of the others \(first line 2"
     with pytest.raises(rs.ParameterError, match=match):
-        read_lab(write(tmp_path / "r.txt", rows))
-    few = [row if i % 14 == 1 else row[:2] for i, row in enumerate(cells())]  # 9 whole ones
+        read_lab(write_rows(tmp_path / "r.txt", rows))
+    few = [row if i % 14 == 1 else row[:2] for i, row in enumerate(cells(COLUMNS))]  # 9 whole ones
     with pytest.raises(rs.ParameterError) as error:
-        read_lab(write(tmp_path / "r.txt", few))
+        read_lab(write_rows(tmp_path / "r.txt", few))
     assert "of the first" not in str(error.value)
 
 
@@ -509,7 +428,7 @@ def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
         path.write_text(content)
         with pytest.raises(rs.ParameterError, match=match):
             read_lab(path)
-    check(read_lab(write(path, cells(), above=["#" + "x" * 19_999, *["#"] * 1000])))
+    check(read_lab(write_rows(path, cells(COLUMNS), above=["#" + "x" * 19_999, *["#"] * 1000])))
     size = path.stat().st_size
     monkeypatch.setattr("ratestate.records.reading.text.LARGEST", size)
     check(read_lab(path))
@@ -528,7 +447,7 @@ def test_a_pipe_is_not_waited_for(tmp_path):
 def test_friction_that_is_next_to_nothing_most_of_the_time(tmp_path):
     """A record that begins long before it is loaded; and one that is in another unit throughout."""
     late = np.where(np.arange(N) < 0.8 * N, 1e-5, 1.0) * MU
-    path = write(tmp_path / "r.txt", cells([T, X, late]), HEADER[:3])
+    path = write_rows(tmp_path / "r.txt", cells([T, X, late]), HEADER[:3])
     with pytest.warns(RecordWarning, match=r"friction is 6.02e-06 \(its median\)"):
         check(read_lab(path), friction=late)
     never = np.where(np.arange(N) < 0.95 * N, 1e-5, 1.0) * MU
@@ -541,24 +460,24 @@ def test_dead_channels_and_short_records(tmp_path):
         columns = [*COLUMNS]
         columns[dead] = np.full(N, 0.5)
         refused(tmp_path, rf"'{HEADER[dead][:5]}.* all 120 rows: a dead channel", cells(columns))
-    refused(tmp_path, "only 9 rows are left, 10 at least", cells()[:9])
+    refused(tmp_path, "only 9 rows are left, 10 at least", cells(COLUMNS)[:9])
 
 
 def test_times_that_repeat_or_run_backwards(tmp_path):
-    rows = cells()
-    path = write(tmp_path / "r.txt", [*rows[:8], rows[7], rows[7], *rows[8:]])
+    rows = cells(COLUMNS)
+    path = write_rows(tmp_path / "r.txt", [*rows[:8], rows[7], rows[7], *rows[8:]])
     with pytest.warns(RecordWarning, match=r"2 rows are left out with the .*line 10 \(1.75 s\)"):
         check(read_lab(path))
     match = r"backwards at line 62, first from 14.75 s to 0 s; sort .*time=\(None, '14.75 s'\)"
     refused(tmp_path, match, rows[:60] + rows[:30])
-    check(read_lab(write(tmp_path / "r.txt", [*rows, rows[0]]), time=(1, 29)), slice(4, 117))
+    check(read_lab(write_rows(tmp_path / "r.txt", [*rows, rows[0]]), time=(1, 29)), slice(4, 117))
 
 
 def test_times_that_are_one_but_for_rounding(tmp_path):
     """A step of 1e-9 of the usual one is none, and one of 1e-8 is."""
     for step, rows in ((0.25e-9, T != 0.25), (0.25e-8, slice(None))):
         t = np.where(T == 0.25, step, T)
-        path = write(tmp_path / "r.txt", cells((t, *COLUMNS[1:])))
+        path = write_rows(tmp_path / "r.txt", cells((t, *COLUMNS[1:])))
         with warnings.catch_warnings(record=True) as emitted:
             warnings.simplefilter("always")
             data = read_lab(path)
@@ -568,8 +487,8 @@ def test_times_that_are_one_but_for_rounding(tmp_path):
 
 
 def test_gaps(tmp_path):
-    rows = cells()
-    path = write(tmp_path / "r.txt", rows[:20] + rows[30:90] + rows[100:])
+    rows = cells(COLUMNS)
+    path = write_rows(tmp_path / "r.txt", rows[:20] + rows[30:90] + rows[100:])
     with pytest.warns(RecordWarning, match=r"2 gaps in time before line 22 \(2.75 s\), line 82 "):
         data = read_lab(path)
     np.testing.assert_allclose(data.segment_t, [0, 15], rtol=1e-12)
@@ -581,12 +500,12 @@ def test_a_change_of_rate_is_no_gap(tmp_path, rates):
     t = np.append(before, before[-1] + rates[1] + after)
     x = np.interp(t, [0, before[-1], t[-1]], [0, 50, 400])
     mu = 0.6 + 1e-3 * np.sin(np.arange(400))
-    data = read_lab(write(tmp_path / "r.txt", cells([t, x, mu]), HEADER[:3]))
+    data = read_lab(write_rows(tmp_path / "r.txt", cells([t, x, mu]), HEADER[:3]))
     assert data.sizes["segment"] == 2
 
 
 def test_windows(tmp_path):
-    path = write(tmp_path / "r.txt", cells())
+    path = write_rows(tmp_path / "r.txt", cells(COLUMNS))
     check(read_lab(path, time=("10 s", "20000 ms")), slice(40, 81))
     check(read_lab(path, time=(10, None)), slice(40, None))
     check(read_lab(path, displacement=("10 um", "65 um")), slice(40, 81))
@@ -594,13 +513,13 @@ def test_windows(tmp_path):
     data = read_lab(path, time=(None, "10 s"))
     assert data.attrs["found"] == "no step: steady at 1 um/s throughout"
     # what lies outside the window does no harm
-    rows = cells()
+    rows = cells(COLUMNS)
     rows[100][2] = "bad"
-    check(read_lab(write(tmp_path / "r.txt", rows), time=("10 s", "20 s")), slice(40, 81))
+    check(read_lab(write_rows(tmp_path / "r.txt", rows), time=("10 s", "20 s")), slice(40, 81))
 
 
 def test_a_load_point_that_runs_downwards(tmp_path):
-    path = write(tmp_path / "r.txt", cells([T, 1000 - X, MU]), HEADER[:3])
+    path = write_rows(tmp_path / "r.txt", cells([T, 1000 - X, MU]), HEADER[:3])
     data = read_lab(path)
     np.testing.assert_allclose(data.delta_lp, 1e-6 * (X - 1000), rtol=1e-12)
     np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-9)
@@ -613,7 +532,7 @@ def test_a_load_point_that_runs_downwards(tmp_path):
 def test_velocity_and_stresses_for_displacement_and_friction(tmp_path):
     V = np.where(T < 15, -2.0, np.where(T < 20, 0.0, -30.0))
     header = "t (s)", "Velocity [um/s]", "Shear stress, MPa", "Normal stress, MPa"
-    data = read_lab(write(tmp_path / "r.txt", cells([T, V, 20 * MU, 20 + 0 * T]), header))
+    data = read_lab(write_rows(tmp_path / "r.txt", cells([T, V, 20 * MU, 20 + 0 * T]), header))
     np.testing.assert_allclose(data.friction, MU, rtol=1e-12)
     np.testing.assert_allclose(data.tau, 2e7 * MU, rtol=1e-12)
     np.testing.assert_allclose(data.segment_V, [2e-6, 0, 3e-5], rtol=1e-9, atol=0)
@@ -625,10 +544,10 @@ def test_velocity_and_stresses_for_displacement_and_friction(tmp_path):
 
 def test_columns_that_do_not_agree_or_have_no_unit(tmp_path):
     header = "t (s)", "disp (um)", "mu", "sigma (MPa)", "tau (MPa)"
-    path = write(tmp_path / "r.txt", cells([*COLUMNS, 2 * MU]), header)
+    path = write_rows(tmp_path / "r.txt", cells([*COLUMNS, 2 * MU]), header)
     with pytest.warns(RecordWarning, match=r"tau/sigma is 0.1 times the friction"):
         check(read_lab(path))
-    path = write(tmp_path / "r.txt", cells(), (*HEADER[:3], "Normal stress"))
+    path = write_rows(tmp_path / "r.txt", cells(COLUMNS), (*HEADER[:3], "Normal stress"))
     with pytest.warns(RecordWarning, match="sigma is left out: .*'Normal stress'.* has no unit"):
         assert "sigma" not in read_lab(path)
     with pytest.raises(rs.ParameterError, match="has no unit"):

@@ -1,3 +1,4 @@
+# ruff: noqa: RUF001 (titles of files in Japanese and Chinese)
 """Which columns are read, which are not, and which are reported, by the words of their titles."""
 
 import json
@@ -5,34 +6,70 @@ import warnings
 
 import numpy as np
 import pytest
+from lab_files import MU, SIGMA, N, T, X, check, write
 
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import describe, read_lab
-from ratestate.records.reading.titles import CERTAIN, match_rank, name_and_units
+from ratestate.records.reading.sizes import in_si, unit_of
+from ratestate.records.reading.table import Column
+from ratestate.records.reading.titles import CERTAIN, LIKE, match_rank, name_and_units, split
 
-N = 120
-T = np.arange(N) * 0.25
-X = np.where(T < 15, T, 10 * T - 135)
-MU = 0.6 + 0.003 * np.sin(T)
-SIGMA = 5.0 + 0.0 * T
 BASE = {
     "Time (s)": T,
     "LP disp (um)": X,
-    "Shear stress (MPa)": 5 * MU,
+    "Shear stress (MPa)": 20 * MU,
     "Normal stress (MPa)": SIGMA,
 }
 
 
-def write(path, columns, delimiter="\t", above=()):
-    rows = zip(*(np.asarray(c).tolist() for c in columns.values()), strict=True)
-    lines = [*above, delimiter.join(columns), *(delimiter.join(map(repr, row)) for row in rows)]
-    path.write_text("\n".join(lines), "utf-8")
-    return path
-
-
 def without(*titles):
     return {title: values for title, values in BASE.items() if title not in titles}
+
+
+#: symbol -> titles that files have, with units or without
+SPELLINGS = {
+    "time": (
+        "Time(s);time [s];Time;t;Elapsed Time (sec);TIME_s;Test time/s;seconds;Timestamp (ms);"
+        "Zeit;Messzeit [s];temps écoulé (s);Tempo decorrido;Tiempo transcurrido;経過時間;时间"
+    ),
+    "delta_lp": (
+        "Displ(microns);LP_Disp(mic);Load Point Displacement [mm];LPDisp;lp displacement;"
+        "disp_mm;Displacement (um);Shear displacement, mm;delta_lp [m];ram_position(mm);Lp;"
+        "Loading point disp;Scherweg [mm];Weg;Kolbenweg;Lastpunktverschiebung;"
+        "Déplacement cumulé;déplacement de cisaillement;Spostamento del pistone;"
+        "Desplazamiento de corte;せん断変位;載荷点変位;剪切位移;ｽﾄﾛｰｸ変位"
+    ),
+    "V_load": (
+        "V_load;Velocity (um/s);Load-point velocity [m/s];V_lp;vlp_um/s;Sliding velocity;"
+        "Geschwindigkeit;Vitesse (µm/s);Velocità;velocidad;velocidade;速度;载荷点速度;剪切速率"
+    ),
+    "friction": (
+        "Friction;mu;mu [-];COF;µ;Friction coefficient;coefficient of friction;mu_app;"
+        "Coeff. friction;apparent friction;FRICTION (-);Reibungskoeffizient;Reibbeiwert;"
+        "Reibungszahl;coefficient de frottement;Coefficiente d'attrito;coefficiente di attrito;"
+        "Attrito;Fricción;coeficiente de fricción;Coeficiente de rozamiento;"
+        "coeficiente de atrito;摩擦係数;摩擦系数"
+    ),
+    "tau": (
+        "Shear stress, MPa;Shear_stress(MPa);tau [Pa];ShearStress;Shr_stress (MPa);tau_MPa;"
+        "Schubspannung;Scherspannung;contrainte de cisaillement;sforzo di taglio;"
+        "tensione tangenziale;esfuerzo cortante;tensão cisalhante;剪断応力;剪应力;Scherkraft"
+    ),
+    "sigma": (
+        "Normal_stress(MPa);Effective_Normal_stress(MPa);sigma_n [MPa];Eff. normal stress;"
+        "NormStress;sigma;Normal stress, MPa;σn (MPa);Normalspannung;effektive Normalspannung;"
+        "contrainte normale effective;tensione normale;esfuerzo normal efectivo;tensão normal;"
+        "法線応力;正应力;有效正应力;Normalkraft"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("symbol", SPELLINGS)
+def test_spellings(symbol):
+    for title in SPELLINGS[symbol].split(";"):
+        known = [symbol for symbol in LIKE if match_rank(split(title)[0], symbol) is not None]
+        assert known == [symbol], title
 
 
 #: titles of what is not the load point's displacement: the sample, the fault, a gauge, a remainder
@@ -43,7 +80,10 @@ LVDT sample disp;On-board displacement;Corrected displacement;Shear displacement
 Stiffness-corrected disp;Interface displacement;Clip gauge displacement;Extensometer displacement
 Joint displacement;Déplacement local;Déplacement corrigé;Spostamento corretto;Weg lokal
 Desplazamiento de la probeta;Relativverschiebung;試験片変位;補正変位;局部位移;Normal displacement
-Verschiebung korr.;Deslocamento corrigido;Extension (local);Kluftverschiebung
+Verschiebung korr.;Deslocamento corrigido;Extension (local);Kluftverschiebung;Slip (mm)
+Normal displacement [mm];Layer thickness;On-board disp;Gleitweg;Normalverschiebung [mm];Probendicke
+déplacement normal;glissement;spostamento normale;desplazamiento normal;垂直変位;法向位移
+すべり変位;厚さ変位
 """.strip()
     .replace("\n", ";")
     .split(";")
@@ -101,7 +141,7 @@ def test_measured_and_mean_columns_are_read_beside_them(tmp_path):
         "Kolbenweg Soll (um)": 2 * X,
         "Kolbenweg Ist (um)": X,
         "Shear stress SD (MPa)": 0.01 * T,
-        "Shear stress mean (MPa)": 5 * MU,
+        "Shear stress mean (MPa)": 20 * MU,
         "Normal stress setpoint (MPa)": 2 * SIGMA,
         "Normal stress measured (MPa)": SIGMA,
     }
@@ -135,7 +175,7 @@ def test_a_correction_is_asked_for_beside_the_plain_column(tmp_path, title, plai
     drop = {"sigma": ["Normal stress (MPa)"], "tau": ["Shear stress (MPa)"]}.get(
         symbol, ["Shear stress (MPa)", "Normal stress (MPa)"]
     )
-    values = {"sigma": SIGMA, "tau": 5 * MU, "friction": MU}[symbol]
+    values = {"sigma": SIGMA, "tau": 20 * MU, "friction": MU}[symbol]
     path = write(tmp_path / "r.txt", {**without(*drop), title: 1.1 * values, plain: values})
     with pytest.raises(rs.ParameterError, match=f"{symbol} may be any of the columns"):
         read_lab(path)
@@ -145,7 +185,7 @@ def test_a_correction_is_asked_for_beside_the_plain_column(tmp_path, title, plai
 
 
 def test_a_raw_column_is_read_only_alone(tmp_path):
-    raw = {"Raw shear stress (MPa)": 6 * MU}
+    raw = {"Raw shear stress (MPa)": 24 * MU}
     path = write(tmp_path / "r.txt", BASE | raw)
     np.testing.assert_allclose(read_lab(path).friction, MU)
     path = write(tmp_path / "s.txt", without("Shear stress (MPa)") | raw)
@@ -165,7 +205,7 @@ def test_the_pore_pressure_is_subtracted(tmp_path, title):
     with pytest.warns(RecordWarning, match="sigma is the effective normal stress: the pore"):
         data = read_lab(path)
     np.testing.assert_allclose(data.friction, MU)
-    np.testing.assert_allclose(data.sigma, 5e6)
+    np.testing.assert_allclose(data.sigma, 2e7)
     assert json.loads(data.attrs["columns"])["pore_pressure"] == {"title": title, "unit": "MPa"}
     # a column that is named is taken as it is, unless the pore pressure is named as well
     named = {"sigma": "Normal stress (MPa)"}
@@ -174,18 +214,18 @@ def test_the_pore_pressure_is_subtracted(tmp_path, title):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         both = read_lab(path, named | {"pore_pressure": title})
-        np.testing.assert_allclose(both.sigma, 5e6)
+        np.testing.assert_allclose(both.sigma, 2e7)
         lab = tmp_path / "lab.toml"
         lab.write_text(describe(path), "utf-8")
-        np.testing.assert_allclose(read_lab(path, format=lab).sigma, 5e6)
+        np.testing.assert_allclose(read_lab(path, format=lab).sigma, 2e7)
 
 
 def test_a_pressure_that_is_not_subtracted(tmp_path):
     effective = {"Effective normal stress (MPa)": SIGMA, "Pore pressure (MPa)": 0.0 * T + 3.0}
     path = write(tmp_path / "r.txt", without("Normal stress (MPa)") | effective)
-    assert float(read_lab(path).sigma[0]) == 5e6
+    assert float(read_lab(path).sigma[0]) == 2e7
     confined = write(tmp_path / "c.txt", BASE | {"Confining pressure (MPa)": 0.0 * T + 3.0})
-    assert float(read_lab(confined).sigma[0]) == 5e6
+    assert float(read_lab(confined).sigma[0]) == 2e7
     gas = write(tmp_path / "g.txt", BASE | {"Argon pressure (MPa)": 0.0 * T + 3.0})
     with pytest.warns(RecordWarning, match=r"the pressure 'Argon pressure \(MPa\)' is not subtr"):
         read_lab(gas)
@@ -200,7 +240,7 @@ def test_a_pressure_that_is_not_subtracted(tmp_path):
      ("Scherkraft (N)", "Normalkraft (kg)", 9.80665), ("Tau", "Sigma", None)],
 )  # fmt: skip
 def test_friction_is_the_ratio_of_forces(tmp_path, shear, normal, factor):
-    columns = {"Time (s)": T, "LP disp (um)": X, shear: 5 * MU * (factor or 1.0), normal: SIGMA}
+    columns = {"Time (s)": T, "LP disp (um)": X, shear: 20 * MU * (factor or 1.0), normal: SIGMA}
     path = write(tmp_path / "r.txt", columns)
     units = {} if factor else {"tau": "kN", "sigma": "kN"}
     with pytest.warns(RecordWarning, match="friction is the ratio of forces .* two faces"):
@@ -221,6 +261,14 @@ def test_friction_is_the_ratio_of_forces(tmp_path, shear, normal, factor):
         ("Stress (corr.)", "MPa", ("Stress (corr.)", "MPa", "")),
         ("Stress (corr.) [MPa]", "", ("Stress (corr.)", "MPa", "")),
         ("Load [kN] left", "", ("Load left", "kN", "")),
+        ("Time(s)", "", ("Time", "s", "")),
+        ("mu", "", ("mu", "", "")),
+        ("Shear stress, MPa", "", ("Shear stress", "MPa", "")),
+        ("disp_um", "", ("disp", "um", "")),
+        ("Velocity um/s", "", ("Velocity", "um/s", "")),
+        ("sigma_n", "", ("sigma_n", "", "")),
+        ("V_lp", "", ("V_lp", "", "")),
+        ("t/s", "", ("t", "s", "")),
     ],
 )
 def test_units_of_a_title_and_beside_it(title, unit, expected):
@@ -248,15 +296,15 @@ def test_a_title_and_a_row_of_units_that_contradict_each_other(tmp_path):
 )  # fmt: skip
 def test_units_of_stress_as_laboratories_write_them(tmp_path, unit, pascals):
     columns = without("Shear stress (MPa)", "Normal stress (MPa)")
-    columns |= {"Friction": MU, f"Normal stress ({unit})": 5e6 / pascals + 0.0 * T}
+    columns |= {"Friction": MU, f"Normal stress ({unit})": 2e7 / pascals + 0.0 * T}
     data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.sigma, 5e6)
+    np.testing.assert_allclose(data.sigma, 2e7)
 
 
 @pytest.mark.parametrize("unit", ["mPa", "GPa"])
 def test_a_prefix_keeps_its_meaning(tmp_path, unit):
     columns = without("Normal stress (MPa)") | {f"Normal stress ({unit})": SIGMA}
-    told = pytest.warns(RecordWarning, match="sigma is 5 GPa")
+    told = pytest.warns(RecordWarning, match="sigma is 20 GPa")
     refused = pytest.raises(rs.ParameterError, match="no record is of such a size")
     with refused if unit == "mPa" else told:
         read_lab(write(tmp_path / "r.txt", columns), units={"tau": unit})
@@ -290,7 +338,7 @@ def test_without_a_prime_the_pore_pressure_is_subtracted(tmp_path):
     }
     with pytest.warns(RecordWarning, match="is subtracted from 'sigma_n"):
         data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.sigma, 5e6)
+    np.testing.assert_allclose(data.sigma, 2e7)
 
 
 @pytest.mark.parametrize(
@@ -301,7 +349,7 @@ def test_a_pressure_from_an_initial_one_is_not_subtracted(tmp_path, title):
     path = write(tmp_path / "r.txt", BASE | {"Normal stress (MPa)": SIGMA, title: 0.1 * SIGMA})
     with pytest.warns(RecordWarning, match="is counted from an initial pore pressure"):
         data = read_lab(path)
-    np.testing.assert_allclose(data.sigma, 5e6)
+    np.testing.assert_allclose(data.sigma, 2e7)
 
 
 @pytest.mark.parametrize(("pore", "turned"), [(3.0, False), (-3.0, True)])
@@ -311,7 +359,7 @@ def test_the_sign_of_the_pore_pressure_follows_the_stress(tmp_path, pore, turned
     columns |= {"Normal stress (MPa)": -(SIGMA + 3.0), "Pore pressure (MPa)": 0.0 * T + pore}
     with pytest.warns(RecordWarning, match="sigma is the effective normal stress"):
         data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.sigma, 5e6)
+    np.testing.assert_allclose(data.sigma, 2e7)
     assert ("pore_pressure is negative throughout" in data.attrs["notes"]) == turned
 
 
@@ -319,4 +367,103 @@ def test_suction_keeps_its_sign(tmp_path):
     columns = BASE | {"Pore pressure (MPa)": 0.0 * T - 0.01}
     with pytest.warns(RecordWarning, match="sigma is the effective normal stress"):
         data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.sigma, 5.01e6)
+    np.testing.assert_allclose(data.sigma, 20.01e6)
+
+
+#: language -> titles of time, displacement [um], shear and normal stress [MPa]; and its encodings
+HEADERS = {
+    "de": ("Zeit [s]|Weg [µm]|Schubspannung (N/mm²)|Normalspannung [MPa]", "cp1252"),
+    "de 2": ("Versuchszeit (Sek)|Verschiebung (Mikron)|Scherspannung, MPa|Normalspannung MPa", ""),
+    "fr": ("Temps (s)|Déplacement du vérin (µm)|Contrainte de cisaillement (MPa)|"
+           "Contrainte normale (MPa)", "cp1252"),
+    "it": ("Tempo [secondi]|Spostamento [µm]|Sforzo di taglio [MPa]|Sforzo normale [MPa]", ""),
+    "es": ("Tiempo (seg)|Desplazamiento (µm)|Esfuerzo de corte (MPa)|Esfuerzo normal (MPa)",
+           "cp1252"),
+    "pt": ("Tempo (s)|Deslocamento (µm)|Tensão de cisalhamento (MPa)|Tensão normal (MPa)",
+           "cp1252"),
+    "ja": ("時間(秒)|荷重点変位(μm)|せん断応力(MPa)|垂直応力(MPa)", "cp932 euc_jp"),
+    "ja 2": ("経過時間（s）|変位（㎛）|せん断応力（㎫）|有効垂直応力（㎫）", ""),
+    "zh": ("时间(秒)|位移(微米)|剪切应力(兆帕)|法向应力(兆帕)", "gb18030 gbk"),
+    "zh 2": ("時間(s)|位移(um)|剪切應力(MPa)|正應力(MPa)", "big5"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("language", HEADERS)
+def test_headers_of_other_languages(language, tmp_path):
+    header, encodings = HEADERS[language]
+    columns = [T, X, 20 * MU, SIGMA]
+    for encoding in ["utf-8", "utf-16", *encodings.split()]:
+        path = write(tmp_path / "r.txt", columns, header.split("|"), encoding=encoding)
+        data = read_lab(path)
+        np.testing.assert_allclose(data.friction, MU, rtol=1e-14)
+        known = json.loads(data.attrs["columns"]).values()
+        assert [one["title"] for one in known] == header.split("|"), encoding
+
+
+def test_two_columns_of_one_meaning_remain_an_error(tmp_path):
+    header = "Zeit [s]", "Weg A [µm]", "Weg B [µm]", "Reibung"
+    path = write(tmp_path / "r.txt", [T, X, X, MU], header)
+    with pytest.raises(rs.ParameterError, match=r"delta_lp may be any of .*'Weg A \[µm\]'"):
+        read_lab(path)
+
+
+@pytest.mark.parametrize(
+    ("written", "read", "factor"),
+    [
+        *[("N/mm²", "sigma", 1e6), ("kgf/cm2", "sigma", 98066.5), ("bar", "sigma", 1e5)],
+        *[("psi", "sigma", 6894.757293168361), ("kgf/cm²", "sigma", 98066.5), ("兆帕", "tau", 1e6)],
+        *[("µm", "delta_lp", 1e-6), ("㎜", "delta_lp", 1e-3), ("Mikrometer", "delta_lp", 1e-6)],
+        *[("mm/min", "V_load", 1e-3 / 60), ("微米/秒", "V_load", 1e-6)],
+        *[("min", "time", 60.0), ("h", "time", 3600.0), ("Sek", "time", 1.0), ("秒", "time", 1.0)],
+        *[("Std", "time", 3600.0), ("分钟", "time", 60.0), ("heures", "time", 3600.0)],
+        *[("無次元", "friction", 1.0), ("sans", "friction", 1.0), ("%", "friction", 0.01)],
+    ],
+)
+def test_units_of_other_laboratories(written, read, factor):
+    unit = unit_of(Column("x", "x", written, T), read, {})
+    np.testing.assert_allclose(in_si(read, np.array([1.0, 2.0]), unit), [factor, 2 * factor], 1e-14)
+
+
+def test_decimal_commas_and_a_row_of_units(tmp_path):
+    header = "Zeit;Weg;Reibungskoeffizient;Normalspannung\ns;µm;-;N/mm²".split(";")
+    path = write(tmp_path / "r.csv", [T, X, MU, SIGMA], header, lambda x: repr(x).replace(".", ","),
+                 delimiter=";", encoding="cp1252")  # fmt: skip
+    check(read_lab(path))
+
+
+def xlook(path, names, units, columns):
+    """A file as xlook writes it: columns of 12 letters, the first of which has no name."""
+    wide = "            "
+    numbers = [f"col {i}" for i in range(2, 6)]
+    lines = [f"number of records = {N}", wide + "".join(f"{name:>12}" for name in numbers)]
+    lines += [wide + "".join(name.rjust(12) for name in row) for row in (names, units)]
+    lines.append(wide + "".join(f"{N}recs".rjust(12) for _ in names))
+    rows = zip(range(N), *columns, strict=True)
+    lines += ["".join(f"{float(x):.17g}".rjust(25) for x in row) for row in rows]
+    path.write_text("\n".join(lines))
+    return path
+
+
+def test_a_file_of_xlook(tmp_path):
+    columns = [X, 20 * MU, SIGMA, T]
+    path = xlook(tmp_path / "p1.txt", ["LP_Disp", "Shr_stress", "Nor_stress", "Time"],
+                 ["mic", "MPa", "MPa", "sec"], columns)  # fmt: skip
+    data = read_lab(path)
+    np.testing.assert_allclose(data.friction, MU, rtol=1e-14)
+    columns = json.loads(data.attrs["columns"])
+    assert columns["delta_lp"] == {"title": "LP_Disp", "unit": "um"}
+    # without the line that only xlook has, a header may not lack a name
+    lines = [line for line in path.read_text().splitlines() if "recs" not in line]
+    path.write_text("\n".join(lines))
+    with pytest.raises(rs.ParameterError, match="has 4 names for 5 columns"):
+        read_lab(path)
+
+
+def test_dates_with_clock_times_beside_the_time(tmp_path):
+    path = write(
+        tmp_path / "r.txt", [T, X, MU, SIGMA], ["Time (s)", "Disp (um)", "mu", "sigma (MPa)"]
+    )
+    head, *rows = path.read_text("utf-8").splitlines()
+    stamped = [f"2019-05-14 12:00:{i % 60:02}\t{row}" for i, row in enumerate(rows)]
+    path.write_text("\n".join([f"Date\t{head}", *stamped]), "utf-8")
+    check(read_lab(path))

@@ -291,3 +291,48 @@ def test_zeros_at_the_end_do_not_turn_the_load_point(tmp_path):
     path = write(tmp_path / "r.txt", T, x, MU)
     left(path, r"40 rows are left out as a dropout", np.arange(N - 40, N))
     assert float(told_by(path)[0].segment_V[-1]) == pytest.approx(1e-5, rel=1e-3)
+
+
+def still(folder, friction):
+    t = np.arange(friction.size) * 0.1
+    return write(folder / "x.txt", t, 10 * t, friction)
+
+
+def noisy(n=600, digits=6, noise=3e-4):
+    rng = np.random.default_rng(5)
+    return np.round(0.6 + noise * rng.standard_normal(n), digits)
+
+
+def test_a_channel_at_the_end_of_its_range(tmp_path):
+    friction = noisy()
+    friction[200:260] = 0.65
+    message = (
+        r"friction stays at 0.65 from 20 s to 25.9 s, 60 rows, .*end of its range.*dropped out"
+    )
+    with pytest.warns(RecordWarning, match=message):
+        data = read_lab(still(tmp_path, friction))
+    assert "60 rows" in data.attrs["notes"]
+
+
+@pytest.mark.parametrize(("rows", "warned"), [(19, False), (20, True)])
+@pytest.mark.parametrize("at", [0, 300, -1])
+def test_how_long_it_must_be(tmp_path, rows, warned, at):
+    friction = noisy()
+    first = at if at >= 0 else friction.size - rows
+    friction[first : first + rows] = 0.61
+    _, told = told_by(still(tmp_path, friction))
+    assert [f"{rows} rows" in one for one in told] == [True] * warned
+
+
+@pytest.mark.parametrize(("rows", "warned"), [(22, False), (40, True)])
+def test_coarse_digits_repeat_by_chance(tmp_path, rows, warned):
+    friction = noisy(digits=3, noise=6e-4)
+    assert 0.35 < np.mean(np.diff(friction) == 0.0) < 0.5
+    friction[300 : 300 + rows] = 0.61
+    assert len(told_by(still(tmp_path, friction))[1]) == warned
+
+
+def test_a_record_without_noise_may_stand_still(tmp_path):
+    t = np.arange(600)
+    friction = 0.6 + 0.01 * np.where(t < 200, 0.0, np.exp(-(t - 200) / 50))
+    assert "stays" not in read_lab(still(tmp_path, friction)).attrs["notes"]

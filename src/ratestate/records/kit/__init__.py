@@ -7,7 +7,7 @@
 ``regression``        linear regression: of correlated samples, and of estimates with errors
 ``least_squares``     least squares within bounds; BLAS on one thread
 ``polynomial_windows``  windows of a record in which friction is a polynomial
-``child_process``     work spread over processes
+``processes``         work spread over child processes; files read in one, under limits
 ``results``           variables of results, and their tables as text
 ===================== ==========================================================================
 """

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,19 +13,10 @@ MANY = 400  # rows that tell the correlation of their noise
 JUMP = 4.0  # least jump, over the standard deviation of these rows
 
 
-class Samples(NamedTuple):
-    """A displacement along time, and its noise: (n,) each."""
-
-    t: np.ndarray  # [s]
-    x: np.ndarray  # [m]
-    noise: np.ndarray  # variance [m^2], as it affects cuts
-    rates: np.ndarray  # number of the sampling rate
-
-
 class Run:
     """Rows of a record at one speed, and the lines of this slope that fit them best.
 
-    samples : `Samples` of all rows of the record
+    samples : `RowSums` of all rows of the record
     rows : list of (first, last + 1), for each line: several if the displacement jumps in between
     hold : whether V = 0 exactly
 
@@ -36,7 +26,7 @@ class Run:
 
     def __init__(self, samples, rows, hold=False):
         self.samples, self.rows, self.hold = samples, rows, hold
-        self.t, x, noise, _ = samples
+        self.t, x, noise = samples.t, samples.x, samples.noise
         self.first, self.last = rows[0][0], rows[-1][1]
         self.start, self.end = self.t[self.first], self.t[self.last - 1]
         self.means, self.weights = [], []  # of t and x, and their total weights

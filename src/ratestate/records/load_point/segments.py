@@ -1,4 +1,4 @@
-"""The history of the load point: speeds that are constant between breaks."""
+"""The history of the load point: speeds that are constant between breaks, without overshoots."""
 
 import itertools
 from typing import NamedTuple
@@ -7,7 +7,6 @@ import numpy as np
 
 from ...model.quantities import power_of, prefixed_unit, readable, readable_change
 from ..messages import load_point as sentences
-from .overshoots import without_overshoots
 from .runs import breakpoints, is_gap, noise_variances
 from .splits import RowSums, cut, drop_weak_cuts
 from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
@@ -17,6 +16,13 @@ from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
 POSITION = 26.0
 #: error of a time by rounding, over the last time of a record
 ROUNDING = 1e-14
+#: longest overshoot, over the shorter of the times at the speeds before and after it
+BRIEF = 0.05
+#: largest deviation from the speed after, over the change of speed
+BEYOND = 0.5
+#: largest deviation of the displacement, over that at either speed.  A laboratory slides 10 Dc or
+#: more at each speed: friction does not notice so small a part of Dc.
+EXCESS = 0.005
 
 
 class FoundSegments(NamedTuple):
@@ -211,7 +217,6 @@ def segments_from_velocity(t, V):
 
 
 def _checked(t, x, symbol):
-    """Times and values as arrays of numbers, or ParameterError."""
     t, x = np.asarray(t, float), np.asarray(x, float)
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
         raise sentences.refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
@@ -240,8 +245,39 @@ def _speeds(before, V):
 
 
 def _moved(at, t, displacement):
-    """Displacement at a time in brackets; "" without a record of it."""
     if displacement is None:
         return ""
     x = np.interp(at, t, displacement)
     return f" ({x * 1e6:.0f} um)" if abs(x) < 0.1 else f" ({x * 1e3:.3f} mm)"
+
+
+def without_overshoots(t, V, end):
+    """Return starts [s] and speeds [m/s] of the segments without overshoots, and their numbers.
+
+    t, V : (n,) of all segments; end : of the last one [s]
+
+    A step with an overshoot begins where the overshoot begins.
+    """
+    lasts = np.diff(np.append(t, end))
+    starts, kept = [0], [0]
+    while kept[-1] < V.size - 1:
+        before = kept[-1]
+        after = next(
+            (k for k in range(V.size - 1, before + 1, -1) if _overshoots(V, lasts, before, k)),
+            before + 1,
+        )
+        starts.append(before + 1)
+        kept.append(after)
+    return t[starts], V[kept], np.array(kept)
+
+
+def _overshoots(V, lasts, before, after):
+    """Whether all segments between two are overshoots of a step from the one to the other."""
+    brief, ends = slice(before + 1, after), [before, after]
+    off = np.abs(V[brief] - V[after])
+    moved = (V * lasts)[ends]
+    return bool(
+        lasts[brief].sum() <= BRIEF * lasts[ends].min()
+        and off.max() <= BEYOND * abs(V[after] - V[before])
+        and off @ lasts[brief] <= EXCESS * moved[moved > 0.0].min(initial=np.inf)
+    )

@@ -7,9 +7,8 @@ import numpy as np
 
 from ..kit.sample_noise import sample_noise
 from ..messages import load_point as sentences
-from .runs import JUMP, Run, Samples, jump_between, jump_size, noise_variances, refine_breakpoints
-from .sampling_noise import SHORTEST
-from .splits import RowSums, cut, drop_weak_cuts
+from .runs import JUMP, Run, jump_between, jump_size, noise_variances, refine_breakpoints
+from .splits import SHORTEST, RowSums, cut, drop_weak_cuts
 
 #: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
 STEP = 0.05
@@ -52,11 +51,10 @@ def find_runs(t, x):
 
 def _steps_and_jumps(rows, x):
     """Runs between steps; where a displacement jumps, lines of one run."""
-    samples = Samples(rows.t, x, rows.noise, rows.rates)
 
     @functools.cache
     def run_of(i, j):
-        return Run(samples, [(i, j)])
+        return Run(rows, [(i, j)])
 
     def least_change(one, other):
         error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5

@@ -7,9 +7,8 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..kit.sample_noise import OF_SECOND
-from .runs import Run, Samples
-from .sampling_noise import SHORTEST
-from .splits import RowSums, cut
+from .runs import Run
+from .splits import SHORTEST, RowSums, cut
 
 #: change of a normal stress, as a multiple of its mean, from which it varies
 VARIABLE = 0.01
@@ -48,7 +47,7 @@ def stress_steps(time, sigma):
     Normal stress rests at each level for `REST` times as long as the change between them takes.
     """
     levels = [_level(run) for run in _lines(time, sigma) if _change(run) <= VARIABLE]
-    while levels and min(rests := [*map(_rest, levels, *_beside(levels))]) < REST:
+    while levels and min(rests := _rests(levels)) < REST:
         del levels[int(np.argmin(rests))]
     return [
         _between(time, sigma, one, other)
@@ -58,7 +57,6 @@ def stress_steps(time, sigma):
 
 
 def _between(time, sigma, one, other):
-    """The `StressStep` between two levels."""
     begin, end = one.end, other.begin
     rows = np.arange(*np.searchsorted(time, (begin, end))) if end > begin else np.array([], int)
     if 0 < rows.size <= SUDDEN:
@@ -112,12 +110,10 @@ def _lines(time, sigma):
         cuts = cut(rows)
     except ParameterError:  # too many
         return []
-    samples = Samples(time, sigma, rows.noise, rows.rates)
-    return [Run(samples, [two]) for two in itertools.pairwise(rows.at[cuts].tolist())]
+    return [Run(rows, [two]) for two in itertools.pairwise(rows.at[cuts].tolist())]
 
 
 def _change(run):
-    """Change of a quantity along its line, over its mean."""
     return abs(run.V) * (run.end - run.start) / run.means[0][1]
 
 
@@ -128,15 +124,12 @@ def _level(run):
     return _Level(float(begin), float(end), float(run.means[0][1]))
 
 
-def _beside(levels):
-    """For each of n levels the one before, and the one after: itself at either end."""
-    return [*levels[:1], *levels[:-1]], [*levels[1:], *levels[-1:]]
-
-
-def _rest(level, before, after):
-    """Time at a level over that of the longer change beside it."""
-    change = max(level.begin - before.end, after.begin - level.end)
-    return (level.end - level.begin) / change if change > 0.0 else np.inf
+def _rests(levels):
+    """(n,) times at n levels, as multiples of the longer change beside each; inf without one."""
+    begin, end, _ = np.transpose(levels)
+    changes = np.concatenate([[0.0], begin[1:] - end[:-1], [0.0]])
+    longer = np.maximum(changes[:-1], changes[1:])
+    return np.where(longer > 0.0, (end - begin) / np.where(longer > 0.0, longer, 1.0), np.inf)
 
 
 def _is_stress(sigma):

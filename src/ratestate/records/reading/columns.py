@@ -1,9 +1,9 @@
 """Assigns quantities to the columns of a file, by the names of these."""
 
 import contextlib
-import difflib
 
 from ...errors import ParameterError
+from ...model.names import nearest
 from ..messages import reading as sentences
 from .sizes import unit_of
 from .table import name_list, quoted
@@ -20,20 +20,29 @@ NEEDS = {
 INSTEAD = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
 
 
+def check_requests(columns, units):
+    """ParameterError unless these are dicts of columns and of units (not read yet) by symbol."""
+    symbols = ", ".join(PATTERNS)
+    if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
+        given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
+        raise sentences.refusal("columns.symbols", symbols=symbols, given=given)
+    sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
+    if not sound or not units.keys() <= PATTERNS.keys():
+        raise sentences.refusal("units.type", units=units, symbols=symbols)
+
+
 def choose_columns(table, columns, constants=()):
     """dict symbol -> index of its column, from 0: as requested, and of others by their names.
 
-    columns : dict symbol -> title or number from 1 on, or None; one column may be requested twice
+    columns : dict symbol -> title or number from 1 on; one column may be requested twice
     constants : symbols for which no column is looked for
 
-    A symbol of `PATTERNS` that is not needed may be absent.  ParameterError: a symbol that is none
-    of them, a request that fits no column or several, a needed column that is missing or ambiguous.
+    A symbol of `PATTERNS` that is not needed may be absent.  ParameterError: a request that fits no
+    column or several, a needed column that is missing or ambiguous.
     """
-    columns = {} if columns is None else columns
-    if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
-        given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
-        raise sentences.refusal("columns.symbols", symbols=", ".join(PATTERNS), given=given)
-    chosen = {symbol: _requested(table, symbol, request) for symbol, request in columns.items()}
+    chosen = {
+        symbol: requested_column(table, symbol, request) for symbol, request in columns.items()
+    }
     for symbol in PATTERNS:
         replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:
@@ -69,7 +78,6 @@ def _is_excess(table, symbol, index):
 
 
 def _rank(table, chosen, symbol):
-    """The `match_rank` of a column that is chosen."""
     return match_rank(table.columns[chosen[symbol]].name, symbol)
 
 
@@ -101,7 +109,7 @@ def title_warnings(table, chosen, requested, constants=()):
     return notes
 
 
-def _requested(table, symbol, request):
+def requested_column(table, symbol, request):
     """Index of the column that was requested by title or number."""
     titles = table.titles
     values = {"symbol": symbol, "request": request, "titles": name_list(titles)}
@@ -122,9 +130,8 @@ def _requested(table, symbol, request):
                 raise sentences.refusal(
                     "columns.several", count=len(same), numbers=numbers, **values
                 )
-    lower = {title.lower(): title for title in titles}
-    near = difflib.get_close_matches(request.lower()[:60], lower, n=1, cutoff=0.7)
-    meant = f"; did you mean {quoted(lower[near[0]])}?" if near else ""
+    near = nearest(request, titles) or nearest(request, [column.name for column in table.columns])
+    meant = f"; did you mean {quoted(near)}?" if near else ""
     raise sentences.refusal("columns.unknown", meant=meant, **values)
 
 

@@ -67,16 +67,16 @@ def header_of(lines, delimiter, width, written=None):
     return Header(names, nothing)
 
 
-def check_headers(lines, rows, layout, above, header, name):
+def check_headers(lines, values, places, layout, above, header, name):
     """ParameterError if there is another header than the first among the rows of some lines.
 
-    rows, layout : the `Rows` in the lines, and their `Layout`
+    values, places, layout : the numbers in the lines, as by `rows_in`, and their `Layout`
     above : how many lines are above these
     header, name : the first header, and of which file
     """
-    width, delimiter = len(layout.titles), layout.delimiter
+    width, delimiter = layout.width, layout.delimiter
     numbers = np.zeros(len(lines), bool)
-    numbers[rows.lines[np.isfinite(rows.values).any(axis=1)]] = True
+    numbers[places[np.isfinite(values).any(axis=1)]] = True
     if numbers.all() or not numbers.any():
         return
     texts = [i for i in np.flatnonzero(~numbers).tolist() if lines[i].strip()]
@@ -166,7 +166,6 @@ def _names(line, delimiter, width, written=None):
 
 
 def _cells(line, delimiter):
-    """The cells of a line of the header."""
     if delimiter is not None:
         return next(csv.reader([line], delimiter=delimiter), [])
     names: list[str] = []

@@ -1,6 +1,6 @@
 """Files of one experiment, one after the other, as one table."""
 
-from typing import NamedTuple
+import itertools
 
 import numpy as np
 
@@ -8,7 +8,8 @@ from ...model.quantities import QUANTITIES
 from ...model.units import scaled, unit_factor
 from ..messages import reading as sentences
 from .columns import NEEDS
-from .table import Column, Table
+from .rows import Rows
+from .table import Table
 
 #: how the times of files may follow each other
 JOINS = ("auto", "absolute", "restart")
@@ -18,15 +19,6 @@ NEAR_ZERO = 1.5
 ZEROED = 3.0
 
 
-class Part(NamedTuple):
-    """What is read of one file."""
-
-    table: Table
-    name: str  # of the file
-    columns: dict[str, Column]  # symbol -> column
-    units: dict[str, str]  # symbol -> its unit
-
-
 def check_join(join):
     """ParameterError for another way to join than those there are."""
     if join not in JOINS:
@@ -34,10 +26,12 @@ def check_join(join):
 
 
 def join_parts(parts, join, constants=()):
-    """One `Part` of all, in the units of the first, and notes (list of str).
+    """The `Rows` of all files, in the units of the first, and notes (list of str).
+
+    parts : list of the `Rows` of each file, with nothing left out
 
     join : "absolute", times go on from file to file; "restart", they begin anew in each; "auto",
-    the latter where each file begins at 0, else the former
+    the latter if each file begins at 0, else the former
     constants : symbols that are given, and need no column
 
     ParameterError: a column that another file lacks, or times that overlap.
@@ -46,55 +40,40 @@ def join_parts(parts, join, constants=()):
     if len(parts) == 1:
         return first, []
     symbols, notes = _common_symbols(parts, constants)
-    sizes = [part.columns["time"].values.size for part in parts]
-    starts = np.cumsum([0, *sizes[:-1]])
     pieces = {s: [_in_unit(part, s, first.units[s]) for part in parts] for s in symbols}
     if join == "restart" or (join == "auto" and all(map(_begins_at_zero, pieces["time"]))):
         notes += _follow_on(parts, pieces, first.units)
     else:
         _check_order(parts, pieces["time"], first.units["time"])
     columns = {s: first.columns[s]._replace(values=np.concatenate(pieces[s])) for s in symbols}
-    odd = {
-        (int(start) + row, columns[symbol].title): cell
-        for start, part in zip(starts, parts, strict=True)
-        for (row, title), cell in part.table.odd.items()
-        for symbol in symbols
-        if part.columns[symbol].title == title
-    }
-    numbers = [
-        np.arange(1, n + 1) if part.table.numbers is None else part.table.numbers
-        for part, n in zip(parts, sizes, strict=True)
-    ]
-    files = tuple((int(i), part.name) for i, part in zip(starts, parts, strict=True))
-    row_name = first.table.row_name
-    table = Table([*columns.values()], row_name, odd, np.concatenate(numbers), files=files)
-    return Part(table, first.name, columns, {s: first.units[s] for s in symbols}), notes
+    starts = np.cumsum([0, *(t.size for t in pieces["time"])]).tolist()
+    files = tuple(
+        (start, part.table._replace(columns=[part.columns[s] for s in symbols]))
+        for start, part in zip(starts, parts, strict=False)
+    )
+    table = Table([*columns.values()], first.table.row_name, files=files)
+    return Rows(table, columns, {s: first.units[s] for s in symbols}), notes
 
 
 def _common_symbols(parts, constants):
     """Symbols that all files have, and notes on others; ParameterError if these are needed."""
-    known = list(dict.fromkeys(symbol for part in parts for symbol in part.columns))
+    known = dict.fromkeys(symbol for part in parts for symbol in part.columns)
     symbols = [s for s in known if all(s in part.columns for part in parts)]
     notes = []
-    for symbol in known:
-        with_, without = (
-            [part.name for part in parts if (symbol in part.columns) == has]
-            for has in (True, False)
-        )
-        if without:
-            values = {"symbol": symbol, "name": with_[0], "lacking": without[0]}
-            if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
-                raise sentences.refusal("join.columns", **values)
-            notes.append(sentences("notes.not_in_all", **values))
+    for symbol in [s for s in known if s not in symbols]:
+        name = next(part.table.name for part in parts if symbol in part.columns)
+        lacking = next(part.table.name for part in parts if symbol not in part.columns)
+        values = {"symbol": symbol, "name": name, "lacking": lacking}
+        if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
+            raise sentences.refusal("join.columns", **values)
+        notes.append(sentences("notes.not_in_all", **values))
     return symbols, notes
 
 
 def _in_unit(part, symbol, unit):
     """Values of a file's column in the unit of the first file's."""
-    values, si = part.columns[symbol].values, QUANTITIES[symbol].unit
-    if part.units[symbol] == unit:
-        return values
-    return scaled(values, unit_factor(si, part.units[symbol]) / unit_factor(si, unit))
+    values, own, si = part.columns[symbol].values, part.units[symbol], QUANTITIES[symbol].unit
+    return values if own == unit else scaled(values, unit_factor(si, own) / unit_factor(si, unit))
 
 
 def _ends(values):
@@ -110,39 +89,37 @@ def _usual_step(t):
 
 
 def _begins_at_zero(t):
-    """Whether times begin with 0 or the first step."""
     return 0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t)
 
 
 def _check_order(parts, times, unit):
-    """ParameterError if a file begins before the one before it ends."""
-    for i in range(1, len(parts)):
-        (_, end), (begin, _) = _ends(times[i - 1]), _ends(times[i])
+    for (before, t), (after, u) in itertools.pairwise(zip(parts, times, strict=True)):
+        end, begin = _ends(t)[1], _ends(u)[0]
         if begin < end:
-            before, after = parts[i - 1], parts[i]
-            rows = [
-                part.table.row_label(int(np.flatnonzero(np.isfinite(t))[place]))
-                for part, t, place in ((before, times[i - 1], -1), (after, times[i], 0))
-            ]
-            values = {"before": before.name, "after": after.name, "end": end, "begin": begin}
-            values |= {"last_row": rows[0], "first_row": rows[1], "unit": unit}
+            last, first = np.flatnonzero(np.isfinite(t))[-1], np.flatnonzero(np.isfinite(u))[0]
+            values = {
+                "before": before.table.name,
+                "after": after.table.name,
+                "end": end,
+                "begin": begin,
+            }
+            values |= {"last_row": before.table.row_label(last), "unit": unit}
+            values |= {"first_row": after.table.row_label(first)}
             raise sentences.refusal("join.overlap", **values)
 
 
 def _follow_on(parts, pieces, units):
     """Let times of files go on from one to the next, and displacements set to 0 again; notes."""
     notes = []
-    for i in range(1, len(parts)):
-        before, after = parts[i - 1].name, parts[i].name
-        t = pieces["time"][i]
-        added = _ends(pieces["time"][i - 1])[1] + _usual_step(t) - _ends(t)[0]
-        pieces["time"][i] = t + added
-        values = {"before": before, "after": after, "added": added, "unit": units["time"]}
-        notes.append(sentences("notes.restart", **values))
-        if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i - 1 : i + 1])):
-            pieces["delta_lp"][i] = pieces["delta_lp"][i] + added
-            values |= {"added": added, "unit": units["delta_lp"]}
-            notes.append(sentences("notes.zeroed", **values))
+    for i, (before, after) in enumerate(itertools.pairwise(part.table.name for part in parts)):
+        t, u = pieces["time"][i : i + 2]
+        added = _ends(t)[1] + _usual_step(u) - _ends(u)[0]
+        pieces["time"][i + 1] = u + added
+        values = {"before": before, "after": after}
+        notes.append(sentences("notes.restart", added=added, unit=units["time"], **values))
+        if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i : i + 2])):
+            pieces["delta_lp"][i + 1] = pieces["delta_lp"][i + 1] + added
+            notes.append(sentences("notes.zeroed", added=added, unit=units["delta_lp"], **values))
     return notes
 
 

@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import ParameterError
-from ...model.names import one_of
+from ...model.names import keywords_checked, one_of
 from ...model.parameters import WHOLE_CONTACT, quantity_of
 from ...model.quantities import QUANTITIES
 from ...model.units import has_unit, to_si
 from ..messages import reading as sentences
+from .columns import check_requests, choose_columns
+from .open_table import file_of, open_table
+from .record import record_of
 from .text import DELIMITERS
 from .titles import LIKE, plain
 
@@ -28,75 +31,97 @@ TABLES: dict[str, tuple[str, ...]] = {
     "signs": tuple(symbol for symbol in LIKE if symbol != "time"),
     "machine": ("K", "M"),
 }
+HEAD = """\
+# How the files of a laboratory are read, found in {source}:
+#     ratestate fit FILE --format THIS_FILE
+#     ratestate.read_lab(file, format="THIS_FILE")
+# What is given in a call goes before what is written here.
+"""
+#: table -> what it means, and lines in a description that has none
+COMMENTS: dict[str, tuple[str, dict[str, Any]]] = {
+    "text": (
+        'Only if it is not found in the file: what stands between cells ("tab", ",", ";" or "space"'
+        '),\n# and the decimal mark ("." or ",").',
+        {"delimiter": ";", "decimal": ","},
+    ),
+    "columns": ("The title of each column that is read, or its number from 1 on.", {}),
+    "units": ("Units of columns that have none in the file, or another there.", {}),
+    "constants": ("Normal stress if it is not recorded.", {"sigma": "20 MPa"}),
+    "signs": (
+        "-1: the sign in the file is turned; 1: it is right.  Of columns that are not here it is "
+        "turned if\n# stress or friction is negative throughout, or if the load point runs "
+        "downwards.",
+        {"delta_lp": -1},
+    ),
+    "machine": (
+        "Stiffness (per area of the contact, or friction per length) and mass (per area) of the "
+        "machine.",
+        {"K": "1 GPa/m", "M": "3000 kg/m^2"},
+    ),
+}
 
 
 @dataclasses.dataclass(frozen=True)
 class LabFormat:
-    """What the files of a laboratory have in common."""
+    """What the files of a laboratory have in common: the tables of a description."""
 
-    delimiters: tuple[str | None, ...] = DELIMITERS
-    decimal: str | None = None
+    text: dict[str, str] = dataclasses.field(default_factory=dict)
     columns: dict[str, Any] = dataclasses.field(default_factory=dict)
     units: dict[str, str] = dataclasses.field(default_factory=dict)
     constants: dict[str, Any] = dataclasses.field(default_factory=dict)
     signs: dict[str, int] = dataclasses.field(default_factory=dict)
     machine: dict[str, Any] = dataclasses.field(default_factory=dict)
 
-    def merged_columns(self, columns, sigma=None):
-        """The columns of a call, and for other symbols those of the format.
+    def with_call(self, columns, units, sigma=None):
+        """The format with what is given in a call, which goes first; ParameterError if it is wrong.
 
-        sigma : a constant that stands for that column, or None
+        columns, units, sigma : as of `read_lab`
         """
-        if not isinstance(columns, dict | None):
-            return columns  # refused where it is used
-        own = {s: c for s, c in self.columns.items() if s != "sigma" or sigma is None}
-        return own | (columns or {})
+        columns, units = {} if columns is None else columns, {} if units is None else units
+        check_requests(columns, units)
+        sigma = self.constants.get("sigma") if sigma is None else sigma
+        if sigma is None:
+            return dataclasses.replace(
+                self, columns=self.columns | columns, units=self.units | units
+            )
+        if "sigma" in columns:
+            raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
+        own = [{s: x for s, x in one.items() if s != "sigma"} for one in (self.columns, self.units)]
+        changed = {"columns": own[0] | columns, "units": own[1] | units}
+        return dataclasses.replace(self, constants={"sigma": sigma}, **changed)
 
-    def merged_units(self, units, sigma=None):
-        """The same of units."""
-        if not isinstance(units, dict | None):
-            return units
-        own = {s: unit for s, unit in self.units.items() if s != "sigma" or sigma is None}
-        return own | (units or {})
-
-    def text_table(self):
-        """What the format says of text: key -> value."""
-        names = [name for name, one in DELIMITER_NAMES.items() if self.delimiters == (one,)]
-        found = {"delimiter": names[0]} if names else {}
-        return found | ({"decimal": self.decimal} if self.decimal else {})
+    def open(self, file):
+        """The `Table` in a file, as by `open_table`."""
+        name = self.text.get("delimiter")
+        delimiters = DELIMITERS if name is None else (DELIMITER_NAMES[name],)
+        return open_table(file, delimiters, self.text.get("decimal"))
 
 
 def lab_format(path):
-    """The `LabFormat` in a file; all that is wrong with it is one ParameterError."""
-    path = _path(path)
+    """The `LabFormat` in a file, an empty one for None; all that is wrong is one ParameterError."""
+    if path is None:
+        return LabFormat()
     try:
-        if path.stat().st_size > LARGEST:
-            raise sentences.refusal("format.large", name=path.name, most=LARGEST)
-        tables = tomllib.loads(path.read_bytes().decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise sentences.refusal("format.toml", name=path.name, error=error) from None
+        path = Path(path).expanduser()
+        with path.open("rb") as file:
+            contents = file.read(LARGEST + 1)
+    except TypeError:
+        raise sentences.refusal("format.path", path=path) from None
     except (OSError, ValueError) as error:  # (ValueError: a null character in the path)
         what = getattr(error, "strerror", None) or error
         raise sentences.refusal("format.unreadable", path=path, error=what) from None
+    if len(contents) > LARGEST:
+        raise sentences.refusal("format.large", name=path.name, most=LARGEST)
+    try:
+        tables = tomllib.loads(contents.decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise sentences.refusal("format.toml", name=path.name, error=error) from None
     problems = [problem for name, table in tables.items() for problem in _problems(name, table)]
-    if (
-        not problems
-        and "sigma" in tables.get("columns", ())
-        and "sigma" in tables.get("constants", ())
-    ):
+    if not problems and all("sigma" in tables.get(name, ()) for name in ("columns", "constants")):
         problems.append(sentences("format.sigma_twice"))
     if problems:
         raise ParameterError("\n".join(f"{path.name}: {problem}" for problem in problems))
-    text = tables.pop("text", {})
-    delimiters = [DELIMITER_NAMES[text["delimiter"]]] if "delimiter" in text else DELIMITERS
-    return LabFormat(tuple(delimiters), text.get("decimal"), **tables)
-
-
-def _path(path):
-    try:
-        return Path(path).expanduser()
-    except TypeError:
-        raise sentences.refusal("format.path", path=path) from None
+    return LabFormat(**tables)
 
 
 def _problems(name, table):
@@ -136,19 +161,106 @@ def _wanted(table, key, value):
     return None
 
 
-def checked_machine(values):
-    """What is given of a machine, as a format has it; ParameterError for another quantity.
+@keywords_checked
+def describe(
+    path,
+    columns=None,
+    units=None,
+    *,
+    sigma=None,
+    K=None,
+    M=None,
+    time=None,
+    displacement=None,
+    format=None,  # noqa: A002 (as of read_lab)
+):
+    """A description of a laboratory's files, as text for ``read_lab(..., format=...)``.
 
-    values : symbol -> value, or None
+    Parameters
+    ----------
+    path : str, pathlib.Path or binary file
+        One file of the laboratory, which is read.
+    columns, units : dict, optional
+        As of `read_lab`.
+    sigma : float, str or pint.Quantity, optional
+        Normal stress [Pa] if it was constant and not recorded.
+    K : float, str or pint.Quantity, optional
+        Stiffness of the machine [Pa/m], or friction per length, as in ``"3000 1/m"``.
+    M : float, str or pint.Quantity, optional
+        Mass per area of what it moves [kg/m^2].
+    time, displacement : pair, optional
+        Window in which the file is read, as of `read_lab`; the description does not have it.
+    format : str or pathlib.Path, optional
+        Another description, which this one begins with.
+
+    Returns
+    -------
+    str
+        TOML, with comments: write it to a file such as ``mylab.toml``.
+
+    Raises
+    ------
+    ParameterError
+        As of `read_lab`; and a stiffness or a mass of another kind.
+
+    Examples
+    --------
+    >>> text = describe("p1234.txt", {"delta_lp": 3}, sigma="20 MPa")  # doctest: +SKIP
+    >>> Path("mylab.toml").write_text(text, "utf-8")  # doctest: +SKIP
     """
-    given = {symbol: value for symbol, value in values.items() if value is not None}
-    for symbol, value in given.items():
+    machine = {symbol: value for symbol, value in {"K": K, "M": M}.items() if value is not None}
+    for symbol, value in machine.items():
         if (wanted := _wanted("machine", symbol, value)) is not None:
             raise sentences.refusal("format.machine", symbol=symbol, value=value, wanted=wanted)
-    return {symbol: as_text(symbol, value) for symbol, value in given.items()}
+    lab = lab_format(format).with_call(columns, units, sigma)
+    table = lab.open(file_of(path))
+    data, _ = record_of([table], lab, time=time, displacement=displacement)
+    sources = json.loads(data.attrs["columns"])
+    places = choose_columns(table, lab.columns, lab.constants)
+    turned = {s: -1 for s, source in sources.items() if source.get("sign") == -1}
+    if "friction" in sources.keys() - places.keys():  # a ratio of forces
+        del sources["friction"]
+        sources |= {s: {"unit": plain(table.columns[places[s]].unit)} for s in ("tau", "sigma")}
+    units = {s: source["unit"] for s, source in sources.items()}
+    parts = [
+        HEAD.format(source=_one_line(table.name)),
+        _table("text", lab.text),
+        _table("columns", {}),
+        *(_column(symbol, places[symbol], table) for symbol in sources),
+        _table(
+            "units", {s: units[s] for s in units.keys() & lab.units}, units, "  # as in the file"
+        ),
+        _table("constants", {s: _as_text(s, value) for s, value in lab.constants.items()}),
+        _table("signs", lab.signs | turned),
+        _table("machine", lab.machine | {s: _as_text(s, value) for s, value in machine.items()}),
+    ]
+    return "".join(parts)
 
 
-def as_text(symbol, value):
+def _table(name, values, others=None, remark=""):
+    """A table with these values; the others, or examples, are comments, with a remark."""
+    comment, examples = COMMENTS[name]
+    others = examples if others is None else others
+    lines = {key: f"# {key} = {_toml(value)}{remark}\n" for key, value in others.items()}
+    lines |= {key: f"{key} = {_toml(value)}\n" for key, value in values.items()}
+    off = "# " if examples and not values else ""
+    return f"\n# {comment}\n{off}[{name}]\n" + "".join(lines.values())
+
+
+def _column(symbol, index, table):
+    """A line with the title of a column, or its number if the title is not the name of it alone."""
+    title = table.titles[index]
+    unique = table.titles.count(title) == 1 and bool(table.columns[index].name)
+    named = unique and title != f"column {index + 1}"
+    comment = "" if named else f"  # {_one_line(title)}"
+    return f"{symbol} = {_toml(title if named else index + 1)}{comment}\n"
+
+
+def _one_line(text):
+    return "".join(letter if letter.isprintable() else "?" for letter in text)
+
+
+def _as_text(symbol, value):
     """A value of a quantity as text with its unit."""
     if isinstance(value, str):
         return value
@@ -156,6 +268,5 @@ def as_text(symbol, value):
     return f"{to_si(quantity, value)!r} {QUANTITIES[quantity].unit}"
 
 
-def toml_text(text):
-    """A text as a string of TOML."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+def _toml(value):
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -1,15 +1,16 @@
-"""Opens a file as a table; its first bytes decide the format."""
+"""Opens a file, on disk or in memory, as a table; its first bytes decide the format."""
 
-from pathlib import Path
+import io
+from pathlib import Path, PurePath
+from types import SimpleNamespace
+from typing import NamedTuple
 
+from ..kit.processes import read_isolated
 from ..messages import reading as sentences
-from .isolated import read_isolated
-from .memory_file import MemoryFile, read_into_memory
 from .stored import read_hdf5, read_mat
 from .text import DELIMITERS, read_text
 
-#: what a file is -> its first bytes (those behind 512 others count too), the ending of its name
-#: where that decides, and its reader; a file of no such kind is text
+#: format -> its first bytes (maybe after 512 others), the ending of a name that decides, the reader
 FORMATS = {
     "HDF5": (b"\x89HDF\r\n\x1a\n", None, read_hdf5),
     "a MAT file": (b"MATLAB 5.0", ".mat", read_mat),
@@ -24,17 +25,44 @@ FOREIGN = {
 }
 
 
-def file_of(file):
-    """A path, or an open binary file, as a Path or a `MemoryFile`; ParameterError if it is none.
+class MemoryFile(NamedTuple):
+    """The contents of a file, with what readers use of a path: its name, size and bytes."""
 
-    A `MemoryFile` is returned as it is.
+    name: str  # the ending decides the format, and messages have it
+    contents: bytes
+
+    def __str__(self):
+        return self.name
+
+    def stat(self):
+        """The size, as ``st_size``."""
+        return SimpleNamespace(st_size=len(self.contents))
+
+    def open(self, mode="rb"):
+        """The contents as a binary file, to be read."""
+        return io.BytesIO(self.contents)
+
+
+def file_of(file):
+    """A path, or an open binary file, as a Path or a `MemoryFile`; ParameterError for others.
+
+    A binary file is read from where it stands to its end, and is called "the file" if it has no
+    name.  A `MemoryFile` is returned as it is.
     """
     if isinstance(file, MemoryFile):
         return file
     try:
-        return read_into_memory(file) if hasattr(file, "read") else Path(file).expanduser()
+        if not hasattr(file, "read"):
+            return Path(file).expanduser()
+        contents = file.read()
+        if isinstance(contents, bytes):
+            name = getattr(file, "name", None)  # maybe a number, or nothing
+            return MemoryFile(
+                PurePath(name).name if isinstance(name, str) else "the file", contents
+            )
     except TypeError:
-        raise sentences.refusal("file.path", path=file) from None
+        pass
+    raise sentences.refusal("file.path", path=file)
 
 
 def open_table(path, delimiters=DELIMITERS, decimal=None):
@@ -49,11 +77,8 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
         with path.open("rb") as file:
             head = file.read(1024)
         for kind, (begin, ending, reader) in FORMATS.items():
-            if (
-                head.startswith(begin)
-                or head[512:].startswith(begin)
-                or path.suffix.lower() == ending
-            ):
+            begins = head.startswith(begin) or head[512:].startswith(begin)
+            if begins or PurePath(path.name).suffix.lower() == ending:
                 return read_isolated(reader, path, kind)
         for begin, what in FOREIGN.items():
             if head.startswith(begin):

@@ -1,14 +1,17 @@
-"""`read_lab`: files of a laboratory as a record."""
+"""Files of a laboratory as a record: `read_lab`, and an attempt at one for a page."""
 
 import warnings
+from typing import Any, NamedTuple
 
-from ...errors import RecordWarning
+from ...errors import ParameterError, RecordWarning
 from ...model.names import keywords_checked
+from ..kit.processes import read_isolated
 from ..messages import reading as sentences
-from .downsampling import MOST
+from .columns import choose_columns
 from .lab_format import LabFormat, lab_format
 from .open_table import file_of, open_table
 from .record import record_of
+from .rows import MOST
 
 
 @keywords_checked
@@ -93,23 +96,49 @@ def read_lab(
     >>> data.attrs["found"]  # doctest: +SKIP
     'velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)'
     """
-    own = LabFormat() if format is None else lab_format(format)
+    lab = lab_format(format).with_call(columns, units, sigma)
     paths = path if isinstance(path, list | tuple) else [path]
     if not paths:
         raise sentences.refusal("join.none")
-    files = [file_of(one) for one in paths]
-    data, messages = record_of(
-        [open_table(file, own.delimiters, own.decimal) for file in files],
-        [file.name for file in files],
-        columns,
-        units,
-        time=time,
-        displacement=displacement,
-        rows=rows,
-        join=join,
-        sigma=sigma,
-        lab=own,
-    )
+    tables = [lab.open(file_of(one)) for one in paths]
+    windows = {"time": time, "displacement": displacement}
+    data, messages = record_of(tables, lab, **windows, rows=rows, join=join)
     for text in messages:
         warnings.warn(f"{data.attrs['source']}: {text}", RecordWarning, stacklevel=3)
     return data
+
+
+class Attempt(NamedTuple):
+    """What a file has, and the record in it or why there is none."""
+
+    columns: list[tuple[str, str]]  # title and unit of each, "" for none; [] if it has no table
+    chosen: dict[str, int]  # symbol -> number of its column, from 1; {} if that is not clear
+    record: Any  # the Dataset of `read_lab`, or None
+    error: ParameterError | None  # why there is no record
+
+
+def attempt(file, choices, seconds, stop):
+    """The `Attempt` at a `MemoryFile`, in a process of its own, of which no file is written.
+
+    choices : dict, keyword arguments of `read_lab`
+    seconds, stop : as of `read_isolated`
+    """
+    try:
+        return read_isolated(_attempt, file, "a record", choices, seconds=seconds, stop=stop)
+    except ParameterError as error:
+        return Attempt([], {}, None, error)
+
+
+def _attempt(file, choices):
+    try:
+        table = open_table(file)
+    except ParameterError as error:
+        return Attempt([], {}, None, error)
+    columns, chosen = [(column.title, column.unit) for column in table.columns], {}
+    try:
+        lab = LabFormat().with_call(choices.pop("columns", None), choices.pop("units", None))
+        chosen = {s: i + 1 for s, i in choose_columns(table, lab.columns).items()}
+        record, _ = record_of([table], lab, **choices)
+    except ParameterError as error:
+        return Attempt(columns, chosen, None, error)
+    return Attempt(columns, chosen, record, None)

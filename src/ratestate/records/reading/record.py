@@ -9,135 +9,118 @@ from ...model.quantities import attrs, readable
 from ..load_point.segments import segments_from_displacement, segments_from_velocity
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
-from .agreement import coarse_resolution, disagreements
 from .columns import choose_columns, column_by_name, title_warnings
-from .downsampling import MOST, blocks, checked_most, downsample, means
-from .joining import Part, check_join, join_parts
-from .lab_format import LabFormat
-from .rows import Rows, window
+from .joining import check_join, join_parts
+from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
 from .sizes import (
     check_numbers,
     check_sizes,
-    checked_units,
     constant_in_si,
     newtons,
     unit_of,
     unusual,
 )
 from .table import Column, quoted
-from .values import drop_codes, drop_dropouts, drop_impossible, flip_signs
+from .values import (
+    coarse_resolution,
+    disagreements,
+    drop_codes,
+    drop_dropouts,
+    drop_impossible,
+    flip_signs,
+)
 
 
-def record_of(
-    tables,
-    names,
-    columns=None,
-    units=None,
-    *,
-    time=None,
-    displacement=None,
-    rows=MOST,
-    join="auto",
-    sigma=None,
-    lab=None,
-):
+def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="auto"):
     """The Dataset that `read_lab` makes of tables, and a list of what it warns of.
 
     tables : list of `Table`
-    names : list of the names of their files
-    lab : `LabFormat`; the other arguments, and what is raised, are those of `read_lab`
+    lab : `LabFormat`, with what a call gives; other arguments, and what is raised, as of `read_lab`
     """
-    lab = LabFormat() if lab is None else lab
     most = checked_most(rows)
     check_join(join)
-    constant = lab.constants.get("sigma") if sigma is None else sigma
-    constant = None if constant is None else _constant(constant, columns)
+    constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
     windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    columns, units = lab.merged_columns(columns, constant), lab.merged_units(units, constant)
-    parts, notes = [], []
-    for table, name in zip(tables, names, strict=True):
-        part, own = _part(table, name, columns, checked_units(units), constant)
-        parts.append(part)
-        notes += own
-    part, of_files = join_parts(parts, join, () if constant is None else ("sigma",))
-    kept = Rows(part.table, part.columns, part.units)
-    kept.cut(windows)
-    kept.drop_unreadable()
-    drop_codes(kept)
-    kept.order()
-    kept.check_enough()
-    for symbol, column in kept.columns.items():
-        check_sizes(symbol, kept.record[symbol], column, part.units[symbol])
-    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
-    signs, turned = flip_signs(kept.record, lab.signs)
-    if constant is not None:
-        kept.add_constant("sigma", constant)
-    pore_pressure = kept.record.pop("pore_pressure", 0.0)
-    if "sigma" in kept.record:
-        kept.record["sigma"] = kept.record["sigma"] - pore_pressure
-    turned += drop_impossible(kept)
-    kept.find_gaps()
+    parts = [_chosen(table, lab, constants) for table in tables]
+    kept, of_files = join_parts([part for part, _ in parts], join, constants)
+    of_files = [note for _, notes in parts for note in notes] + of_files
+    sources = {s: {"title": c.title, "unit": kept.units[s]} for s, c in kept.columns.items()}
+    turned, of_signs = _prepare(kept, windows, lab, constants)
     downsample(kept, most)
     record = kept.record
     segments = _segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
-    time, has_sigma = record["time"], "sigma" in record
-    stress = stress_steps(time, record["sigma"]) if has_sigma and not coarse else []
+    is_fine = "sigma" in record and not coarse
+    stress = stress_steps(record["time"], record["sigma"]) if is_fine else []
     if segments.V.size == 1 and not stress:
-        turned.append(sentences("notes.no_step"))
-    messages = kept.warnings + notes + of_files + unusual(record, segments.V)
+        of_signs.append(sentences("notes.no_step"))
+    messages = kept.warnings + of_files + unusual(record, segments.V)
     messages += disagreements(kept, coarse)
     data = _dataset(record, segments)
     sources = {
-        s: {"title": c.title, "unit": part.units[s]} | ({"sign": -1} if s in signs else {})
-        for s, c in part.columns.items()
+        s: source | ({"sign": -1} if s in turned else {})
+        for s, source in sources.items()
         if s in record or s == "pore_pressure"
     }
     data.attrs = {
         "title": "ratestate read_lab",
-        "found": coarse or segments.history(time, record.get("delta_lp"), stress),
-        "source": ", ".join(names),
+        "found": coarse or segments.history(record["time"], record.get("delta_lp"), stress),
+        "source": ", ".join(table.name for table in tables),
         "columns": json.dumps(sources),
-        "notes": json.dumps(messages + turned + segments.notes),
+        "notes": json.dumps(messages + of_signs + segments.notes),
     }
     if lab.machine:
         data.attrs["machine"] = json.dumps(lab.machine)
     return data, messages
 
 
-def _constant(sigma, columns):
-    """A normal stress that is given [Pa]; ParameterError for none of a usual size, or two."""
-    if "sigma" in (columns or {}):
-        raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
-    return constant_in_si("sigma", sigma)
+def _prepare(kept, windows, lab, constants):
+    """Leave out `Rows` that cannot be used, and turn signs: the symbols turned, and notes."""
+    kept.cut(windows)
+    kept.drop_unreadable()
+    drop_codes(kept)
+    kept.order()
+    kept.check_enough()
+    for symbol, column in kept.columns.items():
+        check_sizes(symbol, kept.record[symbol], column, kept.units[symbol])
+    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
+    turned, notes = flip_signs(kept.record, lab.signs)
+    for symbol, value in constants.items():
+        kept.record[symbol] = np.full(kept.kept.size, value)
+    pore_pressure = kept.record.pop("pore_pressure", 0.0)
+    if "sigma" in kept.record:
+        kept.record["sigma"] = kept.record["sigma"] - pore_pressure
+    notes += drop_impossible(kept)
+    kept.find_gaps()
+    return turned, notes
 
 
-def _part(table, name, columns, units, constant):
-    """The `Part` that the chosen columns of a table are, and notes.
+def _chosen(table, lab, constants):
+    """All `Rows` of the chosen columns of a table, and notes.
 
-    constant : a normal stress [Pa] in place of a column, or None
+    constants : symbol -> constant [SI] in place of a column
     """
-    given = () if constant is None else ("sigma",)
-    places = choose_columns(table, columns, given)
-    chosen = {symbol: table.columns[i] for symbol, i in places.items()}
-    notes = title_warnings(table, places, columns or {}, given)
+    places = choose_columns(table, lab.columns, constants)
+    chosen, units = {symbol: table.columns[i] for symbol, i in places.items()}, lab.units
+    notes = title_warnings(table, places, lab.columns, constants)
     if ratio := _ratio_of_forces(chosen, units):
         notes.append(sentences("notes.forces", title=ratio.title))
-        chosen = {s: c for s, c in chosen.items() if s not in ("tau", "sigma")} | {
-            "friction": ratio
-        }
-        units = {s: unit for s, unit in units.items() if s not in ("tau", "sigma")}
-    unit, of_units = _units(table, chosen, columns or {}, units)
+        chosen, units = (
+            {s: x for s, x in one.items() if s not in ("tau", "sigma")} for one in (chosen, units)
+        )
+        chosen["friction"] = ratio
+    unit, of_units = _units(table, chosen, lab.columns, units)
     notes += of_units
     chosen = {symbol: chosen[symbol] for symbol in unit}
     if len({column.values.size for column in chosen.values()}) > 1:
         sizes = ", ".join(f"{quoted(c.title)} has {c.values.size}" for c in chosen.values())
         raise sentences.refusal("column.lengths", sizes=sizes)
-    if given and (index := column_by_name(table, "sigma", ())) is not None:
-        values = {"sigma": readable("sigma", constant), "title": quoted(table.titles[index])}
-        notes.append(sentences("notes.constant_sigma", **values))
-    return Part(table, name, chosen, unit), notes
+    for symbol, value in constants.items():
+        if (index := column_by_name(table, symbol, ())) is not None:
+            values = {"sigma": readable(symbol, value), "title": quoted(table.titles[index])}
+            notes.append(sentences("notes.constant_sigma", **values))
+    return Rows(table, chosen, unit), notes
 
 
 def _ratio_of_forces(chosen, units):

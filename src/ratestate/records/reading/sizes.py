@@ -1,7 +1,6 @@
 """Columns in SI: their units, and checks of what is in them."""
 
 import contextlib
-import re
 
 import numpy as np
 
@@ -9,6 +8,7 @@ from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
 from ...model.units import OF_WHOLE_CONTACT, one_in_si, scaled, to_si, unit_factor
 from ..messages import reading as sentences
+from .cells import LIKE_CLOCK
 from .table import quoted
 from .titles import LIKE, USUAL, WEIGHTS, plain
 
@@ -17,16 +17,6 @@ from .titles import LIKE, USUAL, WEIGHTS, plain
 COMMON_FRICTION = (0.1, 1.2)
 COMMON_STRESS = (1e3, 1e9)  # Pa
 FAR, FAST = 1.0, 0.1
-CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
-
-
-def checked_units(units):
-    """symbol -> unit (not read yet) as given, {} for None; ParameterError for anything else."""
-    units = {} if units is None else units
-    sound = isinstance(units, dict) and all(isinstance(unit, str) for unit in units.values())
-    if not sound or not units.keys() <= LIKE.keys():
-        raise sentences.refusal("units.type", units=units, symbols=", ".join(LIKE))
-    return units
 
 
 def unit_of(column, symbol, units):
@@ -57,7 +47,6 @@ def unit_of(column, symbol, units):
 
 
 def _is_same(unit, other, symbol):
-    """Whether two units of a quantity are of one size."""
     si = QUANTITIES[symbol].unit
     with contextlib.suppress(ValueError):
         return unit_factor(si, unit) == unit_factor(si, plain(other))
@@ -73,18 +62,10 @@ def newtons(column, symbol, units):
 
 
 def in_si(symbol, values, unit):
-    """(n,) values of a column in SI, of any sign; NaN where they are not finite."""
-    import xarray
-
-    good = np.isfinite(values)
+    """(n,) values of a column in SI, of any sign; NaN for those that are not finite."""
     converted = scaled(values, unit_factor(QUANTITIES[symbol].unit, unit))
-    if np.isfinite(converted).all():  # so most often, and in half the memory
-        return converted
-    converted = np.full(values.shape, np.nan)
-    if good.any():
-        rows = xarray.DataArray(values[good], dims="row", attrs={"units": unit})
-        converted[good] = to_si(symbol, rows, label=symbol, bound="").values
-    return converted
+    finite = np.isfinite(values)
+    return converted if finite.all() else np.where(finite, converted, np.nan)
 
 
 def check_numbers(table, symbol, column, rows=slice(None)):
@@ -95,7 +76,7 @@ def check_numbers(table, symbol, column, rows=slice(None)):
     row = int(np.arange(column.values.size)[rows][0])
     where = {"title": quoted(column.title), "symbol": symbol, "row": table.row_label(row)}
     cell = table.cell(row, column)
-    dated = symbol == "time" and CLOCK.search(cell)
+    dated = symbol == "time" and LIKE_CLOCK.search(cell)
     raise sentences.refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
 
 

@@ -121,7 +121,6 @@ def _columns(title, values, attrs):
 
 
 def _first(attrs, keys):
-    """The first of some attributes that is there."""
     return next((attrs[key] for key in keys if key in attrs), "")
 
 
@@ -149,8 +148,7 @@ def _unpacked(values, attrs):
 
 
 def _table(path, columns, texts=()):
-    """These columns as a table, if there are any."""
-    table = Table(columns, "row", {}, unread=tuple(texts))
+    table = Table(columns, "row", unread=tuple(texts), name=path.name)
     if not columns:
         raise sentences.refusal("file.no_columns", name=path.name, unread=table.unread_text())
     return table

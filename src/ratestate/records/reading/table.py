@@ -1,5 +1,6 @@
 """The contents of a file before they are interpreted: columns, and rows with numbers."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,10 +13,11 @@ class Column(NamedTuple):
     """A column as it stands in a file."""
 
     title: str  # its whole name in the file; "column 3" in a file without header
-    name: str  # the title without unit and group; "" where there is none
-    unit: str  # the unit beside it in the file, as written; "" where there is none
-    values: np.ndarray  # of float, NaN where a cell is no number
+    name: str  # the title without unit and group; "" if there is none
+    unit: str  # the unit beside it in the file, as written; "" if there is none
+    values: np.ndarray  # of float, NaN if a cell is not a number
     other_unit: str = ""  # one elsewhere in the header that contradicts it
+    place: int | None = None  # among the cells of a line of text, from 0
 
 
 class Table(NamedTuple):
@@ -23,10 +25,11 @@ class Table(NamedTuple):
 
     columns: list[Column]
     row_name: str  # "line" of a text, or "row"
-    odd: dict[tuple[int, str], str]  # (row from 0, title) -> cell that is no number
     numbers: np.ndarray | None = None  # of the rows, as an editor counts them; None if 1, 2, ...
     unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
-    files: tuple[tuple[int, str], ...] = ()  # of several: first row and name of each
+    text_of: Callable[[int, int], str] | None = None  # of a cell, by the numbers of row and place
+    name: str = ""  # of the file
+    files: tuple[tuple[int, "Table"], ...] = ()  # of several: first row and table, with the columns
 
     @property
     def titles(self):
@@ -39,14 +42,27 @@ class Table(NamedTuple):
 
     def row_label(self, row):
         """How a person finds a row (counted from 0 on) in the file: "line 17"."""
-        number = row + 1 if self.numbers is None else int(self.numbers[row])
-        names = [f" of {name}" for first, name in self.files if first <= row]
-        return f"{self.row_name} {number}{names[-1] if names else ''}"
+        if self.files:
+            first, table = self._file(row)
+            return f"{table.row_label(row - first)} of {table.name}"
+        return f"{self.row_name} {self._number(row)}"
 
     def cell(self, row, column):
-        """What stands in a cell that is no number, in quotes, and short; "nothing" if empty."""
-        text = self.odd.get((row, column.title), str(column.values[row]))
+        """A cell that is not a number as a message shows it, in quotes; "nothing" if empty."""
+        if self.files:
+            first, table = self._file(row)
+            same = next(i for i, one in enumerate(self.columns) if one is column)
+            return table.cell(row - first, table.columns[same])
+        text = str(column.values[row])
+        if self.text_of is not None and column.place is not None:
+            text = self.text_of(self._number(row), column.place)
         return quoted(text) if text else "nothing"
+
+    def _file(self, row):
+        return next(file for file in reversed(self.files) if file[0] <= row)
+
+    def _number(self, row):
+        return row + 1 if self.numbers is None else int(self.numbers[row])
 
 
 def quoted(text):

@@ -1,8 +1,11 @@
 """Tables of text: tabs, commas, semicolons or spaces between cells; in blocks of lines.
 
-NumPy's `loadtxt` reads the numbers, each as Python would: pandas rounds some of them otherwise.
+NumPy's `loadtxt` reads the numbers.  It is faster than pandas' parser, rounds as Python does in all
+versions, and says which lines are no rows of numbers.
 """
 
+import codecs
+import contextlib
 import io
 import itertools
 import re
@@ -11,20 +14,29 @@ from collections import Counter
 import numpy as np
 
 from ..messages import reading as sentences
-from .cells import ODD, Layout, cells_of, is_full, number_in, rows_in, trimmed
-from .clock import DATE, clock_of, continuous
-from .encodings import examined
+from .cells import (
+    DATE,
+    LIKE_CLOCK,
+    Layout,
+    cells_of,
+    clock_of,
+    is_full,
+    number_in,
+    rows_in,
+    trimmed,
+)
 from .header import check_headers, end_of_labview, header_of
-from .sizes import CLOCK
 from .table import Column, Table, quoted
-from .titles import match_rank
+from .titles import TABLE, match_rank
 
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
 LOOK = 200  # lines from which the layout is found
 LARGEST = 10**9  # bytes; a number of ten characters takes eight of memory
 LONGEST = 20_000  # characters of a line
 MOST_ABOVE = 2_000  # lines above the numbers
-BLOCK = 1 << 22  # characters read at once
+BLOCK = 1 << 20  # characters read at once
+BYTES = 1 << 24  # read at once to find the encoding
+HEAD = 1 << 16  # bytes in which words are looked for
 NEEDED = 3  # columns of a record: time, displacement and friction
 FEWEST = 10  # whole rows beside short ones
 CLOCK_TIME = "clock time"  # a name of times that ranks below names of seconds
@@ -46,36 +58,77 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     """
     if (size := path.stat().st_size) > LARGEST:
         raise sentences.refusal("text.large", name=path.name, size=size / 1e9, most=LARGEST / 1e9)
-    encoding, most = examined(path)
+    encoding, most = _examined(path)
     with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
         blocks = _blocks(file, path.name)
         head = _head(blocks)
         above = end_of_labview(head)
         full = [i for i, line in enumerate(head) if is_full(line) and i >= above]
-        start, delimiter = _layout(path, head, full, delimiters)
+        start, delimiter = _first_row(path, head, full, delimiters)
         rows = [i for i in full[full.index(start) :] if i < start + LOOK]
-        look = [cells_of(head[i].rstrip("\n"), delimiter) for i in rows]
+        look = [cells_of(head[i], delimiter) for i in rows]
         written = Counter(map(len, look)).most_common(1)[0][0]
         whole = [trimmed(cells) for cells in look if len(cells) == written]
         width = max(map(len, whole))
         header = header_of(head[:start], delimiter, width, written)
-        titles = [name or f"column {i}" for i, name in enumerate(header.names, 1)]
-        decimal = _decimal(path, whole, delimiter) if decimal is None else decimal
-        clocks = _clocks(whole, header)
-        layout = Layout(delimiter, decimal, titles, clocks)
+        decimal = _decimal(path, whole) if decimal is None else decimal
+        layout = Layout(delimiter, decimal, width, _clocks(whole, header))
         blocks = itertools.chain([head[start:]], blocks)
-        values, odd, numbers = _numbers(blocks, layout, start, most, header, path.name)
+        values, numbers = _numbers(blocks, layout, start, most, header, path.name)
     if header.times:
         values[0] = header.times[0] + header.times[1] * np.arange(numbers.size)
     columns = []
     for j, (name, unit, other) in enumerate(header.described()):
         column = values[j]
-        if j in clocks:
-            column, unit, other = continuous(column, clocks[j]), "s", ""
+        if clock := layout.clocks.get(j):
+            column, unit, other = clock.continuous(column), "s", ""
             # a column of seconds beside it is finer, or as fine
             name = CLOCK_TIME if match_rank(name, "time") is not None else name
-        columns.append(Column(titles[j], name, unit, column, other))
-    return Table(columns, "line", odd, numbers)
+        title = header.names[j] or f"column {j + 1}"
+        columns.append(Column(title, name, unit, column, other, j))
+
+    def text_of(number, place):
+        with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
+            line = next(itertools.islice(file, number - 1, None))
+        cells = trimmed(cells_of(line, delimiter), width)
+        return f"{len(cells)} cells" if len(cells) > width else "".join(cells[place : place + 1])
+
+    return Table(columns, "line", numbers, text_of=text_of, name=path.name)
+
+
+def _examined(path):
+    """(encoding, most lines) of a text file; ParameterError if it is binary.
+
+    UTF-16 by its first bytes, and UTF-8 if it is; else, if words of titles appear in it, an
+    encoding of Japanese or Chinese; else the encoding of Windows in western Europe.
+    """
+    with path.open("rb") as file:
+        head = file.read(HEAD)
+    utf_16 = head.startswith((b"\xff\xfe", b"\xfe\xff"))
+    ends = 0
+    for block in _bytes(path):
+        if b"\0" in block and not utf_16:
+            raise sentences.refusal("text.binary", name=path.name)
+        ends += block.count(b"\n") + block.count(b"\r")
+    eastern = [
+        encoding
+        for encoding, words in TABLE["encodings"].items()
+        if any(word in head.decode(encoding, "ignore") for word in words)
+    ]
+    for encoding in ["utf-16"] if utf_16 else ["utf-8-sig", *eastern, "cp1252", "latin-1"]:
+        decoder = codecs.getincrementaldecoder(encoding)()
+        with contextlib.suppress(UnicodeDecodeError):
+            for block in _bytes(path):
+                decoder.decode(block)
+            decoder.decode(b"", final=True)
+            return encoding, ends + 1
+    raise sentences.refusal("text.encoding", name=path.name)
+
+
+def _bytes(path):
+    with path.open("rb") as file:
+        while block := file.read(BYTES):
+            yield block
 
 
 def _clocks(rows, header):
@@ -92,17 +145,13 @@ def _blocks(file, name):
     """Lists of lines, one after the other; ParameterError for a line that is too long."""
     before = 0
     while lines := file.readlines(BLOCK):
-        lengths = [len(line.rstrip("\n")) for line in lines if len(line) > LONGEST]
-        if lengths and max(lengths) > LONGEST:  # would take for ever
-            line = next(i for i, line in enumerate(lines, 1) if len(line.rstrip("\n")) > LONGEST)
-            values = {"line": before + line, "length": len(lines[line - 1].rstrip("\n"))}
-            raise sentences.refusal("text.long", name=name, most=LONGEST, **values)
+        for number, line in enumerate(lines if max(map(len, lines)) > LONGEST else [], before + 1):
+            if (length := len(line.rstrip("\n"))) > LONGEST:  # would take for ever
+                values = {"line": number, "length": length, "most": LONGEST}
+                raise sentences.refusal("text.long", name=name, **values)
         before += len(lines)
-        yield (
-            lines
-            if all(map(str.isascii, lines)) and "'" not in "".join(lines)
-            else [_as_typed(line) for line in lines]
-        )
+        text = "".join(lines)
+        yield lines if text.isascii() and "'" not in text else [_as_typed(line) for line in lines]
 
 
 def _as_typed(line):
@@ -125,7 +174,7 @@ def _head(blocks):
 
 
 def _numbers(blocks, layout, start, most, header, name):
-    """(columns, rows) numbers, cells that are none, and the lines of rows, as an editor counts.
+    """(columns, rows) numbers in blocks of lines, and the lines of rows, as an editor counts.
 
     start : lines above the first block
     most : lines there can be
@@ -133,20 +182,18 @@ def _numbers(blocks, layout, start, most, header, name):
 
     ParameterError: another header among the rows.
     """
-    values = np.empty((len(layout.titles), most))  # takes memory only where it is filled
+    values = np.empty((layout.width, most))  # takes memory only where it is filled
     numbers = np.empty(most, np.int32)
-    odd: dict[tuple[int, str], str] = {}
     count = 0
     for lines in blocks:
-        rows = rows_in(lines, layout, ODD - len(odd))
-        check_headers(lines, rows, layout, start, header, name)
-        here = slice(count, count + rows.lines.size)
-        values[:, here] = rows.values.T
-        numbers[here] = rows.lines + (start + 1)
-        odd |= {(count + row, title): cell for (row, title), cell in rows.odd.items()}
+        found, places = rows_in(lines, layout)
+        check_headers(lines, found, places, layout, start, header, name)
+        here = slice(count, count + places.size)
+        values[:, here] = found.T
+        numbers[here] = places + (start + 1)
         start += len(lines)
-        count += rows.lines.size
-    return values[:, :count], odd, numbers[:count]
+        count += places.size
+    return values[:, :count], numbers[:count]
 
 
 def _is_data(cells, dense=True):
@@ -158,35 +205,31 @@ def _is_data(cells, dense=True):
     """
     good = [cell for cell in cells if cell.lower() == "nan" or _is_number(cell)]
     several = any(
-        re.search(r"\d\s+[-+.\d]", cell) and not (CLOCK.search(cell) or _is_number(cell))
+        re.search(r"\d\s+[-+.\d]", cell) and not (LIKE_CLOCK.search(cell) or _is_number(cell))
         for cell in cells
     )
     filled = trimmed(cells) if dense else [cell for cell in cells if cell]
-    filled = [cell for cell in filled if not (CLOCK.search(cell) or DATE.fullmatch(cell))]
+    filled = [cell for cell in filled if not (LIKE_CLOCK.search(cell) or DATE.fullmatch(cell))]
     return len(good) >= 2 and 2 * len(good) > len(filled) and not several
 
 
 def _is_number(cell):
-    """Whether a cell is a number with either decimal mark."""
     return any(not np.isnan(number_in(cell, mark)) for mark in ".,")
 
 
-def _layout(path, lines, full, delimiters):
+def _first_row(path, lines, full, delimiters):
     """Index of the first line of numbers, and the delimiter of its cells."""
     for start, after in zip(full[:MOST_ABOVE], [*full[1:], None], strict=False):
         for delimiter in delimiters:
-            cells, below = (
-                cells_of(line, delimiter)
-                for line in (lines[start].rstrip("\n"), lines[after].rstrip("\n") if after else "")
-            )
+            cells = cells_of(lines[start], delimiter)
+            below = [] if after is None else cells_of(lines[after], delimiter)
             sparse = _is_data(cells, dense=False) and _is_data(below, dense=False)
             # a date above the table is numbers as well
-            if (_is_data(cells) or sparse) and (len(below) == len(cells) or not after):
-                if not after:
+            if (_is_data(cells) or sparse) and (after is None or len(below) == len(cells)):
+                if after is None:
                     _check_short_rows(path, lines, full, delimiters)
                 return start, delimiter
-    if full:
-        _check_short_rows(path, lines, full, delimiters)
+    _check_short_rows(path, lines, full, delimiters)
     begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
     raise sentences.refusal(
         "text.no_numbers" if full else "text.empty", name=path.name, begins=begins
@@ -196,7 +239,7 @@ def _layout(path, lines, full, delimiters):
 def _check_short_rows(path, lines, full, delimiters):
     """Refuse rows of numbers of which so many are short that no two whole ones are together."""
     for delimiter in delimiters:
-        rows = {i: cells_of(lines[i].rstrip("\n"), delimiter) for i in full}
+        rows = {i: cells_of(lines[i], delimiter) for i in full}
         rows = {i: cells for i, cells in rows.items() if _is_data(cells)}
         width = max(map(len, rows.values()), default=0)
         short = [i for i, cells in rows.items() if len(cells) < width]
@@ -206,7 +249,7 @@ def _check_short_rows(path, lines, full, delimiters):
             raise sentences.refusal("text.short_rows", name=path.name, **first, **counts)
 
 
-def _decimal(path, rows, delimiter):
+def _decimal(path, rows):
     """The decimal mark of numbers in these rows, "." or ","; ParameterError if either may be."""
     cells = [cell for row in rows for cell in row if "," in cell or "." in cell]
     marks = Counter(mark for cell in cells if (mark := _decimal_of(cell)))
@@ -219,9 +262,6 @@ def _decimal(path, rows, delimiter):
 
 
 def _decimal_of(cell):
-    """The decimal mark that a cell proves; "" if it has none, or groups of digits perhaps."""
+    """The decimal mark with which a cell is a number; "" if it is none, or one with either."""
     marks = [mark for mark in ".," if not np.isnan(number_in(cell, mark))]
-    sure = len(marks) == 1 and marks[0] in cell
-    if sure or not marks:
-        return marks[0] if sure else ""
-    return {".": ",", ",": "."}[marks[0]] if len(marks) == 1 else ""
+    return marks[0] if len(marks) == 1 else ""

@@ -86,7 +86,6 @@ def is_known(title):
 
 
 def _is_of_any(unit):
-    """Whether any quantity of a record may have this unit."""
     return bool(unit) and any(has_unit(symbol, plain(unit)) for symbol in LIKE)
 
 
@@ -128,7 +127,6 @@ def spaced(name):
 
 
 def _plain_letters(text):
-    """Small letters of one width, without accents."""
     apart = unicodedata.normalize("NFKD", text.lower())
     return unicodedata.normalize("NFKC", re.sub("[\u0300-\u036f]", "", apart))
 

@@ -5,8 +5,8 @@ import json
 import numpy as np
 
 from ....model.quantities import QUANTITIES
-from ....records.reading.attempt import attempt
-from ....records.reading.memory_file import MemoryFile
+from ....records.reading.open_table import MemoryFile
+from ....records.reading.read import attempt
 from ....records.reading.titles import LIKE
 from ..computation.decimation import decimated
 from . import wire

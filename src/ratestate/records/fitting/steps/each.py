@@ -4,8 +4,8 @@ import numpy as np
 
 from ....dynamics.progress import bar
 from ....errors import RateStateError
-from ...kit.child_process import mapped
 from ...kit.least_squares import single_blas
+from ...kit.processes import mapped
 from ...messages import fitting as sentences
 from ..by_law import value_of
 from ..diagnostics.misfit import is_misfit

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...load_point.overshoots import without_overshoots
+from ...load_point.segments import without_overshoots
 from ...load_point.stress_steps import stress_steps
 from ...loading import recorded_segments
 from ...messages import fitting as sentences
