@@ -12,7 +12,7 @@ import ratestate as rs
 from ratestate import ParameterError
 from ratestate.records.healing import summary
 from ratestate.records.healing.measured import STATUSES
-from ratestate.records.healing.sliders import Fitted
+from ratestate.records.healing.prediction import Fitted
 
 
 def statuses(result):
@@ -127,8 +127,8 @@ def test_the_slider_predicts_each_hold(one):
 
 def test_errors_of_a_fit_are_propagated():
     """Against differences of predictions of whole sliders, b and Dc correlated."""
-    from ratestate.records.healing.holds import Hold
     from ratestate.records.healing.prediction import predict
+    from ratestate.records.healing.record import Hold
 
     rows = np.arange(0)
     hold = Hold(30.0, 60.0, V, V, rows, rows, rows, 30.0)

@@ -87,7 +87,7 @@ def test_stress_drops_are_those_of_the_events(monkeypatch):
     record = noisy(2, stick_slip())
     expected = rs.events(record, sigma="10 MPa")
     whole = np.isfinite(expected.stress_drop.values)
-    monkeypatch.setattr(catalogue, "measured_events", None)
+    monkeypatch.setattr(catalogue, "_measured", None)
     raw = raw_record(record, None)
     (drops,) = stress_drops(raw, 1e7, segments_of(raw))
     assert len(drops) == whole.sum() == 7

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ratestate.records.stick_slip.crossings import middles
-from ratestate.records.stick_slip.noise import Noise
+from ratestate.records.stick_slip.between_samples import middles
+from ratestate.records.stick_slip.detection import Noise
 
 #: fall of stress from 1/2 to -1/2 against time over its width -> when it passes 0
 FALLS = {

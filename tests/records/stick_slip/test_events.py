@@ -16,8 +16,7 @@ from synthetic_stick_slip import cycles
 
 import ratestate as rs
 from ratestate.records.kit.sample_noise import sample_noise
-from ratestate.records.stick_slip.detection import Rough, in_gaps, turning_points
-from ratestate.records.stick_slip.measures import (
+from ratestate.records.stick_slip.catalogue import (
     CUT_BY_END,
     CUT_BY_START,
     GAP,
@@ -25,8 +24,8 @@ from ratestate.records.stick_slip.measures import (
     UNDERSAMPLED,
     WHOLE,
 )
-from ratestate.records.stick_slip.significance import are_stick_slip
-from ratestate.records.stick_slip.trends import trend
+from ratestate.records.stick_slip.detection import are_stick_slip, in_gaps, turning_points
+from ratestate.records.stick_slip.lines import trend
 
 AGING = rs.SpringSlider(
     a=0.005, b=0.008, Dc="10 um", sigma="4 MPa", M=100, K="600 MPa/m", law="aging"
@@ -239,8 +238,8 @@ def test_events_in_a_gap_are_not_measured(sawtooth, lost, is_gap):
 
 def test_two_rates_of_sampling_are_no_gap():
     t = np.concatenate([np.arange(0.0, 10.0, 0.5), np.arange(10.0, 12.0, 0.01), [12.5, 13.0, 13.5]])
-    assert not in_gaps(t, [Rough(19, 220), Rough(-1, 220)]).any()
-    assert in_gaps(np.delete(t, slice(60, 75)), [Rough(19, 200)]).all()
+    assert not in_gaps(t, np.array([(19, 220), (-1, 220)])).any()
+    assert in_gaps(np.delete(t, slice(60, 75)), np.array([(19, 200)])).all()
 
 
 def test_one_number_of_normal_stress_holds_for_all_samples(sawtooth):
@@ -411,7 +410,7 @@ def test_friction_alone_needs_a_normal_stress(experiment):
 @given(st.lists(st.floats(-1e6, 1e6), min_size=3, max_size=60), st.floats(1e-3, 1e5))
 def test_turning_points_alternate_and_are_far_apart(values, threshold):
     y = np.array(values)
-    turns, _ = turning_points(y, threshold)
+    turns = turning_points(y, threshold)
     for (i, one), (j, other) in itertools.pairwise(turns):
         assert i < j
         assert one == -other

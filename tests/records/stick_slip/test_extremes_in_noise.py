@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from ratestate.records.stick_slip.edges import edges
-from ratestate.records.stick_slip.noise import Noise, loading_noise
-from ratestate.records.stick_slip.polynomials import UNBOUNDED, Window, extremes
-from ratestate.records.stick_slip.windows import biased_errors
+from ratestate.records.stick_slip.detection import Noise, loading_noise
+from ratestate.records.stick_slip.extremes import UNBOUNDED, Window, edges, extremes
 
 DRAWS = 1500
 
@@ -82,7 +80,7 @@ def test_what_both_degrees_differ_by_is_part_of_the_errors():
     y = -(u**2) + 0.3 * u**3 + noise.sd * np.random.default_rng(1).normal(size=t.size)
     found = extremes(t, y, begins + 1.5, window, 0, 1, noise)
     bias = abs(np.mean(found.difference))
-    np.testing.assert_allclose(biased_errors(found), bias, rtol=1e-3)
+    np.testing.assert_allclose(found.biased_error, bias, rtol=1e-3)
     assert np.abs(found.value).max() < 0.1 * bias
     assert np.abs(found.time - begins).max() < 0.4 * found.time_error.min()
 

@@ -8,10 +8,9 @@ from synthetic_stick_slip import sawtooth
 
 import ratestate as rs
 from ratestate.records.kit.sample_noise import rounding
-from ratestate.records.stick_slip.detection import Rough, without_rebounds
-from ratestate.records.stick_slip.hidden import has_several, has_step_down
-from ratestate.records.stick_slip.measures import SEVERAL, UNDERSAMPLED, WHOLE
-from ratestate.records.stick_slip.noise import Noise
+from ratestate.records.stick_slip.between_samples import has_several, has_step_down
+from ratestate.records.stick_slip.catalogue import SEVERAL, UNDERSAMPLED, WHOLE
+from ratestate.records.stick_slip.detection import Noise, without_rebounds
 
 DROP = 1e5
 
@@ -74,11 +73,11 @@ def test_records_without_noise_have_events(damped, noise, digits, error):
 def test_stress_that_swings_back_is_no_event_of_its_own():
     """It rises faster than the spring loads; where it rises as slowly, there are two events."""
     y = np.array([0.0, 10.0, 20.0, 30.0, 5.0, 8.0, 4.0, 14.0, 24.0])
-    rough = [Rough(3, 4), Rough(5, 6), Rough(8, -1)]
+    falls = np.array([(3, 4), (5, 6), (8, -1)])
     swings = np.array([0.0, 1.0, 2.0, 3.0, 3.1, 3.19, 3.2, 4.2, 5.2])
     loads = np.array([0.0, 1.0, 2.0, 3.0, 3.1, 3.4, 3.5, 4.5, 5.5])
-    assert without_rebounds(y, swings, rough) == [Rough(3, 6), Rough(8, -1)]
-    assert without_rebounds(y, loads, rough) == rough
+    assert without_rebounds(y, swings, falls).tolist() == [[3, 6], [8, -1]]
+    assert without_rebounds(y, loads, falls).tolist() == falls.tolist()
 
 
 def test_digits_of_times_are_in_their_errors():

@@ -5,7 +5,7 @@ import pytest
 import xarray
 
 import ratestate as rs
-from ratestate.records.stick_slip.outliers import without_outliers
+from ratestate.records.stick_slip.detection import without_outliers
 
 
 def found(t, friction):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ratestate.records.stick_slip.noise import Noise
-from ratestate.records.stick_slip.spikes import with_spikes
+from ratestate.records.stick_slip.between_samples import with_spikes
+from ratestate.records.stick_slip.detection import Noise
 
 #: times of the samples of one fall; period of the falls
 STEPS, PERIOD = np.arange(-20.0, 20.0), 100.0

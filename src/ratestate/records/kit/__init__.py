@@ -6,7 +6,7 @@
 ``sample_noise``      the noise of a series from sample to sample, and its resolution
 ``regression``        linear regression: of correlated samples, and of estimates with errors
 ``least_squares``     least squares within bounds; BLAS on one thread
-``polynomial_windows``  windows of a record in which friction is a polynomial
+``polynomial_windows``  polynomials in windows of a record, and how far such windows go
 ``child_process``     work spread over processes
 ``results``           variables of results, and their tables as text
 ===================== ==========================================================================

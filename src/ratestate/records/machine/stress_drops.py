@@ -5,8 +5,7 @@ from itertools import pairwise
 import numpy as np
 import xarray
 
-from ..stick_slip.catalogue import detected
-from ..stick_slip.detection import in_gaps
+from ..stick_slip.detection import detected, in_gaps, is_whole
 from ..stick_slip.series import series_of
 
 #: least drop over the largest one of a segment: smaller ones are of what rings
@@ -25,9 +24,8 @@ def stress_drops(raw, sigma, segments):
         "sigma": ("time", np.full(raw.time.size, sigma)),
     }
     variables |= {"segment_t": ("segment", segments.t), "segment_V": ("segment", segments.V)}
-    series, rough, *_ = detected(series_of(xarray.Dataset(variables, {"time": raw.time})))
-    rough = [one for one in rough if min(one) >= 0]
-    samples = np.array(rough, int).reshape(-1, 2)[~in_gaps(series.t, rough)]
+    series, falls, *_ = detected(series_of(xarray.Dataset(variables, {"time": raw.time})))
+    samples = falls[is_whole(falls) & ~in_gaps(series.t, falls)]
     times, drops = series.t[samples], series.tau[samples] @ (1.0, -1.0)
     chosen = []
     for begin, end in zip(segments.t, segments.ends, strict=True):
