@@ -38,24 +38,16 @@ def test_no_curve_where_nothing_is_loaded():
     assert fit_loading_curve(x, x, 0.6 - 100.0 * x, 0.3) is None
 
 
-def test_the_loading_curve_solves_its_equation():
-    """d mu/dx = k (1 - r exp((mu - mu_0)/a))."""
+@pytest.mark.parametrize("h", [0.0, 60.0])
+def test_the_loading_curve_solves_its_equation(h):
+    """d mu/dx = k (1 - r exp((mu - mu_0 - h x)/a)): a fault that heals creeps less."""
     x, k, a, r = np.linspace(0.0, 2e-5, 2001), 2e3, 0.01, 0.2
-    mu = curve(x, 0.6, k, a, r)
-    slope = np.gradient(mu, x, edge_order=2)
-    np.testing.assert_allclose(slope, k * (1.0 - r * np.exp((mu - 0.6) / a)), rtol=1e-4)
-    assert mu[0] == pytest.approx(0.6)
-    np.testing.assert_array_equal(curve(-x, 0.6, k, a, r), 0.6)  # the level before
-    np.testing.assert_allclose(curve(x, 0.6, k, a, 0.0), 0.6 + k * x, rtol=1e-14)
-
-
-def test_a_fault_that_heals_while_it_is_loaded():
-    """d mu/dx = k (1 - r exp((mu - mu_0 - h x)/a)): it creeps less."""
-    x, k, a, r, h = np.linspace(0.0, 2e-5, 2001), 2e3, 0.01, 0.2, 60.0
     mu = curve(x, 0.6, k, a, r, h)
     slope = np.gradient(mu, x, edge_order=2)
     np.testing.assert_allclose(slope, k * (1 - r * np.exp((mu - 0.6 - h * x) / a)), rtol=1e-4)
-    assert mu[-1] > curve(x, 0.6, k, a, r)[-1] + 1e-4
+    np.testing.assert_array_equal(curve(-x, 0.6, k, a, r, h), 0.6)  # the level before
+    np.testing.assert_allclose(curve(x, 0.6, k, a, 0.0), 0.6 + k * x, rtol=1e-14)
+    assert (mu[-1] > curve(x, 0.6, k, a, r)[-1] + 1e-4) == (h > 0.0)
 
 
 def test_the_slip_rate_at_the_end_of_a_hold_is_not_a_mean():

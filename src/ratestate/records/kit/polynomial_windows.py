@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from .regression import generalized_least_squares
+from .regression import fall_of_chi2, generalized_least_squares
 
 #: chi-square of two more coefficients that 1 in 1000 windows exceed by chance; and 1 in 10,000, for
 #: the smallest window, without which there is no answer
@@ -29,7 +29,6 @@ class Polynomial(NamedTuple):
     high: float
     coefficients: np.ndarray  # (order + 1,) of Legendre polynomials
     covariance: np.ndarray
-    chi2: float
 
     def basis(self, x, derivative=0):
         """(n, order + 1) Legendre polynomials at x (n,), or their derivatives by it."""
@@ -74,7 +73,7 @@ def fitted_polynomial(t, x, y, rows, order, noise):
     """
     low, high = float(x[rows[0]]), float(x[rows[-1]])
     fit = generalized_least_squares(t[rows], y[rows], basis(x[rows], low, high, order), noise)
-    return Polynomial(low, high, *fit)
+    return Polynomial(low, high, fit.coefficients, fit.covariance)
 
 
 def fewest_samples(order):
@@ -93,5 +92,5 @@ def window_sizes(fewest, most):
 
 def curvature(t, x, y, rows, order, noise):
     """Fall of chi-square by a polynomial of order + 2 in x in place of one of this order."""
-    small, large = (fitted_polynomial(t, x, y, rows, k, noise) for k in (order, order + 2))
-    return small.chi2 - large.chi2
+    columns = basis(x[rows], x[rows[0]], x[rows[-1]], order + 2)
+    return fall_of_chi2(t[rows], y[rows], columns, 2, noise)

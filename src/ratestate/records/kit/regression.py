@@ -59,6 +59,16 @@ def generalized_least_squares(t, values, columns, noise):
     return Linear(root @ projected, root @ root.T, max(chi2, 0.0))
 
 
+def fall_of_chi2(t, values, columns, last, noise):
+    """Fall of chi-square by the last so many of the columns beside the others.
+
+    All other arguments are those of `generalized_least_squares`.
+    """
+    white, _ = noise.whiten(t, np.column_stack([values, columns]))
+    q, _ = np.linalg.qr(white[:, 1:])
+    return float(np.sum((q[:, -last:].T @ white[:, 0]) ** 2))
+
+
 def weighted_mean(values, errors):
     """The `Mean` of values (n,) weighted by their errors (n,), n > 0."""
     weights = errors**-2.0

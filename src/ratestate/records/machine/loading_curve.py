@@ -32,7 +32,7 @@ import numpy as np
 from ..kit.estimated_noise import estimated_noise
 from ..kit.least_squares import minimum
 from ..kit.noise import Noise
-from ..kit.regression import generalized_least_squares
+from ..kit.regression import fall_of_chi2
 
 #: chi-square of two more coefficients, a quadratic and a cubic one, that 1 of 1000 fits exceed
 SIGNIFICANT = 13.82
@@ -202,6 +202,4 @@ def _misfit(noise, t, x, residual, columns):
     """Fall of chi-square by a quadratic and a cubic in x beside the model's own columns."""
     u = np.maximum(x, 0.0) / x[-1]
     columns = columns[:, columns.any(axis=0)]  # (without those of what has no effect)
-    more = np.column_stack([columns, u**2, u**3])
-    small, large = (generalized_least_squares(t, residual, one, noise) for one in (columns, more))
-    return small.chi2 - large.chi2
+    return fall_of_chi2(t, residual, np.column_stack([columns, u**2, u**3]), 2, noise)

@@ -22,7 +22,7 @@ from scipy.optimize import least_squares
 
 from ..kit.estimated_noise import estimated_noise
 from ..kit.noise import Noise
-from ..kit.regression import generalized_least_squares
+from ..kit.regression import fall_of_chi2, generalized_least_squares
 
 #: shortest window that is searched, and a window over the one before; most samples of the longest
 SHORTEST, GROWTH, LONGEST = 32, 2, 16384
@@ -150,12 +150,11 @@ def _fit(t, friction, rows, omega, decay):
         ]
         jacobian = np.column_stack([*slopes, _columns(at, *p)])
         noise = estimated_noise(at, y - fitted, jacobian)
-    more = np.column_stack([jacobian, _harmonics(at, *p)])
-    small, large = (
-        generalized_least_squares(at, y - fitted, one, noise) for one in (jacobian, more)
-    )
-    covariance = small.covariance[:2, :2] * np.outer(p, p)
-    return RingDown(p, covariance, rows, fitted + level, small.chi2 - large.chi2)
+    white, _ = noise.whiten(at, jacobian)
+    covariance = np.linalg.pinv(white.T @ white, rcond=1e-15)[:2, :2] * np.outer(p, p)
+    more = _harmonics(at, *p)
+    harmonics = fall_of_chi2(at, y - fitted, np.column_stack([jacobian, more]), 4, noise)
+    return RingDown(p, covariance, rows, fitted + level, harmonics)
 
 
 def _harmonics(t, omega, decay):

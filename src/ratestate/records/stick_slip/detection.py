@@ -233,15 +233,22 @@ def in_gaps(t, falls):
 
 
 def is_stick_slip(series, falls):
-    """Whether falls of a record are not noise, by their times."""
+    """Whether falls of a record are not noise, by how short or regular they are."""
     whole = falls[is_whole(falls)]
     peaks, troughs = series.t[whole].T
     starts = np.concatenate([series.t[:1], troughs[:-1]])[: peaks.size]
     # after a change of V_lp stress moves by itself
     changes = np.append(-math.inf, series.t[1:][np.diff(series.V_lp) != 0.0])
     changed = changes[np.searchsorted(changes, peaks, side="right") - 1]
+    lasting, rises = troughs - peaks, peaks - np.maximum(starts, changed)
+    if len(whole) >= FEWEST and mannwhitneyu(lasting, rises, alternative="less").pvalue < CHANCE:
+        return True
+    intervals = np.diff(0.5 * (peaks + troughs))
+    regular = REGULAR[len(whole) >= MANY]
+    if intervals.size > 1 and intervals.std() < regular * intervals.mean():
+        return True
     halves = np.array([_half(series, *fall) for fall in whole])
-    return are_stick_slip(np.maximum(starts, changed), peaks, troughs, halves)
+    return 0 < len(whole) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
 
 
 def _half(series, peak, trough):
@@ -251,18 +258,3 @@ def _half(series, peak, trough):
     middle = int(np.argmax(below > 0.0))
     each = np.gradient(t)  # time that a sample stands for
     return max(float(each[np.abs(below) < quarter].sum()), float(t[middle] - t[middle - 1]))
-
-
-def are_stick_slip(starts, peaks, troughs, halves):
-    """Whether falls between peaks and troughs, (m,) times each, are stick-slip by their times.
-
-    starts : (m,) times from which stress rises to each peak: the trough before, or later
-    halves : (m,) how long the middle half of each drop takes
-    """
-    falls, rises = troughs - peaks, peaks - starts
-    if falls.size >= FEWEST and mannwhitneyu(falls, rises, alternative="less").pvalue < CHANCE:
-        return True
-    intervals = np.diff(0.5 * (peaks + troughs))
-    if intervals.size > 1 and intervals.std() < REGULAR[falls.size >= MANY] * intervals.mean():
-        return True
-    return 0 < falls.size < FEWEST and bool((2.0 * halves < SHORTER * rises).all())

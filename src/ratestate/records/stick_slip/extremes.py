@@ -112,14 +112,6 @@ class _Fits(NamedTuple):
         return value, variance, value - lower, np.maximum(variance - less, 0.0)
 
 
-class Places(NamedTuple):
-    """Where m extremes are, in u, the standard errors of that, and whether the fall bounds them."""
-
-    u: np.ndarray
-    error: np.ndarray
-    bounded: np.ndarray
-
-
 def chosen_window(t, y, middles, windows, k, sign, noise):
     """The `Window` among these in which extremes are least uncertain and not contradicted.
 
@@ -147,20 +139,23 @@ def extremes(t, y, middles, window, k, sign, noise):
     centre, level = middle + 0.5 * (window.start + window.end), y[spans[0, :]]
     fits = _fits(t, y, spans, (centre, extent, level), k, noise)
     ends = (t[[spans[0], spans[1] - 1]] - centre) / extent
-    places = _vertices(fits, k, sign, ends, window.fall)
-    vertex = places is not None
-    if places is None:
+    vertices = _vertices(fits, k, sign, ends, window.fall)
+    if vertices is None:
         span = (*spans, np.searchsorted(t, middle))
         scales = centre, extent, level
-        places = edges((t, y), span, scales, fits.low[0], window.fall, sign, noise.sd)
-    value, variances, difference, more = fits.compared(places.u, k)
-    _, _, turn, turn_more = fits.compared(places.u, k + 1)
-    error, off = places.error, np.zeros(use.size)
-    if not vertex:
-        error, off = _edge_errors(fits.low[0], k, places, fits.variance * variances)
+        u, error, bounded = edges((t, y), span, scales, fits.low[0], window.fall, sign, noise.sd)
+    else:
+        (u, error), bounded = vertices, np.ones(use.size, bool)
+    value, variances, difference, more = fits.compared(u, k)
+    _, _, turn, turn_more = fits.compared(u, k + 1)
+    off = np.zeros(use.size)
+    if vertices is None:  # the extreme is anywhere where the curve is as extreme as can be told
+        slope = np.abs((_derivatives(u, k + 3, k + 1) * fits.low[0]).sum(axis=1))
+        blurred = np.sqrt(fits.variance * variances / 3.0) / np.maximum(slope, TINY)
+        error, off = np.hypot(error, np.minimum(blurred, 1.0)), slope * error
     per = extent**k
     columns = Extremes(
-        time=centre + extent * places.u,
+        time=centre + extent * u,
         value=value / per + (level if k == 0 else 0.0),
         error=np.sqrt(fits.variance * variances + off**2) / per,
         time_error=extent * error,
@@ -168,9 +163,9 @@ def extremes(t, y, middles, window, k, sign, noise):
         variance=fits.variance * more / per**2,
         turn=turn,
         turn_variance=fits.variance * turn_more,
-        excess=np.where(places.bounded, np.minimum(fits.excess, UNBOUNDED), UNBOUNDED),
+        excess=np.where(bounded, np.minimum(fits.excess, UNBOUNDED), UNBOUNDED),
     )
-    if vertex:
+    if vertices is not None:
         columns = _moved(columns, fits, k, sign, extent)
     for column, part in zip(found, columns, strict=True):
         column[use] = part
@@ -208,7 +203,7 @@ def _fits(t, y, spans, scales, k, noise):
 
 
 def _vertices(fits, k, sign, ends, fall):
-    """`Places` of the vertices of the lower polynomials.
+    """Places (m,) of the vertices of the lower polynomials, in u, and their errors.
 
     None if noise hides the vertex of the mean polynomial too, or if it is outside the window.
 
@@ -240,12 +235,15 @@ def _vertices(fits, k, sign, ends, fall):
         known[:] = False
     spread = float(np.std(u[known])) if known.any() else 0.0
     errors = np.where(known, errors, math.hypot(mean_error, spread))
-    return Places(np.where(known, u, place), errors, np.ones(u.size, bool))
+    return np.where(known, u, place), errors
 
 
 def edges(samples, span, scales, c, fall, sign, sd):
-    """The `Places` of the extremes of polynomials c (m, size) on the side of the fall.
+    """Places (m,) of the extremes of polynomials on the side of the fall, in u; their errors.
 
+    And (m,) whether the fall bounds them.
+
+    c : (m, size) of the polynomials
     samples : t and y, (n,) each, of the whole record
     span : (m,) first samples of the windows, those after their last, those after middles of falls
     scales : times (m,) at which u = 0, time in which it grows by 1, and (m,) stress at which c = 0
@@ -263,7 +261,7 @@ def edges(samples, span, scales, c, fall, sign, sd):
         u, _ = u_and_off(np.stack([first, last - 1], axis=1))
         slopes = (size[1:] * u[..., None] ** size[:-1] * c[:, None, 1:]).sum(-1)
         best = u[np.arange(len(u)), np.argmax(sign * slopes, axis=1)]
-        return Places(best, np.zeros(len(u)), np.ones(len(u), bool))
+        return best, np.zeros(len(u)), np.ones(len(u), bool)
     end = last - 1 if fall > 0 else first
     steps = np.maximum(fall * (middle - end) + (fall < 0), 1)
     rows = end[:, None] + fall * np.arange(int(steps.max()) + 1)  # (the window's last included)
@@ -274,7 +272,14 @@ def edges(samples, span, scales, c, fall, sign, sd):
     count = np.maximum(inside.sum(axis=0), 1)
     own = _leaves(np.abs(off), sd, inside)
     shared = _leaves(np.abs(off.sum(axis=0) / count), sd / np.sqrt(count), inside)
-    return _placed(u, fall, *(np.where(own[0] > 0, a, b) for a, b in zip(own, shared, strict=True)))
+    left, far = (np.where(own[0] > 0, a, b) for a, b in zip(own, shared, strict=True))
+    event, bounded = np.arange(len(u)), left > 0
+    step = np.abs(u[event, left] - u[event, np.maximum(left - 1, 0)])
+    delay = np.abs(u[event, far] - u[event, left])
+    # a time between two samples is known to sqrt(1/12) of a step, the delay to sqrt(2/12); if
+    # nothing is seen to leave a window, the extreme is at its end, or up to the fall's middle
+    place = np.where(bounded, u[event, left] - fall * (0.5 * step + delay), u[:, 0])
+    return place, np.where(bounded, np.hypot(0.5 * step, 0.5 * delay), 0.5 * delay), bounded
 
 
 def _leaves(off, sd, inside):
@@ -285,30 +290,6 @@ def _leaves(off, sd, inside):
     far = (off > 4.0 * LEFT * sd) & inside & (index >= left[:, None])
     last = inside.sum(axis=1) - 1
     return left, np.where(far.any(axis=1), far.argmax(axis=1), last)
-
-
-def _placed(u, fall, left, far):
-    """`Places` before the samples that have left the windows.
-
-    If nothing is seen to leave a window, the extreme is at its end, or up to the fall's middle.
-    """
-    event = np.arange(len(u))
-    step = np.abs(u[event, left] - u[event, np.maximum(left - 1, 0)])
-    delay = np.abs(u[event, far] - u[event, left])
-    # a time between two samples is known to sqrt(1/12) of a step, the delay to sqrt(2/12)
-    place, error = u[event, left] - fall * (0.5 * step + delay), np.hypot(0.5 * step, 0.5 * delay)
-    bounded = left > 0
-    return Places(np.where(bounded, place, u[:, 0]), np.where(bounded, error, 0.5 * delay), bounded)
-
-
-def _edge_errors(c, k, places, variance):
-    """Errors of the places of extremes at an edge, and of values through those of the edge.
-
-    variance : of the value; an extreme is anywhere where the curve is as extreme as that can tell
-    """
-    slope = np.abs((_derivatives(places.u, c.shape[1], k + 1) * c).sum(axis=1))
-    blurred = np.sqrt(variance / 3.0) / np.maximum(slope, TINY)
-    return np.hypot(places.error, np.minimum(blurred, 1.0)), slope * places.error
 
 
 def _moved(found, fits, k, sign, extent):
