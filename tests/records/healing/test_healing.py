@@ -12,7 +12,8 @@ import ratestate as rs
 from ratestate import ParameterError
 from ratestate.records.healing import summary
 from ratestate.records.healing.measured import STATUSES
-from ratestate.records.healing.prediction import Fitted
+from ratestate.records.healing.prediction import Fitted, predict
+from ratestate.records.healing.record import Hold
 
 #: statuses of holds of which not even relaxation is known
 UNMEASURED = ("short_hold", "no_slide_before", "not_steady_before")
@@ -114,27 +115,19 @@ def test_the_slider_predicts_each_hold(one):
 
 def test_errors_of_a_fit_are_propagated():
     """Against differences of predictions of whole sliders, b and Dc correlated."""
-    from ratestate.records.healing.prediction import predict
-    from ratestate.records.healing.record import Hold
-
     rows = np.arange(0)
     hold = Hold(30.0, 60.0, V, V, rows, rows, rows, 30.0)
     covariance = np.array([[4e-8, 1.2e-10], [1.2e-10, 1e-12]])
+    by = np.zeros((2, 2))
+    for i, (symbol, step) in enumerate((("b", 2e-5), ("Dc", 2e-8))):
+        sliders = (SLIDER.replace(**{symbol: getattr(SLIDER, symbol) + s}) for s in (step, -step))
+        high, low = (predict(Fitted(one), hold, "tau").values[:, 0] for one in sliders)
+        by[:, i] = (high - low) / (2.0 * step)
     fitted = Fitted(SLIDER, ("b", "Dc"), covariance)
-    by = []
-    for symbol, step in (("b", 2e-5), ("Dc", 2e-8)):
-        ends = [
-            predict(Fitted(SLIDER.replace(**{symbol: getattr(SLIDER, symbol) + s})), hold, "tau")
-            for s in (step, -step)
-        ]
-        by.append((ends[0].values - ends[1].values) / (2.0 * step))
-    by = np.array(by).T
-    predicted = predict(fitted, hold, "tau")
-    np.testing.assert_allclose(predicted.derivatives, by, rtol=2e-3)
     expected = np.sqrt(np.einsum("ni,ij,nj->n", by, covariance, by))
-    np.testing.assert_allclose(fitted.propagated(predicted.derivatives), expected, rtol=2e-3)
-    unbounded = Fitted(SLIDER, ("b",), np.array([[np.inf]]))
-    assert np.isinf(unbounded.propagated(np.ones((1, 1)))).all()
+    values = predict(fitted, hold, "tau").values
+    np.testing.assert_allclose(fitted.error(values), expected, rtol=2e-3)
+    assert np.isinf(fitted._replace(covariance=np.inf * covariance).error(values)).all()
 
 
 def test_a_fit_under_two_laws_predicts_with_errors():

@@ -37,14 +37,34 @@ class Fitted(NamedTuple):
     free: tuple = ()  # symbols
     covariance: np.ndarray = np.zeros((0, 0))
 
-    def propagated(self, derivatives):
-        """Standard errors (n,) of what has these derivatives (n, k) by the free parameters.
+    @property
+    def steps(self):
+        """(k,) steps of differences by the free parameters."""
+        sizes = [abs(getattr(self.slider, symbol)) or self.slider.a for symbol in self.free]
+        return STEP * np.array(sizes)
 
-        inf where one of them is unbounded.
+    @property
+    def cases(self):
+        """The slider, and with each free parameter larger, then smaller by its step: a sweep."""
+        if not self.free:
+            return self.slider
+        changes = np.diag(self.steps)
+        values = {
+            symbol: getattr(self.slider, symbol) + np.concatenate([[0.0], change, -change])
+            for symbol, change in zip(self.free, changes, strict=True)
+        }
+        return self.slider.replace(**{s: xarray.DataArray(x, dims=CASE) for s, x in values.items()})
+
+    def error(self, values):
+        """Standard errors (n,) of what has these values (n, 1 + 2k) in the cases.
+
+        inf if a parameter is unbounded.
         """
         if not np.isfinite(self.covariance).all():
-            return np.full(len(derivatives), np.inf)
-        return np.sqrt(np.einsum("ni,ij,nj->n", derivatives, self.covariance, derivatives))
+            return np.full(len(values), np.inf)
+        larger, smaller = np.split(values[:, 1:], 2, axis=1)
+        by = (larger - smaller) / (2.0 * self.steps)
+        return np.sqrt(np.einsum("ni,ij,nj->n", by, self.covariance, by))
 
 
 def sliders_of(slider):
@@ -103,50 +123,31 @@ def _errors_of_steps(part, names):
 
 
 class Predicted(NamedTuple):
-    """Healing and relaxation of one hold, their derivatives, and why there are none, or ""."""
+    """Healing and relaxation of one hold in the cases of a `Fitted`; why there are none, or ""."""
 
-    values: np.ndarray  # (2,); NaN
-    derivatives: np.ndarray  # (2, k) by the free parameters; NaN
+    values: np.ndarray  # (2, 1 + 2k); NaN
     message: str = ""
 
 
 def predict(fitted, hold, kind):
-    """`Predicted` of a `sliders.Fitted` for a `Hold`; kind of friction: "tau" or "mu"."""
-    free = fitted.free
-    none = Predicted(np.full(2, np.nan), np.full((2, len(free)), np.nan))
+    """`Predicted` of a `Fitted` for a `Hold`; kind of friction: "tau" or "mu"."""
+    slider, cases = fitted.slider, fitted.cases
+    none = np.full((2, 1 + 2 * len(fitted.free)), np.nan)
     lead, lasts = LEAD * (hold.end - hold.start), hold.end - hold.start
     end = lead + lasts
     loading = Loading.steps(hold.V_before, (lead, 0.0), (end, hold.V_after))
     try:
-        window = _about_peak(fitted.slider, loading, end, end + hold.slide, kind)
+        window = _about_peak(slider, loading, end, end + hold.slide, kind)
         if window is None:
-            return none._replace(message=sentences("prediction.no_peak", law=fitted.slider.law))
-        steps = [STEP * (abs(getattr(fitted.slider, s)) or fitted.slider.a) for s in free]
+            return Predicted(none, sentences("prediction.no_peak", law=slider.law))
         times = np.concatenate([[0.0, end], np.linspace(window[0], window[1], POINTS)])
-        cases = _cases(fitted.slider, free, steps)
         run = simulate(cases, loading, float(times[-1]), times=times, rtol=RTOL)
     except RateStateError as error:
-        return none._replace(
-            message=sentences("prediction.failed", law=fitted.slider.law, reason=str(error))
-        )
+        reason = {"law": slider.law, "reason": str(error)}
+        return Predicted(none, sentences("prediction.failed", **reason))
     friction = _friction(run, cases, kind).transpose(..., "time").values.reshape(-1, times.size)
     level, low, high = friction[:, 0], friction[:, 1], _largest(friction[:, 2:])
-    found = np.array([high - level, level - low])
-    differences = (found[:, 1::2] - found[:, 2::2]) / (2.0 * np.array(steps))
-    return Predicted(found[:, 0], differences)
-
-
-def _cases(slider, free, steps):
-    """The slider, and it with each free parameter larger and smaller by its step: a sweep."""
-    if not free:
-        return slider
-    values = {}
-    for i, (symbol, step) in enumerate(zip(free, steps, strict=True)):
-        column = np.full(1 + 2 * len(free), float(getattr(slider, symbol)))
-        column[1 + 2 * i] += step
-        column[2 + 2 * i] -= step
-        values[symbol] = xarray.DataArray(column, dims=CASE)
-    return slider.replace(**values)
+    return Predicted(np.array([high - level, level - low]))
 
 
 def _about_peak(slider, loading, end, last, kind):

@@ -136,14 +136,11 @@ def _predictions(t_hold, found, sliders, predicted):
     for i, (name, rate) in enumerate(RATES.items()):
         columns, rates = [], []
         for law, each in predicted.items():
-            values = np.array([one.values[i] for one in each])
-            by = np.array([one.derivatives[i] for one in each])
-            columns.append((values, sliders[law].propagated(by)))
-            # (the slope is a linear function of the values)
-            errors = found[name][1]
-            lines = [_line(t_hold, column, errors) for column in (values, *by.T)]
-            slope, *slopes = (np.nan if line is None else line.slope for line in lines)
-            rates.append((slope, sliders[law].propagated(np.array([slopes]))[0]))
+            values = np.array([one.values[i] for one in each])  # (holds, cases)
+            columns.append((values[:, 0], sliders[law].error(values)))
+            lines = [_line(t_hold, column, found[name][1]) for column in values.T]
+            slopes = np.array([[np.nan if line is None else line.slope for line in lines]])
+            rates.append((slopes[0, 0], sliders[law].error(slopes)[0]))
         both = {f"{name}_predicted": np.stack(columns, axis=1)}
         variables |= with_errors(("law", "hold"), both)
         variables |= with_errors("law", {f"{rate}_predicted": np.transpose(rates)})

@@ -121,11 +121,6 @@ class LoadingCurve(NamedTuple):
     misfit: float  # fall of chi-square by a quadratic and a cubic beside the curve
 
     @property
-    def ln_k(self):
-        """Logarithm of K over normal stress [1/m]."""
-        return float(self.point[1])
-
-    @property
     def k(self):
         """K over normal stress [1/m]."""
         return float(np.exp(self.point[1]))

@@ -69,7 +69,7 @@ def _used(slopes):
 
 def _stiffness(sigma, curves):
     """K, its error and scatter: of the mean of ln K, whose errors do not depend on its value."""
-    columns = [(one.ln_k, one.own_error, one.shared_error) for one in curves]
+    columns = [(one.point[1], one.own_error, one.shared_error) for one in curves]
     mean, error, scatter = _mean(*np.array(columns).reshape(-1, 3).T)
     K = sigma * float(np.exp(mean))
     return K, K * error, scatter

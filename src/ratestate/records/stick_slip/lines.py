@@ -165,20 +165,14 @@ def _shared_variance(rest, groups):
     """Variance, over that among events at one speed, of what all at one speed share.
 
     By moments: the mean square of the residuals' means, less what the scatter explains; 0 at least.
+    If there is one event at each speed, their scatter is that of all.
     """
-    counts = np.bincount(groups)
-    means = _means(rest[:, None], groups)[:, 0]
+    counts, means = np.bincount(groups), _means(rest[:, None], groups)[:, 0]
+    total, inner, degrees = float(rest @ rest), rest - means, rest.size - counts.size
+    if degrees < 1:
+        own = total / max(rest.size - 2, 1)
+    else:
+        own = max(float(inner @ inner) / degrees, 1e-12 * total / rest.size)
     between = float(means @ means) / max(counts.size - 2, 1)
     usual = (rest.size - float(counts @ counts) / rest.size) / max(counts.size - 1, 1)
-    return max(between / _scatter(rest, rest - means, counts.size) - 1.0, 0.0) / usual
-
-
-def _scatter(rest, inner, speeds):
-    """Variance of residuals among events at one speed; of all if there is one event at each.
-
-    inner : (m,) residuals about the mean at each speed
-    """
-    total, degrees = float(rest @ rest), rest.size - speeds
-    if degrees < 1:
-        return max(total / max(rest.size - 2, 1), TINY)
-    return max(float(inner @ inner) / degrees, 1e-12 * total / rest.size, TINY)
+    return max(between / max(own, TINY) - 1.0, 0.0) / usual
