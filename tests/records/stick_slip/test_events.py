@@ -349,6 +349,14 @@ def test_other_records_are_refused(experiment, change, text):
         rs.events(change(experiment[0]), sigma="4 MPa")
 
 
+def test_runs_of_few_times_or_several_sliders_are_refused(experiment):
+    run = experiment[1]
+    with pytest.raises(rs.ParameterError, match="the run has 10 saved times"):
+        rs.events(run.isel(time=slice(10)))
+    with pytest.raises(rs.ParameterError, match="the run has the dimension 'K'"):
+        rs.events(run.expand_dims(K=2))
+
+
 def test_friction_alone_needs_a_normal_stress(experiment):
     with pytest.raises(rs.ParameterError, match="give sigma"):
         rs.events(experiment[0])
