@@ -4,7 +4,7 @@
 ``noise``              level and correlation of the noise, as a user gives it; whitening
 ``estimated_noise``    these from residuals, by restricted maximum likelihood
 ``sample_noise``       the noise of a series from sample to sample, and its resolution
-``regression``         linear regression: of correlated samples, and of estimates with errors
+``regression``         linear regression, of samples and of estimates with errors; derivatives
 ``least_squares``      least squares within bounds; BLAS on one thread
 ``polynomial_windows`` polynomials in windows of a record, and how far such windows go
 ``child_process``      work spread over processes

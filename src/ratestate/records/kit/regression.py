@@ -69,6 +69,12 @@ def fall_of_chi2(t, values, columns, last, noise):
     return float(np.sum((q[:, -last:].T @ white[:, 0]) ** 2))
 
 
+def central_differences(function, point, steps):
+    """Derivatives (..., k) of a function by its argument, a point (k,), with these steps (k,)."""
+    pairs = [(function(point + h), function(point - h)) for h in np.diag(steps)]
+    return np.stack([high - low for high, low in pairs], axis=-1) / (2.0 * steps)
+
+
 def weighted_mean(values, errors):
     """The `Mean` of values (n,) weighted by their errors (n,), n > 0."""
     weights = errors**-2.0

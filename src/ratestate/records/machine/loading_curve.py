@@ -32,7 +32,7 @@ import numpy as np
 from ..kit.estimated_noise import estimated_noise
 from ..kit.least_squares import minimum
 from ..kit.noise import Noise
-from ..kit.regression import fall_of_chi2
+from ..kit.regression import central_differences, fall_of_chi2
 
 #: chi-square of two more coefficients, a quadratic and a cubic one, that 1 of 1000 fits exceed
 SIGNIFICANT = 13.82
@@ -93,10 +93,8 @@ class Model(NamedTuple):
         return curve(at, p[0], k, a, r, healing) + relaxation(at, *hold)
 
     def jacobian(self, x, p):
-        """(n, PARAMETERS) its derivatives, central differences."""
-        steps = STEP * np.eye(PARAMETERS)
-        above, below = ([self.friction(x, p + sign * h) for h in steps] for sign in (1.0, -1.0))
-        return (np.array(above) - np.array(below)).T / (2.0 * STEP)
+        """(n, PARAMETERS) its derivatives."""
+        return central_differences(lambda q: self.friction(x, q), p, np.full(PARAMETERS, STEP))
 
     def start(self, level):
         """Coordinates to start from, if friction begins at a level: each (PARAMETERS,).

@@ -22,7 +22,7 @@ from scipy.optimize import least_squares
 
 from ..kit.estimated_noise import estimated_noise
 from ..kit.noise import Noise
-from ..kit.regression import fall_of_chi2, generalized_least_squares
+from ..kit.regression import central_differences, fall_of_chi2, generalized_least_squares
 
 #: shortest window that is searched, and a window over the one before; most samples of the longest
 SHORTEST, GROWTH, LONGEST = 32, 2, 16384
@@ -144,11 +144,8 @@ def _fit(t, friction, rows, omega, decay):
         p = point * scale
         linear = generalized_least_squares(at, y, _columns(at, *p), noise).coefficients
         fitted = _columns(at, *p) @ linear
-        slopes = [
-            (_columns(at, *(p + h)) - _columns(at, *(p - h))) @ linear / (2.0 * STEP)
-            for h in STEP * np.diag(p)
-        ]
-        jacobian = np.column_stack([*slopes, _columns(at, *p)])
+        slopes = p * (linear @ central_differences(lambda q: _columns(at, *q), p, STEP * p))
+        jacobian = np.column_stack([slopes, _columns(at, *p)])
         noise = estimated_noise(at, y - fitted, jacobian)
     white, _ = noise.whiten(at, jacobian)
     covariance = np.linalg.pinv(white.T @ white, rcond=1e-15)[:2, :2] * np.outer(p, p)
@@ -179,11 +176,7 @@ def mass_and_damping(K, ring_down, sigma, slider):
         return np.array([M, M * decay + K * decay * per_K - G.real])
 
     point = np.append(ring_down.point, K)
-    by = [
-        (values(point + h) - values(point - h)) / (2.0 * h.sum())
-        for h in np.diag(STEP_OF_MASS * point)
-    ]
-    return values(point), np.column_stack(by)
+    return values(point), central_differences(values, point, STEP_OF_MASS * point)
 
 
 def _friction(rate, V, sigma, slider):
