@@ -5,7 +5,9 @@ import pytest
 from ratestate.records import messages
 
 
-@pytest.mark.parametrize("package", ["kit", "load_point", "raw_record", "reading"])
+@pytest.mark.parametrize(
+    "package", ["healing", "kit", "load_point", "machine", "raw_record", "reading", "stick_slip"]
+)
 def test_every_sentence_is_used(package):
     sentences = getattr(messages, package)
     folder = sentences.path.parent

@@ -8,7 +8,7 @@ import xarray
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ...model.quantities import with_error
-from ...records.stick_slip.measures import SEVERAL
+from ...records.stick_slip.catalogue import SEVERAL
 from ..labels import BLUE, GRAY, RED, in_unit, prefixed
 from ..layout import blank_figure, letters, plain_ticks, styled
 

@@ -9,14 +9,11 @@ from ..fitting.settings import CHOICES, check_choice
 from ..kit.least_squares import single_blas
 from ..kit.noise import given_noise
 from ..kit.results import kept_attributes
-from ..messages import healing as sentences
 from .measured import measure
-from .prediction import predict
-from .record import healing_record
+from .prediction import predict, sliders_of
+from .record import healing_record, noise_of_slides
 from .result import dataset_of
-from .slide_noise import FEWEST, noise_of_slides
-from .sliders import sliders_of
-from .sliding import levels_of
+from .steady import levels_of
 
 
 @keywords_checked
@@ -101,24 +98,17 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     given, sliders = given_noise(noise), sliders_of(slider)
     record = healing_record(in_si(data), loading, trend)
     with single_blas():
-        found = given or noise_of_slides(
-            record.t, record.friction, [one.rows for one in record.slides]
-        )
-        if found is None:
-            raise sentences.refusal("record.no_slide", fewest=FEWEST)
+        found = given or noise_of_slides(record)
         levels = levels_of(record, found)
         measured = [measure(record, hold, found, levels) for hold in record.holds]
     predicted = {
         law: [predict(fitted, hold, record.kind) for hold in record.holds]
         for law, fitted in sliders.items()
     }
-    result = dataset_of(record, found, measured, sliders, predicted)
-    kept = kept_attributes(data)
-    result.attrs = {
-        "title": "ratestate healing",
-        "trend": str(trend),
-        "noise": json.dumps(noise),
-        "versions": versions(),
-        **kept,
-    }
-    return result
+    return dataset_of(record, found, measured, sliders, predicted).assign_attrs(
+        title="ratestate healing",
+        trend=str(trend),
+        noise=json.dumps(noise),
+        versions=versions(),
+        **kept_attributes(data),
+    )

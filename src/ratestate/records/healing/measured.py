@@ -1,21 +1,37 @@
-"""Healing and relaxation of one hold, with standard errors."""
+"""Healing and relaxation of one hold, with standard errors.
+
+The largest of noisy samples is above the peak, by two or three standard deviations of the noise.
+The maximum of a polynomial fitted to samples about the peak is above it by far less, by half the
+variance of the slope over the curvature, which is subtracted.
+"""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
-from ..kit.polynomial_windows import GROWTH, fewest_samples, largest_straight, window_of
-from ..kit.regression import generalized_least_squares
+from ..kit.polynomial_windows import (
+    CERTAIN,
+    SIGNIFICANT,
+    curvature,
+    fewest_samples,
+    fitted_polynomial,
+    window_sizes,
+)
 from ..kit.sample_noise import OF_STEP, resolution
-from .peak import FEW, maximum_of, peak_window
-from .slide_noise import FEWEST
-from .sliding import Level
+from .record import FEWEST
+from .steady import Level
 
-#: orders of friction in ln(time since the hold began): tested, and used
+#: orders of friction in ln(time since the hold began): tested, and used; fewest samples of a hold
 TESTED, USED = 1, 3
-#: fewest samples of a hold
 FEWEST_OF_HOLD = fewest_samples(USED)
+#: orders of the polynomial about a peak: tested, and used; orders of a test
+PEAK_TESTED, PEAK_USED, ORDERS = 3, 5, 2
+#: noise about a peak, as a multiple of the record's, if samples are too few for all its orders
+FEW = math.sqrt(CERTAIN / ORDERS)
+#: successive windows that must fail: noise about the largest sample may be odd in one
+FAILED = 2
 #: standard errors by which a peak is above friction at the end of the slide
 RESOLVED = 3.0
 #: largest error of the level before, as a fraction of healing; and of a peak between samples, as a
@@ -70,7 +86,7 @@ def measure(record, hold, noise, levels):
 
 def _measure(record, hold, noise, levels):
     """As `measure`, by the noise alone."""
-    before, after = (levels.get(_first(rows)) for rows in (hold.before, hold.after))
+    before, after = (levels.get(int(rows[0]) if rows.size else -1) for rows in hold.sides)
     if hold.before.size < FEWEST:
         return Measured(NO_SLIDE, {})
     if hold.during.size < FEWEST_OF_HOLD:
@@ -78,11 +94,10 @@ def _measure(record, hold, noise, levels):
     if before is None:
         return Measured(UNSTEADY, {})
     end = _end_of_hold(record, hold, noise)
-    level = before.at(record.along_at(hold.end, end[0]))
     found = {
         "friction_before": before.at(before.end),
         "friction_min": end,
-        "delta_mu_c": _difference(level, end),
+        "delta_mu_c": _difference(before.at(record.along_at(hold.end, end[0])), end),
     }
     if hold.after.size < FEWEST:
         return Measured(ENDS, found)
@@ -90,17 +105,13 @@ def _measure(record, hold, noise, levels):
     if status:
         return Measured(status, found)
     along = record.along_at(at, peak[0])
-    found |= {"friction_peak": peak, "delta_mu": _difference(peak, before.at(along))}
+    level = before.at(along)
+    found |= {"friction_peak": peak, "delta_mu": _difference(peak, level)}
     if after is not None:
         found["friction_after"] = after.at(after.end)
-    if before.at(along)[1] > UNKNOWN * abs(found["delta_mu"][0]):
+    if level[1] > UNKNOWN * abs(found["delta_mu"][0]):
         return Measured(UNSTEADY, {})
     return Measured(EVALUATED, found, at, before, along)
-
-
-def _first(rows):
-    """First of rows; -1 without any."""
-    return int(rows[0]) if rows.size else -1
 
 
 def _difference(one, other):
@@ -110,16 +121,15 @@ def _difference(one, other):
 
 def _end_of_hold(record, hold, noise):
     """Friction at the end of a hold: of a polynomial in the logarithm of its duration."""
-    rows = hold.during
-    age = np.log(np.maximum(record.t - hold.start, 0.5 * record.spacing))
-    sizes, size = [], float(FEWEST_OF_HOLD)
-    while size < rows.size:
-        sizes.append(int(size))
-        size *= GROWTH
-    windows = [rows[-size:] for size in [*sizes, rows.size]]
-    best = largest_straight(record.t, age, record.friction, windows, TESTED, noise)
-    window = window_of(age, windows[0] if best is None else best, USED)
-    return _value(window, np.log(hold.end - hold.start), _fit(record, window, age, noise))
+    spacing, rows = float(np.median(np.diff(record.t))), hold.during
+    age = np.log(np.maximum(record.t - hold.start, 0.5 * spacing))
+    columns, best = (record.t, age, record.friction), FEWEST_OF_HOLD
+    for size in window_sizes(FEWEST_OF_HOLD, rows.size):
+        if curvature(*columns, rows[-size:], TESTED, noise) > SIGNIFICANT:
+            break
+        best = size
+    fit = fitted_polynomial(*columns, rows[-best:], USED, noise)
+    return fit.at(np.log(hold.end - hold.start))
 
 
 def _peak(record, hold, noise, low):
@@ -127,58 +137,79 @@ def _peak(record, hold, noise, low):
 
     low : friction at the end of the hold
     """
-    window, smaller, own = peak_window(record, hold.after, noise)
-    fit = _fit(record, window, record.t, own)
-    at = maximum_of(window, fit.coefficients)
+    t, slide = record.t, hold.after
+    rows, smaller, own = _peak_window(record, slide, noise)
+    fit = fitted_polynomial(t, t, record.friction, rows, PEAK_USED, own)
+    at = fit.maximum
     if at is None:
-        return (ENDS if window.rows[-1] == hold.after[-1] else NO_PEAK), np.nan, None
-    if np.count_nonzero(record.t[hold.after] > window.high) < FEWEST:
+        return (ENDS if rows[-1] == slide[-1] else NO_PEAK), np.nan, None
+    if np.count_nonzero(t[slide] > fit.high) < FEWEST:
         return ENDS, np.nan, None
-    peak, error = _maximum(window, at, fit)
+    peak, error = _unbiased(fit, at)
     if own.level > FEW * noise.level and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
-    late = hold.after[-FEWEST:]
-    change = np.interp(at, record.t, record.level - record.friction)
-    height = peak + change - record.level[late].mean()
+    change = np.interp(at, t, record.level - record.friction)
+    height = peak + change - record.level[slide[-FEWEST:]].mean()
     if height < RESOLVED * np.hypot(error, np.hypot(noise.white * FEWEST**-0.5, noise.red)):
         return NO_PEAK, np.nan, None
     if smaller is not None:
-        error = math.hypot(error, _misfit(record, smaller, own, peak, error))
+        other = fitted_polynomial(t, t, record.friction, smaller, PEAK_USED, own)
+        error = math.hypot(error, _misfit(other, peak, error))
     return EVALUATED, at, (peak, error)
 
 
-def _misfit(record, smaller, noise, peak, error):
+def _peak_window(record, slide, noise):
+    """Rows about the peak of a slide (rows), the next smaller ones, and the noise in them.
+
+    If no smaller window passes the test, it is None, and the noise is at least the misfit.
+    """
+    columns = record.t, record.t, record.friction
+    best = smaller = None
+    failed, fewest = 0, fewest_samples(PEAK_USED)
+    for size in window_sizes(fewest, slide.size):
+        rows = _about_maximum(record.level, slide, size)
+        # (the smallest ones may need all orders that are used)
+        order, least = (PEAK_USED, CERTAIN) if best is None else (PEAK_TESTED, SIGNIFICANT)
+        if curvature(*columns, rows, order, noise) > least:
+            failed += 1
+        else:
+            smaller, best, failed = best, rows, 0
+        if failed == FAILED:
+            break
+    if best is None:
+        best = _about_maximum(record.level, slide, fewest)
+    if smaller is None:
+        excess = curvature(*columns, best, PEAK_USED, noise)
+        noise = noise.times(max(math.sqrt(excess / ORDERS), 1.0))
+    return best, smaller, noise
+
+
+def _about_maximum(friction, slide, width):
+    """So many rows about the largest moving average of a slide, as far as the slide goes."""
+    smooth = uniform_filter1d(friction[slide], max(width // 3, 1), mode="nearest")
+    first = min(max(int(np.argmax(smooth)) - width // 2, 0), slide.size - width)
+    return slide[first : first + width]
+
+
+def _unbiased(fit, at):
+    """Maximum of a `Polynomial`, without what noise adds to it on average; its standard error."""
+    slope = fit.basis(at, 1)[0]
+    excess = 0.5 * (slope @ fit.covariance @ slope) / fit.derivative(at, 2)  # < 0
+    value, error = fit.at(at)
+    return value + float(excess), error
+
+
+def _misfit(smaller, peak, error):
     """By how much the polynomial of a peak may be off: the peak's change in the smaller window.
 
     A window grows until the misfit is significant.  Just before, it may exceed the standard error.
     The larger window has the samples of the smaller one, so noise changes the peak by the
     difference of their variances, which is subtracted.
+
+    smaller : the `Polynomial` there
     """
-    fit = _fit(record, smaller, record.t, noise)
-    at = maximum_of(smaller, fit.coefficients)
+    at = smaller.maximum
     if at is None:
         return 0.0
-    other, larger_error = _maximum(smaller, at, fit)
+    other, larger_error = _unbiased(smaller, at)
     return math.sqrt(max((other - peak) ** 2 - (larger_error**2 - error**2), 0.0))
-
-
-def _maximum(window, at, fit):
-    """Friction at its maximum, without what noise adds on average to that of a polynomial."""
-    slope, curvature = (window.basis(at, k)[0] for k in (1, 2))
-    excess = 0.5 * (slope @ fit.covariance @ slope) / (curvature @ fit.coefficients)  # < 0
-    value, error = _value(window, at, fit)
-    return value + float(excess), error
-
-
-def _fit(record, window, x, noise):
-    """The `Linear` of friction by a window's polynomial in x."""
-    rows = window.rows
-    return generalized_least_squares(
-        record.t[rows], record.friction[rows], window.basis(x[rows]), noise
-    )
-
-
-def _value(window, x, fit):
-    """Value of a window's polynomial at x, and its standard error."""
-    row = window.basis(x)[0]
-    return float(row @ fit.coefficients), float(np.sqrt(row @ fit.covariance @ row))

@@ -1,7 +1,7 @@
-"""What a slider predicts for holds: it is simulated under the load point's history of each.
+"""What sliders, perhaps of a fit, predict for holds: simulations of the load point's history.
 
-It slides steadily before the hold, at the speed that was recorded.  Errors of fitted parameters are
-propagated linearly, by central differences.
+A slider slides steadily before the hold, at the speed that was recorded.  Errors of fitted
+parameters are propagated linearly, by central differences.
 """
 
 from typing import NamedTuple
@@ -11,7 +11,14 @@ import xarray
 
 from ...dynamics.simulation.simulate import simulate
 from ...errors import QuasiStaticInstability, RateStateError
+from ...model.conversion import in_si
 from ...model.loading import Loading
+from ...model.slider import SpringSlider
+from ...model.units import is_array
+from ..fitting.by_law import checked_by_law, error_of, slider_of
+from ..fitting.steps.fitted import OF_MACHINE
+from ..fitting.steps.table import is_of_steps, results_by_law_of_steps
+from ..fitting.unknowns import of_slider
 from ..messages import healing as sentences
 
 #: step of a difference, over a parameter; start of the hold in the run, over its duration
@@ -23,51 +30,124 @@ RTOL = 1e-9
 CASE = "difference"
 
 
-class Predicted(NamedTuple):
-    """Healing and relaxation of one hold, their derivatives, and why there are none, or ""."""
+class Fitted(NamedTuple):
+    """A slider, and its parameters that a fit estimated, with their covariance [SI] (k, k)."""
 
-    values: np.ndarray  # (2,); NaN
-    derivatives: np.ndarray  # (2, k) by the free parameters; NaN
+    slider: SpringSlider
+    free: tuple = ()  # symbols
+    covariance: np.ndarray = np.zeros((0, 0))
+
+    @property
+    def steps(self):
+        """(k,) steps of differences by the free parameters."""
+        sizes = [abs(getattr(self.slider, symbol)) or self.slider.a for symbol in self.free]
+        return STEP * np.array(sizes)
+
+    @property
+    def cases(self):
+        """The slider, and with each free parameter larger, then smaller by its step: a sweep."""
+        if not self.free:
+            return self.slider
+        changes = np.diag(self.steps)
+        values = {
+            symbol: getattr(self.slider, symbol) + np.concatenate([[0.0], change, -change])
+            for symbol, change in zip(self.free, changes, strict=True)
+        }
+        return self.slider.replace(**{s: xarray.DataArray(x, dims=CASE) for s, x in values.items()})
+
+    def error(self, values):
+        """Standard errors (n,) of what has these values (n, 1 + 2k) in the cases.
+
+        inf if a parameter is unbounded.
+        """
+        if not np.isfinite(self.covariance).all():
+            return np.full(len(values), np.inf)
+        larger, smaller = np.split(values[:, 1:], 2, axis=1)
+        by = (larger - smaller) / (2.0 * self.steps)
+        return np.sqrt(np.einsum("ni,ij,nj->n", by, self.covariance, by))
+
+
+def sliders_of(slider):
+    """law -> `Fitted`, from a SpringSlider or a result of `fit`; {} from None.
+
+    ParameterError for anything else, and for a slider that is a sweep.
+    """
+    if slider is None:
+        return {}
+    if isinstance(slider, SpringSlider):
+        for symbol, value in slider.parameters.items():
+            if is_array(value):
+                raise sentences.refusal("slider.array", symbol=symbol)
+        return {slider.law: Fitted(slider)}
+    if isinstance(slider, xarray.Dataset) and is_of_steps(slider):
+        parts, errors = results_by_law_of_steps(in_si(slider)), _errors_of_steps
+    else:
+        parts, errors = checked_by_law(slider, "healing"), _errors_of_fit
+    return {law: _fitted(slider, law, part, errors) for law, part in parts.items()}
+
+
+def _fitted(result, law, part, errors):
+    """`Fitted` of one law's part of a fit; errors : function of the part and names, as below."""
+    slider = slider_of(result, law)
+    own = of_slider(slider.friction_law)
+    names = [name for name in part["parameter"].values.tolist() if name in own]
+    sizes, correlation = errors(part, names)
+    # (those of positive parameters are of their logarithms: to first order the same)
+    with np.errstate(invalid="ignore"):
+        return Fitted(slider, tuple(names), correlation * np.outer(sizes, sizes))
+
+
+def _errors_of_fit(part, names):
+    """Standard errors (k,) [SI] of a fit's estimates, and their correlation (k, k)."""
+    errors = np.array([error_of(part, name) for name in names])
+    return errors, part["correlation"].sel(parameter=names, other=names).values
+
+
+def _errors_of_steps(part, names):
+    """As `_errors_of_fit`, of the joint fit of all steps, which is not of all parameters.
+
+    Of the machine's parameters the errors are those of one step, with the scatter between steps,
+    for a hold may have another stiffness than the median of all.  ParameterError without a joint
+    fit.
+    """
+    here = part.sel(parameter=names)
+    errors = here["shared_error"].values
+    separate = np.hypot(here["standard_error"].median("step"), here["scatter"].fillna(0.0)).values
+    for i in np.flatnonzero(np.isnan(errors)):
+        if names[i] not in OF_MACHINE:
+            raise sentences.refusal("slider.no_joint_fit", law=str(part["law"].item()))
+        errors[i] = separate[i]
+    correlation = here["shared_correlation"].sel(other=names).fillna(0.0).values
+    np.fill_diagonal(correlation, 1.0)
+    return errors, correlation
+
+
+class Predicted(NamedTuple):
+    """Healing and relaxation of one hold in the cases of a `Fitted`; why there are none, or ""."""
+
+    values: np.ndarray  # (2, 1 + 2k); NaN
     message: str = ""
 
 
 def predict(fitted, hold, kind):
-    """`Predicted` of a `sliders.Fitted` for a `Hold`; kind of friction: "tau" or "mu"."""
-    free = fitted.free
-    none = Predicted(np.full(2, np.nan), np.full((2, len(free)), np.nan))
+    """`Predicted` of a `Fitted` for a `Hold`; kind of friction: "tau" or "mu"."""
+    slider, cases = fitted.slider, fitted.cases
+    none = np.full((2, 1 + 2 * len(fitted.free)), np.nan)
     lead, lasts = LEAD * (hold.end - hold.start), hold.end - hold.start
     end = lead + lasts
     loading = Loading.steps(hold.V_before, (lead, 0.0), (end, hold.V_after))
     try:
-        window = _about_peak(fitted.slider, loading, end, end + hold.slide, kind)
+        window = _about_peak(slider, loading, end, end + hold.slide, kind)
         if window is None:
-            return none._replace(message=sentences("prediction.no_peak", law=fitted.slider.law))
-        steps = [STEP * (abs(getattr(fitted.slider, s)) or fitted.slider.a) for s in free]
+            return Predicted(none, sentences("prediction.no_peak", law=slider.law))
         times = np.concatenate([[0.0, end], np.linspace(window[0], window[1], POINTS)])
-        cases = _cases(fitted.slider, free, steps)
         run = simulate(cases, loading, float(times[-1]), times=times, rtol=RTOL)
     except RateStateError as error:
-        return none._replace(
-            message=sentences("prediction.failed", law=fitted.slider.law, reason=str(error))
-        )
+        reason = {"law": slider.law, "reason": str(error)}
+        return Predicted(none, sentences("prediction.failed", **reason))
     friction = _friction(run, cases, kind).transpose(..., "time").values.reshape(-1, times.size)
     level, low, high = friction[:, 0], friction[:, 1], _largest(friction[:, 2:])
-    found = np.array([high - level, level - low])
-    differences = (found[:, 1::2] - found[:, 2::2]) / (2.0 * np.array(steps))
-    return Predicted(found[:, 0], differences)
-
-
-def _cases(slider, free, steps):
-    """The slider, and it with each free parameter larger and smaller by its step: a sweep."""
-    if not free:
-        return slider
-    values = {}
-    for i, (symbol, step) in enumerate(zip(free, steps, strict=True)):
-        column = np.full(1 + 2 * len(free), float(getattr(slider, symbol)))
-        column[1 + 2 * i] += step
-        column[2 + 2 * i] -= step
-        values[symbol] = xarray.DataArray(column, dims=CASE)
-    return slider.replace(**values)
+    return Predicted(np.array([high - level, level - low]))
 
 
 def _about_peak(slider, loading, end, last, kind):

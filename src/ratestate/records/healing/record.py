@@ -1,18 +1,57 @@
-"""A record as `healing` looks at it: samples, the load point's segments, holds, and slides."""
+"""A record as `healing` looks at it: samples, holds, slides, slip of the fault, and the noise."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 import xarray
+from scipy.linalg import block_diag
 
+from ..kit.estimated_noise import estimated_noise
+from ..kit.noise import Noise
+from ..kit.polynomial_windows import basis
+from ..kit.sample_noise import rounding
 from ..loading import Segments, segments_of
 from ..messages import healing as sentences
 from ..raw_record import raw_record
-from .fault_slip import fault_slip
-from .holds import holds_of
 
+#: samples left out on either side of a change of speed, whose time is found no better
+GUARD = 1
 #: samples of which the mean is friction at a slide's end; speeds that differ by more are two speeds
 LAST, SPEEDS = 12, 0.05
+#: fewest samples of a reloading from which k is taken
+FEWEST_OF_RELOADING = 3
+#: part of a slide that may be steady: its end; fewest samples of it
+STEADY, FEWEST = 0.5, 12
+#: most samples of a slide, and most slides, from which noise is estimated
+MOST, SLIDES = 2000, 8
+#: order of friction in these; noise of one, as a multiple of the least, that counts as a transient
+SMOOTH, NOISIER = 3, 2.0
+#: least relative noise of a sample: numbers of an instrument have 24 bits at most
+SINGLE = 2.0**-24
+
+
+class Hold(NamedTuple):
+    """A hold; the slide before it, or after it, has no rows if the record does not have it."""
+
+    start: float  # [s], as recorded
+    end: float
+    V_before: float  # [m/s]; NaN if the record has no such slide
+    V_after: float
+    before: np.ndarray  # rows of samples
+    during: np.ndarray
+    after: np.ndarray
+    slide: float  # time [s] of the slide after it; 0 without one
+
+    @property
+    def sides(self):
+        """Rows of the slides before and after it."""
+        return self.before, self.after
+
+    @property
+    def is_at_one_speed(self):
+        """Whether the speeds before and after it count as one."""
+        return is_same(self.V_before, self.V_after)
 
 
 class Slide(NamedTuple):
@@ -40,11 +79,6 @@ class HealingRecord(NamedTuple):
     data: xarray.Dataset  # as given, in SI
 
     @property
-    def spacing(self):
-        """The usual time between samples [s]."""
-        return float(np.median(np.diff(self.t)))
-
-    @property
     def along(self):
         """What friction drifts along (m,): time [s], or slip of the fault [m]."""
         return self.t if self.trend == "time" else self.slip
@@ -57,23 +91,25 @@ class HealingRecord(NamedTuple):
 
 
 def healing_record(data, loading, trend):
-    """`HealingRecord` of a Dataset; ParameterError as of `raw_record`, and where there is no hold.
+    """`HealingRecord` of a Dataset; ParameterError as of `raw_record`, and if there is no hold.
 
-    loading : `Loading`, or None for that which was recorded
+    loading : `Loading`, or None for the recorded one
     """
     names = getattr(data, "variables", ())
     if "tau" in names and "friction" not in names and "sigma" not in names:
         raise sentences.refusal("record.no_sigma")
     raw = raw_record(data, None)
     segments = segments_of(raw, loading)
-    holds = holds_of(raw, segments)
+    holds = _holds(raw.time, segments)
     if not holds:
         raise sentences.refusal("record.no_hold")
-    slip, k = fault_slip(raw.friction, segments.displacement(raw.time), holds)
-    level = raw.friction - (_drift(raw.friction, slip, holds) * slip if trend else 0.0)
+    friction, displacement = raw.friction, segments.displacement(raw.time)
+    _, k = max(_reloading(friction, displacement, hold) for hold in holds)
+    slip = displacement - friction / k
+    level = friction - (_drift(friction, slip, holds) * slip if trend else 0.0)
     slides = _slides(level, holds)
     return HealingRecord(
-        raw.time, raw.friction, raw.kind, trend, segments, holds, slides, slip, k, level, data
+        raw.time, friction, raw.kind, trend, segments, holds, slides, slip, k, level, data
     )
 
 
@@ -82,12 +118,54 @@ def is_same(one, other):
     return abs(one - other) <= SPEEDS * max(one, other)
 
 
+def _holds(time, segments):
+    """List of `Hold`s, in order of time."""
+    starts, ends = segments.t, segments.ends
+    n = starts.size
+    # (the record's own first and last samples are beside no change)
+    first = np.searchsorted(time, starts) + np.where(np.arange(n) > 0, GUARD, 0)
+    last = np.searchsorted(time, ends) - np.where(np.arange(n) < n - 1, GUARD, 0)
+    none = np.arange(0)
+    rows = [none, *(np.arange(i, max(i, j)) for i, j in zip(first, last, strict=True)), none]
+    V, lasting = np.r_[np.nan, segments.V, np.nan], np.append(ends - starts, 0.0)
+    return [
+        Hold(
+            start=float(starts[i]),
+            end=float(ends[i]),
+            V_before=float(V[i]),
+            V_after=float(V[i + 2]),
+            before=rows[i],
+            during=rows[i + 1],
+            after=rows[i + 2],
+            slide=float(lasting[i + 1]),
+        )
+        for i in np.flatnonzero(segments.V == 0.0)
+    ]
+
+
+def _reloading(friction, displacement, hold):
+    """Relaxation in a hold, and the slope k [1/m] of friction until half of it is regained.
+
+    The fault creeps least there, and after the hold with the largest relaxation.  inf and a
+    relaxation of 0 if too few samples show the slope.
+    """
+    if min(hold.before.size, hold.during.size, hold.after.size) < FEWEST_OF_RELOADING:
+        return 0.0, np.inf
+    before, low = (friction[x[-FEWEST_OF_RELOADING:]].mean() for x in (hold.before, hold.during))
+    rising = friction[hold.after] < 0.5 * (before + low)
+    rows = hold.after[: int(np.argmin(rising))]
+    if rows.size < FEWEST_OF_RELOADING:
+        return 0.0, np.inf
+    slope = float(np.polyfit(displacement[rows] - displacement[rows[0]], friction[rows], 1)[0])
+    return (float(before - low), slope) if slope > 0.0 else (0.0, np.inf)
+
+
 def _drift(friction, slip, holds):
     """Change of friction with slip [1/m], the median over slides, each to the next one's end."""
     slopes = []
     for hold in holds:
         before, after = hold.before[-LAST:], hold.after[-LAST:]
-        if min(before.size, after.size) == LAST and is_same(hold.V_before, hold.V_after):
+        if min(before.size, after.size) == LAST and hold.is_at_one_speed:
             moved = slip[after].mean() - slip[before].mean()
             slopes.append((friction[after].mean() - friction[before].mean()) / moved)
     return float(np.median(slopes)) if slopes else 0.0
@@ -103,3 +181,41 @@ def _slides(level, holds):
                 tail = rows[int(np.argmax(level[rows])) :] if after else rows
                 found[first] = Slide(rows, tail, V, after)
     return list(found.values())
+
+
+def noise_of_slides(record):
+    """The `Noise` of friction in the later parts of slides, in which it may be steady.
+
+    Slides that seem noisier than the quietest one, by `NOISIER`, are not yet steady and left out.
+    The resolution of friction is noise, too.  ParameterError if no such part has `FEWEST` samples.
+    """
+    friction, slides = record.friction, [one.rows for one in record.slides]
+    parts = [rows[rows.size - int(STEADY * rows.size) :][-MOST:] for rows in slides]
+    parts = [rows for rows in parts if rows.size >= FEWEST]
+    if not parts:
+        raise sentences.refusal("record.no_slide", fewest=FEWEST)
+    chosen = np.unique(np.linspace(0, len(parts) - 1, SLIDES).round().astype(int))
+    parts = [parts[i] for i in chosen]
+    least = max(rounding(friction), SINGLE * np.abs(friction).max())
+    levels = np.array([_noise(record.t, friction, [rows], least).level for rows in parts])
+    most = NOISIER * levels.min()
+    return _noise(record.t, friction, [parts[i] for i in np.flatnonzero(levels <= most)], least)
+
+
+def _noise(t, friction, parts, least):
+    """The `Noise` in parts of slides, in each of which friction is a cubic polynomial of time.
+
+    least : smallest standard deviation of a sample
+    """
+    rows = np.concatenate(parts)
+    blocks = [basis(t[part], t[part[0]], t[part[-1]], SMOOTH) for part in parts]
+    columns = block_diag(*blocks)
+    residual = friction[rows] - columns @ np.linalg.lstsq(columns, friction[rows])[0]
+    if np.std(residual) <= least:
+        return Noise(least)
+    noise = estimated_noise(t[rows], residual, columns)
+    # of what is slower than a part nothing is known but how fast it spreads, as red^2/time
+    longest = max(float(t[part[-1]] - t[part[0]]) for part in parts)
+    if noise.exponent is not None or noise.time <= longest:
+        return noise
+    return noise._replace(red=noise.red * math.sqrt(longest / noise.time), time=longest)

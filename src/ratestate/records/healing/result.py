@@ -1,24 +1,31 @@
-"""The Dataset of `healing`."""
+"""The Dataset of `healing`, and it as text."""
 
 import numpy as np
+import pandas
 import xarray
 
+from ...dynamics import attributes
 from ...dynamics.results import flags
-from ..kit.results import labelled
+from ...model.quantities import readable, with_error
+from ..kit.regression import weighted_line
+from ..kit.results import checked_result, labelled, lines_of, with_errors
 from ..load_point.stress_steps import VARIABLE, stress_range
 from ..messages import healing as sentences
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
-from .rate import line_of, slope_of, times_along
-from .record import is_same
-from .slide_noise import FEWEST
+from .record import FEWEST
 
-#: what has a rate per decade -> that rate
+#: what has a rate per decade -> that rate; and its heading in the text
 RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}
+HEADINGS = {"delta_mu": "healing", "delta_mu_c": "relaxation"}
 #: errors of the level before a hold, and part of healing, beyond which its drift up to the peak is
 #: mentioned
 DRIFT, OF_HEALING = 3.0, 0.001
 #: errors of the peak beyond which it is mentioned that a slide does not give its level by itself
 TRANSIENT = 2.0
+#: points at which the line through the holds is given; hold times this near count as one
+POINTS, SAME = 41, 1e-3
+#: scatter over errors that is mentioned in the text
+SCATTER = 1.5
 
 
 def dataset_of(record, noise, measured, sliders, predicted):
@@ -26,55 +33,35 @@ def dataset_of(record, noise, measured, sliders, predicted):
 
     measured : list of `Measured`; sliders : law -> `Fitted`; predicted : law -> list of `Predicted`
     """
-    variables = _history(record.holds) | _found(measured)
-    result = xarray.Dataset(variables, labelled("time", time=record.t))
-    lines = labelled("time", friction=record.friction, friction_steady=_steady(record, measured))
-    result = result.assign(lines)
-    result = result.assign(_rates(result))
-    messages = [
-        _message(record, hold, one) for hold, one in zip(record.holds, measured, strict=True)
-    ]
-    if predicted:
-        result = result.assign_coords(law=list(predicted))
-        result = result.assign(_predictions(result, sliders, predicted))
-        for each in predicted.values():
-            messages = [
-                "; ".join(filter(None, (text, one.message)))
-                for text, one in zip(messages, each, strict=True)
-            ]
-    return result.assign(
-        labelled("hold", hold_message=messages)
-        | labelled(
-            (),
-            noise_white=noise.white,
-            noise_red=noise.red,
-            noise_time=noise.time if noise.red else 0.0,
-        )
-    )
-
-
-def _history(holds):
-    """What the load point does, along ``hold``."""
-    return labelled(
+    holds, none = record.holds, (np.nan, np.nan)
+    t_hold = np.array([hold.end - hold.start for hold in holds])
+    found = {name: np.array([one.found.get(name, none) for one in measured]).T for name in NAMES}
+    messages = []
+    for hold, one, *others in zip(holds, measured, *predicted.values(), strict=True):
+        texts = [_message(record, hold, one), *(other.message for other in others)]
+        messages.append("; ".join(filter(None, texts)))
+    variables = labelled(
         "hold",
         hold_start=[hold.start for hold in holds],
-        t_hold=[hold.end - hold.start for hold in holds],
+        t_hold=t_hold,
         V_before=[hold.V_before for hold in holds],
         V_after=[hold.V_after for hold in holds],
+        peak_time=np.array([one.peak_time for one in measured]),
+        hold_status=np.array([one.status for one in measured], np.int8),
+        hold_message=messages,
     )
-
-
-def _found(measured):
-    """What is measured, with its errors, and the status."""
-    values: dict = {}
-    for name in NAMES:
-        pairs = np.array([one.found.get(name, (np.nan, np.nan)) for one in measured])
-        values |= {name: pairs[:, 0], f"{name}_error": pairs[:, 1]}
-    values["peak_time"] = np.array([one.peak_time for one in measured])
-    values["hold_status"] = np.array([one.status for one in measured], np.int8)
-    found = labelled("hold", **values)
-    found["hold_status"][2].update(flags(dict(enumerate(STATUSES))))
-    return found
+    variables["hold_status"][2].update(flags(dict(enumerate(STATUSES))))
+    variables |= with_errors("hold", found) | _rates(t_hold, found)
+    variables |= _predictions(t_hold, found, sliders, predicted) if predicted else {}
+    variables |= labelled(
+        (),
+        noise_white=noise.white,
+        noise_red=noise.red,
+        noise_time=noise.time if noise.red else 0.0,
+    )
+    lines = labelled("time", friction=record.friction, friction_steady=_steady(record, measured))
+    laws = {"law": list(predicted)} if predicted else {}
+    return xarray.Dataset(variables | lines, labelled("time", time=record.t) | laws)
 
 
 def _steady(record, measured):
@@ -101,7 +88,7 @@ def _message(record, hold, measured):
 def _remarks(record, hold, measured):
     """What must be known of a hold that is evaluated (list of str)."""
     remarks, before = [], measured.before
-    if not is_same(hold.V_before, hold.V_after):
+    if not hold.is_at_one_speed:
         speeds = {"before": hold.V_before, "after": hold.V_after}
         remarks.append(sentences("evaluated.other_speed", **speeds))
     change = stress_range(record.data, slice(hold.before[0], hold.after[-1] + 1))
@@ -116,40 +103,117 @@ def _remarks(record, hold, measured):
     return remarks
 
 
-def _rates(result):
+def _line(t_hold, values, errors):
+    """The `Line` of values (n,) against log10 of hold time; None without two different times.
+
+    Values that are NaN are left out.
+    """
+    known = np.isfinite(values) & np.isfinite(errors) & (errors > 0.0)
+    x = np.log10(t_hold[known])
+    if x.size < 2 or np.ptp(x) < SAME:
+        return None
+    return weighted_line(x, values[known], errors[known])
+
+
+def _rates(t_hold, found):
     """Rates per decade, and the lines of which they are the slopes."""
-    t_hold = result["t_hold"].values
-    values: dict = {}
-    lines: dict = {"line_t_hold": times_along(t_hold)}
+    line_t = np.geomspace(t_hold.min(), t_hold.max(), POINTS)
+    variables = labelled("line", line_t_hold=line_t)
     for name, rate in RATES.items():
-        line = line_of(t_hold, result[name].values, result[f"{name}_error"].values)
-        numbers = (np.nan,) * 3 if line is None else (line.slope, line.slope_error, line.scatter)
-        names = (rate, f"{rate}_error", f"{rate}_scatter")
-        values |= dict(zip(names, numbers, strict=True))
-        at = np.full((2, lines["line_t_hold"].size), np.nan)
+        line = _line(t_hold, *found[name])
+        slope, at = (np.nan, np.nan), np.full((2, POINTS), np.nan)
         if line is not None:
-            at = line.at(np.log10(lines["line_t_hold"]))
-        lines |= {f"line_{name}": at[0], f"line_{name}_error": at[1]}
-    return labelled((), **values) | labelled("line", **lines)
+            slope, at = (line.slope, line.slope_error), line.at(np.log10(line_t))
+        variables |= with_errors((), {rate: slope}) | with_errors("line", {f"line_{name}": at})
+        scatter = np.nan if line is None else line.scatter
+        variables |= labelled((), **{f"{rate}_scatter": scatter})
+    return variables
 
 
-def _predictions(result, sliders, predicted):
+def _predictions(t_hold, found, sliders, predicted):
     """Predicted healing and relaxation along ``law`` and ``hold``, their rates along ``law``."""
     variables: dict = {}
     for i, (name, rate) in enumerate(RATES.items()):
-        columns: dict = {key: [] for key in ("", "_error")}
-        rates: dict = {key: [] for key in ("", "_error")}
-        at = result["t_hold"].values, result[f"{name}_error"].values
+        columns, rates = [], []
         for law, each in predicted.items():
-            values = np.array([one.values[i] for one in each])
-            by = np.array([one.derivatives[i] for one in each])
-            columns[""].append(values)
-            columns["_error"].append(sliders[law].propagated(by))
-            # (the slope is a linear function of the values)
-            slopes = [slope_of(at[0], column, at[1]) for column in (values, *by.T)]
-            rates[""].append(slopes[0])
-            rates["_error"].append(sliders[law].propagated(np.array([slopes[1:]]))[0])
-        names = f"{name}_predicted", f"{rate}_predicted"
-        variables |= labelled(("law", "hold"), **{names[0] + k: x for k, x in columns.items()})
-        variables |= labelled("law", **{names[1] + k: x for k, x in rates.items()})
+            values = np.array([one.values[i] for one in each])  # (holds, cases)
+            columns.append((values[:, 0], sliders[law].error(values)))
+            lines = [_line(t_hold, column, found[name][1]) for column in values.T]
+            slopes = np.array([[np.nan if line is None else line.slope for line in lines]])
+            rates.append((slopes[0, 0], sliders[law].error(slopes)[0]))
+        both = {f"{name}_predicted": np.stack(columns, axis=1)}
+        variables |= with_errors(("law", "hold"), both)
+        variables |= with_errors("law", {f"{rate}_predicted": np.transpose(rates)})
     return variables
+
+
+def summary(result):
+    """Healing as plain text, to print.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `healing`.
+
+    Returns
+    -------
+    str
+        A table with a row for each hold: when it begins, how long it is, the speeds before and
+        after it, healing and relaxation +- standard error [1e-3], and what sliders predict; the
+        rates per decade; messages on holds.
+
+    Raises
+    ------
+    ParameterError
+        The result is not from `healing`.
+    """
+    result = checked_result(result, "healing", "delta_mu")
+    source = attributes.text(result, "source", "")
+    holds, found = result.sizes["hold"], int((result["hold_status"] == 0).sum())
+    head = f"Healing{f' in {source}' if source else ''}: {found} of {holds} holds evaluated"
+    lines = [head, *lines_of(_table(result)), ""]
+    for name in RATES:
+        lines += _rate_lines(result, name)
+    texts = enumerate(result["hold_message"].values.tolist(), start=1)
+    return "\n".join([*lines, *(f"hold {number}: {text}" for number, text in texts if text)])
+
+
+def _table(result):
+    """A pandas DataFrame of texts, a row for each hold; healing and relaxation in 1e-3."""
+    columns = {
+        "start": [readable("t", value, 6) for value in result["hold_start"].values],
+        "hold": [readable("t", value) for value in result["t_hold"].values],
+    }
+    for side in ("before", "after"):
+        speeds = result[f"V_{side}"].values
+        columns[side] = ["-" if V != V else readable("V_lp", V, 3) for V in speeds]
+    for name, head in HEADINGS.items():
+        columns[f"{head} [1e-3]"] = _cells(result, name)
+        for law in result["law"].values if "law" in result.dims else ():
+            columns[f"{law} law: {head}"] = _cells(result.sel(law=law), f"{name}_predicted")
+    return pandas.DataFrame(columns, index=pandas.RangeIndex(1, result.sizes["hold"] + 1))
+
+
+def _cells(result, name):
+    """Values +- errors in 1e-3, "-" for NaN."""
+    pairs = 1e3 * np.column_stack([result[name], result[f"{name}_error"]])
+    return ["-" if value != value else with_error(value, error) for value, error in pairs]
+
+
+def _rate_lines(result, name):
+    """Sentences on a rate per decade, measured and predicted (list of str)."""
+    rate = RATES[name]
+    if np.isnan(result[rate]):
+        return [sentences("rate.few", name=name)]
+    text = f"{HEADINGS[name]} per decade of hold time: {_rate(result, rate)}"
+    scatter = float(result[f"{rate}_scatter"])
+    text += sentences("rate.scatter", scatter=scatter) if scatter > SCATTER else ""
+    return [text] + [
+        f"  {law} law predicts {_rate(result.sel(law=law), f'{rate}_predicted')}"
+        for law in (result["law"].values if "law" in result.dims else ())
+    ]
+
+
+def _rate(result, rate):
+    """A rate +- its error."""
+    return with_error(float(result[rate]), float(result[f"{rate}_error"]))

@@ -1,4 +1,4 @@
-"""Windows of a record in which friction is a polynomial, as far as its noise can show.
+"""Polynomials in windows of a record, as far as its noise can show that friction follows them.
 
 A window grows until two more orders of the polynomial would fit significantly better; the next
 smaller one is taken.  Where the orders of the test are higher than those that are then used the
@@ -11,36 +11,69 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
-from .regression import generalized_least_squares
+from .regression import fall_of_chi2, generalized_least_squares
 
 #: chi-square of two more coefficients that 1 in 1000 windows exceed by chance; and 1 in 10,000, for
 #: the smallest window, without which there is no answer
 SIGNIFICANT, CERTAIN = 13.82, 18.42
 #: a window over the next smaller one
 GROWTH = 1.4
+#: a maximum is within this part of a window about its middle; points at which it is sought
+INSIDE, POINTS = 0.9, 801
 
 
-class Window(NamedTuple):
-    """Rows of a record, and a polynomial of an order in an abscissa."""
+class Polynomial(NamedTuple):
+    """A polynomial in an abscissa, from ``low`` to ``high``, fitted to rows of a record."""
 
-    rows: np.ndarray
-    low: float  # of the abscissa, where u = -1
+    low: float
     high: float
-    order: int
+    coefficients: np.ndarray  # (order + 1,) of Legendre polynomials
+    covariance: np.ndarray
 
     def basis(self, x, derivative=0):
-        """(n, order + 1) Legendre polynomials at x, or their derivatives by it."""
-        scale = 2.0 / (self.high - self.low)
-        u = (np.atleast_1d(x) - self.low) * scale - 1.0
-        coefficients = legendre.legder(np.eye(self.order + 1), derivative) if derivative else None
-        if coefficients is None:
-            return legendre.legvander(u, self.order)
-        return legendre.legval(u, coefficients).T * scale**derivative
+        """(n, order + 1) Legendre polynomials at x (n,), or their derivatives by it."""
+        return basis(x, self.low, self.high, self.coefficients.size - 1, derivative)
+
+    def at(self, x):
+        """Value at a number x, and its standard error."""
+        row = self.basis(x)[0]
+        return float(row @ self.coefficients), float(np.sqrt(row @ self.covariance @ row))
+
+    def derivative(self, x, order):
+        """Derivative of this order at a number x."""
+        return float(self.basis(x, order)[0] @ self.coefficients)
+
+    @property
+    def maximum(self):
+        """Abscissa of the maximum; None if that is at an end of the window, or if there is none."""
+        edge = 0.5 * (1.0 - INSIDE) * (self.high - self.low)
+        x = np.linspace(self.low, self.high, POINTS)
+        at = x[int(np.argmax(self.basis(x) @ self.coefficients))]
+        if not self.low + edge < at < self.high - edge:
+            return None
+        # (one step of Newton's method is enough: the points are so close)
+        slope, curvature = (self.derivative(at, k) for k in (1, 2))
+        return float(at - slope / curvature) if curvature < 0.0 else None
 
 
-def window_of(x, rows, order):
-    """The `Window` of these rows of an abscissa x."""
-    return Window(rows, float(x[rows[0]]), float(x[rows[-1]]), order)
+def basis(x, low, high, order, derivative=0):
+    """(n, order + 1) Legendre polynomials at x (n,), -1 at low and 1 at high, or derivatives."""
+    scale = 2.0 / (high - low)
+    u = (np.atleast_1d(x) - low) * scale - 1.0
+    if not derivative:
+        return legendre.legvander(u, order)
+    coefficients = legendre.legder(np.eye(order + 1), derivative)
+    return legendre.legval(u, coefficients).T * scale**derivative
+
+
+def fitted_polynomial(t, x, y, rows, order, noise):
+    """The `Polynomial` in x fitted to these rows of y, by generalized least squares.
+
+    t, x, y : (n,) of a record with this `Noise` along t
+    """
+    low, high = float(x[rows[0]]), float(x[rows[-1]])
+    fit = generalized_least_squares(t[rows], y[rows], basis(x[rows], low, high, order), noise)
+    return Polynomial(low, high, fit.coefficients, fit.covariance)
 
 
 def fewest_samples(order):
@@ -48,24 +81,16 @@ def fewest_samples(order):
     return order + 3
 
 
+def window_sizes(fewest, most):
+    """Numbers of samples of growing windows; the last one is `most`."""
+    size = float(fewest)
+    while size < most:
+        yield int(size)
+        size *= GROWTH
+    yield most
+
+
 def curvature(t, x, y, rows, order, noise):
     """Fall of chi-square by a polynomial of order + 2 in x in place of one of this order."""
-    basis = window_of(x, rows, order + 2).basis(x[rows])
-    small, large = (
-        generalized_least_squares(t[rows], y[rows], basis[:, :columns], noise).chi2
-        for columns in (order + 1, order + 3)
-    )
-    return small - large
-
-
-def largest_straight(t, x, y, windows, order, noise):
-    """The largest of windows (arrays of rows, growing) none of which before it is curved.
-
-    None if the first one is.
-    """
-    best = None
-    for rows in windows:
-        if curvature(t, x, y, rows, order, noise) > SIGNIFICANT:
-            break
-        best = rows
-    return best
+    columns = basis(x[rows], x[rows[0]], x[rows[-1]], order + 2)
+    return fall_of_chi2(t[rows], y[rows], columns, 2, noise)

@@ -59,6 +59,22 @@ def generalized_least_squares(t, values, columns, noise):
     return Linear(root @ projected, root @ root.T, max(chi2, 0.0))
 
 
+def fall_of_chi2(t, values, columns, last, noise):
+    """Fall of chi-square by the last so many of the columns beside the others.
+
+    All other arguments are those of `generalized_least_squares`.
+    """
+    white, _ = noise.whiten(t, np.column_stack([values, columns]))
+    q, _ = np.linalg.qr(white[:, 1:])
+    return float(np.sum((q[:, -last:].T @ white[:, 0]) ** 2))
+
+
+def central_differences(function, point, steps):
+    """Derivatives (..., k) of a function by its argument, a point (k,), with these steps (k,)."""
+    pairs = [(function(point + h), function(point - h)) for h in np.diag(steps)]
+    return np.stack([high - low for high, low in pairs], axis=-1) / (2.0 * steps)
+
+
 def weighted_mean(values, errors):
     """The `Mean` of values (n,) weighted by their errors (n,), n > 0."""
     weights = errors**-2.0

@@ -15,13 +15,18 @@ from ..loading import segments_of
 from ..messages import machine as sentences
 from ..raw_record import raw_record
 from ..reading.sizes import constant_in_si, typical_stress
+from ..stick_slip.detection import detected, in_gaps, is_whole
+from ..stick_slip.series import series_of
 from .result import dataset_of
 from .ring_down import ring_down
 from .slopes import FEWEST, slopes_of
-from .stress_drops import loading_phases, stress_drops
 
 #: parameters of a slider that are used here
 FRICTION = ("a", "b", "Dc")
+#: least drop over the largest one of a segment: smaller ones are of what rings
+DROP = 0.3
+#: fewest in a segment, and part of it after which they still go on: else it only rings down
+CYCLES, GOES_ON = 3, 0.6
 
 
 @keywords_checked
@@ -91,29 +96,30 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
     >>> bool(abs(result.K - 8e9) < 2 * result.K_error), bool(result.K_error < 2e8)
     (True, True)
     """
-    check_slider(slider)
+    _check_slider(slider)
     data = in_si(data)
     sigma = _normal_stress(data, sigma)
-    raw = raw_record(_with_sigma(data, sigma), None)
+    # (stress is divided by the normal stress that K is multiplied by)
+    with_sigma = data.assign(sigma=sigma) if isinstance(data, xarray.Dataset) else data
+    raw = raw_record(with_sigma, None)
     segments = segments_of(raw, loading)
     with single_blas():
         drops = stress_drops(raw, sigma, segments)
-        phases = [loading_phases(one) for one in drops]
         oscillations = _ring_downs(raw, segments, drops)
-        slopes = slopes_of(raw.time, raw.friction, segments, phases)
-    slopes = [one for one in slopes if not _is_inertial(raw.time, one, oscillations)]
+        slopes = slopes_of(raw.time, raw.friction, segments, drops)
+    # a slope that is as fast as the machine's own oscillations is not quasi-static
+    period = max((2.0 * np.pi / one.point[0] for one in oscillations), default=0.0)
+    slopes = [one for one in slopes if raw.time[one.rows[-1]] - one.start >= period]
     if not slopes and not oscillations:
         raise sentences.refusal("record.nothing", samples=FEWEST)
-    result = dataset_of(raw, sigma, slider, slopes, oscillations)
-    kept = kept_attributes(data)
     origin = {"title": "ratestate machine_stiffness", "versions": versions()}
     if slider is not None:
         origin = provenance("machine_stiffness", slider)
-    result.attrs = origin | {"sigma": sigma} | result.attrs | kept
-    return result
+    result = dataset_of(raw, sigma, slider, slopes, oscillations)
+    return result.assign_attrs(origin | {"sigma": sigma} | kept_attributes(data))
 
 
-def check_slider(slider):
+def _check_slider(slider):
     """ParameterError for what has no one a, b and Dc of a law with one state."""
     if slider is None:
         return
@@ -135,17 +141,6 @@ def _normal_stress(data, sigma):
     return typical_stress(data["sigma"].values)
 
 
-def _with_sigma(data, sigma):
-    """The record with this normal stress, by which stress is divided as K is multiplied by it."""
-    return data.assign(sigma=sigma) if isinstance(data, xarray.Dataset) else data
-
-
-def _is_inertial(t, slope, oscillations):
-    """Whether a `Slope` is as fast as the machine's own oscillations (list of `RingDown`)."""
-    period = max((2.0 * np.pi / one.omega for one in oscillations), default=0.0)
-    return float(t[slope.rows[-1]]) - slope.start < period
-
-
 def _ring_downs(raw, segments, drops):
     """`RingDown`s (list) after each change of speed, or each stress drop of a segment."""
     t, friction, found = raw.time, raw.friction, []
@@ -156,3 +151,25 @@ def _ring_downs(raw, segments, drops):
             one = ring_down(t, friction, part, float(t[part[0]]), float(V)) if part.size else None
             found += [] if one is None else [one]
     return found
+
+
+def stress_drops(raw, sigma, segments):
+    """For each of the `Segments` (m, 2) starts and ends [s] of the stress drops in it.
+
+    To the sample: what is fitted to begins and ends well between them.
+    """
+    variables = {
+        "friction": ("time", raw.friction),
+        "sigma": ("time", np.full(raw.time.size, sigma)),
+    }
+    variables |= {"segment_t": ("segment", segments.t), "segment_V": ("segment", segments.V)}
+    series, falls, *_ = detected(series_of(xarray.Dataset(variables, {"time": raw.time})))
+    samples = falls[is_whole(falls) & ~in_gaps(series.t, falls)]
+    times, drops = series.t[samples], series.tau[samples] @ (1.0, -1.0)
+    chosen = []
+    for begin, end in zip(segments.t, segments.ends, strict=True):
+        inside = (times[:, 0] >= begin) & (times[:, 1] <= end)
+        large = inside & (drops > DROP * drops[inside].max(initial=0.0))
+        goes_on = large.sum() >= CYCLES and times[large, 0][-1] > begin + GOES_ON * (end - begin)
+        chosen.append(times[large & goes_on])
+    return chosen

@@ -1,19 +1,23 @@
-"""The Dataset of `machine_stiffness`."""
+"""The Dataset of `machine_stiffness`, and it as text."""
 
 import json
 
 import numpy as np
+import pandas
 import xarray
 
+from ...model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
 from ..kit.regression import mean_with_scatter
-from ..kit.results import labelled
+from ..kit.results import checked_result, labelled, lines_of, with_errors
 from ..messages import machine as sentences
-from .inertia import mass_and_damping
+from .ring_down import mass_and_damping
 
-NONE = (np.nan, np.nan, np.nan)
-#: relative error of K above which a remark warns
-UNCERTAIN = 0.2
-CURVES = ("slope_friction", "ring_down_friction")
+#: what is found of a machine
+SYMBOLS = ("K", "M", "damping")
+#: what is found of each ring-down
+OF_RINGS = ("omega", "decay", "M", "damping")
+#: relative error of K above which a remark warns; scatter over errors above which another does
+UNCERTAIN, SCATTERED = 0.2, 2.0
 
 
 def dataset_of(raw, sigma, slider, slopes, ring_downs):
@@ -24,31 +28,36 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
     used = _used(slopes)
     K = _stiffness(sigma, [slopes[i].curve for i in np.flatnonzero(used)])
     of_rings, M, damping = _inertia(K, sigma, slider, ring_downs)
-    values: dict = {}
-    for name, numbers in (("K", K), ("M", M), ("damping", damping)):
-        values |= dict(zip((name, f"{name}_error", f"{name}_scatter"), numbers, strict=True))
-    variables = labelled((), **values) | labelled(
-        "slope", **_along_slopes(sigma, slopes), slope_used=used
-    )
-    variables |= labelled("ring_down", **of_rings)
-    variables |= labelled("time", friction=raw.friction, **_curves(raw, slopes, ring_downs))
+    means = dict(zip(SYMBOLS, (K, M, damping), strict=True))
+    variables = with_errors((), {name: numbers[:2] for name, numbers in means.items()})
+    variables |= labelled((), **{f"{name}_scatter": one[2] for name, one in means.items()})
+    variables |= _along_slopes(sigma, slopes) | labelled("slope", slope_used=used)
+    variables |= of_rings | labelled("time", friction=raw.friction)
+    fitted = {
+        "slope_friction": [(one.rows, one.curve.at(one.x)) for one in slopes],
+        "ring_down_friction": [(one.rows, one.fitted) for one in ring_downs],
+    }
+    for name, parts in fitted.items():
+        line = np.full(raw.time.size, np.nan)
+        for rows, values in parts:
+            line[rows] = values
+        variables |= labelled("time", **{name: line})
     result = xarray.Dataset(variables, labelled("time", time=raw.time))
     misfits = sum(not one.curve.fits for one in slopes)
-    result.attrs["remarks"] = json.dumps(_remarks(result, slider, misfits))
-    return result
+    return result.assign_attrs(remarks=json.dumps(_remarks(result, slider, misfits)))
 
 
 def _along_slopes(sigma, slopes):
-    """What is known of each slope."""
+    """Variables along ``slope``."""
     curves = [one.curve for one in slopes]
-    return {
-        "slope_kind": np.array([one.kind for one in slopes], str),
-        "slope_start": np.array([one.start for one in slopes]),
-        "slope_K": sigma * np.array([curve.k for curve in curves]),
-        "slope_K_error": sigma * np.array([curve.k_error for curve in curves]),
-        "slope_straight": sigma * np.array([one.straight for one in slopes]),
-        "slope_creep": np.array([curve.r for curve in curves]),
-    }
+    K = sigma * np.array([(curve.k, curve.k_error) for curve in curves]).reshape(-1, 2).T
+    return with_errors("slope", {"slope_K": K}) | labelled(
+        "slope",
+        slope_kind=np.array([one.kind for one in slopes], str),
+        slope_start=np.array([one.start for one in slopes]),
+        slope_straight=sigma * np.array([one.straight for one in slopes]),
+        slope_creep=np.array([curve.r for curve in curves]),
+    )
 
 
 def _used(slopes):
@@ -60,11 +69,8 @@ def _used(slopes):
 
 def _stiffness(sigma, curves):
     """K, its error and scatter: of the mean of ln K, whose errors do not depend on its value."""
-    ln_k, own, shared = (
-        np.array([getattr(one, name) for one in curves])
-        for name in ("ln_k", "own_error", "shared_error")
-    )
-    mean, error, scatter = _mean(ln_k, own, shared)
+    columns = [(one.point[1], one.own_error, one.shared_error) for one in curves]
+    mean, error, scatter = _mean(*np.array(columns).reshape(-1, 3).T)
     K = sigma * float(np.exp(mean))
     return K, K * error, scatter
 
@@ -72,43 +78,32 @@ def _stiffness(sigma, curves):
 def _inertia(K, sigma, slider, ring_downs):
     """Variables along ``ring_down``, and M and damping: mean, error and scatter."""
     n = len(ring_downs)
-    values, own, by_K = np.full((n, 2), np.nan), np.full((n, 2), np.nan), np.zeros((n, 2))
+    values, own, shared = np.full((3, n, 2), np.nan)
     for i, one in enumerate(ring_downs):
-        values[i], by, by_K[i] = mass_and_damping(K[0], one, sigma, slider)
-        own[i] = np.sqrt(np.einsum("ij,jk,ik->i", by, one.covariance, by))
-    errors = np.hypot(own, by_K * K[1])
-    point = np.array([[one.omega, one.decay] for one in ring_downs]).reshape(n, 2)
+        values[i], by = mass_and_damping(K[0], one, sigma, slider)
+        own[i] = np.sqrt(np.einsum("ij,jk,ik->i", by[:, :2], one.covariance, by[:, :2]))
+        shared[i] = by[:, 2] * K[1]
+    point = np.array([one.point for one in ring_downs]).reshape(n, 2)
     point_errors = np.sqrt([np.diag(one.covariance) for one in ring_downs]).reshape(n, 2)
-    along: dict = {
-        "ring_down_start": np.array([one.start for one in ring_downs]),
-        "ring_down_V": np.array([one.V for one in ring_downs]),
-    }
-    for j, name in enumerate(("omega", "decay")):
-        along[f"ring_down_{name}"] = point[:, j]
-        along[f"ring_down_{name}_error"] = point_errors[:, j]
-    means = []
-    for j, name in enumerate(("M", "damping")):
-        along[f"ring_down_{name}"], along[f"ring_down_{name}_error"] = values[:, j], errors[:, j]
-        means.append(_mean(values[:, j], own[:, j], by_K[:, j] * K[1]))
-    return along, *means
+    errors = np.hypot(own, shared)
+    columns = np.hstack([point, values]).T, np.hstack([point_errors, errors]).T
+    names = (f"ring_down_{name}" for name in OF_RINGS)
+    variables = labelled(
+        "ring_down",
+        ring_down_start=np.array([one.start for one in ring_downs]),
+        ring_down_V=np.array([one.V for one in ring_downs]),
+    )
+    pairs = dict(zip(names, zip(*columns, strict=True), strict=True))
+    means = [_mean(values[:, j], own[:, j], shared[:, j]) for j in range(2)]
+    return variables | with_errors("ring_down", pairs), *means
 
 
 def _mean(values, own, shared):
     """Mean, error and scatter of values (n,) with independent errors, and shared ones (n,)."""
     if not values.size or not np.isfinite(values).all():
-        return NONE
+        return np.nan, np.nan, np.nan
     mean, error, scatter = mean_with_scatter(values, own)
     return mean, float(np.hypot(error, np.average(shared, weights=own**-2.0))), scatter
-
-
-def _curves(raw, slopes, ring_downs):
-    """Fitted curves along time, NaN elsewhere."""
-    lines = {name: np.full(raw.time.size, np.nan) for name in CURVES}
-    for slope in slopes:
-        lines["slope_friction"][slope.rows] = slope.fitted
-    for one in ring_downs:
-        lines["ring_down_friction"][one.rows] = one.fitted
-    return lines
 
 
 def _remarks(result, slider, misfits):
@@ -119,13 +114,12 @@ def _remarks(result, slider, misfits):
     texts = [*stiffness_remarks(result)]
     if misfits:
         texts.insert(0, sentences("about.misfit", number=misfits, all=result.sizes["slope"]))
-    if not result.sizes["ring_down"]:
+    rings, at_rest = result.sizes["ring_down"], int((result["ring_down_V"] == 0.0).sum())
+    if not rings:
         texts.append(sentences("about.no_ring_down"))
-        return texts
-    at_rest = int((result["ring_down_V"] == 0.0).sum())
     if at_rest:
-        texts.append(sentences("about.at_rest", number=at_rest, all=result.sizes["ring_down"]))
-    if slider is None and at_rest < result.sizes["ring_down"]:
+        texts.append(sentences("about.at_rest", number=at_rest, all=rings))
+    if slider is None and at_rest < rings:
         texts.append(sentences("about.friction"))
     return texts
 
@@ -136,7 +130,7 @@ def stiffness_remarks(result):
     if not kinds.size:
         yield sentences("about.no_K")
         return
-    if float(result["K_scatter"]) > 2.0:
+    if float(result["K_scatter"]) > SCATTERED:
         yield sentences("about.scatter", scatter=float(result["K_scatter"]))
     error = float(result["K_error"] / result["K"])
     if kinds.size == 1:
@@ -145,3 +139,76 @@ def stiffness_remarks(result):
         yield sentences("about.uncertain", slopes=kinds.size, error=100.0 * error)
     if "stick" in kinds:
         yield sentences("about.stick")
+
+
+def summary(result):
+    """Stiffness, mass and damping of a machine as plain text, to print.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From `machine_stiffness`.
+
+    Returns
+    -------
+    str
+        K, M and the damping +- standard errors; tables of the slopes and ring-downs; remarks.
+
+    Raises
+    ------
+    ParameterError
+        The result is not from `machine_stiffness`.
+    """
+    result = checked_result(result, "machine_stiffness", "slope_K")
+    lines = [estimate(result, symbol) for symbol in SYMBOLS]
+    for name, columns in (("slope", _slopes(result)), ("ring_down", _ring_downs(result))):
+        index = pandas.RangeIndex(1, result.sizes[name] + 1)
+        lines += ["", *lines_of(pandas.DataFrame(columns, index=index))] if index.size else []
+    remarks = json.loads(result.attrs["remarks"])
+    return "\n".join([*lines, *([""] if remarks else []), *remarks])
+
+
+def estimate(result, symbol):
+    """A line such as ``K = 20.03 +- 0.07 GPa/m``."""
+    value, error = float(result[symbol]), float(result[f"{symbol}_error"])
+    if value != value:
+        return f"{symbol}: not found"
+    return f"{symbol} = {value_with_unit(value, error, result[symbol].attrs['units'])}"
+
+
+def _slopes(result):
+    """Columns of texts, a row for each slope."""
+    return {
+        "kind": result["slope_kind"].values.astype(str),
+        "start": [readable("t", value, 6) for value in result["slope_start"].values],
+        "K": _cells(result, "slope_K"),
+        "straight line": [readable("K", value) for value in result["slope_straight"].values],
+        "used": ["yes" if used else "no" for used in result["slope_used"].values],
+    }
+
+
+def _ring_downs(result):
+    """Columns of texts, a row for each ring-down."""
+    return {
+        "start": [readable("t", value, 6) for value in result["ring_down_start"].values],
+        "V_lp": [readable("V_lp", value, 3) for value in result["ring_down_V"].values],
+        **{
+            name: _cells(result, f"ring_down_{name}") for name in ("omega", "decay", "M", "damping")
+        },
+    }
+
+
+def _cells(result, name):
+    """Values +- errors with units."""
+    unit = QUANTITIES[name].unit
+    pairs = zip(result[name].values, result[f"{name}_error"].values, strict=True)
+    return [value_with_unit(value, error, unit) for value, error in pairs]
+
+
+def value_with_unit(value, error, unit, power=None):
+    """A value +- error in a unit that fits, or of this power of ten; "-" for NaN."""
+    if value != value:
+        return "-"
+    power = power_of(unit, value) if power is None else power
+    number = with_error(value / 10.0**power, error / 10.0**power)
+    return f"{number} {prefixed_unit(unit, power)}"

@@ -1,9 +1,18 @@
-"""Free oscillations of stress after a step, a hold or a stress drop: frequency and decay.
+"""Free oscillations of stress after a step, a hold or a stress drop; mass and damping from them.
 
 Stress is c0 + c1 t + exp(-decay t) (A cos omega t + B sin omega t), by least squares; the four
 amplitudes are eliminated (variable projection: Golub & Pereyra 1973 doi:10.1137/0710036).  An
 oscillation that is large beside the speed of sliding has harmonics: its beginning is left out until
 they are not significant.
+
+A small oscillation exp(lambda t) of stress about steady sliding at V obeys
+
+    M lambda^2 + (damping + G(lambda)) lambda + K = 0,
+    G = (sigma/V) (a - b/(1 + lambda Dc/V)),
+
+with G the friction of a law with one state: numerics of `friction.stability`, with lambda in 1/s.
+Its imaginary part gives M and its real part the damping, without further approximation.  Without a
+slider G is 0: then M = K/|lambda|^2, and the damping has friction in it.
 """
 
 from typing import NamedTuple
@@ -13,6 +22,7 @@ from scipy.optimize import least_squares
 
 from ..kit.estimated_noise import estimated_noise
 from ..kit.noise import Noise
+from ..kit.regression import central_differences, fall_of_chi2, generalized_least_squares
 
 #: shortest window that is searched, and a window over the one before; most samples of the longest
 SHORTEST, GROWTH, LONGEST = 32, 2, 16384
@@ -26,20 +36,25 @@ SIGNIFICANT = 18.47
 RESOLVED, OVERDAMPED = 5.0, 0.7
 #: relative error of omega and decay that is added where the oscillation is too short to wait so
 UNCHECKED = 1e-3
-#: relative step of a difference
-STEP = 1e-5
+#: relative steps of differences: in a fit, and of mass and damping
+STEP, STEP_OF_MASS = 1e-5, 1e-6
 
 
 class RingDown(NamedTuple):
     """A damped oscillation."""
 
-    start: float  # [s], of the step or stress drop before it
-    V: float  # load-point speed during it [m/s]
-    omega: float  # [rad/s], of the damped oscillation
-    decay: float  # [1/s]
-    covariance: np.ndarray  # (2, 2) of omega and decay
+    point: np.ndarray  # (2,) omega [rad/s], of the damped oscillation, and decay [1/s]
+    covariance: np.ndarray  # (2, 2) of these
     rows: np.ndarray
     fitted: np.ndarray  # friction of these rows
+    harmonics: float  # fall of chi-square by them
+    start: float = np.nan  # [s], of the step or stress drop before it
+    V: float = np.nan  # load-point speed during it [m/s]
+
+    @property
+    def is_resolved(self):
+        """Whether omega and decay are known well enough."""
+        return bool((self.point > RESOLVED * np.sqrt(np.diag(self.covariance))).all())
 
 
 def ring_down(t, friction, rows, start, V):
@@ -57,17 +72,13 @@ def ring_down(t, friction, rows, start, V):
         later = _window(t, whole, t[fit.rows[0]] + decays / fit.point[1], *fit.point)
         again = None if later is None else _fit(t, friction, later, *fit.point)
         if again is not None and again.is_resolved:
-            fit = again
-            break
-    else:
-        unknown = np.diag((UNCHECKED * fit.point) ** 2)
-        fit = fit._replace(covariance=fit.covariance + unknown)
-    omega, decay = fit.point.tolist()
-    return RingDown(start, V, omega, decay, fit.covariance, fit.rows, fit.fitted)
+            return again._replace(start=start, V=V)
+    unknown = np.diag((UNCHECKED * fit.point) ** 2)
+    return fit._replace(covariance=fit.covariance + unknown, start=start, V=V)
 
 
 def _linear_part(t, friction, whole, omega, decay):
-    """The first `_Fit` without significant harmonics, in what is left of the rows; or None."""
+    """The first `RingDown` without significant harmonics, in what is left of the rows; or None."""
     begin = t[whole[0]]
     spacing = float(np.median(np.diff(t[whole])))
     for _ in range(TIMES):
@@ -109,21 +120,6 @@ def _dominant(t, friction, rows):
     return None if not found else max(found, key=lambda one: one[0])[1:]
 
 
-class _Fit(NamedTuple):
-    """A fit of omega and decay."""
-
-    point: np.ndarray  # (2,)
-    covariance: np.ndarray  # (2, 2)
-    harmonics: float  # fall of chi-square by them
-    rows: np.ndarray
-    fitted: np.ndarray
-
-    @property
-    def is_resolved(self):
-        """Whether omega and decay are known well enough."""
-        return bool((self.point > RESOLVED * np.sqrt(np.diag(self.covariance))).all())
-
-
 def _columns(t, omega, decay):
     """(n, 4) what friction is a linear function of, at times from the window's start on."""
     fall = np.exp(-decay * t)
@@ -132,39 +128,30 @@ def _columns(t, omega, decay):
 
 
 def _fit(t, friction, rows, omega, decay):
-    """`_Fit` in these rows, from this start."""
+    """`RingDown` in these rows, from this start."""
     at, y = t[rows] - t[rows[0]], friction[rows]
     level = float(y.mean())
     y = y - level
 
-    def amplitudes(p, noise):
-        white = noise.whiten(at, np.column_stack([y, _columns(at, *p)]))[0]
-        return np.linalg.lstsq(white[:, 1:], white[:, 0])[0], white
-
     def residual(p, noise):
-        linear, white = amplitudes(p * scale, noise)
-        return white[:, 0] - white[:, 1:] @ linear
+        white = noise.whiten(at, np.column_stack([y, _columns(at, *(p * scale))]))[0]
+        return white[:, 0] - white[:, 1:] @ np.linalg.lstsq(white[:, 1:], white[:, 0])[0]
 
     noise, scale = Noise(float(y.std())), np.array([omega, decay])
     point = np.ones(2)
     for _ in range(2):
         point = least_squares(residual, point, args=(noise,), x_scale=[0.1, 0.5]).x
         p = point * scale
-        linear, _ = amplitudes(p, noise)
+        linear = generalized_least_squares(at, y, _columns(at, *p), noise).coefficients
         fitted = _columns(at, *p) @ linear
-        slopes = [
-            (_columns(at, *(p + h)) - _columns(at, *(p - h))) @ linear / (2.0 * STEP)
-            for h in STEP * np.diag(p)
-        ]
-        jacobian = np.column_stack([*slopes, _columns(at, *p)])
+        slopes = p * (linear @ central_differences(lambda q: _columns(at, *q), p, STEP * p))
+        jacobian = np.column_stack([slopes, _columns(at, *p)])
         noise = estimated_noise(at, y - fitted, jacobian)
-    white, _ = noise.whiten(at, np.column_stack([y - fitted, jacobian, _harmonics(at, *p)]))
-    covariance = np.linalg.pinv(white[:, 1:7].T @ white[:, 1:7], rcond=1e-15)[:2, :2]
-    sums = [
-        float(np.sum((np.linalg.qr(white[:, 1:end])[0].T @ white[:, 0]) ** 2)) for end in (7, 11)
-    ]
-    covariance = covariance * np.outer(p, p)
-    return _Fit(p, covariance, sums[1] - sums[0], rows, fitted + level)
+    white, _ = noise.whiten(at, jacobian)
+    covariance = np.linalg.pinv(white.T @ white, rcond=1e-15)[:2, :2] * np.outer(p, p)
+    more = _harmonics(at, *p)
+    harmonics = fall_of_chi2(at, y - fitted, np.column_stack([jacobian, more]), 4, noise)
+    return RingDown(p, covariance, rows, fitted + level, harmonics)
 
 
 def _harmonics(t, omega, decay):
@@ -172,3 +159,28 @@ def _harmonics(t, omega, decay):
     fall = np.exp(-2.0 * decay * t)
     waves = fall * np.cos(2.0 * omega * t), fall * np.sin(2.0 * omega * t)
     return np.column_stack([*waves, fall, np.exp(-decay * t)])
+
+
+def mass_and_damping(K, ring_down, sigma, slider):
+    """(M [kg/m^2], damping [Pa s/m]) of a `RingDown`, their derivatives (2, 3) by omega, decay, K.
+
+    slider : its a, b and Dc, or None for no friction
+    """
+
+    def values(p):
+        omega, decay, K = p
+        rate = -decay + 1j * omega
+        G = _friction(rate, ring_down.V, sigma, slider)
+        per_K = 1.0 / abs(rate) ** 2
+        M = K * per_K - G.imag / omega
+        return np.array([M, M * decay + K * decay * per_K - G.real])
+
+    point = np.append(ring_down.point, K)
+    return values(point), central_differences(values, point, STEP_OF_MASS * point)
+
+
+def _friction(rate, V, sigma, slider):
+    """G [Pa s/m] of an oscillation exp(rate t); 0 at rest."""
+    if slider is None or not V > 0.0:
+        return 0j
+    return sigma / V * (slider.a - slider.b / (1.0 + rate * slider.Dc / V))

@@ -6,8 +6,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from ..kit.sample_noise import sample_noise
-from .loading_curve import LoadingCurve
-from .loading_fit import fit_loading_curve
+from .loading_curve import LoadingCurve, fit_loading_curve
 
 #: part of the change of friction up to the extremum over which a curve is fitted; of the time
 #: between two stress drops, from and to which
@@ -34,30 +33,30 @@ class Slope(NamedTuple):
     kind: str
     start: float  # [s], where x = 0
     rows: np.ndarray  # with those before
-    fitted: np.ndarray  # friction of these rows
-    x_end: float  # load-point displacement [m] up to the last of them
+    x: np.ndarray  # load-point displacement of these rows [m]
     curve: LoadingCurve
 
     @property
     def straight(self):
         """Slope of the best straight line through the curve [1/m]."""
-        x = np.linspace(0.0, self.x_end, STRAIGHT)
+        x = np.linspace(0.0, self.x[-1], STRAIGHT)
         return float(np.polyfit(x, self.curve.at(x), 1)[0])
 
 
-def slopes_of(t, friction, segments, phases):
+def slopes_of(t, friction, segments, drops):
     """list of `Slope`s of a record (m,) with these `Segments`.
 
-    phases : for each segment the loading phases (start, end) [s] between stress drops in it
+    drops : for each segment starts and ends [s] of the stress drops in it (m, 2)
     """
     found = []
-    spans = zip(segments.t, segments.ends, segments.V, phases, strict=True)
-    for i, (start, end, V, stuck) in enumerate(spans):
+    spans = zip(segments.t, segments.ends, segments.V, drops, strict=True)
+    for i, (start, end, V, own) in enumerate(spans):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
         if V == 0.0 or rows.size < FEWEST:
             continue
-        if stuck:
-            found += [_stuck(t, friction, phase, V) for phase in stuck]
+        if len(own) > 1:
+            phases = zip(own[:-1, 1], own[1:, 0], strict=True)
+            found += [_stuck(t, friction, *phase, V) for phase in phases]
         elif i:
             found.append(_after_change(t, friction, rows, segments, i))
     return [one for one in found if one is not None]
@@ -89,7 +88,7 @@ def _after_change(t, friction, rows, segments, i):
     kind = "reload" if rested else "step_down" if last_V > V else "step_up"
     errors = {"x_error": V * segments.t_error[i], "state_error": STATE_ERROR[kind]}
     curve = fit_loading_curve(t[rows], x, friction[rows], last_V / V, rested=rested, **errors)
-    return None if curve is None else Slope(kind, start, rows, curve.at(x), x[-1], curve)
+    return None if curve is None else Slope(kind, start, rows, x, curve)
 
 
 def _rows_before(t, segments, i):
@@ -120,13 +119,12 @@ def _reaches(t, rise, smooth, level):
     return int(np.searchsorted(t, level * float(t[:first] @ t[:first]) / slope)) if slope > 0 else 0
 
 
-def _stuck(t, friction, phase, V):
-    """The `Slope` in a loading phase (start, end) [s] between stress drops, or None."""
-    begin, lasts = phase[0], phase[1] - phase[0]
-    rows = np.arange(*np.searchsorted(t, [begin + part * lasts for part in STICK]))
+def _stuck(t, friction, begin, end, V):
+    """The `Slope` in a loading phase between stress drops, from begin to end [s], or None."""
+    rows = np.arange(*np.searchsorted(t, [begin + part * (end - begin) for part in STICK]))
     if rows.size < FEWEST_STUCK:
         return None
     start = float(t[rows[0]])
     x = V * (t[rows] - start)
     curve = fit_loading_curve(t[rows], x, friction[rows], 0.0)
-    return None if curve is None else Slope("stick", start, rows, curve.at(x), x[-1], curve)
+    return None if curve is None else Slope("stick", start, rows, x, curve)

@@ -1,273 +1,316 @@
-"""All events of a series with their quantities: detection, measurement, status and message."""
+"""All events of a series with their quantities: detection, measurement, status and message.
 
-import itertools
+With delta = delta_lp - tau/K slip in an event is delta_lp's way plus drop/K; the slip rate is
+V_lp - (dtau/dt)/K; the spring's work on the block, the integral of tau over slip, is that over
+delta_lp plus (tau_max^2 - tau_min^2)/(2 K), the energy that the spring loses.  Slip rate is V_lp at
+both ends, so that the kinetic energy is the same, and this work is what friction (and damping, if
+there is any) turns into heat.
+"""
+
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
+import xarray
 
-from ..kit.sample_noise import sample_noise
+from ...dynamics.results import flags
+from ..kit.results import labelled, with_errors
 from ..messages import stick_slip as sentences
-from . import computed, recorded
-from .detection import in_gaps, rough_events, without_rebounds
-from .hidden import has_several, has_step_down
-from .measures import (
-    CHANGES,
-    CUT_BY_END,
-    CUT_BY_START,
-    GAP,
-    LOAD_CHANGES,
-    SEVERAL,
-    UNDERSAMPLED,
-    WHOLE,
-    kinds,
-    measured_events,
-)
-from .noise import Noise, loading_noise
-from .outliers import without_outliers
-from .significance import is_stick_slip
-from .stiffness import Stiffness, loading_stiffness
-from .trends import Trend, speed_groups, trend
+from .between_samples import has_several, has_step_down
+from .detection import detected, in_gaps, is_whole, loading_phases
+from .falls import Found, found_in_record, found_in_run
+from .lines import Stiffness, Trend, loading_stiffness, speed_groups, trend
 
-#: smallest event of a run, over the error that is allowed in a step
-LEAST = 10.0
 #: scatter of rough drops over their median beyond which events have windows of their own
 ALIKE = 0.1
 #: the same in standard deviations of the noise, which changes rough drops
 BY_NOISE = 3.0
 #: shortest loading beside an event, over the median one, of events that share windows
 CLOSE = 0.5
-#: noise of the loading over the white one from which events are detected anew
-LARGER = 1.2
 #: a drop over the threshold below which such drops may be lost
 SAFE = 2.0
 #: drop of an event with few samples, over the median one, that several events may make
 LARGE = 1.5
-
-
-class Columns(NamedTuple):
-    """(m,) columns of events that are not quantities with errors."""
-
-    kind: np.ndarray
-    samples: np.ndarray
-    status: np.ndarray
-    message: np.ndarray
-
-
-class Catalogue(NamedTuple):
-    """The events of a series."""
-
-    values: dict[str, Any]  # name -> (values (m,), standard errors (m,))
-    columns: Columns
-    trends: dict[str, Trend]  # by the name of the abscissa
-    stiffness: Stiffness
-    noise: Noise
-    threshold: float  # smallest stress drop that is found [Pa]
+#: peak slip rate over the inertial limit, or over V_lp, from which an event is fast
+INERTIAL, FAST = 0.5, 100.0
+#: most samples of the record that a catalogue carries, for its figure
+MOST = 20000
+#: status of an event -> what it means
+STATUSES = {
+    0: "whole",
+    1: "cut by the start",
+    2: "cut by the end",
+    3: "V_lp changes",
+    4: "undersampled",
+    5: "gap in the record",
+    6: "several events",
+}
+WHOLE, CUT_BY_START, CUT_BY_END, LOAD_CHANGES, UNDERSAMPLED, GAP, SEVERAL = STATUSES
 
 
 def catalogue_of(series):
-    """The `Catalogue` of a `Series`."""
-    clean, rough, noise, threshold = detected(series)
-    gaps = in_gaps(series.t, rough)
-    rises, falls = _phases(series, rough)
-    stiffness = Stiffness(series.K or math.nan, series.K_error, series.K_source)
+    """The Dataset of the events of a `Series`, and the `Stiffness`."""
+    clean, falls, noise, threshold = detected(series)
+    gaps, spans = in_gaps(series.t, falls), _spans(series, falls)
+    stiffness = Stiffness(series.K, 0.0, series.K_source)
     if series.K is None:
-        stiffness = loading_stiffness(series, rises, falls, noise)
-    found = _found(series, rough, gaps, noise)
-    status = np.where(gaps, GAP, _status(clean, rough, found, noise))
-    values = measured_events(series, found, stiffness, status == SEVERAL)
-    unresolved = values["duration"][0] < _longest_steps(series, rough)
+        phases = loading_phases(series, falls)
+        stiffness = loading_stiffness(series, phases, falls[is_whole(falls)], noise)
+    found = _found(series, falls, spans, gaps, noise)
+    status = _status(clean, falls, spans, gaps, found, noise)
+    values = _measured(series, found, stiffness, status == SEVERAL)
+    unresolved = values["duration"][0] < _longest_steps(series, falls)
     values["duration"] = tuple(np.where(unresolved, math.nan, x) for x in values["duration"])
     values["recurrence"], why = _recurrence(series, values["event_time"], status)
-    kind = kinds(values, stiffness.K, series.M)
-    drop, V_lp = values["stress_drop"][0], values["V_lp"][0]
-    usual = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
-    bounded = found.sparse & np.isfinite(drop) & np.isin(status, (UNDERSAMPLED, SEVERAL))
-    reports = {
-        "sparse": bounded,
-        "few": drop < SAFE * threshold,
-        "lost": _lost(clean, rough, noise),
-        "short": unresolved,
-        "large": found.sparse & (drop > LARGE * usual) & (status != SEVERAL),
-    }
-    message = _messages(status, why, drop, stiffness, reports)
-    # (of events that were loaded at one V_lp from the last one on)
-    whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
-    drop = np.where(whole, drop, np.nan)
-    abscissae = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
-    trends = {name: trend(values[name][0], drop, V_lp, what) for name, what in abscissae.items()}
-    columns = Columns(kind, found.samples, status, message)
-    return Catalogue(values, columns, trends, stiffness, noise, threshold)
+    reports = _reports(found, values["stress_drop"][0], status, threshold)
+    reports |= {"short": unresolved, "lost": _lost(clean, falls, spans, noise)}
+    message = _messages(status, why, values["stress_drop"][0], stiffness, reports)
+    variables = with_errors("event", values) | labelled(
+        "event",
+        event_kind=_kinds(values, stiffness.K, series.M),
+        samples_in_fall=found.samples,
+        event_status=status.astype(np.int8),
+        event_message=np.array(message, dtype=str if message else object),
+    )
+    variables["event_status"][2].update(flags(STATUSES))
+    trends = _trends(values, status)
+    for name in Trend._fields:
+        column = np.array([getattr(line, name) for line in trends.values()])
+        variables |= labelled("abscissa", **{f"trend_{name}": column})
+    variables |= with_errors((), {"K": (stiffness.K, stiffness.error)})
+    numbers = {"tau_noise": noise.sd, "tau_noise_correlation": noise.correlation}
+    variables |= labelled((), **numbers, detection_threshold=threshold)
+    time, tau = _thinned(series.t, series.tau)
+    variables |= labelled("time", tau=tau)
+    coords = labelled("event", event=np.arange(1, status.size + 1)) | labelled("time", time=time)
+    coords["abscissa"] = ("abscissa", [*trends], {"long_name": "abscissa of the line"})
+    return xarray.Dataset(variables, coords), stiffness
 
 
-def detected(series):
-    """Return a series without its outliers, its events, its noise, and the threshold [Pa].
+def _spans(series, falls):
+    """(m, 4) samples of the last trough, of a fall's peak and trough, and of the next peak."""
+    last = np.maximum(np.append(0, falls[:, 1])[:-1], 0)
+    following = np.append(falls[:, 0], series.t.size - 1)[1:]
+    return np.column_stack([last, falls, following])
 
-    The events are a list of `Rough`, empty if stress merely wanders.  The `Noise` is that of the
-    loading, if it is larger than white noise.
+
+def _found(series, falls, spans, gaps, noise):
+    """`Found` for all falls; NaN for those that the record cuts, but for the time they have.
+
+    gaps : (m,) whether samples are missing during a fall, of which nothing is found then
     """
+    whole, found = is_whole(falls) & ~gaps, Found.nothing(len(falls))
+    for column, samples in zip((found.peak, found.trough), falls.T, strict=True):
+        cut = ~is_whole(falls) & (samples >= 0)
+        column[cut, 2] = series.t[samples[cut]]
+    rows = np.flatnonzero(whole)
     if series.V is not None:
-        rough, threshold = rough_events(series.tau, LEAST * series.resolution)
-        return series, rough, Noise(0.0), threshold
-    white = max(sample_noise(series.tau), series.resolution)
-    series = series._replace(tau=without_outliers(series.tau, white))
-    noise = Noise(white)
-    rough, threshold = _rough(series, noise)
-    for _ in range(2):
-        rises = _phases(series, rough)[0]
-        noise = loading_noise(series.t, series.tau, rises, white)
-        if noise.sd < LARGER * white:
-            break
-        rough, threshold = _rough(series, noise)
-    return series, rough if is_stick_slip(series, rough) else [], noise, threshold
-
-
-def _rough(series, noise):
-    """list of `Rough` events in noise, each with its rebound, and the threshold [Pa]."""
-    rough, threshold = rough_events(series.tau, noise.sd, noise.inflation)
-    return without_rebounds(series.tau, series.load.moved(series.t[0], series.t), rough), threshold
-
-
-def _phases(series, rough):
-    """Loading phases between events at one V_lp, and whole events: [(first, last sample)]."""
-    t, load = series.t, series.load
-    falls = [one for one in rough if min(one) >= 0]
-    pairs = [(a.trough, b.peak) for a, b in itertools.pairwise(rough) if min(a.trough, b.peak) >= 0]
-    return [(i, j) for i, j in pairs if not load.varies(t[i], t[j], CHANGES)], falls
-
-
-def _found(series, rough, gaps, noise):
-    """`Found` for all events; NaN for those that the record cuts, but for the time they have.
-
-    gaps : (m,) whether samples are missing during an event, of which nothing is found then
-    """
-    whole = np.array([min(one) >= 0 for one in rough], bool) & ~gaps
-    found = recorded.nothing(len(rough))
-    for k in np.flatnonzero(~whole & ~gaps):
-        found.peak[k, 2] = series.t[rough[k].peak] if rough[k].peak >= 0 else math.nan
-        found.trough[k, 2] = series.t[rough[k].trough] if rough[k].trough >= 0 else math.nan
-    if series.V is not None:
-        groups = [np.flatnonzero(whole)] if whole.any() else []
+        groups = [rows] if rows.size else []
     else:
-        groups = _groups(series, rough, np.flatnonzero(whole), noise)
-    for rows in groups:
-        some = [rough[k] for k in rows]
+        groups = _groups(series, spans, rows, noise)
+    for group in groups:
         if series.V is not None:
-            part = computed.found_events(series, some)
+            part = found_in_run(series, falls[group])
         else:
-            spans = np.array([_span(series, rough, k) for k in rows])[:, [0, 3]].T
-            part = recorded.found_events(series.t, series.tau, some, spans, noise)
+            part = found_in_record(series, falls[group], spans[group][:, [0, 3]], noise)
         for column, of_part in zip(found, part, strict=True):
-            column[rows] = of_part
-    for rows in (found.peak, found.trough) if series.V is None else ():
-        rows[:, 1] = np.hypot(rows[:, 1], series.resolution)
-        rows[:, 3] = np.hypot(rows[:, 3], series.t_resolution)
-    found.middle[:, 1] = np.hypot(found.middle[:, 1], series.t_resolution)
+            column[group] = of_part
     return found
 
 
-def _groups(series, rough, whole, noise):
-    """Rows of events that are alike: at one V_lp, with much the same drop; else each by itself."""
+def _groups(series, spans, whole, noise):
+    """Rows of events that are alike: at one V_lp, with much the same drop; else each by itself.
+
+    spans : (m, 4) of `_spans`; whole : rows of whole events
+    """
     if not whole.size:
         return []
-    peaks, troughs = (np.array([rough[k][i] for k in whole]) for i in (0, 1))
+    t, (peaks, troughs) = series.t, spans[whole, 1:3].T
     drop = series.tau[peaks] - series.tau[troughs]
-    loading = np.array([_loading(series, rough, k) for k in whole])
-    speed = speed_groups(series.load.speed(0.5 * (series.t[peaks] + series.t[troughs]))[0])
+    # (loading that the record cuts does not count)
+    beside = np.diff(t[spans[whole]], axis=1)[:, ::2]
+    is_end = (whole == 0) | (whole == len(spans) - 1)
+    loading = np.where(is_end, beside.max(axis=1), beside.min(axis=1))
+    speed = speed_groups(series.at(0.5 * (t[peaks] + t[troughs]), series.V_lp))
     groups = []
     for number in range(speed.max() + 1):
-        rows, own = whole[speed == number], drop[speed == number]
-        allowed = math.hypot(ALIKE * np.median(own), BY_NOISE * noise.sd)
-        near = np.abs(own - np.median(own)) <= allowed
-        own = loading[speed == number]
-        near &= own > CLOSE * np.median(own)
-        groups += [rows[near]] if near.any() else []
-        groups += [rows[[i]] for i in np.flatnonzero(~near)]
+        at = np.flatnonzero(speed == number)
+        off = np.abs(drop[at] - np.median(drop[at]))
+        near = off <= math.hypot(ALIKE * np.median(drop[at]), BY_NOISE * noise.sd)
+        near &= loading[at] > CLOSE * np.median(loading[at])
+        groups += [whole[at[near]]] if near.any() else []
+        groups += [whole[[i]] for i in at[~near]]
     return groups
 
 
-def _loading(series, rough, k):
-    """Shorter time of loading beside a whole event [s]; one that the record cuts does not count."""
-    last, peak, trough, following = _span(series, rough, k)
-    before, after = series.t[peak] - series.t[last], series.t[following] - series.t[trough]
-    if k == 0 or k + 1 == len(rough):
-        return max(before, after)
-    return min(before, after)
+def _status(series, falls, spans, gaps, found, noise):
+    """(m,) status of all falls."""
+    several, changes = np.zeros((2, len(falls)), bool)
+    for k in np.flatnonzero(is_whole(falls)):
+        changes[k] = series.speed_varies(*series.t[falls[k]])
+        several[k] = series.V is None and has_several(series.tau, spans[k], noise)
+    holds = {
+        GAP: gaps,
+        CUT_BY_START: falls[:, 0] < 0,
+        CUT_BY_END: falls[:, 1] < 0,
+        LOAD_CHANGES: changes,
+        SEVERAL: several,
+        UNDERSAMPLED: found.sparse,
+    }
+    return np.select([*holds.values()], [*holds], WHOLE)
 
 
-def _status(series, rough, found, noise):
-    """(m,) status of all events."""
-    status = np.where(found.sparse, UNDERSAMPLED, WHOLE)
-    for k, one in enumerate(rough):
-        if min(one) < 0:
-            status[k] = CUT_BY_START if one.peak < 0 else CUT_BY_END
-        elif series.load.varies(series.t[one.peak], series.t[one.trough], CHANGES):
-            status[k] = LOAD_CHANGES
-        elif series.V is None and has_several(series.tau, _span(series, rough, k), noise):
-            status[k] = SEVERAL
-    return status
+def _measured(series, found, stiffness, several):
+    """Return name -> (values (m,), standard errors (m,)) of all quantities of whole events.
+
+    several : (m,) whether an event is several; the errors then hold for each of them, which has at
+        least nothing and at most all of what is measured
+    """
+    K, K_error = stiffness.K, stiffness.error
+    (high, high_error, start, start_error), (low, low_error, end, end_error) = (
+        found.peak.T,
+        found.trough.T,
+    )
+    V_lp, V_lp_error = (series.at(found.middle[:, 0], x) for x in (series.V_lp, series.V_lp_error))
+    drop, drop_error = high - low, np.hypot(high_error, low_error)
+    amounts = {"stress_drop": (drop, drop_error)}
+    if series.sigma is not None:
+        sigma = series.at(np.stack([start, end]), series.sigma)
+        error = np.hypot(high_error / sigma[0], low_error / sigma[1])
+        amounts["friction_drop"] = high / sigma[0] - low / sigma[1], error
+    duration, duration_error = end - start, np.hypot(start_error, end_error)
+    amounts["duration"] = duration, duration_error
+    error = np.hypot(np.hypot(drop_error, drop * K_error / K) / K, V_lp * duration_error)
+    amounts["slip"] = series.moved(start, end) + drop / K, error
+    fall, fall_error = found.slope.T
+    error = np.hypot(np.hypot(fall_error, fall * K_error / K) / K, V_lp_error)
+    amounts["peak_slip_rate"] = V_lp + fall / K, error
+    # of a whole event the place of an extreme, and its value, err independently
+    released = (high**2 - low**2) / (2.0 * K)
+    error = np.hypot(np.hypot(high * high_error, low * low_error) / K, released * K_error / K)
+    amounts["spring_energy"] = released, error
+    load_error = 0.5 * (high + low) * V_lp * duration_error
+    work = _load_work(series, start, end) + released
+    amounts["friction_work"] = work, np.hypot(load_error, error)
+    time, time_error = found.middle.T
+    return {
+        "event_time": (time, np.hypot(time_error, np.where(several, 0.5 * duration, 0.0))),
+        "event_start": (start, start_error),
+        "event_end": (end, end_error),
+        "tau_max": (high, high_error),
+        "tau_min": (low, low_error),
+        "V_lp": (V_lp, V_lp_error),
+        **{
+            name: (value, np.hypot(error, np.where(several, 0.5 * value, 0.0)))
+            for name, (value, error) in amounts.items()
+        },
+    }
 
 
-def _span(series, rough, k):
-    """Samples of the last trough, of an event's peak and trough, and of the next peak."""
-    last = max(rough[k - 1].trough, 0) if k else 0
-    following = rough[k + 1].peak if k + 1 < len(rough) else series.t.size - 1
-    return last, *rough[k], following
+def _load_work(series, start, end):
+    """(m,) integral of tau over delta_lp between two times [J/m^2]."""
+    steps = 0.5 * (series.tau[1:] + series.tau[:-1]) * np.diff(series.delta_lp)
+    total = np.append(0.0, np.cumsum(steps))
+    return series.at(end, total) - series.at(start, total)
 
 
-def _longest_steps(series, rough):
-    """(m,) longest step between samples in the fall of each event [s]."""
+def _kinds(values, K, M):
+    """(m,) "fast", "slow", or "unknown" if neither M nor a slip rate is known.
+
+    A block that inertia alone limits slips as half a cosine in the natural half-period
+    pi sqrt(M/K), at drop/(2 sqrt(K M)) at most (Johnson & Scholz 1976,
+    doi:10.1029/JB081i005p00881; Rice & Tse 1986, doi:10.1029/JB091iB01p00521).
+    """
+    rate, drop = values["peak_slip_rate"][0], values["stress_drop"][0]
+    if M is None:
+        fast = rate >= FAST * values["V_lp"][0]
+    else:
+        fast = (M > 0.0) & (rate * 2.0 * math.sqrt(K * M) >= INERTIAL * drop)
+    return np.where(np.isfinite(rate), np.where(fast, "fast", "slow"), "unknown")
+
+
+def _longest_steps(series, falls):
+    """(m,) longest step between samples in each fall [s]."""
     steps = np.diff(series.t, prepend=series.t[0])
-    whole = [max(one.peak, 0) for one in rough], [max(*one, 0) for one in rough]
-    return np.array([steps[i : j + 1].max() for i, j in zip(*whole, strict=True)])
+    return np.array([steps[max(i, 0) : max(i, j, 0) + 1].max() for i, j in falls])
 
 
-def _lost(series, rough, noise):
-    """(m,) whether the loading before each event has a smaller fall that noise does not make."""
-    lost = np.zeros(len(rough), bool)
-    for k, (last, one) in enumerate(itertools.pairwise(rough), 1):
-        if series.V is None and min(last.trough, *one) >= 0:
-            rise, drop = slice(last.trough, one.peak), series.tau[one.peak] - series.tau[one.trough]
-            lost[k] = has_step_down(series.t[rise], series.tau[rise], drop, noise)
+def _lost(series, falls, spans, noise):
+    """(m,) whether the loading before each fall has a smaller fall that noise does not make."""
+    lost = np.zeros(len(falls), bool)
+    for k in np.flatnonzero(is_whole(falls)) if series.V is None else ():
+        last, peak, trough, _ = spans[k]
+        drop = series.tau[peak] - series.tau[trough]
+        rise = series.t[last:peak], series.tau[last:peak]
+        lost[k] = k > 0 and has_step_down(*rise, drop, noise)
     return lost
 
 
 def _recurrence(series, event_time, status):
     """(values, errors) (m,) of times since the last event, and why one is NaN (list of names)."""
     time, error = event_time
-    values, errors = np.full(time.size, math.nan), np.full(time.size, math.nan)
-    why = ["first"] * min(time.size, 1)
+    why = ["first"][: time.size]
     for k in range(1, time.size):
         if not np.isfinite(time[k - 1]) or status[k - 1] == LOAD_CHANGES:
             why.append("after_cut")
-        elif not np.isfinite(time[k]):
-            why.append("")
-        elif series.load.varies(time[k - 1], time[k], CHANGES):
+        elif np.isfinite(time[k]) and series.speed_varies(time[k - 1], time[k]):
             why.append("changed")
         else:
-            values[k], errors[k] = time[k] - time[k - 1], math.hypot(error[k], error[k - 1])
             why.append("")
-    return (values, errors), why
+    since = np.diff(time, prepend=math.nan), np.hypot(error, np.append(math.nan, error)[:-1])
+    known = np.array([not text for text in why], bool)
+    return tuple(np.where(known, x, math.nan) for x in since), why
+
+
+def _reports(found, drop, status, threshold):
+    """Name of a message -> (m,) whether it holds, for those on drops and on few samples."""
+    usual = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
+    bounded = np.isfinite(drop) & np.isin(status, (UNDERSAMPLED, SEVERAL))
+    return {
+        "sparse": found.sparse & bounded,
+        "few": drop < SAFE * threshold,
+        "large": found.sparse & (drop > LARGE * usual) & (status != SEVERAL),
+    }
 
 
 def _messages(status, why, drop, stiffness, reports):
-    """(m,) what must be known of each event.
+    """What must be known of each event (list of str).
 
     reports : name of a message -> (m,) whether it holds
     """
-    names = {CUT_BY_START: "start", CUT_BY_END: "end", LOAD_CHANGES: "load", GAP: "gap"}
-    names[SEVERAL] = "several"
-    messages = []
-    for k, code in enumerate(status):
-        texts = []
-        if code in names:
-            texts.append(sentences(f"message.{names[code]}"))
-        elif not math.isfinite(drop[k]):
-            texts.append(sentences("message.unmeasured"))
-        texts += [sentences(f"message.{name}") for name, holds in reports.items() if holds[k]]
-        if why[k] and code not in (CUT_BY_START, CUT_BY_END):
-            texts.append(sentences(f"message.{why[k]}"))
-        if not math.isfinite(stiffness.K):
-            texts.append(sentences("message.no_stiffness"))
-        messages.append("; ".join(texts))
-    return np.array(messages, dtype=object if not messages else str)
+    cut = np.isin(status, (CUT_BY_START, CUT_BY_END))
+    holds = {
+        "start": status == CUT_BY_START,
+        "end": status == CUT_BY_END,
+        "load": status == LOAD_CHANGES,
+        "gap": status == GAP,
+        "several": status == SEVERAL,
+        "unmeasured": np.isin(status, (WHOLE, UNDERSAMPLED)) & ~np.isfinite(drop),
+        **{name: reports[name] for name in ("sparse", "few", "lost", "short", "large")},
+        **{name: ~cut & (np.array(why) == name) for name in ("first", "changed", "after_cut")},
+        "no_stiffness": np.full(status.size, not math.isfinite(stiffness.K)),
+    }
+    return [
+        "; ".join(sentences(f"message.{name}") for name, own in holds.items() if own[k])
+        for k in range(status.size)
+    ]
+
+
+def _trends(values, status):
+    """Name of the abscissa -> `Trend`, of events that were loaded at one V_lp from the last on."""
+    whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
+    drop, V_lp = np.where(whole, values["stress_drop"][0], math.nan), values["V_lp"][0]
+    abscissae = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
+    return {name: trend(values[name][0], drop, V_lp, what) for name, what in abscissae.items()}
+
+
+def _thinned(t, tau):
+    """A record with the largest and smallest of so many samples in turn, if it has more."""
+    if t.size <= MOST:
+        return t, tau
+    every = -(-2 * t.size // MOST)
+    rows = t.size // every * every
+    blocks = tau[:rows].reshape(-1, every)
+    first = np.arange(blocks.shape[0]) * every
+    at = np.concatenate([first + blocks.argmin(1), first + blocks.argmax(1), [0, t.size - 1]])
+    at = np.unique(at)
+    return t[at], tau[at]

@@ -1,41 +1,157 @@
-"""Which falls of the shear stress are events: beyond what the noise can do.
+"""Falls of the shear stress that are stick-slip events: beyond noise, and not noise that wanders.
 
 A turning point of a series is confirmed as soon as the series has moved away from it by more than a
 threshold; what is between a maximum and the next minimum is an event.  The threshold is the largest
 range that noise alone reaches in a series of this length, so that noise makes no event.
+
+Noise has no direction of time: it falls as slowly as it rises, and at any time.  Stick-slip falls
+faster than the load point loads the spring, or it is regular.
+
+A fall is a row (peak, trough) of an array of samples (m, 2); -1 stands for a peak or trough that
+the record does not have.
 """
 
-import itertools
 import math
 from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
+from scipy.stats import mannwhitneyu
 
+from ..kit.sample_noise import sample_noise
+
+#: smallest event of a run, as a multiple of the solver's error per step
+LEAST = 10.0
+#: most samples of an outlier; samples on either side of it that it stands out of
+LONGEST_OUTLIER, SIDE = 2, 2
+#: standard deviations of the noise by which it stands out of them
+OUT = 5.0
+#: part of the rise of stress, in time, whose residuals are the noise; degree of the curve there
+CALM, SMOOTH = (0.2, 0.6), 3
+#: fewest samples there, and most of them from which the noise is found, in all
+FEWEST_CALM, ENOUGH = 12, 20000
+#: standard errors from which a correlation counts; the largest
+KNOWN, MOST_CORRELATED = 3.0, 0.95
+#: noise of the loading over the white one from which events are detected anew
+LARGER = 1.2
 #: range of the record over the noise from which samples are used as they are; else means of some
 CLEAR = 40.0
 #: most samples in such a mean, over those of the record
 LONGEST = 0.01
 #: standard deviations beyond the expected range of the noise
 MARGIN = 3.0
-#: rise of stress for the load point's way, over the usual one, from which no spring does it
+#: rise of stress for the load point's way, over the usual one, that is steeper than any spring's
 STEEP = 3.0
 #: steps between samples on either side of a gap, and how many times as long it is
 BESIDE, LONG = 20, 10.0
+#: probability of falls as short as these beside the rises, if they are noise, that is too small
+CHANCE = 0.02
+#: fewest falls for such a test; of fewer each must be this much shorter than the rise before it,
+#: as steep as its middle half is: its ends are round, or lost in the noise
+FEWEST, SHORTER = 4, 0.1
+#: standard deviation of the times between falls, over their mean, of what is regular: of a few
+#: falls, and from `MANY` on
+REGULAR, MANY = (0.1, 0.25), 8
 
 
-class Rough(NamedTuple):
-    """An event by its samples; -1 for a peak or trough that the record does not have."""
+class Noise(NamedTuple):
+    """White or first-order correlated noise."""
 
-    peak: int
-    trough: int
+    sd: float
+    correlation: float = 0.0  # of neighbouring samples
+
+    @property
+    def inflation(self):
+        """Variance of a mean over that with white noise."""
+        return (1.0 + self.correlation) / (1.0 - self.correlation)
 
 
-def rough_events(y, noise, inflation=1.0):
-    """list of `Rough` events of a series (n,) with noise of this standard deviation; threshold.
+def detected(series):
+    """Return a series without its outliers, its falls, its noise, and the threshold [Pa].
 
-    One that the record's start or end cuts is among them, with -1 for what is missing.  Falls that
-    are smaller than the threshold are not found.
+    There are no falls if stress merely wanders.  The `Noise` is that of the loading, if it is
+    larger than white noise.
+    """
+    if series.V is not None:
+        falls, threshold = rough_falls(series.tau, LEAST * series.resolution)
+        return series, falls, Noise(0.0), threshold
+    white = max(sample_noise(series.tau), series.resolution)
+    series = series._replace(tau=without_outliers(series.tau, white))
+    noise = Noise(white)
+    falls, threshold = _falls_beyond(series, noise)
+    for _ in range(2):
+        noise = loading_noise(series.t, series.tau, loading_phases(series, falls), white)
+        if noise.sd < LARGER * white:
+            break
+        falls, threshold = _falls_beyond(series, noise)
+    return series, falls if is_stick_slip(series, falls) else falls[:0], noise, threshold
+
+
+def _falls_beyond(series, noise):
+    """Falls (m, 2) in noise, each with its rebound, and the threshold [Pa]."""
+    falls, threshold = rough_falls(series.tau, noise.sd, noise.inflation)
+    return without_rebounds(series.tau, series.delta_lp, falls), threshold
+
+
+def is_whole(falls):
+    """(m,) whether the record has both the peak and the trough of falls."""
+    return (falls >= 0).all(axis=1)
+
+
+def loading_phases(series, falls):
+    """Loading phases between falls, at one V_lp: [(first, last sample)]."""
+    pairs = [(i, j) for i, j in zip(falls[:-1, 1], falls[1:, 0], strict=True) if min(i, j) >= 0]
+    return [(i, j) for i, j in pairs if not series.speed_varies(series.t[i], series.t[j])]
+
+
+def without_outliers(y, noise):
+    """A series (n,) with a line in place of each outlier beyond noise of this standard deviation.
+
+    An outlier stands out of the samples on both its sides, by more than these differ: after a drop
+    stress is not back where it was, and a steep loading moves on.
+    """
+    y = y.copy()
+    for length in range(1, LONGEST_OUTLIER + 1):
+        padded = np.pad(y, SIDE, mode="edge")
+        parts = np.lib.stride_tricks.sliding_window_view(padded, length + 2 * SIDE)
+        sides, inside = np.delete(parts, np.s_[SIDE:-SIDE], axis=1), parts[:, SIDE:-SIDE]
+        low, high = sides.min(axis=1), sides.max(axis=1)
+        out = np.maximum(inside.min(axis=1) - high, low - inside.max(axis=1))
+        for i in np.flatnonzero((out > OUT * noise) & (out > high - low)):
+            y[i : i + length] = np.linspace(padded[i + 1], padded[i + 2 + length], length + 2)[1:-1]
+    return y
+
+
+def loading_noise(t, y, rises, white):
+    """`Noise` about smooth curves through the rises [(first, last sample)], or the white one."""
+    residuals: list[np.ndarray] = []
+    for first, last in rises:
+        begin, end = (round(first + part * (last - first)) for part in CALM)
+        if end - begin < FEWEST_CALM:
+            continue
+        x = (t[begin:end] - t[begin]) / (t[end - 1] - t[begin]) * 2.0 - 1.0
+        curve = np.polynomial.Polynomial.fit(x, y[begin:end], SMOOTH)
+        residuals.append(y[begin:end] - curve(x))
+        if sum(map(len, residuals)) > ENOUGH:
+            break
+    power = sum(float(rest @ rest) for rest in residuals)
+    if not power > 0.0:
+        return Noise(white)
+    samples, taken = sum(map(len, residuals)), (SMOOTH + 1) * len(residuals)
+    pairs = samples - len(residuals)
+    products = sum(float(rest[1:] @ rest[:-1]) for rest in residuals)
+    # (a fit takes some correlation out: by its degree over the samples, to first order)
+    correlation = products / power + taken / pairs
+    known = correlation > KNOWN / math.sqrt(pairs)
+    correlation = min(correlation, MOST_CORRELATED) if known else 0.0
+    return Noise(math.sqrt(power / (samples - taken)), correlation)
+
+
+def rough_falls(y, noise, inflation=1.0):
+    """Falls (m, 2) of a series (n,) with noise of this standard deviation, and the threshold.
+
+    One that the record's start or end cuts is among them.  Falls that are smaller than the
+    threshold are not found.
 
     inflation : variance of a mean of samples over that with white noise
     """
@@ -47,65 +163,20 @@ def rough_events(y, noise, inflation=1.0):
     independent = max(y.size / width, 2.0)
     expected = 2.0 * math.sqrt(2.0 * math.log(independent))
     threshold = (expected + MARGIN) * noise * math.sqrt(min(inflation / width, 1.0))
-    turns, leaves = turning_points(smooth, threshold)
-    return _paired(turns, leaves), threshold
-
-
-def without_rebounds(y, moved, rough):
-    """`Rough` events (m) in which stress that swings back after a fall belongs to the same event.
-
-    Load point and spring load the block no faster than they do elsewhere.
-
-    moved : (n,) displacement of the load point [m]
-    """
-    pairs = [*itertools.pairwise(rough)]
-    rises = np.array([y[b.peak] - y[a.trough] for a, b in pairs])
-    way = np.array([moved[b.peak] - moved[a.trough] for a, b in pairs])
-    if rises.size < 2 or not (way > 0.0).all():
-        return rough
-    stiffness, order = rises / way, np.argsort(rises / way)
-    middle = np.searchsorted(np.cumsum(rises[order]), 0.5 * rises.sum())
-    kept = [rough[0]]
-    for one, too_steep in zip(rough[1:], stiffness > STEEP * stiffness[order][middle], strict=True):
-        last = kept[-1]
-        if (
-            too_steep
-            and min(last.peak, last.trough, one.trough) >= 0
-            and y[one.peak] < y[last.peak]
-        ):
-            lower = min(last.trough, one.trough, key=lambda i: y[i])
-            kept[-1] = Rough(last.peak, lower)
-        else:
-            kept.append(one)
-    return kept
-
-
-def in_gaps(t, rough):
-    """(m,) whether samples are missing from before the peaks to after the troughs of `Rough`s.
-
-    A step between samples is a gap if it is `LONG` times those on either side of it.
-    """
-    steps = np.diff(t)
-    long = np.flatnonzero(steps > LONG * np.median(steps))
-    return np.array([_has_gap(steps, long, one) for one in rough], bool)
-
-
-def _has_gap(steps, long, rough):
-    """Whether one of these long steps is a gap in a `Rough` event."""
-    if min(rough) < 0:
-        return False
-    for i in long[(long >= rough.peak - 1) & (long <= rough.trough)]:
-        sides = steps[max(i - BESIDE, 0) : i], steps[i + 1 : i + 1 + BESIDE]
-        if all(side.size and steps[i] > LONG * np.median(side) for side in sides):
-            return True
-    return False
+    turns = turning_points(smooth, threshold)
+    samples = [i for i, _ in turns]
+    if turns and turns[0][1] < 0:
+        samples.insert(0, -1)
+    if len(samples) % 2:
+        samples.append(-1)
+    return np.array(samples, int).reshape(-1, 2), threshold
 
 
 def turning_points(y, threshold):
-    """Turning points [(sample, +1 for a maximum or -1)] of a series, and how it ends: -1 falling.
+    """Turning points [(sample, +1 for a maximum or -1)] of a series.
 
     In turn maxima and minima, each more than the threshold from the next; the ends of the series
-    are none.  The end is 0 where no turning point is.
+    are none.
     """
     turns: list[tuple[int, int]] = []
     high = low = 0
@@ -118,16 +189,72 @@ def turning_points(y, threshold):
         elif rising <= 0 and value - y[low] > threshold:
             turns += [(low, -1)] if rising else []
             rising, high = 1, i
-    return turns, rising
+    return turns
 
 
-def _paired(turns, leaves):
-    """Maxima with the minima that follow; what the record cuts, with -1."""
-    found = []
-    if turns and turns[0][1] < 0:
-        found.append(Rough(-1, turns[0][0]))
-        turns = turns[1:]
-    found += [Rough(one[0], other[0]) for one, other in zip(turns[::2], turns[1::2], strict=False)]
-    if turns and turns[-1][1] > 0 and leaves < 0:
-        found.append(Rough(turns[-1][0], -1))
-    return found
+def without_rebounds(y, moved, falls):
+    """Falls (m, 2) in which stress that swings back after a fall belongs to the same fall.
+
+    Load point and spring load the block no faster than they do elsewhere.
+
+    moved : (n,) displacement of the load point [m]
+    """
+    rises, way = (x[falls[1:, 0]] - x[falls[:-1, 1]] for x in (y, moved))
+    if rises.size < 2 or not (way > 0.0).all():
+        return falls
+    stiffness, order = rises / way, np.argsort(rises / way)
+    middle = np.searchsorted(np.cumsum(rises[order]), 0.5 * rises.sum())
+    is_steep = stiffness > STEEP * stiffness[order][middle]
+    kept = [falls[0]]
+    for fall, too_steep in zip(falls[1:], is_steep, strict=True):
+        last = kept[-1]
+        if too_steep and min(*last, fall[1]) >= 0 and y[fall[0]] < y[last[0]]:
+            lower = last[1] if y[last[1]] <= y[fall[1]] else fall[1]
+            kept[-1] = np.array([last[0], lower])
+        else:
+            kept.append(fall)
+    return np.array(kept)
+
+
+def in_gaps(t, falls):
+    """(m,) whether samples are missing from before the peaks to after the troughs of falls.
+
+    A step between samples is a gap if it is `LONG` times those on either side of it.
+    """
+    steps = np.diff(t)
+    long = np.flatnonzero(steps > LONG * np.median(steps))
+
+    def is_gap(i):
+        sides = steps[max(i - BESIDE, 0) : i], steps[i + 1 : i + 1 + BESIDE]
+        return all(side.size and steps[i] > LONG * np.median(side) for side in sides)
+
+    inside = [long[(long >= peak - 1) & (long <= trough)] for peak, trough in falls]
+    return is_whole(falls) & np.array([any(map(is_gap, some)) for some in inside], bool)
+
+
+def is_stick_slip(series, falls):
+    """Whether falls of a record are not noise, by how short or regular they are."""
+    whole = falls[is_whole(falls)]
+    peaks, troughs = series.t[whole].T
+    starts = np.concatenate([series.t[:1], troughs[:-1]])[: peaks.size]
+    # after a change of V_lp stress moves by itself
+    changes = np.append(-math.inf, series.t[1:][np.diff(series.V_lp) != 0.0])
+    changed = changes[np.searchsorted(changes, peaks, side="right") - 1]
+    lasting, rises = troughs - peaks, peaks - np.maximum(starts, changed)
+    if len(whole) >= FEWEST and mannwhitneyu(lasting, rises, alternative="less").pvalue < CHANCE:
+        return True
+    intervals = np.diff(0.5 * (peaks + troughs))
+    regular = REGULAR[len(whole) >= MANY]
+    if intervals.size > 1 and intervals.std() < regular * intervals.mean():
+        return True
+    halves = np.array([_half(series, *fall) for fall in whole])
+    return 0 < len(whole) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
+
+
+def _half(series, peak, trough):
+    """How long the middle half of the drop of a fall takes [s]; a step at least."""
+    t, y = (x[peak : trough + 1] for x in (series.t, series.tau))
+    below, quarter = 0.5 * (y[0] + y[-1]) - y, 0.25 * (y[0] - y[-1])
+    middle = int(np.argmax(below > 0.0))
+    each = np.gradient(t)  # time that a sample stands for
+    return max(float(each[np.abs(below) < quarter].sum()), float(t[middle] - t[middle - 1]))

@@ -1,8 +1,8 @@
 """The function `events`: the catalogue of stick-slip events in a record or a run."""
 
+from ...dynamics.results import versions
 from ...model.names import keywords_checked
 from .catalogue import catalogue_of
-from .result import dataset
 from .series import series_of
 
 
@@ -84,4 +84,9 @@ def events(data, *, K=None, M=None, sigma=None):
     [0.061, 29.975]
     """
     series = series_of(data, K, M, sigma)
-    return dataset(data, series, catalogue_of(series))
+    catalogue, stiffness = catalogue_of(series)
+    kept = {name: data.attrs[name] for name in ("source", "slider") if name in data.attrs}
+    mass = {} if series.M is None else {"M": series.M}
+    return catalogue.assign_attrs(
+        title="ratestate events", **kept, **mass, stiffness=stiffness.text, versions=versions()
+    )

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....errors import RateStateError
 from ...loading import recorded_segments
-from ...stick_slip.catalogue import detected
+from ...stick_slip.detection import detected
 from ...stick_slip.series import series_of
 
 #: fewest events at one speed, and least drop of a typical one, over the range of friction there
@@ -48,7 +48,7 @@ def _events_in(part, sigma):
     if len(rough) < FEWEST:
         return 0
     friction = series.tau / series.sigma
-    drops = [friction[one.peak] - friction[one.trough] for one in rough if min(one) >= 0]
+    drops = [friction[i] - friction[j] for i, j in rough if min(i, j) >= 0]
     high, low = np.percentile(friction, (99.0, 1.0))
     return len(rough) if np.median(drops) > DROP * (high - low) else 0
 
