@@ -1,6 +1,5 @@
 """What every evaluation of a record uses.
 
-=======
 ====================== ==========================================================================
 ``noise``              level and correlation of the noise, as a user gives it; whitening
 ``estimated_noise``    these from residuals, by restricted maximum likelihood
