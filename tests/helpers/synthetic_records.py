@@ -30,6 +30,14 @@ def record(slider, loading, t, *, noise=0.0, red=0.0, time=1.0, seed=0, law=None
     return xarray.Dataset(variables, {"time": t})
 
 
+def assert_finds(result, truth, names=FREE, within=4.0, widest=0.2):
+    """Each estimate within so many errors of the truth, and no error above this part of it."""
+    for name in names:
+        error, value = float(result.standard_error.sel(parameter=name)), getattr(truth, name)
+        assert 0.0 < error < widest * abs(value), name
+        assert abs(float(result[name]) - value) < within * error, name
+
+
 def correlated(t, time, rng):
     """An Ornstein-Uhlenbeck process of unit variance at times t."""
     z = rng.normal(size=t.size)

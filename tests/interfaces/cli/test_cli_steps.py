@@ -13,7 +13,7 @@ import ratestate as rs
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.cli.report import report
 from ratestate.interfaces.cli.summary_csv import summary_csv
-from ratestate.records.fitting.steps.table import Table
+from ratestate.records.fitting.steps.text import Table
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from hypothesis import given, settings
-from synthetic_records import SLIDER, record
+from synthetic_records import FREE, SLIDER, assert_finds, record
 
 import ratestate as rs
 from ratestate.dynamics.recorded_loading import recorded_loading
@@ -18,17 +18,7 @@ from ratestate.records.fitting.unknowns import unknowns_of
 T = np.concatenate([np.linspace(60.0, 99.0, 150), np.linspace(99.1, 130.0, 450)]) - 60.0
 EARLY_STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
 START = SLIDER.replace(a=0.005, b=0.005, Dc=5e-5, K=1e10)
-FREE = ("a", "b", "Dc", "K")
 LAWS = ("slip", "aging")
-
-
-def assert_finds(result, truth, names=FREE, within=4.0, least=0.0):
-    """Each estimate within so many standard errors of the truth, which are no wider than this."""
-    for name in names:
-        error = float(result.standard_error.sel(parameter=name))
-        value = getattr(truth, name)
-        assert least * abs(value) <= error < 0.2 * abs(value), name
-        assert abs(float(result[name]) - value) < within * error, name
 
 
 @pytest.fixture(scope="module")
@@ -131,22 +121,9 @@ def test_inertia_is_advised_where_a_machine_can_have_the_mass(faster):
     assert ("inertia would lower chi-square" in result.warnings.item()) == (faster > 1.0)
 
 
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_start_out_of_steady_sliding_is_seen():
-    loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (50.0, "10 um/s"))
-    t = np.concatenate([T[:150], np.linspace(39.1, 80.0, 800)])
-    late = record(SLIDER, loading, t, noise=1e-4).sel(time=slice(11.0, None))
-    found = rs.fit(late, START)
-    assert_finds(found, SLIDER)
-    steady = rs.fit(late, START, start="steady")
-    assert float(found.log_likelihood) > float(steady.log_likelihood) + 30.0
-    # 1 s after the step down from 4 um/s
-    run = rs.simulate(SLIDER, loading, 11.0, times=[11.0])
-    assert float(found.V_start) == pytest.approx(float(run.V[0]), rel=0.2)
-    assert float(found.theta_start) == pytest.approx(float(run.theta[0]), rel=0.2)
-    # and where there is none, it makes no difference
-    sound = record(SLIDER, EARLY_STEP, T, noise=1e-4)
-    assert float(rs.fit(sound, START).Dc) == float(rs.fit(sound, START, start="steady").Dc)
+def test_a_start_in_steady_sliding_is_seen(noisy, fitted):
+    """Of one that is not each state is found (test_fit_laws.py)."""
+    assert float(rs.fit(noisy, START, start="steady").Dc) == float(fitted.Dc)
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")

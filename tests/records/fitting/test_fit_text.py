@@ -12,8 +12,8 @@ from ratestate import ParameterError
 from ratestate.model.quantities import with_error
 from ratestate.records import fitting
 from ratestate.records.fitting.by_law import error_of, results_by_law, stiffness_over_critical
+from ratestate.records.fitting.steps.text import warnings_by_text
 from ratestate.records.fitting.table import estimate_rows, noise_text
-from ratestate.records.fitting.text import warnings_by_text
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
 

@@ -12,10 +12,10 @@ from ...files import laboratory_csv, write
 from ...friction.laws import friction_law
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
+from ...records.fitting.by_law import is_of_steps
 from ...records.fitting.fit import fit
 from ...records.fitting.settings import sliders_under
-from ...records.fitting.steps.rows import rows_of
-from ...records.fitting.steps.table import is_of_steps
+from ...records.fitting.steps.text import rows_of
 from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab

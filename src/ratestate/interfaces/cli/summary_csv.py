@@ -8,7 +8,7 @@ import xarray
 
 from ...files.tables import laboratory_unit
 from ...model.quantities import QUANTITIES
-from ...records.fitting.steps.table import is_of_steps, results_by_law_of_steps
+from ...records.fitting.by_law import is_of_steps, results_by_law_of_steps
 
 #: heading -> variable along ``parameter`` of fits of steps, and whether it has the quantity's unit
 OF_STEPS = {

@@ -4,8 +4,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.conversion import in_si
-from ...records.fitting.by_law import checked_by_law, law_of, value_of
-from ...records.fitting.steps.table import is_of_steps
+from ...records.fitting.by_law import checked_by_law, is_of_steps, law_of, value_of
 from ..curves import WHOLE, curves, marks, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled

@@ -7,9 +7,9 @@ from matplotlib.transforms import ScaledTranslation
 
 from ...dynamics import attributes
 from ...model.quantities import QUANTITIES
-from ...records.fitting.steps.cells import change_text
+from ...records.fitting.by_law import results_by_law_of_steps
 from ...records.fitting.steps.result import FITTED, STICK_SLIP
-from ...records.fitting.steps.table import results_by_law_of_steps
+from ...records.fitting.steps.text import change_text
 from ...records.fitting.table import law_names
 from ..labels import ABSCISSAE, GRAY, LAWS, in_unit, label, prefixed, scaled
 from ..layout import figure, letters, plain_ticks

@@ -5,17 +5,15 @@
 ``settings``                    which settings of `fit` are refused
 ``record``                      which records can be fitted sample by sample
 ``unknowns``                    parameters that may be free: coordinates, bounds, starts
-``forward``                     friction of a slider, and its derivatives
-``march``                       motions of many sliders at the samples, by the engine
+``forward``                     friction of a slider, its derivatives, motions by the engine
 ``problem``                     residuals, and where searches start
-``generalized_least_squares``   the best fit, and whether its start is steady or free
-``score``                       whether one more parameter would fit better, without a search
+``generalized_least_squares``   the best fit, its covariance, and score tests
 ``estimates``                   errors, intervals and correlation from a covariance; what is open
-``likelihood``                  intervals that are not Gaussian: profiles, posterior
-``diagnostics``                 warnings, identifiability, comparison of the laws
+``likelihood``                  what is reported, its intervals; profiles, posterior
+``diagnostics``                 warnings and identifiability
+``result``                      the Dataset of a fit; laws compared
 ``steps``                       every step and hold of an experiment, and one set for all
 ``cycles``                      the fit of stick-slip or vibration by features of its cycles
-``result``                      the Dataset of a fit
 ``by_law``                      the way back: estimates and `slider_of` from such a Dataset
 ``table``, ``text``             estimates as cells; `summary`, all of a fit as text
 =============================== =================================================================
@@ -28,12 +26,13 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .by_law import slider_of
+    from .likelihood.marginal import log_likelihood
     from .text import summary
 
-__all__ = ["slider_of", "summary"]
+__all__ = ["log_likelihood", "slider_of", "summary"]
 
 #: public name -> module that defines it
-_HOMES = {"slider_of": "by_law", "summary": "text"}
+_HOMES = {"log_likelihood": "likelihood.marginal", "slider_of": "by_law", "summary": "text"}
 
 
 def __getattr__(name):

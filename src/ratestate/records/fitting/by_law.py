@@ -18,9 +18,20 @@ NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
 
 def results_by_law(result):
     """dict law -> that law's part of a result of `fit` (not checked), without what is all NaN."""
-    alone = "law" not in result.dims
-    parts = [result] if alone else [result.sel(law=law) for law in result["law"].values]
-    return {str(part["law"].item()): _without_empty(part) for part in parts}
+    parts = results_by_law_of_steps(result)
+    return {law: _without_empty(part) for law, part in parts.items()}
+
+
+def is_of_steps(result):
+    """Whether a result of `fit` is one of steps."""
+    return "step" in result.dims
+
+
+def results_by_law_of_steps(result):
+    """dict law -> that law's part of a result of steps."""
+    if "law" not in result.dims:
+        return {str(result["law"].item()): result}
+    return {str(law): result.sel(law=law) for law in result["law"].values}
 
 
 def checked_by_law(result, caller):
@@ -165,7 +176,7 @@ def slider_of(result, law=None):
     ParameterError
         No result of `fit`; a law that was not fitted; several laws, and none is named.
     """
-    if isinstance(result, xarray.Dataset) and "step" in result.dims:
+    if isinstance(result, xarray.Dataset) and is_of_steps(result):
         result = _of_all_steps(in_si(result))
     laws = checked_by_law(result, "slider_of")
     law = law_name(law) if law is not None else next(iter(laws)) if len(laws) == 1 else None

@@ -10,10 +10,12 @@ from ...model.names import keywords_checked
 from ..kit.least_squares import single_blas
 from ..kit.results import kept_attributes
 from .by_law import warnings_of
-from .one_record import fits_of_cycles, fits_of_samples
-from .result import side_by_side
-from .settings import check_each, checked_settings
-from .steps.experiment import fit_experiment, warning_of_steps
+from .cycles.fit import fit_cycles
+from .cycles.result import cycles_dataset
+from .likelihood.inference import inferences_of
+from .result import add_comparison, datasets_of, side_by_side
+from .settings import checked_settings
+from .steps.experiment import fit_experiment, warnings_of_steps
 
 
 @keywords_checked
@@ -145,37 +147,42 @@ def fit(
     >>> round(float(result.Dc), 7)
     1e-05
     """
+    choices = {"against": against, "trend": trend, "start": start, "errors": errors}
     settings = checked_settings(
-        slider,
-        free=free,
-        law=law,
-        noise=noise,
-        against=against,
-        trend=trend,
-        start=start,
-        errors=errors,
+        slider, free=free, law=law, noise=noise, each=each, loading=loading, **choices
     )
-    check_each(each, settings, loading)
-    names = json.dumps(settings.free)
-    if each is not None:
-        result = fit_experiment(in_si(data), settings)
-        kept = kept_attributes(data)
-        law = settings.laws[0] if len(settings.laws) == 1 else None
-        origin = provenance("fit", slider, law=law, free=names, each=each, **settings.recorded)
-        result.attrs = origin | result.attrs | kept
-        if text := warning_of_steps(result):
-            warnings.warn(text, FitWarning, stacklevel=3)
-        return result
+    record = in_si(data)
     with single_blas():
-        fits = fits_of_cycles if against == "cycles" else fits_of_samples
-        results = fits(in_si(data), settings, loading)
-    kept = kept_attributes(data)
+        if each is not None:
+            laws = settings.laws
+            results = {laws[0] if len(laws) == 1 else None: fit_experiment(record, settings)}
+        elif against == "cycles":
+            results = _fits_of_cycles(record, settings, loading)
+        else:
+            results = datasets_of(inferences_of(record, settings, loading), settings.laws, record)
+    more = {"free": json.dumps(settings.free), "each": each, **settings.recorded}
     for name, result in results.items():
-        origin = provenance("fit", slider, law=name, free=names, **settings.recorded)
-        result.coords["law"] = name
-        result.attrs = origin | result.attrs | kept
+        origin = provenance("fit", slider, law=name, **more)
+        result.attrs = origin | result.attrs | kept_attributes(data)
         prefix = f"{name} law: " if len(results) > 1 else ""
-        for text in warnings_of(result):
+        for text in warnings_of(result) if each is None else warnings_of_steps(result):
             warnings.warn(prefix + text, FitWarning, stacklevel=3)
+    if each is not None:
+        return result
+    results = {name: result.assign_coords(law=name) for name, result in results.items()}
     alone = law is None or isinstance(law, str | type)
     return results[settings.laws[0]] if alone else side_by_side(results)
+
+
+def _fits_of_cycles(data, settings, loading):
+    """dict law -> Dataset of a fit of cycles; data in SI."""
+    fits = {
+        one.law: fit_cycles(data, one, settings.free, one.law, loading) for one in settings.sliders
+    }
+    results = {law: cycles_dataset(fit) for law, fit in fits.items()}
+    if len(results) > 1:
+        # errors that were enlarged for a misfit are so in the comparison as well
+        scale = min(fit.enlarged for fit in fits.values()) ** 2
+        chi2 = {law: fit.chi2 / scale for law, fit in fits.items()}
+        add_comparison(results, chi2, fits=any(fit.enlarged == 1.0 for fit in fits.values()))
+    return results

@@ -3,18 +3,19 @@
 Sensitivities are central differences between sliders in neighbouring lanes of the march: the
 2 k + 1 sliders of one Jacobian cost little more than one, and all laws, masses, loadings and starts
 use the same engine.  Neighbours take nearly the same steps, so most of their errors
-cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6.
+cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6.  `marched` gives
+the motions themselves, also for fits of cycles.
 """
 
 import numpy as np
 
 from ...dynamics.simulation.cases import V_LIMIT
 from ...dynamics.simulation.loads import comes_to_rest, engine_loads
-from ...engine.model import RIGID_REST, STATUSES
+from ...engine import dispatch
+from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
 from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
 from ...model.arrays import Batch
-from .march import cases_of, marched
 from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
 
 RTOL = 1e-8
@@ -171,7 +172,6 @@ class Forward:
         return self.stress.at(times, self.sigma) / self.sigma
 
     def _of_motion(self, values, p):
-        """`coefficients` of the law that moves."""
         if self.stress is None:
             return p
         own = {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
@@ -225,3 +225,20 @@ def _difference(above, centre, below, up, down):
     if not np.isfinite(below[-1]):
         below, down = centre, 0.0
     return (above - below) / (up + down) if up + down > 0.0 else np.full_like(centre, np.nan)
+
+
+def cases_of(*, kappa, **columns):
+    """`Cases` of n sliders under one loading; a column may be one value for all of them."""
+    columns = {"loading": 0, "observe": 0.0, "sigma": 1.0, "kappa": kappa} | columns
+    each = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
+    return Cases(**each)
+
+
+def marched(law, cases, loads, times):
+    """(n, m, 2 + states) x, v, psi (engine/model.py) of the cases at these times.
+
+    NaN where a run fails.
+    """
+    results = dispatch.run_march(True, law, cases, loads, times, np.arange(cases.kappa.size))
+    results.saved[results.status != FINISHED] = np.nan
+    return results.saved

@@ -2,21 +2,22 @@
 
 The sum of squares is that of the residuals made white by the noise's own covariance, which is
 estimated from the residuals of the fit before; the two alternate until the estimates converge.
-The covariance of the solution (`_covariance`) is computed here too.
+Score tests tell, to first order and without a search, how chi-square would change with more
+parameters (`gain_of`), or with fewer (`response`).
 """
 
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import chdtri
 
 from ..kit.estimated_noise import estimated_noise
 from ..kit.noise import Noise
 from ..messages import fitting as sentences
 from .forward import Forward
 from .problem import SAMPLES, Problem, search, starting_points
-from .record import before_changes
-from .score import FALL, gain_of
-from .unknowns import Unknowns, starts_of, unknowns_of
+from .record import before_changes, record_of
+from .unknowns import Unknowns, free_under, starts_of, unknowns_of
 
 #: most starts of the least squares, and most rounds of noise and fit
 STARTS, ROUNDS = 12, 4
@@ -28,6 +29,12 @@ AGREE = 1e-3
 SEARCH_EVALUATIONS = 25
 #: largest move of an estimate, in its standard errors, that counts as converged
 CONVERGED = 0.02
+#: distance from a bound, in standard errors, up to which an estimate is at it
+AT_BOUND = 1e-3
+#: fall of chi-square by one more parameter (a lag, an unsteady start) that is not by chance
+FALL = 12.0
+#: probability below which a response is not taken for noise
+CHANCE = 1e-4
 
 
 class Solution(NamedTuple):
@@ -53,6 +60,31 @@ class Solution(NamedTuple):
         """(m,) recorded less fitted friction."""
         return self.problem.record.friction - self.fitted_friction
 
+    @property
+    def at_bound(self):
+        """(k,) whether a coordinate is at an end of its range, within `AT_BOUND` errors."""
+        _, low, high = self.unknowns
+        near = AT_BOUND * np.sqrt(np.diag(self.covariance))
+        return np.minimum(abs(self.point - low), abs(high - self.point)) < near
+
+
+def solutions_of(data, settings, loading=None):
+    """list of `Solution`, one for each law, of a record (Dataset in SI) with checked `Settings`.
+
+    loading : as of `fit`, whose errors are raised
+    """
+    record = record_of(
+        data, settings.sliders[0], loading=loading, trend=settings.trend, against=settings.against
+    )
+    if "alpha" in settings.free and record.loading.normal_stress is None:
+        raise sentences.refusal("free.constant_sigma")
+    solutions = []
+    for slider in settings.sliders:
+        has = free_under([slider.friction_law])
+        free = tuple(name for name in settings.free if name in has)
+        solutions.append(least_squares_fit(record, slider, free, settings.noise, settings.start))
+    return solutions
+
 
 def least_squares_fit(record, slider, free, noise, start):
     """The `Solution` of a record under a slider's law; the noise is estimated if it is None.
@@ -68,7 +100,8 @@ def least_squares_fit(record, slider, free, noise, start):
         return solution
     unknowns = unknowns_of(record, slider, free, start=True)
     problem = Problem(record, slider, unknowns)
-    steady = _with_more_coordinates(solution, unknowns)
+    steady = np.zeros(len(unknowns.names))  # with the new coordinates at 0
+    steady[[unknowns.names.index(name) for name in solution.unknowns.names]] = solution.point
     unsteady = solution_from(problem, _best_start(problem, steady), noise)
     gain = unsteady.log_likelihood - solution.log_likelihood
     early_gain = _early_log_likelihood(unsteady) - _early_log_likelihood(solution)
@@ -101,7 +134,6 @@ def _best_start(problem, *first):
 
 
 def _checked_search(problem, point, noise):
-    """`search` from this point, or a ParameterError if nothing moves there."""
     if result := search(problem, point, noise):
         return result
     raise sentences.refusal("search.no_motion")
@@ -162,13 +194,6 @@ def _covariance(jacobian):
     return root @ root.T / np.outer(scale, scale)
 
 
-def _with_more_coordinates(solution, unknowns):
-    """The solution's point with more coordinates, the new ones at 0."""
-    point = np.zeros(len(unknowns.names))
-    point[[unknowns.names.index(name) for name in solution.unknowns.names]] = solution.point
-    return point
-
-
 def _may_start_unsteady(solution):
     """Whether an unsteady start may fit better, by a score test.
 
@@ -192,3 +217,41 @@ def _early_log_likelihood(solution):
     early = before_changes(record.loading, record.t)
     white, log_determinant = solution.noise.whiten(record.t[early], solution.residual[early])
     return -0.5 * (float(np.sum(white**2)) + log_determinant)
+
+
+def gain_of(solution, added):
+    """Fall of chi-square (float, >= 0) with more coordinates, and the values (p,) of these.
+
+    To first order, with all other coordinates fitted again: a score test.
+
+    added : (m, p) derivatives of friction by them
+    """
+    columns = np.column_stack([solution.residual, added, solution.jacobian])
+    rest = projected(solution, columns, 1 + added.shape[1])
+    moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
+    return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
+
+
+def response(solution):
+    """Fall of chi-square from level and trend alone to the solution, and parameters it takes.
+
+    The fall is negative where these alone fit better.
+    """
+    record = solution.problem.record
+    lines = [values / np.abs(values).max() for values in record.regressors().values()]
+    columns = np.column_stack([record.friction, *lines])
+    rest = projected(solution, columns, 1)[:, 0]
+    return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1
+
+
+def projected(solution, columns, count):
+    """The first columns (m, count), whitened, less their projections on the other columns."""
+    white, _ = solution.noise.whiten(solution.problem.record.t, columns)
+    basis, _ = np.linalg.qr(white[:, count:])
+    return white[:, :count] - basis @ (basis.T @ white[:, :count])
+
+
+def responds(solution):
+    """Whether friction responds to the steps by more than noise does by chance."""
+    gain, free = response(solution)
+    return bool(gain > chdtri(free, CHANCE))

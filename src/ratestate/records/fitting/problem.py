@@ -32,6 +32,9 @@ class Problem:
         self.law = slider.friction_law
         self.forward = Forward(record, slider, unknowns.names)
 
+    def __reduce__(self):  # (the law of a moving slider may be made at run time)
+        return Problem, (self.record, self.slider, self.unknowns)
+
     def difference(self, point):
         """(m,) model less record; NaN where there is no motion."""
         return self.forward.friction(point[None])[0] - self.record.friction

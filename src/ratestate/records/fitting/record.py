@@ -98,7 +98,6 @@ def before_changes(loading, t):
 
 
 def _check_samples(friction):
-    """Refuse more samples than a fit takes, and constant friction."""
     if friction.size > MOST:
         every = -(-friction.size // MOST)
         raise sentences.refusal("record.many", samples=friction.size, most=MOST, every=every)

@@ -1,4 +1,4 @@
-"""The Dataset of a fit: one law's, and several laws' side by side."""
+"""The Dataset of a fit: one law's, and several laws' side by side and compared."""
 
 import numpy as np
 import xarray
@@ -6,30 +6,44 @@ import xarray
 from ...dynamics.recorded_loading import record_loading
 from ...friction.laws import friction_law
 from ..kit.results import labelled
-from .diagnostics.checks import diagnose
-from .diagnostics.model_comparison import compare_laws
-from .diagnostics.trend import without_trend
+from ..messages import fitting as sentences
+from .diagnostics.checks import diagnose, is_misfit, without_trend
 from .estimates import LEVELS, ROOTS, SIDES
 from .likelihood.posterior import prior_text
 from .unknowns import SUMS, free_under, starts_of
+
+#: a difference of ln(likelihood) or ln(evidence) below the first decides nothing, above the second
+#: it is clear
+UNDECIDED, CLEAR = 1.5, 5.0
+
+
+def datasets_of(inferences, laws, data):
+    """dict law -> Dataset of each `Inference`, with the comparison of several; laws : names."""
+    datasets = [dataset_of(inference, data) for inference in inferences]
+    results = dict(zip(laws, datasets, strict=True))
+    if len(results) > 1:
+        colored = any(inference.solution.noise.red for inference in inferences)
+        aic = {law: float(result["aic"]) for law, result in results.items()}
+        fits = not all(map(is_misfit, inferences))
+        add_comparison(results, aic, colored=colored, fits=fits)
+    return results
 
 
 def dataset_of(inference, data):
     """The Dataset of an `Inference`, with notes and warnings on it."""
     solution, quantities = inference.solution, inference.quantities
     record = solution.problem.record
-    result = xarray.merge(
-        [
-            estimate_variables(inference.estimates),
-            _trend_variables(inference),
-            _profile_variables(inference.profiles, quantities),
-            _posterior_variables(inference.posterior, quantities),
-            curve_variables(record.time, record.friction, solution.fitted_friction),
-            _band_variables(solution),
-            _statistics(inference),
-        ]
-    )
-    result = result.assign(text_variables(*diagnose(inference, data)))
+    result = estimate_variables(inference.estimates)
+    if (values := without_trend(inference)) is not None:
+        result = result.assign(labelled("parameter", without_trend=values))
+    if inference.profiles:
+        result = result.assign(_profile_variables(inference.profiles, quantities))
+        result = result.assign_coords(profile_point=np.arange(result.sizes["profile_point"]))
+    if inference.posterior is not None:
+        result = result.assign(_posterior_variables(inference.posterior, quantities))
+    curves = curve_variables(record.time, record.friction, solution.fitted_friction)
+    texts = text_variables(*diagnose(inference, data))
+    result = result.merge(curves).assign(_band_variables(solution) | _statistics(inference) | texts)
     if inference.posterior is not None:
         result.attrs["prior"] = prior_text(inference.posterior.prior)
     record_loading(result, record.loading)
@@ -38,11 +52,44 @@ def dataset_of(inference, data):
     return result
 
 
+def side_by_side(results):
+    """Results under several laws (dict, law -> Dataset) as one, along ``law``; padded: NaN, ""."""
+    return joined(results.values(), "law", names_of(results.values(), results))
+
+
+def names_of(results, laws):
+    """Names (list) of all that was estimated in any of the results, in the order of a result."""
+    of_any = {name for result in results for name in result["parameter"].values.tolist()}
+    free = free_under([friction_law(law) for law in laws])
+    return [name for name in (*free, *SUMS) if name in of_any]
+
+
+def joined(results, dim, names):
+    """Results (iterable of Dataset) as one along a new dimension, padded with NaN, and "" for text.
+
+    names : of the parameters, in order
+    """
+    whole = xarray.concat(
+        [
+            result.reindex(parameter=names, other=names).assign_coords(
+                {d: range(result.sizes[d]) for d in result.dims if d not in result.coords}
+            )
+            for result in results
+        ],
+        dim,
+        join="outer",
+        combine_attrs="drop_conflicts",
+    )
+    for name, variable in whole.data_vars.items():
+        if variable.dtype == object:
+            whole[name] = variable.fillna("").astype(str)
+    return whole
+
+
 def add_comparison(results, aic, *, colored=False, fits=True):
     """Add the comparison of two laws or more to each of their results, in place.
 
-    aic : law -> Akaike information criterion, or chi-square of laws with as many parameters
-    colored : whether residuals are correlated; fits : whether any of the laws fits
+    As `compare_laws`; its text is the attribute ``comparison``.
     """
     table, text = compare_laws(results, aic, colored, fits)
     for law, result in results.items():
@@ -51,34 +98,75 @@ def add_comparison(results, aic, *, colored=False, fits=True):
         result.attrs["comparison"] = text
 
 
-def side_by_side(results):
-    """Results under several laws (dict, law -> Dataset) as one, along ``law``; padded: NaN, ""."""
-    free = free_under([friction_law(law) for law in results])
-    of_any = {name for result in results.values() for name in result["parameter"].values.tolist()}
-    names = [name for name in (*free, *SUMS) if name in of_any]
-    joined = xarray.concat(
-        [
-            result.reindex(parameter=names, other=names).assign_coords(
-                {d: range(result.sizes[d]) for d in result.dims if d not in result.coords}
-            )
-            for result in results.values()
-        ],
-        "law",
-        join="outer",
-        combine_attrs="drop_conflicts",
-    )
-    for name, variable in joined.data_vars.items():
-        if variable.dtype == object:  # text, padded where a law has less of it
-            joined[name] = variable.fillna("").astype(str)
-    return joined
+def compare_laws(results, aic, colored, fits=True):
+    """Dataset of differences along ``law``, and a text on them.
+
+    results : law -> mapping; ``bic_difference`` and ``log_bayes_factor`` are absent unless all laws
+        have what they are of
+    aic : law -> Akaike information criterion, or chi-square of laws with as many parameters
+    colored : whether residuals are correlated; fits : whether any of the laws fits
+    """
+    laws = list(results)
+
+    def column(name):
+        """The values under each law, or None where a law has none."""
+        if all(name in result for result in results.values()):
+            return np.array([float(result[name]) for result in results.values()])
+        return None
+
+    difference = np.array([aic[law] for law in laws]) - min(aic.values())
+    weight = np.exp(-0.5 * difference)
+    weight = weight / weight.sum()
+    values = {"aic_difference": difference, "akaike_weight": weight}
+    if (bic := column("bic")) is not None:
+        values["bic_difference"] = bic - bic.min()
+    texts = [_by_likelihood(difference, weight, laws, fits)]
+    if (evidence := column("log_evidence")) is not None:
+        best, error = int(np.argmax(evidence)), column("log_evidence_error")
+        factor = evidence - evidence[best]
+        error = np.where(np.arange(len(laws)) == best, 0.0, np.hypot(error, error[best]))
+        values |= {"log_bayes_factor": factor, "log_bayes_factor_error": error}
+        texts.append(_by_evidence(factor, error, laws))
+    if colored:
+        texts.append(sentences("likelihood.correlated"))
+    return xarray.Dataset(labelled("law", **values), {"law": laws}), " ".join(texts)
+
+
+def _ranked(values, laws):
+    """Best and second law by `values` (the smaller, the better), and their difference."""
+    first, second = np.argsort(values)[:2]
+    difference = float(values[second] - values[first])
+    return {"best": laws[first], "other": laws[second], "difference": difference}
+
+
+def _by_likelihood(aic, weight, laws, fits):
+    ranked = _ranked(aic, laws)
+    half = 0.5 * ranked["difference"]
+    which = "clearly" if half > CLEAR else "somewhat"
+    which = "undecided" if half < UNDECIDED else which if fits else "nearer"
+    *others, last = (f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
+    weights = f"{', '.join(others)} and {last}"
+    sentence = sentences(f"likelihood.{which}", **ranked, half=half, weights=weights)
+    none = "Neither law" if len(laws) == 2 else "None of the laws"
+    return sentence if fits else f"{sentences('likelihood.none_fits', none=none)} {sentence}"
+
+
+def _share(weight):
+    """An Akaike weight as text, never as certain."""
+    return "> 0.99" if weight > 0.99 else "< 0.01" if weight < 0.01 else f"{weight:.2f}"
+
+
+def _by_evidence(factor, error, laws):
+    ranked, second = _ranked(-factor, laws), error[np.argsort(-factor)[1]]
+    which = "undecided" if ranked["difference"] < UNDECIDED + second else "decided"
+    return sentences(f"evidence.{which}", **ranked, error=second)
 
 
 def estimate_variables(estimates):
     """The Dataset of `Estimates` [SI]: a scalar for each, and tables along ``parameter``."""
     names = list(estimates.names)
-    values = zip(names, estimates.values.tolist(), strict=True)
     variables = {
-        **labelled((), **dict(values)),
+        **labelled((), **dict(zip(names, estimates.values.tolist(), strict=True))),
         **labelled("parameter", standard_error=estimates.errors),
         **labelled(("parameter", "level", "side"), interval=estimates.intervals),
         **labelled(("parameter", "other"), correlation=estimates.correlation),
@@ -88,34 +176,21 @@ def estimate_variables(estimates):
     return xarray.Dataset(variables, coords)
 
 
-def _trend_variables(inference):
-    """Estimates if the trend is left out, ``without_trend``; nothing if the fit has no trend."""
-    if (values := without_trend(inference)) is None:
-        return xarray.Dataset()
-    return xarray.Dataset(labelled("parameter", without_trend=values))
-
-
 def _profile_variables(profiles, quantities):
     """Points of the profiles: ``profile_value`` [SI] and ``profile_deviance``, padded with NaN."""
-    if not profiles:
-        return xarray.Dataset()
     size = max(profile.values.size for profile in profiles.values())
-    table = np.full((2, len(quantities), size), np.nan)
+    value, deviance = table = np.full((2, len(quantities), size), np.nan)
     for i, quantity in enumerate(quantities):
         if profile := profiles.get(quantity.name):
-            columns = quantity.si(profile.values), profile.deviance
-            table[:, i, : profile.values.size] = columns
-    value, deviance = table
+            table[:, i, : profile.values.size] = quantity.si(profile.values), profile.deviance
     dims = ("parameter", "profile_point")
-    coords = {"parameter": [q.name for q in quantities], "profile_point": np.arange(size)}
-    return xarray.Dataset(labelled(dims, profile_value=value, profile_deviance=deviance), coords)
+    return labelled(dims, profile_value=value, profile_deviance=deviance)
 
 
 def _posterior_variables(posterior, quantities):
     """Samples of equal weight, and the sampler's diagnostics."""
-    if posterior is None:
-        return xarray.Dataset()
-    scalars = labelled(
+    samples = np.stack([q.si(q.values(posterior.points)) for q in quantities], axis=1)
+    return labelled(("sample", "parameter"), posterior=samples) | labelled(
         (),
         log_evidence=posterior.log_evidence,
         log_evidence_error=posterior.log_evidence_error,
@@ -123,9 +198,6 @@ def _posterior_variables(posterior, quantities):
         effective_samples=posterior.effective,
         posterior_efficiency=posterior.efficiency,
     )
-    samples = np.stack([q.si(posterior.samples_of(q)) for q in quantities], axis=1)
-    coords = {"parameter": [q.name for q in quantities]}
-    return xarray.Dataset(scalars | labelled(("sample", "parameter"), posterior=samples), coords)
 
 
 def curve_variables(time, friction, fitted):
@@ -145,7 +217,7 @@ def _band_variables(solution):
     band = solution.fitted_friction[:, None] + reach[:, None] * np.array([-1.0, 1.0])
     delta_lp = record.loading.delta_lp(record.t)
     variables = labelled("time", fit_error=error, delta_lp=delta_lp)
-    return xarray.Dataset(variables | labelled(("time", "side"), band=band), {"side": list(SIDES)})
+    return variables | labelled(("time", "side"), band=band)
 
 
 def _statistics(inference):
@@ -176,7 +248,7 @@ def _statistics(inference):
         values[V_start] = forward.V0 * np.exp(v.item())
         for name, D, log in zip(states, law.lengths, logs, strict=True):
             values[name] = (at[D] / forward.V0 * np.exp(log)).item()
-    return xarray.Dataset(labelled((), **values))
+    return labelled((), **values)
 
 
 def text_variables(identifiability, warnings):

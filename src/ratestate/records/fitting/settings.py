@@ -8,7 +8,6 @@ from ...model.slider import checked, law_of
 from ...model.units import is_array
 from ..kit.noise import Noise, given_noise
 from ..messages import fitting as sentences
-from .likelihood.uncertainty import ERRORS
 from .unknowns import LINEAR, PARAMETERS, SUMS, checked_free, starts_of
 
 #: setting -> what it may be, the default first
@@ -16,10 +15,8 @@ CHOICES: dict[str, tuple] = {
     "against": ("time", "displacement", "cycles"),
     "trend": ("slip", "time", None),
     "start": ("auto", "steady", "free"),
-    "errors": ERRORS,
+    "errors": ("auto", "covariance", "profile", "posterior"),
 }
-#: of what in a record there may be a fit each: of the whole, or of its steps and holds
-EACH = (None, "step")
 
 
 class Settings(NamedTuple):
@@ -44,8 +41,8 @@ class Settings(NamedTuple):
         return {name: str(getattr(self, name)) for name in CHOICES}
 
 
-def checked_settings(slider, *, free, law, noise, **choices):
-    """The `Settings` of these arguments of `fit`.
+def checked_settings(slider, *, free, law, noise, each=None, loading=None, **choices):
+    """The `Settings` of these arguments of `fit`; each="step" takes no loading, and no cycles.
 
     ParameterError: no slider, or many; what cannot be free; a law, noise or choice that is none; a
     law with parameters that the slider does not have; what a fit of cycles has no use for.
@@ -67,6 +64,11 @@ def checked_settings(slider, *, free, law, noise, **choices):
         changed += [] if noise is None else ["noise"]
         if changed:
             raise sentences.refusal("settings.not_for_cycles", names=", ".join(changed))
+    check_choice("each", each, (None, "step"))
+    if each is not None and loading is not None:
+        raise sentences.refusal("each.loading")
+    if each is not None and choices["against"] == "cycles":
+        raise sentences.refusal("each.cycles")
     return Settings(free, sliders, noise, **choices)
 
 
@@ -75,15 +77,6 @@ def check_choice(name, value, choices):
     if not (value is None or isinstance(value, str)) or value not in choices:
         listed = ", ".join(map(repr, choices))
         raise sentences.refusal("settings.unknown", name=name, value=value, choices=listed)
-
-
-def check_each(each, settings, loading):
-    """Refuse what fits of each step have no use for, and an `each` that is none."""
-    check_choice("each", each, EACH)
-    if each is not None and loading is not None:
-        raise sentences.refusal("each.loading")
-    if each is not None and settings.against == "cycles":
-        raise sentences.refusal("each.cycles")
 
 
 def sliders_under(slider, law):

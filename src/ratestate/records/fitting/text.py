@@ -3,31 +3,29 @@
 import re
 import textwrap
 
-import numpy as np
-
 from ...dynamics import attributes
 from ...model.quantities import readable
-from .by_law import checked_by_law, law_of, value_of, warnings_of
-from .steps.result import FAILED, STICK_SLIP
-from .steps.table import (
+from .by_law import (
+    checked_by_law,
+    is_of_steps,
+    law_of,
+    results_by_law_of_steps,
+    value_of,
+    warnings_of,
+)
+from .steps.text import (
     HEADS,
     NOTATION,
-    is_of_steps,
-    results_by_law_of_steps,
-    sentences_on_all,
+    heading_of_steps,
+    remarks_on_steps,
     table_of,
+    warnings_on_steps,
 )
 from .table import estimate_cells, law_names, quality_text
 from .unknowns import of_slider
 
 #: columns of the text
 WIDTH = 96
-#: kinds of steps -> as a heading counts one, and several
-KINDS = {
-    "step": ("velocity step", "velocity steps"),
-    "hold": ("hold", "holds"),
-    "normal stress": ("step of normal stress", "steps of normal stress"),
-}
 #: units that stay on the line of the number before them
 UNIT = r"%|\+-|[numkMG]?(?:m|s|Pa)\b"
 
@@ -63,7 +61,6 @@ def summary(result):
 
 
 def _summary_of_steps(result):
-    """`summary` of the fits of steps."""
     lines = [_wrapped(heading_of_steps(result))]
     for law in results_by_law_of_steps(result):
         table = table_of(result, law)
@@ -77,72 +74,11 @@ def _summary_of_steps(result):
     return "\n".join([*lines, "", *map(_wrapped, below + notes_of(result))])
 
 
-def heading_of_steps(result):
-    """What was fitted, as one line."""
-    source = attributes.text(result, "source", "")
-    about = f"Fits of {source}: " if source else "Fits of "
-    laws = law_names(tuple(results_by_law_of_steps(result)))
-    counted = [(int((result["kind"] == kind).sum()), names) for kind, names in KINDS.items()]
-    counts = ", ".join(f"{n} {names[n > 1]}" for n, names in counted if n)
-    return f"{about}{counts}, {laws}"
-
-
-def remarks_on_steps(result):
-    """The lines below the tables of steps: comparison of the laws, failures (list of str)."""
-    texts = [attributes.text(result, "comparison", ""), *sentences_on_all(result)]
-    texts += _stick_slip(result)
-    for law, part in results_by_law_of_steps(result).items():
-        for i, message in enumerate(part["message"].values.tolist(), 1):
-            failed = message and int(part["status"][i - 1]) == FAILED
-            texts += [f"step {i}, {law} law, failed: {message}"] if failed else []
-    return [text for text in texts if text]
-
-
-def _stick_slip(result):
-    """A line for each step that is stick-slip (list), which is so under every law."""
-    part = next(iter(results_by_law_of_steps(result).values()))
-    which = np.flatnonzero(part["status"].values == STICK_SLIP).tolist()
-    return [f"step {i + 1}: {part['message'].values[i]}" for i in which]
-
-
-def warnings_on_steps(result, where):
-    """The warnings of the law that fits best; of others how many there are, and where (list)."""
-    texts, best = [], _best_law(result)
-    for law, part in results_by_law_of_steps(result).items():
-        if law == best:
-            texts += [
-                f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)
-            ]
-        elif count := sum(len(of.splitlines()) for of in part["warnings"].values.tolist()):
-            counted = "1 warning" if count == 1 else f"{count} warnings"
-            texts.append(f"{law} law: {counted}, {where}")
-    return texts
-
-
-def warnings_by_text(part):
-    """Pairs of which steps, such as "steps 3, 9", and a warning on these, of one law's part."""
-    steps: dict[str, list[str]] = {}
-    for i, several in enumerate(part["warnings"].values.tolist(), 1):
-        for text in several.splitlines():
-            steps.setdefault(text, []).append(str(i))
-    return [
-        (f"step{'s' if len(of) > 1 else ''} {', '.join(of)}", text) for text, of in steps.items()
-    ]
-
-
 def notes_of(result):
     """The notes on a result's record, a line each (list of str)."""
     if "notes" not in result.attrs:
         return []
     return [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
-
-
-def _best_law(result):
-    """Of a result of steps the law with the least AIC over all steps in which all are fitted."""
-    laws = [*results_by_law_of_steps(result)]
-    if len(laws) == 1 or not bool(result["aic_difference"].notnull().any()):
-        return laws[0]
-    return laws[int(result["aic_difference"].sum("step").argmin("law"))]
 
 
 def heading(result, laws):

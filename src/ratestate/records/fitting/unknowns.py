@@ -71,6 +71,8 @@ PARAMETERS = {
 #: a state at such a start, as ln(theta/theta_ss)
 STATE_START = Parameter("start", bounds=(-20.0, 20.0))
 LINEAR = ("level", "trend")
+#: parameters of the slider, or of its record, that are the machine's, not the law's
+OF_MACHINE = ("K", "M", "lag")
 #: what results report beside the free parameters
 TRENDS = ("trend_slip", "trend_time")
 SUMS = ("mu0", "a_minus_b", *TRENDS)

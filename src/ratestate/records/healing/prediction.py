@@ -15,10 +15,14 @@ from ...model.conversion import in_si
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from ..fitting.by_law import checked_by_law, error_of, slider_of
-from ..fitting.steps.fitted import OF_MACHINE
-from ..fitting.steps.table import is_of_steps, results_by_law_of_steps
-from ..fitting.unknowns import of_slider
+from ..fitting.by_law import (
+    checked_by_law,
+    error_of,
+    is_of_steps,
+    results_by_law_of_steps,
+    slider_of,
+)
+from ..fitting.unknowns import OF_MACHINE, of_slider
 from ..messages import healing as sentences
 
 #: step of a difference, over a parameter; start of the hold in the run, over its duration

@@ -16,11 +16,9 @@ from ratestate import fitting
 from ratestate.files import laboratory_csv
 from ratestate.records.fitting.settings import checked_settings
 from ratestate.records.fitting.steps import each, shared
-from ratestate.records.fitting.steps.comparison import group_of, grouped, ratio_of
-from ratestate.records.fitting.steps.rows import rows_of
-from ratestate.records.fitting.steps.shared import shared_fit
+from ratestate.records.fitting.steps.shared import group_of, grouped, ratio_of, shared_fit
 from ratestate.records.fitting.steps.stick_slip import stick_slip_slides
-from ratestate.records.fitting.steps.table import table_of
+from ratestate.records.fitting.steps.text import rows_of, table_of
 from ratestate.records.fitting.steps.windows import windows_of
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
@@ -244,22 +242,25 @@ def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
     joint = shared_fit(fits, "slip")
     assert joint.degrees == 9
 
-    def runs_away(fit):
+    def changed(fit, **values):
         one = fit.of("slip")
-        point = one.point.copy()
-        point[one.unknowns.names.index("b")] *= 3.0
-        return fit._replace(laws={"slip": one._replace(point=point)})
+        solution = one.solution._replace(**values)
+        return fit._replace(laws={"slip": one._replace(solution=solution)})
+
+    def runs_away(fit):
+        solution = fit.of("slip").solution
+        point = solution.point.copy()
+        point[solution.unknowns.names.index("b")] *= 3.0
+        return changed(fit, point=point)
 
     wild = [*map(runs_away, fits[:3]), fits[3]]  # with the medians of these no step slides on
     assert shared_fit(wild, "slip").point == pytest.approx(joint.point, rel=1e-5)
 
-    def unconverged(fit):
-        return fit._replace(laws={"slip": fit.of("slip")._replace(converged=False)})
-
-    some = [unconverged(fits[0]), *fits[1:]]
+    some = [changed(fits[0], converged=False), *fits[1:]]
     assert shared_fit(some, "slip").degrees == 6
     assert grouped(some, "slip", "Dc").n == 3
-    assert shared_fit([*map(unconverged, fits[:3]), fits[3]], "slip") is None
+    one_left = [*(changed(fit, converged=False) for fit in fits[:3]), fits[3]]
+    assert shared_fit(one_left, "slip") is None
     monkeypatch.setattr(shared, "MOST", 1)
     assert shared_fit(fits, "slip") is None
 

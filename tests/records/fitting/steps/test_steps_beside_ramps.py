@@ -95,9 +95,11 @@ def test_estimates_at_a_bound_do_not_judge_all_steps(monkeypatch):
         if task.window.t < 150.0:
             return fit
         one = fit.of("aging")
-        point, i = one.point.copy(), one.unknowns.names.index("b")
-        point[i] = one.unknowns.high[i]
-        return fit._replace(laws={"aging": one._replace(point=point)})
+        solution = one.solution
+        point, i = solution.point.copy(), solution.unknowns.names.index("b")
+        point[i] = solution.unknowns.high[i]
+        moved = solution._replace(point=point)
+        return fit._replace(laws={"aging": one._replace(solution=moved)})
 
     monkeypatch.setattr(each, "fit_window", at_its_bound)
     monkeypatch.setattr(

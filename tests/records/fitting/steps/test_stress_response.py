@@ -10,7 +10,7 @@ import ratestate as rs
 from ratestate import fitting
 from ratestate.model.quantities import short
 from ratestate.records.fitting.steps import each
-from ratestate.records.fitting.steps.table import table_of
+from ratestate.records.fitting.steps.text import table_of
 from ratestate.records.fitting.steps.windows import windows_of
 
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m", alpha=0.0)

@@ -11,23 +11,21 @@ import xarray
 from ....model.names import Sentences
 from ....model.quantities import readable, short, with_error
 from ....model.slider import SpringSlider
-from ....records.fitting.by_law import results_by_law
+from ....records.fitting.by_law import is_of_steps, results_by_law, results_by_law_of_steps
 from ....records.fitting.fit import fit
-from ....records.fitting.steps.table import (
+from ....records.fitting.steps.text import (
     HEADS,
     NOTATION,
-    is_of_steps,
-    results_by_law_of_steps,
+    heading_of_steps,
+    remarks_on_steps,
     table_of,
+    warnings_by_text,
 )
 from ....records.fitting.table import estimate_rows, noise_text, short_name
 from ....records.fitting.text import (
     fixed_parameters,
-    heading_of_steps,
     identifiability_by_law,
     labelled_warnings,
-    remarks_on_steps,
-    warnings_by_text,
 )
 from ...scenario.as_python import registration
 from ..output import names_of

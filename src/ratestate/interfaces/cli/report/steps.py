@@ -6,19 +6,17 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ....records.fitting.steps.table import (
+from ....records.fitting.by_law import results_by_law_of_steps
+from ....records.fitting.steps.text import (
     HEADS,
     NOTATION,
-    results_by_law_of_steps,
-    table_of,
-)
-from ....records.fitting.steps.table import Table as StepsTable
-from ....records.fitting.text import (
     heading_of_steps,
-    notes_of,
     remarks_on_steps,
+    table_of,
     warnings_on_steps,
 )
+from ....records.fitting.steps.text import Table as StepsTable
+from ....records.fitting.text import notes_of
 from .rows import GAP, plain_table
 
 #: where all warnings are

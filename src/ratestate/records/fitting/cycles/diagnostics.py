@@ -3,7 +3,7 @@
 import numpy as np
 
 from ....model.quantities import readable
-from ..diagnostics.tradeoffs import percent, product
+from ..diagnostics.identifiability import percent, product
 from ..estimates import is_unconstrained
 from .features import FEATURES, LEVEL
 from .search import distinct_runs

@@ -12,7 +12,7 @@ from ....dynamics.simulation.cases import MAX_STEPS
 from ....engine.model import FINISHED, Loads
 from ....friction.composition import composed_law
 from ....friction.formulas import mu_ss
-from ..march import cases_of, marched
+from ..forward import cases_of, marched
 from .features import FEATURES, profile_features, wave_profiles
 
 # Phases of a wave, from where it falls through its middle: even, and geometric sequences on both

@@ -1,84 +1,76 @@
-"""A note on which parameters a record determines, and warnings on those it does not."""
+"""A note on which parameters a record determines, and warnings on those it does not.
 
-from pathlib import Path
+Parameters that trade off are named with the combination of them that the record determines.
+"""
 
 import numpy as np
 
-from ....model.names import Sentences
-from ....model.quantities import readable
+from ....model.quantities import readable, with_error
+from ...messages import fitting as sentences
+from ..estimates import ENDLESS, is_unconstrained
 from ..table import rate_dependence_text
 from ..unknowns import parameter, starts_of
-from .tradeoffs import correlated_groups, percent, tradeoff_text
 
 #: standard error of a logarithm above which a parameter counts as hardly determined
 HARDLY_DETERMINED = 0.5
-SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
+#: correlation from which parameters trade off, and error of a combination worth a warning
+CORRELATED, LOOSE = 0.95, 0.2
+#: power below which a parameter is left out of a product
+SMALL = 0.1
 
 
 def identifiability(inference):
     """A note on what an `Inference` determines (str), and warnings (list of str)."""
-    quantities = [quantity for quantity in inference.quantities if quantity.is_coordinate]
-    each = [_determination(inference, quantity) for quantity in quantities]
+    problem = inference.solution.problem
+    free = [quantity for quantity in inference.quantities if quantity.is_coordinate]
+    each = [_determination(inference, quantity) for quantity in free]
     warnings = [warning for _, warning in each if warning]
-    determined = [text for text, warning in each if not warning]
-    undetermined = [text for text, warning in each if warning]
-    sentences = [_determined_or_not(inference, determined, undetermined)]
-    for text, loose in _tradeoffs(inference):
+    determined = ", ".join(text for text, warning in each if not warning)
+    undetermined = ", ".join(text for text, warning in each if warning)
+    which = "all" if not undetermined else "some" if determined else "none"
+    lists = {"determined": determined, "undetermined": undetermined}
+    notes = [sentences(f"note.{which}", law=problem.law.name, **lists)]
+    for text, loose in _tradeoffs(inference, [quantity.name for quantity in free]):
         if loose:
-            warnings.append(SENTENCES("warning.tradeoff", tradeoff=text))
-        sentences.append(SENTENCES(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
-    sentences += _edges(inference)
-    solution = inference.solution
-    if starts_of(solution.problem.law)[0] in solution.unknowns.names:
-        sentences.append(SENTENCES("note.start"))
-    return " ".join(sentences), warnings
+            warnings.append(sentences("warning.tradeoff", tradeoff=text))
+        notes.append(sentences(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
+    notes += _edges(inference)
+    if starts_of(problem.law)[0] in problem.unknowns.names:
+        notes.append(sentences("note.start"))
+    return " ".join(notes), warnings
 
 
 def _determination(inference, quantity):
     """A parameter with its error, bound or interval, for the note; its warning, "" without one."""
     name, estimate = quantity.name, inference.estimates.of(quantity.name)
+    row = parameter(name)
     if not np.isfinite(estimate.error):
-        return name, SENTENCES("warning.unseen", name=name)
-    bounds = bounds_of(inference, quantity)
-    if None in bounds:
-        return _one_sided(name, bounds)
-    if parameter(name).group != "slider":
+        return name, sentences("warning.unseen", name=name)
+    low, high = bounds_of(inference, quantity)
+    if low is None and high is None:
+        return name, sentences("warning.undetermined", name=name)
+    if low is None or high is None:
+        bound = f"> {readable(name, low, 3)}" if high is None else f"< {readable(name, high, 3)}"
+        is_irrelevant = row.irrelevant == (1 if high is None else -1)
+        why = sentences(f"why.{name}") if is_irrelevant else ""
+        return f"{name} ({bound})", sentences("warning.one_sided", name=name, bound=bound, why=why)
+    if row.group != "slider":
         return f"{name} to {readable(name, estimate.error, 2)}", ""
-    error, is_log = _relative_error(name, estimate), parameter(name).is_log
-    size = percent(error) if is_log else f"{error:.2g} times its value"
-    if is_log and np.isinf(estimate.interval[-1, 1]):
-        return name, SENTENCES("warning.unconstrained", name=name, size=size)
+    error = _relative_error(name, estimate)
+    size = percent(error) if row.is_log else f"{error:.2g} times its value"
+    if row.is_log and np.isinf(estimate.interval[-1, 1]):
+        return name, sentences("warning.unconstrained", name=name, size=size)
     if error > HARDLY_DETERMINED:
         interval = f"95 %: {' to '.join(readable(name, end, 3) for end in estimate.interval[-1])}"
-        warning = SENTENCES("warning.vague", name=name, size=size, interval=interval)
+        warning = sentences("warning.vague", name=name, size=size, interval=interval)
         return f"{name} ({interval})", warning
     return f"{name} to {percent(error)}", ""
 
 
-def _determined_or_not(inference, determined, undetermined):
-    """The sentence that lists what is determined under the law, and what is not."""
-    law = inference.solution.problem.law.name
-    which = "all" if not undetermined else "some" if determined else "none"
-    lists = {"determined": ", ".join(determined), "undetermined": ", ".join(undetermined)}
-    return SENTENCES(f"note.{which}", law=law, **lists)
-
-
-def _tradeoffs(inference):
-    """`tradeoff_text` of parameters whose error is about that from the covariance."""
-    estimates, names = inference.estimates, []
-    free = [quantity.name for quantity in inference.quantities if quantity.is_coordinate]
-    for name in (name for name in free if parameter(name).group == "slider"):
-        estimate = estimates.of(name)
-        if 0.5 < _relative_error(name, estimate) / estimate.relative_error < 2.0:
-            names.append(name)
-    rate = rate_dependence_text([inference.solution.problem.law])
-    return [tradeoff_text(estimates, group, rate) for group in correlated_groups(estimates, names)]
-
-
 def bounds_of(inference, quantity):
-    """(low, high) [SI] of the 95 % interval by a profile, None for an open end; () without one."""
+    """(low, high) [SI] of the 95 % interval by a profile, None for an open end; NaN without one."""
     if quantity.name not in inference.profiles:
-        return ()
+        return np.nan, np.nan
     estimate = inference.estimates.of(quantity.name)
     if estimate.kind != "profile":  # but that of a posterior, which is never open
         ends = quantity.si(inference.profiles[quantity.name].interval()[-1])
@@ -94,7 +86,7 @@ def bounds_of(inference, quantity):
 def _relative_error(name, estimate):
     """Standard error of a parameter's logarithm; of b over its value.
 
-    Where the interval is not from the covariance: half the width of the 95 % interval over 1.96.
+    If the interval is not from the covariance: half the width of the 95 % interval over 1.96.
     """
     if estimate.kind == "covariance":
         return estimate.relative_error
@@ -105,26 +97,86 @@ def _relative_error(name, estimate):
     return float(width / 3.92)
 
 
-def _one_sided(name, bounds):
-    """A parameter with the bound on its closed side, if there is one, and its warning."""
-    low, high = bounds
-    if low is None and high is None:
-        return name, SENTENCES("warning.undetermined", name=name)
-    bound = f"> {readable(name, low, 3)}" if high is None else f"< {readable(name, high, 3)}"
-    is_irrelevant = parameter(name).irrelevant == (1 if high is None else -1)
-    why = SENTENCES(f"why.{name}") if is_irrelevant else ""
-    return f"{name} ({bound})", SENTENCES("warning.one_sided", name=name, bound=bound, why=why)
-
-
 def _edges(inference):
-    """Sentences on quantities whose interval ends where motion does."""
     for quantity in inference.quantities:
-        if quantity.name not in inference.profiles:
-            continue
-        profile = inference.profiles[quantity.name]
-        for side, end in enumerate(profile.ends):
-            if end == "edge":
-                value = float(quantity.si(profile.values[-side]))
-                yield SENTENCES(
-                    "note.edge", name=quantity.name, value=value, side=("below", "above")[side]
-                )
+        if profile := inference.profiles.get(quantity.name):
+            for index, side in ((0, "below"), (-1, "above")):
+                if profile.ends[index] == "edge":
+                    value = float(quantity.si(profile.values[index]))
+                    yield sentences("note.edge", name=quantity.name, value=value, side=side)
+
+
+def _tradeoffs(inference, free):
+    """`tradeoff_text` of parameters whose error is about that from the covariance."""
+    estimates, names = inference.estimates, []
+    for name in (name for name in free if parameter(name).group == "slider"):
+        estimate = estimates.of(name)
+        if 0.5 < _relative_error(name, estimate) / estimate.relative_error < 2.0:
+            names.append(name)
+    rate = rate_dependence_text([inference.solution.problem.law])
+    return [tradeoff_text(estimates, group, rate) for group in correlated_groups(estimates, names)]
+
+
+def correlated_groups(estimates, names):
+    """Groups (list of tuples) of these parameters, linked by strong correlations; none alone."""
+    linked = np.abs(estimates.correlation_of(names)) > CORRELATED
+    reach = np.linalg.matrix_power(linked.astype(int), max(len(names), 1)) > 0
+    groups = {tuple(n for n, on in zip(names, row, strict=True) if on) for row in reach}
+    return sorted(group for group in groups if len(group) > 1)
+
+
+def tradeoff_text(estimates, which, rate="a - b"):
+    """A text on the best-constrained combination of a group, and whether another is loose (bool).
+
+    Combinations are the axes of the covariance of the logarithms.  `rate` is what "a_minus_b" is.
+    """
+    group = [estimates.of(name) for name in which]
+    errors = np.array([one.relative_error for one in group])
+    # b < 0 has no logarithm but that of -b, which correlates the other way
+    signs = np.sign([one.value for one in group])
+    correlation = estimates.correlation_of(which) * np.outer(signs, signs)
+    variance, axes = np.linalg.eigh(correlation * np.outer(errors, errors))
+    best, worst = np.sqrt(np.maximum(variance[[0, -1]], 0.0))
+    best_text = f"{product(which, axes[:, 0])} to {percent(best)}"
+    if "a" in which and "b" in which:
+        difference = estimates.of("a_minus_b")
+        best_text += f", and {rate} = {with_error(difference.value, difference.error)}"
+    if worst < LOOSE:
+        return best_text, False
+    pairs = correlation[np.triu_indices(len(which), 1)]
+    strongest = pairs[np.argmax(np.abs(pairs))]
+    worst_text = f"{product(which, axes[:, -1])} only to {percent(worst)}"
+    if is_unconstrained(worst):
+        worst_text = f"does not constrain {product(which, axes[:, -1])}"
+    return (
+        f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "
+        f"record fixes {best_text}, but {worst_text}"
+    ), True
+
+
+def percent(error):
+    """A relative error as text; a large one as a factor, of at most exp(`ENDLESS`).
+
+    >>> percent(0.0213), percent(1.5), percent(200.0)
+    ('2.1 %', 'a factor of 4.5', 'more than a factor of 1e+06')
+    """
+    if error > ENDLESS:
+        return f"more than a factor of {np.exp(ENDLESS):.1g}"
+    return f"{100.0 * error:.2g} %" if error < 0.5 else f"a factor of {np.exp(error):.2g}"
+
+
+def product(names, axis):
+    """A direction in logarithms as a product of powers, the largest of which is 1.
+
+    >>> product(("Dc", "K"), np.array([0.7, 0.69])), product(("a", "b"), np.array([-0.6, 0.8]))
+    ('Dc K', 'b/a^0.75')
+    """
+    powers = axis / axis[np.argmax(np.abs(axis))]
+    over: list[str] = []
+    under: list[str] = []
+    for name, power in zip(names, powers, strict=True):
+        if abs(power) > SMALL:
+            size = "" if abs(power) > 0.95 else f"^{abs(power):.2g}"
+            (over if power > 0.0 else under).append(name + size)
+    below = f"({' '.join(under)})" if len(under) > 1 else "".join(under)
+    return " ".join(over) + (f"/{below}" if below else "")

@@ -1,12 +1,10 @@
 """Warnings of what a slider leaves out, though its record shows it: a spring, a lag, inertia."""
 
-from pathlib import Path
-
 import numpy as np
 
-from ....model.names import Sentences
+from ...messages import fitting as sentences
 from ..forward import Forward
-from ..score import FALL, gain_of
+from ..generalized_least_squares import FALL, gain_of
 
 #: K over normal stress [1/m] with which the effect of a spring is tried: of soft to stiff machines
 STIFFNESSES = (1e3, 1e4, 1e5)
@@ -17,7 +15,6 @@ LIGHT = 1e-3
 #: largest mass per area of the contact that a machine moves [kg/m^2]: that of 100 m of steel, which
 #: is ten times as much as the pistons of the largest ones, on a contact a tenth of their section
 HEAVIEST = 7850.0 * 100.0
-SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def left_out(solution):
@@ -36,22 +33,26 @@ def rigid(solution):
         return
     gain = max(_gains_of_springs(solution))
     if gain > FALL:
-        yield SENTENCES("rigid.sprung", gain=gain)
+        yield sentences("rigid.sprung", gain=gain)
     elif "lag" not in solution.unknowns.names:
         # (a short record may be too short for any lag)
         gain, lag = max(_gains_of_lags(solution), default=(0.0, 0.0))
         if gain > FALL:
             side = "later" if lag > 0.0 else "earlier"
-            yield SENTENCES("rigid.lag", lag=abs(lag), side=side, gain=gain)
+            yield sentences("rigid.lag", lag=abs(lag), side=side, gain=gain)
 
 
 def _gains_of_springs(solution):
-    """Falls of chi-square by springs (iterator of float)."""
-    problem, slider = solution.problem, solution.problem.slider
+    slider = solution.problem.slider
     for stiffness in STIFFNESSES:
         sprung = slider.replace(K=stiffness * slider.sigma, M=0.0)
-        forward = Forward(problem.record, sprung, solution.unknowns.names)
-        yield _gain(solution, forward.friction(solution.point[None])[0])
+        yield _gain(solution, _friction_of(sprung, solution))
+
+
+def _friction_of(slider, solution):
+    """(m,) friction of another slider at the coordinates of a solution."""
+    forward = Forward(solution.problem.record, slider, solution.unknowns.names)
+    return forward.friction(solution.point[None])[0]
 
 
 def _gains_of_lags(solution):
@@ -88,7 +89,7 @@ def _later_or_earlier(solution):
     above, below = forward.friction(points)
     gain, (lag,) = gain_of(solution, np.nan_to_num((above - below) / (2.0 * step))[:, None])
     if gain > FALL:
-        yield SENTENCES(
+        yield sentences(
             "more.lag", lag=abs(lag), side="later" if lag > 0.0 else "earlier", gain=gain
         )
 
@@ -103,10 +104,8 @@ def _inert(solution):
         return
     at = problem.forward.values(solution.point[None])
     unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / problem.record.loading.V.max() ** 2
-    massive = slider.replace(M=LIGHT * unit)
-    heavy = Forward(problem.record, massive, solution.unknowns.names)
-    friction = heavy.friction(solution.point[None])[0]
+    friction = _friction_of(slider.replace(M=LIGHT * unit), solution)
     by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
     gain, (eta,) = gain_of(solution, by_eta[:, None])
     if gain > FALL and eta > LIGHT and eta * unit < HEAVIEST:
-        yield SENTENCES("more.inertia", gain=gain, unit=unit)
+        yield sentences("more.inertia", gain=gain, unit=unit)

@@ -17,8 +17,7 @@ from scipy.special import ndtr
 
 from ...kit.estimated_noise import RestrictedLikelihood, families, modes
 from ..estimates import GAUSSIAN, LEVELS
-from ..generalized_least_squares import Solution
-from ..score import projected
+from ..generalized_least_squares import Solution, projected
 
 #: spacing of the grid, in standard deviations of the shape; shortest and longest in a coordinate
 STEP, SHORTEST, LONGEST = 1.0, 0.1, 1.5

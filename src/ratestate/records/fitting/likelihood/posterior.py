@@ -1,22 +1,20 @@
 """The posterior of a fit, and its evidence, by nested sampling with dynesty.
 
-Level and trend enter the model linearly and are integrated out in closed form, with flat priors
-without bounds; the noise stays at its estimate.  Speagle (2020) doi:10.1093/mnras/staa278.
+Speagle (2020) doi:10.1093/mnras/staa278.
 """
 
 import math
 import warnings
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ....dynamics.progress import bar
-from ....model.names import Sentences
 from ....model.quantities import QUANTITIES
 from ...messages import fitting as sentences
 from ..estimates import LEVELS
 from ..unknowns import LINEAR, parameter
+from .marginal import LogLikelihood
 
 LIVE, SEED = 400, 20190101
 #: gain of ln(evidence) still possible when sampling ends; most evaluations
@@ -25,9 +23,6 @@ GAIN, MOST = 0.05, 300_000
 KEPT, FEWEST = 2000, 200
 #: how far a prior reaches, in half widths of the 95 % interval, and in a logarithm
 REACH, FARTHEST = 4.0, math.log(100.0)
-#: ln(likelihood) where a slider does not move through the record
-NONE = -1e300
-SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 class Posterior(NamedTuple):
@@ -51,21 +46,18 @@ class Posterior(NamedTuple):
         """Whether the samples are worth `FEWEST` independent ones or more."""
         return self.effective >= FEWEST
 
-    def samples_of(self, quantity):
-        """(KEPT,) samples of a `ReportedQuantity`, as its `value`."""
-        return quantity.values(self.points)
-
     def interval(self, quantity):
-        """(levels, sides) quantiles of `samples_of`."""
+        """(levels, sides) quantiles of the samples of a `ReportedQuantity`."""
         tails = 0.5 - 0.5 * np.array(LEVELS)
-        return np.quantile(self.samples_of(quantity), np.stack([tails, 1.0 - tails], axis=1))
+        ends = np.stack([tails, 1.0 - tails], axis=1)
+        return np.quantile(quantity.values(self.points), ends)
 
     def truncated_side(self, quantity):
         """-1 or 1 if samples gather at the lower or upper end of the prior, else 0; 0 of a sum."""
         if not quantity.is_coordinate:
             return 0
         low, high = self.prior[quantity.name]
-        part = (self.samples_of(quantity) - low) / (high - low)
+        part = (quantity.values(self.points) - low) / (high - low)
         return -1 if np.mean(part < 0.05) > 0.01 else 1 if np.mean(part > 0.95) > 0.01 else 0
 
 
@@ -110,12 +102,12 @@ def prior_text(prior):
     for name, (low, high) in prior.items():
         row = parameter(name)
         if row.is_log:
-            sides.append(SENTENCES("prior.log", name=name, low=math.exp(low), high=math.exp(high)))
+            sides.append(sentences("prior.log", name=name, low=math.exp(low), high=math.exp(high)))
         else:
             unit = "1" if row.group == "start" else QUANTITIES[name].unit
             unit = "" if unit == "1" else f" {unit}"
-            sides.append(SENTENCES("prior.plain", name=name, low=low, high=high, unit=unit))
-    return SENTENCES("prior.all", sides=", ".join(sides), linear=" and ".join(LINEAR))
+            sides.append(sentences("prior.plain", name=name, low=low, high=high, unit=unit))
+    return sentences("prior.all", sides=", ".join(sides), linear=" and ".join(LINEAR))
 
 
 def sample_posterior(solution, prior, label):
@@ -128,11 +120,11 @@ def sample_posterior(solution, prior, label):
         import dynesty
     except ImportError:
         raise sentences.refusal("search.no_dynesty") from None
-    prior = {name: prior[name] for name in solution.unknowns.names if name in prior}
+    likelihood = LogLikelihood(solution.problem, solution.noise)
+    prior = {name: prior[name] for name in likelihood.names if name in prior}
     low, high = np.array(list(prior.values())).T
-    marginal = Marginal(solution)
     sampler = dynesty.NestedSampler(
-        marginal,
+        likelihood.at,
         lambda cube: low + (high - low) * cube,
         len(prior),
         nlive=LIVE,
@@ -156,56 +148,14 @@ def sample_posterior(solution, prior, label):
     ladder = (np.arange(KEPT) + rng.random()) / KEPT
     chosen = rng.permutation(np.searchsorted(np.cumsum(weights) / weights.sum(), ladder))
     points = np.zeros((KEPT, len(solution.point)))
-    points[:, marginal.moving] = results.samples[chosen]
-    points[:, marginal.linear] = marginal.draw_linear(results.blob[chosen], rng)
+    points[:, likelihood.moving] = results.samples[chosen]
+    points[:, likelihood.linear] = likelihood.draw_linear(results.blob[chosen], rng)
     return Posterior(
         points,
         prior,
         float(results.logz[-1]),
         math.sqrt(max(float(results.information[-1]), 0.0) / LIVE),
-        marginal.evaluations,
+        likelihood.evaluations,
         float(weights.sum() ** 2 / (weights @ weights)),
-        len(weights) / marginal.evaluations,
+        len(weights) / likelihood.evaluations,
     )
-
-
-class Marginal:
-    """ln(likelihood) of all other coordinates, with level and trend integrated out."""
-
-    def __init__(self, solution):
-        self.problem, self.noise = solution.problem, solution.noise
-        names = solution.unknowns.names
-        self.moving = [i for i, name in enumerate(names) if name not in LINEAR]
-        self.linear = [i for i, name in enumerate(names) if name in LINEAR]
-        self.evaluations = 0
-
-    def __call__(self, coordinates):
-        """ln(likelihood), and means and root of the covariance of level, trend, as one array.
-
-        `NONE` and zeros without a motion.
-        """
-        self.evaluations += 1
-        record, count = self.problem.record, len(self.linear)
-        point = np.zeros((1, len(self.problem.unknowns.names)))
-        point[0, self.moving] = coordinates
-        friction, regressors = self.problem.forward.parts(point)
-        if not np.isfinite(friction).all():
-            return NONE, np.zeros(count + count * count)
-        lines = [regressor[0] for regressor in regressors.values()]
-        columns = np.column_stack([record.friction - friction[0], *lines])
-        white, log_determinant = self.noise.whiten(record.t, columns)
-        products = white.T @ white
-        # covariance of level and trend given the rest, as root @ root.T
-        root = np.linalg.inv(np.linalg.cholesky(products[1:, 1:])).T
-        gained = root.T @ products[1:, 0]
-        chi2 = products[0, 0] - gained @ gained
-        free = record.t.size - count
-        value = -0.5 * (chi2 + log_determinant + free * math.log(2.0 * math.pi))
-        blob = np.concatenate([root @ gained, root.ravel()])
-        return float(value + np.log(np.diag(root)).sum()), blob
-
-    def draw_linear(self, blobs, rng):
-        """(n, level and trend) drawn given the other coordinates."""
-        count = len(self.linear)
-        mean, root = blobs[:, :count], blobs[:, count:].reshape(-1, count, count)
-        return mean + np.einsum("nij,nj->ni", root, rng.standard_normal(mean.shape))

@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..estimates import GAUSSIAN
-from ..unknowns import parameter
-from .constrained import constrained_fit
+from ..estimates import GAUSSIAN, ROOTS
+from ..generalized_least_squares import SEARCH_EVALUATIONS
+from ..problem import search
+from ..unknowns import Unknowns, parameter, to_coordinate
 
 #: root of the deviance where a profile may end, over that where its widest interval does
 BEYOND = 1.03
@@ -30,6 +31,10 @@ BETTER = 0.05
 FARTHEST = np.log(1000.0)
 #: longest first step, as a part of the distance between the bounds
 LONGEST = 0.03
+#: relative difference of the deviance's root from a Gaussian's that counts as Gaussian
+TOLERANCE = 0.1
+#: most rounds in which profiles that others contradict are computed again
+ROUNDS = 3
 
 
 class BetterPoint(Exception):
@@ -164,3 +169,122 @@ class _Side:
         self.values.append(value)
         self.deviance.append(max(deviance, 0.0))
         self.points.append(point)
+
+
+class ConstrainedProblem:
+    """A `Problem` with a `ReportedQuantity` constrained: one coordinate is eliminated by it."""
+
+    def __init__(self, problem, quantity, value):
+        self.problem, self.quantity, self.value = problem, quantity, value
+        names, low, high = problem.unknowns
+        name = names[quantity.eliminated]
+        #: where Newton's method for the eliminated coordinate starts; not every law allows 0
+        own = getattr(problem.slider, name) if parameter(name).group == "slider" else 0.0
+        self.start = to_coordinate(name, own)
+        rest = self.rest = [i for i in range(len(names)) if i != quantity.eliminated]
+        self.unknowns = Unknowns(tuple(names[i] for i in rest), low[rest], high[rest])
+
+    def point(self, rest):
+        """The point (k,) with these values (k - 1,) of the others; NaN if only a < 0 would do."""
+        point = np.insert(rest, self.quantity.eliminated, self.start)
+        return self.quantity.constrained(point, self.value)
+
+    def whitened(self, rest, noise):
+        """As `Problem.whitened`, at the other coordinates (k - 1,) and by them."""
+        point, eliminated = self.point(rest), self.quantity.eliminated
+        residual, columns = self.problem.whitened(point, noise)
+        gradient = self.quantity.gradient(point)
+        by_rest = -gradient[self.rest] / gradient[eliminated]
+        return residual, columns[:, self.rest] + np.outer(columns[:, eliminated], by_rest)
+
+
+def constrained_fit(solution, quantity, value, starts):
+    """Point (k,), and deviance (< 0: better), of the best fit in which a quantity has this value.
+
+    None where no start moves through the whole record.
+    """
+    problem = ConstrainedProblem(solution.problem, quantity, value)
+    fits = []
+    for start in starts:
+        rest = np.clip(start[problem.rest], problem.unknowns.low, problem.unknowns.high)
+        if fit := search(problem, rest, solution.noise, SEARCH_EVALUATIONS):
+            fits.append(fit)
+    best = min(fits, key=lambda fit: fit.cost, default=None)
+    return best and (problem.point(best.x), 2.0 * float(best.cost) - solution.chi2)
+
+
+def compute_profiles(solution, quantities, everything, roots=None):
+    """name -> `Profile` of the quantities whose likelihood is not Gaussian, or of all.
+
+    roots : (quantities, levels, sides) of the deviance, at the ends of intervals; by default those
+        of a noise that is known
+
+    Where one quantity goes far, the others follow it: so each profile also starts from the fits
+    of the others, and is computed again where those fit better than its own.  `BetterPoint` is
+    raised where one fits better than the solution.
+    """
+    left_out = [False] * len(quantities) if everything else are_gaussian(solution, quantities)
+    roots = [GAUSSIAN] * len(quantities) if roots is None else roots
+    roots_of = {q.name: own for q, own in zip(quantities, roots, strict=True)}
+    todo = [q for q, is_left_out in zip(quantities, left_out, strict=True) if not is_left_out]
+    profiles: dict[str, Profile] = {}
+    fits: list[tuple] = []  # (point, deviance) of all profiles
+    for _ in range(ROUNDS):
+        for quantity in todo:
+            profile = profiles[quantity.name] = compute_profile(
+                solution, quantity, fits, roots_of[quantity.name]
+            )
+            fits += zip(profile.points, profile.deviance, strict=True)
+        todo = [q for q in quantities if _contradicted(solution, q, profiles.get(q.name), fits)]
+        if not todo:
+            break
+    return profiles
+
+
+def are_gaussian(solution, quantities):
+    """Whether the likelihood is Gaussian along each `ReportedQuantity`: list of bool.
+
+    Two standard errors to both sides, along the direction in which the other coordinates follow
+    the quantity, the deviance is compared with 4.  The fall that moving the others could still
+    achieve is subtracted to second order.  All points are one batch of lanes.  False where one is
+    out of bounds, or has no motion.
+    """
+    point, spread, problem = solution.point, solution.covariance, solution.problem
+    along = [spread @ quantity.gradient(point) for quantity in quantities]
+    errors = [quantity.standard_error(point, spread) for quantity in quantities]
+    steps = [2.0 * u / error for u, error in zip(along, errors, strict=True)]
+    points = np.array([point + sign * step for step in steps for sign in (-1.0, 1.0)])
+    sound = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
+    points[~sound] = point
+    residuals = problem.forward.friction(points) - problem.record.friction
+    sound &= np.isfinite(residuals).all(axis=1)
+    residuals[~sound] = 0.0
+    columns = np.column_stack([residuals.T, solution.jacobian])
+    white, _ = solution.noise.whiten(problem.record.t, columns)
+    whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
+    slopes = jacobian.T @ whitened
+    gain = np.einsum("ip,ij,jp->p", slopes, spread, slopes)
+    root = np.zeros(len(points))
+    for i, (quantity, u, error) in enumerate(zip(quantities, along, errors, strict=True)):
+        for p in (2 * i, 2 * i + 1):
+            # without the part of the gain that would move the quantity itself
+            gain_of_others = gain[p] - (u @ slopes[:, p] / error) ** 2
+            deviance = whitened[:, p] @ whitened[:, p] - gain_of_others - solution.chi2
+            moved = (quantity.value(points[p]) - quantity.value(point)) / error
+            root[p] = np.sqrt(max(deviance, 0.0)) / max(abs(moved), 1e-9)
+    close = sound & (np.abs(root - 1.0) < TOLERANCE)
+    return [bool(both) for both in close.reshape(-1, 2).all(axis=1)]
+
+
+def _contradicted(solution, quantity, profile, fits):
+    """Whether some fit has a smaller deviance than the quantity's profile, or Gaussian, there."""
+    values = np.array([quantity.value(point) for point, _ in fits])
+    roots = np.sqrt([deviance for _, deviance in fits])
+    likely = roots < BEYOND * ROOTS[-1]
+    if profile is None:
+        error = quantity.standard_error(solution.point, solution.covariance)
+        claimed = np.abs(values - quantity.value(solution.point)) / error
+    else:
+        # beyond its ends a profile claims as much as at them
+        claimed = np.abs(np.interp(values, profile.values, profile.root))
+    return bool(np.any(likely & (roots < (1.0 - TOLERANCE) * claimed - TOLERANCE)))

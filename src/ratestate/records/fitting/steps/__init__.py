@@ -1,17 +1,12 @@
 """Fits of each step and hold of a record: an experiment in one call of `fit`.
 
-==================== ==========================================================================
-``experiment``       what `fit` does where each="step"
-``stick_slip``       slides that are stick-slip, whose steps are not fitted
-``windows``          steps and holds, each with its part of the record
-``each``             the fits of these parts, in parallel
-``fitted``           such a part, and its fits
-``shared``           one set of the law's parameters for all, and a test whether it serves
-``stress_response``  alpha from steps of normal stress
-``comparison``       scatter between steps; steps up beside steps down
-``result``           the Dataset along ``step``
-``recorded``         in it what was recorded
-``table``, ``cells`` it as text
-``rows``             it as rows of a CSV
-==================== ==========================================================================
+============== ==========================================================================
+``experiment`` what `fit` does if each="step"; alpha from steps of normal stress
+``windows``    steps and holds, each with its part of the record
+``stick_slip`` slides that are stick-slip, whose steps are not fitted
+``each``       the fits of these parts, in parallel
+``shared``     one set of the law's parameters for all; scatter, steps up and steps down
+``result``     the Dataset along ``step``
+``text``       it as tables, sentences, and rows of a CSV
+============== ==========================================================================
 """

@@ -1,18 +1,17 @@
 """The Dataset of the fits of all steps and holds of a record."""
 
+import itertools
+
 import numpy as np
 import xarray
 
 from ....dynamics.results import flags
-from ....friction.laws import friction_law
 from ....model.quantities import attrs
 from ...kit.results import labelled
-from ..by_law import value_of
-from ..diagnostics.model_comparison import compare_laws
 from ..estimates import LEVELS, SIDES
-from ..unknowns import SUMS, free_under, to_value
-from .comparison import estimates_of, grouped, is_down, is_up, ratio_of
-from .recorded import curve_variables, window_variables
+from ..result import compare_laws, joined, names_of
+from ..unknowns import to_value
+from .shared import estimates_of, grouped, is_down, is_up, ratio_of
 
 #: status of a window under a law
 FITTED, FAILED, STICK_SLIP = 0, 1, 2
@@ -21,7 +20,10 @@ SCALARS = (
     "rms noise_white noise_red noise_time noise_exponent misfit_p_value chi2_white log_likelihood"
     " aic bic log_evidence log_evidence_error"
 ).split()
-TEXTS = ("identifiability", "warnings")
+#: what else is kept of a fit
+KEPT = "standard_error interval interval_kind correlation identifiability warnings".split()
+#: most samples of a window that are kept for figures
+SAMPLES = 1000
 
 
 def dataset_of_steps(fits, shared, laws):
@@ -29,81 +31,68 @@ def dataset_of_steps(fits, shared, laws):
 
     shared : law -> `Shared`, or None; laws : names, in order; along ``law`` if they are several
     """
-    names = _names(fits, laws)
-    tables = [_estimates(fits, law, names) for law in laws]
-    tables = [
-        table.assign(_shared(fits, shared[law], law, names))
-        for table, law in zip(tables, laws, strict=True)
-    ]
-    result = tables[0]
-    if len(laws) > 1:
-        tables = [table.expand_dims("law", -1) for table in tables]
-        result = xarray.concat(tables, "law", join="outer").transpose("step", "law", ...)
-    result = result.assign(window_variables(fits) | curve_variables(fits, laws))
-    result = result.assign_coords(
-        law=laws if len(laws) > 1 else laws[0],
-        step=("step", np.arange(1, len(fits) + 1), {"long_name": "step or hold"}),
-        parameter=names,
-        other=names,
-        level=list(LEVELS),
-        side=list(SIDES),
-    )
-    if len(laws) > 1:
-        result = _with_comparison(result, laws, _misfits(fits, laws))
-    return result
+    names = names_of([one.result for fit in fits for law in laws if (one := fit.of(law))], laws)
+    size = min(SAMPLES, max(fit.task.data.sizes["time"] for fit in fits))
+    windows = joined([_window(fit, size) for fit in fits], "step", names)
+    tables = []
+    for law in laws:
+        table = joined([_row(fit, law, names, size) for fit in fits], "step", names)
+        empty = [name for name in SCALARS if name in table and not np.isfinite(table[name]).any()]
+        together = _shared(fits, shared[law], law, names)
+        tables.append(table.drop_vars(empty).assign(together))
+    result, several = tables[0], len(laws) > 1
+    if several:
+        result = joined(tables, "law", names).transpose("step", "law", ...)
+        result["friction_fit"] = result["friction_fit"].transpose("law", ...)
+    result = xarray.merge([result, windows], join="outer").drop_vars("sample")
+    result["status"].attrs |= flags({FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"})
+    steps = ("step", np.arange(1, len(fits) + 1), {"long_name": "step or hold"})
+    result = result.assign_coords(law=laws if several else laws[0], step=steps)
+    return _with_comparison(result, fits, laws) if several else result
 
 
-def _names(fits, laws):
-    """Names of all that was estimated under any law, in the order of a fit's result."""
-    parts = [one.result for fit in fits for law in laws if (one := fit.of(law))]
-    of_any = {name for part in parts for name in part["parameter"].values.tolist()}
-    free = free_under([friction_law(law) for law in laws])
-    return [name for name in (*free, *SUMS) if name in of_any]
-
-
-def _estimates(fits, law, names):
-    """Estimates along ``step`` under one law; NaN and "" where it has none."""
-    n, p = len(fits), len(names)
-    values = {name: np.full(n, np.nan) for name in (*names, *SCALARS)}
-    texts = {name: np.full(n, "", object) for name in (*TEXTS, "message")}
-    error, interval = np.full((n, p), np.nan), np.full((n, p, 2, 2), np.nan)
-    kind, correlation = np.full((n, p), "", object), np.full((n, p, p), np.nan)
-    status = np.full(n, FITTED, np.int8)
-    for i, fit in enumerate(fits):
-        one = fit.of(law)
-        if one is None:
-            texts["message"][i] = fit.laws[law]
-            status[i] = STICK_SLIP if fit.is_stick_slip else FAILED
-            continue
+def _row(fit, law, names, size):
+    """What is kept of a window's fit under a law; NaN and "" if there is none."""
+    one, rows = fit.of(law), _rows(fit, size)
+    if one is None:
+        texts = {"identifiability": "", "warnings": "", "message": fit.laws[law]}
+        status, curve = STICK_SLIP if fit.is_stick_slip else FAILED, np.full(rows.size, np.nan)
+        coords = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
+        row = xarray.Dataset(coords=coords)
+    else:
         part = one.result
-        own = part["parameter"].values.tolist()
-        rows = [names.index(name) for name in own]
-        error[i, rows] = part["standard_error"].values
-        interval[i, rows] = part["interval"].transpose("parameter", "level", "side").values
-        kind[i, rows] = part["interval_kind"].values
-        correlation[i, *np.ix_(rows, rows)] = part["correlation"].values
-        for name in own:
-            values[name][i] = value_of(part, name)
-        for name in SCALARS:
-            values[name][i] = float(part[name]) if name in part else np.nan
-        for name in TEXTS:
-            texts[name][i] = str(part[name].item())
-        warnings = [*texts["warnings"][i].splitlines(), *fit.remarks(law)]
-        texts["warnings"][i] = "\n".join(warnings)
-    values = {name: one for name, one in values.items() if name in names or np.isfinite(one).any()}
-    of_status = attrs("status") | flags(
-        {FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"}
-    )
-    texts = {name: one.astype(str) for name, one in texts.items()}
-    return xarray.Dataset(
-        {
-            **labelled("step", **values, **texts),
-            **labelled(("step", "parameter"), standard_error=error, interval_kind=kind.astype(str)),
-            **labelled(("step", "parameter", "level", "side"), interval=interval),
-            **labelled(("step", "parameter", "other"), correlation=correlation),
-            "status": ("step", status, of_status),
-        }
-    )
+        own = [name for name in (*part["parameter"].values.tolist(), *SCALARS) if name in part]
+        row, status, curve = part[[*own, *KEPT]], FITTED, part["friction_fit"].values[rows]
+        row.attrs = {}
+        warnings = [*str(part["warnings"].item()).splitlines(), *fit.remarks(law)]
+        texts = {"warnings": "\n".join(warnings), "message": ""}
+    curves = labelled("sample", friction_fit=curve)
+    return row.assign(labelled((), status=np.int8(status), **texts) | curves)
+
+
+def _window(fit, size):
+    """What the load point does in a window, the normal stress, and some of its samples."""
+    task, window, data = fit.task, fit.task.window, fit.task.data
+    rows, nothing = _rows(fit, size), np.full(data.sizes["time"], np.nan)
+    names = ("time", "delta_lp", "friction")
+    columns = {n: data[n].values if n in data.variables else nothing for n in names}
+    time, delta_lp = columns["time"], columns["delta_lp"]
+    scalars = {name: getattr(window, name) for name in ("kind", "V_before", "V_after", "t_hold")}
+    scalars |= {
+        "step_t": window.t,
+        "step_delta_lp": np.interp(window.t, time, delta_lp) if time.size else np.nan,
+        "sigma": task.settings.sliders[0].sigma,
+        "sigma_after": window.stresses(data)[1] if window.kind == "normal stress" else np.nan,
+        "samples": time.size,
+        "rows_per_sample": task.rows_per_sample,
+    }
+    kept = labelled("sample", **{name: column[rows] for name, column in columns.items()})
+    return xarray.Dataset(labelled((), **scalars) | kept)
+
+
+def _rows(fit, size):
+    """(size,) or fewer rows of a window, evenly."""
+    return np.unique(np.linspace(0, fit.task.data.sizes["time"] - 1, size).astype(int))
 
 
 def _shared(fits, shared, law, names):
@@ -125,34 +114,21 @@ def _shared(fits, shared, law, names):
             value, spread = float(to_value(name, shared.point[j])), shared.covariance[j, j] ** 0.5
             rows["shared"][i] = value
             rows["shared_error"][i] = value * spread if everything.is_log else spread
-    scalars = {
-        "shared_deviance": np.nan if shared is None else shared.deviance,
-        "shared_degrees": 0 if shared is None else shared.degrees,
-        "shared_p_value": np.nan if shared is None else shared.p_value,
-    }
-    correlation = labelled(("parameter", "other"), shared_correlation=_correlation(shared, names))
-    return labelled("parameter", **rows) | correlation | labelled((), **scalars)
-
-
-def _correlation(shared, names):
-    """(p, p) correlation of the coordinates that are shared; NaN of others."""
-    table = np.full((len(names), len(names)), np.nan)
+    scalars = {"shared_deviance": np.nan, "shared_degrees": 0, "shared_p_value": np.nan}
+    correlation = np.full((len(names), len(names)), np.nan)
     if shared is not None:
-        rows = [names.index(name) for name in shared.names]
+        scalars = {name: getattr(shared, name.removeprefix("shared_")) for name in scalars}
+        which = [names.index(name) for name in shared.names]
         errors = np.sqrt(np.diag(shared.covariance))
-        table[np.ix_(rows, rows)] = shared.covariance / np.outer(errors, errors)
-    return table
+        correlation[np.ix_(which, which)] = shared.covariance / np.outer(errors, errors)
+    table = labelled(("parameter", "other"), shared_correlation=correlation)
+    return labelled("parameter", **rows) | table | labelled((), **scalars)
 
 
-def _misfits(fits, laws):
-    """(n,) whether all laws are fitted to a window, and none fits."""
-    return np.array([all((one := fit.of(law)) and one.is_misfit for law in laws) for fit in fits])
-
-
-def _with_comparison(result, laws, misfits):
+def _with_comparison(result, fits, laws):
     """The result with the laws compared in each step, and in all in which all are fitted.
 
-    misfits : of `_misfits`; if that is so in most of these, no law fits
+    No law fits if none does in most of these.
     """
     everywhere = (result["status"] == FITTED).all("law")
     aic = result["aic"].where(everywhere)
@@ -165,12 +141,11 @@ def _with_comparison(result, laws, misfits):
     for name, variable in new.items():
         result[name] = variable.transpose("step", "law").assign_attrs(attrs(name))
     if everywhere.any():
-        sums = {
-            law: xarray.Dataset({"bic": result["bic"].sel(law=law)[everywhere].sum()})
-            for law in laws
-        }
+        sums = {law: {"bic": result["bic"].sel(law=law)[everywhere].sum()} for law in laws}
         total = {law: float(aic.sel(law=law).sum()) for law in laws}
         colored = bool((result["noise_red"] > 0.0).any())
-        fits = misfits[everywhere].mean() <= 0.5
-        result.attrs["comparison"] = compare_laws(sums, total, colored, fits)[1]
+        fitted = itertools.compress(fits, everywhere.values)
+        misfits = [all(fit.of(law).is_misfit for law in laws) for fit in fitted]
+        text = compare_laws(sums, total, colored, np.mean(misfits) <= 0.5)[1]
+        result.attrs["comparison"] = text
     return result
