@@ -213,7 +213,7 @@ class _Child:
 
     def __enter__(self):
         places = os.pathsep.join(place or str(Path.cwd()) for place in sys.path)
-        alone = {"PYTHONPATH": places, "NUMBA_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+        alone = {"PYTHONPATH": places, "OPENBLAS_NUM_THREADS": "1"}
         with contextlib.suppress(OSError):  # where no process can be had, this one does all
             self.process = subprocess.Popen(
                 [sys.executable, "-P", "-c", f"from {__name__} import _serve; _serve()"],
