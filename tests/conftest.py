@@ -35,7 +35,7 @@ def laws_as_before():
 def pytest_runtest_setup(item):
     """Write pictures of few pixels, which no test looks at; read NetCDF without a child process.
 
-    A child takes 0.3 s a file.  `test_isolated` and `test_files` test reading with one.
+    A child takes 0.3 s a file.  `test_processes` and `test_files` test reading with one.
     """
     if layout := sys.modules.get("ratestate.plot.layout"):
         layout.DPI = 40

@@ -1,4 +1,4 @@
-"""Readers that go wrong, for the child that `isolated` lets them run in."""
+"""Readers that go wrong, for the child that `read_isolated` lets them run in."""
 
 import os
 import signal

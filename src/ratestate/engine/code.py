@@ -121,7 +121,7 @@ def _operators(of_doubles, of_ints=None, is_test=False):
                 return found
         values = f"{code.type(kind)} {code.text(kind, x)}, {code.text(kind, y)}"
         found = code.write(f"{instruction} {values}", Condition if is_test else kind)
-        if instruction == "fmul":
+        if code.contracts and instruction == "fmul":
             found.factors = code.as_value(x, Number), code.as_value(y, Number)
         return found
 

@@ -1,7 +1,6 @@
 """A loading from two or three columns of a file, which the reader of laboratory records opens."""
 
 import functools
-import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -86,8 +85,7 @@ def _table_of(file: Any, folder: Path) -> Table:
     try:
         table: Table = open_table(folder / file)
     except ParameterError as error:
-        problem = re.split("; |[.] ", str(error))[0]
-        raise refusal("record.unreadable", problem=problem) from None
+        raise refusal("record.unreadable", problem=error) from None
     if max(column.values.size for column in table.columns) > LONGEST:
         raise refusal("record.too_many_rows", given=file, most=LONGEST)
     return table

@@ -241,10 +241,13 @@ class _Child:
         """The function's result for an item; its exception is raised here."""
         if self.process is None:
             raise _ChildDied
+        task = pickle.dumps(item, 5)
         try:
-            self._send(item)
+            self.process.stdin.write(task)
+            self.process.stdin.flush()
             result, error = pickle.load(self.process.stdout)
-        except Exception:  # it died before it had read all, or while it sent
+        except Exception:  # it died before it had read all, or while it sent; or its answer is odd
+            self.kill()
             raise _ChildDied from None
         if error is not None:
             raise error

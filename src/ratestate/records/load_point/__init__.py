@@ -3,10 +3,8 @@
 =================== ==========================================================================
 ``segments``        `find_segments`: constant speeds, their errors; steps in words
 ``steps``           which cuts are steps; what is a hold, a jump, a ramp
-``overshoots``      brief speeds about a step, which are no steps
 ``stress_steps``    steps of normal stress
 ``splits``          where rows are cut into runs
 ``runs``            lines through runs, and where they meet
-``sampling_noise``  how large the noise is, at each sampling rate and place
 =================== ==========================================================================
 """

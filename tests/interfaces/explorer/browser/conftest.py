@@ -27,9 +27,9 @@ EMULATED = {"viewport", "color_scheme", "reduced_motion"}
 COARSE = """
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.explorer.computation import charts
-from ratestate.records.reading import isolated
+from ratestate.records.kit import processes
 charts.SIZES, charts.WINDOW_SIZE = (4, 6), 16
-isolated._is_child = True
+processes._is_child = True
 main()
 """
 FINE = "from ratestate.interfaces.cli import main; main()"

@@ -10,6 +10,7 @@ import numpy as np
 
 from ....model.conversion import in_si
 from ....model.names import keywords_checked
+from ...messages import fitting as sentences
 from ..generalized_least_squares import solutions_of
 from ..problem import Problem
 from ..settings import checked_settings
@@ -25,9 +26,9 @@ def log_likelihood(
 ):
     """Return ln(likelihood) of a record as a function of the free parameters.
 
-    The function is what `fit` maximises, for a sampler or an optimiser of your own.  The record
-    begins in steady sliding.  Its level of friction and its trend are integrated out, with flat
-    priors without bounds.
+    For a sampler or an optimiser of your own.  The record begins in steady sliding.  Its level of
+    friction and its trend are integrated out, with flat priors without bounds: so the maximum is
+    that of `fit`, but the value is not the ``log_likelihood`` of its result.
 
     Parameters
     ----------
@@ -68,10 +69,11 @@ def log_likelihood(
     >>> function([10e-6, 0.01]) > function([20e-6, 0.01])
     True
     """
+    free = (free,) if isinstance(free, str) else tuple(free)
     choices = {"against": "time", "start": "steady", "errors": "covariance"}
     settings = checked_settings(slider, free=free, law=None, noise=noise, trend=trend, **choices)
     (solution,) = solutions_of(in_si(record), settings, loading)
-    names = [free] if isinstance(free, str) else [name for name in free if name != "mu0"]
+    names = [name for name in free if name != "mu0"]
     samples, slider = solution.problem.record, solution.problem.slider
     unknowns = unknowns_of(samples, slider, names, start=False)
     return LogLikelihood(Problem(samples, slider, unknowns), solution.noise)
@@ -90,6 +92,10 @@ class LogLikelihood:
 
     def __call__(self, values):
         """ln(likelihood) (float) at values (k,) [SI], in the order of `names`; -inf without one."""
+        if np.shape(values) != (len(self.names),):
+            raise sentences.refusal(
+                "settings.point", names=", ".join(self.names), count=len(self.names), values=values
+            )
         with np.errstate(divide="ignore", invalid="ignore"):
             pairs = list(zip(self.names, np.asarray(values, float), strict=True))
             coordinates = np.array([to_coordinate(name, value) for name, value in pairs])
