@@ -156,13 +156,17 @@ NO_RECORD = [
     (
         CSV.replace("1,3,x", "1,three,x"),
         "columns = [1, 2]",
-        "file: line 4: 'three' in 'V_lp [um/s]' is no number, expected one such as 0.5",
+        "file: line 4: 'V_lp [um/s]' has 'three', expected a number such as 0.5",
     ),
-    (CSV.replace("1,3,x", "1"), "columns = [1, 2]", "file: line 4: nothing in 'V_lp [um/s]' is no"),
-    (CSV.replace("1,3,x", "1,nan"), "columns = [1, 2]", "file: line 4: 'nan' in"),
+    (
+        CSV.replace("1,3,x", "1"),
+        "columns = [1, 2]",
+        "file: line 4: 'V_lp [um/s]' has nothing, expected",
+    ),
+    (CSV.replace("1,3,x", "1,nan"), "columns = [1, 2]", "file: line 4: 'V_lp [um/s]' has 'nan'"),
     (CSV.replace("1,3,x", "1,-3"), "columns = [1, 2]", "file: V_lp = -3e-06 m/s at row[2] must be"),
     (CSV.replace("2.5", "0.5"), "columns = [1, 2]", "file: t[3] = 0.5 s is less than t[2] = 1.0 s"),
-    (CSV + 6 * "a,b,c\n", "columns = [1, 2]", "file: and 7 cells more are no numbers, expected"),
+    (CSV + 6 * "a,b,c\n", "columns = [1, 2]", "file: and 7 cells more, expected numbers"),
     (CSV.split("\n", 1)[1], "columns = [1, 2]", "columns[0]: 'column 1' has no unit, expected"),
     (
         "1,2,3\n2,3,4\n",
@@ -173,6 +177,11 @@ NO_RECORD = [
         "a [s],a [um/s]\n1,2",
         'columns = ["a", 2]',
         "columns[0]: 'a' is the name of 2 columns, numbers 1, 2",
+    ),
+    (
+        "time [s]; V [um/s]\n",
+        "columns = [1, 2]",
+        "file: x.csv has no line of numbers (it begins 'time [s]; V [um/s]'), expected a file",
     ),
     ("", "columns = [1, 2]", "file: x.csv is empty, expected a file with rows of times and speeds"),
     (
@@ -386,6 +395,7 @@ def test_what_a_slider_or_a_method_lacks_is_expected_and_no_more(read, told):
         ('"none.csv"', "none.csv does not exist, expected a file with rows"),
         ('"it.toml"', "it.toml has no line of numbers"),
         ('"folder.csv"', "folder.csv is a folder, expected"),
+        ('"Dr. X; Y.csv"', "Dr. X; Y.csv does not exist, expected"),
         ("3", "3 is no file's name, expected"),
         ('"' + "x" * 500 + '.csv"', "cannot be read: File name too long, expected"),
         ("'''a\nb.csv'''", "'a\\nb.csv' is no file's name, expected"),

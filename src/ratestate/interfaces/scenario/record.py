@@ -1,6 +1,7 @@
 """A loading from two or three columns of a file, which the reader of laboratory records opens."""
 
 import functools
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +22,8 @@ from .values import unusual
 
 LONGEST = 10**6  # rows
 BAD_LISTED = 5  # cells
+#: what parts an error from its remedy, outside of quotes
+END = re.compile(r"(?:; |[.] )(?=(?:[^']*'[^']*')*[^']*$)")
 #: of columns, the last if there are three
 SYMBOLS = ("t", "V_lp", "sigma")
 
@@ -85,10 +88,16 @@ def _table_of(file: Any, folder: Path) -> Table:
     try:
         table: Table = open_table(folder / file)
     except ParameterError as error:
-        raise refusal("record.unreadable", problem=error) from None
+        raise refusal("record.unreadable", problem=_without_remedy(error, file)) from None
     if max(column.values.size for column in table.columns) > LONGEST:
         raise refusal("record.too_many_rows", given=file, most=LONGEST)
     return table
+
+
+def _without_remedy(error: ParameterError, file: str) -> str:
+    """An error of the reader without what it says to do: that is for records of friction."""
+    before, name, after = str(error).partition(Path(file).name)
+    return before + name + END.split(after)[0]
 
 
 def _check_unit(symbol: str, column: Column, place: Place, area: dict[str, Any]) -> None:
