@@ -8,7 +8,7 @@ the only liberty taken.  It is written as such, so that vectors of any width giv
 The units of a law (units.py) are straight lines of such code, with these signatures:
 
 ===========================  =======================================================
-``void f(s, n)``             of lanes: over n vectors of them, from the column s on
+``void f(s, n)``             of n lanes, whole vectors of them, from the column s on
 ``void f(s, given, found)``  of the lane at s: numbers that it is given, and finds
 ===========================  =======================================================
 """
@@ -116,7 +116,7 @@ def _operators(of_doubles, of_ints=None, is_test=False):
         instruction = of_doubles if kind is Number else of_ints
         if instruction is None:
             raise TypeError("an operator of integers")
-        if code.contracts and kind is Number and instruction in ("fadd", "fsub"):
+        if instruction in ("fadd", "fsub"):
             if (found := _contracted(code, instruction, x, y)) is not None:
                 return found
         values = f"{code.type(kind)} {code.text(kind, x)}, {code.text(kind, y)}"
