@@ -8,6 +8,7 @@ All units of pint are read; prefixes keep their case: 2 MPa is 2e6 Pa, and 2 mPa
 
 import functools
 import re
+import reprlib
 import sys
 from decimal import Decimal
 
@@ -149,7 +150,7 @@ def _real(symbol, value, label):
             return np.inf if value > 0 else -np.inf
     many = hasattr(value, "__len__") and not isinstance(value, str | bytes)
     raise ParameterError(
-        f"{label} = {value!r} is of type {type(value).__name__}; {expected(symbol)}"
+        f"{label} = {reprlib.repr(value)} is of type {type(value).__name__}; {expected(symbol)}"
         + (f", or for many values xarray.DataArray(values, dims='{symbol}')" if many else "")
     )
 
