@@ -1,10 +1,11 @@
-"""What friction laws of one's own are written with.
+"""Names for writing a friction law.
 
-`FrictionLaw`, which they derive from, `Parameter`, and functions of the quantities in their
-formulas: exp, expm1, log, log1p, sqrt, sinh, cosh, tanh, asinh, abs, minimum, maximum, where.
+`FrictionLaw` is the base class, `Parameter` describes a parameter, and the functions take the
+quantities in formulas: exp, expm1, log, log1p, sqrt, sinh, cosh, tanh, asinh, abs, minimum,
+maximum, where.
 """
 
-from builtins import abs  # noqa: A004  (a function of formulas too)
+from builtins import abs  # noqa: A004  (formulas use it too)
 
 from .friction.functions import asinh, cosh, exp, expm1, log, log1p, sinh, sqrt, tanh, where
 from .friction.functions import larger as maximum

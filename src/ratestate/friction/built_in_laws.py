@@ -1,7 +1,7 @@
 """The built-in friction laws.
 
-In the methods `runaway`, y = v + psi = ln(V theta/Dc), c = b/a - 1, and slip D takes the place of
-time at V >> V_lp.  They say when y, and so V, can only grow.
+The methods `runaway` use y = v + psi = ln(V theta/Dc) and c = b/a - 1.  At V >> V_lp the slip D
+replaces time.  The conditions guarantee that y, and so V, only grows from then on.
 """
 
 from types import MappingProxyType
@@ -23,11 +23,10 @@ class SlipLaw(FrictionLaw):
     )
 
     def evolution(self, V, theta, p):
-        """-(V theta/Dc) ln(V theta/Dc)."""
         return -(V * theta / p.Dc) * log(V * theta / p.Dc)
 
     def runaway(self, v, psi, kappa, p):
-        """Q = y - kappa/c >= 0 and c > 0: dQ/dD = c Q + kappa w_lp/w, whatever the load point."""
+        """Return whether c > 0 and Q = y - kappa/c >= 0: dQ/dD = c Q + kappa w_lp/w > 0."""
         c = p.b / p.a - 1.0
         return (c > 0.0) & (c * (v + psi[0]) >= kappa)
 
@@ -44,11 +43,10 @@ class AgingLaw(FrictionLaw):
     )
 
     def evolution(self, V, theta, p):
-        """1 - V theta/Dc."""
         return 1.0 - V * theta / p.Dc
 
     def runaway(self, v, psi, kappa, p):
-        """c (1 - exp(-y)) >= kappa: dy/dD = c (1 - exp(-y)) - kappa."""
+        """Return whether c (1 - exp(-y)) >= kappa, as dy/dD = c (1 - exp(-y)) - kappa."""
         c = p.b / p.a - 1.0
         return (c > kappa) & (-c * expm1(-v - psi[0]) >= kappa)
 
@@ -56,11 +54,11 @@ class AgingLaw(FrictionLaw):
 class FlashHeatingLaw(FrictionLaw):
     """d Psi/dt = -(V/Dc) (Psi - Psi_ss), with mu = a asinh(V/(2 V0) exp(Psi/a)).
 
-    Psi_ss is such that in steady sliding mu is
+    Psi_ss is chosen so that mu in steady sliding is
 
         mu_ss = mu_w + (mu_lv - mu_w)/(1 + (V/V_w)^8)^(1/8),    mu_lv = mu0 - (b - a) ln(V/V0).
 
-    Psi = mu0 + b ln(V0 theta/Dc) defines theta, and friction is that of the regularized form.
+    Psi = mu0 + b ln(V0 theta/Dc) defines theta.  The friction is the regularized form.
     """
 
     name = "flash-heating"
@@ -76,7 +74,7 @@ class FlashHeatingLaw(FrictionLaw):
     )
 
     def evolution(self, V, theta, p):
-        """-(theta/b) (V/Dc) (Psi - Psi_ss), by d Psi = (b/theta) d theta."""
+        """Return -(theta/b) (V/Dc) (Psi - Psi_ss), since d Psi = (b/theta) d theta."""
         mu_lv = p.mu0 - (p.b - p.a) * log(V / p.V0)
         mu_ss = p.mu_w + (mu_lv - p.mu_w) / (1.0 + (V / p.V_w) ** 8) ** 0.125
         Psi_ss = p.a * log(2.0 * p.V0 / V * sinh(mu_ss / p.a))
@@ -84,7 +82,7 @@ class FlashHeatingLaw(FrictionLaw):
         return -(theta / p.b) * (V / p.Dc) * (Psi - Psi_ss)
 
     def complaint(self, slider):
-        """The problem if b <= 0, friction vanishes without heat, or heat strengthens contacts."""
+        """Return a problem if b <= 0, mu_lv <= 0 at V_w, or mu_w > mu0."""
         import numpy as np
 
         if np.any(slider.b <= 0.0):
@@ -118,20 +116,19 @@ class KatoTullisLaw(FrictionLaw):
     )
 
     def evolution(self, V, theta, p):
-        """exp(-V/V_cut) - (V theta/Dc) ln(V theta/Dc)."""
         return exp(-V / p.V_cut) - (V * theta / p.Dc) * log(V * theta / p.Dc)
 
     def runaway(self, v, psi, kappa, p):
-        """c y >= kappa and c > 0, as under the slip law, which this is at V >> V_cut."""
+        """Return whether c > 0 and c y >= kappa: at V >> V_cut the law is the slip law."""
         c = p.b / p.a - 1.0
         return (c > 0.0) & (c * (v + psi[0]) >= kappa)
 
 
 class NagataLaw(FrictionLaw):
-    """d theta/dt = 1 - V theta/Dc - (c/b) theta (d tau_f/dt)/sigma, tau_f = sigma mu (of eq. 1).
+    """d theta/dt = 1 - V theta/Dc - (c/b) theta (d tau_f/dt)/sigma.
 
-    Its variable is phi = (1 + c) psi + (c a/b) v, whose rate needs no derivative of the stress.
-    theta itself jumps when V does.
+    tau_f = sigma mu, with mu of eq. 1.  The law integrates phi = (1 + c) psi + (c a/b) v, whose
+    rate needs no derivative of the stress.  If V jumps, theta jumps too.
     """
 
     name = "nagata"
@@ -142,34 +139,34 @@ class NagataLaw(FrictionLaw):
     )
 
     def evolution(self, V, theta, p):
-        """theta d phi/dt = 1 - V theta/Dc."""
+        """Return theta d phi/dt = 1 - V theta/Dc."""
         return 1.0 - V * theta / p.Dc
 
     def _per_v(self, p):
-        """c a/b; 0 if c is."""
+        """Return c a/b, or 0 if c = 0."""
         return where(p.c > 0.0, p.c * p.a / p.b, 0.0)
 
     def log_theta(self, v, psi, p):
-        """ln(V_ref theta/Dc) = (phi - (c a/b) v)/(1 + c)."""
+        """Return ln(V_ref theta/Dc) = (phi - (c a/b) v)/(1 + c)."""
         return [(psi[0] - self._per_v(p) * v) / (1.0 + p.c)]
 
     def variables_of(self, v, logs, p):
-        """phi from ln(V_ref theta/Dc)."""
+        """Return phi from ln(V_ref theta/Dc)."""
         return [(1.0 + p.c) * logs[0] + self._per_v(p) * v]
 
     def complaint(self, slider):
-        """The problem if b = 0, by which the law divides c."""
+        """Return a problem if b = 0 and c > 0, because the law divides c by b."""
         divides = (slider.b == 0.0) * (slider.c > 0.0)
         divides = divides.any() if hasattr(divides, "any") else divides
         return "b = 0 where c > 0; give another b, or c = 0" if divides else ""
 
     def jumps_with_normal_stress(self, mu, alpha, slider):
-        """d phi/d ln sigma: the stress on the contacts changes by mu d sigma."""
-        b = slider.b + 1.0 * (slider.b == 0.0)  # (where c and alpha are 0)
+        """Return d phi/d ln sigma; the stress on the contacts changes by mu d sigma."""
+        b = slider.b + 1.0 * (slider.b == 0.0)  # if b is 0, so are c and alpha
         return (-(slider.c * mu + alpha) / b,)
 
     def runaway(self, v, psi, kappa, p):
-        """(b/a - 1) (1 - exp(-y)) >= k = kappa (1 + c - c a/b).
+        """Return whether (b/a - 1) (1 - exp(-y)) >= k = kappa (1 + c - c a/b).
 
         dy/dD = (b/a - 1) (1 - exp(-y)) - k, as under the aging law with another stiffness.
         """
@@ -181,7 +178,7 @@ class NagataLaw(FrictionLaw):
 class PRZLaw(FrictionLaw):
     """d theta/dt = (1 - (V theta/Dc)^2)/2.
 
-    theta is Dc/V in steady sliding: half of theta in the original 1 - (V theta/(2 Dc))^2.
+    theta is Dc/V in steady sliding: half the theta of the original law, 1 - (V theta/(2 Dc))^2.
     """
 
     name = "prz"
@@ -190,11 +187,10 @@ class PRZLaw(FrictionLaw):
     source = "Perrin, Rice & Zheng (1995) doi:10.1016/0022-5096(95)00036-I"
 
     def evolution(self, V, theta, p):
-        """(1 - (V theta/Dc)^2)/2."""
         return (1.0 - (V * theta / p.Dc) ** 2) / 2.0
 
     def runaway(self, v, psi, kappa, p):
-        """c sinh(y) >= kappa and c > 0: dy/dD = c sinh(y) - kappa + kappa w_lp/w."""
+        """Return whether c > 0 and c sinh(y) >= kappa: dy/dD > c sinh(y) - kappa."""
         c = p.b / p.a - 1.0
         return (c > 0.0) & (c * sinh(v + psi[0]) >= kappa)
 
@@ -216,22 +212,21 @@ class TwoStateLaw(FrictionLaw):
 
 
 class TwoStateAgingLaw(TwoStateLaw):
-    """d theta_k/dt = 1 - V theta_k/D_k, k = 1, 2; friction as of `TwoStateLaw`."""
+    """d theta_k/dt = 1 - V theta_k/D_k; friction: `TwoStateLaw`."""
 
     name = "two-state-aging"
     label = "two-state aging law"
     synonyms = ("two-state-ageing", "two-state-dieterich")
 
     def evolution(self, V, theta, p):
-        """1 - V theta_k/D_k of each."""
         return 1.0 - V * theta[0] / p.Dc, 1.0 - V * theta[1] / p.Dc2
 
     def runaway(self, v, psi, kappa, p):
-        """y_k = v + psi_k both grow from here on; else it is followed to huge speeds.
+        """Return whether both y_k = v + psi_k grow from here on, or v is huge.
 
-        With q_k = 1 - exp(-y_k) they grow at the rates (b q_1 + b2 (Dc/Dc2) q_2)/a - kappa less
-        q_1, or (Dc/Dc2) q_2.  If neither b nor b2 is negative, both rates rise with the other's y,
-        so that they stay positive.
+        With q_k = 1 - exp(-y_k), the rates are (b q_1 + b2 (Dc/Dc2) q_2)/a - kappa - q_1 for y_1,
+        and with (Dc/Dc2) q_2 in place of the last q_1 for y_2.  If neither b nor b2 is negative,
+        each rate rises with the other's y, so both stay positive.
         """
         b1, b2 = p.b / p.a, p.b2 / p.a
         q1, q2 = -expm1(-v - psi[0]), -(p.Dc / p.Dc2) * expm1(-v - psi[1])
@@ -241,24 +236,23 @@ class TwoStateAgingLaw(TwoStateLaw):
 
 
 class TwoStateSlipLaw(TwoStateLaw):
-    """d theta_k/dt = -(V theta_k/D_k) ln(V theta_k/D_k), k = 1, 2; friction as of `TwoStateLaw`."""
+    """d theta_k/dt = -(V theta_k/D_k) ln(V theta_k/D_k); friction: `TwoStateLaw`."""
 
     name = "two-state-slip"
     label = "two-state slip law"
     synonyms = ("two-state-ruina",)
 
     def evolution(self, V, theta, p):
-        """-(V theta_k/D_k) ln(V theta_k/D_k) of each."""
         ages = V * theta[0] / p.Dc, V * theta[1] / p.Dc2
         return tuple(-age * log(age) for age in ages)
 
     def runaway(self, v, psi, kappa, p):
-        """y = (v + psi_1, v + psi_2) is beyond the stable direction of a saddle.
+        """Return whether (v + psi_1, v + psi_2) is beyond a saddle's stable direction.
 
-        dy/dD = A y - kappa (1, 1), where the determinant of A is -(Dc/Dc2) c with
-        c = (b + b2)/a - 1.  A saddle has c > 0: then y runs away to the side of the left
-        eigenvector (of the eigenvalue > 0) on which it is, with V growing along the right one to
-        one of the sides.  Elsewhere it is followed to speeds at which only runaway is left.
+        y = (v + psi_1, v + psi_2) obeys dy/dD = A y - kappa (1, 1).  The determinant of A is
+        -(Dc/Dc2) c with c = (b + b2)/a - 1, so c > 0 means a saddle.  The left eigenvector of its
+        positive eigenvalue gives the side to which y runs away, and V grows on one side of the
+        right eigenvector.  Other motions are followed to speeds at which only runaway is possible.
         """
         b1, b2, r = p.b / p.a, p.b2 / p.a, p.Dc / p.Dc2
         c = b1 + b2 - 1.0
@@ -267,7 +261,7 @@ class TwoStateSlipLaw(TwoStateLaw):
         growth = half + sqrt(half * half + r * some_c)
         steady = kappa / some_c
         y1, y2 = v + psi[0] - steady, v + psi[1] - steady / r
-        # of two forms of the left eigenvector, and of the right one, those that do not vanish
+        # each eigenvector has two forms; use those that do not vanish
         m1, m2 = growth - b1 + 1.0, growth - r * (b2 - 1.0)
         one = (b1 * y1 + m1 * y2) * (b1 * b1 + m1 * r * b2)
         other = (m2 * y1 + r * b2 * y2) * (b1 * m2 + r * r * b2 * b2)
@@ -275,7 +269,7 @@ class TwoStateSlipLaw(TwoStateLaw):
         return ((c > 0.0) & (along >= 0.0)) | ((c <= 0.0) & (v > 6000.0))
 
 
-#: one of each, the default law first
+#: the built-in laws, the default law first
 BUILT_IN = (
     SlipLaw(),
     AgingLaw(),

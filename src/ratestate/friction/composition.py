@@ -1,17 +1,16 @@
-"""A friction law with what else stands in the balance of forces, as one law.
+"""Add a form of friction, damping and varying normal stress to a friction law.
 
-Code is written for each composed law.  It leaves out what a slider lacks: the code for eq. 1
-without damping is that of the law of state alone.
+Each composed law has its own machine code, without the terms that a slider lacks.
 
-Normal stress may vary with time: s(t) = sigma(t)/sigma(0), known from the loading.  Friction pushes
-with sigma(t) mu.  A change of normal stress changes the states too, by
-`FrictionLaw.jumps_with_normal_stress`: d psi_k = h_k d ln s, with h_k = h_k0 + h_k1 R.  Where sigma
-jumps, V stays as it is, and psi does what it does in a very short ramp at that V.  A slider without
-mass then is at once at the speed at which friction balances the spring: what one of ever smaller
-mass does.  (In a short ramp V follows the balance meanwhile, which the states feel where h_k1 is
-not 0, under the law of Nagata.)
+Normal stress may vary with time: s(t) = sigma(t)/sigma(0), known from the loading.  The friction
+force is sigma(t) mu.  A change of normal stress also changes the states, by
+`FrictionLaw.jumps_with_normal_stress`: d psi_k = h_k d ln s, with h_k = h_k0 + h_k1 R.  If sigma
+jumps, V does not change, and psi changes as in a very short ramp at constant V.  A slider without
+mass then moves at once to the speed at which friction balances the spring: the limit of ever
+smaller mass.  (In a short ramp without mass V follows the balance during the ramp.  The states
+depend on this if h_k1 is not 0, as under Nagata's law.)
 
-Source of the latter: Linker & Dieterich (1992) doi:10.1029/92JB00017.
+Source of the state's response: Linker & Dieterich (1992) doi:10.1029/92JB00017.
 """
 
 import functools
@@ -27,33 +26,33 @@ from .law import FrictionLaw
 from .law_formula import LOG, Parameter
 from .laws import friction_law
 
-#: symbol -> what it is, of parameters that every slider has, and needs only where it is not 0
+#: symbol -> `Parameter` of optional parameters that sliders have under any law; 0 by default
 EXTRAS = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
-#: between the name of a law and of what it is composed with
+#: separates the name of a law from the names of its added parts
 JOINT = "+"
 DAMPED = "damping"
 VARYING = "varying-sigma"
-#: places, from the end of p, of a history: base, its rate, amplitude, frequency and phase [periods]
-#: of a sinusoid on it, and s; then ds/dT and d2s/dT2, to which the base, a straight line, adds
-#: nothing
+#: indices of a history, from the end of p: the base, a straight line, and its rate; amplitude,
+#: frequency and phase [periods] of a sinusoid on it; and s.  ds/dT and d2s/dT2 follow.
 BASE, RATE, AMPLITUDE, FREQUENCY, PHASE, S = range(-8, -2)
 
 
 class Damped(FrictionLaw):
-    """A friction law with damping: S = N + zeta w, with zeta = damping V_ref/(a sigma).
+    """A friction law with damping: S = N + zeta w.
 
-    The dashpot is of the machine, or it stands for the waves that a fault radiates.
+    zeta = damping V_ref/(a sigma).  The damping belongs to the machine, or stands for the waves
+    that a fault radiates.
 
-    Source: Rice (1993) doi:10.1029/93JB00191, with damping G/(2 c_s), that of shear waves.
+    Source: Rice (1993) doi:10.1029/93JB00191: shear waves give damping = G/(2 c_s).
     """
 
     OWN = EXTRAS
 
 
 class Varying(FrictionLaw):
-    """A friction law under normal stress sigma(t), which the engine alone is given.
+    """A friction law under normal stress sigma(t), for the engine alone.
 
-    After the law's own coefficients come mu_ref/a, h_k0 and h_k1 of each state, and the history.
+    Its coefficients: the law's own, mu_ref/a, h_k0 and h_k1 of each state, the history of sigma.
     """
 
     OWN: Mapping[str, Parameter] = MappingProxyType({})
@@ -63,7 +62,7 @@ class Varying(FrictionLaw):
     inner: FrictionLaw  # the law under a constant sigma
 
     def coefficients(self, V_ref, slider):
-        """Those of the law under a constant sigma, those of its own, and sigma's history."""
+        """Return the law's coefficients at constant sigma, its jumps, sigma's history."""
         of_law = self.inner.coefficients(V_ref, slider)
         mu_ref = self.inner.reference_friction(V_ref, vars(slider))
         jumps = self.inner.jumps_with_normal_stress
@@ -74,15 +73,15 @@ class Varying(FrictionLaw):
         return (*of_law, mu_ref / slider.a, *at_mu_ref, *by_R, *history)
 
     def history(self, p):
-        """Those of p that belong to the history."""
+        """Return the part of p that describes the history of sigma."""
         return p[BASE:]
 
     def later(self, p, dT):
-        """p at a time dT later in the same segment."""
+        """Return p a time dT later, within the same segment."""
         return self.at_time(p, p[BASE] + dT * p[RATE], p[RATE], p[PHASE] + dT * p[FREQUENCY])
 
     def at_time(self, p, base, rate, phase):
-        """p where the base of normal stress, its rate, and the sinusoid's phase are these."""
+        """Return p with this base of normal stress, its rate, and the sinusoid's phase."""
         amplitude, frequency = p[AMPLITUDE], p[FREQUENCY]
         speed = 2.0 * math.pi * frequency
         wave = amplitude * sine(phase)
@@ -90,32 +89,29 @@ class Varying(FrictionLaw):
         return (*p[:BASE], base, rate, amplitude, frequency, phase, base + wave, ds, dds)
 
     def stiffness(self, kappa, p):
-        """K Dc/(a sigma(t))."""
+        """Return K Dc/(a sigma(t))."""
         return kappa / p[S]
 
 
 def composed_law(name):
-    """The law of this name, or of a name as `composed` gives it, such as "slip+damping".
-
-    ParameterError for an unknown one.
-    """
+    """Return a law, perhaps composed ("slip+damping"); ParameterError if unknown."""
     own, *parts = name.split(JOINT) if isinstance(name, str) else (name,)
     form = parts[0] if parts and parts[0] in FORMS else None
     return composed(friction_law(own), form, DAMPED in parts)
 
 
 def form_of(law, friction=None):
-    """The name of this form of friction, in any capitals; by default that which the law is for.
+    """Return a form's name in small letters, by default that which the law needs.
 
-    ParameterError for an unknown one.
+    ParameterError if the form is unknown.
     """
     return law.form if friction is None else form_name(friction)
 
 
 def composed(law, form=None, damped=False):
-    """A law of `laws.LAWS` with a form of friction, by name, and damping; the law if with none.
+    """Return a law of `laws.LAWS` with a form of friction and perhaps damping.
 
-    ParameterError for a form that the law does not take.  None is that which the law is for.
+    ParameterError if the law does not take this form.  None selects the law's own form.
     """
     form = law.form if form is None else form
     if form != law.form:
@@ -135,23 +131,23 @@ def composed(law, form=None, damped=False):
 
 
 def under_varying_stress(law):
-    """The law, with all that it is made of, as the engine needs it where sigma varies."""
+    """Return a law, composed or not, as the engine needs it if sigma varies."""
     return _with(law, VARYING)
 
 
 def takes_forms(law):
-    """Whether friction under a law of `laws.LAWS` is that of eq. 1 in the states themselves."""
+    """Return whether a law of `laws.LAWS` has eq. 1, in the states themselves."""
     return not law.gives("friction") and not law.gives("log_theta")
 
 
 def forms_of(law):
-    """Names of the forms of friction that a law of `laws.LAWS` takes, its own first, a list."""
+    """Return the names of the forms that a law takes, its own first, a list."""
     return [law.form, *(FORMS if law.form == LOG and takes_forms(law) else ())]
 
 
 @functools.cache
 def _with(law, part):
-    """A law of another name, to which a part of the force balance is added; else as the law."""
+    """Return the law with another name and one more part of the force balance."""
     kind = type(law)
     changes: Any = {DAMPED: Damped, VARYING: Varying}.get(part) or FORMS[part]
     own = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _made_again}
@@ -163,5 +159,5 @@ def _with(law, part):
 
 
 def _made_again(law):
-    """For pickle: its class is found nowhere."""
+    """Tell pickle how to rebuild a composed law, whose class is in no module."""
     return _with, (law.inner, law.part)

@@ -1,6 +1,6 @@
 """The speeds at which steady sliding changes stability, under any friction law.
 
-Functions take NumPy arrays of one shape, SI units, by their symbols, and check no range.
+The functions take NumPy arrays of one shape in SI units, by their symbols, and check no ranges.
 """
 
 from typing import NamedTuple
@@ -11,28 +11,28 @@ from . import stability
 from .linear_stability import edges, stability_margin
 from .roots import root_between
 
-# Speeds [m/s] between which V_c is sought if a law has a speed of its own, and points per decade.
-# (Nothing slips faster than light.  If weakening fades as 1/V, rounding would decide up there.)
+# Speeds [m/s] between which V_c is searched for if the law has a speed scale, points per decade.
+# (If weakening fades as 1/V, rounding would decide at even larger speeds.)
 SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e9, 10
-# How many grids, of how many points, find the least stable speed, to 1e-8 of itself.
+# Number of grids, and of their points, that give the least stable speed to 1e-8 relative.
 GRIDS, POINTS = 6, 33
-# Sliders for which they are sought at a time, to limit memory.
+# Sliders in one search, to limit memory.
 TOGETHER = 1000
 
 
 class CriticalSpeeds(NamedTuple):
     """Speeds [m/s] at which steady sliding changes stability."""
 
-    V_c: np.ndarray  # the lowest above which it is unstable
-    V_c_upper: np.ndarray  # that above it from which it is stable again
+    V_c: np.ndarray  # above this speed sliding is unstable; the lowest such speed
+    V_c_upper: np.ndarray  # the next speed from which it is stable again
 
 
 def V_c(law, *, K, **values):
-    """`CriticalSpeeds` of sliders.
+    """Return the `CriticalSpeeds` of sliders.
 
     V_c is 0 if sliding is unstable down to rest, and inf if it is stable at any speed.  V_c_upper
-    is inf if sliding stays unstable.  Under a law with a speed of its own it may become unstable
-    once more at larger speeds.
+    is inf if sliding stays unstable.  Under a law with a speed scale it may become unstable again
+    at larger speeds.
     """
     if law.one_length:
         lower = stability.V_c(K=K, **values)
@@ -48,7 +48,7 @@ def V_c(law, *, K, **values):
 
 
 def _speeds_by_edges(law, *, sigma, K, M, **values):
-    """V_c and V_c_upper, if the edges have the same z and quasi-static part at all speeds."""
+    """Return V_c and V_c_upper, if z and the quasi-static part of edges are constant."""
     found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), {"sigma": sigma, **values}))
     unit = values["a"] * sigma / values["Dc"]
     excess = K[..., None] - found.z * found.per_z * unit[..., None]
@@ -57,7 +57,7 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
         speed = np.sqrt(excess / (found.z * (M / values["Dc"] ** 2)[..., None]))
     speed = np.where(excess > rounding, speed, 0.0)
     speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
-    # just above each of these speeds, how many pairs are unstable
+    # number of unstable pairs just above each of these speeds
     passed = speed[..., None, :] <= speed[..., None]
     pairs = (found.pairs[..., None, :] * passed).sum(axis=-1)
     lower = np.where(pairs > 0, speed, np.inf).min(axis=-1)
@@ -66,9 +66,9 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
 
 
 def _speeds_by_search(law, *, K, **values):
-    """V_c and V_c_upper, (n,) each, between speeds of a grid.
+    """Return V_c and V_c_upper, (n,) each, from a search between speeds of a grid.
 
-    If no speed of the grid is unstable, one near the least stable of them may be.
+    If no speed of the grid is unstable, a speed near the least stable one of them may be.
 
     K, values : (n, 1)
     """
@@ -82,7 +82,7 @@ def _speeds_by_search(law, *, K, **values):
     unstable = on_grid <= 0.0
     some, first = unstable.any(axis=1), unstable.argmax(axis=1)
     after = unstable | (np.arange(grid.size) < first[:, None])
-    last = after.argmin(axis=1)  # the first stable one after it, if any: else 0
+    last = after.argmin(axis=1)  # the first stable speed after `first`, 0 if there is none
     inside = grid[np.stack([np.maximum(first - 1, 0), last], axis=1)]
     outside = grid[np.stack([first, np.maximum(last - 1, 0)], axis=1)]
     if not some.all():
@@ -98,7 +98,7 @@ def _speeds_by_search(law, *, K, **values):
 
 
 def _least(function, low, high):
-    """Where between numbers (n, 1) a function is least, by ever finer grids: it may have jumps."""
+    """Return the minimiser (n, 1) between numbers (n, 1), by ever finer grids."""
     for _ in range(GRIDS):
         grid = low + (high - low) * np.linspace(0.0, 1.0, POINTS)
         least = function(grid).argmin(axis=1)[:, None]

@@ -1,13 +1,12 @@
 """The equations of motion under a law, derived from its formulas.
 
-The formulas, d theta/dt and perhaps friction of V, theta and the parameters p, are run once with
-expressions (expressions.py), in which
+The formulas, d theta/dt and perhaps friction, run once with expressions (expressions.py):
 
-    V = V_ref exp(v),    theta_k = (D_k/V_ref) exp(psi_k),    T = t V_ref/Dc,
+    V = V_ref exp(v),    theta_k = (D_k/V_ref) exp(psi_k),    T = t V_ref/Dc.
 
-so that d psi_k/dT and friction come out as expressions in v and psi.  What is constant in these are
-the coefficients, which are computed once a slider; derivatives follow, and values in numbers of any
-kind (rewriting.py).
+This yields d psi_k/dT and friction as expressions in v and psi.  Their constant parts are the
+coefficients, which are computed once for each slider.  Derivatives, and values in numbers of any
+kind, follow from the expressions (rewriting.py).
 """
 
 import functools
@@ -19,28 +18,28 @@ from .expressions import LIMIT, FormulaError, Graph, ordered
 from .functions import exp
 from .rewriting import Hoisting, source_of, times_each, values_of
 
-#: parameters of every slider that are > 0
+#: parameters of all sliders that are > 0
 POSITIVE = ("a", "Dc", "V0")
 
 
 class Equations:
     """d psi_k/dT and resistance R = (mu - mu_ref)/a as expressions in v and psi.
 
-    law : whose formulas these are; names : symbols of the parameters that they are given
+    law : the law with these formulas; names : symbols of the parameters that they may use
 
     Attributes
     ----------
     v, w, psi, kappa : the symbols; w = exp(v)
-    rates, resistance : of each state; R: lists, as are all expressions that are to be computed
-    exponentials, exponents : those that rates hold, beside w, and of what
-    runs_away : a condition, or None if the law does not know
-    log_theta, variables : ln(V_ref theta_k/D_k) of v and psi, and psi of v and these, the symbols
-        psi too; None where they are the same
-    effects : b_k/a
-    named : name -> another constant expression, what the law's `constants` gives
+    rates, resistance : d psi_k/dT of each state, and R; all expressions to be computed are in lists
+    exponentials, exponents : the exponentials in rates, except w, and their arguments
+    runs_away : a condition, or None if the law has no criterion
+    log_theta, variables : ln(V_ref theta_k/D_k) as a function of v and psi, and its inverse, whose
+        argument is named psi too; None if both are the identity
+    evolution_effects : b_k/a
+    law_constants : name -> constant expression in a list, from the law's `constants`
     constants : symbol -> constant expression in parameters and V_ref: the coefficients
-    friction_at_reference : mu_ref, such an expression: mu at V_ref and theta_k = D_k/V_ref
-    zeta : damping V_ref/(a sigma), if there is damping; else None
+    friction_at_reference : mu_ref, a constant expression: mu at V_ref and theta_k = D_k/V_ref
+    zeta : damping V_ref/(a sigma); None without damping
     """
 
     def __init__(self, law, names):
@@ -84,7 +83,7 @@ class Equations:
         if "damping" in symbols:
             zeta = p.damping * V_ref / (p.a * symbols["sigma"])
             self.zeta = hoisting(zeta)
-            away = (zeta <= 0.0) & (v > LIMIT)  # the dashpot holds what friction does not
+            away = (zeta <= 0.0) & (v > LIMIT)  # damping > 0 prevents runaway
         else:
             self.zeta, away = None, law.runaway(v, tuple(psi), kappa, p)
         self.runs_away = None if away is None else [hoisting(away)]
@@ -100,14 +99,14 @@ class Equations:
         self.exponents = [one.parts[0] for one in self.exponentials]
 
     def coefficients(self, V_ref, values):
-        """The numbers p that stand for what is constant, a tuple.
+        """Return the values p of the constant expressions, a tuple.
 
         values : symbol -> float or array, of the parameters [SI]
         """
         return tuple(self._of_parameters(self.constants.values(), V_ref, values))
 
     def reference_friction(self, V_ref, values):
-        """mu_ref; values as for `coefficients`."""
+        """Return mu_ref; values as for `coefficients`."""
         return self._of_parameters(self.friction_at_reference, V_ref, values)[0]
 
     def _of_parameters(self, expressions, V_ref, values):
@@ -117,7 +116,7 @@ class Equations:
 
     @property
     def text(self):
-        """Text that tells these equations from others."""
+        """Return a text that identifies these equations."""
         optional = self.runs_away, self.log_theta, self.variables, *self.named.values()
         own = [*self.effects, *self.rates, *self.resistance]
         own += [one for some in optional for one in some or []]
@@ -127,18 +126,18 @@ class Equations:
 
     @functools.cached_property
     def used(self):
-        """Symbols of the parameters on which coefficients depend, a set; "V_ref" may be one."""
+        """Return the symbols of the parameters in coefficients, a set; perhaps "V_ref"."""
         found = {*ordered(self.constants.values())}
         return {name for name, one in self._parameters.items() if one in found}
 
     def values(self, expressions, v, psi, p, kappa=None):
-        """Values of expressions where v, psi (a tuple) and p are these, a list."""
+        """Return the values of expressions at this v, psi (a tuple) and p, a list."""
         known = {self.v: v, self.kappa: kappa, **dict(zip(self.psi, psi, strict=False))}
         return values_of(expressions, known | dict(zip(self.constants, p, strict=False)))
 
 
 def _returned(graph, found, law):
-    """What `evolution` returns, as expressions: one a state."""
+    """Return the rates from `evolution` as expressions, one for each state."""
     rates = found if isinstance(found, tuple | list) else (found,)
     if len(rates) != len(law.states):
         raise FormulaError(

@@ -1,12 +1,12 @@
-"""Formulas as graphs: what a formula leaves behind that is run once with expressions for numbers.
+"""Formulas as graphs of expressions, from running a formula once.
 
 An `Expression` is a number, a symbol, a sum of multiples, a product of powers, a function of other
-expressions, or a choice between two.  Each stands in its `Graph` once.
+expressions, or a choice between two.  A `Graph` has each of its expressions only once.
 
-The exponentials in a product are one, of the sum of their exponents, and the logarithm of a product
-of positive factors is the sum of theirs (functions.py).  So a positive quantity such as
-V = V_ref exp(v) carries its logarithm, and V theta/Dc is exp(v + psi) in any units: neither a
-product nor a power of V and theta overflows on the way to a result that does not.
+The exponentials in a product are merged into one, and the logarithm of a product of positive
+factors is the sum of their logarithms (functions.py).  So a positive quantity such as
+V = V_ref exp(v) carries its logarithm, and V theta/Dc is exp(v + psi) in any units: products and
+powers of V and theta do not overflow on the way to a finite result.
 """
 
 import functools
@@ -16,15 +16,15 @@ import operator
 import threading
 from typing import Any
 
-#: held while the expressions of a law are made, of which threads need the same ones
+#: held while the expressions of a law are made, so that all threads get the same ones
 MAKING = threading.RLock()
-#: functions of which the values are positive
+#: functions with positive values
 POSITIVE = ("exp", "softplus", "logistic", "asinh_of_exp", "cosh")
-#: nodes of a graph that are no numbers -> the operator in them
+#: conditions, the nodes that are not numbers -> their operator
 CONDITIONS = {"less": "<", "less_equal": "<=", "both": "&", "either": "|"}
-#: beyond it, either way, the engine's exponentials saturate: a speed of 1e-260 V_ref is rest
+#: the engine's exponentials saturate beyond +-LIMIT: a speed of 1e-260 V_ref counts as rest
 LIMIT = 600.0
-#: largest power of a positive quantity that is not computed from its logarithm
+#: larger powers of positive quantities are computed from the logarithm
 LARGEST_POWER = 16
 #: names of NumPy's functions that are operators -> the operator
 OPERATORS = {
@@ -38,14 +38,14 @@ OPERATORS = {
     "greater": operator.gt,
     "greater_equal": operator.ge,
 }
-#: NumPy's names of functions of `ratestate.laws` that it calls otherwise
+#: NumPy's name -> name in `ratestate.laws`, if they differ
 NUMPY_NAMES = {"arcsinh": "asinh", "absolute": "abs"}
 
 
 class FormulaError(TypeError):
-    """A formula that cannot be run with expressions: the problem, and the remedy.
+    """A formula cannot be run with expressions: the problem, and the remedy.
 
-    method : the method of a law that it is about, if its code is not where the error came up
+    method : the law's method at fault, if the traceback does not show it
     """
 
     def __init__(self, text, method=""):
@@ -54,7 +54,7 @@ class FormulaError(TypeError):
 
 
 class Graph:
-    """The expressions of some formulas, each of them once.
+    """The expressions of some formulas, each only once.
 
     merges : whether the exponentials in a product become one.  Derivatives are taken without
         merging, so that they reuse the exponentials of the formula.
@@ -66,7 +66,7 @@ class Graph:
         self.one = self.number(1.0)
 
     def number(self, x):
-        """A number as an expression; an expression as it is."""
+        """Return a number as an expression, and an expression unchanged."""
         if isinstance(x, Expression):
             if x.kind in CONDITIONS:
                 raise FormulaError(
@@ -80,11 +80,11 @@ class Graph:
         return self._node("number", (float(x),), is_constant=True)
 
     def symbol(self, name, is_constant=True, is_positive=False):
-        """A quantity that is known by a name."""
+        """Return the expression of a quantity with this name."""
         return self._node("positive" if is_positive else "symbol", (name,), is_constant)
 
     def sum(self, terms):
-        """The sum of multiples; terms : dict expression -> factor, a float."""
+        """Return a sum of multiples; terms : dict expression -> factor, a float."""
         terms = {one: factor for one, factor in terms.items() if factor != 0.0}
         if not terms:
             return self.number(0.0)
@@ -98,7 +98,7 @@ class Graph:
         return self._node("sum", parts, key=frozenset(parts))
 
     def product(self, factor, powers):
-        """A product; factor : float; powers : dict expression -> exponent, a float."""
+        """Return a product; factor : float; powers : dict expression -> exponent."""
         exponent, kept = self.number(0.0), {}
         for base, power in powers.items():
             if base.kind == "exp" and self.merges:
@@ -121,7 +121,7 @@ class Graph:
         return self.sum({one: factor * x for one, x in whole.terms.items()})
 
     def call(self, name, *arguments):
-        """A function of expressions, which are not simplified."""
+        """Return a function of expressions, without simplification."""
         return self._node(name, arguments)
 
     def _node(self, kind, parts, is_constant=None, key=None):
@@ -132,7 +132,7 @@ class Graph:
 
 
 def _operators(function):
-    """An operator of expressions and numbers, and the same from the right."""
+    """Return an operator of expressions and numbers, and its reflected version."""
 
     def applied(self, other):
         return function(*map(self.graph.number, (self, other)))
@@ -158,10 +158,10 @@ def _product(x, y):
 
 
 def _power(x, exponent):
-    """x**exponent: of any x if that is an integer, else (a parameter, say) of x > 0."""
+    """Return x**exponent, for x > 0 unless the exponent is an integer."""
     graph, functions = x.graph, x.functions
     is_negative = exponent.kind == "number" and exponent.parts[0] < 0.0
-    if x.kind == "where" and not is_negative:  # (where x is 0 its logarithm is none)
+    if x.kind == "where" and not is_negative:  # a side may be 0, which has no logarithm
         condition, *sides = x.parts
         return graph.call("where", condition, *(one**exponent for one in sides))
     if exponent.kind != "number":
@@ -180,7 +180,7 @@ def _power(x, exponent):
 
 
 def _needs_logarithm(x, exponent):
-    """Whether a power of x > 0 may be beyond all numbers on the way to one that is not."""
+    """Return whether a power of x > 0 may overflow on the way to a finite result."""
     if abs(exponent) > LARGEST_POWER:
         return True
     return x.kind in ("sum", "cosh") and (exponent < 0.0 or exponent != int(exponent))
@@ -189,13 +189,13 @@ def _needs_logarithm(x, exponent):
 class Expression:
     """A node of a graph, immutable.
 
-    kind : "number", "symbol" or "positive" (a symbol), "sum", "product", "where", one of
-        `CONDITIONS` or of `functions.DERIVATIVES`
-    parts : what it is made of: arguments; of sums and products pairs, with factors or exponents
+    kind : "number", "symbol" or "positive" (a symbol), "sum", "product", "where", or a name in
+        `CONDITIONS` or `functions.DERIVATIVES`
+    parts : its arguments; for sums and products pairs, with factors or exponents
     """
 
     __slots__ = ("graph", "is_constant", "kind", "parts")
-    functions: Any  # those of expressions, which functions.py sets
+    functions: Any  # functions.py sets this
 
     def __init__(self, graph, kind, parts, is_constant=None):
         self.graph, self.kind, self.parts = graph, kind, parts
@@ -205,7 +205,7 @@ class Expression:
 
     @property
     def operands(self):
-        """The expressions that it is made of, a tuple."""
+        """Return the expressions in `parts`, a tuple."""
         if self.kind in ("number", "symbol", "positive"):
             return ()
         if self.kind in ("sum", "product"):
@@ -214,14 +214,14 @@ class Expression:
 
     @property
     def terms(self):
-        """The expression as a sum: dict expression -> factor."""
+        """Return the expression as a sum: dict expression -> factor."""
         if self.kind == "sum":
             return dict(self.parts)
         return {self.graph.one: self.parts[0]} if self.kind == "number" else {self: 1.0}
 
     @property
     def powers(self):
-        """The expression as a product: a factor, and a dict expression -> exponent."""
+        """Return the expression as a product: a factor, and dict expression -> exponent."""
         if self.kind == "number":
             return self.parts[0], {}
         if self.kind == "product":
@@ -233,7 +233,7 @@ class Expression:
 
     @property
     def is_positive(self):
-        """Whether it is positive for sure."""
+        """Return whether the expression is certainly positive."""
         if self.kind == "number":
             return self.parts[0] > 0.0
         if self.kind == "sum" and any(factor < 0.0 for _, factor in self.parts):
@@ -270,7 +270,7 @@ class Expression:
         return self.graph.call(kind, self, other)
 
     def select(self, x, y):
-        """x where this condition holds, else y."""
+        """Return x if this condition holds, else y."""
         if self.kind not in CONDITIONS:
             raise FormulaError(
                 "the condition of where is a number. Give a comparison, such as V > p.V0."
@@ -296,7 +296,7 @@ class Expression:
         )
 
     def __array_ufunc__(self, function, method, *inputs, **others):
-        """Operators between numbers of NumPy and expressions."""
+        """Apply an operator to expressions and NumPy numbers."""
         name = function.__name__
         if name not in OPERATORS or method != "__call__":
             self.__array_function__(function, (), inputs, others)
@@ -304,14 +304,14 @@ class Expression:
         return OPERATORS[name](x, y)
 
     def __array_function__(self, function, types, inputs, others):
-        """NumPy's other functions."""
+        """Reject other functions of NumPy."""
         name = function.__name__
         ours = NUMPY_NAMES.get(name, name)
         raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{ours}.")
 
 
 def ordered(roots):
-    """All expressions that some are made of, and these, each after those that it is made of."""
+    """Return the roots and all expressions in them, operands first, a list."""
     found, waiting = {}, list(reversed(list(roots)))
     while waiting:
         one = waiting[-1]

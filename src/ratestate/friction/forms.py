@@ -1,7 +1,7 @@
-"""Forms of friction: how it depends on speed and state, beside the logarithms of eq. 1.
+"""Forms of friction: alternatives to the logarithms of speed and state in eq. 1.
 
-A form is a class that stands before a law of state among the bases of another (`composition`), and
-so gives that law another friction.
+`composition` puts the class of a form before the class of a law among the bases of a new class.
+So the law gets another friction.
 """
 
 import math
@@ -27,14 +27,16 @@ from .law import FrictionLaw
 from .law_formula import LOG, Parameter, eq_1
 from .tuples import dot
 
-# ln(V/V1) up to which double precision tells V from friction, there to 1e-5: by the slope e**-20.
+# ln(V/V1) up to which friction determines V in double precision: to 1e-5 there, as the slope is
+# e**-20.
 RESOLVED, LEAST_SLOPE = 20.0, 2e-9
 
 
 class CutOff(FrictionLaw):
-    """mu = mu0 - a ln(1 + V1/V) + b ln(1 + V2 theta/Dc), and of a second state b2 likewise.
+    """mu = mu0 - a ln(1 + V1/V) + b ln(1 + V2 theta/Dc).
 
-    At V well below V1 and theta well above Dc/V2 that is eq. 1 with another mu0.
+    A second state adds a term with b2 and Dc2.  At V well below V1 and theta well above Dc/V2 this
+    is eq. 1 with another mu0.
 
     Source: Okubo (1989) doi:10.1029/JB094iB09p12321.
     """
@@ -47,23 +49,24 @@ class CutOff(FrictionLaw):
     )
 
     def mu(self, V, theta, ages, p, effects):
-        """From the theta_k/D_k and the b_k."""
+        """Return mu from the theta_k/D_k and the b_k."""
         mu = p.mu0 - p.a * log(1.0 + p.V1 / V)
         each = zip(effects, ages, strict=True)
         return sum((b * log(1.0 + p.V2 * age) for b, age in each), mu)
 
     def constants(self, p, effects):
-        """ln(V1/V_ref) and ln(V2/V_ref)."""
+        """Return ln(V1/V_ref) and ln(V2/V_ref)."""
         return {"v1": log(p.V1 / p.V_ref), "v2": log(p.V2 / p.V_ref)}
 
     def runaway(self, v, psi, kappa, p):
-        """Where the spring pulls harder than friction at all speeds, as when sigma falls."""
+        """Return whether v > `LIMIT`: the spring exceeds friction, if sigma fell say."""
         return v > LIMIT
 
     def without_rounding(self, at, error, inertia, rounding, size, allowed):
-        """Force tells v by the direct effect, by damping, and by inertia in the step.
+        """Return the error of v, reduced if rounding of the force dominates it.
 
-        It is rounded to parts of the numbers it is a sum of, and of 1, as `softplus` is.
+        The force determines v by direct effect, damping and inertia.  It is rounded relative to the
+        terms of its sum and, like `softplus`, relative to 1.
         """
         v1, v2 = self.constant("v1", at.p), self.constant("v2", at.p)
         offset = softplus(v1) - sum(self.evolution_effects(at.p)) * softplus(v2)
@@ -72,29 +75,29 @@ class CutOff(FrictionLaw):
         return error * where(part < 1.0, part, 1.0)
 
     def resolved(self, v_limit, p):
-        """A little beyond V1."""
+        """Return a limit a little beyond V1."""
         return where(
             v_limit < math.inf, smaller(v_limit, self.constant("v1", p) + RESOLVED), v_limit
         )
 
     def is_lost(self, v, p):
-        """Where friction does not tell V."""
+        """Return whether friction no longer determines V."""
         return v > self.constant("v1", p) + RESOLVED
 
     def outruns_spring(self, at, kappa):
-        """Whether -sum_k b_k dpsi_k/dD > kappa, with slip D and the b_k left at these ages.
+        """Return whether -sum_k b_k dpsi_k/dD > kappa, with slip D and b_k at these ages.
 
-        Where V >> V1, d(1/w)/dD = (kappa + sum_k b_k dpsi_k/dD)/w1, w1 = V1/V_ref: 1/w falls
-        to 0 within a slip of w1/w [Dc], in which neither the states nor sigma change.
+        If V >> V1, d(1/w)/dD = (kappa + sum_k b_k dpsi_k/dD)/w1 with w1 = V1/V_ref: 1/w falls to 0
+        within a slip of w1/w [Dc], during which neither the states nor sigma change.
         """
         return -dot(at.R_slopes[1:], at.f) > kappa * at.w
 
 
 class Regularized(FrictionLaw):
-    """mu = a asinh(V/(2 V0) exp((mu0 + b ln(V0 theta/Dc))/a)), and of a second state likewise.
+    """mu = a asinh(V/(2 V0) exp((mu0 + b ln(V0 theta/Dc))/a)).
 
-    It is eq. 1 where that is well above a.  mu_ref is 0, so that friction and stress keep their
-    digits where they are small.
+    A second state adds a term to the exponent.  It equals eq. 1 if eq. 1 is well above a.  mu_ref
+    is 0, so that friction and stress keep their digits if they are small.
 
     Source: Rice & Ben-Zion (1996) doi:10.1073/pnas.93.9.3811; Lapusta, Rice, Ben-Zion & Zheng
     (2000) doi:10.1029/2000JB900250.
@@ -102,43 +105,43 @@ class Regularized(FrictionLaw):
 
     OWN: Mapping[str, Parameter] = MappingProxyType({})
     reverses = True
-    one_length = False  # (what is known of such a law is under eq. 1)
+    one_length = False  # the closed forms hold for eq. 1
 
     def mu(self, V, theta, ages, p, effects):
-        """From the theta_k/D_k and the b_k."""
+        """Return mu from the theta_k/D_k and the b_k."""
         states = eq_1(p.V0, ages, p, effects)
         return p.a * asinh(0.5 * V / p.V0 * exp(states / p.a))
 
     def reference(self, mu):
-        """0."""
+        """Return 0."""
         return 0.0 * mu
 
     def constants(self, p, effects):
-        """Theta at theta_k = D_k/V_ref."""
+        """Return Theta at theta_k = D_k/V_ref."""
         at_V_ref = [1.0 / p.V_ref] * len(effects)
         states = eq_1(p.V0, at_V_ref, p, effects)
         return {"barrier": states / p.a - log(p.V0 / p.V_ref)}
 
     def barrier(self, psi, p):
-        """Theta (point.py)."""
+        """Return Theta, the height of the barriers (point.py)."""
         return self.constant("barrier", p) + dot(self.evolution_effects(p), psi)
 
     def net_speed(self, v, psi, p):
-        """w, 1/c, and c in a tuple."""
+        """Return w, 1/c, and c in a tuple."""
         t = tanh(v)
         c = bounded_exp(self.log_of_faster(v, psi, p)) * (2.0 / (1.0 + abs(t)))
         return c * t, 1.0 / c, (c,)
 
     def log_of_faster(self, v, psi, p):
-        """ln of the rate of forward or of backward jumps, whichever is larger."""
+        """Return ln of the larger of the rates of forward and backward jumps."""
         return abs(v) - self.barrier(psi, p)
 
     def v_at(self, w, psi, p):
-        """v at the speed w, of arrays too."""
+        """Return v at the speed w, which may be an array."""
         return asinh_of(w, self.barrier(psi, p))
 
     def speed(self, v, psi, p):
-        """w, but where the engine's saturates far up."""
+        """Return w as the engine computes it, for arrays, without its upper limit."""
         import numpy as np
 
         t = np.tanh(v)
@@ -147,12 +150,12 @@ class Regularized(FrictionLaw):
             return jumps * (2.0 / (1.0 + np.abs(t))) * t
 
 
-#: name of a form -> its class, but for that of eq. 1; OWN are its parameters
+#: name of a form, except that of eq. 1 -> its class, whose parameters are OWN_PARAMETERS
 FORMS: dict[str, Any] = {"cut-off": CutOff, "regularized": Regularized}
 
 
 def form_name(form):
-    """The name of a form, in any capitals; ParameterError for an unknown one."""
+    """Return the name of a form in small letters; ParameterError if it is unknown."""
     name = form.lower() if isinstance(form, str) else None
     if name not in (LOG, *FORMS):
         names = " or ".join(map(repr, (LOG, *FORMS)))
@@ -161,10 +164,10 @@ def form_name(form):
 
 
 def parameters_of(form):
-    """symbol -> what it is, of the parameters that a form has, by its name."""
+    """Return symbol -> `Parameter` of the parameters of a form, by its name."""
     return FORMS[form].OWN if form in FORMS else {}
 
 
 def forms_with(symbol):
-    """Names of the forms that have this symbol among their parameters, a list."""
+    """Return the names of the forms that have this parameter, a list."""
     return [name for name, form in FORMS.items() if symbol in form.OWN]

@@ -1,13 +1,14 @@
-"""Rate-and-state friction in SI units (eqs 1-3), for floats, NumPy arrays and named DataArrays.
+"""Rate-and-state friction in SI units (eqs 1-3).
 
-Ranges are not checked.  A value out of range gives inf or NaN, or ZeroDivisionError for floats.
+The functions take floats, NumPy arrays and named DataArrays.  Ranges are not checked: a value out
+of range gives inf or NaN, or ZeroDivisionError for floats.
 
     mu = mu0 + a ln(V/V0) + b ln(V0 theta/Dc)                               (eq. 1)
     d theta/dt = 1 - V theta/Dc                           aging law         (eq. 2)
     d theta/dt = -(V theta/Dc) ln(V theta/Dc)             slip law          (eq. 3)
 
 Sources: Dieterich (1979) doi:10.1029/JB084iB05p02161 (aging), Ruina (1983)
-doi:10.1029/JB088iB12p10359 (slip); equation numbers are those of Im, Marone & Elsworth (2019).
+doi:10.1029/JB088iB12p10359 (slip); equation numbers follow Im, Marone & Elsworth (2019).
 """
 
 import numpy as np
@@ -44,7 +45,7 @@ def friction(V, theta, *, a, b, mu0, V0, Dc):
 
 
 def friction_partials(V, theta, *, a, b):
-    """Return the derivatives of `friction`: a/V by V and b/theta by theta.
+    """Return the derivatives of `friction`, a/V by V and b/theta by theta.
 
     Parameters
     ----------
@@ -87,10 +88,10 @@ def dtheta_dt(V, theta, *, Dc, law):
     Raises
     ------
     ParameterError
-        Unknown law, or one with other parameters than Dc.
+        If the law is unknown, or has other parameters than Dc.
     """
     omega = V * theta / Dc
-    # Omega ln(Omega) -> 0 with Omega: the smallest float stands in for 0 under the logarithm
+    # Omega ln(Omega) -> 0 as Omega -> 0, so the smallest float replaces 0 in the logarithm
     v = np.log(np.maximum(omega, 5e-324))
     return Point(_one_length(law), (), (None, v, 0.0), omega).f[0]
 
@@ -98,8 +99,8 @@ def dtheta_dt(V, theta, *, Dc, law):
 def dtheta_dt_partials(V, theta, *, Dc, law):
     """Return the derivatives of `dtheta_dt` by V and theta.
 
-    d theta/dt depends on Omega = V theta/Dc alone, so both follow from one derivative; with
-    V0 := V (w = 1, v = 0, psi = ln Omega) it is that of the law's rate with respect to v.
+    d theta/dt depends on Omega = V theta/Dc alone, so both follow from one derivative.  With V0 :=
+    V (w = 1, v = 0, psi = ln Omega) this is the derivative of the law's rate by v.
 
     Parameters
     ----------
@@ -120,7 +121,7 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
     Raises
     ------
     ParameterError
-        Unknown law, or one with other parameters than Dc.
+        If the law is unknown, or has other parameters than Dc.
     """
     omega = V * theta / Dc
     (slope,), _ = _one_length(law).at_speed(0.0, (np.log(omega),), ()).f_slopes
@@ -128,7 +129,7 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
 
 
 def _one_length(law):
-    """The law with this name; ParameterError unless it is one of one length."""
+    """Return the law with this name; ParameterError unless it is of one length."""
     if not (found := friction_law(law)).one_length:
         names = " and ".join(map(repr, of_one_length()))
         raise ParameterError(f"law = {law!r} has other parameters than Dc; this serves {names}")

@@ -1,8 +1,8 @@
-"""What exp, log and other functions mean: to arrays, to expressions, and to code.
+"""exp, log and other functions for arrays, expressions, and code.
 
-Laws, forms and the engine call these functions with numbers of any kind.  A number that is no float
-or NumPy array says by its attribute `functions` which class of functions is its own.  Derivatives,
-from which series follow too (taylor.py), are in `DERIVATIVES`.
+Laws, forms and the engine call these functions.  A number that is not a float or a NumPy array has
+an attribute `functions`, the object that implements them for its type.  `DERIVATIVES` has their
+derivatives, from which series follow too (taylor.py).
 """
 
 import functools
@@ -45,7 +45,7 @@ cosine = _function("cosine", "cos(2 pi x).")
 
 
 def where(condition, x, y):
-    """x where a condition holds, else y."""
+    """Return x if the condition holds, else y."""
     if condition is True or condition is False:
         return x if condition else y
     if hasattr(condition, "select"):
@@ -54,30 +54,30 @@ def where(condition, x, y):
 
 
 def larger(x, y):
-    """The larger of both; x if that is not to be said."""
+    """Return the larger number; x if one of them is NaN."""
     return where(y > x, y, x)
 
 
 def smaller(x, y):
-    """The smaller of both; x if that is not to be said."""
+    """Return the smaller number; x if one of them is NaN."""
     return where(y < x, y, x)
 
 
 def sine(x):
-    """sin(2 pi x)."""
+    """Return sin(2 pi x)."""
     return cosine(x - 0.25)
 
 
 def asinh_of(w, x):
-    """asinh(w e**x/2)."""
+    """Return asinh(w e**x/2)."""
     size = asinh_of_exp(log(larger(abs(w), 1e-300)) + x - math.log(2.0))
     return where(abs(w) > 0.0, where(w < 0.0, -size, size), 0.0)
 
 
 # -------------------------------------------------------------------------------------- derivatives
 
-#: function that may be a node of a graph -> its derivative, from its argument x and its value y:
-#: of terms that do not cancel each other
+#: function that may be a node of a graph -> its derivative, from its argument x and its value y;
+#: the terms of these derivatives do not cancel
 DERIVATIVES = {
     "exp": lambda x, y: y,
     "log": lambda x, y: 1.0 / x,
@@ -95,7 +95,7 @@ DERIVATIVES = {
 
 
 class _OfExpressions:
-    """Functions of expressions: nodes, unless logarithms and exponentials meet."""
+    """Functions of expressions: nodes, unless logarithms and exponentials cancel."""
 
     def __getattr__(self, name):
         if name not in DERIVATIVES:
@@ -103,7 +103,7 @@ class _OfExpressions:
         return lambda x: x.graph.call(name, x)
 
     def exp(self, x):
-        """Logarithms in x are powers of what they are of."""
+        """Return e**x; a logarithm in x becomes a power of its argument."""
         whole, rest = x.graph.one, {}
         for one, factor in x.terms.items():
             if one.kind == "log":
@@ -116,7 +116,7 @@ class _OfExpressions:
         return whole * x.graph.call("exp", exponent)
 
     def log(self, x):
-        """Of products of positive factors the sum, of sums of positive terms by `softplus`."""
+        """Return ln x, by factors of a positive product, and by `softplus` for a sum."""
         factor, powers = x.powers
         if len(powers) > 1 or list(powers.values()) != [1.0] or factor != 1.0:
             others = [(one.kind, n) for one, n in powers.items() if not one.is_positive]
@@ -127,7 +127,7 @@ class _OfExpressions:
             return x.parts[0]
         elif x.kind == "cosh":  # ln 2 cosh x = softplus(2 x) - x
             return softplus(2.0 * x.parts[0]) - x.parts[0] - math.log(2.0)
-        elif x.kind == "sinh":  # of x > 0; of others there is none
+        elif x.kind == "sinh":  # the logarithm exists for positive arguments only
             return x.parts[0] + log(1.0 - exp(-2.0 * x.parts[0])) - math.log(2.0)
         elif x.kind == "sum" and x.is_positive:
             first = sorted(x.parts, key=lambda part: not part[0].is_constant)
@@ -152,7 +152,7 @@ Expression.functions = _OfExpressions()
 
 
 class _OfArrays:
-    """Functions of floats and NumPy arrays: NumPy's, and those that it lacks."""
+    """Functions of floats and NumPy arrays: NumPy's, and those that NumPy lacks."""
 
     def __getattr__(self, name):
         import numpy as np  # slow to import
@@ -206,19 +206,19 @@ LN2, LN_SQRT2 = math.log(2.0), 0.5 * math.log(2.0)
 # Adding 1.5*2**52 rounds to an integer and leaves that integer in the low bits of the sum.
 ROUND = 6755399441055744.0
 HALF_BITS, ROUND_BITS, MANTISSA = _bits(math.sqrt(0.5)), _bits(ROUND), (1 << 52) - 1
-#: numbers beyond which x*x + 1 is no double
+#: a number below which x*x + 1 does not overflow
 HUGE = 1e150
-#: Taylor coefficients of sin(2 pi q), of odd powers of q: to 1e-17 where |q| <= 1/4
+#: Taylor coefficients of sin(2 pi q) for odd powers of q: to 1e-17 if |q| <= 1/4
 SINE = tuple(
     (-1) ** k * (2.0 * math.pi) ** (2 * k + 1) / math.factorial(2 * k + 1) for k in range(12)
 )
 
 
 def _parts(x):
-    """x = n ln 2 + r: the bits of the integer n; cosh r - 1 and sinh r.
+    """Split x into n ln 2 + r: the bits of the integer n, cosh r - 1 and sinh r.
 
-    The polynomials are near-minimax of degree 11 (relative error 2e-17) and summed as trees,
-    since a lane waits for the longest chain of operations, not for their number.
+    The polynomials are near-minimax of degree 11 (relative error 2e-17).  They are summed as trees,
+    because the longest chain of operations takes the time, not their number.
     """
     x = where(x > LIMIT, LIMIT, where(x < -LIMIT, -LIMIT, x))
     shifted = x * LOG2_E + ROUND
@@ -236,12 +236,12 @@ def _parts(x):
 
 
 def _power_of_2(n):
-    """2**n, from the bits of n + ROUND."""
+    """Return 2**n, from the bits of n + ROUND."""
     return ((n + 1023) << 52).number()
 
 
 def _artanh(z):
-    """artanh z for |z| <= 0.172, to 1e-16 of itself, by its series."""
+    """Return artanh z by its series, to 1e-16 relative, for |z| <= 0.172."""
     z2 = z * z
     z4 = z2 * z2
     z8 = z4 * z4
@@ -252,10 +252,10 @@ def _artanh(z):
 
 
 class _OfCode:
-    """Functions of numbers of code that is being written: arithmetic alone.
+    """Functions of numbers that write code, from arithmetic alone.
 
     `exp` is accurate to 3 units in the last place between -LIMIT and LIMIT and saturates outside: a
-    speed of 1e-260 V_ref is rest, and the time scales that go with it still fit into a double.
+    speed of 1e-260 V_ref counts as rest, and the time scales at that speed still fit into a double.
     NaN stays NaN.
     """
 
@@ -268,17 +268,17 @@ class _OfCode:
 
     bounded_exp = exp
 
-    def exp_and_inverse(self, x):  # (no division)
+    def exp_and_inverse(self, x):  # without a division
         n, even, odd = _parts(x)
         power, inverse = _power_of_2(n), _power_of_2(0 - n)
         return (1.0 + even + odd) * power, (1.0 + even - odd) * inverse
 
-    def expm1(self, x):  # nearly to its last digit where x is small
+    def expm1(self, x):  # nearly to the last digit if x is small
         n, even, odd = _parts(x)
         power = _power_of_2(n)
         return (even + odd) * power + (power - 1.0)
 
-    def log(self, x):  # by x = 2**n m, sqrt(1/2) <= m < sqrt 2, from the bits of a normal x > 0
+    def log(self, x):  # x = 2**n m, sqrt(1/2) <= m < sqrt 2, from the bits of a normal x > 0
         bits = x.bits() - HALF_BITS
         m = ((bits & MANTISSA) + HALF_BITS).number()
         n = ((bits >> 52) + ROUND_BITS).number() - ROUND
@@ -288,7 +288,7 @@ class _OfCode:
     def rough_log2(self, x):
         return ((((x.bits() >> 12) + ROUND_BITS).number()) - ROUND) * 2.0**-40 - 1023.0
 
-    def cosine(self, x):  # off by some 1e-16 and by what 2 pi times the rounding of x makes
+    def cosine(self, x):  # error: about 1e-16, and 2 pi times the rounding of x
         q = 0.25 - abs(x - ((x + ROUND) - ROUND))
         z = q * q
         z2 = z * z
@@ -298,7 +298,7 @@ class _OfCode:
         high = (SINE[8] + z * SINE[9]) + z2 * (SINE[10] + z * SINE[11])
         return q * (low + z4 * (middle + z4 * high))
 
-    def log1p(self, x):  # what 1 + x loses of a small x is added
+    def log1p(self, x):  # adds the part of x that rounding of 1 + x loses
         whole = 1.0 + x
         return log(whole) + (x - (whole - 1.0)) / whole
 

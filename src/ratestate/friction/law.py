@@ -1,18 +1,17 @@
-"""What a friction law is: the formula of how its states evolve, from which all else is derived.
+"""What follows from a law's formula: equations, coefficients, steady sliding.
 
-Everything that is computed under a law is written in log variables, with a reference velocity V_ref
-and T = t V_ref/Dc,
+All computations under a law use log variables, a reference velocity V_ref and T = t V_ref/Dc:
 
-    w = V/V_ref,   v = ln w,   psi_k = ln(V_ref theta_k/D_k),
+    w = V/V_ref,   v = ln w,   psi_k = ln(V_ref theta_k/D_k).
 
-for numbers of any kind: floats, arrays, code that is being written.  Friction and stress are
-divided by a:
+The numbers may be floats, arrays, or numbers that write code.  Friction and stress are divided by
+a:
 
     resistance R = (mu - mu_ref)/a,   x = (tau/sigma - mu_ref)/a,
 
-and so is the stress S that opposes motion, friction and what else there is (`motion`), with mu_ref
-the friction at V_ref and theta_k = D_k/V_ref.  Each state is coupled to v and to itself, not to
-other states.
+with mu_ref, the friction at V_ref and theta_k = D_k/V_ref.  The stress S that opposes motion,
+friction and perhaps damping (`motion`), is divided by a too.  Each state is coupled to v and to
+itself, not to other states.
 """
 
 import math
@@ -24,16 +23,16 @@ from .expressions import LIMIT, MAKING, ordered
 from .law_formula import EXAMPLE, LOG, LawFormula, eq_1
 from .point import Point
 
-#: ln(V/V_ref) of rest, the largest rate that counts as 0, and an example of own parameters
+#: ln(V/V_ref) at rest, the largest rate that counts as 0, and an example of own parameters
 REST, NOTHING, OWN_EXAMPLE = -300.0, 1e-50, 0.7
-#: points (v, psi) at which rates of one length are compared, and what may be between them
+#: points (v, psi) at which `one_length` compares rates, and the largest difference allowed
 POINTS, ROUNDING = ((0.3, -0.2), (-1.1, 0.9), (0.7, 0.4)), 1e-12
-#: of which c2, c3, ... are known, which serve to double precision for |z| < 0.5
+#: highest order of `FrictionLaw.series`: enough for double precision if |z| < 0.5
 LAST_OF_SERIES = 15
 
 
 class _made_once(cached_property):
-    """A cached property that is computed once, even if threads ask for it at once."""
+    """A cached property that is computed only once, even if several threads need it."""
 
     def __get__(self, instance, owner=None):
         with MAKING:
@@ -43,159 +42,160 @@ class _made_once(cached_property):
 class FrictionLaw(LawFormula):
     """A friction law: a name, and the formula of d theta/dt.
 
-    Friction is that of eq. 1, mu0 + a ln(V/V0) + sum_k b_k ln(V0 theta_k/D_k), unless the law has a
-    `friction` of its own.
+    Friction follows eq. 1, mu0 + a ln(V/V0) + sum_k b_k ln(V0 theta_k/D_k), unless the law has the
+    method `friction`.
 
     ==========  ==================================================================
     V           slip rate [m/s], > 0, without sign
-    theta       state [s], > 0; of several states a tuple of them
+    theta       state [s], > 0; a tuple if the law has several states
     p           a, b, Dc, mu0, V0 and the law's own parameters as attributes [SI]
-    v, w, psi   ln(V/V_ref), V/V_ref, and of each state ln(V_ref theta_k/D_k)
+    v, w, psi   ln(V/V_ref), V/V_ref, and ln(V_ref theta_k/D_k) of each state
     ==========  ==================================================================
     """
 
     def mu(self, V, theta, ages, p, effects):
-        """mu by the law's form of friction, or its own; ages : theta_k/D_k; effects : b_k."""
+        """Return mu; ages : theta_k/D_k; effects : b_k."""
         if self.gives("friction"):
             return self.friction(V, theta[0] if len(theta) == 1 else theta, p)
         return eq_1(V, ages, p, effects)
 
     def reference(self, mu):
-        """mu_ref, from mu at V_ref and theta_k = D_k/V_ref."""
+        """Return mu_ref, given mu at V_ref and theta_k = D_k/V_ref."""
         return mu
 
     # What follows from the formula: equations (equations.py, motion.py), and values at a point
 
     @_made_once
     def equations(self):
-        """The law's `Equations`."""
-        from .equations import Equations  # (which needs NumPy)
+        """Derive the law's `Equations` from its formulas."""
+        from .equations import Equations  # needs NumPy, which is slow to import
 
         return Equations(self, (*EXAMPLE, *self.parameters))
 
     @_made_once
     def motion(self):
-        """The equations of motion in the engine's variables, a `Motion`."""
+        """Return the equations of motion in the engine's variables, a `Motion`."""
         from .motion import Motion
 
         return Motion(self, self.reverses)
 
     @_made_once
     def motion_in_speed(self):
-        """The same with v = ln(V/V_ref)."""
+        """Return the equations of motion with v = ln(V/V_ref), a `Motion`."""
         from .motion import Motion
 
         return Motion(self, False) if self.reverses else self.motion
 
     def at(self, v, psi, p):
-        """A `Point` in the engine's variables, in numbers of Python."""
+        """Return a `Point` in the engine's variables, in floats or arrays."""
         w = self.speed(v, psi, p) if self.reverses else None
         return Point(self, p, (None, v, *psi), w)
 
     def at_speed(self, v, psi, p):
-        """A `Point` at the speed V_ref exp(v); slopes by omega are those by this v."""
+        """Return a `Point` at the speed V_ref exp(v); slopes by omega are slopes by v."""
         return Point(self, p, (None, v, *psi), motion=self.motion_in_speed)
 
     def coefficients(self, V_ref, slider):
-        """The dimensionless numbers p that other methods are given, a tuple: b_k/a first.
+        """Return the dimensionless coefficients p of other methods, a tuple: b_k/a first.
 
-        slider : with parameters [SI] as attributes, `symbols` and sigma among them
+        slider : has the parameters [SI] as attributes, `symbols` and sigma among them
         """
         return self.equations.coefficients(V_ref, vars(slider))
 
     def coefficient_arrays(self, V_ref, values):
-        """`coefficients` of many sliders, a tuple of arrays of one shape, from their parameters.
+        """Return the `coefficients` of many sliders, a tuple of arrays of one shape.
 
-        values : symbol -> array, of sigma too, with others among them that no law needs
+        values : symbol -> array, sigma too; symbols that the law does not need are ignored
         """
-        import numpy as np  # slow to import, and `ratestate --help` needs the names of laws alone
+        import numpy as np  # slow to import; `ratestate --help` needs only the names of laws
 
         p = self.coefficients(V_ref, SimpleNamespace(**values))
         return tuple(np.broadcast_arrays(*p, V_ref)[:-1])
 
     def constant(self, name, p):
-        """The value of one of `constants`."""
+        """Return the value of one of the law's `constants`."""
         return self.equations.values(self.equations.named[name], 0.0, (), p)[0]
 
     def evolution_effects(self, p):
-        """Derivatives of the friction of eq. 1 by each of psi, a tuple: b_k/a."""
+        """Return the slopes of eq. 1's friction by each psi, a tuple: b_k/a."""
         return tuple(self.equations.values(self.equations.effects, 0.0, (), p))
 
     def log_states(self, v, psi, p):
-        """ln(V_ref theta_k/D_k) of each state as it is reported, a tuple, from the variables."""
+        """Return ln(V_ref theta_k/D_k) of each reported state, a tuple."""
         found = self.equations.log_theta
         return psi if found is None else tuple(self.equations.values(found, v, psi, p))
 
     def variables(self, v, log_states, p):
-        """The inverse of `log_states`."""
+        """Return psi from ln(V_ref theta_k/D_k): the inverse of `log_states`."""
         made = self.equations.variables
         return log_states if made is None else tuple(self.equations.values(made, v, log_states, p))
 
-    # What a slider does at speeds beyond others
+    # Extreme speeds
 
     def runs_away(self, v, psi, kappa, p):
-        """As `runaway` says; where a law does not know, beyond speeds that doubles can follow."""
+        """Return whether `runaway` holds; without this criterion, whether v > `LIMIT`."""
         condition = self.equations.runs_away
         if condition is None:
             return v > LIMIT
         return self.equations.values(condition, v, psi, p, kappa)[0]
 
     def is_lost(self, v, p):
-        """Whether a slider without mass or damping cannot be followed further, though it may turn
-        back: at speeds that saturate, but where states evolve with slip alone.
+        """Return whether the solver must stop although the motion is not a runaway.
+
+        The slider has no mass and no damping.  It may turn back, but the engine cannot follow such
+        speeds unless states evolve with slip alone.
         """
         return v > LIMIT if self.heals_at_rest else False
 
-    # What kind of law it is
+    # The kind of law
 
     @property
     def of_slider(self):
-        """Which of mu0 and V0 `coefficients` depend on, a tuple."""
+        """Return the parameters, mu0 or V0, that `coefficients` depend on, a tuple."""
         return tuple(x for x in ("mu0", "V0") if x in self.equations.used)
 
     @property
     def symbols(self):
-        """Symbols of the parameters that `coefficients` is given, beside sigma."""
+        """Return the symbols of the parameters that `coefficients` needs besides sigma."""
         return ("a", "b", "Dc", *self.parameters, *self.of_slider)
 
     @property
     def lengths(self):
-        """Symbols of the distances over which its states evolve, a tuple."""
+        """Return the symbols of the slip distances over which the states evolve, a tuple."""
         return tuple(D for _, D in self.states.values())
 
     @property
     def reference_state(self):
-        """psi where each theta_k is D_k/V_ref, a tuple: 0 each."""
+        """Return psi at theta_k = D_k/V_ref, a tuple of zeros."""
         return (0.0,) * len(self.states)
 
     @property
     def n_coefficients(self):
-        """How many `coefficients` there are."""
         return len(self.motion.p)
 
     @property
     def n_kept(self):
-        """How many numbers the engine keeps in e of a `Point`."""
+        """Return how many numbers the engine stores in `Point.e`."""
         return len(self.equations.exponentials) + self.reverses
 
     @property
     def has_own_speed(self):
-        """Whether steady sliding is another problem at another speed."""
+        """Return whether the equations of steady sliding depend on its speed."""
         return "V_ref" in self.equations.used
 
     @cached_property
     def heals_at_rest(self):
-        """Whether state evolves without slip."""
+        """Return whether the state evolves without slip."""
         example = dict.fromkeys(self.symbols, OWN_EXAMPLE) | EXAMPLE | {"sigma": 1e6}
         p = self.coefficients(EXAMPLE["V0"], SimpleNamespace(**example))
         return any(abs(rate) > NOTHING for rate in self.at_speed(REST, self.reference_state, p).f)
 
     @cached_property
     def one_length(self):
-        """Whether friction is that of eq. 1 in one state with d theta/dt = h(V theta/Dc).
+        """Return whether the law has one state, eq. 1 and d theta/dt = h(V theta/Dc).
 
-        With h(1) = 0 and h'(1) = -1: then eqs 6, 7 and 10 hold, and what else is known of such
-        laws.
+        h(1) = 0 and h'(1) = -1 are required too.  Eqs 6, 7 and 10 and the closed forms hold for
+        such laws of one length.
         """
         if self.form != LOG or self.parameters or self.gives("friction"):
             return False
@@ -203,7 +203,7 @@ class FrictionLaw(LawFormula):
         if equations.log_theta or dict(self.states) != {"theta": ("b", "Dc")}:
             return False
         if any(one in equations.constants for one in ordered(equations.rates)):
-            return False  # h depends on a parameter, or on a speed
+            return False  # h depends on a parameter or on V_ref
         for v, psi in POINTS:
             (rate,), (same,) = (self.at_speed(*x, ()).f for x in ((v, (psi,)), (0.0, (v + psi,))))
             if not abs(rate / math.exp(v) - same) <= ROUNDING:
@@ -212,9 +212,10 @@ class FrictionLaw(LawFormula):
 
     @cached_property
     def series(self):
-        """c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., which the rate is at v = 0 and psi = z.
+        """Return c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., or None.
 
-        Of a law of one length.  None: h is no such series.
+        h(z) is the rate of the state of a law of one length at v = 0 and psi = z.  None: no such
+        series.
         """
         from .taylor import NoSeries, expand
 
@@ -233,11 +234,11 @@ class FrictionLaw(LawFormula):
     # Steady sliding
 
     def steady(self, p, v=0.0):
-        """A `Point` of steady sliding at V = V_ref exp(v).
+        """Return the `Point` of steady sliding at V = V_ref exp(v).
 
-        ParameterError if, under a user's law, there is none, or friction falls with V there.
+        ParameterError if a user's law has no steady sliding there, or friction falls with V there.
         """
-        from .steady_state import steady_point, steady_problem  # (which need NumPy)
+        from .steady_state import steady_point, steady_problem  # these need NumPy
 
         at = steady_point(self, p, v)
         if problem := steady_problem(at):
@@ -245,28 +246,28 @@ class FrictionLaw(LawFormula):
         return at
 
     def reference_friction(self, V, values):
-        """mu at V (n,) and theta_k = D_k/V, from parameters; that of steady sliding for most laws.
+        """Return mu at V (n,) and theta_k = D_k/V: the steady friction under most laws.
 
         values : symbol -> (n,), mu0 and V0 too
         """
         return self.equations.reference_friction(V, values) + 0.0 * V
 
     def steady_friction(self, V, values):
-        """mu in steady sliding at V (n,), from parameters; values as for `reference_friction`."""
+        """Return mu in steady sliding at V (n,); values as for `reference_friction`."""
         rest = self.steady(self.coefficient_arrays(V, values)).R
         return self.reference_friction(V, values) + values["a"] * rest
 
     def steady_tau(self, V, values):
-        """tau/sigma in steady sliding at V (n,): friction, and what else opposes the motion."""
+        """Return tau/sigma in steady sliding at V (n,): friction plus damping."""
         at = self.steady(self.coefficient_arrays(V, values))
         return self.reference_friction(V, values) + values["a"] * at.R + values["a"] * (at.S - at.R)
 
     def __getstate__(self):
-        """What pickle takes along: not what is derived, which holds functions made here."""
+        """Return what pickle stores: not derived properties, which hold local functions."""
         kind = type(self)
         derived = {x for x in vars(self) if isinstance(getattr(kind, x, None), cached_property)}
         return {name: x for name, x in vars(self).items() if name not in derived}
 
     def gives(self, method):
-        """Whether the law has a method, by name, that not every law has."""
+        """Return whether the law has its own version of a method, by name."""
         return getattr(type(self), method) is not getattr(FrictionLaw, method)

@@ -1,32 +1,32 @@
-"""Steady sliding under any friction law: whether it is stable, and how it responds.
+"""Steady sliding under any friction law: stability, and response to oscillations.
 
-Linearised at V, with times in Dc/V and e to the power of L T, small perturbations obey
+Linearised at V, with times in Dc/V, small perturbations that grow as exp(L T) obey
 
     eta L + S_v + kappa/L - sum_k r_k s_k/(L + s_k) = 0,
 
-eta = M V^2/(a sigma Dc) (eq. 7), kappa = K Dc/(a sigma), where s_k is the rate at which the k-th
-state relaxes, S_v the direct effect, with that of damping, and r_k the evolution effect of that
-state, over a.  On the edge of stability L = i omega, with z = omega^2,
+with eta = M V^2/(a sigma Dc) (eq. 7) and kappa = K Dc/(a sigma).  s_k is the relaxation rate of
+the k-th state.  S_v, the direct effect plus damping, and r_k, the evolution effect of that state,
+are divided by a.  On the edge of stability L = i omega, and with z = omega^2
 
     sum_k r_k s_k^2/(z + s_k^2) = S_v,      kappa = z (eta + sum_k r_k s_k/(z + s_k^2)).
 
-For laws of one length this is eq. 6, and the closed forms of stability.py are used, which lose no
-digits if b is near a.
+For laws of one length this is eq. 6.  The closed forms of stability.py are used for them, because
+they lose no digits if b is near a.
 
-Frequencies are Omega = omega Dc/V, and sigma(t) = sigma s.  Small oscillations e^(i Omega T) of
-w_lp and of s about 1 move the slider as
+Frequencies are Omega = omega Dc/V, and sigma(t) = sigma s.  Small oscillations exp(i Omega T) of
+w_lp and of s about 1 move the slider:
 
     i Omega x = kappa (w_lp - v)
     i Omega eta v = x - S_v v - sum_k S_k psi_k - (mu/a) s
     i Omega psi_k = f_v v + f_k psi_k + i Omega h_k s
 
-where h_k is the jump of a state with ln s: -alpha/b for theta (Linker & Dieterich 1992).  So v is
-the force from outside divided by the mechanical impedance of the slider on its spring.
+with h_k, the jump of a state with ln s: -alpha/b for theta (Linker & Dieterich 1992).  So v is
+the external force divided by the mechanical impedance of the slider on its spring.
 
 Sources: Linker & Dieterich (1992) doi:10.1029/92JB00017; without mass Perfettini, Schmittbuhl, Rice
 & Cocco (2001) doi:10.1029/2000JB900336.
 
-Functions take NumPy arrays of one shape, SI units, by their symbols, and check no range.
+The functions take NumPy arrays of one shape in SI units, by their symbols, and check no ranges.
 """
 
 from typing import NamedTuple
@@ -37,16 +37,16 @@ from . import stability
 from .roots import polynomial_roots
 from .tuples import dot
 
-# Smallest eta with a finite fastest mode.
+# Smallest eta for which the fastest mode is finite.
 LIGHTEST = 1e-290
-# Largest ratio of evolution effect to direct effect, less 1, that may be rounding.
+# Largest ratio of evolution effect to direct effect, minus 1, that rounding may cause.
 NEUTRAL = 1e-15
-# Largest imaginary part of a root, as a part of its modulus, that may be rounding.
+# Largest imaginary part of a root, divided by its modulus, that rounding may cause.
 IMAGINARY = 1e-9
 
 
 class Linearisation(NamedTuple):
-    """Steady sliding linearised, dimensionless: arrays of one shape, states along a last axis."""
+    """Steady sliding linearised, dimensionless: arrays, states along the last axis."""
 
     direct: np.ndarray  # S_v
     evolution: np.ndarray  # (..., n) r_k
@@ -54,7 +54,7 @@ class Linearisation(NamedTuple):
 
 
 def linearisation(law, p):
-    """The `Linearisation` of steady sliding at V_ref, under a law with these coefficients."""
+    """Return the `Linearisation` of steady sliding at V_ref, with coefficients p."""
     at = law.steady(p)
     (by_v, by_psi), (S_v, *S_psi) = at.f_slopes, at.S_slopes
     shape = np.shape(p[0])
@@ -66,22 +66,21 @@ def linearisation(law, p):
 
 
 class Edges(NamedTuple):
-    """Stiffnesses at which steady sliding at one speed changes stability, along the last axis.
+    """Stiffnesses at which steady sliding at one speed changes stability (last axis).
 
-    As K falls to kappa, `pairs` more pairs of eigenvalues, 1 or -1, become unstable; 0 if there is
-    no edge.
+    As K falls to kappa, `pairs` (1 or -1) more pairs of eigenvalues become unstable; 0: no edge.
     """
 
     z: np.ndarray  # (..., n) omega^2
-    per_z: np.ndarray  # kappa/z, less eta
+    per_z: np.ndarray  # kappa/z - eta
     pairs: np.ndarray
 
     def kappa(self, inertia):
-        """kappa of each edge, for eta (...)."""
+        """Return kappa of each edge, for eta (...)."""
         return self.z * (inertia[..., None] + self.per_z)
 
     def margin(self, stiffness, inertia):
-        """(...) |kappa - edge|/(kappa + |edge|) of the nearest edge; < 0 if sliding is unstable.
+        """Return |kappa - edge|/(kappa + |edge|) of the nearest edge, < 0 if unstable.
 
         stiffness, inertia : kappa and eta (...)
         """
@@ -93,14 +92,14 @@ class Edges(NamedTuple):
 
 
 def edges(law, p):
-    """The `Edges` of steady sliding at V_ref, under a law with these coefficients.
+    """Return the `Edges` of steady sliding at V_ref, with coefficients p.
 
     Under laws of one state z, and so kappa, is negative if there is no edge.
     """
     linear = linearisation(law, p)
     S_v, r, s = linear.direct[..., None], linear.evolution, linear.rates
     if s.shape[-1] == 1:
-        # (friction may be so regularized that none is left, in double precision)
+        # the direct effect of regularized friction may underflow to 0
         excess = r / np.where(S_v == 0.0, 1.0, S_v) - 1.0
         z = s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
         return Edges(z, S_v / s, (z > 0.0).astype(int))
@@ -114,7 +113,7 @@ def edges(law, p):
 
 
 def _numerator(head, residues, poles, power=0):
-    """The numerator of head - x^power sum_k residues_k/(x + poles_k).
+    """Return the numerator of head - x^power sum_k residues_k/(x + poles_k).
 
     Polynomials (..., m) have their highest power first; residues, poles : (..., n)
     """
@@ -128,20 +127,20 @@ def _numerator(head, residues, poles, power=0):
 
 
 def _times_factor(c, pole):
-    """x + pole times a polynomial."""
+    """Multiply a polynomial by x + pole."""
     zero = np.zeros_like(c[..., :1])
     return np.concatenate([c, zero], axis=-1) + pole * np.concatenate([zero, c], axis=-1)
 
 
 class Critical(NamedTuple):
-    """The largest K at which steady sliding at one speed changes stability, dimensionless."""
+    """The largest K at which steady sliding at one speed changes stability."""
 
-    kappa: np.ndarray  # K_c Dc/(a sigma): not above 0 if sliding is stable at any K
+    kappa: np.ndarray  # K_c Dc/(a sigma); 0 or less if sliding is stable at any K
     omega: np.ndarray  # angular frequency there [V/Dc]; NaN if there is no such K
 
 
 def critical(law, p, inertia):
-    """`Critical` of steady sliding at V_ref under a law with these coefficients, for eta."""
+    """Return `Critical` of steady sliding at V_ref, with coefficients p, for eta."""
     found = edges(law, p)
     kappa = found.kappa(inertia)
     last = kappa.argmax(axis=-1)[..., None]
@@ -150,9 +149,9 @@ def critical(law, p, inertia):
 
 
 def K_c(law, V, *, sigma, M, **values):
-    """Critical stiffness [Pa/m] at V: the largest K at which steady sliding changes stability.
+    """Return the largest K [Pa/m] at which steady sliding at V changes stability.
 
-    It is not above 0 if sliding is stable at any K.
+    It is 0 or less if sliding is stable at any K.
     """
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values)
@@ -161,35 +160,35 @@ def K_c(law, V, *, sigma, M, **values):
 
 
 def omega_c(law, V, *, sigma, M, **values):
-    """Angular frequency [rad/s] on the edge of stability, at K = K_c; NaN if there is none."""
+    """Return the angular frequency [rad/s] at K = K_c; NaN if there is no such K."""
     if law.one_length:
         return stability.omega_c(V, **values)
     return V / values["Dc"] * critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).omega
 
 
 def _at_speed(law, V, *, sigma, M, **values):
-    """The law's coefficients at V, a tuple of arrays, and eta (eq. 7)."""
+    """Return the law's coefficients at V, a tuple of arrays, and eta (eq. 7)."""
     inertia = stability.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
     return law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia
 
 
 def is_stable(law, V, *, sigma, K, M, **values):
-    """Whether steady sliding at V is stable; it is not on the edge."""
+    """Return whether steady sliding at V is stable; on the edge it is not."""
     if law.one_length:
         return stability.K_c(V, sigma=sigma, M=M, **values) < K
     return stability_margin(law, V, sigma=sigma, K=K, M=M, **values) > 0.0
 
 
 def stability_margin(law, V, *, sigma, K, M, **values):
-    """`Edges.margin` of steady sliding at V."""
+    """Return `Edges.margin` of steady sliding at V."""
     p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
     return edges(law, p).margin(K * values["Dc"] / (values["a"] * sigma), inertia)
 
 
 def eigenvalues(law, V, *, sigma, K, M, **values):
-    """(..., n + 2) eigenvalues [1/s] of steady sliding at V, least stable first.
+    """Return eigenvalues (..., n + 2) [1/s] of steady sliding, least stable first.
 
-    Modes of infinite rate are -inf: one at M = 0, two at K = inf, where V is imposed.
+    Modes of infinite rate are -inf: one if M = 0, two if K = inf, because V is then imposed.
     """
     if law.one_length:
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
@@ -201,12 +200,12 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
 
 
 def modes(law, p, kappa, inertia):
-    """`eigenvalues` [V/Dc] of steady sliding at V_ref, under a law with these coefficients.
+    """Return the `eigenvalues` [V/Dc] of steady sliding at V_ref under a law.
 
-    kappa, inertia : K Dc/(a sigma), and eta
+    p : coefficients; kappa, inertia : K Dc/(a sigma), and eta
     """
     S_v, r, s = linearisation(law, p)
-    if s.shape[-1] == 1:  # by a change of units those of eq. 1 and a law of one length
+    if s.shape[-1] == 1:  # other units turn this into eq. 1 under a law of one length
         rate = s[..., 0]
         eta, kappa, beta = inertia * rate / S_v, kappa / (rate * S_v), r[..., 0] / S_v
         found = stability.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
@@ -226,13 +225,13 @@ def modes(law, p, kappa, inertia):
 
 
 def beside_the_pair(modes, omega):
-    """(n, k - 2) the `modes` (n, k) without the two whose frequency is nearest to omega (n,)."""
+    """Return all modes (n, k) but the two with frequencies nearest to omega (n,)."""
     order = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)
     return np.take_along_axis(modes, np.sort(order[:, 2:], axis=1), axis=1)
 
 
 class Response(NamedTuple):
-    """Complex amplitudes per unit of the oscillation that makes them; arrays of one shape."""
+    """Complex amplitudes per unit amplitude of their cause; arrays of one shape."""
 
     v: np.ndarray  # of V/V_lp - 1
     x: np.ndarray  # of tau/(a sigma)
@@ -240,10 +239,10 @@ class Response(NamedTuple):
 
 
 def responses(law, p, kappa, inertia, mu, h, Omega):
-    """`Response` to w_lp, and to s, of steady sliding at V_ref.
+    """Return the `Response` of steady sliding at V_ref to w_lp, and to s.
 
     law, p : the law, and its coefficients for V_ref, a tuple of arrays
-    kappa, inertia : K Dc/(a sigma), inf if the slider moves as the load point does, and eta
+    kappa, inertia : K Dc/(a sigma), inf if the slider moves with the load point, and eta
     mu : friction in steady sliding, divided by a
     h : tuple, d psi_k/d ln s of each variable
     Omega : omega Dc/V_ref
@@ -256,7 +255,7 @@ def responses(law, p, kappa, inertia, mu, h, Omega):
     resisting = i * inertia + S_v + dot(S_psi, by_v)
     push = mu + dot(S_psi, by_s)
     with np.errstate(divide="ignore"):
-        soft = i / kappa  # 0 if the slider moves as the load point does
+        soft = i / kappa  # 0 if the slider moves with the load point
 
     def of(w_lp, s):
         v = (w_lp - soft * push * s) / (1.0 + soft * resisting)

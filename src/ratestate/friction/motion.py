@@ -1,14 +1,14 @@
-"""The equations of motion under a law as expressions, in the variables that the engine integrates.
+"""The equations of motion under a law as expressions, in the engine's variables.
 
     dx/dT = kappa (w_lp - w),    dv/dT = g/(eta0 c) - sum_k s_k f_k,    d psi_k/dT = f_k
 
-with g = x - S, and w, c and s_k of `point`: if slip never reverses, c is w and the s_k are 0.
-With s = sigma(t)/sigma(0), if normal stress varies, and damping,
+with g = x - S, and with w, c and s_k from `point`: if slip never reverses, c is w and the s_k
+are 0.  With damping, and s = sigma(t)/sigma(0) if normal stress varies,
 
     S = N + zeta w,     N = s R + (s - 1) mu_ref/a,     R = (mu - mu_ref)/a.
 
-Derivatives are along directions (x, omega, psi), with d omega = dw/c: those by omega are at
-constant psi, and those by psi at constant w.
+Derivatives are along directions (x, omega, psi), with d omega = dw/c: derivatives by omega are at
+constant psi, and derivatives by psi at constant w.
 """
 
 from typing import Any
@@ -17,47 +17,46 @@ from .expressions import MAKING
 from .rewriting import Derivative, values_of
 from .tuples import dot
 
-#: symbols of numbers, beside the state and what follows from it
+#: symbols of numbers other than the state and its functions
 NUMBERS = "x", "w_lp", "g", "F", "q", "moves"
 CONSTANTS = "kappa", "1/eta0", "m", "dT"
-#: what p holds before s and its derivatives, if that varies (`composition.Varying`)
+#: coefficients before s and its derivatives, if normal stress varies (`composition.Varying`)
 HISTORY = "base", "rate", "amplitude", "frequency", "phase"
 
 
 class Motion:
-    """The equations of motion, and what follows from them: expressions by name, in lists.
+    """The equations of motion and their consequences, lists of expressions by name.
 
     ============================  ===============================================================
-    S, N, R                       the stress that opposes motion, strength and resistance
+    S, N, R                       stress that opposes motion, strength, resistance
     f                             d psi/dT of each state
-    exponents                     of the exponentials that f holds
-    S_slopes, R_slopes            slopes by omega, and by each of psi
-    f_slopes                      of each of f by omega; of each by its own state
-    changes                       how S, N and R change along z, here a direction (x, omega, psi),
+    exponents                     arguments of the exponentials in f
+    S_slopes, R_slopes            derivatives by omega, and by each psi
+    f_slopes                      derivatives of each f by omega; derivatives by its own state
+    changes                       changes of S, N and R along z, here a direction (x, omega, psi),
                                   and in a time dT
-    N_drift, f_drift              in T at constant v and psi; none unless normal stress varies
-    inertia_slopes                of -(q g + m t F) by omega and by each of psi, where F is held
-    jacobian                      rows of derivatives of the equations by x, omega and each of psi:
-                                  column -> element, unless that is 0
-    curvature                     how `jacobian` changes along z
-    change_of_trace               how the trace of the Jacobian matrix in x, v and psi changes
-                                  along z
-    slaved, slaved_slopes         d omega/dT without inertia if the load point's speed is w, and
-                                  its slopes by each of psi
-    jumps, jump_growth            d psi/d ln s where normal stress varies, and the derivative of ln
-                                  of these
+    N_drift, f_drift              rates in T at constant v and psi; empty if sigma is constant
+    inertia_slopes                derivatives of -(q g + m t F) by omega and each psi at constant F
+    jacobian                      rows of derivatives of the equations by x, omega and each psi:
+                                  column -> element, without zeros
+    curvature                     change of `jacobian` along z
+    change_of_trace               change along z of the trace of the Jacobian matrix in x, v, psi
+    slaved, slaved_slopes         d omega/dT without inertia at a load-point speed of w, and its
+                                  derivatives by each psi
+    jumps, jump_growth            d psi/d ln s if normal stress varies, and the derivative of ln of
+                                  these jumps
     ============================  ===============================================================
 
-    They hold the symbols
+    These expressions have the symbols
 
     ========  ===================================================================================
-    g, F      x - S, or 0 at rest, and sum_k beta_k f_k: known as numbers
+    g, F      x - S, or 0 at rest, and sum_k beta_k f_k: given as numbers
     q, m      factors of the equation of v, q g + m t F: 1/(eta0 c) and 1, unless it is scaled
-    moves     1, or 0 at rest, where w is a constant
+    moves     1, or 0 at rest, when w is a constant
     z         a direction (x, v, psi)
     ========  ===================================================================================
 
-    reverses : whether v is friction itself, from which slip may reverse; else it is ln w
+    reverses : whether v is friction, so that slip may reverse; else v is ln w
     """
 
     def __init__(self, law, reverses):
@@ -84,7 +83,7 @@ class Motion:
         return self.graph.symbol(("motion", name), is_constant=is_constant)
 
     def _vary(self):
-        """Let normal stress vary, by numbers that come after the law's own coefficients."""
+        """Add varying normal stress, whose numbers follow the law's own coefficients."""
         n = len(self.psi)
         level, *h = (self._symbol(("p", k), is_constant=True) for k in range(1 + 2 * n))
         s, ds, dds = (self._symbol(name) for name in ("s", "ds", "dds"))
@@ -96,10 +95,7 @@ class Motion:
         self._lists["jumps"] = jumps
 
     def _along(self, x, omega, *psi, has_rates=True, dT=0.0):
-        """`Derivative` in a direction; without the change of F if not has_rates.
-
-        dT : how much time passes meanwhile
-        """
+        """Return a `Derivative` in a direction and a time dT, of F too if has_rates."""
         known, effects, moves = self.symbols, self.own.effects, self.symbols["moves"]
         changes = {known["x"]: x, **dict(zip(self.psi, psi, strict=True))}
         change_of_w, growth = moves * omega, omega
@@ -121,7 +117,7 @@ class Motion:
         return along
 
     def __getitem__(self, name):
-        """A list.  They are made in one order, in which sums then have their terms."""
+        """Return a list.  A fixed order of making them fixes the order of terms in sums."""
         with MAKING:
             while name not in self._lists:
                 if (make := next(self._rest, None)) is None:
@@ -166,15 +162,15 @@ class Motion:
         return {"slaved": slaved, "slaved_slopes": [along(slaved) for along in self._basis[2:]]}
 
     def values(self, name, known):
-        """Values of one of the lists, in tuples; rows as dicts.
+        """Return the values of one of the lists, in tuples; rows as dicts.
 
-        known : symbol -> value, of w and exponentials too if these are at hand
+        inputs : symbol -> value; w and exponentials too if they are known
         """
         return _put(self[name], iter(values_of(_numbers_of(self[name]), known)))
 
 
 def _rows(equations, basis):
-    """Derivatives of each equation, column -> element, but for those that are 0."""
+    """Return the derivatives of each equation, column -> element, without zeros."""
     rows = []
     for one in equations:
         row = {j: along(one) for j, along in enumerate(basis)}
@@ -183,7 +179,7 @@ def _rows(equations, basis):
 
 
 def _numbers_of(found):
-    """The expressions in lists and dicts, one after the other."""
+    """Return the expressions in nested lists and dicts, one after the other."""
     if isinstance(found, list | dict):
         parts = found.values() if isinstance(found, dict) else found
         return [x for one in parts for x in _numbers_of(one)]
@@ -191,12 +187,12 @@ def _numbers_of(found):
 
 
 def _put(found, values):
-    """The same lists, as tuples, and dicts with values in place of the expressions."""
+    """Return the same nesting, tuples for lists, with values for expressions."""
     if isinstance(found, dict):
         return {key: next(values) for key in found}
     return tuple(_put(one, values) for one in found) if isinstance(found, list) else next(values)
 
 
 def matrix_product(rows, k):
-    """The product of a matrix as `Motion` gives it and a vector, a tuple."""
+    """Return the product of a matrix, in rows of `Motion`, and a vector, a tuple."""
     return tuple(dot(tuple(row.values()), tuple(k[j] for j in row)) for row in rows)

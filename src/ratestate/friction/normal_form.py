@@ -2,19 +2,19 @@
 
 With V0 := V_lp and time T = t V_lp/Dc, sliding near the bifurcation is
 
-    v = ln(V/V_lp) = r cos(phase) + O(r^2),    dr/dT = growth r + lyapunov_1 r^3,
+    v = ln(V/V_lp) = r cos(phase) + O(r^2),    dr/dT = growth r + lyapunov_1 r^3.
 
-where the growth rate is 0 at K = K_c, so that small cycles have r^2 = -growth/lyapunov_1.  They
-attract (supercritical) if lyapunov_1 < 0.  Kuznetsov (2004), doi:10.1007/978-1-4757-3978-7,
-section 5.4, gives the first Lyapunov coefficient of any system with the Jacobian A,
+The growth rate is 0 at K = K_c, so small cycles have r^2 = -growth/lyapunov_1.  They attract
+(supercritical) if lyapunov_1 < 0.  Kuznetsov (2004), doi:10.1007/978-1-4757-3978-7, section 5.4,
+gives the first Lyapunov coefficient of any system with the Jacobian A,
 
     Re[<p, C(q,q,q')> - 2 <p, B(q, A^-1 B(q,q'))> + <p, B(q', (2 i omega - A)^-1 B(q,q))>]/8,
 
 here with q scaled to 1 in v (' means conjugate), so that v = z + z' and r = 2 |z|.
 
-`lyapunov_1_of_law` is this formula as numbers, under any law.  Its terms cancel: for slow sliding
-their sum is of the order of eta.  So `lyapunov_1` is the formula worked out for laws of one length,
-in which nothing cancels except at the zero itself.  The tests compare both with 60 digits.
+`lyapunov_1_of_law` evaluates this formula under any law.  Its terms cancel: for slow sliding their
+sum is of the order of eta.  So `lyapunov_1` is the closed form for laws of one length, in which
+terms cancel only at the zero itself.  The tests compare both with 60 digits.
 """
 
 import functools
@@ -28,12 +28,12 @@ from .laws import friction_law
 from .rewriting import Derivative, function_of
 from .tuples import dot
 
-# Rounding relative to the terms of a sum: of eta and beta - 1, and of a law's coefficients
+# Rounding error of eta, beta - 1 and a law's coefficients, relative to the terms of a sum
 ROUNDING = 1e-14
 
 
 def law_curvatures(law):
-    """h''(0) and h'''(0), two floats, of a law of one length by name.
+    """Return h''(0) and h'''(0), two floats, of a law of one length by name.
 
     The law's rate is d psi/dT = w h(v + psi), with h(0) = 0 and h'(0) = -1.  ParameterError for an
     unknown law.
@@ -43,7 +43,7 @@ def law_curvatures(law):
 
 
 def third_order(b1, h2, h3):
-    """Coefficients of 1, eta, eta^2 and eta^3 in `lyapunov_1`, whose sign is opposite to the sum.
+    """Return the coefficients of 1, eta, eta^2, eta^3 in the sum of `lyapunov_1`.
 
     slip: 2 beta^2 (0, 1, 10, 9); aging: 2 beta (0, -1, 6, 3 + 4 beta)
     """
@@ -60,28 +60,27 @@ def third_order(b1, h2, h3):
 
 
 def lyapunov_1(eta, b1, h2, h3):
-    """First Lyapunov coefficient [V/Dc] at the Hopf bifurcation, and its rounding error.
+    """Return the first Lyapunov coefficient [V/Dc] and its rounding error.
 
-    Two arrays, or floats; ranges are not checked.
-
-    eta, b1 : M V^2/(sigma a Dc) (eq. 7), >= 0, and b/a - 1, > 0; h2, h3 : see `law_curvatures`
+    eta, b1 : M V^2/(sigma a Dc) (eq. 7), >= 0, and b/a - 1, > 0, floats or arrays; not checked
+    h2, h3 : see `law_curvatures`
     """
     powers = 1.0, eta, eta**2, eta**2 * eta
     terms = [c * power for c, power in zip(third_order(b1, h2, h3), powers, strict=True)]
-    # what the linear problem leaves of the first and second harmonic, squared
+    # squared residuals of the linear problem for the first and second harmonic
     left = ((1 + eta) ** 2 + b1 * (k * eta) ** 2 for k in (1, 2))
     size = b1 / (16 * (1 + b1) * math.prod(left))
     return 0.0 - size * sum(terms), ROUNDING * size * sum(map(np.abs, terms))
 
 
 def turning_point(b1, h2, h3):
-    """Smallest eta > 0 at which `lyapunov_1` of the number b1 is zero; NaN if there is none."""
+    """Return the smallest eta > 0 at which `lyapunov_1` is 0, or NaN; b1 : float."""
     roots = np.roots(third_order(b1, h2, h3)[::-1])
     return min(roots.real[(roots.imag == 0) & (roots.real > 0)], default=np.nan)
 
 
 def growth_slopes(linear, kappa, eta, omega):
-    """d Re L/d ln K and /d ln V of the pair at the bifurcation; of V by eta alone.
+    """Return d Re L/d ln K and d Re L/d ln V (by eta alone) of the bifurcating pair.
 
     linear : `linear_stability.Linearisation`
     """
@@ -95,25 +94,25 @@ def growth_slopes(linear, kappa, eta, omega):
 
 @np.errstate(all="ignore")  # of sliders without a bifurcation
 def lyapunov_1_of_law(law, p, kappa, eta, omega):
-    """First Lyapunov coefficient [V/Dc] and its rounding error, two arrays; NaN where omega is.
+    """Return the first Lyapunov coefficient [V/Dc] and its rounding error, arrays.
 
     law, p : the law and its coefficients with V_ref = V_lp, a tuple of arrays
-    kappa, eta, omega : arrays, at the bifurcation; not checked
+    kappa, eta, omega : arrays, at the bifurcation; not checked; NaN in omega gives NaN
     """
     kappa, eta, at = _long(kappa), _long(eta), law.steady(p)
     (f_v, f_psi), (S_v, *S_psi) = at.f_slopes, at.S_slopes
 
     def form(*vectors):
-        """The second or third derivative of the equations along two or three vectors."""
+        """Return the 2nd or 3rd derivative of the equations along 2 or 3 vectors."""
         numbers = (x for vector in vectors for x in vector)
         return _forms(law)[len(vectors)](0.0, 0.0, kappa, *at.psi, *p, *numbers)
 
     def by_states(L, rest):
-        """sum_k S_k rest_k/(L - f_k)."""
+        """Return sum_k S_k rest_k/(L - f_k)."""
         return dot(S_psi, [one / (L - f) for one, f in zip(rest, f_psi, strict=True)])
 
     def solve(L, r):
-        """(L - A)^-1 r, r with its number of v times eta; L may be 0."""
+        """Return (L - A)^-1 r, with the v element of r times eta; L may be 0."""
         stiff = kappa + L * (eta * L + S_v + by_states(L, f_v))
         v = (r[0] - L * by_states(L, r[2:]) + L * r[1]) / stiff
         psi = [(one + f * v) / (L - g) for one, f, g in zip(r[2:], f_v, f_psi, strict=True)]
@@ -121,7 +120,7 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
 
     L = 1j * _long(omega).astype(np.clongdouble)
     one = np.ones_like(L)
-    # eigenvectors of A and of its transpose; the latter multiplies the number of v times eta
+    # eigenvectors of A and of its transpose; `left` multiplies vectors with v elements times eta
     q = (-kappa / L, one, *(f / (L - g) for f, g in zip(f_v, f_psi, strict=True)))
     left = (one / L, one, *(-S / (L - g) for S, g in zip(S_psi, f_psi, strict=True)))
     norm = left[0] * q[0] + eta + dot(left[2:], q[2:])
@@ -137,16 +136,16 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
 
 
 def _long(x):
-    """Numbers in the longest floating-point format, as terms cancel."""
+    """Convert to the longest floating-point format, because terms cancel."""
     return np.asarray(x, np.longdouble)
 
 
 @functools.cache
 def _forms(law):
-    """order -> function of the derivative of the equations along so many vectors (x, v, psi).
+    """Return order -> function: a derivative of the equations along `order` vectors.
 
-    dx/dT = kappa (1 - w), eta dv/dT = g/w with g = x - S, and d psi/dT.  In steady sliding v and g
-    are 0.
+    The vectors are (x, v, psi).  The equations are dx/dT = kappa (1 - w), eta dv/dT = g/w with
+    g = x - S, and d psi/dT.  In steady sliding v and g are 0.
     """
     graph = Graph(merges=False)
     kappa, *p = (graph.symbol(("p", k)) for k in range(1 + law.n_coefficients))

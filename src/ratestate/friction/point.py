@@ -1,14 +1,14 @@
-"""A slider at one point: how fast it slips, and what the equations of motion say there.
+"""A slider at one point: its speed, and the values of the equations of motion.
 
-The state is y = (x, v, psi), with a psi for each of the law's variables.  Under most laws
-V = V_ref exp(v), which is never 0 nor negative.  Friction that stays finite at rest lets slip
-reverse.  There v is friction itself, and mu_ref is 0,
+The state is y = (x, v, psi), with one psi for each of the law's variables.  Under most laws
+V = V_ref exp(v), which is always positive.  If friction stays finite at rest, slip may reverse.
+Then v is friction itself, mu_ref is 0, and
 
     v = mu/a,     w = V/V_ref = exp(v - Theta) - exp(-v - Theta) = c t,     t = tanh v,
 
-with forward and backward jumps over barriers of the height Theta = mu0/a + sum_k beta_k psi_k,
-but for V_ref instead of V0, and c = 2 cosh(v) exp(-Theta) the sum of all jumps.  All of it is
-smooth at rest, and w keeps its digits however small friction is.
+the rate of forward minus the rate of backward jumps over barriers.  Their height is Theta = mu0/a +
+sum_k beta_k psi_k, but for V_ref instead of V0, and c = 2 cosh(v) exp(-Theta) is the rate of all
+jumps.  All functions are smooth at rest, and w keeps its digits however small friction is.
 
 In either case c = dw/dv at constant psi, and d omega = dw/c.  If slip never reverses, c is w, and
 omega is v.
@@ -20,15 +20,14 @@ from .expressions import LIMIT
 from .functions import bounded_exp, exp, larger, log, smaller, sqrt, where
 from .tuples import dot, dot_onto, minus_dot, product, select, times, total
 
-# The smallest |w| that laws of state are given, and the least part of c that is taken for the
-# fastest speed.
+# The smallest |w| in formulas of laws, and the smallest fastest speed, divided by c.
 SMALLEST, LEAST = 1e-100, 1e-6
-# Of x and of the parts of friction, by which g = x - S may be off.
+# Error of g = x - S, relative to x and the parts of friction.
 ROUNDING_OF_FORCE = 1e-13
 
 
 class Point:
-    """A slider at one point, in numbers of any kind: what is known there, and what follows.
+    """A slider at one point, in numbers of any kind.
 
     Each list of `motion.Motion` that needs no other numbers is an attribute.
 
@@ -36,11 +35,11 @@ class Point:
     ----------
     law, p : the law, and its coefficients
     y : x, v and each psi, a tuple
-    w, e : the speed, and what the engine keeps beside: c if slip may reverse, and the exponentials
-        that rates hold; both follow from v if they are None
-    c_inverse : 1/c, if it is at hand
-    kappa, eta0 : as of `engine.model`
-    motion : the equations of motion; by default those of the engine
+    w, e : the speed, and the numbers stored with it: c if slip may reverse, and the exponentials in
+        the rates; None to compute them from v
+    c_inverse : 1/c, if known
+    kappa, eta0 : as in `engine.model`
+    motion : the equations of motion; by default in the engine's variables
     """
 
     def __init__(
@@ -53,18 +52,18 @@ class Point:
             self.c_inverse = c_inverse
 
     def at(self, y, dT=None):
-        """The slider at another state, which may be a time dT later."""
+        """Return the slider at another state, perhaps a time dT later."""
         p = self.p if dT is None else self.law.later(self.p, dT)
         return point_at(self.law, p, y, self.kappa, self.eta0)
 
     def later(self, dT):
-        """The same state a time dT later, when normal stress may be another."""
+        """Return the same state a time dT later, if normal stress may have changed."""
         p = self.law.later(self.p, dT)
         return Point(self.law, p, self.y, self.w, self.e, None, self.kappa, self.eta0)
 
     @cached_property
     def known(self):
-        """Symbols of `motion` -> values."""
+        """Return the values of the symbols of `motion`, a dict."""
         motion, own = self.motion, self.motion.own
         known = dict(zip((motion.v, *motion.psi), (self.v, *self.psi), strict=True))
         known |= dict(zip(motion.p, self.p, strict=False)) | {motion.symbols["moves"]: 1.0}
@@ -72,28 +71,28 @@ class Point:
             known[motion.w] = self.w
         if self.e is None:
             return known
-        if motion.reverses:  # (the logarithm of a smaller |w| would be lost)
+        if motion.reverses:  # a smaller |w| has no logarithm
             size, c = larger(abs(self.w), SMALLEST), self.c
             known |= {own.v: log(size), own.w: size, motion.c: c, motion.t: self.w / c}
             known[motion.slope] = where(self.w > 0.0, c, -c) / size
         return known | dict(zip(own.exponentials, self.e[motion.reverses :], strict=False))
 
     def values(self, name, **numbers):
-        """A list of `motion`, with these values of its other symbols."""
+        """Return a list of `motion`, with these values of its other symbols."""
         known = dict(self.known)
         for symbol, x in ((self.motion.symbols[one], x) for one, x in numbers.items()):
             known |= zip(symbol, x, strict=True) if isinstance(symbol, list) else {symbol: x}
         return self.motion.values(name, known)
 
     def __getattr__(self, name):
-        if name.startswith("_"):  # (what Python asks for)
+        if name.startswith("_"):  # a special method that Python looks up
             raise AttributeError(name)
         found = self.__dict__[name] = self.values(name)
         return found
 
     @cached_property
     def c(self):
-        """dw/dv at constant psi: if slip may reverse the sum of all jumps."""
+        """Return dw/dv at constant psi; the rate of all jumps if slip may reverse."""
         return self.e[0] if self.motion.reverses else self.w
 
     @cached_property
@@ -106,32 +105,32 @@ class Point:
 
     @cached_property
     def shares(self):
-        """s_k = -t beta_k of d omega = dv + sum_k s_k d psi_k, a tuple; () if they are 0."""
+        """Return s_k = -t beta_k of d omega = dv + sum_k s_k d psi_k; () if all are 0."""
         if not self.motion.reverses:
             return ()
         return times(-self.w * self.c_inverse, self.law.evolution_effects(self.p))
 
     def in_omega(self, z):
-        """A change of x, omega and psi, from that of x, v and psi."""
+        """Convert a change of x, v and psi to a change of x, omega and psi."""
         return z[0], dot_onto(z[1], self.shares, z[2:]), *z[2:]
 
     def in_v(self, z):
-        """The inverse of `in_omega`."""
+        """Convert a change of x, omega and psi to a change of x, v and psi."""
         return z[0], minus_dot(z[1], self.shares, z[2:]), *z[2:]
 
     @cached_property
     def log_of_faster(self):
-        """ln of the rate of forward or of backward jumps, whichever is larger."""
+        """Return ln of the larger of the rates of forward and backward jumps."""
         return self.law.log_of_faster(self.v, self.psi, self.p)
 
     @property
     def order_of_speed(self):
-        """A number that rises with w: v where that is possible, for its digits at rest."""
+        """Return a measure that rises with w: w if slip may reverse, else v."""
         return self.w if self.motion.reverses else self.v
 
     @property
     def order_slope(self):
-        """The derivative by omega of v at psi = 0 and this speed."""
+        """Return the derivative by omega of the v that has this speed at psi = 0."""
         if not self.motion.reverses:
             return 1.0
         at_0 = self.law.barrier((0.0,) * len(self.psi), self.p)
@@ -141,11 +140,11 @@ class Point:
         return self.c / (size * sqrt(1.0 + part * part))
 
     def error_of_v(self, error, fastest):
-        """Error in omega of a step that ends here, from its error in x, v and psi.
+        """Return the error in omega of a step that ends here, from that in x, v and psi.
 
-        If friction hardly depends on the speed, that in the speed, as a part of the fastest one.
+        If friction hardly depends on speed, it is the error of speed relative to the fastest speed.
 
-        fastest : largest and smallest `order_of_speed` so far, and the load point's speed
+        fastest : largest and smallest `speed_measure` so far, and the load point's speed
         """
         if not self.motion.reverses:
             return error[1]
@@ -155,51 +154,50 @@ class Point:
 
     @cached_property
     def g(self):
-        """The inertial force."""
+        """Return the inertial force x - S."""
         return self.x - self.S
 
     @property
     def forces(self):
-        """x, S, N and R."""
         return self.x, self.S, self.N, self.R
 
     def changes_of_forces(self, change, dT):
-        """How much `forces` change with x, omega and psi, and in a time dT."""
+        """Return the changes of `forces` along a change of x, omega, psi, in a time dT."""
         return change[0], *self.values("changes", z=change, dT=dT)
 
     def works(self, w_lp):
-        """Powers per a sigma V0 beyond their mu_ref part: of the load point, of the stress S."""
+        """Return the powers of load point and S per a sigma V0, beyond their mu_ref part."""
         return self.x * w_lp, self.S * self.w
 
     def of_x(self, w_lp):
-        """dx/dT where this is the load point's speed."""
+        """Return dx/dT at this load-point speed."""
         return self.kappa * (w_lp - self.w)
 
     def drive(self, w_lp):
-        """d(x - S)/dT at constant w."""
+        """Return d(x - S)/dT at constant w."""
         return self.of_x(w_lp) - dot(self.S_slopes[1:], self.f) - total(self.N_drift)
 
     @cached_property
     def is_balanced(self):
-        """Whether inertia is lost in the rounding of forces, so that x is S."""
+        """Return whether inertia is lost in the rounding of forces, so that x is S."""
         by_omega, *by_psi = self.S_slopes
         of_psi = total(map(abs, product(by_psi, self.psi)))
         sizes = abs(self.x) + abs(by_omega * self.v) + of_psi
         return (abs(self.g) <= ROUNDING_OF_FORCE * sizes) | (self.m <= 0.0)
 
     def acceleration(self, w_lp, balanced):
-        """d omega/dT as a quotient: of g and m or, where inertia is lost, from x = S."""
+        """Return dividend and divisor of d omega/dT: g and m, or from x = S if balanced."""
         return select(balanced, (self.drive(w_lp), self.S_slopes[0]), (self.g, self.m))
 
     def derived(self, name, **numbers):
-        """A list of `motion` that holds q, m, and g or F."""
+        """Return a list of `motion` that contains q, m, and g or F."""
         g = where(self.log_of_faster > -LIMIT, self.g, 0.0)  # at rest w is a constant
         F = dot(self.law.evolution_effects(self.p), self.f) if self.motion.reverses else 0.0
         return self.values(name, **({"g": g, "F": F} | numbers))
 
 
 def point_at(law, p, y, kappa=None, eta0=None):
-    """A `Point` whose speed and exponentials are the engine's, from v."""
+    """Return a `Point` with the speed and exponentials that the engine computes."""
     w, c_inverse, kept = law.net_speed(y[1], y[2:], p)
     system = c_inverse, kappa, eta0
     exponents = Point(law, p, y, w, kept, *system).exponents

@@ -1,9 +1,9 @@
-"""Sliding without inertia (M = 0), in closed form: excursions from steady sliding and runaway.
+"""Sliding without inertia (M = 0) in closed form: excursions and runaway.
 
 With V0 := V_lp, v = ln(V/V_lp) and psi = ln(theta V_lp/Dc), the force balance without mass is
-x = (tau - tau_ss)/(a sigma) = v + (b/a) psi, and the motion is plane.  Let kappa = K Dc/(a sigma),
-c = (b - a)/a, so that kappa = c where K = K_c_qs, and h(z) = exp(-z) - 1 + z, which is convex and
-0 at z = 0 only.
+x = (tau - tau_ss)/(a sigma) = v + (b/a) psi, and the motion is plane.  Let kappa = K Dc/(a sigma)
+and c = (b - a)/a, so that kappa = c at K = K_c_qs.  h(z) = exp(-z) - 1 + z is convex, and 0 only
+at z = 0.
 
 Aging law, y = v + psi = ln(V theta/Dc), time S with dS = dt/theta:
 
@@ -13,29 +13,30 @@ Aging law, y = v + psi = ln(V theta/Dc), time S with dS = dt/theta:
 Slip law, slip D in units of Dc instead of time, z = x + kappa h(v):
 
     dx/dD = kappa (exp(-v) - 1),   dv/dD = z - (kappa - c) v
-    E = -x - ln(1 - z),   dE/dD = -kappa (kappa - c) v (1 - exp(-v))/(1 - z)   where z < 1
+    E = -x - ln(1 - z),   dE/dD = -kappa (kappa - c) v (1 - exp(-v))/(1 - z)   if z < 1
 
-E is the excursion: 0 in steady sliding, positive elsewhere, conserved at K = K_c_qs, falling
-above, growing below.  Its level curves are closed, so that at K_c_qs every start of the aging law
-is periodic; with X = x + E those of the slip law are E = kappa h(v) + h(X), the same curves.
-(Both laws are the Lotka-Volterra equations there, in the time S or the slip D.)  Starts of the
-slip law with z >= 1 lie on no such curve: at K_c_qs they run away, V growing without bound in a
-finite time.  At any stiffness so do those with ln(V theta/Dc) >= K/K_c_qs.
+E is the excursion: 0 in steady sliding and positive elsewhere.  It is conserved at K = K_c_qs,
+falls above, and grows below.  Its level curves are closed, so that under the aging law every
+motion at K_c_qs is periodic.  With X = x + E the level curves of the slip law are
+E = kappa h(v) + h(X), the same curves.  (Both laws are the Lotka-Volterra equations there, in the
+time S or the slip D.)  Starts with z >= 1 under the slip law lie on no such curve: at K_c_qs they
+run away, and V grows without bound in a finite time.  At any stiffness starts with
+ln(V theta/Dc) >= K/K_c_qs run away too.
 
 The edge of runaway under the slip law, with y = v + psi and e(v) = kappa (exp(-v) - 1):
 
     dv/dD = (b/a) y + e(v),   dy/dD = c y + e(v)
 
-The distance Q = y - K/K_c_qs obeys dQ/dD = c Q + kappa exp(-v): once it is not negative it grows
-for ever, and V without bound.  Where V >> V_lp the equations are linear, and while Q < 0 the motion
-turns back, however fast it has become.  So one path, along which Q rises to 0 as V grows, parts
-what runs away from what comes back, for K >= K_c_qs: there v rises all along it, no path comes back
-and then runs away, and it meets each line of disturbances once.  Seen from its fast end it
-attracts what lies beside it, so that it is followed from there, as y(v).
+The distance Q = y - K/K_c_qs obeys dQ/dD = c Q + kappa exp(-v): once it is not negative, it and V
+grow without bound.  At V >> V_lp the equations are linear, and while Q < 0 the motion turns back,
+however fast it is.  So for K >= K_c_qs one path, along which Q rises to 0 as V grows, separates
+runaway from return.  v rises all along this path, no motion returns and then runs away, and the
+path meets each line of disturbances once.  Seen from its fast end it attracts its neighbours, so
+it is integrated from there, as y(v).
 
 Sources: Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3 (slip law), Ranjith & Rice
-(1999) doi:10.1016/S0022-5096(98)00113-6 (aging law).  The bounds for K > K_c_qs
-are derived in the comments beside them.  Numbers are in SI, and their ranges are not checked.
+(1999) doi:10.1016/S0022-5096(98)00113-6 (aging law).  Comments beside the bounds for K > K_c_qs
+derive them.  Numbers are in SI, and their ranges are not checked.
 """
 
 from typing import NamedTuple
@@ -48,16 +49,16 @@ from .stability import K_c_qs, elementwise
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512
-# ln(V/V_lp) from which on exp(-v) is lost in rounding, and the tolerance along the edge of runaway
+# ln(V/V_lp) above which exp(-v) is below rounding; the tolerance along the edge of runaway
 FAST, RTOL = 40.0, 1e-12
 
 
 def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
-    """Return how far a state without inertia is from steady sliding: E of this module.
+    """Return how far a state without inertia is from steady sliding: its excursion E.
 
-    E is conserved at K = K_c_qs.  If K > K_c_qs it falls to 0: steady sliding is approached from
-    everywhere (aging law) or from every state with a finite E (slip law).  If K < K_c_qs it grows
-    without end.
+    E is defined in this module, and conserved at K = K_c_qs.  If K > K_c_qs it falls to 0: steady
+    sliding is approached from everywhere (aging law) or from every state with a finite E (slip
+    law).  If K < K_c_qs it grows without end.
 
     Parameters
     ----------
@@ -73,14 +74,14 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     Returns
     -------
     float, array or DataArray
-        E [1], >= 0, with rounding errors of about 1e-15 (1 + E), or that of z over 1 - z.  Under
-        the slip law it is inf from the separatrix on: then V runs away if K <= K_c_qs, and may
-        otherwise.
+        E [1], >= 0, with a rounding error of about 1e-15 (1 + E) or, under the slip law, the
+        rounding error of z divided by 1 - z.  Under the slip law E is inf from the separatrix on:
+        then V runs away if K <= K_c_qs, and may run away otherwise.
 
     Raises
     ------
     ParameterError
-        Unknown law, or another one.
+        If the law is unknown, or neither slip nor aging.
     """
     kappa, v, psi = K * Dc / (a * sigma), np.log(V / V_lp), np.log(theta * V_lp / Dc)
     name = law_name(law)
@@ -103,19 +104,19 @@ def period(E, *, V_lp, a, b, Dc):
     Parameters
     ----------
     E : float, array or DataArray
-        Excursion [1], see `excursion`.  Up to 100 the period is good to 1e-9.  Smaller values than
-        1e-10, negative ones too, count as 1e-10.
+        Excursion [1], see `excursion`.  Up to 100 the period is accurate to 1e-9.  Values smaller
+        than 1e-10, negative ones too, count as 1e-10.
     V_lp, a, b, Dc : float, array or DataArray
         Load-point velocity [m/s], friction parameters [1, 1, m].
 
     Returns
     -------
     float, array or DataArray
-        Period [s]; inf if E is inf, else NaN if b <= a (there is no K_c_qs) or E is NaN.
+        Period [s]; inf if E is inf, else NaN if b <= a (K_c_qs does not exist) or E is NaN.
     """
     c = np.where(b > a, b / a - 1, np.nan)[..., None]
-    # On c h(p) + h(q) = E, run through by sqrt(c h(p)) = sqrt(E) cos(phi) and so on:
-    # dq/dT = c (exp(-p) - 1) gives dT/dphi, smooth and periodic.  Below 1e-10 E plays no part.
+    # On c h(p) + h(q) = E, with sqrt(c h(p)) = sqrt(E) cos(phi) and sqrt(h(q)) = sqrt(E) sin(phi),
+    # dq/dT = c (exp(-p) - 1) gives dT/dphi, smooth and periodic.  E has no effect below 1e-10.
     level = np.clip(E, 1e-10, 1e100)[..., None]
     phi = 2 * np.pi / POINTS * (np.arange(POINTS) + 0.5)
     cos, sin = np.cos(phi), np.sin(phi)
@@ -127,9 +128,8 @@ def period(E, *, V_lp, a, b, Dc):
 def runaway_step(*, a, b):
     """Return the smallest V_lp/V at which a step in speed from V to V_lp runs away.
 
-    It is b/(b - a) at K = K_c_qs, without inertia, under the slip law: steady sliding at V, and
-    then at once V_lp, has x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps, and all steps down, are
-    periodic.
+    It is b/(b - a) at K = K_c_qs, without inertia, under the slip law: a step from steady sliding
+    at V has x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps, and all steps down, are periodic.
 
     Parameters
     ----------
@@ -163,9 +163,9 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
     float, array or DataArray
         V_lp/V [1], in the shape that the arguments broadcast to; 1 if K < K_c_qs, inf if b <= a.
     """
-    # Where s = c/(r + c), no path crosses u = (b/a) r (1 - s exp(-v)), u = x + c v, upwards
-    # while v grows; a step starts at u = 0, v = -ln(V_lp/V), that is, below it if V_lp/V < 1/s.
-    # Also du/dv < b/a while v < 0, so that u < (b/a) ln(V_lp/V) at v = 0.
+    # With s = c/(r + c) and u = x + c v, no path crosses u = (b/a) r (1 - s exp(-v)) upwards
+    # while v grows.  A step starts at u = 0, v = -ln(V_lp/V): below this curve if V_lp/V < 1/s.
+    # Also du/dv < b/a while v < 0, so u < (b/a) ln(V_lp/V) at v = 0.
     r, c = _stiffness_ratio(a, b, Dc, sigma, K)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         ratio = np.maximum(1 + r / c, np.exp(r / (1 + c / r)))
@@ -192,8 +192,9 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
     """
     # While v < 0 < u the quantity (1 - x - c h(v)) exp(x) falls, from exp(cL) (b/a - c exp(L)) with
     # L = ln(V_lp/V), and at v = 0 it is (1 - x) exp(x).  Beyond v = 0 no path crosses
-    # u = (b/a) r - c exp(-v) downwards, where V runs away.  So it does if, with P = (b/a) r - c,
-    # exp(cL) (c exp(L) - b/a) >= (P - 1) exp(P), to which this ratio is a simpler sufficient one.
+    # u = (b/a) r - c exp(-v) downwards, and above this curve V runs away.  So a step runs away if,
+    # with P = (b/a) r - c, exp(cL) (c exp(L) - b/a) >= (P - 1) exp(P).  This ratio is sufficient
+    # for that, and simpler.
     r, c = _stiffness_ratio(a, b, Dc, sigma, K)
     beta, excess = b / a, np.maximum(r - 1, 0.0)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -202,20 +203,20 @@ def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
 
 
 def _stiffness_ratio(a, b, Dc, sigma, K):
-    """K/K_c_qs and (b - a)/a; meaningless if b <= a."""
+    """Return K/K_c_qs and (b - a)/a; meaningless if b <= a."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return K / K_c_qs(a=a, b=b, Dc=Dc, sigma=sigma), (b - a) / a
 
 
 def convex(z):
-    """h(z) = exp(-z) - 1 + z: convex, >= 0, z^2/2 near 0."""
+    """Return h(z) = exp(-z) - 1 + z, which is convex and near z^2/2 at small z."""
     return np.expm1(-z) + z
 
 
 def inverse_convex(value, sign):
-    """The z of this sign with h(z) = value > 0."""
+    """Return the z of this sign with h(z) = value > 0."""
     far = value + np.sqrt(2 * value)
-    z = np.where(sign > 0, far, -np.log1p(far))  # beyond the root, where it is convex
+    z = np.where(sign > 0, far, -np.log1p(far))  # Newton's method converges from beyond the root
     for _ in range(40):
         step = (convex(z) - value) / -np.expm1(-z)
         z = z - step
@@ -225,9 +226,9 @@ def inverse_convex(value, sign):
 
 
 class Thresholds(NamedTuple):
-    """Smallest disturbances that run away, dimensionless, > 0; inf if none up to `largest` does.
+    """Smallest disturbances that run away, dimensionless, > 0; inf above `largest`.
 
-    step_up: ln(V_lp/V before); kick_up, kick_down: rise and size of fall of tau/(a sigma).
+    step_up: ln(V_lp/V before); kick_up, kick_down: rise and fall of tau/(a sigma), both > 0.
     """
 
     step_up: float
@@ -236,13 +237,13 @@ class Thresholds(NamedTuple):
 
 
 def edge_of_slip_law(kappa, beta, largest):
-    """`Thresholds` of one slider without mass under the slip law.
+    """Return the `Thresholds` of one slider without mass under the slip law.
 
-    A step up starts at y = 0, v = -step; a kick, without a change of the state, at y = v.
+    A step up starts at y = 0, v = -step.  A kick, which does not change the state, starts at y = v.
     SolverError if the path cannot be followed; kappa > beta - 1 > 0 is not checked.
 
     kappa, beta : float, K Dc/(a sigma) and b/a
-    largest : float, size up to which to look
+    largest : float, largest disturbance to find
     """
     from scipy.integrate import solve_ivp  # slow to import
 
@@ -258,7 +259,7 @@ def edge_of_slip_law(kappa, beta, largest):
     def kick(v, y):
         return y[0] - v
 
-    kick.terminal = 2  # type: ignore[attr-defined]  # the second is the kick down, beyond the step
+    kick.terminal = 2  # type: ignore[attr-defined]  # the second is the kick down, after the step
     fast = kappa / c - kappa * np.exp(-FAST) / (c + kappa / c)
     path = solve_ivp(
         slope,
@@ -282,6 +283,6 @@ def edge_of_slip_law(kappa, beta, largest):
 #: law -> function that gives `Thresholds` of a slider without mass
 EDGES = {
     "slip": edge_of_slip_law,
-    # every orbit comes back (Ranjith & Rice 1999)
+    # every motion returns (Ranjith & Rice 1999)
     "aging": lambda kappa, beta, largest: Thresholds(np.inf, np.inf, np.inf),
 }

@@ -1,4 +1,4 @@
-"""What is made of expressions: derivatives, coefficients for what is constant, Python functions."""
+"""Derivatives, constant coefficients and Python functions of expressions."""
 
 import functools
 import operator
@@ -11,7 +11,7 @@ from .functions import DERIVATIVES, where
 
 
 def times_each(x, factor):
-    """x times a factor, which multiplies each term of a sum, and of a constant times a sum."""
+    """Return x times a factor, multiplied into each term of x if it is a sum."""
     if x.kind == "sum" and len(x.parts) > 1:
         products = (n * times_each(one, factor) for one, n in x.parts)
         return functools.reduce(operator.add, products)
@@ -25,9 +25,9 @@ def times_each(x, factor):
 
 
 class Derivative:
-    """The derivative of expressions of one graph by a symbol.
+    """The derivative of expressions of one graph, computed by calling it.
 
-    changes : dict symbol -> its derivative, an expression; of other symbols it is 0
+    changes : dict symbol -> its derivative, an expression; other symbols have the derivative 0
     """
 
     def __init__(self, graph, changes):
@@ -57,9 +57,9 @@ class Derivative:
 
 
 class Hoisting:
-    """Expressions in a new graph, in which symbols stand for what is constant in them.
+    """A copy of expressions in a new graph, with symbols for their constant parts.
 
-    constants : dict symbol -> the constant expression that it stands for
+    constants : dict symbol -> the constant expression that it replaces
     """
 
     def __init__(self):
@@ -67,7 +67,7 @@ class Hoisting:
         self._symbols, self._done = {}, {}
 
     def __call__(self, x):
-        """The new expression."""
+        """Return the new expression."""
         if x not in self._done:
             self._done[x] = self._made(x)
         return self._done[x]
@@ -87,7 +87,7 @@ class Hoisting:
         return total
 
     def _multiple(self, x, factor):
-        """A multiple of an expression; what is constant in it is apart."""
+        """Return a multiple of an expression, with its constant factors as one symbol."""
         inner, powers = x.powers
         constant = {base: n for base, n in powers.items() if base.is_constant}
         rest = {self(base): n for base, n in powers.items() if base not in constant}
@@ -104,9 +104,9 @@ class Hoisting:
 
 
 def function_of(roots, known):
-    """A Python function that gives a list: the values of expressions, in numbers of any kind.
+    """Return a Python function of numbers of any kind: the list of some expressions.
 
-    known : expressions, of which it takes the values in this order: all symbols, and others
+    inputs : expressions whose values it takes, in this order: all symbols, perhaps others
     """
     scope = {**vars(functions), "power": _power}
     exec(source_of(roots, known), scope)
@@ -114,18 +114,18 @@ def function_of(roots, known):
 
 
 def values_of(roots, known):
-    """Values of expressions, a list; known : dict expression -> value, as for `function_of`."""
+    """Return values of expressions, a list; inputs : as in `function_of` -> value."""
     if not (roots := tuple(roots)):
         return []
     programs, key = roots[0].graph.programs, (roots, tuple(known))
     if key not in programs:
         programs[key] = function_of(*key)
-    with np.errstate(all="ignore"):  # the side of a choice that is not taken may be no number
+    with np.errstate(all="ignore"):  # the side that `where` does not select may be NaN
         return programs[key](*known.values())
 
 
 def source_of(roots, known):
-    """The source of `function_of`, which tells expressions from others too."""
+    """Return the source of `function_of`, which also identifies expressions."""
     names = {one: f"x{k}" for k, one in enumerate(known)}
     lines = [f"def value({', '.join(names.values())}):"]
 
@@ -145,7 +145,7 @@ def source_of(roots, known):
 
 
 def _text(x, name):
-    """An expression as Python text; name : function that gives the name of another."""
+    """Return an expression as Python text; name : function that names an operand."""
     if x.kind == "sum":
         return _text_of_sum(x, name)
     if x.kind == "product":
@@ -181,7 +181,7 @@ def _text_of_sum(x, name):
 
 
 def _power(x, exponent):
-    """x**exponent, exponent > 0."""
+    """Return x**exponent, for an exponent > 0."""
     whole = int(exponent)
     if exponent - whole == 0.5:
         root = functions.sqrt(x)

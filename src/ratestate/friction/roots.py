@@ -1,20 +1,20 @@
-"""Roots, in arrays: of increasing functions, and of polynomials."""
+"""Roots of increasing functions and of polynomials, in arrays."""
 
 import numpy as np
 
-# Steps of the iteration for roots; about ten are needed, more if roots almost coincide.
+# Limit on iterations; about ten are needed, more if roots almost coincide.
 MAX_STEPS = 60
-# Relative length of a step after which the next would be rounding alone.
+# Relative length of a step after which only rounding is left.
 CONVERGED = 1e-14
 
 
-@np.errstate(all="ignore")  # (if a root does not matter there may be none)
+@np.errstate(all="ignore")  # a root that is not needed may not exist
 def root(off, start, where=True):
-    """The root (n,) of an increasing function, within some 4000 of the start; NaN if there is none.
+    """Return the root (n,) of an increasing function, within about 4000 of the start.
 
-    off : the function, of (n,), giving (n,)
+    function : takes and returns (n,)
     start : (n,) near the root
-    where : (n,) whether the root matters; NaN if not
+    where : (n,) whether the root is needed; the result is NaN if not, or without a root
     """
     start = np.where(where, start, np.nan)
     low, high = start - 1.0, start + 1.0
@@ -28,9 +28,9 @@ def root(off, start, where=True):
 
 @np.errstate(all="ignore")
 def root_between(off, low, high):
-    """The root of a function between numbers at which its signs differ; NaN if they do not.
+    """Return the root of a function between numbers where its signs differ, or NaN.
 
-    Each is found by inverse quadratic interpolation, or else bisection, to rounding.
+    The method is inverse quadratic interpolation, or bisection, to rounding.
 
     Source: Chandrupatla (1997) doi:10.1016/S0965-9978(96)00051-8.
     """
@@ -44,7 +44,7 @@ def root_between(off, low, high):
             break
         new = x + part * (other - x)
         y_new = off(new)
-        stays = (y_new > 0.0) == (y > 0.0)  # (and x is left out, else the other)
+        stays = (y_new > 0.0) == (y > 0.0)  # then x is dropped, else `other`
         left, y_left = np.where(stays, x, other), np.where(stays, y, y_other)
         other, y_other = np.where(stays, other, x), np.where(stays, y_other, y)
         x, y = new, y_new
@@ -60,20 +60,22 @@ def root_between(off, low, high):
 
 
 def polynomial_roots(c):
-    """(..., n) complex roots of polynomials, coefficients (..., n + 1), highest first, n > 0.
+    """Return the complex roots (..., n) of polynomials, real or in conjugate pairs.
 
-    Closed form for degree 2, else the iteration of Ehrlich and Aberth from the moduli that
-    Newton's polygon gives, as in Bini (1996, doi:10.1007/BF02207694): roots may differ by many
-    orders of magnitude, and each has its own digits.  They are real, or in conjugate pairs.  All
-    are NaN if a coefficient is not finite, or the first so small that a root is not.
+    The method is a closed form for degree 2, else the iteration of Ehrlich and Aberth from the
+    moduli of Newton's polygon, as in Bini (1996, doi:10.1007/BF02207694): each root is accurate
+    even if roots differ by many orders of magnitude.  All are NaN if a coefficient or a root is not
+    finite.
+
+    c : coefficients (..., n + 1), the highest power first, n > 0
     """
     n = c.shape[-1] - 1
     found = np.full((*c.shape[:-1], n), np.nan, complex)
     usable = np.isfinite(c).all(axis=-1) & (c[..., 0] != 0.0)
     c = c[usable]
-    # (a power of 2, which leaves the digits, lest sums overflow)
+    # scale by a power of 2, which keeps all digits, to prevent overflow of sums
     c = np.ldexp(c, -np.frexp(np.abs(c).max(axis=-1, keepdims=True, initial=1e-300))[1])
-    with np.errstate(all="ignore"):  # of roots that are 0, or not finite
+    with np.errstate(all="ignore"):  # roots may be 0 or not finite
         z = _conjugate(_quadratic(c) if n == 2 else _iterated(c))
         z[~np.isfinite(z).all(axis=-1)] = np.nan
     found[usable] = z
@@ -81,7 +83,7 @@ def polynomial_roots(c):
 
 
 def _quadratic(c):
-    """(m, 2) roots of polynomials (m, 3), neither as a difference of like numbers."""
+    """Return the roots (m, 2) of polynomials (m, 3), without cancellation."""
     a, b, last = c.T
     root = np.sqrt((b * b - 4.0 * a * last).astype(complex))
     larger = -0.5 * (b + np.where(b < 0.0, -root, root))
@@ -89,7 +91,7 @@ def _quadratic(c):
 
 
 def _iterated(c):
-    """`polynomial_roots` of polynomials (m, n + 1); NaN where one is beyond all numbers."""
+    """Return the `polynomial_roots` for c (m, n + 1); NaN if a root overflows."""
     z = _starts(c)
     z[~np.isfinite(z).all(axis=-1)] = np.nan
     moving = np.arange(len(c))
@@ -98,7 +100,7 @@ def _iterated(c):
         apart = now[:, :, None] - now[:, None, :]
         repulsion = np.where(apart == 0.0, 0.0, 1.0 / apart).sum(axis=-1)
         step = 1.0 / (_slope_over_value(c[moving], now) - repulsion)
-        step[~np.isfinite(step)] = 0.0  # where the value is 0, or all but
+        step[~np.isfinite(step)] = 0.0  # the polynomial is (almost) 0 here
         z[moving] = now - step
         moving = moving[(np.abs(step) > CONVERGED * np.abs(now)).any(axis=-1)]
         if not len(moving):
@@ -107,7 +109,7 @@ def _iterated(c):
 
 
 def _starts(c):
-    """(m, n) numbers of about the moduli of the roots: slopes of the hull of ln |c_k| over k."""
+    """Return numbers like the moduli of the roots: slopes of the hull of ln |c_k|."""
     n = c.shape[-1] - 1
     height = np.log(np.abs(c))
     hull = height.copy()
@@ -122,7 +124,7 @@ def _starts(c):
 
 
 def _slope_over_value(c, z):
-    """p'/p at z, (m, n); where |z| > 1 by the reversed polynomial, lest p overflow."""
+    """Return p'/p at z (m, n); the reversed polynomial avoids overflow if |z| > 1."""
     n, large = c.shape[-1] - 1, np.abs(z) > 1.0
     x = np.where(large, 1.0 / z, z)
     value, slope = np.zeros_like(z), np.zeros_like(z)
@@ -133,7 +135,7 @@ def _slope_over_value(c, z):
 
 
 def _conjugate(z):
-    """Roots (m, n) in conjugate pairs, each nearest to the other's conjugate; all others real."""
+    """Pair roots (m, n) that are nearest to each other's conjugate; make others real."""
     other = np.abs(z[:, :, None].conj() - z[:, None, :]).argmin(axis=-1)
     paired = np.take_along_axis(other, other, axis=-1) == np.arange(z.shape[-1])
     mean = 0.5 * z + 0.5 * np.take_along_axis(z, other, axis=-1).conj()

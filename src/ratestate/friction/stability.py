@@ -1,10 +1,10 @@
 """Steady sliding and its stability: closed forms (eqs 5-7, 10) and eigenvalues.
 
-Functions of parameters take floats, NumPy arrays and named DataArrays in SI units.  They do not
-check ranges.  V_c is 0 if sliding is unstable at any speed, and inf if it is stable at any speed.
+Functions of parameters take floats, NumPy arrays and named DataArrays in SI units, and do not check
+ranges.  V_c is 0 if sliding is unstable at any speed, and inf if it is stable at any speed.
 
 Sources: Rice & Ruina (1983) doi:10.1115/1.3167042, Gu et al. (1984)
-doi:10.1016/0022-5096(84)90007-3; equation numbers are those of Im, Marone & Elsworth (2019).
+doi:10.1016/0022-5096(84)90007-3; equation numbers follow Im, Marone & Elsworth (2019).
 """
 
 import functools
@@ -14,14 +14,14 @@ import numpy as np
 
 from .roots import polynomial_roots
 
-# Largest K/K_c_qs - 1 that may be rounding.
+# Largest K/K_c_qs - 1 that rounding may cause.
 ROUNDING = 1e-15
-#: relative distance from K_c below which a slider is called neither stable nor unstable
+#: relative distance from K_c within which a slider is neither stable nor unstable
 EDGE_WIDTH = 1e-8
 
 
 def elementwise(*dims):
-    """Let a function of NumPy arrays take floats, arrays or DataArrays, as `call_elementwise`."""
+    """Make a function of arrays take floats and DataArrays too (`call_elementwise`)."""
 
     def extended(function):
         signature = inspect.signature(function)
@@ -111,20 +111,20 @@ def K_c(V, *, a, b, Dc, sigma, M):
 
 
 def b_of_K_c(V, critical, *, a, Dc, sigma, M):
-    """Return the b [1] at which K_c at V [m/s] is `critical` [Pa/m], by eq. 6."""
+    """Return the b [1] at which K_c at V [m/s] equals `critical` [Pa/m] (eq. 6)."""
     return a + critical * Dc / sigma / (1 + eta(V, a=a, Dc=Dc, sigma=sigma, M=M))
 
 
 def a_of_K_c(V, critical, *, b, Dc, sigma, M):
-    """Return the a > 0 [1], an ndarray, at which K_c at V [m/s] is `critical` [Pa/m], by eq. 6.
+    """Return the a > 0 [1] at which K_c at V [m/s] equals `critical` [Pa/m] (eq. 6).
 
-    M > 0 and b > 0 are not checked.  DataArrays are not accepted.  It is the positive root of
-    a^2 - (b - h - r) a - b h, with h = M V^2/(sigma Dc) and r = critical Dc/sigma.
+    It is the positive root, an ndarray, of a^2 - (b - h - r) a - b h, with h = M V^2/(sigma Dc) and
+    r = critical Dc/sigma.  M > 0 and b > 0 are not checked, and DataArrays are not accepted.
     """
     h, r = M * V**2 / (sigma * Dc), critical * Dc / sigma
     half = 0.5 * (b - h - r)
     root = np.hypot(half, np.sqrt(b * h))
-    # the form of the root in which nothing cancels
+    # the form of the root without cancellation
     return np.where(half > 0.0, half + root, b * h / np.maximum(root - half, 1e-300))
 
 
@@ -201,8 +201,8 @@ def omega_c(V, *, a, b, Dc):
     Returns
     -------
     float, array or DataArray
-        omega_c [rad/s], in the shape that the arguments broadcast to, whatever the mass.  It is NaN
-        if b <= a: then there is no bifurcation.
+        omega_c [rad/s], in the shape that the arguments broadcast to.  It does not depend on the
+        mass.  It is NaN if b <= a, because there is no bifurcation.
     """
     return V / Dc * np.sqrt(np.where(b > a, (b - a) / a, np.nan))
 
@@ -223,8 +223,8 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     -------
     complex array or DataArray
         Eigenvalues [1/s] in the shape of the arguments and a last dimension "mode" of 3, least
-        stable first.  Modes of infinite rate are -inf: one at M = 0, two at K = inf, where V is
-        imposed and only the state relaxes, at the rate V/Dc.
+        stable first.  Modes of infinite rate are -inf: one if M = 0, two if K = inf, because V is
+        then imposed and only the state relaxes, at the rate V/Dc.
     """
     inertia, kappa = eta(V, a=a, Dc=Dc, sigma=sigma, M=M), K * Dc / (a * sigma)
     margin = (K - K_c(V, a=a, b=b, Dc=Dc, sigma=sigma, M=M)) * Dc / (a * sigma)
@@ -235,30 +235,30 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
 
 
 def steady_modes(eta, kappa, beta, margin):
-    """Eigenvalues, in units of V/Dc, of small perturbations of steady sliding.
+    """Return the eigenvalues [V/Dc] of small perturbations of steady sliding.
 
     The force balance (eq. 4) with either evolution law, linearised at theta = Dc/V:
 
         eta L^3 + (1 + eta) L^2 + (1 - beta + kappa) L + kappa = 0
 
-    Complex array: three along a last axis, by descending real part, a conjugate pair with its
-    positive imaginary part first.  Each is good to a few units in the last place of its modulus
-    unless it is nearly a double one; at eta = 0 the last is -inf, and at kappa = inf the last two
-    are.  Ranges are not checked.
+    The last axis of the complex array has the three eigenvalues by descending real part, with the
+    positive imaginary part of a conjugate pair first.  Each is accurate to a few units in the last
+    place of its modulus unless it is nearly a double root.  If eta = 0 the last one is -inf, and if
+    kappa = inf the last two are.  Ranges are not checked.
 
     ======  =======================================================================
     eta     M V^2/(sigma a Dc) (eq. 7), >= 0
     kappa   K Dc/(a sigma), > 0; if it is inf, the margin is not used
     beta    b/a
-    margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta); given by the caller, because all
-            digits that it loses are lost by the growth rate
+    margin  (K - K_c) Dc/(a sigma) = kappa - (beta - 1)(1 + eta), given by the caller: the growth
+            rate has as many correct digits as the margin
     ======  =======================================================================
     """
     rigid = np.isinf(kappa)
     kappa = np.where(rigid, 1.0, kappa)
     rho = _isolated_root(eta, kappa, beta)
-    # With L = -rho/eta known, the other two solve L^2 + p L + q = 0.  In this form of p nothing
-    # cancels but the margin itself, so that the growth rate has its sign whatever the rounding.
+    # With L = -rho/eta known, the other two solve L^2 + p L + q = 0.  This form of p has no
+    # cancellation except in the margin, so the growth rate has the right sign despite rounding.
     p = margin * rho / ((1 + eta) * rho**2 + kappa * eta**2)
     q = kappa / rho
     half, discriminant = -p / 2, p**2 / 4 - q
@@ -277,12 +277,12 @@ def steady_modes(eta, kappa, beta, margin):
 
 
 def _isolated_root(eta, kappa, beta):
-    """A positive root of x^3 - (1+eta) x^2 + eta (kappa+1-beta) x - eta^2 kappa, far from others.
+    """Return the root of x^3 - (1+eta) x^2 + eta (kappa+1-beta) x - eta^2 kappa.
 
-    There is one, as the sign changes between 0 and infinity.  Of three real roots the one on the
-    emptier side of their mean cannot be a double root, and a single real root lies farther from it
-    than the others too.  At eta = 0 the double root at x = 0 is the pair of the quasi-static
-    system, and x = 1 is returned.
+    A positive root exists, as the sign changes between 0 and infinity.  The function returns the
+    root farthest from the mean of all roots: if all three are real, it cannot be a double root, and
+    a single real root is farther from the mean than the others too.  At eta = 0 the double root at
+    x = 0 is the pair of the quasi-static system, and the function returns x = 1.
     """
     c = np.broadcast_arrays(1.0, -(1 + eta), eta * (kappa + 1 - beta), -(eta**2) * kappa)
     x = polynomial_roots(np.stack(c, axis=-1)).real

@@ -1,16 +1,16 @@
-"""Steady sliding under a law: its states, by root finding, and whether there is such sliding."""
+"""Find the states of steady sliding under a law, and check whether they exist."""
 
 import numpy as np
 
 from .law_formula import MARK
 from .roots import root
 
-# Newton steps before the root is bracketed.
+# Newton steps; then the root is bracketed.
 ITERATIONS = 10
 
 
 def steady_point(law, p, v):
-    """A `Point` of steady sliding at V_ref exp(v), if there is one.
+    """Return the `Point` of steady sliding at V_ref exp(v), if it exists.
 
     p : coefficients, arrays of one shape; v : such an array, or a number
     """
@@ -21,7 +21,7 @@ def steady_point(law, p, v):
 
 
 def _steady_variable(law, k, p, v, start):
-    """psi_k, from theta_k = D_k/V on; its rate does not depend on other states."""
+    """Return psi_k, by iteration from theta_k = D_k/V; its rate needs no other state."""
 
     def at(psi_k, v, p):
         return law.at_speed(v, (psi_k,) * len(law.states), p)
@@ -31,7 +31,7 @@ def _steady_variable(law, k, p, v, start):
 
     found, done = start[k], np.zeros(np.shape(start[k]), bool)
     before = np.full(np.shape(found), np.inf)
-    with np.errstate(all="ignore"):  # (steps may lead nowhere)
+    with np.errstate(all="ignore"):  # steps may overflow
         for _ in range(ITERATIONS):
             here = at(found, v, p)
             value, slope = here.f[k], here.f_slopes[1][k]
@@ -50,7 +50,7 @@ def _steady_variable(law, k, p, v, start):
 
 
 def steady_problem(at):
-    """The problem with steady sliding there under a user's law or friction, as text; "" if none."""
+    """Return the problem with a user's law or friction in steady sliding, "" if none."""
     law = at.law
     if MARK in law.name and all(np.all(np.isfinite(x)) for x in at.p):
         for name, one in zip(law.states, at.psi, strict=True):

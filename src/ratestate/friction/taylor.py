@@ -1,9 +1,8 @@
 """Taylor coefficients in time of expressions, by recurrences.
 
-Each sum, product, quotient and function has a rule by which its coefficient of order k in time
-follows from those of lower order (Moore 1966; Jorba & Zou 2005
-doi:10.1080/10586458.2005.10128904).  `expand` goes through these rules, order by order, with
-numbers of any kind.
+For each sum, product, quotient and function a rule gives the coefficient of order k in time from
+coefficients of lower order (Moore 1966; Jorba & Zou 2005 doi:10.1080/10586458.2005.10128904).
+`expand` applies these rules order by order, to numbers of any kind.
 """
 
 import functools
@@ -14,18 +13,19 @@ from .rewriting import values_of
 
 
 class NoSeries(TypeError):
-    """An expression has no rule here, as a choice has none."""
+    """An expression, such as a choice, has no rule for its coefficients."""
 
 
 def expand(derivatives, integrands, order, known):
-    """Coefficients up to an order of each unknown, and of each integrand up to one less.
+    """Return lists of Taylor coefficients of unknowns and of integrands.
 
-    Lists, in which the float 0.0 is a coefficient that is always 0.
+    Those of integrands end one order before `order`.  A coefficient that is always 0 is the float
+    0.0.
 
     derivatives : dict unknown symbol -> its derivative in time, an expression
     integrands : expressions
-    known : dict expression -> its value at the start, of each symbol and of what else is known; of
-        a symbol that changes at a constant rate a pair, its value and that rate
+    start : dict expression -> value at the start, for each symbol and perhaps other expressions; a
+        pair of value and rate for a symbol that changes at a constant rate
     """
     found = _Expansion(known)
     nodes = found.ordered([*derivatives, *derivatives.values(), *integrands])
@@ -40,29 +40,29 @@ def expand(derivatives, integrands, order, known):
 
 
 class _Expansion:
-    """Coefficients of expressions, as far as they are found.
+    """The coefficients of expressions that are known so far.
 
-    Each order waits for the one before.  So what is known last is added last, and by as few
-    operations as there can be: an unknown's coefficient as its slope, of which that is a part.
+    Each order waits for the order before.  So the terms that are known last are added last, in few
+    operations: a sum takes the slopes of the unknowns instead of their coefficients.
     """
 
     def __init__(self, known):
         self.known = known
-        self.rules = {}  # expression -> what `_rule` gives
+        self.rules = {}  # expression -> its `_rule`
         self.c = {}  # (expression, order) -> coefficient
         self.slopes = {}  # (expression, j) -> j times the coefficient of order j
-        self.terms = {}  # expression -> what `_linear` gives
-        self.over = {}  # quotient -> its dividend's terms over the divisor; and one over that
+        self.terms = {}  # expression -> its `_linear_terms`
+        self.over = {}  # quotient -> terms of its dividend divided by the divisor; 1/divisor
 
     def ordered(self, roots):
-        """All that some expressions follow from, and these, each after what it follows from."""
+        """Return the roots and all that their rules need, operands first, a list."""
         nodes, waiting = {}, list(roots)
 
         def find(one):
             if one in nodes:
                 return
             rule, *operands = self.rules.setdefault(one, _rule(one))
-            if rule == "function":  # (of the other one it needs lower orders alone)
+            if rule == "function":  # the rule needs only lower orders of `inner`
                 waiting.append(operands.pop())
             for operand in operands:
                 find(operand)
@@ -73,11 +73,11 @@ class _Expansion:
         return list(nodes)
 
     def at(self, one, k):
-        """The coefficient of order k; 0 beyond those of constants and lines."""
+        """Return the coefficient of order k; 0 if the expression has none."""
         return self.c.get((one, k), 0.0)
 
     def add(self, one, k):
-        """Find the coefficient of order k, after those of lower order, and of its operands."""
+        """Compute the coefficient of order k; lower orders and operands come first."""
         rule, *operands = self.rules[one]
         if rule != "known":
             self.c[one, k] = getattr(self, f"_{rule}")(k, one, *operands)
@@ -87,7 +87,7 @@ class _Expansion:
             self.c[one, 0] = self._first(one)
 
     def _first(self, one):
-        """The coefficient of order 0, from those of the operands if it is not known."""
+        """Return the coefficient of order 0, from the operands unless it is given."""
         if (one, 0) in self.c:
             return self.c[one, 0]
         if one in self.known:
@@ -95,7 +95,7 @@ class _Expansion:
         return values_of([one], {x: self._first(x) for x in one.operands})[0]
 
     def _linear(self, one):
-        """Constant factors and expressions whose sum it is: itself, if it is no sum."""
+        """Return the expression as a sum: pairs of a constant factor and an expression."""
         if one not in self.terms:
             rule, *operands = self.rules[one]
             self.terms[one] = [(1.0, one)]
@@ -118,7 +118,7 @@ class _Expansion:
         return self.slopes[one, j]
 
     def _combination(self, terms, k):
-        """The coefficient of order k of a sum of such terms."""
+        """Return the coefficient of order k of a sum of such terms."""
         early = [times(a, self.at(x, k)) for a, x in terms if (x, k) not in self.slopes]
         late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
         return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
@@ -144,7 +144,7 @@ class _Expansion:
         return total([-less, self._combination(terms, k), -last])
 
     def _function(self, k, one, x, inner):
-        """From f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
+        """Apply f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
         if k == 0:
             return self._first(one)
         pairs = {j: (self._slope(x, j), self.at(inner, k - j)) for j in range(1, k)}
@@ -153,7 +153,7 @@ class _Expansion:
 
 
 def _rule(one):
-    """By which rule an expression's coefficients follow, and from which expressions, a tuple."""
+    """Return the rule for an expression's coefficients, and its operands, a tuple."""
     if one.is_constant or one.kind == "symbol":
         return ("known",)
     if one.kind == "sum":
@@ -192,21 +192,18 @@ def _is(x, number):
 
 
 def times(x, y):
-    """The product of two coefficients."""
+    """Return the product of two coefficients."""
     if _is(x, 0.0) or _is(y, 0.0):
         return 0.0
     return y if _is(x, 1.0) else x * y
 
 
 def total(terms):
-    """The sum of coefficients, from the left."""
+    """Return the sum of coefficients, from the left."""
     known = [one for one in terms if not _is(one, 0.0)]
     return functools.reduce(operator.add, known) if known else 0.0
 
 
 def convolution(pairs, k):
-    """The sum of products of which the factors are of order j and k - j, by j.
-
-    Those that are known last are added last.
-    """
+    """Return the sum of products of orders j and k - j; late factors are added last."""
     return total(times(*pairs[j]) for j in sorted(pairs, key=lambda j: max(j, k - j)))

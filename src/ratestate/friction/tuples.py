@@ -1,4 +1,4 @@
-"""Arithmetic on tuples of numbers of any kind (functions.py), of any length."""
+"""Arithmetic on tuples, of any length, of numbers of any kind (functions.py)."""
 
 import functools
 import operator
@@ -7,59 +7,59 @@ from .functions import larger, where
 
 
 def total(terms):
-    """The sum, from the left; 0 of none."""
+    """Return the sum, from the left; 0 of an empty tuple."""
     terms = tuple(terms)
     return functools.reduce(operator.add, terms) if terms else 0.0
 
 
 def plus(x, y):
-    """x_i + y_i."""
+    """Return x_i + y_i."""
     return tuple(x_i + y_i for x_i, y_i in zip(x, y, strict=True))
 
 
 def times(a, k):
-    """a k_i."""
+    """Return a k_i."""
     return tuple(a * k_i for k_i in k)
 
 
 def product(x, y):
-    """x_i y_i, as many as the shorter one has."""
+    """Return x_i y_i, up to the length of the shorter tuple."""
     return tuple(x_i * y_i for x_i, y_i in zip(x, y, strict=False))
 
 
 def dot(c, k):
-    """sum_i c_i k_i, summed from the left."""
+    """Return sum_i c_i k_i, summed from the left."""
     return total(product(c, k))
 
 
 def dot_onto(start, c, k):
-    """start + sum_i c_i k_i, summed from the left."""
+    """Return start + sum_i c_i k_i, summed from the left."""
     return total((start, *product(c, k)))
 
 
 def minus_dot(start, c, k):
-    """start - sum_i c_i k_i, from the left."""
+    """Return start - sum_i c_i k_i, from the left."""
     return functools.reduce(operator.sub, product(c, k), start)
 
 
 def plus_sum(y, c, k):
-    """y + sum_i c_i k_i for tuples k_i, summed from the left; of as many c, or fewer k."""
+    """Return y + sum_i c_i k_i, from the left; the shorter of c and k is used up."""
     return functools.reduce(plus, map(times, c, k), y)
 
 
 def sum_of(c, k):
-    """sum_i c_i k_i for one tuple k_i or more."""
+    """Return sum_i c_i k_i for one tuple k_i or more."""
     return functools.reduce(plus, map(times, c, k))
 
 
 def grouped(values, like):
-    """Numbers in tuples as long as another."""
+    """Split numbers into tuples of the length of `like`."""
     n = len(like)
     return tuple(values[k : k + n] for k in range(0, len(values), n))
 
 
 def pairwise_sum(k):
-    """sum_i k_i of pairs, and pairs of pairs, added to the first number last."""
+    """Return sum_i k_i, by pairs, pairs of pairs and so on, the first number last."""
     terms = k[1:]
     while len(terms) > 1:
         pairs = [a + b for a, b in zip(terms[::2], terms[1::2], strict=False)]
@@ -68,10 +68,10 @@ def pairwise_sum(k):
 
 
 def largest(k):
-    """max_i |k_i|; 0 of none."""
+    """Return max_i |k_i|; 0 of an empty tuple."""
     return functools.reduce(larger, map(abs, k), 0.0)
 
 
 def select(condition, x, y):
-    """x where the condition is true, else y."""
+    """Return x if the condition is true, else y."""
     return tuple(where(condition, x_i, y_i) for x_i, y_i in zip(x, y, strict=True))

@@ -1,8 +1,9 @@
-"""A law that a user brings: read from a file or a class, and named with a hash of its formula.
+"""Friction laws of users: read from a file or class, named with a hash.
 
-The formula is what running it once leaves behind (equations.py), with all the constants in it.  So
-an edited law has another name and machine code of its own, and each result names the law that made
-it.  A law file is Python code that runs when it is read: only its user's own action reads it.
+The hash is taken of the expressions that a run of the formula yields (equations.py), with all
+constants in them.  So an edited law gets another name and its own machine code, and each result
+names the law that made it.  A law file is Python code and runs when it is read, so it is read only
+if the user names it.
 """
 
 import hashlib
@@ -21,32 +22,32 @@ from .law_formula import EXAMPLE, MARK
 from .rewriting import Derivative
 from .steady_state import steady_point, steady_problem
 
-#: what a user's code may raise, but for an interrupt
+#: errors that a user's code may raise, except an interrupt
 RAISED = (Exception, SystemExit)
 NAME = re.compile(r"[a-z][a-z0-9-]*")
-#: begins the name of the module that a law file is
+#: prefix of the module name of a law file
 LAW_FILE = "ratestate_law_"
-#: methods that are run once, with expressions
+#: methods that run once, with expressions
 FORMULAS = ("evolution", "friction", "runaway", "log_theta", "variables_of", "constants")
-#: names that `FrictionLaw` has and a user's law may have too
+#: attributes of `FrictionLaw` that a user's law may replace
 OWN = (
     *(*FORMULAS, "complaint", "jumps_with_normal_stress"),
     *("name", "label", "synonyms", "source", "form", "states", "parameters"),
     *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
 )
-#: speeds [m/s] and ln(V theta/D) at which a law is tried
+#: speeds [m/s] and ln(V theta/D) at which `check_formulas` tests a law
 SPEEDS, AGES = 10.0 ** np.arange(-12.0, 1.5, 0.5)[:, None], np.linspace(-20.3, 20.9, 207)
-#: largest error of variables that are made from states, and these from them
+#: largest error allowed in `log_theta` of `variables_of`
 ERROR = 1e-10
 
 
 def law_of_file(path):
-    """The class of laws in a Python file, which is run; ParameterError unless there is just one."""
+    """Run a Python file and return its only class of laws, else ParameterError."""
     try:
-        if Path(path).exists() and not Path(path).is_file():  # a folder, or a device without end
+        if Path(path).exists() and not Path(path).is_file():  # a folder, or an endless device
             raise OSError(0, "it is not a file")
         text = Path(path).read_text("utf-8")
-    except (OSError, ValueError) as error:  # (another encoding, or a null character in the path)
+    except (OSError, ValueError) as error:  # ValueError: encoding, or a null character in the path
         reason = getattr(error, "strerror", None) or error
         raise ParameterError(f"law file {path} cannot be read: {reason}") from None
     kind = law_of_text(text, path)
@@ -55,10 +56,10 @@ def law_of_file(path):
 
 
 def law_of_text(text, path):
-    """`law_of_file` of a file with this text, which was at this path."""
+    """Return the only class of laws in a file's text; path : the file, for messages."""
     module = types.ModuleType(f"{LAW_FILE}{_hash(text)}")
     module.__file__ = str(path)
-    sys.modules[module.__name__] = module  # where pickle looks for its class
+    sys.modules[module.__name__] = module  # pickle looks up the class here
     try:
         exec(compile(text, str(path), "exec"), module.__dict__)
         found = [x for x in vars(module).values() if _is_law(x) and x.__module__ == module.__name__]
@@ -81,7 +82,7 @@ def law_of_text(text, path):
 
 
 def reason_of(error):
-    """Return the kind of an error and the first line of its text, if that can be had."""
+    """Return the type of an error and the first line of its text, if it has one."""
     kind = type(error).__name__
     try:
         return f"{kind}: {error}".splitlines()[0]
@@ -90,10 +91,9 @@ def reason_of(error):
 
 
 def named_law(kind):
-    """An instance of a class of laws, under its name with the hash of its formula.
+    """Return an instance of a class of laws, named with the hash of its formula.
 
-    ParameterError if it is not such a class, its name is not a valid one, or its formula cannot be
-    run.
+    ParameterError if it is not such a class, its name is not valid, or its formula cannot be run.
     """
     if not _is_law(kind):
         raise ParameterError(f"{kind!r} must be a class that derives from ratestate.FrictionLaw")
@@ -134,12 +134,12 @@ def named_law(kind):
 
 
 def located(name, law, error):
-    """What is wrong with the formula of a law, where in its code, and what helps."""
+    """Return the problem with a law's formula, its place in the code, and the remedy."""
     return f"law {name!r}{_place_of(error, law)}: {_remedy(error)}"
 
 
 def _check_states(law):
-    """Raise FormulaError for states that are not the law's parameters."""
+    """Raise FormulaError if the states use symbols that the law does not have."""
     known = (*EXAMPLE, *law.parameters)
     if not law.states:
         raise FormulaError("states is empty. Leave it out for theta alone.")
@@ -153,7 +153,7 @@ def _check_states(law):
 
 
 def _place_of(error, law):
-    """The line of a law's code at which an error came up, or of the method that it is about."""
+    """Return the file and line of an error in a law, or of the method at fault."""
     frames = traceback.extract_tb(error.__traceback__)
     ours = Path(__file__).parent
     first = [
@@ -172,7 +172,7 @@ def _place_of(error, law):
 
 
 def _remedy(error):
-    """What is wrong with a formula that cannot be run, and what helps."""
+    """Return the problem with a formula that cannot be run, and the remedy."""
     if isinstance(error, FormulaError):
         return str(error)
     if isinstance(error, AttributeError) and isinstance(error.obj, types.SimpleNamespace):
@@ -195,9 +195,9 @@ def _hash(text):
 
 
 def check(law, values):
-    """Raise FormulaError for what is wrong with a law; nothing is returned.
+    """Raise FormulaError if a law's formulas fail on a grid of speeds and states.
 
-    values : symbol -> an example of each of its own parameters [SI]
+    values : symbol -> example of each of its own parameters [SI]
     """
     _check_coupling(law)
     values = {symbol: np.float64(x) for symbol, x in (EXAMPLE | values).items()}
@@ -258,7 +258,7 @@ def _check_finite(what, method, numbers):
 
 
 def _check_steady(name, V, rate):
-    """A state has one theta at which it is steady: there its rate falls through 0."""
+    """Raise FormulaError unless the rate falls through 0 at exactly one theta."""
     ages, rate = AGES[rate != 0.0], rate[rate != 0.0]
     at = np.flatnonzero(np.diff(np.sign(rate)))
     if len(at) == 1 and rate[at[0]] > 0.0:
@@ -283,6 +283,6 @@ def _on_grid(x):
 
 
 def _point(k):
-    """The k-th speed and age of the grid, in words."""
+    """Return the k-th speed and age of the grid as text."""
     V, age = SPEEDS.flat[k // AGES.size], AGES[k % AGES.size]
     return f"V = {V:.3g} m/s and V theta/D = {np.exp(age):.3g}"
