@@ -16,7 +16,7 @@ from scipy.optimize import root
 
 import ratestate as rs
 from ratestate.dynamics.cycles.system import System
-from ratestate.friction.laws import law_name, of_one_length
+from ratestate.friction.laws import law_name, one_length_laws
 
 # Tolerances of Rodas5P and SciPy that leave errors of at most about 1e-6.
 MARCHING, RADAU, COLLOCATION = 1e-7, 1e-6, 1e-6
@@ -75,7 +75,7 @@ def jacobians(y, p):
 
 def numbers(system):
     """kappa, beta, eta, V_lp/Dc, V_lp/V0 and law, as rivals.py has them."""
-    law = of_one_length().index(law_name(system.law))
+    law = one_length_laws().index(law_name(system.law))
     kappa, beta, eta = (values[0] for values in (system.kappa, system.beta, system.eta))
     return np.array([kappa, beta, eta, 1.0, 1.0, law], float)
 

@@ -7,7 +7,7 @@ import hypothesis
 import pytest
 from threadpoolctl import threadpool_limits
 
-from ratestate.friction.laws import LAW_OF, LAWS
+from ratestate.friction.laws import LAW_NAMES, LAWS
 from ratestate.model.quantities import QUANTITIES
 
 # Other examples at each run, and more of them: --hypothesis-profile=default.  A busy machine
@@ -25,7 +25,7 @@ def pytest_addoption(parser):
 @pytest.fixture(autouse=True)
 def laws_as_before():
     """Forget, after each test, the laws that it has registered: others list all laws there are."""
-    before = [(table, dict(table)) for table in (LAWS, LAW_OF, QUANTITIES)]
+    before = [(table, dict(table)) for table in (LAWS, LAW_NAMES, QUANTITIES)]
     yield
     for table, old in before:
         table.clear()

@@ -10,7 +10,7 @@ from textbook import OF_LAW, Textbook, drawn
 import ratestate as rs
 from ratestate.dynamics.cycles.orbit import orbit
 from ratestate.friction import normal_form
-from ratestate.friction.laws import LAWS, of_one_length
+from ratestate.friction.laws import LAWS, one_length_laws
 from ratestate.friction.linear_stability import linearisation
 
 NAMES = pytest.mark.parametrize("law", LAWS)
@@ -283,7 +283,7 @@ def test_small_cycles_grow_from_the_hopf_point_as_it_says(law):
 
 def test_the_numbers_of_any_law_are_the_closed_form_of_one_length():
     """lyapunov_1 and growth rates, from no inertia at all to much of it, within their rounding."""
-    for name in of_one_length():
+    for name in one_length_laws():
         law = LAWS[name]
         b1, eta = (x.ravel() for x in np.meshgrid([0.01, 0.3, 30.0], [0.0, 1e-6, 0.3, 20.0]))
         p = (1 + b1, *[0.0] * (law.n_coefficients - 1))

@@ -123,11 +123,11 @@ def test_what_friction_loses_with_slip_decides():
     part = 10.0 * math.exp(-1.0) / (1.0 + 10.0 * math.exp(-1.0))
     loses = B / A * part * (30.0 - 1.0)
     at = point_at(law, p, (0.0, v, *psi))
-    found = [law.outruns_spring(at, loses * x) for x in (0.999, 1.001)]
+    found = [law.weakens_faster_than_spring(at, loses * x) for x in (0.999, 1.001)]
     assert found == [True, False]
-    assert law.resolved(math.log(3e8 / V), p) == pytest.approx(math.log(0.1) + RESOLVED)
-    assert law.resolved(1.0, p) == 1.0
-    assert law.resolved(math.inf, p) == math.inf
+    assert law.largest_resolved_v(math.log(3e8 / V), p) == pytest.approx(math.log(0.1) + RESOLVED)
+    assert law.largest_resolved_v(1.0, p) == 1.0
+    assert law.largest_resolved_v(math.inf, p) == math.inf
 
 
 def test_a_leap_from_slow_sliding_ends_where_spring_and_friction_fall_alike():

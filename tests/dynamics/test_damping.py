@@ -26,7 +26,7 @@ from ratestate.dynamics.results import parameter
 from ratestate.dynamics.steady_sliding import steady_stress
 from ratestate.dynamics.whole_contact import whole_contact
 from ratestate.friction.composition import composed_law
-from ratestate.friction.laws import LAWS, of_one_length
+from ratestate.friction.laws import LAWS, one_length_laws
 from ratestate.friction.linear_stability import stability_margin
 from ratestate.interfaces import scenario
 from ratestate.records.fitting import slider_of
@@ -65,7 +65,7 @@ def test_a_step_is_that_of_the_textbook(law, mass):
 @given(seed=st.integers(0, 10**6))
 def test_critical_stiffness_in_closed_form(seed):
     rng = np.random.default_rng(seed)
-    law = rng.choice(sorted(of_one_length()))
+    law = rng.choice(sorted(one_length_laws()))
     parameters, V = heavy(law, rng)
     case = rs.SpringSlider(**parameters, law=law)
     exact = K_c(V, **parameters)

@@ -12,7 +12,7 @@ from textbook import Textbook, drawn
 import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.frequency_response import TRANSFER
-from ratestate.friction.laws import LAWS, of_one_length
+from ratestate.friction.laws import LAWS, one_length_laws
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
 V = 1e-3
@@ -104,7 +104,7 @@ def test_small_oscillations_of_a_run(ratio, M):
 def test_without_mass_in_closed_form(seed):
     """That of Perfettini et al. (2001), and of a slider that its load point takes along."""
     rng = np.random.default_rng(seed)
-    law = rng.choice(sorted(of_one_length()))
+    law = rng.choice(sorted(one_length_laws()))
     p, V = stiff(law, rng)
     p |= {"M": 0.0, "damping": 0.0}
     p["K"] = rng.uniform(1.2, 3.0) * (p["b"] - p["a"]) * p["sigma"] / p["Dc"]

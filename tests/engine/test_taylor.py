@@ -117,7 +117,7 @@ def start_of(law, point):
 
 
 def solution(law, p, point, start=None, terms=ORDER + 3):
-    """The powers of `works`, and y as `Truncated`, by Picard's iteration: each adds a term."""
+    """`work_rates`, and y as `Truncated`, by Picard's iteration: each adds a term."""
     start = start_of(law, point) if start is None else start
     y = [Truncated([one]) for one in start]
     for Truncated.N in range(2, terms + 1):

@@ -12,7 +12,7 @@ from textbook import OF_LAW, Textbook, drawn
 
 import ratestate as rs
 from ratestate.friction.composition import composed
-from ratestate.friction.law_formula import MARK
+from ratestate.friction.law_formula import HASH_MARK
 from ratestate.friction.laws import LAWS
 
 NAMES = pytest.mark.parametrize("name", LAWS)
@@ -71,7 +71,7 @@ def test_steady_sliding_is_steady(name):
 
 
 def test_the_textbook_has_each_built_in_law():
-    assert set(OF_LAW) == {name for name in LAWS if MARK not in name}
+    assert set(OF_LAW) == {name for name in LAWS if HASH_MARK not in name}
     assert all(set(OF_LAW[name]) == set(LAWS[name].parameters) for name in OF_LAW)
 
 

@@ -278,5 +278,5 @@ def test_forms_are_found_by_themselves():
     assert list(FORMS) == ["cut-off", "regularized"]
     assert {*TAKING} == {*OF_LAW} - {"nagata", "flash-heating"}
     assert LAWS["flash-heating"].form == "regularized"
-    assert FORMS["regularized"].OWN == {}
-    assert set(FORMS["cut-off"].OWN) == {"V1", "V2"}
+    assert FORMS["regularized"].OWN_PARAMETERS == {}
+    assert set(FORMS["cut-off"].OWN_PARAMETERS) == {"V1", "V2"}

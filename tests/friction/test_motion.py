@@ -72,7 +72,7 @@ def test_derivatives(name, form, damped):
         for matrix, true in (("jacobian", exact), ("curvature", change)):
             rows = at.derived(matrix, **how)
             if matrix == "jacobian":
-                found = [trace_of(rows, at.shares, 1.0)]
+                found = [trace_of(rows, at.omega_by_psi, 1.0)]
             for row, of_row in zip(rows, true.astype(float), strict=True):
                 terms = np.array([[x * k[j] for j, x in row.items()] for k in directions])
                 size = max(np.abs(terms).max(), np.abs(of_row).max())

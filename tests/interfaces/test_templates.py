@@ -9,7 +9,7 @@ from paths import TEMPLATES as FOLDER
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.friction.laws import DEFAULT, of_one_length
+from ratestate.friction.laws import DEFAULT, one_length_laws
 from ratestate.friction.stability import omega_c
 from ratestate.interfaces.scenario import TEMPLATES, loads, run, template
 from ratestate.interfaces.templates import LAW, commands, description, files_of
@@ -63,7 +63,7 @@ def test_its_law_is_filled_in():
         assert text.count(f'law = "{law}"') == (name != "million")
     others = re.search(r'^law = "aging" +# or (.*)$', template("lab"), re.MULTILINE)[1]
     found = others.replace('"', "").split(" or ")
-    assert found == [law for law in of_one_length() if law != "aging"]
+    assert found == [law for law in one_length_laws() if law != "aging"]
     assert "Add --law slip,aging to compare laws" in template("record")
 
 

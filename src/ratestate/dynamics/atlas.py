@@ -99,7 +99,7 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
         law=law,
         **parameters,
     )
-    if slider.friction_law.has_own_speed != (M is not None):
+    if slider.friction_law.has_speed_scale != (M is not None):
         raise refusal(f"atlas.{'mass' if M is None else 'no_mass'}", law=slider.law)
     sliders, V_lp, rows = _rows(slider, n)
     data = _map(sliders, V_lp, rows, n, rtol)
@@ -110,7 +110,7 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
 
 def _rows(slider, n):
     """Sliders and load-point speeds along the dimension ``row``, and its coordinates."""
-    if slider.friction_law.has_own_speed:
+    if slider.friction_law.has_speed_scale:
         speeds = logspace("V_lp", *SPEEDS, n)
         V_lp = xarray.DataArray(speeds.values, dims="row")
         eta = ("V_lp", slider.M * speeds.values**2, attrs("eta"))

@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 
 from ..friction.critical_speeds import V_c
-from ..friction.linear_stability import K_c, beside_the_pair, eigenvalues, linearisation, omega_c
+from ..friction.linear_stability import K_c, eigenvalues, linearisation, omega_c, other_modes
 from ..friction.normal_form import (
     growth_slopes,
     law_curvatures,
@@ -168,10 +168,10 @@ def _where_it_is(law, V, values):
     else:
         coefficient, rounding = lyapunov_1_of_law(law, p, kappa, inertia, omega)
     by_K, by_V = growth_slopes(linearisation(law, p), kappa, inertia, omega)
-    if law.has_own_speed:
+    if law.has_speed_scale:
         by_V = _growth_by_speed(law, V, critical, values)
     modes = eigenvalues(law, V, K=critical, **values)
-    third = beside_the_pair(modes, omega / unit).real.max(axis=1) * unit
+    third = other_modes(modes, omega / unit).real.max(axis=1) * unit
     return _Point(omega, third, coefficient, rounding, by_K, by_V, 2.0 * kappa / omega)
 
 

@@ -6,9 +6,9 @@ status of the engine, whose text is engine/statuses.toml's (`simulation.cases.fa
 
 from pathlib import Path
 
-from ..friction.composition import JOINT, composed_law
+from ..friction.composition import PART_MARK, composed_law
 from ..friction.forms import FORMS
-from ..friction.laws import of_one_length
+from ..friction.laws import one_length_laws
 from ..model.names import Sentences
 
 sentence = Sentences(Path(__file__).with_suffix(".toml"))
@@ -19,8 +19,8 @@ refusal = sentence.refusal
 def check_one_length(function, law):
     """Raise ParameterError, for a function by name, unless a law, by name, is of one length."""
     if not composed_law(law).one_length:
-        names = " and ".join(map(repr, of_one_length()))
-        own, *parts = law.split(JOINT)
+        names = " and ".join(map(repr, one_length_laws()))
+        own, *parts = law.split(PART_MARK)
         parts = [f"friction = {part!r}" if part in FORMS else part for part in parts]
         law = " with ".join(filter(None, (repr(own), " and ".join(parts))))
         raise refusal("law.one_length", function=function, law=law, names=names)

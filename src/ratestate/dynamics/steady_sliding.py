@@ -121,7 +121,7 @@ class StabilityCall:
 
     def _quasi_static(self, given):
         """The same without mass; and at any speed, where it makes no difference."""
-        any_speed = {} if self.slider.friction_law.has_own_speed else {"V": 1.0}
+        any_speed = {} if self.slider.friction_law.has_speed_scale else {"V": 1.0}
         return given | any_speed | {"M": 0.0}
 
     def dataset(self, variables):

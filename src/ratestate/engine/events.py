@@ -66,7 +66,7 @@ def of_step(run, l, what, parts, load, at):
 
     =====  ==========================================================================
     FORCE  a sum of parts of x, S, N and R, and its slope
-    SPEED  the speed, as of `Point.order_of_speed`, and its slope
+    SPEED  the speed, as of `Point.speed_measure`, and its slope
     LEAD   the same, and how far v is ahead of the load point's, of which `load` holds
            the speed at the start of the step and its change in the step
     =====  ==========================================================================
@@ -125,7 +125,7 @@ def extreme_value(run, l, parts, enough):
 
 
 def extreme_speed(run, l):
-    """Where in the lane's step the speed is extreme, and its `order_of_speed`."""
+    """Where in the lane's step the speed is extreme, and its `speed_measure`."""
     return root(run, l, SPEED, NONE, NO_LOAD, 0.0, 1.0, 0.0)
 
 

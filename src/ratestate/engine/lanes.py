@@ -51,8 +51,8 @@ def write_point(s, l, at, at_end=False):
 def extremes(s, l, at):
     """Row -> the extreme of V, |g|, f or x + N so far, that of a `Point` included."""
     return {
-        R.V_HIGH: larger(s[R.V_HIGH + l], at.order_of_speed),
-        R.V_LOW: smaller(s[R.V_LOW + l], at.order_of_speed),
+        R.V_HIGH: larger(s[R.V_HIGH + l], at.speed_measure),
+        R.V_LOW: smaller(s[R.V_LOW + l], at.speed_measure),
         R.G_HIGH: larger(s[R.G_HIGH + l], abs(at.g)),
         R.F_LOW: smaller(s[R.F_LOW + l], at.R),
         R.XF_LOW: smaller(s[R.XF_LOW + l], at.x + at.N),
@@ -66,10 +66,10 @@ def extremum_conditions(at, w_lp):
     """
     # d omega/dT is `by` over `unit`
     by, unit = at.acceleration(w_lp, at.is_balanced)
-    of_x = unit * at.of_x(w_lp)
+    of_x = unit * at.x_rate(w_lp)
     change = of_x, by, *times(unit, at.f)
     _, _, strength, friction = at.changes_of_forces(change, unit)
-    return by, at.m * at.drive(w_lp) - at.S_slopes[0] * at.g, friction, strength + of_x
+    return by, at.m * at.g_rate(w_lp) - at.S_slopes[0] * at.g, friction, strength + of_x
 
 
 def saves(s, l):
@@ -94,7 +94,7 @@ def has_event(s, l, law):
     # V, at the rate of the step's start, comes up to V_lp within the step
     gap = w_lp - start.w
     nears = (gap * start.g > 0.0) & (abs(gap) * start.eta0 < abs(start.g) * h)
-    beyond = end.log_of_faster > s[R.V_LIMIT + l]
+    beyond = end.log_jump_rate > s[R.V_LIMIT + l]
     # (never in a march, whose lanes have the tolerance 0)
     off = plus(end.y, times(-1.0, read_rows(s, rows_of(law).steady, l)))
     steady = largest(off) < s[R.STEADY + l]
@@ -121,7 +121,7 @@ def record(s, l, h, new, error, dense):
     fastest = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.W_LP + l]
     allowed = larger(s[R.TOLERANCE + l], ROUNDING * size)
     of_v, inertia = new.error_of_v(error, fastest), s[R.ETA0 + l] / h
-    of_v = new.law.without_rounding(new, of_v, inertia, ROUNDING, size, allowed)
+    of_v = new.law.discount_rounding(new, of_v, inertia, ROUNDING, size, allowed)
     largest_error = larger(larger(abs(error[0]), abs(of_v)), largest(error[2:]))
     # of a NaN and a number either may be the larger: it hangs on their order, and on the machine
     finite = abs(total(new.y) + total(error)) < math.inf

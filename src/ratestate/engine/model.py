@@ -97,7 +97,7 @@ class Numbers(NamedTuple):
     amplitude: float  # max - min of x in the last period; 0 before there is one
     period: float  # its T; inf before there is one
     cycles: float  # returns to V = V_lp since the last jump of the loading
-    v_max: float  # ln(V/V0); where slip may reverse v at psi = 0 (`Point.order_slope`)
+    v_max: float  # ln(V/V0); where slip may reverse v at psi = 0 (`Point.reference_v_slope`)
     v_min: float
     g_max: float  # of |g|
     returns: float  # in the last period; 0: none, or irregular (`events.last_period`)

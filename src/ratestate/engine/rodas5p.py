@@ -103,7 +103,7 @@ class Arrow:
 
     def solve(self, r):
         """The k, in x, v and psi, that solves it for this right-hand side."""
-        r_v = dot_onto(r[1], times(self.m, self.at.shares), r[2:])
+        r_v = dot_onto(r[1], times(self.m, self.at.omega_by_psi), r[2:])
         r_v = minus_dot(r_v + self.gamma_h * r[0], product(self.g_psi, self.a_psi), r[2:])
         k_omega = self.pivot * r_v
         k_psi = product(self.a_psi, plus(r[2:], times(k_omega, self.f_v)))
@@ -122,7 +122,7 @@ def drift_of(start, h, ramp):
     """
     psi = times(h, start.f_drift)
     of_v = times(-h, start.N_drift)
-    of_v = tuple(minus_dot(one, times(start.m, start.shares), psi) for one in of_v)
+    of_v = tuple(minus_dot(one, times(start.m, start.omega_by_psi), psi) for one in of_v)
     return (h * start.kappa * ramp,), of_v, psi
 
 
@@ -151,8 +151,8 @@ def stages(arrow, h, w_lp, ramp=None):
         w_lp_here = w_lp if ramp is None else w_lp + node * (h * ramp)
         x, v, *psi = times(1.0 / h, c)
         r_v = total((at.g * (start.c * at.c_inverse) + start.m * v, *times(d, of_v)))
-        r_v = minus_dot(r_v, times(start.m, at.shares), at.f)
-        r_x = at.of_x(w_lp_here) + total((x, *times(d, of_x)))
+        r_v = minus_dot(r_v, times(start.m, at.omega_by_psi), at.f)
+        r_x = at.x_rate(w_lp_here) + total((x, *times(d, of_x)))
         k = *k, arrow.solve((r_x, r_v, *plus(at.f, with_drift(psi, of_psi, d))))
         yield at, w_lp_here, k
 
@@ -204,7 +204,7 @@ def step(start, w_lp, ramp, h):
     new, _, error, dense = end_of_step(start, k, last, h)
 
     # The two quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
-    powers = [at.works(w_lp_here) for at, w_lp_here, _ in taken]
+    powers = [at.work_rates(w_lp_here) for at, w_lp_here, _ in taken]
     dy, (S_v, *S_psi) = start.in_omega(sum_of(B, k)), start.S_slopes
     load_1, friction_1 = sum_of(B[:4], powers[:4])
     load_2, friction_2 = sum_of(B[4:], powers[4:])

@@ -137,7 +137,7 @@ def rows_of(law):
         return tuple(itertools.islice(place, n))
 
     n = len(law.states)
-    p, e, e_new = take(law.n_coefficients), take(law.n_kept), take(law.n_kept)
+    p, e, e_new = take(law.n_coefficients), take(law.n_stored), take(law.n_stored)
     psi, psi_new, steady = take(n), take(n), take(2 + n)
     z = tuple(take(2 + n) for _ in range(n + 1))
     early, x_low, v_high, v_low = (take(n + 1) for _ in range(4))

@@ -90,7 +90,7 @@ def step(start, z, h):
     trace : integral of the trace of J
     """
     arrow, r = Arrow(start, h), 1.0 / h
-    moves = where(start.log_of_faster > -LIMIT, 1.0, 0.0)
+    moves = where(start.log_jump_rate > -LIMIT, 1.0, 0.0)
     at_start = functools.partial(start.derived, moves=moves, kappa=start.kappa)
     curvatures = [at_start("curvature", z=one, q=1.0, m=start.m) for one in z]
     k: tuple = ()
@@ -104,7 +104,7 @@ def step(start, z, h):
             du = at.in_omega(du)
             rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
             dk[j] = *dk[j], arrow.solve(rows)
-        traces.append(trace_of(jacobian, at.shares, 1.0 / start.m))
+        traces.append(trace_of(jacobian, at.omega_by_psi, 1.0 / start.m))
     new, held, error, dense = end_of_step(start, k, at, h)
     ends = (plus_sum(one, A[8], of_one) for one, of_one in zip(z, dk, strict=True))
     z_new = tuple(perturbation_at_end(new, held, one) for one in ends)
@@ -165,7 +165,7 @@ def commit_lane(s, l, law):
     """
     rows, ok, at = rows_of(law), s[R.OK + l] > 0.0, L.read_point(s, l, law)
     by, unit = at.acceleration(1.0, at.is_balanced)
-    speeds = at.in_v((at.of_x(1.0), by / unit, *at.f))
+    speeds = at.in_v((at.x_rate(1.0), by / unit, *at.f))
     pace = larger(largest(speeds), 1e-300)
     direction = times(1.0 / pace, speeds)
     share = 1.0 / dot(direction, direction)

@@ -25,7 +25,7 @@ OF_INTEGRAL = tuple(1.0 / (k + 1.0) for k in range(ORDER))
 
 @functools.cache
 def equations(law):
-    """x, v and each psi -> derivative in T, and a list of the powers of `works`: expressions.
+    """x, v and each psi -> derivative in T, and a list of `work_rates`: expressions.
 
     NoSeries if slip may reverse, or normal stress varies.
     """
@@ -67,7 +67,7 @@ def variational_equations(law):
 
 
 def coefficients(start, w_lp, ramp):
-    """Taylor coefficients in T of x, v and each psi, and of the powers of `works`, lists of lists.
+    """Taylor coefficients in T of x, v and each psi, and of `work_rates`, lists of lists.
 
     Of the powers one less; arguments as of `rodas5p.step`, any kind of numbers.
     """
@@ -94,7 +94,7 @@ def _known(start, w_lp):
     """Values of all symbols and exponentials of `equations`."""
     symbols = start.motion.symbols
     numbers = {"x": start.x, "w_lp": w_lp, "kappa": start.kappa, "1/eta0": 1.0 / start.eta0}
-    return start.known | {symbols[name]: x for name, x in numbers.items()}
+    return start.symbol_values | {symbols[name]: x for name, x in numbers.items()}
 
 
 def longest(last, before, tolerance):

@@ -53,14 +53,14 @@ def begin(s, l, law):
     """`note`, and the limit of speed that the law can tell."""
     note(s, l, law)
     p = read_rows(s, rows_of(law).p, l)
-    s[R.V_LIMIT + l] = law.resolved(s[R.V_LIMIT + l], p)
+    s[R.V_LIMIT + l] = law.largest_resolved_v(s[R.V_LIMIT + l], p)
     return ()
 
 
 def first_step(s, l, law):
     """Set the lane's next step: small beside the time in which the state, or the load, changes."""
     at, w_lp = lanes.read_point(s, l, law), s[R.W_LP + l]
-    fastest = abs(at.of_x(w_lp)) + total(map(abs, at.f)) + at.c + abs(w_lp)
+    fastest = abs(at.x_rate(w_lp)) + total(map(abs, at.f)) + at.c + abs(w_lp)
     fastest = fastest + total(map(abs, at.N_drift))
     h = 0.1 * sqrt(sqrt(s[R.TOLERANCE + l])) / fastest
     s[R.H + l], s[R.MEMORY + l] = smaller(s[R.BREAKPOINT + l] - s[R.T + l], h), 1.0
@@ -95,9 +95,9 @@ def outrun(s, l, law):
     Its status is then RUNAWAY or, where it is lost, NOT_FINITE.
     """
     at = lanes.read_point(s, l, law, True)
-    v, kappa = at.log_of_faster, law.stiffness(at.kappa, at.p)
-    away = law.runs_away(v, at.psi, kappa, at.p) | law.outruns_spring(at, kappa)
-    lost = where(law.is_lost(v, at.p), float(NOT_FINITE), s[R.STATUS + l])
+    v, kappa = at.log_jump_rate, law.stiffness(at.kappa, at.p)
+    away = law.runs_away(v, at.psi, kappa, at.p) | law.weakens_faster_than_spring(at, kappa)
+    lost = where(law.must_stop(v, at.p), float(NOT_FINITE), s[R.STATUS + l])
     s[R.STATUS + l] = where(away, float(RUNAWAY), lost)
     return ()
 
@@ -142,8 +142,8 @@ def pull(s, l, law, v):
     at = lanes.read_point(s, l, law)
     at = at.at((at.x, v, *at.psi))
     kappa = law.stiffness(at.kappa, at.p)
-    away = law.runs_away(at.log_of_faster, at.psi, kappa, at.p)
-    return at.g, at.log_of_faster, where(away, 1.0, 0.0)
+    away = law.runs_away(at.log_jump_rate, at.psi, kappa, at.p)
+    return at.g, at.log_jump_rate, where(away, 1.0, 0.0)
 
 
 # Of a return map, whose load point moves at a speed of 1
@@ -162,7 +162,7 @@ def land(s, l, law):
     dt = -(at.v - law.v_at(1.0, at.psi, at.p)) / d_omega(at)
     psi = plus(at.psi, times(dt, at.f))
     # (dx/dT vanishes at the section)
-    end = at.at((at.x + 0.5 * at.of_x(1.0) * dt, law.v_at(1.0, psi, at.p), *psi))
+    end = at.at((at.x + 0.5 * at.x_rate(1.0) * dt, law.v_at(1.0, psi, at.p), *psi))
     lanes.write_point(s, l, end, True)
     s[R.W_NEW + l], s[R.H_USED + l] = 1.0, s[R.H_USED + l] + dt
     return ()
@@ -170,7 +170,7 @@ def land(s, l, law):
 
 def changes_of_order(at, z):
     """How perturbations z change v at psi = 0 and the speed of a point, a tuple."""
-    return times(at.order_slope, tuple(at.in_omega(one)[1] for one in z))
+    return times(at.reference_v_slope, tuple(at.in_omega(one)[1] for one in z))
 
 
 def perturbed(s, l, law, at):

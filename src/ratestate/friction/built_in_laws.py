@@ -256,17 +256,17 @@ class TwoStateSlipLaw(TwoStateLaw):
         """
         b1, b2, r = p.b / p.a, p.b2 / p.a, p.Dc / p.Dc2
         c = b1 + b2 - 1.0
-        some_c = where(c > 0.0, c, 1.0)
+        positive_c = where(c > 0.0, c, 1.0)
         half = 0.5 * (b1 - 1.0 + r * (b2 - 1.0))
-        growth = half + sqrt(half * half + r * some_c)
-        steady = kappa / some_c
+        growth = half + sqrt(half * half + r * positive_c)
+        steady = kappa / positive_c
         y1, y2 = v + psi[0] - steady, v + psi[1] - steady / r
         # each eigenvector has two forms; use those that do not vanish
         m1, m2 = growth - b1 + 1.0, growth - r * (b2 - 1.0)
-        one = (b1 * y1 + m1 * y2) * (b1 * b1 + m1 * r * b2)
-        other = (m2 * y1 + r * b2 * y2) * (b1 * m2 + r * r * b2 * b2)
-        along = where(abs(m1) > abs(m2), one, other)
-        return ((c > 0.0) & (along >= 0.0)) | ((c <= 0.0) & (v > 6000.0))
+        by_m1 = (b1 * y1 + m1 * y2) * (b1 * b1 + m1 * r * b2)
+        by_m2 = (m2 * y1 + r * b2 * y2) * (b1 * m2 + r * r * b2 * b2)
+        side = where(abs(m1) > abs(m2), by_m1, by_m2)
+        return ((c > 0.0) & (side >= 0.0)) | ((c <= 0.0) & (v > 6000.0))
 
 
 #: the built-in laws, the default law first

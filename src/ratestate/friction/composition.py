@@ -29,7 +29,7 @@ from .laws import friction_law
 #: symbol -> `Parameter` of optional parameters that sliders have under any law; 0 by default
 EXTRAS = MappingProxyType({"damping": Parameter("Pa s/m", "damping", ">= 0", "'5 MPa s/m'")})
 #: separates the name of a law from the names of its added parts
-JOINT = "+"
+PART_MARK = "+"
 DAMPED = "damping"
 VARYING = "varying-sigma"
 #: indices of a history, from the end of p: the base, a straight line, and its rate; amplitude,
@@ -46,7 +46,7 @@ class Damped(FrictionLaw):
     Source: Rice (1993) doi:10.1029/93JB00191: shear waves give damping = G/(2 c_s).
     """
 
-    OWN = EXTRAS
+    OWN_PARAMETERS = EXTRAS
 
 
 class Varying(FrictionLaw):
@@ -55,9 +55,9 @@ class Varying(FrictionLaw):
     Its coefficients: the law's own, mu_ref/a, h_k0 and h_k1 of each state, the history of sigma.
     """
 
-    OWN: Mapping[str, Parameter] = MappingProxyType({})
+    OWN_PARAMETERS: Mapping[str, Parameter] = MappingProxyType({})
     S, PHASE = S, PHASE
-    of_slider = ("mu0", "V0", "alpha", "sigma_amplitude", "sigma_period")
+    slider_parameters = ("mu0", "V0", "alpha", "sigma_amplitude", "sigma_period")
     varies = True
     inner: FrictionLaw  # the law under a constant sigma
 
@@ -95,9 +95,9 @@ class Varying(FrictionLaw):
 
 def composed_law(name):
     """Return a law, perhaps composed ("slip+damping"); ParameterError if unknown."""
-    own, *parts = name.split(JOINT) if isinstance(name, str) else (name,)
+    law, *parts = name.split(PART_MARK) if isinstance(name, str) else (name,)
     form = parts[0] if parts and parts[0] in FORMS else None
-    return composed(friction_law(own), form, DAMPED in parts)
+    return composed(friction_law(law), form, DAMPED in parts)
 
 
 def form_of(law, friction=None):
@@ -126,18 +126,18 @@ def composed(law, form=None, damped=False):
                 f"its own; leave friction out, or choose another law"
             )
     if form != LOG:
-        law = _with(law, form)
-    return _with(law, DAMPED) if damped else law
+        law = _add_part(law, form)
+    return _add_part(law, DAMPED) if damped else law
 
 
 def under_varying_stress(law):
     """Return a law, composed or not, as the engine needs it if sigma varies."""
-    return _with(law, VARYING)
+    return _add_part(law, VARYING)
 
 
 def takes_forms(law):
     """Return whether a law of `laws.LAWS` has eq. 1, in the states themselves."""
-    return not law.gives("friction") and not law.gives("log_theta")
+    return not law.overrides("friction") and not law.overrides("log_theta")
 
 
 def forms_of(law):
@@ -146,18 +146,18 @@ def forms_of(law):
 
 
 @functools.cache
-def _with(law, part):
+def _add_part(law, part):
     """Return the law with another name and one more part of the force balance."""
     kind = type(law)
-    changes: Any = {DAMPED: Damped, VARYING: Varying}.get(part) or FORMS[part]
-    own = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _made_again}
-    made = type(f"{changes.__name__}{kind.__name__}", (changes, kind), own)()
-    made.name, made.label = f"{law.name}{JOINT}{part}", law.label
-    made.parameters = {**law.parameters, **changes.OWN}
-    made.inner, made.part = law, part
-    return made
+    added: Any = {DAMPED: Damped, VARYING: Varying}.get(part) or FORMS[part]
+    attributes = {"__module__": kind.__module__, "__doc__": kind.__doc__, "__reduce__": _rebuild}
+    new = type(f"{added.__name__}{kind.__name__}", (added, kind), attributes)()
+    new.name, new.label = f"{law.name}{PART_MARK}{part}", law.label
+    new.parameters = {**law.parameters, **added.OWN_PARAMETERS}
+    new.inner, new.part = law, part
+    return new
 
 
-def _made_again(law):
+def _rebuild(law):
     """Tell pickle how to rebuild a composed law, whose class is in no module."""
-    return _with, (law.inner, law.part)
+    return _add_part, (law.inner, law.part)

@@ -17,7 +17,7 @@ SLOWEST, FASTEST, PER_DECADE = 1e-40, 1e9, 10
 # Number of grids, and of their points, that give the least stable speed to 1e-8 relative.
 GRIDS, POINTS = 6, 33
 # Sliders in one search, to limit memory.
-TOGETHER = 1000
+BATCH = 1000
 
 
 class CriticalSpeeds(NamedTuple):
@@ -37,29 +37,30 @@ def V_c(law, *, K, **values):
     if law.one_length:
         lower = stability.V_c(K=K, **values)
         return CriticalSpeeds(lower, np.full(np.shape(lower), np.inf))
-    if not law.has_own_speed:
+    if not law.has_speed_scale:
         return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
     columns = {name: np.reshape(value, (-1, 1)) for name, value in {"K": K, **values}.items()}
-    found = [
-        _speeds_by_search(law, **{name: x[i : i + TOGETHER] for name, x in columns.items()})
-        for i in range(0, np.size(K), TOGETHER)
+    speeds = [
+        _speeds_by_search(law, **{name: x[i : i + BATCH] for name, x in columns.items()})
+        for i in range(0, np.size(K), BATCH)
     ]
-    return CriticalSpeeds(*np.concatenate(found, axis=1).reshape(2, *np.shape(K)))
+    return CriticalSpeeds(*np.concatenate(speeds, axis=1).reshape(2, *np.shape(K)))
 
 
 def _speeds_by_edges(law, *, sigma, K, M, **values):
     """Return V_c and V_c_upper, if z and the quasi-static part of edges are constant."""
-    found = edges(law, law.coefficient_arrays(np.ones(np.shape(K)), {"sigma": sigma, **values}))
+    p = law.coefficient_arrays(np.ones(np.shape(K)), {"sigma": sigma, **values})
+    z, per_z, pairs_at_edge = edges(law, p)
     unit = values["a"] * sigma / values["Dc"]
-    excess = K[..., None] - found.z * found.per_z * unit[..., None]
+    excess = K[..., None] - z * per_z * unit[..., None]
     rounding = stability.ROUNDING * np.abs(K)[..., None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        speed = np.sqrt(excess / (found.z * (M / values["Dc"] ** 2)[..., None]))
+        speed = np.sqrt(excess / (z * (M / values["Dc"] ** 2)[..., None]))
     speed = np.where(excess > rounding, speed, 0.0)
-    speed = np.where((found.pairs == 0) | np.isinf(K)[..., None], np.inf, speed)
+    speed = np.where((pairs_at_edge == 0) | np.isinf(K)[..., None], np.inf, speed)
     # number of unstable pairs just above each of these speeds
     passed = speed[..., None, :] <= speed[..., None]
-    pairs = (found.pairs[..., None, :] * passed).sum(axis=-1)
+    pairs = (pairs_at_edge[..., None, :] * passed).sum(axis=-1)
     lower = np.where(pairs > 0, speed, np.inf).min(axis=-1)
     later = (pairs <= 0) & (speed > lower[..., None])
     return lower, np.where(later, speed, np.inf).min(axis=-1)
@@ -80,28 +81,28 @@ def _speeds_by_search(law, *, K, **values):
     grid = np.log(np.geomspace(SLOWEST, FASTEST, n_decades * PER_DECADE + 1))
     on_grid = margin(grid[None])
     unstable = on_grid <= 0.0
-    some, first = unstable.any(axis=1), unstable.argmax(axis=1)
+    has_unstable, first = unstable.any(axis=1), unstable.argmax(axis=1)
     after = unstable | (np.arange(grid.size) < first[:, None])
     last = after.argmin(axis=1)  # the first stable speed after `first`, 0 if there is none
     inside = grid[np.stack([np.maximum(first - 1, 0), last], axis=1)]
     outside = grid[np.stack([first, np.maximum(last - 1, 0)], axis=1)]
-    if not some.all():
+    if not has_unstable.all():
         least = np.clip(on_grid.argmin(axis=1), 1, grid.size - 2)
         around = grid[np.stack([least - 1, least + 1], axis=1)]
         low, high = around.T[..., None]
-        inside = np.where(some[:, None], inside, around)
-        outside = np.where(some[:, None], outside, _least(margin, low, high))
+        inside = np.where(has_unstable[:, None], inside, around)
+        outside = np.where(has_unstable[:, None], outside, _minimiser(margin, low, high))
     lower, upper = np.exp(root_between(margin, inside, outside)).T
     lower = np.where(np.isnan(lower), np.inf, lower)
-    upper = np.where(np.isnan(upper) | (some & (last == 0)), np.inf, upper)
+    upper = np.where(np.isnan(upper) | (has_unstable & (last == 0)), np.inf, upper)
     return np.where(unstable[:, 0], 0.0, lower), upper
 
 
-def _least(function, low, high):
+def _minimiser(function, low, high):
     """Return the minimiser (n, 1) between numbers (n, 1), by ever finer grids."""
     for _ in range(GRIDS):
         grid = low + (high - low) * np.linspace(0.0, 1.0, POINTS)
         least = function(grid).argmin(axis=1)[:, None]
-        beside = np.clip(least + np.array([-1, 1]), 0, POINTS - 1)
-        low, high = np.take_along_axis(grid, beside, axis=1).T[..., None]
+        neighbours = np.clip(least + np.array([-1, 1]), 0, POINTS - 1)
+        low, high = np.take_along_axis(grid, neighbours, axis=1).T[..., None]
     return np.take_along_axis(grid, least, 1)

@@ -14,12 +14,12 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .expressions import LIMIT, FormulaError, Graph, ordered
+from .expressions import LIMIT, FormulaError, Graph, topological_order
 from .functions import exp
-from .rewriting import Hoisting, source_of, times_each, values_of
+from .rewriting import Hoisting, distribute, source_of, values_of
 
 #: parameters of all sliders that are > 0
-POSITIVE = ("a", "Dc", "V0")
+POSITIVE_PARAMETERS = ("a", "Dc", "V0")
 
 
 class Equations:
@@ -44,7 +44,8 @@ class Equations:
 
     def __init__(self, law, names):
         graph = Graph()
-        positive = {*POSITIVE, *(x for x, one in law.parameters.items() if one.bound == "> 0")}
+        positive = {x for x, parameter in law.parameters.items() if parameter.bound == "> 0"}
+        positive.update(POSITIVE_PARAMETERS)
         symbols = {x: graph.symbol(("p", x), is_positive=x in positive) for x in names}
         symbols["V_ref"] = V_ref = graph.symbol("V_ref", is_positive=True)
         if "damping" in symbols:
@@ -56,28 +57,28 @@ class Equations:
         b, D = zip(*((symbols[b], symbols[D]) for b, D in law.states.values()), strict=True)
 
         logs = law.log_theta(v, psi, p)
-        V, ages = V_ref * exp(v), [exp(one) / V_ref for one in logs]
+        V, ages = V_ref * exp(v), [exp(log) / V_ref for log in logs]
         theta = tuple(length * age for length, age in zip(D, ages, strict=True))
-        found = law.evolution(V, theta[0] if len(theta) == 1 else theta, p)
+        d_theta = law.evolution(V, theta[0] if len(theta) == 1 else theta, p)
         rates = [
-            times_each(rate, p.Dc / length * exp(-one))
-            for rate, length, one in zip(_returned(graph, found, law), D, logs, strict=True)
+            distribute(rate, p.Dc / length * exp(-log))
+            for rate, length, log in zip(_rates_of(d_theta, graph, law), D, logs, strict=True)
         ]
         mu = law.mu(V, theta, ages, p, b)
-        mu = times_each(_number_from(graph, mu, "friction"), graph.one)
-        known = {one: one for one in ordered([mu]) if one.is_constant}
-        known |= dict.fromkeys([v, *psi], graph.number(0.0))
-        mu_ref = law.reference(graph.number(*values_of([mu], known)))
+        mu = distribute(_as_expression(graph, mu, "friction"), graph.one)
+        reference = {node: node for node in topological_order([mu]) if node.is_constant}
+        reference |= dict.fromkeys([v, *psi], graph.number(0.0))
+        mu_ref = law.reference(graph.number(*values_of([mu], reference)))
         self.friction_at_reference = [mu_ref]
 
         hoisting = Hoisting()
         self.graph, self.constants = hoisting.graph, hoisting.constants
         self._parameters = symbols
-        self.effects = [hoisting(one / p.a) for one in b]
+        self.evolution_effects = [hoisting(b_k / p.a) for b_k in b]
         self.rates = [hoisting(rate) for rate in rates]
-        self.resistance = [hoisting(times_each(mu - mu_ref, 1.0 / p.a))]
-        of_law = law.constants(SimpleNamespace(**symbols), b)
-        self.named = {name: [hoisting(graph.number(one))] for name, one in of_law.items()}
+        self.resistance = [hoisting(distribute(mu - mu_ref, 1.0 / p.a))]
+        constants = law.constants(SimpleNamespace(**symbols), b)
+        self.law_constants = {name: [hoisting(graph.number(x))] for name, x in constants.items()}
         self.v, self.kappa, *self.psi = map(hoisting, (v, kappa, *psi))
         self.w = hoisting(exp(v))
         if "damping" in symbols:
@@ -88,67 +89,67 @@ class Equations:
             self.zeta, away = None, law.runaway(v, tuple(psi), kappa, p)
         self.runs_away = None if away is None else [hoisting(away)]
         self.log_theta = self.variables = None
-        if any(one is not other for one, other in zip(logs, psi, strict=True)):
-            self.log_theta = [hoisting(one) for one in logs]
-            self.variables = [hoisting(one) for one in law.variables_of(v, psi, p)]
+        if any(log is not psi_k for log, psi_k in zip(logs, psi, strict=True)):
+            self.log_theta = [hoisting(log) for log in logs]
+            self.variables = [hoisting(x) for x in law.variables_of(v, psi, p)]
         self.exponentials = [
-            one
-            for one in ordered(self.rates)
-            if one.kind == "exp" and not one.is_constant and one is not self.w
+            node
+            for node in topological_order(self.rates)
+            if node.kind == "exp" and not node.is_constant and node is not self.w
         ]
-        self.exponents = [one.parts[0] for one in self.exponentials]
+        self.exponents = [node.parts[0] for node in self.exponentials]
 
     def coefficients(self, V_ref, values):
         """Return the values p of the constant expressions, a tuple.
 
         values : symbol -> float or array, of the parameters [SI]
         """
-        return tuple(self._of_parameters(self.constants.values(), V_ref, values))
+        return tuple(self._values_from_parameters(self.constants.values(), V_ref, values))
 
     def reference_friction(self, V_ref, values):
         """Return mu_ref; values as for `coefficients`."""
-        return self._of_parameters(self.friction_at_reference, V_ref, values)[0]
+        return self._values_from_parameters(self.friction_at_reference, V_ref, values)[0]
 
-    def _of_parameters(self, expressions, V_ref, values):
+    def _values_from_parameters(self, expressions, V_ref, values):
         given = {**values, "V_ref": V_ref}
-        known = {one: given[name] for name, one in self._parameters.items() if name in given}
-        return values_of(expressions, {x: np.asarray(y, float)[()] for x, y in known.items()})
+        inputs = {symbol: given[x] for x, symbol in self._parameters.items() if x in given}
+        return values_of(expressions, {x: np.asarray(y, float)[()] for x, y in inputs.items()})
 
     @property
     def text(self):
         """Return a text that identifies these equations."""
-        optional = self.runs_away, self.log_theta, self.variables, *self.named.values()
-        own = [*self.effects, *self.rates, *self.resistance]
-        own += [one for some in optional for one in some or []]
-        formulas = source_of(own, [self.v, self.kappa, *self.psi, *self.constants])
+        optional = self.runs_away, self.log_theta, self.variables, *self.law_constants.values()
+        roots = [*self.evolution_effects, *self.rates, *self.resistance]
+        roots += [root for roots in optional for root in roots or []]
+        formulas = source_of(roots, [self.v, self.kappa, *self.psi, *self.constants])
         constants = [*self.constants.values(), *self.friction_at_reference]
         return f"{formulas}\n{source_of(constants, self._parameters.values())}"
 
     @functools.cached_property
-    def used(self):
+    def used_parameters(self):
         """Return the symbols of the parameters in coefficients, a set; perhaps "V_ref"."""
-        found = {*ordered(self.constants.values())}
-        return {name for name, one in self._parameters.items() if one in found}
+        nodes = {*topological_order(self.constants.values())}
+        return {name for name, symbol in self._parameters.items() if symbol in nodes}
 
     def values(self, expressions, v, psi, p, kappa=None):
         """Return the values of expressions at this v, psi (a tuple) and p, a list."""
-        known = {self.v: v, self.kappa: kappa, **dict(zip(self.psi, psi, strict=False))}
-        return values_of(expressions, known | dict(zip(self.constants, p, strict=False)))
+        inputs = {self.v: v, self.kappa: kappa, **dict(zip(self.psi, psi, strict=False))}
+        return values_of(expressions, inputs | dict(zip(self.constants, p, strict=False)))
 
 
-def _returned(graph, found, law):
+def _rates_of(returned, graph, law):
     """Return the rates from `evolution` as expressions, one for each state."""
-    rates = found if isinstance(found, tuple | list) else (found,)
+    rates = returned if isinstance(returned, tuple | list) else (returned,)
     if len(rates) != len(law.states):
         raise FormulaError(
             f"evolution returns {len(rates)} rates, and states has {len(law.states)}. Return "
             f"d theta/dt of each state, in the order of states.",
             "evolution",
         )
-    return [_number_from(graph, rate, "evolution") for rate in rates]
+    return [_as_expression(graph, rate, "evolution") for rate in rates]
 
 
-def _number_from(graph, x, method):
+def _as_expression(graph, x, method):
     if x is None:
         raise FormulaError(f"{method} returns None. Return the value of the formula.", method)
     try:

@@ -17,9 +17,9 @@ import threading
 from typing import Any
 
 #: held while the expressions of a law are made, so that all threads get the same ones
-MAKING = threading.RLock()
+EXPRESSION_LOCK = threading.RLock()
 #: functions with positive values
-POSITIVE = ("exp", "softplus", "logistic", "asinh_of_exp", "cosh")
+POSITIVE_FUNCTIONS = ("exp", "softplus", "logistic", "asinh_of_exp", "cosh")
 #: conditions, the nodes that are not numbers -> their operator
 CONDITIONS = {"less": "<", "less_equal": "<=", "both": "&", "either": "|"}
 #: the engine's exponentials saturate beyond +-LIMIT: a speed of 1e-260 V_ref counts as rest
@@ -61,7 +61,7 @@ class Graph:
     """
 
     def __init__(self, merges=True):
-        self.merges, self._known = merges, {}
+        self.merges, self._nodes = merges, {}
         self.programs = {}  # of `rewriting.values_of`
         self.one = self.number(1.0)
 
@@ -85,40 +85,40 @@ class Graph:
 
     def sum(self, terms):
         """Return a sum of multiples; terms : dict expression -> factor, a float."""
-        terms = {one: factor for one, factor in terms.items() if factor != 0.0}
+        terms = {term: factor for term, factor in terms.items() if factor != 0.0}
         if not terms:
             return self.number(0.0)
         if len(terms) == 1:
-            ((one, factor),) = terms.items()
-            if one is self.one:
+            ((term, factor),) = terms.items()
+            if term is self.one:
                 return self.number(factor)
             if factor == 1.0:
-                return one
+                return term
         parts = tuple(terms.items())
         return self._node("sum", parts, key=frozenset(parts))
 
     def product(self, factor, powers):
         """Return a product; factor : float; powers : dict expression -> exponent."""
-        exponent, kept = self.number(0.0), {}
+        exponent, factors = self.number(0.0), {}
         for base, power in powers.items():
             if base.kind == "exp" and self.merges:
                 exponent = exponent + power * base.parts[0]
             elif base.kind == "number":
                 factor *= base.parts[0] ** power
             elif power != 0.0:
-                kept[base] = power
+                factors[base] = power
         if exponent.kind == "number":
             factor *= math.exp(exponent.parts[0])
         else:
-            kept[self.call("exp", exponent)] = 1.0
-        if factor == 0.0 or not kept:
+            factors[self.call("exp", exponent)] = 1.0
+        if factor == 0.0 or not factors:
             return self.number(factor)
-        if [*kept.values()] == [1.0]:
-            (whole,) = kept
+        if [*factors.values()] == [1.0]:
+            (product,) = factors
         else:
-            parts = tuple(kept.items())
-            whole = self._node("product", parts, key=frozenset(parts))
-        return self.sum({one: factor * x for one, x in whole.terms.items()})
+            parts = tuple(factors.items())
+            product = self._node("product", parts, key=frozenset(parts))
+        return self.sum({term: factor * n for term, n in product.terms.items()})
 
     def call(self, name, *arguments):
         """Return a function of expressions, without simplification."""
@@ -126,9 +126,9 @@ class Graph:
 
     def _node(self, kind, parts, is_constant=None, key=None):
         key = kind, key or parts
-        if key not in self._known:
-            self._known.setdefault(key, Expression(self, kind, parts, is_constant))
-        return self._known[key]
+        if key not in self._nodes:
+            self._nodes.setdefault(key, Expression(self, kind, parts, is_constant))
+        return self._nodes[key]
 
 
 def _operators(function):
@@ -145,15 +145,15 @@ def _operators(function):
 
 def _sum(x, y):
     terms = x.terms
-    for one, factor in y.terms.items():
-        terms[one] = terms.get(one, 0.0) + factor
+    for term, factor in y.terms.items():
+        terms[term] = terms.get(term, 0.0) + factor
     return x.graph.sum(terms)
 
 
 def _product(x, y):
     (a, powers), (b, others) = x.powers, y.powers
-    for one, exponent in others.items():
-        powers[one] = powers.get(one, 0.0) + exponent
+    for base, exponent in others.items():
+        powers[base] = powers.get(base, 0.0) + exponent
     return x.graph.product(a * b, powers)
 
 
@@ -163,7 +163,7 @@ def _power(x, exponent):
     is_negative = exponent.kind == "number" and exponent.parts[0] < 0.0
     if x.kind == "where" and not is_negative:  # a side may be 0, which has no logarithm
         condition, *sides = x.parts
-        return graph.call("where", condition, *(one**exponent for one in sides))
+        return graph.call("where", condition, *(side**exponent for side in sides))
     if exponent.kind != "number":
         return functions.exp(exponent * functions.log(x))
     exponent = exponent.parts[0]
@@ -171,12 +171,12 @@ def _power(x, exponent):
         return functions.exp(exponent * functions.log(x))
     factor, powers = x.powers
     is_integer = exponent == int(exponent)
-    if not (is_integer or (factor > 0.0 and all(one.is_positive for one in powers))):
+    if not (is_integer or (factor > 0.0 and all(base.is_positive for base in powers))):
         return graph.product(1.0, {x: exponent})
     if len(powers) == 1 and factor == 1.0:
-        return graph.product(1.0, {one: exponent * n for one, n in powers.items()})
-    each = (one ** (exponent * n) for one, n in powers.items())
-    return functools.reduce(operator.mul, each, graph.number(factor**exponent))
+        return graph.product(1.0, {base: exponent * n for base, n in powers.items()})
+    factors = (base ** (exponent * n) for base, n in powers.items())
+    return functools.reduce(operator.mul, factors, graph.number(factor**exponent))
 
 
 def _needs_logarithm(x, exponent):
@@ -200,7 +200,7 @@ class Expression:
     def __init__(self, graph, kind, parts, is_constant=None):
         self.graph, self.kind, self.parts = graph, kind, parts
         if is_constant is None:
-            is_constant = all(one.is_constant for one in self.operands)
+            is_constant = all(operand.is_constant for operand in self.operands)
         self.is_constant = is_constant
 
     @property
@@ -209,7 +209,7 @@ class Expression:
         if self.kind in ("number", "symbol", "positive"):
             return ()
         if self.kind in ("sum", "product"):
-            return tuple(one for one, _ in self.parts)
+            return tuple(operand for operand, _ in self.parts)
         return self.parts
 
     @property
@@ -227,8 +227,8 @@ class Expression:
         if self.kind == "product":
             return 1.0, dict(self.parts)
         if self.kind == "sum" and len(self.parts) == 1:
-            ((one, factor),) = self.parts
-            return factor, one.powers[1]
+            ((term, factor),) = self.parts
+            return factor, term.powers[1]
         return 1.0, {self: 1.0}
 
     @property
@@ -239,10 +239,10 @@ class Expression:
         if self.kind == "sum" and any(factor < 0.0 for _, factor in self.parts):
             return False
         if self.kind in ("sum", "product"):
-            return all(one.is_positive for one, _ in self.parts)
+            return all(operand.is_positive for operand in self.operands)
         if self.kind == "where":
             return self.parts[1].is_positive and self.parts[2].is_positive
-        return self.kind == "positive" or self.kind in POSITIVE
+        return self.kind == "positive" or self.kind in POSITIVE_FUNCTIONS
 
     __add__, __radd__ = _operators(_sum)
     __sub__, __rsub__ = _operators(lambda x, y: _sum(x, -y))
@@ -259,12 +259,12 @@ class Expression:
         return self if self.is_positive else self.graph.call("abs", self)
 
     def __and__(self, other):
-        return self._joined("both", other)
+        return self._combined("both", other)
 
     def __or__(self, other):
-        return self._joined("either", other)
+        return self._combined("either", other)
 
-    def _joined(self, kind, other):
+    def _combined(self, kind, other):
         if not all(getattr(x, "kind", "") in CONDITIONS for x in (self, other)):
             raise FormulaError("& and | join comparisons of V, theta or p, and nothing else.")
         return self.graph.call(kind, self, other)
@@ -300,24 +300,23 @@ class Expression:
         name = function.__name__
         if name not in OPERATORS or method != "__call__":
             self.__array_function__(function, (), inputs, others)
-        x, y = (one if isinstance(one, Expression) else float(one) for one in inputs)
+        x, y = (x if isinstance(x, Expression) else float(x) for x in inputs)
         return OPERATORS[name](x, y)
 
     def __array_function__(self, function, types, inputs, others):
         """Reject other functions of NumPy."""
         name = function.__name__
-        ours = NUMPY_NAMES.get(name, name)
-        raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{ours}.")
+        our_name = NUMPY_NAMES.get(name, name)
+        raise FormulaError(f"numpy.{name} is given V, theta or p. Use ratestate.laws.{our_name}.")
 
 
-def ordered(roots):
+def topological_order(roots):
     """Return the roots and all expressions in them, operands first, a list."""
-    found, waiting = {}, list(reversed(list(roots)))
+    order, waiting = {}, list(reversed(list(roots)))
     while waiting:
-        one = waiting[-1]
-        missing = [operand for operand in one.operands if operand not in found]
+        missing = [operand for operand in waiting[-1].operands if operand not in order]
         if missing:
             waiting += reversed(missing)
         else:
-            found[waiting.pop()] = True
-    return list(found)
+            order[waiting.pop()] = True
+    return list(order)

@@ -13,7 +13,7 @@ from ..errors import ParameterError
 from .expressions import LIMIT
 from .functions import (
     asinh,
-    asinh_of,
+    asinh_of_product,
     bounded_exp,
     exp,
     larger,
@@ -41,7 +41,7 @@ class CutOff(FrictionLaw):
     Source: Okubo (1989) doi:10.1029/JB094iB09p12321.
     """
 
-    OWN = MappingProxyType(
+    OWN_PARAMETERS = MappingProxyType(
         {
             "V1": Parameter("m/s", "cut-off speed of the direct effect", "> 0", "'1 cm/s'"),
             "V2": Parameter("m/s", "cut-off speed of the state", "> 0", "'1 m/s'"),
@@ -51,8 +51,8 @@ class CutOff(FrictionLaw):
     def mu(self, V, theta, ages, p, effects):
         """Return mu from the theta_k/D_k and the b_k."""
         mu = p.mu0 - p.a * log(1.0 + p.V1 / V)
-        each = zip(effects, ages, strict=True)
-        return sum((b * log(1.0 + p.V2 * age) for b, age in each), mu)
+        states = zip(effects, ages, strict=True)
+        return sum((b * log(1.0 + p.V2 * age) for b, age in states), mu)
 
     def constants(self, p, effects):
         """Return ln(V1/V_ref) and ln(V2/V_ref)."""
@@ -62,7 +62,7 @@ class CutOff(FrictionLaw):
         """Return whether v > `LIMIT`: the spring exceeds friction, if sigma fell say."""
         return v > LIMIT
 
-    def without_rounding(self, at, error, inertia, rounding, size, allowed):
+    def discount_rounding(self, at, error, inertia, rounding, size, allowed):
         """Return the error of v, reduced if rounding of the force dominates it.
 
         The force determines v by direct effect, damping and inertia.  It is rounded relative to the
@@ -71,20 +71,20 @@ class CutOff(FrictionLaw):
         v1, v2 = self.constant("v1", at.p), self.constant("v2", at.p)
         offset = softplus(v1) - sum(self.evolution_effects(at.p)) * softplus(v2)
         slope = larger(at.S_slopes[0] + inertia * at.w, LEAST_SLOPE)
-        part = allowed * slope / (rounding * (1.0 + size + abs(offset)))
-        return error * where(part < 1.0, part, 1.0)
+        ratio = allowed * slope / (rounding * (1.0 + size + abs(offset)))
+        return error * where(ratio < 1.0, ratio, 1.0)
 
-    def resolved(self, v_limit, p):
+    def largest_resolved_v(self, v_limit, p):
         """Return a limit a little beyond V1."""
         return where(
             v_limit < math.inf, smaller(v_limit, self.constant("v1", p) + RESOLVED), v_limit
         )
 
-    def is_lost(self, v, p):
+    def must_stop(self, v, p):
         """Return whether friction no longer determines V."""
         return v > self.constant("v1", p) + RESOLVED
 
-    def outruns_spring(self, at, kappa):
+    def weakens_faster_than_spring(self, at, kappa):
         """Return whether -sum_k b_k dpsi_k/dD > kappa, with slip D and b_k at these ages.
 
         If V >> V1, d(1/w)/dD = (kappa + sum_k b_k dpsi_k/dD)/w1 with w1 = V1/V_ref: 1/w falls to 0
@@ -103,7 +103,7 @@ class Regularized(FrictionLaw):
     (2000) doi:10.1029/2000JB900250.
     """
 
-    OWN: Mapping[str, Parameter] = MappingProxyType({})
+    OWN_PARAMETERS: Mapping[str, Parameter] = MappingProxyType({})
     reverses = True
     one_length = False  # the closed forms hold for eq. 1
 
@@ -129,16 +129,16 @@ class Regularized(FrictionLaw):
     def net_speed(self, v, psi, p):
         """Return w, 1/c, and c in a tuple."""
         t = tanh(v)
-        c = bounded_exp(self.log_of_faster(v, psi, p)) * (2.0 / (1.0 + abs(t)))
+        c = bounded_exp(self.log_jump_rate(v, psi, p)) * (2.0 / (1.0 + abs(t)))
         return c * t, 1.0 / c, (c,)
 
-    def log_of_faster(self, v, psi, p):
+    def log_jump_rate(self, v, psi, p):
         """Return ln of the larger of the rates of forward and backward jumps."""
         return abs(v) - self.barrier(psi, p)
 
     def v_at(self, w, psi, p):
         """Return v at the speed w, which may be an array."""
-        return asinh_of(w, self.barrier(psi, p))
+        return asinh_of_product(w, self.barrier(psi, p))
 
     def speed(self, v, psi, p):
         """Return w as the engine computes it, for arrays, without its upper limit."""
@@ -146,7 +146,7 @@ class Regularized(FrictionLaw):
 
         t = np.tanh(v)
         with np.errstate(over="ignore"):
-            jumps = np.exp(np.maximum(self.log_of_faster(v, psi, p), -LIMIT))
+            jumps = np.exp(np.maximum(self.log_jump_rate(v, psi, p), -LIMIT))
             return jumps * (2.0 / (1.0 + np.abs(t))) * t
 
 
@@ -165,9 +165,9 @@ def form_name(form):
 
 def parameters_of(form):
     """Return symbol -> `Parameter` of the parameters of a form, by its name."""
-    return FORMS[form].OWN if form in FORMS else {}
+    return FORMS[form].OWN_PARAMETERS if form in FORMS else {}
 
 
 def forms_with(symbol):
     """Return the names of the forms that have this parameter, a list."""
-    return [name for name, form in FORMS.items() if symbol in form.OWN]
+    return [name for name, form in FORMS.items() if symbol in form.OWN_PARAMETERS]

@@ -14,7 +14,7 @@ doi:10.1029/JB088iB12p10359 (slip); equation numbers follow Im, Marone & Elswort
 import numpy as np
 
 from ..errors import ParameterError
-from .laws import friction_law, of_one_length
+from .laws import friction_law, one_length_laws
 from .point import Point
 
 
@@ -130,10 +130,10 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
 
 def _one_length(law):
     """Return the law with this name; ParameterError unless it is of one length."""
-    if not (found := friction_law(law)).one_length:
-        names = " and ".join(map(repr, of_one_length()))
+    if not (instance := friction_law(law)).one_length:
+        names = " and ".join(map(repr, one_length_laws()))
         raise ParameterError(f"law = {law!r} has other parameters than Dc; this serves {names}")
-    return found
+    return instance
 
 
 def theta_ss(V, *, Dc):

@@ -68,7 +68,7 @@ def sine(x):
     return cosine(x - 0.25)
 
 
-def asinh_of(w, x):
+def asinh_of_product(w, x):
     """Return asinh(w e**x/2)."""
     size = asinh_of_exp(log(larger(abs(w), 1e-300)) + x - math.log(2.0))
     return where(abs(w) > 0.0, where(w < 0.0, -size, size), 0.0)
@@ -94,7 +94,7 @@ DERIVATIVES = {
 }
 
 
-class _OfExpressions:
+class _ExpressionFunctions:
     """Functions of expressions: nodes, unless logarithms and exponentials cancel."""
 
     def __getattr__(self, name):
@@ -104,24 +104,24 @@ class _OfExpressions:
 
     def exp(self, x):
         """Return e**x; a logarithm in x becomes a power of its argument."""
-        whole, rest = x.graph.one, {}
-        for one, factor in x.terms.items():
-            if one.kind == "log":
-                whole = whole * one.parts[0] ** factor
+        product, others = x.graph.one, {}
+        for term, factor in x.terms.items():
+            if term.kind == "log":
+                product = product * term.parts[0] ** factor
             else:
-                rest[one] = factor
-        exponent = x.graph.sum(rest)
+                others[term] = factor
+        exponent = x.graph.sum(others)
         if exponent.kind == "number":
-            return math.exp(exponent.parts[0]) * whole
-        return whole * x.graph.call("exp", exponent)
+            return math.exp(exponent.parts[0]) * product
+        return product * x.graph.call("exp", exponent)
 
     def log(self, x):
         """Return ln x, by factors of a positive product, and by `softplus` for a sum."""
         factor, powers = x.powers
         if len(powers) > 1 or list(powers.values()) != [1.0] or factor != 1.0:
-            others = [(one.kind, n) for one, n in powers.items() if not one.is_positive]
+            others = [(base.kind, n) for base, n in powers.items() if not base.is_positive]
             if factor > 0.0 and others in ([], [("sinh", 1.0)]):
-                logs = (n * log(one) for one, n in powers.items())
+                logs = (n * log(base) for base, n in powers.items())
                 return functools.reduce(operator.add, logs, x.graph.number(math.log(factor)))
         elif x.kind == "exp":
             return x.parts[0]
@@ -130,9 +130,9 @@ class _OfExpressions:
         elif x.kind == "sinh":  # the logarithm exists for positive arguments only
             return x.parts[0] + log(1.0 - exp(-2.0 * x.parts[0])) - math.log(2.0)
         elif x.kind == "sum" and x.is_positive:
-            first = sorted(x.parts, key=lambda part: not part[0].is_constant)
-            each = [log(one) + math.log(factor) for one, factor in first]
-            return functools.reduce(lambda one, other: one + softplus(other - one), each)
+            constants_first = sorted(x.parts, key=lambda part: not part[0].is_constant)
+            terms = [log(term) + math.log(factor) for term, factor in constants_first]
+            return functools.reduce(lambda a, b: a + softplus(b - a), terms)
         return x.graph.call("log", x)
 
     def log1p(self, x):
@@ -145,13 +145,13 @@ class _OfExpressions:
         return x**0.5
 
 
-Expression.functions = _OfExpressions()
+Expression.functions = _ExpressionFunctions()
 
 
 # ------------------------------------------------------------------------------------------- arrays
 
 
-class _OfArrays:
+class _ArrayFunctions:
     """Functions of floats and NumPy arrays: NumPy's, and those that NumPy lacks."""
 
     def __getattr__(self, name):
@@ -189,7 +189,7 @@ class _OfArrays:
         return self.where(x > 0.0, far, self.arcsinh(self.exp(below)))
 
 
-ARRAYS = _OfArrays()
+ARRAYS = _ArrayFunctions()
 
 
 # --------------------------------------------------------------------------------------------- code
@@ -214,7 +214,7 @@ SINE = tuple(
 )
 
 
-def _parts(x):
+def _reduce_argument(x):
     """Split x into n ln 2 + r: the bits of the integer n, cosh r - 1 and sinh r.
 
     The polynomials are near-minimax of degree 11 (relative error 2e-17).  They are summed as trees,
@@ -251,7 +251,7 @@ def _artanh(z):
     return z * (low + z8 * (middle + z8 * high))
 
 
-class _OfCode:
+class _CodeFunctions:
     """Functions of numbers that write code, from arithmetic alone.
 
     `exp` is accurate to 3 units in the last place between -LIMIT and LIMIT and saturates outside: a
@@ -263,18 +263,18 @@ class _OfCode:
         return x.code.call("sqrt", x)
 
     def exp(self, x):
-        n, even, odd = _parts(x)
+        n, even, odd = _reduce_argument(x)
         return (1.0 + even + odd) * _power_of_2(n)
 
     bounded_exp = exp
 
     def exp_and_inverse(self, x):  # without a division
-        n, even, odd = _parts(x)
+        n, even, odd = _reduce_argument(x)
         power, inverse = _power_of_2(n), _power_of_2(0 - n)
         return (1.0 + even + odd) * power, (1.0 + even - odd) * inverse
 
     def expm1(self, x):  # nearly to the last digit if x is small
-        n, even, odd = _parts(x)
+        n, even, odd = _reduce_argument(x)
         power = _power_of_2(n)
         return (even + odd) * power + (power - 1.0)
 
@@ -282,8 +282,8 @@ class _OfCode:
         bits = x.bits() - HALF_BITS
         m = ((bits & MANTISSA) + HALF_BITS).number()
         n = ((bits >> 52) + ROUND_BITS).number() - ROUND
-        found = n * LN2_HIGH + (n * LN2_LOW + 2.0 * _artanh((m - 1.0) / (m + 1.0)))
-        return where(x > 0.0, found, (x - x) / (x - x))
+        result = n * LN2_HIGH + (n * LN2_LOW + 2.0 * _artanh((m - 1.0) / (m + 1.0)))
+        return where(x > 0.0, result, (x - x) / (x - x))
 
     def rough_log2(self, x):
         return ((((x.bits() >> 12) + ROUND_BITS).number()) - ROUND) * 2.0**-40 - 1023.0
@@ -332,12 +332,12 @@ class _OfCode:
         inside = where(size < HUGE, size, HUGE)
         root = sqrt(1.0 + inside * inside)
         small = log1p(inside + inside * (inside / (1.0 + root)))
-        found = where(size < HUGE, small, log(size) + LN2)
-        return where(x < 0.0, -found, found)
+        result = where(size < HUGE, small, log(size) + LN2)
+        return where(x < 0.0, -result, result)
 
     def asinh_of_exp(self, x):
         far = x + log1p(sqrt(1.0 + exp(-2.0 * abs(x))))
         return where(x > 0.0, far, asinh(exp(x)))
 
 
-CODE = _OfCode()
+CODE = _CodeFunctions()

@@ -19,23 +19,23 @@ from functools import cached_property
 from types import SimpleNamespace
 
 from ..errors import ParameterError
-from .expressions import LIMIT, MAKING, ordered
+from .expressions import EXPRESSION_LOCK, LIMIT, topological_order
 from .law_formula import EXAMPLE, LOG, LawFormula, eq_1
 from .point import Point
 
 #: ln(V/V_ref) at rest, the largest rate that counts as 0, and an example of own parameters
-REST, NOTHING, OWN_EXAMPLE = -300.0, 1e-50, 0.7
+LOG_SPEED_AT_REST, NEGLIGIBLE_RATE, OWN_EXAMPLE = -300.0, 1e-50, 0.7
 #: points (v, psi) at which `one_length` compares rates, and the largest difference allowed
-POINTS, ROUNDING = ((0.3, -0.2), (-1.1, 0.9), (0.7, 0.4)), 1e-12
+COMPARED_POINTS, ROUNDING = ((0.3, -0.2), (-1.1, 0.9), (0.7, 0.4)), 1e-12
 #: highest order of `FrictionLaw.series`: enough for double precision if |z| < 0.5
-LAST_OF_SERIES = 15
+LAST_COEFFICIENT = 15
 
 
-class _made_once(cached_property):
+class _thread_safe_property(cached_property):
     """A cached property that is computed only once, even if several threads need it."""
 
     def __get__(self, instance, owner=None):
-        with MAKING:
+        with EXPRESSION_LOCK:
             return super().__get__(instance, owner)
 
 
@@ -55,7 +55,7 @@ class FrictionLaw(LawFormula):
 
     def mu(self, V, theta, ages, p, effects):
         """Return mu; ages : theta_k/D_k; effects : b_k."""
-        if self.gives("friction"):
+        if self.overrides("friction"):
             return self.friction(V, theta[0] if len(theta) == 1 else theta, p)
         return eq_1(V, ages, p, effects)
 
@@ -65,21 +65,21 @@ class FrictionLaw(LawFormula):
 
     # What follows from the formula: equations (equations.py, motion.py), and values at a point
 
-    @_made_once
+    @_thread_safe_property
     def equations(self):
         """Derive the law's `Equations` from its formulas."""
         from .equations import Equations  # needs NumPy, which is slow to import
 
         return Equations(self, (*EXAMPLE, *self.parameters))
 
-    @_made_once
+    @_thread_safe_property
     def motion(self):
         """Return the equations of motion in the engine's variables, a `Motion`."""
         from .motion import Motion
 
         return Motion(self, self.reverses)
 
-    @_made_once
+    @_thread_safe_property
     def motion_in_speed(self):
         """Return the equations of motion with v = ln(V/V_ref), a `Motion`."""
         from .motion import Motion
@@ -114,21 +114,21 @@ class FrictionLaw(LawFormula):
 
     def constant(self, name, p):
         """Return the value of one of the law's `constants`."""
-        return self.equations.values(self.equations.named[name], 0.0, (), p)[0]
+        return self.equations.values(self.equations.law_constants[name], 0.0, (), p)[0]
 
     def evolution_effects(self, p):
         """Return the slopes of eq. 1's friction by each psi, a tuple: b_k/a."""
-        return tuple(self.equations.values(self.equations.effects, 0.0, (), p))
+        return tuple(self.equations.values(self.equations.evolution_effects, 0.0, (), p))
 
     def log_states(self, v, psi, p):
         """Return ln(V_ref theta_k/D_k) of each reported state, a tuple."""
-        found = self.equations.log_theta
-        return psi if found is None else tuple(self.equations.values(found, v, psi, p))
+        logs = self.equations.log_theta
+        return psi if logs is None else tuple(self.equations.values(logs, v, psi, p))
 
     def variables(self, v, log_states, p):
         """Return psi from ln(V_ref theta_k/D_k): the inverse of `log_states`."""
-        made = self.equations.variables
-        return log_states if made is None else tuple(self.equations.values(made, v, log_states, p))
+        psi = self.equations.variables
+        return log_states if psi is None else tuple(self.equations.values(psi, v, log_states, p))
 
     # Extreme speeds
 
@@ -139,7 +139,7 @@ class FrictionLaw(LawFormula):
             return v > LIMIT
         return self.equations.values(condition, v, psi, p, kappa)[0]
 
-    def is_lost(self, v, p):
+    def must_stop(self, v, p):
         """Return whether the solver must stop although the motion is not a runaway.
 
         The slider has no mass and no damping.  It may turn back, but the engine cannot follow such
@@ -150,14 +150,14 @@ class FrictionLaw(LawFormula):
     # The kind of law
 
     @property
-    def of_slider(self):
+    def slider_parameters(self):
         """Return the parameters, mu0 or V0, that `coefficients` depend on, a tuple."""
-        return tuple(x for x in ("mu0", "V0") if x in self.equations.used)
+        return tuple(x for x in ("mu0", "V0") if x in self.equations.used_parameters)
 
     @property
     def symbols(self):
         """Return the symbols of the parameters that `coefficients` needs besides sigma."""
-        return ("a", "b", "Dc", *self.parameters, *self.of_slider)
+        return ("a", "b", "Dc", *self.parameters, *self.slider_parameters)
 
     @property
     def lengths(self):
@@ -174,21 +174,22 @@ class FrictionLaw(LawFormula):
         return len(self.motion.p)
 
     @property
-    def n_kept(self):
+    def n_stored(self):
         """Return how many numbers the engine stores in `Point.e`."""
         return len(self.equations.exponentials) + self.reverses
 
     @property
-    def has_own_speed(self):
+    def has_speed_scale(self):
         """Return whether the equations of steady sliding depend on its speed."""
-        return "V_ref" in self.equations.used
+        return "V_ref" in self.equations.used_parameters
 
     @cached_property
     def heals_at_rest(self):
         """Return whether the state evolves without slip."""
         example = dict.fromkeys(self.symbols, OWN_EXAMPLE) | EXAMPLE | {"sigma": 1e6}
         p = self.coefficients(EXAMPLE["V0"], SimpleNamespace(**example))
-        return any(abs(rate) > NOTHING for rate in self.at_speed(REST, self.reference_state, p).f)
+        at = self.at_speed(LOG_SPEED_AT_REST, self.reference_state, p)
+        return any(abs(rate) > NEGLIGIBLE_RATE for rate in at.f)
 
     @cached_property
     def one_length(self):
@@ -197,16 +198,16 @@ class FrictionLaw(LawFormula):
         h(1) = 0 and h'(1) = -1 are required too.  Eqs 6, 7 and 10 and the closed forms hold for
         such laws of one length.
         """
-        if self.form != LOG or self.parameters or self.gives("friction"):
+        if self.form != LOG or self.parameters or self.overrides("friction"):
             return False
         equations = self.equations
         if equations.log_theta or dict(self.states) != {"theta": ("b", "Dc")}:
             return False
-        if any(one in equations.constants for one in ordered(equations.rates)):
+        if any(node in equations.constants for node in topological_order(equations.rates)):
             return False  # h depends on a parameter or on V_ref
-        for v, psi in POINTS:
-            (rate,), (same,) = (self.at_speed(*x, ()).f for x in ((v, (psi,)), (0.0, (v + psi,))))
-            if not abs(rate / math.exp(v) - same) <= ROUNDING:
+        for v, psi in COMPARED_POINTS:
+            (rate,), (h,) = (self.at_speed(*x, ()).f for x in ((v, (psi,)), (0.0, (v + psi,))))
+            if not abs(rate / math.exp(v) - h) <= ROUNDING:
                 return False
         return self.series is not None
 
@@ -220,14 +221,14 @@ class FrictionLaw(LawFormula):
         from .taylor import NoSeries, expand
 
         equations = self.equations
-        known = dict.fromkeys((equations.v, *equations.psi), 0.0) | {equations.w: 1.0}
+        start = dict.fromkeys((equations.v, *equations.psi), 0.0) | {equations.w: 1.0}
         by_z = {equations.psi[0]: equations.graph.number(1.0)}
         try:
-            _, (found,) = expand(by_z, equations.rates[:1], LAST_OF_SERIES + 1, known)
+            _, (h,) = expand(by_z, equations.rates[:1], LAST_COEFFICIENT + 1, start)
         except NoSeries:
             return None
-        rest, slope, *others = (float(x or 0.0) for x in found)
-        if not (abs(rest) <= ROUNDING and abs(slope + 1.0) <= ROUNDING):
+        c0, c1, *others = (float(x or 0.0) for x in h)
+        if not (abs(c0) <= ROUNDING and abs(c1 + 1.0) <= ROUNDING):
             return None
         return tuple(others)
 
@@ -254,8 +255,8 @@ class FrictionLaw(LawFormula):
 
     def steady_friction(self, V, values):
         """Return mu in steady sliding at V (n,); values as for `reference_friction`."""
-        rest = self.steady(self.coefficient_arrays(V, values)).R
-        return self.reference_friction(V, values) + values["a"] * rest
+        R = self.steady(self.coefficient_arrays(V, values)).R
+        return self.reference_friction(V, values) + values["a"] * R
 
     def steady_tau(self, V, values):
         """Return tau/sigma in steady sliding at V (n,): friction plus damping."""
@@ -268,6 +269,6 @@ class FrictionLaw(LawFormula):
         derived = {x for x in vars(self) if isinstance(getattr(kind, x, None), cached_property)}
         return {name: x for name, x in vars(self).items() if name not in derived}
 
-    def gives(self, method):
+    def overrides(self, method):
         """Return whether the law has its own version of a method, by name."""
         return getattr(type(self), method) is not getattr(FrictionLaw, method)

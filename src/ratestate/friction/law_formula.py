@@ -13,7 +13,7 @@ from .functions import exp_and_inverse, log
 #: name of the form of friction of eq. 1
 LOG = "log"
 #: separates the name that a user gave a law from the hash of its formula
-MARK = "@"
+HASH_MARK = "@"
 #: example values of the parameters that every law has
 EXAMPLE = {"a": 0.01, "b": 0.015, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-6}
 
@@ -118,7 +118,7 @@ class LawFormula:
         """Return w, 1/c, and a tuple of the numbers that the engine stores with them."""
         return *exp_and_inverse(v), ()
 
-    def log_of_faster(self, v, psi, p):
+    def log_jump_rate(self, v, psi, p):
         """Return ln of the larger of the rates of forward and backward jumps."""
         return v
 
@@ -151,7 +151,7 @@ class LawFormula:
 
     # Extreme speeds
 
-    def resolved(self, v_limit, p):
+    def largest_resolved_v(self, v_limit, p):
         """Return the largest v, up to v_limit, at which friction determines the speed.
 
         v_limit : v beyond which the engine checks whether a slider without mass or damping runs
@@ -159,7 +159,7 @@ class LawFormula:
         """
         return v_limit
 
-    def outruns_spring(self, at, kappa):
+    def weakens_faster_than_spring(self, at, kappa):
         """Return whether friction falls faster with slip than the spring's force.
 
         Friction hardly depends on V at this point.  A slider without mass at V >> V_lp then surely
@@ -169,7 +169,7 @@ class LawFormula:
         """
         return False
 
-    def without_rounding(self, at, error, inertia, rounding, size, allowed):
+    def discount_rounding(self, at, error, inertia, rounding, size, allowed):
         """Return `Point.error_of_v`, reduced if rounding dominates it.
 
         at : a `Point`; inertia : eta0/h

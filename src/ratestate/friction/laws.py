@@ -2,23 +2,23 @@
 
 from ..errors import ParameterError
 from .built_in_laws import BUILT_IN
-from .law_formula import MARK
+from .law_formula import HASH_MARK
 
 #: name of the default law
 DEFAULT = BUILT_IN[0].name
 #: name -> law
 LAWS = {law.name: law for law in BUILT_IN}
 #: name or synonym -> name
-LAW_OF = {known: law.name for law in LAWS.values() for known in (law.name, *law.synonyms)}
+LAW_NAMES = {name: law.name for law in LAWS.values() for name in (law.name, *law.synonyms)}
 
 
 def add(law, own):
     """Add a law; `own`, its name without the hash, and its synonyms then select it."""
     LAWS[law.name] = law
-    LAW_OF.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
+    LAW_NAMES.update(dict.fromkeys((law.name, own, *law.synonyms), law.name))
 
 
-def of_one_length():
+def one_length_laws():
     """Return the names of the laws of one length (law.py), a list."""
     return [name for name, law in LAWS.items() if law.one_length]
 
@@ -28,7 +28,7 @@ def own_parameters(laws):
     return tuple(dict.fromkeys(symbol for law in laws for symbol in law.parameters))
 
 
-def owners(symbol):
+def laws_with(symbol):
     """Return the names of the laws that have this own parameter, a list."""
     return [law.name for law in LAWS.values() if symbol in law.parameters]
 
@@ -38,20 +38,20 @@ def friction_law(law):
     return LAWS[law_name(law)]
 
 
-def known_law(law):
+def find_law_name(law):
     """Return a law's name in `LAWS` from a name or synonym in any case, or None."""
-    return LAW_OF.get(law.lower()) if isinstance(law, str) else None
+    return LAW_NAMES.get(law.lower()) if isinstance(law, str) else None
 
 
 def law_name(law):
     """Return the name as `find_law_name` does; ParameterError if it is unknown."""
-    if name := known_law(law):
+    if name := find_law_name(law):
         return name
-    if isinstance(law, str) and MARK in law:
-        own = law.partition(MARK)[0]
+    if isinstance(law, str) and HASH_MARK in law:
+        own = law.partition(HASH_MARK)[0]
         raise ParameterError(
             f"law = {law!r} is a user's own, and not known here: register the file that has it, "
-            f"ratestate.register('{own}.py'); after {MARK} is the hash of its source"
+            f"ratestate.register('{own}.py'); after {HASH_MARK} is the hash of its source"
         )
-    names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_OF.keys() - LAWS.keys()))
+    names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_NAMES.keys() - LAWS.keys()))
     raise ParameterError(f"law = {law!r} is unknown; choose {names} (or {others})")

@@ -38,11 +38,11 @@ from .roots import polynomial_roots
 from .tuples import dot
 
 # Smallest eta for which the fastest mode is finite.
-LIGHTEST = 1e-290
+SMALLEST_ETA = 1e-290
 # Largest ratio of evolution effect to direct effect, minus 1, that rounding may cause.
-NEUTRAL = 1e-15
+ROUNDING = 1e-15
 # Largest imaginary part of a root, divided by its modulus, that rounding may cause.
-IMAGINARY = 1e-9
+ROUNDING_OF_ROOT = 1e-9
 
 
 class Linearisation(NamedTuple):
@@ -86,9 +86,9 @@ class Edges(NamedTuple):
         """
         kappa, stiffness = self.kappa(inertia), stiffness[..., None]
         ratio = kappa / stiffness
-        apart = np.where(self.pairs == 0, 1.0, np.abs(1.0 - ratio) / (1.0 + np.abs(ratio)))
+        distance = np.where(self.pairs == 0, 1.0, np.abs(1.0 - ratio) / (1.0 + np.abs(ratio)))
         unstable_pairs = (self.pairs * (stiffness <= kappa)).sum(axis=-1)
-        return np.where(unstable_pairs > 0, -1.0, 1.0) * apart.min(axis=-1)
+        return np.where(unstable_pairs > 0, -1.0, 1.0) * distance.min(axis=-1)
 
 
 def edges(law, p):
@@ -101,14 +101,14 @@ def edges(law, p):
     if s.shape[-1] == 1:
         # the direct effect of regularized friction may underflow to 0
         excess = r / np.where(S_v == 0.0, 1.0, S_v) - 1.0
-        z = s**2 * np.where(np.abs(excess) <= NEUTRAL, 0.0, excess)
+        z = s**2 * np.where(np.abs(excess) <= ROUNDING, 0.0, excess)
         return Edges(z, S_v / s, (z > 0.0).astype(int))
     z = polynomial_roots(_numerator(S_v, r * s**2, s**2))
-    is_edge = (np.abs(z.imag) <= IMAGINARY * np.abs(z)) & (z.real > 0.0)
+    is_edge = (np.abs(z.imag) <= ROUNDING_OF_ROOT * np.abs(z)) & (z.real > 0.0)
     z = np.where(is_edge, z.real, 0.0)
-    apart = np.where(is_edge, z, 1.0)[..., None] + (s**2)[..., None, :]
-    per_z = ((r * s)[..., None, :] / apart).sum(axis=-1)
-    direction = ((r * s**2)[..., None, :] / apart**2).sum(axis=-1)
+    divisor = np.where(is_edge, z, 1.0)[..., None] + (s**2)[..., None, :]
+    per_z = ((r * s)[..., None, :] / divisor).sum(axis=-1)
+    direction = ((r * s**2)[..., None, :] / divisor**2).sum(axis=-1)
     return Edges(z, per_z, np.where(is_edge, np.sign(direction), 0.0).astype(int))
 
 
@@ -141,10 +141,10 @@ class Critical(NamedTuple):
 
 def critical(law, p, inertia):
     """Return `Critical` of steady sliding at V_ref, with coefficients p, for eta."""
-    found = edges(law, p)
-    kappa = found.kappa(inertia)
-    last = kappa.argmax(axis=-1)[..., None]
-    z, kappa = (np.take_along_axis(x, last, axis=-1)[..., 0] for x in (found.z, kappa))
+    all_edges = edges(law, p)
+    kappa = all_edges.kappa(inertia)
+    largest = kappa.argmax(axis=-1)[..., None]
+    z, kappa = (np.take_along_axis(x, largest, axis=-1)[..., 0] for x in (all_edges.z, kappa))
     return Critical(kappa, np.sqrt(np.where(z > 0.0, z, np.nan)))
 
 
@@ -193,10 +193,10 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
     if law.one_length:
         return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
     p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
-    found = modes(law, p, K * values["Dc"] / (values["a"] * sigma), inertia)
+    result = modes(law, p, K * values["Dc"] / (values["a"] * sigma), inertia)
     rate = (V / values["Dc"])[..., None]
-    found.real, found.imag = found.real * rate, found.imag * rate  # -inf times a complex is nan
-    return found
+    result.real, result.imag = result.real * rate, result.imag * rate  # -inf * complex is NaN
+    return result
 
 
 def modes(law, p, kappa, inertia):
@@ -208,23 +208,23 @@ def modes(law, p, kappa, inertia):
     if s.shape[-1] == 1:  # other units turn this into eq. 1 under a law of one length
         rate = s[..., 0]
         eta, kappa, beta = inertia * rate / S_v, kappa / (rate * S_v), r[..., 0] / S_v
-        found = stability.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
-        found.real, found.imag = found.real * s, found.imag * s
-        return found
-    rigid, light = np.isinf(kappa), inertia < LIGHTEST
+        result = stability.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
+        result.real, result.imag = result.real * s, result.imag * s
+        return result
+    rigid, light = np.isinf(kappa), inertia < SMALLEST_ETA
     head = np.stack([inertia, S_v, np.where(rigid, 1.0, kappa)], axis=-1)
-    whole = _numerator(head, r * s, s, power=1)
-    found = np.full((*S_v.shape, whole.shape[-1] - 1), -np.inf, complex)
-    found[light, :-1] = polynomial_roots(whole[light, 1:])
-    found[~light] = polynomial_roots(whole[~light])
-    order = np.lexsort((-found.imag, -found.real), axis=-1)
-    found = np.take_along_axis(found, order, -1)
-    found[rigid] = -np.inf
-    found[rigid, :-2] = -np.sort(s[rigid], axis=-1)
-    return found
+    polynomial = _numerator(head, r * s, s, power=1)
+    result = np.full((*S_v.shape, polynomial.shape[-1] - 1), -np.inf, complex)
+    result[light, :-1] = polynomial_roots(polynomial[light, 1:])
+    result[~light] = polynomial_roots(polynomial[~light])
+    order = np.lexsort((-result.imag, -result.real), axis=-1)
+    result = np.take_along_axis(result, order, -1)
+    result[rigid] = -np.inf
+    result[rigid, :-2] = -np.sort(s[rigid], axis=-1)
+    return result
 
 
-def beside_the_pair(modes, omega):
+def other_modes(modes, omega):
     """Return all modes (n, k) but the two with frequencies nearest to omega (n,)."""
     order = np.argsort(np.abs(np.abs(modes.imag) - omega[:, None]), axis=1)
     return np.take_along_axis(modes, np.sort(order[:, 2:], axis=1), axis=1)
@@ -250,16 +250,16 @@ def responses(law, p, kappa, inertia, mu, h, Omega):
     at = law.steady(p)
     (f_v, f_psi), (S_v, *S_psi), (R_v, *R_psi) = at.f_slopes, at.S_slopes, at.R_slopes
     i = 1j * Omega
-    by_v = [slope / (i - own) for slope, own in zip(f_v, f_psi, strict=True)]
-    by_s = [i * jump / (i - own) for jump, own in zip(h, f_psi, strict=True)]
-    resisting = i * inertia + S_v + dot(S_psi, by_v)
+    by_v = [f_v_k / (i - f_psi_k) for f_v_k, f_psi_k in zip(f_v, f_psi, strict=True)]
+    by_s = [i * jump / (i - f_psi_k) for jump, f_psi_k in zip(h, f_psi, strict=True)]
+    impedance = i * inertia + S_v + dot(S_psi, by_v)
     push = mu + dot(S_psi, by_s)
     with np.errstate(divide="ignore"):
-        soft = i / kappa  # 0 if the slider moves with the load point
+        mobility = i / kappa  # of the spring; 0 if the slider moves with the load point
 
     def of(w_lp, s):
-        v = (w_lp - soft * push * s) / (1.0 + soft * resisting)
-        x = (resisting * w_lp + push * s) / (1.0 + soft * resisting)
+        v = (w_lp - mobility * push * s) / (1.0 + mobility * impedance)
+        x = (impedance * w_lp + push * s) / (1.0 + mobility * impedance)
         f = (R_v + dot(R_psi, by_v)) * v + dot(R_psi, by_s) * s
         return Response(v, x, f)
 

@@ -13,15 +13,15 @@ constant psi, and derivatives by psi at constant w.
 
 from typing import Any
 
-from .expressions import MAKING
+from .expressions import EXPRESSION_LOCK
 from .rewriting import Derivative, values_of
 from .tuples import dot
 
 #: symbols of numbers other than the state and its functions
-NUMBERS = "x", "w_lp", "g", "F", "q", "moves"
-CONSTANTS = "kappa", "1/eta0", "m", "dT"
+VARYING_SYMBOLS = "x", "w_lp", "g", "F", "q", "moves"
+CONSTANT_SYMBOLS = "kappa", "1/eta0", "m", "dT"
 #: coefficients before s and its derivatives, if normal stress varies (`composition.Varying`)
-HISTORY = "base", "rate", "amplitude", "frequency", "phase"
+HISTORY_SYMBOLS = "base", "rate", "amplitude", "frequency", "phase"
 
 
 class Motion:
@@ -60,67 +60,69 @@ class Motion:
     """
 
     def __init__(self, law, reverses):
-        self.law, self.own, self.reverses = law, law.equations, reverses
+        self.law, self.equations, self.reverses = law, law.equations, reverses
         self._lists: dict[str, Any] = {}
-        self.graph = self.own.graph
-        self.v, self.w, self.psi = self.own.v, self.own.w, self.own.psi
-        self.symbols = {name: self._symbol(name) for name in NUMBERS}
-        self.symbols |= {name: self._symbol(name, is_constant=True) for name in CONSTANTS}
+        self.graph = self.equations.graph
+        self.v, self.w, self.psi = self.equations.v, self.equations.w, self.equations.psi
+        self.symbols = {name: self._symbol(name) for name in VARYING_SYMBOLS}
+        self.symbols |= {name: self._symbol(name, is_constant=True) for name in CONSTANT_SYMBOLS}
         self.symbols["z"] = [self._symbol(("z", k)) for k in range(2 + len(self.psi))]
         if reverses:
             self.v, self.w, self.c = map(self._symbol, ("v", "w", "c"))
             self.t, self.slope = map(self._symbol, ("t", "slope"))  # w/c, and d ln |w|/d omega
-        self.R = self.v if reverses else self.own.resistance[0]
-        self.N, self.f, self.p, self.drifts = self.R, self.own.rates, (*self.own.constants,), {}
+        self.R = self.v if reverses else self.equations.resistance[0]
+        self.N, self.f, self.p = self.R, self.equations.rates, (*self.equations.constants,)
+        self.time_rates = {}
         if law.varies:
-            self._vary()
-        self.S = self.N if self.own.zeta is None else self.N + self.own.zeta * self.w
+            self._add_varying_stress()
+        self.S = self.N if self.equations.zeta is None else self.N + self.equations.zeta * self.w
         self._lists |= {"S": self.S, "N": self.N, "R": self.R, "f": self.f}
-        self._lists["exponents"] = self.own.exponents
-        self._rest = iter((self._slopes, self._changes, self._without_inertia))
+        self._lists["exponents"] = self.equations.exponents
+        self._pending = iter((self._slopes, self._changes, self._without_inertia))
 
     def _symbol(self, name, is_constant=False):
         return self.graph.symbol(("motion", name), is_constant=is_constant)
 
-    def _vary(self):
+    def _add_varying_stress(self):
         """Add varying normal stress, whose numbers follow the law's own coefficients."""
         n = len(self.psi)
         level, *h = (self._symbol(("p", k), is_constant=True) for k in range(1 + 2 * n))
         s, ds, dds = (self._symbol(name) for name in ("s", "ds", "dds"))
-        self.p = (*self.p, level, *h, *map(self._symbol, HISTORY), s, ds, dds)
+        self.p = (*self.p, level, *h, *map(self._symbol, HISTORY_SYMBOLS), s, ds, dds)
         self.N = s * self.R + (s - 1.0) * level
-        self.by_R, self.drifts, growth = h[n:], {s: ds, ds: dds}, ds / s
-        jumps = [one + self.R * by_R for one, by_R in zip(h[:n], self.by_R, strict=True)]
+        self.by_R, self.time_rates, growth = h[n:], {s: ds, ds: dds}, ds / s
+        jumps = [h_0 + self.R * h_1 for h_0, h_1 in zip(h[:n], self.by_R, strict=True)]
         self.f = [f + growth * jump for f, jump in zip(self.f, jumps, strict=True)]
         self._lists["jumps"] = jumps
 
-    def _along(self, x, omega, *psi, has_rates=True, dT=0.0):
+    def _derivative_along(self, x, omega, *psi, has_rates=True, dT=0.0):
         """Return a `Derivative` in a direction and a time dT, of F too if has_rates."""
-        known, effects, moves = self.symbols, self.own.effects, self.symbols["moves"]
-        changes = {known["x"]: x, **dict(zip(self.psi, psi, strict=True))}
-        change_of_w, growth = moves * omega, omega
+        symbols, effects = self.symbols, self.equations.evolution_effects
+        changes = {symbols["x"]: x, **dict(zip(self.psi, psi, strict=True))}
+        moves = symbols["moves"]
+        d_omega, d_log_c = moves * omega, omega
         if self.reverses:
-            c, t, sigma, of_log = self.c, self.t, dot(effects, psi), self.slope * omega
-            bend, of_v = (1.0 - t) * (1.0 + t), omega + t * sigma
-            growth = t * omega - bend * sigma  # of ln c
-            changes |= {self.v: of_v, t: bend * of_v, self.own.v: of_log}
-            changes |= {c: moves * growth * c, self.w: change_of_w * c}
-            changes[self.slope] = self.slope * (moves * growth - of_log)
+            c, t, d_Theta, d_log_w = self.c, self.t, dot(effects, psi), self.slope * omega
+            dt_dv, dv = (1.0 - t) * (1.0 + t), omega + t * d_Theta
+            d_log_c = t * omega - dt_dv * d_Theta
+            changes |= {self.v: dv, t: dt_dv * dv, self.equations.v: d_log_w}
+            changes |= {c: moves * d_log_c * c, self.w: d_omega * c}
+            changes[self.slope] = self.slope * (moves * d_log_c - d_log_w)
         else:
-            changes |= {self.v: omega, self.w: change_of_w * self.w}
-        changes[known["q"]] = -moves * growth * known["q"]
-        changes |= {one: dT * rate for one, rate in self.drifts.items()}
+            changes |= {self.v: omega, self.w: d_omega * self.w}
+        changes[symbols["q"]] = -moves * d_log_c * symbols["q"]
+        changes |= {symbol: dT * rate for symbol, rate in self.time_rates.items()}
         along = Derivative(self.graph, changes)
-        along.found[known["g"]] = x - along(self.S)
+        along.derivatives[symbols["g"]] = x - along(self.S)
         if self.reverses and has_rates:
-            along.found[known["F"]] = dot(effects, tuple(map(along, self.f)))
+            along.derivatives[symbols["F"]] = dot(effects, tuple(map(along, self.f)))
         return along
 
     def __getitem__(self, name):
         """Return a list.  A fixed order of making them fixes the order of terms in sums."""
-        with MAKING:
+        with EXPRESSION_LOCK:
             while name not in self._lists:
-                if (make := next(self._rest, None)) is None:
+                if (make := next(self._pending, None)) is None:
                     raise KeyError(name)
                 self._lists |= make()
         return self._lists[name]
@@ -128,32 +130,32 @@ class Motion:
     def _slopes(self):
         n, zero = 2 + len(self.psi), self.graph.number(0.0)
         units = [[self.graph.one if j == k else zero for j in range(n)] for k in range(n)]
-        self._units, self._basis = units, [self._along(*one) for one in units]
+        self._units, self._basis = units, [self._derivative_along(*unit) for unit in units]
         _, by_omega, *by_psi = self._basis
-        own = [along(f) for along, f in zip(by_psi, self.f, strict=True)]
-        S, R = ([along(one) for along in self._basis[1:]] for one in (self.S, self.R))
-        found = {"S_slopes": S, "R_slopes": R, "f_slopes": [[*map(by_omega, self.f)], own]}
-        return found | ({"jump_growth": dot(R[1:], self.by_R)} if self.drifts else {})
+        by_own_psi = [along(f) for along, f in zip(by_psi, self.f, strict=True)]
+        S, R = ([along(force) for along in self._basis[1:]] for force in (self.S, self.R))
+        slopes = {"S_slopes": S, "R_slopes": R, "f_slopes": [[*map(by_omega, self.f)], by_own_psi]}
+        return slopes | ({"jump_growth": dot(R[1:], self.by_R)} if self.time_rates else {})
 
     def _changes(self):
-        known, f, (x, v, *psi) = self.symbols, self.f, self.symbols["z"]
-        held = [self._along(*one, has_rates=False) for one in self._units[1:]]
-        forces = self._along(x, v, *psi, dT=known["dT"])
-        in_time = Derivative(self.graph, self.drifts)
-        of_v, omega = known["q"] * known["g"], v
+        symbols, f, (x, v, *psi) = self.symbols, self.f, self.symbols["z"]
+        at_constant_F = [self._derivative_along(*one, has_rates=False) for one in self._units[1:]]
+        and_time = self._derivative_along(x, v, *psi, dT=symbols["dT"])
+        by_time = Derivative(self.graph, self.time_rates)
+        v_row, omega = symbols["q"] * symbols["g"], v
         if self.reverses:
-            of_v = of_v + known["m"] * self.t * known["F"]
-            omega = v - self.t * dot(self.own.effects, psi)
-        along_z = self._along(x, omega, *psi)
-        equations = [-known["kappa"] * self.w, of_v, *f]
+            v_row = v_row + symbols["m"] * self.t * symbols["F"]
+            omega = v - self.t * dot(self.equations.evolution_effects, psi)
+        along_z = self._derivative_along(x, omega, *psi)
+        equations = [-symbols["kappa"] * self.w, v_row, *f]
         return {
-            "changes": [*map(forces, (self.S, self.N, self.R))],
-            "N_drift": [in_time(self.N)] if self.drifts else [],
-            "f_drift": [*map(in_time, f)] if self.drifts else [],
-            "inertia_slopes": [-along(of_v) for along in held],
+            "changes": [*map(and_time, (self.S, self.N, self.R))],
+            "N_drift": [by_time(self.N)] if self.time_rates else [],
+            "f_drift": [*map(by_time, f)] if self.time_rates else [],
+            "inertia_slopes": [-along(v_row) for along in at_constant_F],
             "jacobian": _rows(equations, self._basis),
             "curvature": _rows(map(along_z, equations), self._basis),
-            "change_of_trace": along_z(sum(self["f_slopes"][1], held[0](of_v))),
+            "change_of_trace": along_z(sum(self["f_slopes"][1], at_constant_F[0](v_row))),
         }
 
     def _without_inertia(self):
@@ -161,36 +163,36 @@ class Motion:
         slaved = -dot(by_psi, self.f) / by_omega
         return {"slaved": slaved, "slaved_slopes": [along(slaved) for along in self._basis[2:]]}
 
-    def values(self, name, known):
+    def values(self, name, inputs):
         """Return the values of one of the lists, in tuples; rows as dicts.
 
         inputs : symbol -> value; w and exponentials too if they are known
         """
-        return _put(self[name], iter(values_of(_numbers_of(self[name]), known)))
+        return _refill(self[name], iter(values_of(_flatten(self[name]), inputs)))
 
 
 def _rows(equations, basis):
     """Return the derivatives of each equation, column -> element, without zeros."""
     rows = []
-    for one in equations:
-        row = {j: along(one) for j, along in enumerate(basis)}
+    for equation in equations:
+        row = {j: along(equation) for j, along in enumerate(basis)}
         rows.append({j: x for j, x in row.items() if x is not x.graph.number(0.0)})
     return rows
 
 
-def _numbers_of(found):
+def _flatten(nested):
     """Return the expressions in nested lists and dicts, one after the other."""
-    if isinstance(found, list | dict):
-        parts = found.values() if isinstance(found, dict) else found
-        return [x for one in parts for x in _numbers_of(one)]
-    return [found]
+    if isinstance(nested, list | dict):
+        parts = nested.values() if isinstance(nested, dict) else nested
+        return [x for part in parts for x in _flatten(part)]
+    return [nested]
 
 
-def _put(found, values):
+def _refill(nested, values):
     """Return the same nesting, tuples for lists, with values for expressions."""
-    if isinstance(found, dict):
-        return {key: next(values) for key in found}
-    return tuple(_put(one, values) for one in found) if isinstance(found, list) else next(values)
+    if isinstance(nested, dict):
+        return {key: next(values) for key in nested}
+    return tuple(_refill(x, values) for x in nested) if isinstance(nested, list) else next(values)
 
 
 def matrix_product(rows, k):

@@ -68,8 +68,8 @@ def lyapunov_1(eta, b1, h2, h3):
     powers = 1.0, eta, eta**2, eta**2 * eta
     terms = [c * power for c, power in zip(third_order(b1, h2, h3), powers, strict=True)]
     # squared residuals of the linear problem for the first and second harmonic
-    left = ((1 + eta) ** 2 + b1 * (k * eta) ** 2 for k in (1, 2))
-    size = b1 / (16 * (1 + b1) * math.prod(left))
+    residuals = ((1 + eta) ** 2 + b1 * (k * eta) ** 2 for k in (1, 2))
+    size = b1 / (16 * (1 + b1) * math.prod(residuals))
     return 0.0 - size * sum(terms), ROUNDING * size * sum(map(np.abs, terms))
 
 
@@ -99,26 +99,26 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
     law, p : the law and its coefficients with V_ref = V_lp, a tuple of arrays
     kappa, eta, omega : arrays, at the bifurcation; not checked; NaN in omega gives NaN
     """
-    kappa, eta, at = _long(kappa), _long(eta), law.steady(p)
+    kappa, eta, at = _extended(kappa), _extended(eta), law.steady(p)
     (f_v, f_psi), (S_v, *S_psi) = at.f_slopes, at.S_slopes
 
     def form(*vectors):
         """Return the 2nd or 3rd derivative of the equations along 2 or 3 vectors."""
         numbers = (x for vector in vectors for x in vector)
-        return _forms(law)[len(vectors)](0.0, 0.0, kappa, *at.psi, *p, *numbers)
+        return _multilinear_forms(law)[len(vectors)](0.0, 0.0, kappa, *at.psi, *p, *numbers)
 
-    def by_states(L, rest):
-        """Return sum_k S_k rest_k/(L - f_k)."""
-        return dot(S_psi, [one / (L - f) for one, f in zip(rest, f_psi, strict=True)])
+    def by_states(L, r):
+        """Return sum_k S_k r_k/(L - f_k)."""
+        return dot(S_psi, [r_k / (L - f) for r_k, f in zip(r, f_psi, strict=True)])
 
     def solve(L, r):
         """Return (L - A)^-1 r, with the v element of r times eta; L may be 0."""
         stiff = kappa + L * (eta * L + S_v + by_states(L, f_v))
         v = (r[0] - L * by_states(L, r[2:]) + L * r[1]) / stiff
-        psi = [(one + f * v) / (L - g) for one, f, g in zip(r[2:], f_v, f_psi, strict=True)]
+        psi = [(r_k + f * v) / (L - g) for r_k, f, g in zip(r[2:], f_v, f_psi, strict=True)]
         return eta * L * v + S_v * v - r[1] + dot(S_psi, psi), v, *psi
 
-    L = 1j * _long(omega).astype(np.clongdouble)
+    L = 1j * _extended(omega).astype(np.clongdouble)
     one = np.ones_like(L)
     # eigenvectors of A and of its transpose; `left` multiplies vectors with v elements times eta
     q = (-kappa / L, one, *(f / (L - g) for f, g in zip(f_v, f_psi, strict=True)))
@@ -130,18 +130,18 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
         [2 * x for x in form(q, solve(0 * L, form(q, q_)))],
         form(q_, solve(2 * L, form(q, q))),
     )
-    products = [[a * b / norm / 8 for a, b in zip(left, term, strict=True)] for term in terms]
-    parts = [x for each in products for x in each]
-    return sum(parts).real.astype(float), (ROUNDING * sum(map(np.abs, parts))).astype(float)
+    products = [a * b / norm / 8 for term in terms for a, b in zip(left, term, strict=True)]
+    error = ROUNDING * sum(map(np.abs, products))
+    return sum(products).real.astype(float), error.astype(float)
 
 
-def _long(x):
+def _extended(x):
     """Convert to the longest floating-point format, because terms cancel."""
     return np.asarray(x, np.longdouble)
 
 
 @functools.cache
-def _forms(law):
+def _multilinear_forms(law):
     """Return order -> function: a derivative of the equations along `order` vectors.
 
     The vectors are (x, v, psi).  The equations are dx/dT = kappa (1 - w), eta dv/dT = g/w with
@@ -153,11 +153,11 @@ def _forms(law):
     v, g, *psi = (graph.symbol(name, is_constant=False) for name in names)
     at = law.at_speed(v, psi, p)
     equations = [-kappa * exp(v), g * exp(-v), *at.f]
-    known, found = [v, g, kappa, *psi, *p], {}
+    inputs, functions = [v, g, kappa, *psi, *p], {}
     for order in (1, 2, 3):
         y = [graph.symbol((order, name)) for name in ("x", *names[:1], *names[2:])]
         along = Derivative(graph, {v: y[1], **dict(zip(psi, y[2:], strict=True))})
-        along.found[g] = y[0] - along(at.S)
-        equations, known = [along(one) for one in equations], [*known, *y]
-        found[order] = function_of(equations, known)
-    return found
+        along.derivatives[g] = y[0] - along(at.S)
+        equations, inputs = [along(x) for x in equations], [*inputs, *y]
+        functions[order] = function_of(equations, inputs)
+    return functions

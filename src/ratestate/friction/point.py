@@ -21,7 +21,7 @@ from .functions import bounded_exp, exp, larger, log, smaller, sqrt, where
 from .tuples import dot, dot_onto, minus_dot, product, select, times, total
 
 # The smallest |w| in formulas of laws, and the smallest fastest speed, divided by c.
-SMALLEST, LEAST = 1e-100, 1e-6
+SMALLEST_SPEED, SMALLEST_FASTEST = 1e-100, 1e-6
 # Error of g = x - S, relative to x and the parts of friction.
 ROUNDING_OF_FORCE = 1e-13
 
@@ -62,9 +62,9 @@ class Point:
         return Point(self.law, p, self.y, self.w, self.e, None, self.kappa, self.eta0)
 
     @cached_property
-    def known(self):
+    def symbol_values(self):
         """Return the values of the symbols of `motion`, a dict."""
-        motion, own = self.motion, self.motion.own
+        motion, equations = self.motion, self.motion.equations
         known = dict(zip((motion.v, *motion.psi), (self.v, *self.psi), strict=True))
         known |= dict(zip(motion.p, self.p, strict=False)) | {motion.symbols["moves"]: 1.0}
         if self.w is not None:
@@ -72,23 +72,24 @@ class Point:
         if self.e is None:
             return known
         if motion.reverses:  # a smaller |w| has no logarithm
-            size, c = larger(abs(self.w), SMALLEST), self.c
-            known |= {own.v: log(size), own.w: size, motion.c: c, motion.t: self.w / c}
+            size, c = larger(abs(self.w), SMALLEST_SPEED), self.c
+            known |= {equations.v: log(size), equations.w: size}
+            known |= {motion.c: c, motion.t: self.w / c}
             known[motion.slope] = where(self.w > 0.0, c, -c) / size
-        return known | dict(zip(own.exponentials, self.e[motion.reverses :], strict=False))
+        return known | dict(zip(equations.exponentials, self.e[motion.reverses :], strict=False))
 
     def values(self, name, **numbers):
         """Return a list of `motion`, with these values of its other symbols."""
-        known = dict(self.known)
-        for symbol, x in ((self.motion.symbols[one], x) for one, x in numbers.items()):
-            known |= zip(symbol, x, strict=True) if isinstance(symbol, list) else {symbol: x}
-        return self.motion.values(name, known)
+        inputs = dict(self.symbol_values)
+        for symbol, x in ((self.motion.symbols[key], x) for key, x in numbers.items()):
+            inputs |= zip(symbol, x, strict=True) if isinstance(symbol, list) else {symbol: x}
+        return self.motion.values(name, inputs)
 
     def __getattr__(self, name):
         if name.startswith("_"):  # a special method that Python looks up
             raise AttributeError(name)
-        found = self.__dict__[name] = self.values(name)
-        return found
+        values = self.__dict__[name] = self.values(name)
+        return values
 
     @cached_property
     def c(self):
@@ -104,7 +105,7 @@ class Point:
         return self.eta0 * self.c
 
     @cached_property
-    def shares(self):
+    def omega_by_psi(self):
         """Return s_k = -t beta_k of d omega = dv + sum_k s_k d psi_k; () if all are 0."""
         if not self.motion.reverses:
             return ()
@@ -112,32 +113,32 @@ class Point:
 
     def in_omega(self, z):
         """Convert a change of x, v and psi to a change of x, omega and psi."""
-        return z[0], dot_onto(z[1], self.shares, z[2:]), *z[2:]
+        return z[0], dot_onto(z[1], self.omega_by_psi, z[2:]), *z[2:]
 
     def in_v(self, z):
         """Convert a change of x, omega and psi to a change of x, v and psi."""
-        return z[0], minus_dot(z[1], self.shares, z[2:]), *z[2:]
+        return z[0], minus_dot(z[1], self.omega_by_psi, z[2:]), *z[2:]
 
     @cached_property
-    def log_of_faster(self):
+    def log_jump_rate(self):
         """Return ln of the larger of the rates of forward and backward jumps."""
-        return self.law.log_of_faster(self.v, self.psi, self.p)
+        return self.law.log_jump_rate(self.v, self.psi, self.p)
 
     @property
-    def order_of_speed(self):
+    def speed_measure(self):
         """Return a measure that rises with w: w if slip may reverse, else v."""
         return self.w if self.motion.reverses else self.v
 
     @property
-    def order_slope(self):
+    def reference_v_slope(self):
         """Return the derivative by omega of the v that has this speed at psi = 0."""
         if not self.motion.reverses:
             return 1.0
-        at_0 = self.law.barrier((0.0,) * len(self.psi), self.p)
-        rest = 2.0 * exp(-smaller(at_0, LIMIT))
+        barrier = self.law.barrier((0.0,) * len(self.psi), self.p)
+        rest = 2.0 * exp(-smaller(barrier, LIMIT))
         size = larger(abs(self.w), rest)
-        part = smaller(abs(self.w), rest) / size
-        return self.c / (size * sqrt(1.0 + part * part))
+        ratio = smaller(abs(self.w), rest) / size
+        return self.c / (size * sqrt(1.0 + ratio * ratio))
 
     def error_of_v(self, error, fastest):
         """Return the error in omega of a step that ends here, from that in x, v and psi.
@@ -148,9 +149,9 @@ class Point:
         """
         if not self.motion.reverses:
             return error[1]
-        omega = abs(error[1] + dot(self.shares, error[2:]))
+        omega = abs(error[1] + dot(self.omega_by_psi, error[2:]))
         largest = larger(larger(fastest[0], -fastest[1]), larger(abs(self.w), fastest[2]))
-        return omega * larger(1.0, self.c / larger(largest, LEAST * self.c))
+        return omega * larger(1.0, self.c / larger(largest, SMALLEST_FASTEST * self.c))
 
     @cached_property
     def g(self):
@@ -165,17 +166,17 @@ class Point:
         """Return the changes of `forces` along a change of x, omega, psi, in a time dT."""
         return change[0], *self.values("changes", z=change, dT=dT)
 
-    def works(self, w_lp):
+    def work_rates(self, w_lp):
         """Return the powers of load point and S per a sigma V0, beyond their mu_ref part."""
         return self.x * w_lp, self.S * self.w
 
-    def of_x(self, w_lp):
+    def x_rate(self, w_lp):
         """Return dx/dT at this load-point speed."""
         return self.kappa * (w_lp - self.w)
 
-    def drive(self, w_lp):
+    def g_rate(self, w_lp):
         """Return d(x - S)/dT at constant w."""
-        return self.of_x(w_lp) - dot(self.S_slopes[1:], self.f) - total(self.N_drift)
+        return self.x_rate(w_lp) - dot(self.S_slopes[1:], self.f) - total(self.N_drift)
 
     @cached_property
     def is_balanced(self):
@@ -187,11 +188,11 @@ class Point:
 
     def acceleration(self, w_lp, balanced):
         """Return dividend and divisor of d omega/dT: g and m, or from x = S if balanced."""
-        return select(balanced, (self.drive(w_lp), self.S_slopes[0]), (self.g, self.m))
+        return select(balanced, (self.g_rate(w_lp), self.S_slopes[0]), (self.g, self.m))
 
     def derived(self, name, **numbers):
         """Return a list of `motion` that contains q, m, and g or F."""
-        g = where(self.log_of_faster > -LIMIT, self.g, 0.0)  # at rest w is a constant
+        g = where(self.log_jump_rate > -LIMIT, self.g, 0.0)  # at rest w is a constant
         F = dot(self.law.evolution_effects(self.p), self.f) if self.motion.reverses else 0.0
         return self.values(name, **({"g": g, "F": F} | numbers))
 

@@ -276,8 +276,8 @@ def edge_of_slip_law(kappa, beta, largest):
             f"b/a = {beta:.6g}: {path.message}"
         )
     steps, kicks = path.t_events
-    found = -steps, kicks[(kicks > 0.0) & (kicks <= largest)], -kicks[kicks < 0.0]
-    return Thresholds(*(float(at[0]) if at.size else np.inf for at in found))
+    sizes = -steps, kicks[(kicks > 0.0) & (kicks <= largest)], -kicks[kicks < 0.0]
+    return Thresholds(*(float(x[0]) if x.size else np.inf for x in sizes))
 
 
 #: law -> function that gives `Thresholds` of a slider without mass

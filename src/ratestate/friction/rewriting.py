@@ -10,18 +10,18 @@ from .expressions import CONDITIONS, Graph
 from .functions import DERIVATIVES, where
 
 
-def times_each(x, factor):
+def distribute(x, factor):
     """Return x times a factor, multiplied into each term of x if it is a sum."""
     if x.kind == "sum" and len(x.parts) > 1:
-        products = (n * times_each(one, factor) for one, n in x.parts)
+        products = (n * distribute(term, factor) for term, n in x.parts)
         return functools.reduce(operator.add, products)
     outer, powers = x.powers
-    changing = {one: n for one, n in powers.items() if not one.is_constant}
-    if [(one.kind, n) for one, n in changing.items()] != [("sum", 1.0)]:
+    varying = {base: n for base, n in powers.items() if not base.is_constant}
+    if [(base.kind, n) for base, n in varying.items()] != [("sum", 1.0)]:
         return x * factor
-    (whole,) = changing
-    del powers[whole]
-    return times_each(whole, x.graph.product(outer, powers) * factor)
+    (only_sum,) = varying
+    del powers[only_sum]
+    return distribute(only_sum, x.graph.product(outer, powers) * factor)
 
 
 class Derivative:
@@ -31,25 +31,25 @@ class Derivative:
     """
 
     def __init__(self, graph, changes):
-        self.graph, self.found = graph, dict(changes)
+        self.graph, self.derivatives = graph, dict(changes)
 
     def __call__(self, x):
-        if x not in self.found:
-            self.found[x] = self.graph.number(0.0) if x.is_constant else self._of(x)
-        return self.found[x]
+        if x not in self.derivatives:
+            self.derivatives[x] = self.graph.number(0.0) if x.is_constant else self._of(x)
+        return self.derivatives[x]
 
     def _of(self, x):
         total = self.graph.number(0.0)
         if x.kind == "sum":
-            for one, factor in x.parts:
-                total = total + factor * self(one)
+            for term, factor in x.parts:
+                total = total + factor * self(term)
         elif x.kind == "product":
             for base, exponent in x.parts:
-                rest = self.graph.product(1.0, {**dict(x.parts), base: exponent - 1.0})
-                total = total + exponent * rest * self(base)
+                others = self.graph.product(1.0, {**dict(x.parts), base: exponent - 1.0})
+                total = total + exponent * others * self(base)
         elif x.kind == "where":
-            condition, one, other = x.parts
-            return where(condition, self(one), self(other))
+            condition, if_true, if_false = x.parts
+            return where(condition, self(if_true), self(if_false))
         elif x.kind in DERIVATIVES:
             (argument,) = x.parts
             return DERIVATIVES[x.kind](argument, x) * self(argument)
@@ -64,37 +64,37 @@ class Hoisting:
 
     def __init__(self):
         self.graph, self.constants = Graph(merges=False), {}
-        self._symbols, self._done = {}, {}
+        self._symbols, self._copies = {}, {}
 
     def __call__(self, x):
         """Return the new expression."""
-        if x not in self._done:
-            self._done[x] = self._made(x)
-        return self._done[x]
+        if x not in self._copies:
+            self._copies[x] = self._hoist(x)
+        return self._copies[x]
 
-    def _made(self, x):
+    def _hoist(self, x):
         if x.is_constant and x.kind not in CONDITIONS:
-            return self._symbol(x)
+            return self._symbol_for(x)
         if x.kind == "symbol":
             return self.graph.symbol(x.parts[0], is_constant=False)
         if x.kind not in ("sum", "product"):
             return self.graph.call(x.kind, *map(self, x.parts))
-        constant = {one: n for one, n in x.terms.items() if one.is_constant}
-        total = self._symbol(x.graph.sum(constant))
-        for one, factor in x.terms.items():
-            if not one.is_constant:
-                total = total + self._multiple(one, factor)
+        constant = {term: n for term, n in x.terms.items() if term.is_constant}
+        total = self._symbol_for(x.graph.sum(constant))
+        for term, factor in x.terms.items():
+            if not term.is_constant:
+                total = total + self._multiple(term, factor)
         return total
 
     def _multiple(self, x, factor):
         """Return a multiple of an expression, with its constant factors as one symbol."""
         inner, powers = x.powers
         constant = {base: n for base, n in powers.items() if base.is_constant}
-        rest = {self(base): n for base, n in powers.items() if base not in constant}
-        coefficient = self._symbol(x.graph.product(factor * inner, constant))
-        return coefficient * self.graph.product(1.0, rest)
+        varying = {self(base): n for base, n in powers.items() if base not in constant}
+        coefficient = self._symbol_for(x.graph.product(factor * inner, constant))
+        return coefficient * self.graph.product(1.0, varying)
 
-    def _symbol(self, constant):
+    def _symbol_for(self, constant):
         if constant.kind == "number":
             return self.graph.number(constant.parts[0])
         if constant not in self._symbols:
@@ -103,45 +103,45 @@ class Hoisting:
         return self._symbols[constant]
 
 
-def function_of(roots, known):
+def function_of(roots, inputs):
     """Return a Python function of numbers of any kind: the list of some expressions.
 
     inputs : expressions whose values it takes, in this order: all symbols, perhaps others
     """
     scope = {**vars(functions), "power": _power}
-    exec(source_of(roots, known), scope)
+    exec(source_of(roots, inputs), scope)
     return scope["value"]
 
 
-def values_of(roots, known):
+def values_of(roots, inputs):
     """Return values of expressions, a list; inputs : as in `function_of` -> value."""
     if not (roots := tuple(roots)):
         return []
-    programs, key = roots[0].graph.programs, (roots, tuple(known))
+    programs, key = roots[0].graph.programs, (roots, tuple(inputs))
     if key not in programs:
         programs[key] = function_of(*key)
     with np.errstate(all="ignore"):  # the side that `where` does not select may be NaN
-        return programs[key](*known.values())
+        return programs[key](*inputs.values())
 
 
-def source_of(roots, known):
+def source_of(roots, inputs):
     """Return the source of `function_of`, which also identifies expressions."""
-    names = {one: f"x{k}" for k, one in enumerate(known)}
+    names = {node: f"x{k}" for k, node in enumerate(inputs)}
     lines = [f"def value({', '.join(names.values())}):"]
 
-    def name(one):
-        if one.kind == "number":
-            return repr(one.parts[0])
-        if one not in names:
-            if not one.operands:
-                raise LookupError(f"no value is given for the symbol {one.parts[0]!r}")
-            text = _text(one, name)
-            names[one] = f"t{len(lines)}"
-            lines.append(f"{names[one]} = {text}")
-        return names[one]
+    def name(node):
+        if node.kind == "number":
+            return repr(node.parts[0])
+        if node not in names:
+            if not node.operands:
+                raise LookupError(f"no value is given for the symbol {node.parts[0]!r}")
+            text = _text(node, name)
+            names[node] = f"t{len(lines)}"
+            lines.append(f"{names[node]} = {text}")
+        return names[node]
 
-    found = ", ".join(map(name, roots))
-    return "\n    ".join([*lines, f"return [{found}]"])
+    results = ", ".join(map(name, roots))
+    return "\n    ".join([*lines, f"return [{results}]"])
 
 
 def _text(x, name):
@@ -149,7 +149,7 @@ def _text(x, name):
     if x.kind == "sum":
         return _text_of_sum(x, name)
     if x.kind == "product":
-        above, below = (
+        dividend, divisor = (
             " * ".join(
                 name(base) if n == sign else f"power({name(base)}, {abs(n)!r})"
                 for base, n in x.parts
@@ -157,7 +157,7 @@ def _text(x, name):
             )
             for sign in (1.0, -1.0)
         )
-        return f"{above or 1.0} / ({below})" if below else above
+        return f"{dividend or 1.0} / ({divisor})" if divisor else dividend
     arguments = map(name, x.parts)
     if x.kind in CONDITIONS:
         return CONDITIONS[x.kind].join(arguments)
@@ -166,17 +166,17 @@ def _text(x, name):
 
 def _text_of_sum(x, name):
     if len(x.parts) == 2:
-        (one, factor), (other, its) = sorted(x.parts, key=lambda part: part[0].kind != "number")
-        if one.kind == "number" and other.kind == "exp" and its == -factor:
-            return f"{its!r} * expm1({name(other.parts[0])})"
+        (first, a), (second, b) = sorted(x.parts, key=lambda part: part[0].kind != "number")
+        if first.kind == "number" and second.kind == "exp" and b == -a:
+            return f"{b!r} * expm1({name(second.parts[0])})"
     text = ""
-    for one, factor in x.parts:
-        if one.kind == "number":
+    for term, factor in x.parts:
+        if term.kind == "number":
             text += f" + {factor!r}"
         elif abs(factor) == 1.0:
-            text += f" {'+' if factor > 0.0 else '-'} {name(one)}"
+            text += f" {'+' if factor > 0.0 else '-'} {name(term)}"
         else:
-            text += f" + {factor!r} * {name(one)}"
+            text += f" + {factor!r} * {name(term)}"
     return text.removeprefix(" + ").strip()
 
 

@@ -9,7 +9,7 @@ CONVERGED = 1e-14
 
 
 @np.errstate(all="ignore")  # a root that is not needed may not exist
-def root(off, start, where=True):
+def root(function, start, where=True):
     """Return the root (n,) of an increasing function, within about 4000 of the start.
 
     function : takes and returns (n,)
@@ -19,44 +19,45 @@ def root(off, start, where=True):
     start = np.where(where, start, np.nan)
     low, high = start - 1.0, start + 1.0
     for width in 2.0 ** np.arange(12):
-        is_above, is_below = off(low) > 0.0, off(high) < 0.0
+        is_above, is_below = function(low) > 0.0, function(high) < 0.0
         if not (is_above | is_below).any():
             break
         low, high = np.where(is_above, low - width, low), np.where(is_below, high + width, high)
-    return root_between(off, low, high)
+    return root_between(function, low, high)
 
 
 @np.errstate(all="ignore")
-def root_between(off, low, high):
+def root_between(function, low, high):
     """Return the root of a function between numbers where its signs differ, or NaN.
 
     The method is inverse quadratic interpolation, or bisection, to rounding.
 
     Source: Chandrupatla (1997) doi:10.1016/S0965-9978(96)00051-8.
     """
-    x, y, other, y_other = high, off(high), low, off(low)
-    found = np.where(np.sign(y) * np.sign(y_other) <= 0.0, x, np.nan)
-    found = np.where(y_other == 0.0, other, found)
-    done = np.isnan(found) | (y == 0.0) | (y_other == 0.0)
-    part = np.full(np.shape(found), 0.5)
+    x, y, other, y_other = high, function(high), low, function(low)
+    best = np.where(np.sign(y) * np.sign(y_other) <= 0.0, x, np.nan)
+    best = np.where(y_other == 0.0, other, best)
+    done = np.isnan(best) | (y == 0.0) | (y_other == 0.0)
+    fraction = np.full(np.shape(best), 0.5)
     for _ in range(2 * MAX_STEPS):
         if done.all():
             break
-        new = x + part * (other - x)
-        y_new = off(new)
+        new = x + fraction * (other - x)
+        y_new = function(new)
         stays = (y_new > 0.0) == (y > 0.0)  # then x is dropped, else `other`
-        left, y_left = np.where(stays, x, other), np.where(stays, y, y_other)
+        dropped, y_dropped = np.where(stays, x, other), np.where(stays, y, y_other)
         other, y_other = np.where(stays, other, x), np.where(stays, y_other, y)
         x, y = new, y_new
-        found = np.where(done, found, np.where(np.abs(y) < np.abs(y_other), x, other))
-        least = 2.0**-52 * np.abs(found) / np.abs(other - x)
+        best = np.where(done, best, np.where(np.abs(y) < np.abs(y_other), x, other))
+        least = 2.0**-52 * np.abs(best) / np.abs(other - x)
         done = done | (y == 0.0) | ~(least < 0.5)
-        u, f = (x - other) / (left - other), (y - y_other) / (y_left - y_other)
+        u, f = (x - other) / (dropped - other), (y - y_other) / (y_dropped - y_other)
         smooth = (f**2 < u) & ((1.0 - f) ** 2 < 1.0 - u)
-        bent = y / (y_other - y) * y_left / (y_other - y_left)
-        bent = bent + (left - x) / (other - x) * y / (y_left - y) * y_other / (y_left - y_other)
-        part = np.clip(np.where(smooth, bent, 0.5), least, 1.0 - least)
-    return found
+        inverse = y / (y_other - y) * y_dropped / (y_other - y_dropped)
+        ratio = (dropped - x) / (other - x)
+        inverse = inverse + ratio * y / (y_dropped - y) * y_other / (y_dropped - y_other)
+        fraction = np.clip(np.where(smooth, inverse, 0.5), least, 1.0 - least)
+    return best
 
 
 def polynomial_roots(c):
@@ -70,16 +71,16 @@ def polynomial_roots(c):
     c : coefficients (..., n + 1), the highest power first, n > 0
     """
     n = c.shape[-1] - 1
-    found = np.full((*c.shape[:-1], n), np.nan, complex)
+    roots = np.full((*c.shape[:-1], n), np.nan, complex)
     usable = np.isfinite(c).all(axis=-1) & (c[..., 0] != 0.0)
     c = c[usable]
     # scale by a power of 2, which keeps all digits, to prevent overflow of sums
     c = np.ldexp(c, -np.frexp(np.abs(c).max(axis=-1, keepdims=True, initial=1e-300))[1])
     with np.errstate(all="ignore"):  # roots may be 0 or not finite
-        z = _conjugate(_quadratic(c) if n == 2 else _iterated(c))
+        z = _pair_conjugates(_quadratic(c) if n == 2 else _iterate(c))
         z[~np.isfinite(z).all(axis=-1)] = np.nan
-    found[usable] = z
-    return found
+    roots[usable] = z
+    return roots
 
 
 def _quadratic(c):
@@ -90,25 +91,25 @@ def _quadratic(c):
     return np.stack([larger / a, np.where(larger == 0.0, 0.0, last / larger)], axis=-1)
 
 
-def _iterated(c):
+def _iterate(c):
     """Return the `polynomial_roots` for c (m, n + 1); NaN if a root overflows."""
-    z = _starts(c)
+    z = _start_values(c)
     z[~np.isfinite(z).all(axis=-1)] = np.nan
     moving = np.arange(len(c))
     for _ in range(MAX_STEPS):
-        now = z[moving]
-        apart = now[:, :, None] - now[:, None, :]
-        repulsion = np.where(apart == 0.0, 0.0, 1.0 / apart).sum(axis=-1)
-        step = 1.0 / (_slope_over_value(c[moving], now) - repulsion)
+        current = z[moving]
+        distance = current[:, :, None] - current[:, None, :]
+        repulsion = np.where(distance == 0.0, 0.0, 1.0 / distance).sum(axis=-1)
+        step = 1.0 / (_slope_over_value(c[moving], current) - repulsion)
         step[~np.isfinite(step)] = 0.0  # the polynomial is (almost) 0 here
-        z[moving] = now - step
-        moving = moving[(np.abs(step) > CONVERGED * np.abs(now)).any(axis=-1)]
+        z[moving] = current - step
+        moving = moving[(np.abs(step) > CONVERGED * np.abs(current)).any(axis=-1)]
         if not len(moving):
             break
     return z
 
 
-def _starts(c):
+def _start_values(c):
     """Return numbers like the moduli of the roots: slopes of the hull of ln |c_k|."""
     n = c.shape[-1] - 1
     height = np.log(np.abs(c))
@@ -134,9 +135,9 @@ def _slope_over_value(c, z):
     return np.where(large, x * (n - x * slope / value), slope / value)
 
 
-def _conjugate(z):
+def _pair_conjugates(z):
     """Pair roots (m, n) that are nearest to each other's conjugate; make others real."""
-    other = np.abs(z[:, :, None].conj() - z[:, None, :]).argmin(axis=-1)
-    paired = np.take_along_axis(other, other, axis=-1) == np.arange(z.shape[-1])
-    mean = 0.5 * z + 0.5 * np.take_along_axis(z, other, axis=-1).conj()
+    partner = np.abs(z[:, :, None].conj() - z[:, None, :]).argmin(axis=-1)
+    paired = np.take_along_axis(partner, partner, axis=-1) == np.arange(z.shape[-1])
+    mean = 0.5 * z + 0.5 * np.take_along_axis(z, partner, axis=-1).conj()
     return np.where(paired, mean, z.real)

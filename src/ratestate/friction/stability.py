@@ -23,16 +23,16 @@ EDGE_WIDTH = 1e-8
 def elementwise(*dims):
     """Make a function of arrays take floats and DataArrays too (`call_elementwise`)."""
 
-    def extended(function):
+    def decorate(function):
         signature = inspect.signature(function)
 
         @functools.wraps(function)
-        def of_any(*args, **kwargs):
+        def call(*args, **kwargs):
             return call_elementwise(function, signature.bind(*args, **kwargs).arguments, *dims)
 
-        return of_any
+        return call
 
-    return extended
+    return decorate
 
 
 def call_elementwise(function, given, *dims):
@@ -44,15 +44,15 @@ def call_elementwise(function, given, *dims):
     dims : names of the dimensions that the function adds at the end
     """
 
-    def of_arrays(*arrays):
+    def call(*arrays):
         full = np.broadcast_arrays(*arrays)
         return function(**dict(zip(given, full, strict=True)))
 
     if any(hasattr(value, "dims") for value in given.values()):
         import xarray
 
-        return xarray.apply_ufunc(of_arrays, *given.values(), output_core_dims=[dims])
-    return of_arrays(*(np.asarray(value, float) for value in given.values()))[()]
+        return xarray.apply_ufunc(call, *given.values(), output_core_dims=[dims])
+    return call(*(np.asarray(value, float) for value in given.values()))[()]
 
 
 def eta(V, *, a, Dc, sigma, M):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .law_formula import MARK
+from .law_formula import HASH_MARK
 from .roots import root
 
 # Newton steps; then the root is bracketed.
@@ -14,10 +14,10 @@ def steady_point(law, p, v):
 
     p : coefficients, arrays of one shape; v : such an array, or a number
     """
-    at, *each = np.broadcast_arrays(v, *p)
-    start = law.variables(at, (-at,) * len(law.states), each)
-    found = (_steady_variable(law, k, each, at, start) for k in range(len(law.states)))
-    return law.at_speed(v, tuple(found), p)
+    v_full, *p_full = np.broadcast_arrays(v, *p)
+    start = law.variables(v_full, (-v_full,) * len(law.states), p_full)
+    psi = (_steady_variable(law, k, p_full, v_full, start) for k in range(len(law.states)))
+    return law.at_speed(v, tuple(psi), p)
 
 
 def _steady_variable(law, k, p, v, start):
@@ -29,30 +29,30 @@ def _steady_variable(law, k, p, v, start):
     def rate(psi_k, v, *p):
         return at(psi_k, v, p).f[k]
 
-    found, done = start[k], np.zeros(np.shape(start[k]), bool)
-    before = np.full(np.shape(found), np.inf)
+    psi_k, done = start[k], np.zeros(np.shape(start[k]), bool)
+    previous = np.full(np.shape(psi_k), np.inf)
     with np.errstate(all="ignore"):  # steps may overflow
         for _ in range(ITERATIONS):
-            here = at(found, v, p)
+            here = at(psi_k, v, p)
             value, slope = here.f[k], here.f_slopes[1][k]
             step = np.where(value == 0.0, 0.0, value / slope)
-            found = np.where(done, found, found - step)
-            size, moved = np.maximum(1.0, np.abs(found)), np.abs(step)
-            is_rounding = (moved < 1e-10 * size) & (moved >= 0.5 * before)
-            done = done | (((moved <= 1e-15 * size) | is_rounding) & np.isfinite(found))
-            before = moved
+            psi_k = np.where(done, psi_k, psi_k - step)
+            size, change = np.maximum(1.0, np.abs(psi_k)), np.abs(step)
+            is_rounding = (change < 1e-10 * size) & (change >= 0.5 * previous)
+            done = done | (((change <= 1e-15 * size) | is_rounding) & np.isfinite(psi_k))
+            previous = change
             if done.all():
-                return found
-        rest = ~done & np.isfinite(start[k])
-        v, p = v[rest], [x[rest] for x in p]
-        found[rest] = root(lambda psi_k: -rate(psi_k, v, *p), start[k][rest])
-        return found
+                return psi_k
+        remaining = ~done & np.isfinite(start[k])
+        v, p = v[remaining], [x[remaining] for x in p]
+        psi_k[remaining] = root(lambda psi_k: -rate(psi_k, v, *p), start[k][remaining])
+        return psi_k
 
 
 def steady_problem(at):
     """Return the problem with a user's law or friction in steady sliding, "" if none."""
     law = at.law
-    if MARK in law.name and all(np.all(np.isfinite(x)) for x in at.p):
+    if HASH_MARK in law.name and all(np.all(np.isfinite(x)) for x in at.p):
         for name, one in zip(law.states, at.psi, strict=True):
             if not np.all(np.isfinite(one)):
                 return f"{name} has no steady value"
@@ -62,7 +62,7 @@ def steady_problem(at):
                     f"{name} does not go to its steady value: there d {name}/dt does not fall with "
                     f"{name}"
                 )
-    if law.gives("friction") and np.any((by_v := at.R_slopes[0]) <= 0.0):
+    if law.overrides("friction") and np.any((by_v := at.R_slopes[0]) <= 0.0):
         least = np.nanmin(by_v)
         return f"friction does not rise with V in steady sliding, (d mu/d ln V)/a = {least:.4g}"
     return ""

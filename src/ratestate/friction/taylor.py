@@ -16,7 +16,7 @@ class NoSeries(TypeError):
     """An expression, such as a choice, has no rule for its coefficients."""
 
 
-def expand(derivatives, integrands, order, known):
+def expand(derivatives, integrands, order, start):
     """Return lists of Taylor coefficients of unknowns and of integrands.
 
     Those of integrands end one order before `order`.  A coefficient that is always 0 is the float
@@ -27,16 +27,16 @@ def expand(derivatives, integrands, order, known):
     start : dict expression -> value at the start, for each symbol and perhaps other expressions; a
         pair of value and rate for a symbol that changes at a constant rate
     """
-    found = _Expansion(known)
-    nodes = found.ordered([*derivatives, *derivatives.values(), *integrands])
+    expansion = _Expansion(start)
+    nodes = expansion.topological_order([*derivatives, *derivatives.values(), *integrands])
     for k in range(order):
-        for one in nodes:
-            found.add(one, k)
+        for node in nodes:
+            expansion.add(node, k)
         for unknown, derivative in derivatives.items():
-            found.slopes[unknown, k + 1] = slope = found.at(derivative, k)
-            found.c[unknown, k + 1] = times(slope, 1.0 / (k + 1))
-    unknowns = [[found.at(one, k) for k in range(order + 1)] for one in derivatives]
-    return unknowns, [[found.at(one, k) for k in range(order)] for one in integrands]
+            expansion.slopes[unknown, k + 1] = slope = expansion.at(derivative, k)
+            expansion.c[unknown, k + 1] = times(slope, 1.0 / (k + 1))
+    unknowns = [[expansion.at(x, k) for k in range(order + 1)] for x in derivatives]
+    return unknowns, [[expansion.at(x, k) for k in range(order)] for x in integrands]
 
 
 class _Expansion:
@@ -46,76 +46,75 @@ class _Expansion:
     operations: a sum takes the slopes of the unknowns instead of their coefficients.
     """
 
-    def __init__(self, known):
-        self.known = known
+    def __init__(self, start):
+        self.start = start
         self.rules = {}  # expression -> its `_rule`
         self.c = {}  # (expression, order) -> coefficient
         self.slopes = {}  # (expression, j) -> j times the coefficient of order j
         self.terms = {}  # expression -> its `_linear_terms`
-        self.over = {}  # quotient -> terms of its dividend divided by the divisor; 1/divisor
+        self.quotients = {}  # quotient -> terms of its dividend divided by the divisor; 1/divisor
 
-    def ordered(self, roots):
+    def topological_order(self, roots):
         """Return the roots and all that their rules need, operands first, a list."""
         nodes, waiting = {}, list(roots)
 
-        def find(one):
-            if one in nodes:
+        def visit(node):
+            if node in nodes:
                 return
-            rule, *operands = self.rules.setdefault(one, _rule(one))
+            rule, *operands = self.rules.setdefault(node, _rule(node))
             if rule == "function":  # the rule needs only lower orders of `inner`
                 waiting.append(operands.pop())
             for operand in operands:
-                find(operand)
-            nodes[one] = True
+                visit(operand)
+            nodes[node] = True
 
         while waiting:
-            find(waiting.pop(0))
+            visit(waiting.pop(0))
         return list(nodes)
 
-    def at(self, one, k):
+    def at(self, node, k):
         """Return the coefficient of order k; 0 if the expression has none."""
-        return self.c.get((one, k), 0.0)
+        return self.c.get((node, k), 0.0)
 
-    def add(self, one, k):
+    def add(self, node, k):
         """Compute the coefficient of order k; lower orders and operands come first."""
-        rule, *operands = self.rules[one]
+        rule, *operands = self.rules[node]
         if rule != "known":
-            self.c[one, k] = getattr(self, f"_{rule}")(k, one, *operands)
-        elif k < 2 and isinstance(self.known.get(one), tuple):
-            self.c[one, k] = self.known[one][k]
+            self.c[node, k] = getattr(self, f"_{rule}")(k, node, *operands)
+        elif k < 2 and isinstance(self.start.get(node), tuple):
+            self.c[node, k] = self.start[node][k]
         elif k == 0:
-            self.c[one, 0] = self._first(one)
+            self.c[node, 0] = self._value_at_start(node)
 
-    def _first(self, one):
+    def _value_at_start(self, node):
         """Return the coefficient of order 0, from the operands unless it is given."""
-        if (one, 0) in self.c:
-            return self.c[one, 0]
-        if one in self.known:
-            return self.known[one]
-        return values_of([one], {x: self._first(x) for x in one.operands})[0]
+        if (node, 0) in self.c:
+            return self.c[node, 0]
+        if node in self.start:
+            return self.start[node]
+        return values_of([node], {x: self._value_at_start(x) for x in node.operands})[0]
 
-    def _linear(self, one):
+    def _linear_terms(self, node):
         """Return the expression as a sum: pairs of a constant factor and an expression."""
-        if one not in self.terms:
-            rule, *operands = self.rules[one]
-            self.terms[one] = [(1.0, one)]
+        if node not in self.terms:
+            rule, *operands = self.rules[node]
+            self.terms[node] = [(1.0, node)]
             if rule == "sum":
-                self.terms[one] = [
-                    (a * factor, x) for part, factor in one.parts for a, x in self._linear(part)
-                ]
+                parts = ((factor, self._linear_terms(part)) for part, factor in node.parts)
+                self.terms[node] = [(a * factor, x) for factor, terms in parts for a, x in terms]
             elif rule == "multiple":
                 factor, x = operands
-                self.terms[one] = _scaled(self._linear(x), self.at(factor, 0))
-        return self.terms[one]
+                self.terms[node] = _scaled(self._linear_terms(x), self.at(factor, 0))
+        return self.terms[node]
 
-    def _slope(self, one, j):
-        if (one, j) not in self.slopes:
-            terms = self._linear(one)
-            if terms[0][1] is one:
-                self.slopes[one, j] = times(self.at(one, j), float(j))
+    def _slope(self, node, j):
+        if (node, j) not in self.slopes:
+            terms = self._linear_terms(node)
+            if terms[0][1] is node:
+                self.slopes[node, j] = times(self.at(node, j), float(j))
             else:
-                self.slopes[one, j] = total(times(a, self._slope(x, j)) for a, x in terms)
-        return self.slopes[one, j]
+                self.slopes[node, j] = total(times(a, self._slope(x, j)) for a, x in terms)
+        return self.slopes[node, j]
 
     def _combination(self, terms, k):
         """Return the coefficient of order k of a sum of such terms."""
@@ -123,50 +122,50 @@ class _Expansion:
         late = [(times(a, 1.0 / k), x) for a, x in terms if (x, k) in self.slopes]
         return total([*early, *(times(a, self.slopes[x, k]) for a, x in late)])
 
-    def _sum(self, k, one, *_):
-        return self._combination(self._linear(one), k)
+    def _sum(self, k, node, *_):
+        return self._combination(self._linear_terms(node), k)
 
     _multiple = _sum
 
-    def _product(self, k, one, x, y):
+    def _product(self, k, node, x, y):
         return convolution({j: (self.at(x, j), self.at(y, k - j)) for j in range(k + 1)}, k)
 
-    def _quotient(self, k, one, x, y):
+    def _quotient(self, k, node, x, y):
         if k == 0:
             inverse = 1.0 / self.at(y, 0)
-            self.over[one] = _scaled(self._linear(x), inverse), inverse
-            return self._combination(self.over[one][0], 0)
+            self.quotients[node] = _scaled(self._linear_terms(x), inverse), inverse
+            return self._combination(self.quotients[node][0], 0)
         # x = q y: q_k = (x_k - sum_(j<k) q_j y_(k-j))/y_0
-        terms, inverse = self.over[one]
-        pairs = {j: (self.at(one, j), self.at(y, k - j)) for j in range(1, k)}
-        less = times(convolution(pairs, k), inverse)
-        last = times(times(self.at(one, 0), inverse), self.at(y, k))
-        return total([-less, self._combination(terms, k), -last])
+        terms, inverse = self.quotients[node]
+        pairs = {j: (self.at(node, j), self.at(y, k - j)) for j in range(1, k)}
+        early = times(convolution(pairs, k), inverse)
+        late = times(times(self.at(node, 0), inverse), self.at(y, k))
+        return total([-early, self._combination(terms, k), -late])
 
-    def _function(self, k, one, x, inner):
+    def _function(self, k, node, x, inner):
         """Apply f' = inner x': k f_k = sum_j j x_j inner_(k-j)."""
         if k == 0:
-            return self._first(one)
+            return self._value_at_start(node)
         pairs = {j: (self._slope(x, j), self.at(inner, k - j)) for j in range(1, k)}
-        last = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
-        return total([times(convolution(pairs, k), 1.0 / k), last])
+        late = times(times(self.at(inner, 0), 1.0 / k), self._slope(x, k))
+        return total([times(convolution(pairs, k), 1.0 / k), late])
 
 
-def _rule(one):
+def _rule(node):
     """Return the rule for an expression's coefficients, and its operands, a tuple."""
-    if one.is_constant or one.kind == "symbol":
+    if node.is_constant or node.kind == "symbol":
         return ("known",)
-    if one.kind == "sum":
-        return "sum", *one.operands
-    if one.kind == "product":
-        return _rule_of_product(one.graph, dict(one.parts), one)
-    if one.kind not in DERIVATIVES or one.kind == "abs":
-        raise NoSeries(one.kind)
-    (x,) = one.parts
-    return "function", x, DERIVATIVES[one.kind](x, one)
+    if node.kind == "sum":
+        return "sum", *node.operands
+    if node.kind == "product":
+        return _rule_of_product(node.graph, dict(node.parts), node)
+    if node.kind not in DERIVATIVES or node.kind == "abs":
+        raise NoSeries(node.kind)
+    (x,) = node.parts
+    return "function", x, DERIVATIVES[node.kind](x, node)
 
 
-def _rule_of_product(graph, parts, one):
+def _rule_of_product(graph, parts, node):
     def product(condition):
         return graph.product(1.0, {base: n for base, n in parts.items() if condition(base, n)})
 
@@ -179,7 +178,7 @@ def _rule_of_product(graph, parts, one):
     if parts:
         return "product", graph.product(1.0, parts), graph.product(1.0, {base: n})
     if n != int(n):  # y' = n (y/x) x'
-        return "function", base, n * (one / base)
+        return "function", base, n * (node / base)
     return "product", graph.product(1.0, {base: n - 1.0}), base
 
 
@@ -187,21 +186,21 @@ def _scaled(terms, factor):
     return [(times(factor, a), x) for a, x in terms]
 
 
-def _is(x, number):
+def _is_float(x, number):
     return isinstance(x, float) and x == number
 
 
 def times(x, y):
     """Return the product of two coefficients."""
-    if _is(x, 0.0) or _is(y, 0.0):
+    if _is_float(x, 0.0) or _is_float(y, 0.0):
         return 0.0
-    return y if _is(x, 1.0) else x * y
+    return y if _is_float(x, 1.0) else x * y
 
 
 def total(terms):
     """Return the sum of coefficients, from the left."""
-    known = [one for one in terms if not _is(one, 0.0)]
-    return functools.reduce(operator.add, known) if known else 0.0
+    nonzero = [term for term in terms if not _is_float(term, 0.0)]
+    return functools.reduce(operator.add, nonzero) if nonzero else 0.0
 
 
 def convolution(pairs, k):

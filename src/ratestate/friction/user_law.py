@@ -18,30 +18,30 @@ import numpy as np
 from ..errors import ParameterError
 from .expressions import FormulaError
 from .law import FrictionLaw
-from .law_formula import EXAMPLE, MARK
+from .law_formula import EXAMPLE, HASH_MARK
 from .rewriting import Derivative
 from .steady_state import steady_point, steady_problem
 
 #: errors that a user's code may raise, except an interrupt
-RAISED = (Exception, SystemExit)
+USER_ERRORS = (Exception, SystemExit)
 NAME = re.compile(r"[a-z][a-z0-9-]*")
 #: prefix of the module name of a law file
-LAW_FILE = "ratestate_law_"
+MODULE_PREFIX = "ratestate_law_"
 #: methods that run once, with expressions
-FORMULAS = ("evolution", "friction", "runaway", "log_theta", "variables_of", "constants")
+FORMULA_METHODS = ("evolution", "friction", "runaway", "log_theta", "variables_of", "constants")
 #: attributes of `FrictionLaw` that a user's law may replace
-OWN = (
-    *(*FORMULAS, "complaint", "jumps_with_normal_stress"),
+REPLACEABLE = (
+    *(*FORMULA_METHODS, "complaint", "jumps_with_normal_stress"),
     *("name", "label", "synonyms", "source", "form", "states", "parameters"),
     *("__module__", "__doc__", "__dict__", "__weakref__", "__annotations__", "__init__"),
 )
 #: speeds [m/s] and ln(V theta/D) at which `check_formulas` tests a law
 SPEEDS, AGES = 10.0 ** np.arange(-12.0, 1.5, 0.5)[:, None], np.linspace(-20.3, 20.9, 207)
 #: largest error allowed in `log_theta` of `variables_of`
-ERROR = 1e-10
+INVERSION_ERROR = 1e-10
 
 
-def law_of_file(path):
+def class_from_file(path):
     """Run a Python file and return its only class of laws, else ParameterError."""
     try:
         if Path(path).exists() and not Path(path).is_file():  # a folder, or an endless device
@@ -50,21 +50,21 @@ def law_of_file(path):
     except (OSError, ValueError) as error:  # ValueError: encoding, or a null character in the path
         reason = getattr(error, "strerror", None) or error
         raise ParameterError(f"law file {path} cannot be read: {reason}") from None
-    kind = law_of_text(text, path)
+    kind = class_from_text(text, path)
     kind.file = Path(path).resolve()
     return kind
 
 
-def law_of_text(text, path):
+def class_from_text(text, path):
     """Return the only class of laws in a file's text; path : the file, for messages."""
-    module = types.ModuleType(f"{LAW_FILE}{_hash(text)}")
+    module = types.ModuleType(f"{MODULE_PREFIX}{_hash(text)}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module  # pickle looks up the class here
     try:
         exec(compile(text, str(path), "exec"), module.__dict__)
-        found = [x for x in vars(module).values() if _is_law(x) and x.__module__ == module.__name__]
-        names = ", ".join(kind.__name__ for kind in found) or "none"
-    except RAISED as error:
+        laws = [x for x in vars(module).values() if _is_law(x) and x.__module__ == module.__name__]
+        names = ", ".join(kind.__name__ for kind in laws) or "none"
+    except USER_ERRORS as error:
         del sys.modules[module.__name__]
         frames = traceback.extract_tb(error.__traceback__)
         lines = [frame.lineno for frame in frames if frame.filename == str(path)]
@@ -72,13 +72,13 @@ def law_of_text(text, path):
         raise ParameterError(
             f"law file {path} cannot be loaded, line {line}: {reason_of(error)}. Mend that line."
         ) from None
-    if len(found) != 1:
+    if len(laws) != 1:
         raise ParameterError(
             f"law file {path} must hold one class that derives from ratestate.FrictionLaw. It "
             f"holds {names}."
         )
-    found[0].file_text = text
-    return found[0]
+    laws[0].file_text = text
+    return laws[0]
 
 
 def reason_of(error):
@@ -86,11 +86,11 @@ def reason_of(error):
     kind = type(error).__name__
     try:
         return f"{kind}: {error}".splitlines()[0]
-    except RAISED:
+    except USER_ERRORS:
         return kind
 
 
-def named_law(kind):
+def make_user_law(kind):
     """Return an instance of a class of laws, named with the hash of its formula.
 
     ParameterError if it is not such a class, its name is not valid, or its formula cannot be run.
@@ -113,7 +113,7 @@ def named_law(kind):
             f"law {name!r} has the method rates, of an old form of laws. Replace it, and its "
             f"derivatives, by evolution(self, V, theta, p), which returns d theta/dt."
         )
-    if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in OWN):
+    if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
         raise ParameterError(
             f"law {name!r} has {derived[0]} of its own. Rename it, or remove it: laws keep under "
             f"this name what is derived from their formulas."
@@ -127,24 +127,24 @@ def named_law(kind):
         _check_states(law)
         quantities = {symbol: (one.unit, one.bound) for symbol, one in law.parameters.items()}
         content = f"{law.form} {dict(law.states)} {quantities}\n{law.equations.text}"
-    except RAISED as error:
-        raise ParameterError(located(name, law, error)) from error
-    law.name = f"{name}{MARK}{_hash(content)}"
+    except USER_ERRORS as error:
+        raise ParameterError(describe_error(name, law, error)) from error
+    law.name = f"{name}{HASH_MARK}{_hash(content)}"
     return law
 
 
-def located(name, law, error):
+def describe_error(name, law, error):
     """Return the problem with a law's formula, its place in the code, and the remedy."""
-    return f"law {name!r}{_place_of(error, law)}: {_remedy(error)}"
+    return f"law {name!r}{_code_place(error, law)}: {_explain(error)}"
 
 
 def _check_states(law):
     """Raise FormulaError if the states use symbols that the law does not have."""
-    known = (*EXAMPLE, *law.parameters)
+    parameters = (*EXAMPLE, *law.parameters)
     if not law.states:
         raise FormulaError("states is empty. Leave it out for theta alone.")
     for state, symbols in law.states.items():
-        missing = [x for x in symbols if x not in known]
+        missing = [x for x in symbols if x not in parameters]
         if missing or isinstance(symbols, str) or len(symbols) != 2:
             raise FormulaError(
                 f"states[{state!r}] = {symbols!r} must be the symbols of b and Dc of this state. "
@@ -152,18 +152,18 @@ def _check_states(law):
             )
 
 
-def _place_of(error, law):
+def _code_place(error, law):
     """Return the file and line of an error in a law, or of the method at fault."""
     frames = traceback.extract_tb(error.__traceback__)
-    ours = Path(__file__).parent
-    first = [
+    package = Path(__file__).parent
+    in_law = [
         k
-        for k, one in enumerate(frames)
-        if one.name in FORMULAS and ours not in Path(one.filename).parents
+        for k, frame in enumerate(frames)
+        if frame.name in FORMULA_METHODS and package not in Path(frame.filename).parents
     ]
-    if first:
-        file = frames[first[0]].filename
-        line = [one.lineno for one in frames[first[0] :] if one.filename == file][-1]
+    if in_law:
+        file = frames[in_law[0]].filename
+        line = [frame.lineno for frame in frames[in_law[0] :] if frame.filename == file][-1]
     elif code := getattr(getattr(law, getattr(error, "method", ""), None), "__code__", None):
         file, line = code.co_filename, code.co_firstlineno
     else:
@@ -171,15 +171,15 @@ def _place_of(error, law):
     return f", line {line} of {file}"
 
 
-def _remedy(error):
+def _explain(error):
     """Return the problem with a formula that cannot be run, and the remedy."""
     if isinstance(error, FormulaError):
         return str(error)
     if isinstance(error, AttributeError) and isinstance(error.obj, types.SimpleNamespace):
-        known = ", ".join(vars(error.obj))
+        parameters = ", ".join(vars(error.obj))
         return (
             f"p.{error.name} is not a parameter. Add {error.name} to parameters, or take one of "
-            f"{known}."
+            f"{parameters}."
         )
     if isinstance(error, RecursionError):
         return "the formula nests too many functions. Write it with fewer."
@@ -194,7 +194,7 @@ def _hash(text):
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
-def check(law, values):
+def check_formulas(law, values):
     """Raise FormulaError if a law's formulas fail on a grid of speeds and states.
 
     values : symbol -> example of each of its own parameters [SI]
@@ -212,8 +212,8 @@ def check(law, values):
         k = np.argmax(by_v <= 0.0)
         raise FormulaError(
             f"friction must rise with V at a constant state: d mu/d ln V = "
-            f"{by_v.flat[k] * EXAMPLE['a']:.4g} at {_point(k)}. Mend friction, or the examples of "
-            f"parameters.",
+            f"{by_v.flat[k] * EXAMPLE['a']:.4g} at {_describe_point(k)}. Mend friction, or the "
+            f"examples of parameters.",
             "friction",
         )
     for name, rate in zip(law.states, at.f, strict=True):
@@ -225,7 +225,7 @@ def check(law, values):
         )
     logs = tuple(AGES + k for k in range(len(law.states)))
     again = law.log_states(0.4, law.variables(0.4, logs, p), p)
-    if not all(np.abs(x - y).max() <= ERROR for x, y in zip(logs, again, strict=True)):
+    if not all(np.abs(x - y).max() <= INVERSION_ERROR for x, y in zip(logs, again, strict=True)):
         raise FormulaError(
             "variables_of is not the inverse of log_theta. Mend either.", "variables_of"
         )
@@ -245,14 +245,14 @@ def _check_coupling(law):
                 )
 
 
-def _check_finite(what, method, numbers):
+def _check_finite(prefix, method, numbers):
     if isinstance(numbers, tuple):
-        for one in numbers:
-            _check_finite(what, method, one)
+        for number in numbers:
+            _check_finite(prefix, method, number)
     elif (bad := ~np.isfinite(_on_grid(numbers))).any():
         raise FormulaError(
-            f"{what}{method} is infinite or NaN at {_point(np.argmax(bad))}. Write another formula "
-            f"there by ratestate.laws.where.",
+            f"{prefix}{method} is infinite or NaN at {_describe_point(np.argmax(bad))}. Write "
+            f"another formula there by ratestate.laws.where.",
             method,
         )
 
@@ -282,7 +282,7 @@ def _on_grid(x):
     return np.broadcast_to(x, (SPEEDS.size, AGES.size))
 
 
-def _point(k):
+def _describe_point(k):
     """Return the k-th speed and age of the grid as text."""
     V, age = SPEEDS.flat[k // AGES.size], AGES[k % AGES.size]
     return f"V = {V:.3g} m/s and V theta/D = {np.exp(age):.3g}"

@@ -89,7 +89,7 @@ def initial_state(law, batch, V_load):
     x = np.where(rigid, stress(law, v, states, p), x)
     free_speed = bound & ~rigid
     v = np.where(free_speed, root(lambda v: stress(law, v, states, p) - x, v, free_speed), v)
-    _check_speed((law.log_of_faster(v, states, p) + np.log(V0))[free_speed], names)
+    _check_speed((law.log_jump_rate(v, states, p) + np.log(V0))[free_speed], names)
     return np.stack([x, v, *law.variables(v, states, p)], axis=1)
 
 

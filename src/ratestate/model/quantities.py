@@ -54,7 +54,9 @@ def add_quantities_of(law):
 for _law in LAWS.values():
     add_quantities_of(_law)
 for _form in FORMS.values():
-    QUANTITIES |= {symbol: Quantity(*parameter) for symbol, parameter in _form.OWN.items()}
+    QUANTITIES |= {
+        symbol: Quantity(*parameter) for symbol, parameter in _form.OWN_PARAMETERS.items()
+    }
 
 
 def attrs(symbol):

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from ..friction.composition import JOINT, composed, form_of
+from ..friction.composition import PART_MARK, composed, form_of
 from ..friction.critical_speeds import V_c
 from ..friction.forms import forms_with, parameters_of
 from ..friction.law_formula import LOG
-from ..friction.laws import DEFAULT, friction_law, owners
+from ..friction.laws import DEFAULT, friction_law, laws_with
 from ..friction.linear_stability import K_c
 from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
@@ -284,8 +284,8 @@ class SpringSlider:
         ParameterError where it depends on the speed, as with damping, cut-offs or a law with a
         speed of its own.
         """
-        if self.friction_law.has_own_speed:
-            parts = self.friction_law.name.split(JOINT)[1:]
+        if self.friction_law.has_speed_scale:
+            parts = self.friction_law.name.split(PART_MARK)[1:]
             cause = f"with {' and '.join(parts)}" if parts else f"under the law {self.law!r}"
             raise ParameterError(
                 f"{cause} K_c_qs depends on the speed; "
@@ -428,7 +428,7 @@ def _check_names(law, form, given):
             )
     for name in given:
         for kind, chosen, having in (
-            ("law", law.name, owners(name)),
+            ("law", law.name, laws_with(name)),
             ("friction", form, forms_with(name)),
         ):
             if having and name not in own:

@@ -6,14 +6,14 @@ import os
 from ..errors import ParameterError
 from ..friction import laws
 from ..friction.expressions import FormulaError
-from ..friction.law_formula import MARK
+from ..friction.law_formula import HASH_MARK
 from ..friction.user_law import (
-    RAISED,
-    check,
-    law_of_file,
-    law_of_text,
-    located,
-    named_law,
+    USER_ERRORS,
+    check_formulas,
+    class_from_file,
+    class_from_text,
+    describe_error,
+    make_user_law,
     reason_of,
 )
 from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
@@ -60,25 +60,25 @@ def register(law):
     >>> rs.register(Mine).partition("@")[0]
     'mine'
     """
-    kind = law_of_file(law) if isinstance(law, str | os.PathLike) else law
+    kind = class_from_file(law) if isinstance(law, str | os.PathLike) else law
     try:
-        new = named_law(kind)
+        new = make_user_law(kind)
     except ParameterError:
         raise
-    except RAISED as error:
+    except USER_ERRORS as error:
         raise ParameterError(f"law{_of(law)} cannot be made: {reason_of(error)}") from error
-    own = new.name.partition(MARK)[0]
+    own = new.name.partition(HASH_MARK)[0]
     if new.name in laws.LAWS:
         laws.add(new, own)
         return new.name
     try:
         _check_names(new, own)
-        check(new, {symbol: _example(symbol, new) for symbol in new.parameters})
+        check_formulas(new, {symbol: _example(symbol, new) for symbol in new.parameters})
     except ParameterError as error:
         raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
     except FormulaError as error:
-        raise ParameterError(located(own, new, error)) from None
-    except RAISED as error:
+        raise ParameterError(describe_error(own, new, error)) from None
+    except USER_ERRORS as error:
         raise ParameterError(
             f"law {own!r}{_of(law)} cannot be tried: {reason_of(error)}"
         ) from error
@@ -95,8 +95,8 @@ def _of(law):
 def _check_names(law, own):
     """Raise ParameterError for a name that is taken, and a quantity that cannot be."""
     for name in (own, *law.synonyms):
-        known = laws.known_law(name)
-        if known and MARK not in known:
+        known = laws.find_law_name(name)
+        if known and HASH_MARK not in known:
             raise ParameterError(f"the name {name!r} is that of a built-in law; choose another")
     for symbol, parameter in law.parameters.items():
         quantity = Quantity(*parameter)
@@ -125,10 +125,10 @@ def _is_name(text):
 
 def _is_another(symbol, quantity, own):
     """Whether a symbol stands for another quantity, elsewhere than in this law before an edit."""
-    having = laws.owners(symbol)
+    having = laws.laws_with(symbol)
     if not having:
         return symbol in QUANTITIES
-    others = [name for name in having if name.partition(MARK)[0] != own]
+    others = [name for name in having if name.partition(HASH_MARK)[0] != own]
     known = QUANTITIES[symbol]
     return bool(others) and (known.unit, known.bound) != (quantity.unit, quantity.bound)
 
@@ -157,7 +157,7 @@ def file_of(name):
 
 def recorded(name):
     """What makes a user's law known in another process: `known_again` takes it; None for others."""
-    if MARK not in name:
+    if HASH_MARK not in name:
         return None
     kind = type(laws.LAWS[name])
     return vars(kind).get("file_text") or kind
@@ -167,4 +167,4 @@ def known_again(record):
     """Register what `recorded` gave: the text of a law file, which is run, or a class."""
     known = (vars(type(law)).get("file_text") or type(law) for law in laws.LAWS.values())
     if record is not None and record not in known:
-        register(law_of_text(record, "a law file") if isinstance(record, str) else record)
+        register(class_from_text(record, "a law file") if isinstance(record, str) else record)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.small_cycles import curvature, small_cycle
-from ratestate.friction.laws import friction_law, of_one_length
+from ratestate.friction.laws import friction_law, one_length_laws
 from ratestate.paper.laws import LAWS
 
 laws = st.sampled_from(sorted(LAWS))
@@ -210,7 +210,7 @@ def test_error_counts_what_subtraction_loses():
     assert 0 < abs(blurred.r[0] / exact.r[0] - 1) < blurred.error[0]
 
 
-@pytest.mark.parametrize("law", sorted(of_one_length()))
+@pytest.mark.parametrize("law", sorted(one_length_laws()))
 def test_series_is_that_of_the_law(law):
     rng = np.random.default_rng(5)
     v, z = rng.uniform(-3, 3, 50), rng.uniform(-0.5, 0.5, 50)

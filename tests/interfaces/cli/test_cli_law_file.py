@@ -11,7 +11,7 @@ from user_laws import MINE, PLAIN
 
 import ratestate as rs
 from ratestate import files
-from ratestate.friction.laws import LAW_OF, LAWS
+from ratestate.friction.laws import LAW_NAMES, LAWS
 from ratestate.interfaces import explorer
 from ratestate.interfaces.cli import main, run_fit
 from ratestate.interfaces.cli.report.markdown import _python
@@ -49,7 +49,7 @@ def forget(name):
     """Let a law be one that is not known."""
     for symbol in LAWS[name].parameters:
         del QUANTITIES[symbol]
-    del LAWS[name], LAW_OF[name], LAW_OF[name.partition("@")[0]]
+    del LAWS[name], LAW_NAMES[name], LAW_NAMES[name.partition("@")[0]]
 
 
 def call(*arguments, **how):

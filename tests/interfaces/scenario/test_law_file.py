@@ -5,7 +5,7 @@ from user_laws import MINE, PLAIN
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.friction.laws import LAW_OF, LAWS
+from ratestate.friction.laws import LAW_NAMES, LAWS
 from ratestate.interfaces.scenario import from_result, load, loads, python, toml
 
 TEXT = """[slider]
@@ -155,7 +155,7 @@ def test_a_result_of_a_law_that_is_not_known_says_what_to_give(write, law_file):
     assert from_result(result).slider == slider
     edited = rs.register(law_file(MINE.replace("(1 - ", "2 * (1 - ")))
     LAWS.pop(name)
-    LAW_OF.pop(name)
+    LAW_NAMES.pop(name)
     with pytest.raises(ParameterError) as caught:
         from_result(result)
     assert str(caught.value) == (

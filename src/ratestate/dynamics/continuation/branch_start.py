@@ -6,7 +6,7 @@ import numpy as np
 
 from ...engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ...errors import NotConverged
-from ...friction.linear_stability import beside_the_pair
+from ...friction.linear_stability import other_modes
 from ..cycles.attractor import find_attractors, steady_start
 from ..cycles.small_cycles import hopf_curvature, small_cycle
 from ..cycles.system import linear_section
@@ -100,7 +100,7 @@ def hopf_measures(family, p):
     omega, zero = system.critical.omega, np.zeros(1)
     period = 2.0 * np.pi / omega
     # The two modes that oscillate become the trivial multiplier and another 1.
-    multipliers = np.append(1.0, np.exp(beside_the_pair(system.modes, omega)[0] * period))
+    multipliers = np.append(1.0, np.exp(other_modes(system.modes, omega)[0] * period))
     vanishing = (
         "amplitude v_max v_min v_max_error v_min_error g_max f_min xf_min slow_fraction".split()
     )

@@ -59,7 +59,7 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     directions[:, range(k - 1), range(2, k + 1)] = 1.0
     directions[:, :-1, 0], directions[:, -1, 0] = by_psi, system.eta
     on_section = point_at(system.friction_law, system.coefficients, tuple(y.T))
-    for i, share in enumerate(on_section.shares):
+    for i, share in enumerate(on_section.omega_by_psi):
         directions[:, i, 1] = -share
     starts = Starts(
         system.kappa,

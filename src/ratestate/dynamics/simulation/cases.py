@@ -106,7 +106,7 @@ def failure(function, slider, status, t=None, best=None, loading=None):
     if status == RIGID_REST:
         return ParameterError(f"{text}.\n{slider!r}")
     when = "" if t is None else f" at t = {t:.9g} s"
-    if status == RUNAWAY and not slider.friction_law.has_own_speed and slider.K_c_qs > 0.0:
+    if status == RUNAWAY and not slider.friction_law.has_speed_scale and slider.K_c_qs > 0.0:
         varies = loading is not None and loading.normal_stress is not None
         then = loading.slider_at(t, slider) if varies else slider
         at = sentence("failure.stress", sigma=then.sigma) if varies else ""

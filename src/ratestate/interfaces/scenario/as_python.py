@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ...friction.law_formula import MARK
+from ...friction.law_formula import HASH_MARK
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.units import is_array
@@ -50,7 +50,7 @@ def python(scenario: Scenario) -> str:
 
 def registration(law: str) -> list[str]:
     """Lines that make a user's law known: none for a built-in one, a comment without a file."""
-    if MARK not in law:
+    if HASH_MARK not in law:
         return []
     if file := file_of(law):
         return [f"rs.register({json.dumps(file.as_posix(), ensure_ascii=False)})"]

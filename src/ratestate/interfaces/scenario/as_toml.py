@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.law_formula import LOG, MARK
+from ...friction.law_formula import HASH_MARK, LOG
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES
@@ -85,7 +85,7 @@ def _law(name: str) -> dict[str, str]:
     """The keys for the friction law: with its file, if that is a user's."""
     if file := file_of(name):
         return {"law": _literal("law", name), "law_file": _literal("law_file", file)}
-    unknown = "  # a user's: law_file names the file that has it" if MARK in name else ""
+    unknown = "  # a user's: law_file names the file that has it" if HASH_MARK in name else ""
     return {"law": _literal("law", name) + unknown}
 
 

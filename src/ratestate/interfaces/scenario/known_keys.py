@@ -101,7 +101,7 @@ def parameter_keys() -> tuple[str, ...]:
 
 def own_keys() -> tuple[str, ...]:
     """Parameters that only some laws, or forms of friction, have."""
-    of_forms = (symbol for form in FORMS.values() for symbol in form.OWN)
+    of_forms = (symbol for form in FORMS.values() for symbol in form.OWN_PARAMETERS)
     return (*own_parameters(LAWS.values()), *of_forms)
 
 

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from ...friction.law_formula import MARK
-from ...friction.laws import friction_law, known_law
+from ...friction.law_formula import HASH_MARK
+from ...friction.laws import find_law_name, friction_law
 from ...model.user_laws import register
 from .known_keys import example, keys_of, tables_with
 from .problems import Place, message, refusal
@@ -51,17 +51,17 @@ def _registered(named: Any, folder: Path | None) -> str:
 
 def _names_known_source(law: Any) -> bool:
     """Whether a law is named with the hash of its source, and known: no file need be run."""
-    return MARK in (known_law(law) or "") and MARK in law
+    return HASH_MARK in (find_law_name(law) or "") and HASH_MARK in law
 
 
 def _settle(tables: dict[str, dict[str, Any]], name: str, file: str, problems: list[str]) -> None:
     """Make the law of this name that of the slider; a key law that names another one is noted."""
-    law, own = friction_law(name), name.partition(MARK)[0]
+    law, own = friction_law(name), name.partition(HASH_MARK)[0]
     for table in ("slider", "sweep"):
         given = tables.get(table, {}).pop("law", name)
         text = str(given).lower()
         if text not in (name, own, *law.synonyms):
-            is_edited = text.partition(MARK)[0] == own
+            is_edited = text.partition(HASH_MARK)[0] == own
             kind = "law_file.edited" if is_edited else "law_file.other"
             Place(f"[{table}] law", problems).add(kind, given=given, file=file, name=name, own=own)
     tables["slider"]["law"] = name

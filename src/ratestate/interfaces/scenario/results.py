@@ -11,8 +11,8 @@ from ...dynamics.recorded_loading import recorded_loading, with_labels
 from ...dynamics.results import parameter
 from ...errors import ParameterError
 from ...friction.forms import parameters_of
-from ...friction.law_formula import LOG, MARK
-from ...friction.laws import DEFAULT, friction_law, known_law
+from ...friction.law_formula import HASH_MARK, LOG
+from ...friction.laws import DEFAULT, find_law_name, friction_law
 from ...model.conversion import in_si
 from ...model.slider import OPTIONAL, SpringSlider
 from ...model.units import is_array
@@ -82,7 +82,7 @@ def _slider(result: Any) -> SpringSlider:
     """The slider, with the cases that the result still has."""
     values = attributes.from_json(result, "slider", dict)
     law = values.get("law", DEFAULT)
-    if isinstance(law, str) and MARK in law and not known_law(law):
+    if isinstance(law, str) and HASH_MARK in law and not find_law_name(law):
         raise ParameterError(_unknown_law(law))
     of_law = friction_law(law).parameters.keys() | parameters_of(values.get("friction", LOG)).keys()
     wanted = COMMON.keys() | of_law
@@ -98,12 +98,12 @@ def _slider(result: Any) -> SpringSlider:
 
 def _unknown_law(law: str) -> str:
     """What to do about a user's law that is not known."""
-    own = law.partition(MARK)[0]
+    own = law.partition(HASH_MARK)[0]
     text = (
         f"the result is of the law {law!r}, a user's own that is not known here: give its file, "
         f"--law-file {own}.py or ratestate.register('{own}.py')"
     )
-    if other := known_law(own):
+    if other := find_law_name(own):
         text += f"; the {own} that is known is {other!r}, from another source, as of an edited file"
     return text
 

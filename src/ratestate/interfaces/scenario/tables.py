@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 from ...dynamics.continuation.family import PARAMETERS
 from ...friction.composition import EXTRAS
 from ...friction.law import FrictionLaw
-from ...friction.law_formula import MARK
-from ...friction.laws import known_law
+from ...friction.law_formula import HASH_MARK
+from ...friction.laws import find_law_name
 from ...model.names import one_of
 from ...model.parameters import WHOLE_CONTACT
 from ...model.quantities import QUANTITIES
@@ -80,9 +80,9 @@ def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = Non
         place.add("key.no_axis", given=value, like=example(key))
         return None
     if key == "law":
-        value = known_law(value) or value
-        if isinstance(value, str) and MARK in value and not known_law(value):
-            place.add("law_file.unknown", given=value, own=value.partition(MARK)[0])
+        value = find_law_name(value) or value
+        if isinstance(value, str) and HASH_MARK in value and not find_law_name(value):
+            place.add("law_file.unknown", given=value, own=value.partition(HASH_MARK)[0])
             return None
     if names := choices(key):
         return place.noting(lambda: choice(value, names))

@@ -95,7 +95,7 @@ def critical_stiffness(part):
     """
     law = law_of(part)
     values = {symbol: value_of(part, symbol) for symbol in (*law.symbols, "sigma")}
-    return None if law.has_own_speed else _K_c_qs(law, values)
+    return None if law.has_speed_scale else _K_c_qs(law, values)
 
 
 def _K_c_qs(law, values):

@@ -47,7 +47,7 @@ class Forward:
                 raise ParameterError(STATUSES[RIGID_REST][1])
         self.stress = loading.normal_stress
         self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
-        self.needs_mu0 = "mu0" in self.moving_law.of_slider
+        self.needs_mu0 = "mu0" in self.moving_law.slider_parameters
         self.evaluations = 0
         # without inertia and damping V may run away; with a free one of them it cannot
         unheld = self.fixed["M"] == 0.0 and not self.fixed.get("damping")

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...friction.composition import EXTRAS
 from ...friction.forms import FORMS
-from ...friction.laws import LAWS, own_parameters, owners
+from ...friction.laws import LAWS, laws_with, own_parameters
 from ..messages import fitting as sentences
 
 #: step of a difference in a logarithm, or over the size of what moves as itself
@@ -84,7 +84,7 @@ def parameter(name):
         return PARAMETERS[name]
     if any(name in starts_of(law) for law in LAWS.values()):
         return STATE_START
-    of_forms = (form.OWN for form in FORMS.values())
+    of_forms = (form.OWN_PARAMETERS for form in FORMS.values())
     for own in (*(law.parameters for law in LAWS.values()), *of_forms, EXTRAS):
         if name in own:
             return _of_law(own[name])
@@ -229,7 +229,7 @@ def checked_free(free, sliders):
 
 def _not_of_these(name, laws, listed):
     """The error for a name that none of these laws has: who has it, if any law does."""
-    if not (having := owners(name)):
+    if not (having := laws_with(name)):
         return sentences.refusal("free.unknown", name=name, allowed=listed)
     compared, having = (" and ".join(map(repr, x)) for x in ([law.name for law in laws], having))
     return sentences.refusal("free.of_other_law", name=name, laws=compared, owners=having)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ....friction.composition import composed, forms_of
 from ....friction.forms import FORMS, parameters_of
-from ....friction.laws import LAW_OF, LAWS, own_parameters
+from ....friction.laws import LAW_NAMES, LAWS, own_parameters
 from ....model.quantities import KINDS, POWERS, QUANTITIES, prefixed_unit
 from ....model.units import to_si
 from ....paper import parameters as paper
@@ -61,7 +61,7 @@ def menu():
     return [
         {
             "name": name,
-            "names": [known for known, its in LAW_OF.items() if its == name],
+            "names": [known for known, its in LAW_NAMES.items() if its == name],
             "label": law.label,
             "forms": {form: [*composed(law, form).parameters, *NONE] for form in forms_of(law)},
         }

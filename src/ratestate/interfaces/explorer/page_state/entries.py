@@ -7,8 +7,8 @@ import numpy as np
 
 from ....errors import ParameterError
 from ....friction.composition import composed, form_of
-from ....friction.law_formula import MARK
-from ....friction.laws import LAWS, friction_law, known_law
+from ....friction.law_formula import HASH_MARK
+from ....friction.laws import LAWS, find_law_name, friction_law
 from ....model.quantities import readable
 from ....model.slider import SpringSlider
 from . import protocol, typed
@@ -94,7 +94,7 @@ def _value(field, text):
 
 def _law_of(entries):
     """The law and the form of friction of entries, or None and None; a dict of what is wrong."""
-    name = known_law(entries.get("law"))
+    name = find_law_name(entries.get("law"))
     if name is None or LAW_FILE in entries:
         return None, None, {"law": _problem_of_law(entries)}
     law, form = friction_law(name), entries.get("friction")
@@ -109,7 +109,7 @@ def _law_of(entries):
 def _problem_of_law(entries):
     """What is wrong with the law: it is not known, or in a file, which no page can have run."""
     law = str(entries.get("law"))[: typed.LONGEST]
-    if LAW_FILE in entries or MARK in law:
+    if LAW_FILE in entries or HASH_MARK in law:
         return (
             f"law = {law!r}: the page runs no law file, which is code; end the explorer, and start "
             f"it with ratestate explore --law-file FILE.py"
