@@ -1,4 +1,4 @@
-"""The equations that are derived from a law's formula, held against mpmath."""
+"""The equations derived from a law's formula, compared with mpmath."""
 
 import itertools
 import math
@@ -18,14 +18,14 @@ from ratestate.friction.laws import LAWS
 from ratestate.friction.rewriting import Derivative, Hoisting, values_of
 from ratestate.laws import asinh, cosh, exp, log, maximum, sinh, sqrt, tanh, where
 
-#: laws whose formula is theirs alone ("nagata" is written in another variable)
+#: laws with psi as variable: "nagata" has another
 NAMES = [name for name in LAWS if name != "nagata"]
 PAIRS = [(name, form) for name in NAMES for form in forms_of(LAWS[name])]
 EVERY = pytest.mark.parametrize(("name", "form"), PAIRS)
 
 
-def drawn(rng):
-    """Parameters [SI] of any law and form, and V_ref."""
+def random_parameters(rng):
+    """Return parameters [SI] for any law and form, and V_ref."""
     log_uniform = {"a": (-3, -1), "Dc": (-7, -3), "V0": (-9, -3), "V_ref": (-9, -1)}
     q = {symbol: 10.0 ** rng.uniform(*ends) for symbol, ends in log_uniform.items()}
     q |= {"b": q["a"] * rng.uniform(0.3, 3.0), "b2": q["a"] * rng.uniform(-1.0, 1.0)}
@@ -34,25 +34,25 @@ def drawn(rng):
     return q
 
 
-def orders(n):
-    """By which of n variables derivatives are taken, up to the third."""
+def derivative_orders(n):
+    """Return the variables, of n, of each derivative up to the third."""
     return [
         by for order in range(4) for by in itertools.combinations_with_replacement(range(n), order)
     ]
 
 
-def derivative(found, x, *by):
-    """The derivative of an expression of these equations by v or one of psi, by several in turn."""
+def derivative(equations, x, *by):
+    """Return the derivative of an expression by each of these symbols in turn."""
     for symbol in by:
-        x = Derivative(found.graph, {symbol: found.graph.one})(x)
+        x = Derivative(equations.graph, {symbol: equations.graph.one})(x)
     return x
 
 
-# The oracle: formulas of the sources in mpmath
+# The oracle: the formulas of the sources, in mpmath
 
 
 def exact_rate(name, k, q, v, *psi):
-    """d psi_k/dT."""
+    """Return d psi_k/dT."""
     V, D = q.V_ref * mp.exp(v), (q.Dc, q.Dc2)[k]
     theta = D / q.V_ref * mp.exp(psi[k])
     Omega = V * theta / D
@@ -73,7 +73,7 @@ def exact_rate(name, k, q, v, *psi):
 
 
 def exact_resistance(form, q, v, *psi):
-    """mu/a."""
+    """Return mu/a."""
     V, ages, b = q.V_ref * mp.exp(v), [mp.exp(x) / q.V_ref for x in psi], (q.b, q.b2)
     states = q.mu0 + sum(b_k * mp.log(q.V0 * age) for b_k, age in zip(b, ages, strict=False))
     if form == "log":
@@ -85,51 +85,51 @@ def exact_resistance(form, q, v, *psi):
 
 
 @EVERY
-def test_derivatives_far_from_all_that_slips(name, form):
-    """Formulas against the sources; each derivative, as an expression, against a difference of the
-    one before; and its value in doubles.
+def test_derivatives_at_extreme_speeds(name, form):
+    """Formulas equal the sources; each derivative, as an expression, equals a difference of the
+    previous one; and its value in doubles is accurate.
     """
     rng = np.random.default_rng([*f"{name} {form}".encode()])
-    found, q = composed(LAWS[name], form).equations, drawn(rng)
-    # (friction that would be negative has no steady sliding under flash heating)
+    equations, q = composed(LAWS[name], form).equations, random_parameters(rng)
+    # flash heating has no steady sliding with negative friction
     low = -12 if name == "flash-heating" else -300
-    n = len(found.psi)
+    n = len(equations.psi)
     ages = [10.0 ** rng.uniform(-300, 2) / q[D] for D in LAWS[name].lengths]
     y = [math.log(10) * rng.uniform(low, 2) - math.log(q["V_ref"])]
     y += [math.log(age) + math.log(q["V_ref"]) for age in ages]
-    p = found.coefficients(q["V_ref"], {k: np.float64(x) for k, x in q.items()})
+    p = equations.coefficients(q["V_ref"], {k: np.float64(x) for k, x in q.items()})
     step = mp.mpf(10) ** -650
-    with mp.workdps(1300):  # of differences of terms that may be 1e600 apart
+    with mp.workdps(1300):  # for differences of terms that may differ by a factor 1e600
         numbers = {symbol: mp.mpf(x) for symbol, x in q.items()}
         exact, at = SimpleNamespace(**numbers), [mp.mpf(x) for x in y]
-        symbols = {one: numbers.get(name) for name, one in found._parameters.items()}
-        values = values_of(found.constants.values(), symbols)
-        exact_p = dict(zip(found.constants, values, strict=True))
+        symbols = {one: numbers.get(name) for name, one in equations._parameters.items()}
+        values = values_of(equations.constants.values(), symbols)
+        exact_p = dict(zip(equations.constants, values, strict=True))
 
         def value_of(expression, *y):
-            known = exact_p | dict(zip([found.v, *found.psi], y, strict=True))
+            known = exact_p | dict(zip([equations.v, *equations.psi], y, strict=True))
             return values_of([expression], known)[0]
 
         truths = [exact_rate(name, k, exact, *at) for k in range(n)]
         rest = exact_resistance(form, exact, *[mp.mpf(0)] * (1 + n))
-        rest = 0 if form == "regularized" else rest  # (its mu_ref is 0)
+        rest = 0 if form == "regularized" else rest  # mu_ref is 0
         truths.append(exact_resistance(form, exact, *at) - rest)
-        for root, truth in zip([*found.rates, *found.resistance], truths, strict=True):
+        for root, truth in zip([*equations.rates, *equations.resistance], truths, strict=True):
             assert mp.almosteq(value_of(root, *at), truth, 1e-15)
-            for by in orders(1 + n):
-                symbols = [(found.v, *found.psi)[i] for i in by]
-                expression = derivative(found, root, *symbols)
+            for by in derivative_orders(1 + n):
+                symbols = [(equations.v, *equations.psi)[i] for i in by]
+                expression = derivative(equations, root, *symbols)
                 true = value_of(expression, *at)
-                (value,) = found.values([expression], y[0], y[1:], p)
+                (value,) = equations.values([expression], y[0], y[1:], p)
                 assert abs(value - true) <= 1e-12 * abs(true) + 1e-300, by
                 if by:
-                    before = derivative(found, root, *symbols[:-1])
+                    before = derivative(equations, root, *symbols[:-1])
                     moved = [x + step * (i == by[-1]) for i, x in enumerate(at)]
                     slope = (value_of(before, *moved) - value_of(before, *at)) / step
                     assert mp.almosteq(slope, true, 1e-20, 1e-300), by
 
 
-def test_what_is_constant_is_computed_once():
+def test_constants_are_computed_once():
     class Powers(FrictionLaw):
         name = "powers"
         parameters = MappingProxyType({"n": Parameter("1", "exponent", "> 0")})
@@ -138,19 +138,19 @@ def test_what_is_constant_is_computed_once():
             """(1 - (V theta/Dc)^n)/n."""
             return (1.0 - (V * theta / p.Dc) ** p.n) / p.n
 
-    found = Powers().equations
+    equations = Powers().equations
     values = dict.fromkeys(EXAMPLE, 2.0) | {"b": 3.0, "n": 4.0}
     # 1/n, -1/n, n and b/a; V_ref and Dc drop out
-    assert sorted(found.coefficients(7.0, values)) == [-0.25, 0.25, 1.5, 4.0]
-    p = found.coefficients(7.0, values)
-    (rate,) = found.values(found.rates, 0.3, [0.2], p)
+    assert sorted(equations.coefficients(7.0, values)) == [-0.25, 0.25, 1.5, 4.0]
+    p = equations.coefficients(7.0, values)
+    (rate,) = equations.values(equations.rates, 0.3, [0.2], p)
     assert rate == pytest.approx((1.0 - math.exp(2.0)) / 4.0 * math.exp(-0.2), rel=1e-15)
 
 
 # Expressions
 
 
-OF_POSITIVE = {"log", "log1p"}
+POSITIVE_ARGUMENTS = {"log", "log1p"}
 
 
 @pytest.mark.parametrize("name", sorted(DERIVATIVES))
@@ -160,7 +160,7 @@ def test_each_function_has_exact_derivatives(name, size):
     x = graph.symbol("x", is_constant=False)
     by_x = Derivative(graph, {x: graph.number(1.0)})
     exact = exact_function(name)
-    for at in (size,) if name in OF_POSITIVE else (size, -size):
+    for at in (size,) if name in POSITIVE_ARGUMENTS else (size, -size):
         y = graph.call(name, x)
         for order in range(4):
             value = values_of([y], {x: at})[0]
@@ -168,7 +168,7 @@ def test_each_function_has_exact_derivatives(name, size):
                 true = mp.diff(exact, mp.mpf(at), order) if order else exact(mp.mpf(at))
                 if name == "abs" and order > 1:
                     true = 0
-            # (where a derivative is the small difference of two parts, rounding is of these)
+            # if a derivative is a small difference, its rounding error is relative to the terms
             floor = 1e-15 * abs(true) + 1e-300 if order < 2 else 1e-14
             assert abs(value - true) <= max(1e-12 * abs(true), floor if order > 1 else 0.0), order
             y = by_x(y)
@@ -188,7 +188,7 @@ def test_a_positive_quantity_carries_its_logarithm():
     assert log(sqrt(V)).terms[x] == 0.5
 
 
-#: formulas of u = e**x, and of n = 3, as a user may write them; x; the truth
+#: formulas of u = e**x and n = 3, as a user may write them; x; the exact value
 FORMULAS = [
     (lambda u, n: (1.0 - u) ** 20, 1.0, lambda u: (1 - u) ** 20),
     (lambda u, n: 1.0 / (n * (1.0 + u**8)), 23.0, lambda u: 1 / (3 * (1 + u**8))),
@@ -225,7 +225,7 @@ def test_formulas_as_a_user_may_write_them(formula, x, truth):
         y = Derivative(hoisting.graph, {at: one})(y)
 
 
-def test_the_side_that_is_not_chosen_leaves_no_trace():
+def test_where_ignores_the_side_that_is_not_selected():
     graph = Graph()
     x = graph.symbol("x", is_constant=False)
     y = where(x > 0.0, log(abs(x)) * exp(-1.0 / x), x * x)
@@ -246,7 +246,7 @@ def test_the_side_that_is_not_chosen_leaves_no_trace():
         (lambda x: (x > 1.0) + (x > 2.0), "where"),
     ],
 )
-def test_what_no_graph_can_hold_is_refused(formula, remedy):
+def test_invalid_formulas_are_refused(formula, remedy):
     x = Graph().symbol("x", is_constant=False)
     with pytest.raises(TypeError, match=remedy):
         formula(x)

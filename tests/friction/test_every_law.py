@@ -1,4 +1,4 @@
-"""Each friction law by itself: its formulas, steady states, parameters, and how it is found."""
+"""Each friction law: its formulas, steady states, parameters, and pickle."""
 
 import math
 import pickle
@@ -20,8 +20,8 @@ NAMES = pytest.mark.parametrize("name", LAWS)
 
 @NAMES
 @given(seed=st.integers(0, 10**6))
-def test_friction_and_evolution_are_those_of_the_textbook(name, seed):
-    """By the states as they are reported, which are functions of the variables and back."""
+def test_friction_and_evolution_match_the_textbook(name, seed):
+    """Reported states are functions of the variables, and back."""
     rng = np.random.default_rng(seed)
     parameters, V0 = drawn(name, rng)
     law, twin = composed(LAWS[name]), Textbook(name, parameters)
@@ -41,7 +41,7 @@ def test_friction_and_evolution_are_those_of_the_textbook(name, seed):
     rates = law.at_speed(v, psi, p).f
     later = law.log_states(v, tuple(x + rate for x, rate in zip(psi, rates, strict=True)), p)
     by_us = [(x - y) * V0 / parameters["Dc"] for x, y in zip(later, logs, strict=True)]
-    if name == "nagata":  # where V is constant mu changes by theta alone
+    if name == "nagata":  # at constant V, mu changes through theta alone
         aging = 1.0 - V * theta[0] / parameters["Dc"]
         d_mu = parameters["b"] * aging / theta[0] / (1.0 + parameters["c"])
     else:
@@ -81,7 +81,7 @@ def slider(law, **changes):
 
 
 @NAMES
-def test_a_sliders_parameters_are_those_of_its_law(name):
+def test_a_slider_has_the_parameters_of_its_law(name):
     own = slider(name)
     assert {symbol: getattr(own, symbol) for symbol in OF_LAW[name]} == OF_LAW[name]
     assert rs.SpringSlider(**own.parameters) == own
@@ -95,7 +95,7 @@ def test_a_sliders_parameters_are_those_of_its_law(name):
 
 
 @pytest.mark.parametrize(
-    ("law", "changes", "said"),
+    ("law", "changes", "message"),
     [
         (
             "slip",
@@ -111,14 +111,14 @@ def test_a_sliders_parameters_are_those_of_its_law(name):
         ("two-state-slip", {"b2": np.nan}, "b2 = nan is not a number"),
     ],
 )
-def test_parameters_that_a_law_refuses(law, changes, said):
+def test_invalid_parameters_are_refused(law, changes, message):
     with pytest.raises(rs.ParameterError) as error:
         slider(law, **changes)
-    assert said in str(error.value)
+    assert message in str(error.value)
 
 
-def test_steady_states_of_many_sliders_are_found():
-    """Some converge sooner than others: V theta/Dc = r."""
+def test_steady_states_of_many_sliders():
+    """The iteration takes a different number of steps for each V theta/Dc = r."""
 
     class Healing(rs.FrictionLaw):
         name = "healing"
@@ -135,10 +135,10 @@ def test_steady_states_of_many_sliders_are_found():
 
 
 @NAMES
-def test_a_law_is_pickled_without_what_is_derived(name):
+def test_pickle_leaves_out_derived_properties(name):
     for damped in (False, True):
         law = composed(LAWS[name], damped=damped)
         _ = law.steady((1.0,) * law.n_coefficients), law.one_length
-        made = pickle.dumps(law)
-        assert len(made) < 500
-        assert pickle.loads(made).equations.text == law.equations.text
+        pickled = pickle.dumps(law)
+        assert len(pickled) < 500
+        assert pickle.loads(pickled).equations.text == law.equations.text

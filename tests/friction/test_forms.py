@@ -1,4 +1,4 @@
-"""Forms of friction beside that of eq. 1: their formulas, and which laws take them."""
+"""Forms of friction other than eq. 1: their formulas, and the laws that take them."""
 
 import math
 import pickle
@@ -19,36 +19,36 @@ from ratestate.friction.forms import FORMS
 from ratestate.friction.laws import LAWS
 from ratestate.interfaces import scenario
 
-TAKING = [name for name, law in LAWS.items() if takes_forms(law) and law.form == "log"]
-NAMES = pytest.mark.parametrize("law", TAKING)
-BOTH = pytest.mark.parametrize("form", FORMS)
+LAWS_WITH_FORMS = [name for name, law in LAWS.items() if takes_forms(law) and law.form == "log"]
+NAMES = pytest.mark.parametrize("law", LAWS_WITH_FORMS)
+EACH_FORM = pytest.mark.parametrize("form", FORMS)
 RTOL = 1e-6
 CUT = rs.SpringSlider(
     a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8, friction="cut-off", V1=1e-2, V2=1.0
 )
 
 
-def cut(law, rng):
-    """Parameters of a slider near its edge of stability, with cut-offs about its speed."""
+def cut_off_parameters(law, rng):
+    """Return parameters of a slider near its edge of stability, cut-offs near its speed."""
     parameters, V = drawn(law, rng)
     parameters |= {"V1": V * 10 ** rng.uniform(-0.5, 3), "V2": V * 10 ** rng.uniform(0, 4)}
     return parameters, V
 
 
-def weak(law, rng):
-    """Parameters of a slider near its edge of stability, with friction of some a."""
+def regularized_parameters(law, rng):
+    """Return parameters of a slider near its edge of stability, with mu0 of a few a."""
     parameters, V = drawn(law, rng)
     parameters |= {"mu0": parameters["a"] * rng.uniform(0.5, 20.0), "V0": V}
     return parameters | {"friction": "regularized"}, V
 
 
-WITH = {"cut-off": cut, "regularized": weak}
+RANDOM_PARAMETERS = {"cut-off": cut_off_parameters, "regularized": regularized_parameters}
 
 
 def at_random(name, form, seed):
-    """The law of a slider with a form of friction, a state (v, psi), coefficients p."""
+    """Return a law with a form of friction, a random state v, psi, and coefficients p."""
     rng = np.random.default_rng(seed)
-    parameters, V = WITH[form](name, rng)
+    parameters, V = RANDOM_PARAMETERS[form](name, rng)
     law = composed(LAWS[name], form)
     parameters.pop("friction", None)
     values = {symbol: np.array([x]) for symbol, x in parameters.items()}
@@ -60,10 +60,10 @@ def at_random(name, form, seed):
     ("law", "form"), [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
 )
 @pytest.mark.parametrize("damping", [0.0, 0.3])
-def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
-    """Each method of derivatives against differences of the one that it belongs to."""
+def test_derivatives_have_the_order_of_the_variables(law, form, damping):
+    """Slopes equal finite differences."""
     rng = np.random.default_rng(5)
-    parameters, V = WITH.get(form, drawn)(law, rng)
+    parameters, V = RANDOM_PARAMETERS.get(form, drawn)(law, rng)
     parameters.pop("friction", None)
     parameters["damping"] = damping * parameters["a"] * parameters["sigma"] / V
     values = {symbol: np.array([x]) for symbol, x in parameters.items()}
@@ -93,11 +93,11 @@ def test_derivatives_are_in_the_places_of_the_variables(law, form, damping):
 
 
 @NAMES
-@BOTH
+@EACH_FORM
 @given(seed=st.integers(0, 10**6))
-def test_friction_is_that_of_the_textbook(law, form, seed):
+def test_friction_matches_the_textbook(law, form, seed):
     rng = np.random.default_rng(seed)
-    parameters, V = WITH[form](law, rng)
+    parameters, V = RANDOM_PARAMETERS[form](law, rng)
     twin, friction = Textbook(law, parameters), composed(LAWS[law], form)
     values = {k: np.array([x]) for k, x in parameters.items() if k != "friction"}
     p = tuple(float(x[0]) for x in friction.coefficient_arrays(V, values))
@@ -117,8 +117,8 @@ def test_friction_is_that_of_the_textbook(law, form, seed):
         ("slip", False, 0.3),
     ],
 )
-def test_a_step_is_that_of_the_textbook(law, mass, damping):
-    parameters, V = cut(law, np.random.default_rng(8))
+def test_a_velocity_step_matches_the_textbook(law, mass, damping):
+    parameters, V = cut_off_parameters(law, np.random.default_rng(8))
     parameters["damping"] = damping * parameters["a"] * parameters["sigma"] / V
     parameters |= {"friction": "cut-off"} | ({} if mass else {"M": 0.0})
     simulate, times, twin, exact = load_step(law, parameters, V)
@@ -126,17 +126,17 @@ def test_a_step_is_that_of_the_textbook(law, mass, damping):
     assert twin.differs(run, exact) < 100 * RTOL
     assert abs(float(run.energy_residual)) < 10 * RTOL
     whole = simulate(rtol=RTOL)
-    rounding = 1e-2 * RTOL * parameters["a"]  # of where in a step friction is smallest
+    rounding = 1e-2 * RTOL * parameters["a"]  # of the place in a step where friction is smallest
     assert float(run.mu_min) == float(whole.mu_min) <= float(whole.mu.min()) + rounding
     assert float(run.mu_min) == pytest.approx(float(whole.mu.min()), abs=0.02 * parameters["a"])
 
 
 @NAMES
-@BOTH
-def test_eigenvalues_are_those_of_the_textbooks_jacobian(law, form):
+@EACH_FORM
+def test_eigenvalues_match_the_textbooks_jacobian(law, form):
     rng = np.random.default_rng(9)
     for _ in range(3):
-        parameters, V = WITH[form](law, rng)
+        parameters, V = RANDOM_PARAMETERS[form](law, rng)
         twin = Textbook(law, parameters)
         case = rs.SpringSlider(**(parameters | {"friction": form}), law=law)
         exact = np.linalg.eigvals(twin.jacobian(twin.steady(V), V))
@@ -149,7 +149,7 @@ def test_eigenvalues_are_those_of_the_textbooks_jacobian(law, form):
             assert rs.stability(both, V).stable.values.tolist() == [True, False]
 
 
-def test_a_cycle_is_that_of_a_long_run_and_begins_at_the_hopf_point():
+def test_a_cycle_matches_a_long_run_and_begins_at_the_hopf_point():
     V, slider = 1e-3, CUT.replace(K=2e8)
     cycle = rs.limit_cycle(slider, V, rtol=1e-8)
     run = rs.simulate(
@@ -162,13 +162,13 @@ def test_a_cycle_is_that_of_a_long_run_and_begins_at_the_hopf_point():
     )
     hopf = rs.hopf(slider, V)
     K = float(hopf.K_c)
-    for below, rtol in ((1e-6, 2e-2), (1e-7, 2e-3)):  # (near where the type changes)
+    for below, rtol in ((1e-6, 2e-2), (1e-7, 2e-3)):  # (the type changes nearby)
         small = rs.limit_cycle(slider.replace(K=K * (1 - below)), V, rtol=1e-8)
         expected = float(hopf.amplitude_coefficient) * math.sqrt(below)
         assert float(small.amplitude) == pytest.approx(expected, rel=rtol)
 
 
-def test_far_from_the_cut_offs_it_is_eq_1_with_another_mu0():
+def test_far_from_the_cut_offs_friction_is_eq_1_with_another_mu0():
     V1, V2 = 1e6, 1e9
     slider = CUT.replace(V1=V1, V2=V2)
     offset = -0.003 * math.log(V1 / 1e-6) + 0.006 * math.log(V2 / 1e-6)
@@ -180,8 +180,8 @@ def test_far_from_the_cut_offs_it_is_eq_1_with_another_mu0():
         np.testing.assert_allclose(runs[0][name], runs[1][name], rtol=1e-6, err_msg=name)
 
 
-def test_without_mass_nothing_holds_it_beyond_the_cut_off():
-    """The direct effect is gone there: with damping it slips on, without it the run ends."""
+def test_without_mass_only_damping_prevents_runaway_beyond_the_cut_off():
+    """The direct effect vanishes: with damping the slider slips on, else the run ends."""
     slider, loading = CUT.replace(M=0.0, K=1e8), rs.Loading.constant(1e-3)
     with pytest.raises(rs.QuasiStaticInstability):
         rs.simulate(slider, loading, 5.0, V_start=5e-4)
@@ -263,20 +263,20 @@ def test_the_slider_keeps_its_form(tmp_path):
         ),
     ],
 )
-def test_what_does_not_go_together_is_told(changes, text):
+def test_incompatible_parameters_are_refused(changes, text):
     plain = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 1e9}
     with pytest.raises(rs.ParameterError, match=text):
         rs.SpringSlider(**(plain | changes))
 
 
-def test_friction_of_hot_contacts_may_be_that_of_cold_ones():
+def test_mu_w_may_equal_mu0():
     plain = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 1e9}
     assert rs.SpringSlider(**plain, law="flash-heating", V_w=0.1, mu_w=0.6).mu_w == 0.6
 
 
-def test_forms_are_found_by_themselves():
+def test_forms_and_their_parameters():
     assert list(FORMS) == ["cut-off", "regularized"]
-    assert {*TAKING} == {*OF_LAW} - {"nagata", "flash-heating"}
+    assert {*LAWS_WITH_FORMS} == {*OF_LAW} - {"nagata", "flash-heating"}
     assert LAWS["flash-heating"].form == "regularized"
     assert FORMS["regularized"].OWN_PARAMETERS == {}
     assert set(FORMS["cut-off"].OWN_PARAMETERS) == {"V1", "V2"}

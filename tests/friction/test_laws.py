@@ -1,4 +1,4 @@
-"""The friction law and the evolution laws against their definitions (eqs 1-3)."""
+"""Friction and the evolution laws equal their definitions (eqs 1-3)."""
 
 import math
 
@@ -23,7 +23,7 @@ logs = st.floats(-9, 1)
 spread = st.floats(-8, 8)
 
 
-def test_friction_is_mu0_in_steady_sliding_at_V0_and_e_fold_steps_read_a_and_b():
+def test_friction_is_mu0_at_V0_and_e_fold_steps_give_a_and_b():
     at_V0 = rsf.friction(1e-9, 1e-5 / 1e-9, **FRICTION)
     assert at_V0 == pytest.approx(0.6, abs=1e-15)
     assert rsf.friction(1e-9 * math.e, 1e4, **FRICTION) - at_V0 == pytest.approx(0.003, abs=1e-15)
@@ -43,7 +43,7 @@ def test_steady_state_is_steady_for_both_laws(log_V):
 
 @pytest.mark.parametrize("law", LAWS)
 @given(log_V=logs, log_omega=spread)
-def test_evolution_is_that_of_the_textbook(law, log_V, log_omega):
+def test_evolution_matches_the_textbook(law, log_V, log_omega):
     V, Dc = 10**log_V, 1e-5
     theta = Dc / V * 10**log_omega
     expected = TEXTBOOK[law](V, theta, Dc)
@@ -52,7 +52,7 @@ def test_evolution_is_that_of_the_textbook(law, log_V, log_omega):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_holds_heal_by_the_aging_law_only(law):
+def test_only_the_aging_law_heals_at_rest(law):
     assert rsf.dtheta_dt(0.0, 5.0, Dc=1e-5, law=law) == {"aging": 1, "slip": 0}[law]
 
 

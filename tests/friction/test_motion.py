@@ -1,11 +1,11 @@
-"""The equations of motion, whose derivatives are held against differences in mpmath."""
+"""Derivatives of the equations of motion, compared with differences in mpmath."""
 
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
-import exact_functions  # noqa: F401  (by which formulas run with mpmath's numbers)
+import exact_functions  # noqa: F401  (so that formulas take mpmath's numbers)
 import mpmath as mp
 import numpy as np
 import pytest
@@ -21,33 +21,33 @@ CUT_OFF = {"V1": 1e-2, "V2": 0.5}
 EVERY = [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
 
 
-def drawn(law, rng):
-    """A state, near rest and far from it if slip may reverse; kappa, eta0 and p."""
+def random_point(law, rng):
+    """Return a random state, near rest and far from it if slip may reverse; kappa, eta0, p."""
     slider = SimpleNamespace(**SLIDER, **OWN, **CUT_OFF)
     p = tuple(map(float, law.coefficients(10.0 ** rng.uniform(-8, 0), slider)))
     v, psi = 3.0 * rng.normal(), 2.0 * rng.normal(size=len(law.states))
     if law.reverses:
         v = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-12, 2)
-        if abs(v) > 3.0:  # at a speed that is not beyond others
+        if abs(v) > 3.0:  # bring the speed back to an ordinary one
             psi += (abs(v) - law.barrier(psi, p)) / sum(law.evolution_effects(p))
     y = v + rng.normal(), v, *psi
     return tuple(map(float, y)), 10.0 ** rng.uniform(-2, 1), 10.0 ** rng.uniform(-4, 2), p
 
 
 def motion(y, law, kappa, eta0, p):
-    """dx/dT, but for the load point's speed, dv/dT and d psi/dT."""
+    """Return dx/dT without the load point's speed, dv/dT and d psi/dT."""
     at = point_at(law, p, y)
     return at.in_v((-kappa * at.w, at.g * at.c_inverse / eta0, *at.f))
 
 
 def slopes(function, y, along, h):
-    """Derivative of a function of y in a direction, an array of mpmath's numbers."""
+    """Return the derivative of a function of y in a direction, an array of mpf."""
     up, down = (tuple(a + s * h * b for a, b in zip(y, along, strict=True)) for s in (1, -1))
     return (np.array(function(up)) - np.array(function(down))) / (2 * h)
 
 
 def jacobian(y, *system):
-    """Derivatives of `motion`, by row and column."""
+    """Return the derivatives of `motion`, by row and column."""
     unit = np.eye(len(y))
     columns = [slopes(lambda u: motion(u, *system), y, one, mp.mpf(1e-30)) for one in unit]
     return np.transpose(columns)
@@ -56,10 +56,10 @@ def jacobian(y, *system):
 @pytest.mark.parametrize("damped", [False, True])
 @pytest.mark.parametrize(("name", "form"), EVERY)
 def test_derivatives(name, form, damped):
-    """To 1e-12 of the largest term of a row, of either sign of slip and near rest."""
+    """The error is at most 1e-12 of a row's largest term, for both signs and near rest."""
     law, rng = composed(LAWS[name], form, damped), np.random.default_rng(5)
     for _ in range(4):
-        y, kappa, eta0, p = drawn(law, rng)
+        y, kappa, eta0, p = random_point(law, rng)
         z = tuple(map(float, rng.normal(size=len(y))))
         with mp.workdps(90):
             at, system = tuple(map(mp.mpf, y)), (law, kappa, eta0, p)

@@ -1,4 +1,4 @@
-"""Sliding without inertia: closed forms against marched motion."""
+"""Sliding without inertia: closed forms compared with simulations."""
 
 import math
 
@@ -29,12 +29,12 @@ def friction(b_over_a):
 
 
 def stiffness(b_over_a, ratio):
-    """K [Pa/m] that is this many K_c_qs."""
+    """Return K [Pa/m] from its ratio to K_c_qs."""
     return ratio * (b_over_a - 1) * A * SIGMA / DC
 
 
 def march(law, b_over_a, ratio, v, psi, fractions, t_end, rtol=1e-10):
-    """Motion from ln(V/V_lp) = v and ln(theta V_lp/Dc) = psi, at K = ratio K_c_qs."""
+    """Simulate from ln(V/V_lp) = v and ln(theta V_lp/Dc) = psi, at K = ratio K_c_qs."""
     parameters = friction(b_over_a) | {"K": stiffness(b_over_a, ratio)}
     run = rs.simulate(
         rs.SpringSlider(**parameters, mu0=0.6, V0=1e-9, M=0.0, law=law),
@@ -48,8 +48,8 @@ def march(law, b_over_a, ratio, v, psi, fractions, t_end, rtol=1e-10):
     return run, E.values
 
 
-def start_on(law, c, first, second):
-    """v, psi of any start of the aging law, and of any periodic one of the slip law."""
+def start_state(law, c, first, second):
+    """Return v, psi of any start (aging law), or of any periodic start (slip law)."""
     if law == "aging":
         return first - second, second  # ln(V theta/Dc) and psi
     h = math.exp(-first) - 1 + first
@@ -58,7 +58,7 @@ def start_on(law, c, first, second):
 
 
 def runs_away(b_over_a, ratio, steps, law="slip"):
-    """Whether steps in V_lp from steady sliding at V_lp/steps meet the instability."""
+    """Return whether steps from steady sliding at V_lp/steps run away."""
     parameters = friction(b_over_a) | {"K": stiffness(b_over_a, ratio)}
     slider = rs.SpringSlider(**parameters, mu0=0.6, V0=1e-9, M=0.0, law=law)
     V_start = xr.DataArray(V_LP / np.atleast_1d(steps), dims="step")
@@ -79,14 +79,14 @@ def runs_away(b_over_a, ratio, steps, law="slip"):
 @settings(max_examples=40, deadline=None)
 @given(b_over_a=st.floats(1.2, 8), first=E_FOLDS, second=E_FOLDS)
 def test_every_start_is_periodic(law, b_over_a, first, second):
-    """One period later the state is back, and E has not changed (slip law: where E is finite)."""
+    """One period later the state is back, and E has not changed (slip law: if E is finite)."""
     c = b_over_a - 1
-    v, psi = start_on(law, c, first, second)
+    v, psi = start_state(law, c, first, second)
     parameters = friction(b_over_a) | {"K": stiffness(b_over_a, 1.0)}
     E = excursion(V_LP * math.exp(v), UNIT * math.exp(psi), V_lp=V_LP, **parameters, law=law)
     assert 0 <= E < np.inf
     assume(500 * c > E)  # V reaches V_lp exp(E/c), and 600 e-folds are what an exponential holds
-    # near the separatrix of the slip law, E = inf, the motion forgets where it came from
+    # near the separatrix of the slip law, E = inf, errors of the start grow
     spread = math.exp(E) if law == "slip" else 1 + E
     assume(spread < 1e4)
     T = period(E, V_lp=V_LP, a=A, b=b_over_a * A, Dc=DC)
@@ -113,7 +113,7 @@ def test_slip_law_runs_away_above_b_over_b_less_a(b_over_a):
     assert math.sqrt(low * high) == pytest.approx(expected, rel=3e-6)
 
 
-def test_runaway_is_where_the_excursion_is_infinite():
+def test_states_of_infinite_excursion_run_away():
     """A kick in stress from steady sliding, up or down, at K = K_c_qs (slip law).
 
     V jumps by exp(x), x = kick/(a sigma), and theta does not: (b/a) x + c exp(-x) >= b/a runs
@@ -136,7 +136,7 @@ def test_runaway_is_where_the_excursion_is_infinite():
 
 @LAWS
 def test_period_of_small_excursions(law):
-    """2 pi/omega_c, and no more than E away from it."""
+    """The period is 2 pi/omega_c to a relative difference of at most E."""
     for b_over_a in (1.1, 2.0, 10.0):
         omega_c = V_LP / DC * math.sqrt(b_over_a - 1)
         T = [
@@ -161,9 +161,9 @@ def test_period_of_large_excursions():
 @LAWS
 @pytest.mark.parametrize("ratio", [0.8, 1.001, 1.5])
 def test_rate_of_the_excursion(law, ratio):
-    """dE/dT as the module gives it, integrated along a marched path; it has one sign."""
+    """dE/dT of the module, integrated along a simulation; it has one sign."""
     b_over_a, fractions = 2.0, np.linspace(0, 1, 4001)
-    v, psi = start_on(law, 1.0, 0.3, -0.9)
+    v, psi = start_state(law, 1.0, 0.3, -0.9)
     run, E = march(law, b_over_a, ratio, v, psi, fractions, 3 * UNIT, rtol=1e-12)
     assert (np.diff(E) * (1 - ratio) > 0).all()
     v, psi = np.log(run.V.values / V_LP), np.log(run.theta.values / UNIT)
@@ -179,7 +179,7 @@ def test_rate_of_the_excursion(law, ratio):
 
 
 @pytest.mark.parametrize(("v", "psi"), [(-12.0, 5.0), (6.0, -2.0), (1e-3, 0.0)])
-def test_aging_law_returns_or_runs_away_by_stiffness_alone(v, psi):
+def test_stiffness_alone_decides_runaway_under_the_aging_law(v, psi):
     run, E = march("aging", 2.0, 1.2, v, psi, [0.0, 1.0], 600 * UNIT)
     assert E[0] > 1e-7
     assert abs(E[1]) < 1e-13
@@ -189,8 +189,8 @@ def test_aging_law_returns_or_runs_away_by_stiffness_alone(v, psi):
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1.5, 4.0])
-def test_slip_law_runs_away_from_states_stronger_than_the_spring(ratio):
-    """From ln(V theta/Dc) >= K/K_c_qs at any V, and where V >> V_lp only from there."""
+def test_runaway_criterion_of_the_slip_law(ratio):
+    """If ln(V theta/Dc) >= K/K_c_qs at any V; at V >> V_lp only then."""
     for v in (-3.0, 0.0, 3.0, 8.0):
         with pytest.raises(rs.QuasiStaticInstability):
             march("slip", 2.0, ratio, v, ratio + 1e-6 - v, [1.0], 100 * UNIT)

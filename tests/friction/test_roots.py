@@ -1,4 +1,4 @@
-"""Roots of functions and polynomials: each with its own digits, however unlike they are."""
+"""Roots of functions and polynomials: each is accurate, whatever the others are."""
 
 import mpmath
 import numpy as np
@@ -7,17 +7,17 @@ import pytest
 from ratestate.friction.roots import polynomial_roots, root, root_between
 
 
-def coefficients(of):
-    """Real coefficients, highest first, rounded once, of the polynomial with these roots."""
+def coefficients(roots):
+    """Return real coefficients, highest power first, of the polynomial with these roots."""
     with mpmath.workdps(100):
         c = [mpmath.mpf(1)]
-        for root in of:
+        for root in roots:
             c = [x - root * y for x, y in zip([*c, 0], [0, *c], strict=True)]
         return [float(mpmath.re(x)) for x in c]
 
 
 def exact(c):
-    """The roots of a polynomial of these very coefficients, to 100 digits."""
+    """Return the roots of the polynomial with these coefficients, to 100 digits."""
     with mpmath.workdps(100):
         found = mpmath.polyroots(
             [mpmath.mpf(x) for x in reversed(c)], maxsteps=500, extraprec=700, asc=True
@@ -25,13 +25,13 @@ def exact(c):
         return np.array([complex(z) for z in found])
 
 
-def off(found, expected):
-    """Largest relative distance of an expected root from the nearest one found."""
+def relative_error(found, expected):
+    """Return the largest relative distance of an expected root from the nearest one found."""
     return max(np.abs(found - z).min() / abs(z) for z in expected)
 
 
-def test_roots_of_unlike_sizes():
-    """Real ones and pairs, over 50 orders of magnitude."""
+def test_roots_of_different_orders_of_magnitude():
+    """Real roots and pairs, over 50 orders of magnitude."""
     rng = np.random.default_rng(1)
     polynomials = []
     for _ in range(20):
@@ -39,25 +39,25 @@ def test_roots_of_unlike_sizes():
         pair = size[0] * np.exp(1j * rng.uniform(0.3, 2.8))
         polynomials.append(coefficients([pair, pair.conjugate(), size[1], -size[2]]))
     for c, found in zip(polynomials, polynomial_roots(np.array(polynomials)), strict=True):
-        assert off(found, exact(c)) < 1e-12
+        assert relative_error(found, exact(c)) < 1e-12
         is_real = found.imag == 0.0
         assert is_real.sum() == 2
         assert found[~is_real].sum().imag == 0.0
 
 
-def test_roots_of_like_sizes_are_those_of_numpy():
+def test_roots_of_similar_size_match_numpy():
     rng = np.random.default_rng(2)
     c = rng.normal(size=(3, 40, 6))
     found = polynomial_roots(c)
     assert found.shape == (3, 40, 5)
     for one, z in zip(c.reshape(-1, 6), found.reshape(-1, 5), strict=True):
-        assert off(z, np.roots(one)) < 1e-9
+        assert relative_error(z, np.roots(one)) < 1e-9
         np.testing.assert_allclose(np.poly(z) * one[0], one, rtol=1e-11, atol=1e-12)
 
 
 @pytest.mark.parametrize("slope", [1.0, -1.0])
 @pytest.mark.parametrize("zero", [-4.0, -1.0, 0.0, 1.0, 2.0, 8.0])
-def test_a_root_may_be_where_it_is_looked_for(slope, zero):
+def test_a_root_at_an_end_of_the_interval(slope, zero):
     low, high = np.array([zero, zero - 3.0]), np.array([zero + 3.0, zero])
     found = root_between(lambda x: slope * (x - zero), low, high)
     np.testing.assert_array_equal(found, zero)
@@ -70,11 +70,11 @@ def test_roots_that_are_zero_or_coincide():
     )
     np.testing.assert_allclose(np.sort_complex(found[0]), [0.0, 1.0, 2.0], rtol=1e-15)
     np.testing.assert_array_equal(found[1], 0.0)
-    assert off(found[2], [1.0]) < 3e-5  # a third of the digits
+    assert relative_error(found[2], [1.0]) < 3e-5  # a third of the digits
 
 
 def test_roots_are_real_or_in_conjugate_pairs():
-    """Where several all but coincide, too."""
+    """This holds for nearly coinciding roots too."""
     rng = np.random.default_rng(4)
     c = np.array([np.poly(rng.choice([1.0, -2.0, 3.0], 4)) for _ in range(200)])
     found = polynomial_roots(c)
@@ -99,7 +99,7 @@ def test_the_size_of_the_coefficients_does_not_matter(size):
 
 
 @pytest.mark.parametrize("first", [[1.0, np.nan], [1.0, np.inf], [0.0, 1.0], [5e-324, 1.0]])
-def test_where_a_root_or_a_coefficient_is_not_finite_there_are_none(first):
+def test_roots_are_nan_if_a_root_or_coefficient_is_not_finite(first):
     found = polynomial_roots(np.array([[*first, 2.0, 1.0], [1.0, -6.0, 11.0, -6.0]]))
     assert np.isnan(found[0]).all()
     np.testing.assert_allclose(np.sort_complex(found[1]), [1.0, 2.0, 3.0], rtol=1e-14)
@@ -110,7 +110,7 @@ def test_where_a_root_or_a_coefficient_is_not_finite_there_are_none(first):
     "function", [np.sinh, np.cbrt, np.sign, lambda x: np.expm1(30.0 * x), lambda x: x**3]
 )
 def test_roots_of_functions(function):
-    """Smooth ones and others, to rounding; NaN if there is no root."""
+    """Roots are exact to rounding, for smooth functions and others; NaN without a root."""
     roots = np.array([0.0, 1e-9, -3.0, 50.0, -700.0])
     allowed = 1e-15 * np.abs(roots) + 1e-20
     between = root_between(lambda x: -function(x - roots), roots - 1.0, roots + np.e)
@@ -123,9 +123,9 @@ def test_roots_of_functions(function):
 def test_roots_of_functions_take_few_steps():
     calls = []
 
-    def off(x):
+    def f(x):
         calls.append(x)
         return np.exp(x) - 2.0
 
-    np.testing.assert_allclose(root_between(off, np.array([0.5]), np.array([0.8])), np.log(2.0))
+    np.testing.assert_allclose(root_between(f, np.array([0.5]), np.array([0.8])), np.log(2.0))
     assert len(calls) < 10

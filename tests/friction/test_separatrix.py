@@ -1,4 +1,4 @@
-"""Runaway without inertia: its edge, and that only what crosses it is called one."""
+"""Runaway without inertia: its edge, and status only beyond the edge."""
 
 import math
 from types import SimpleNamespace
@@ -24,13 +24,13 @@ BETWEEN = [(1.02, 2.0), (1.1, 1.3), (2.0, 1.5), (7.0, 4.0)]
 
 
 def massless(b_over_a, ratio, law="slip"):
-    """a sigma = Dc = 1, so that K = K Dc/(a sigma)."""
+    """Return a slider with a sigma = Dc = 1, so that K = K Dc/(a sigma)."""
     K = ratio * (b_over_a - 1)
     return rs.SpringSlider(a=1e-3, b=1e-3 * b_over_a, Dc=1.0, sigma=1e3, K=K, M=0.0, law=law)
 
 
 def runs_away(b_over_a, ratio, v, y):
-    """By the equations in slip, from v = ln(V/V_lp) and y = ln(V theta/Dc) on."""
+    """Integrate the equations in slip from v = ln(V/V_lp) and y = ln(V theta/Dc)."""
     if y >= ratio:
         return True
     beta, c, kappa = b_over_a, b_over_a - 1, ratio * (b_over_a - 1)
@@ -39,16 +39,16 @@ def runs_away(b_over_a, ratio, v, y):
         load = kappa * math.expm1(-state[0])
         return [beta * state[1] + load, c * state[1] + load]
 
-    def gone(D, state):
+    def escaped(D, state):
         return state[1] - ratio
 
     def turned(D, state):
         return rates(D, state)[0]
 
-    gone.terminal = turned.terminal = True
+    escaped.terminal = turned.terminal = True
     turned.direction = -1
     path = solve_ivp(
-        rates, (0, 1e7), [v, y], "DOP853", rtol=1e-12, atol=1e-13, events=(gone, turned)
+        rates, (0, 1e7), [v, y], "DOP853", rtol=1e-12, atol=1e-13, events=(escaped, turned)
     )
     assert path.status == 1
     return path.t_events[0].size > 0
@@ -56,7 +56,7 @@ def runs_away(b_over_a, ratio, v, y):
 
 @pytest.mark.parametrize(("b_over_a", "ratio"), CORNERS + BETWEEN)
 def test_edge(b_over_a, ratio):
-    """A ten-millionth less comes back, a ten-millionth more does not."""
+    """1e-7 below the edge the motion returns, 1e-7 above it does not."""
     edge = edge_of_slip_law(ratio * (b_over_a - 1), b_over_a, LARGEST)
     assert 0 < edge.kick_up < ratio
     lines = (lambda s: (-s, 0.0), lambda s: (s, s), lambda s: (-s, -s))
@@ -64,7 +64,8 @@ def test_edge(b_over_a, ratio):
         if np.isinf(size):
             assert not runs_away(b_over_a, ratio, *line(LARGEST))
             continue
-        found = [runs_away(b_over_a, ratio, *line(size * off)) for off in (1 - 1e-7, 1 + 1e-7)]
+        starts = line(size * (1 - 1e-7)), line(size * (1 + 1e-7))
+        found = [runs_away(b_over_a, ratio, *start) for start in starts]
         assert found == [False, True]
     parameters = {"a": 1.0, "b": b_over_a, "Dc": 1.0, "sigma": 1.0, "K": ratio * (b_over_a - 1)}
     low, high = runaway_step_lower_bound(**parameters), runaway_step_upper_bound(**parameters)
@@ -72,14 +73,14 @@ def test_edge(b_over_a, ratio):
 
 
 @pytest.mark.parametrize(("largest", "kick"), [(1.9, np.inf), (2.1, 1.99731468)])
-def test_no_further_than_asked(largest, kick):
+def test_thresholds_beyond_largest_are_inf(largest, kick):
     found = edge_of_slip_law(2.0 * 0.02, 1.02, largest)
     assert found.kick_up == pytest.approx(kick, rel=1e-8)
     assert found.step_up == np.inf
 
 
 def test_escape_near_b_over_a_1():
-    """Where ln V passes any limit long before it is decided."""
+    """ln V passes any limit long before the motion returns or runs away."""
     found = escape(massless(1.02, 2.0), 1e-6)
     assert math.log(found.step_up) == pytest.approx(5.354515, rel=1e-6, abs=0)
     assert float(found.kick_up) == pytest.approx(1.99731468, rel=1e-8)  # a sigma = 1
@@ -89,8 +90,8 @@ def test_escape_near_b_over_a_1():
 
 
 @pytest.mark.parametrize("V_lp", [1e-6, 1.0])
-def test_a_run_that_turns_back_is_none(V_lp):
-    """Faster than light, and still it comes back; with a little more it does not."""
+def test_a_fast_run_that_turns_back_is_not_a_runaway(V_lp):
+    """It returns from a speed above light's; after a slightly larger step it does not."""
     slider, step = massless(1.02, 2.0), 5.354515
     loading, t_end = rs.Loading.constant(V_lp), 1e4 / V_lp
     run = rs.simulate(slider, loading, t_end, V_start=V_lp * math.exp(-0.999 * step), rtol=1e-8)
@@ -100,8 +101,8 @@ def test_a_run_that_turns_back_is_none(V_lp):
         rs.simulate(slider, loading, t_end, V_start=V_lp * math.exp(-1.001 * step), rtol=1e-8)
 
 
-def test_a_cycle_search_that_turns_back_is_none():
-    """The start from V_lp/10, at a thousandth on either side of the edge."""
+def test_a_cycle_search_that_turns_back_is_not_a_runaway():
+    """The start from V_lp/10 is 0.1 % on either side of the edge."""
 
     def beyond(ratio):
         return edge_of_slip_law(0.2 * ratio, 1.2, LARGEST).step_up - math.log(10)
@@ -120,17 +121,17 @@ def test_aging_law_above_K_c_qs_only_turns_back():
     assert float(run.V[-1]) == pytest.approx(1.0, rel=1e-9)
     with pytest.raises(rs.QuasiStaticInstability):
         rs.simulate(massless(2.0, 0.8, "aging"), loading, 1e4, V_start=1 / 60, rtol=1e-8)
-    # by way of a speed that no double holds: refused, and not as a runaway
+    # the speed overflows on the way, so the run is refused, but not as a runaway
     with pytest.raises(rs.SolverError, match="beyond double precision") as caught:
         rs.simulate(massless(2.0, 1.01, "aging"), loading, 1e6, V_start=1e-5, rtol=1e-8)
     assert not isinstance(caught.value, rs.QuasiStaticInstability)
 
 
 def test_criteria():
-    """Both sides of each, and never where friction does not weaken."""
+    """Both sides of each criterion, and no runaway if friction does not weaken."""
 
     def runs_away(law, y, kappa, c):
-        """Of ln(V theta/Dc) = y, whatever V is; c = b/a - 1."""
+        """Return the criterion at ln(V theta/Dc) = y, for any V; c = b/a - 1."""
         values = {"a": 1.0, "b": 1.0 + c, "Dc": 1.0, "mu0": 0.6, "V0": 1.0}
         p = LAWS[law].coefficients(1.0, SimpleNamespace(**values))
         found = {bool(LAWS[law].runs_away(v, (y - v,), kappa, p)) for v in (0.0, 0.25, -4.0)}

@@ -17,7 +17,7 @@ from ratestate.friction.stability import steady_modes
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
 FIG_4 = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "sigma": 4e6}
-theory = importlib.import_module("ratestate.stability")  # the file, not the verb
+theory = importlib.import_module("ratestate.stability")  # the module, not the function
 
 
 def without(parameters, *symbols):
@@ -91,7 +91,7 @@ def test_other_limits():
 
 
 def exact_modes(V, a, b, Dc, sigma, K, M):
-    """Eigenvalues [1/s] in 60 digits, and how much a rounding of K or K_c counts in K - K_c."""
+    """Return eigenvalues [1/s] in 60 digits, and the rounding of K or K_c over K - K_c."""
     with mpmath.workdps(60):
         V, a, b, Dc, sigma, K, M = map(mpmath.mpf, (V, a, b, Dc, sigma, K, M))
         eta, kappa = M * V**2 / (sigma * a * Dc), K * Dc / (a * sigma)
@@ -100,8 +100,8 @@ def exact_modes(V, a, b, Dc, sigma, K, M):
         roots = mpmath.polyroots(ascending, maxsteps=2000, extraprec=1200, asc=True)
         terms = kappa, (b / a - 1) * (1 + eta)
         margin = abs(terms[0] - terms[1])
-        amplified = float((terms[0] + abs(terms[1])) / margin) if margin else np.inf
-        return [root * V / Dc for root in roots], amplified
+        amplification = float((terms[0] + abs(terms[1])) / margin) if margin else np.inf
+        return [root * V / Dc for root in roots], amplification
 
 
 physical = {
@@ -121,7 +121,7 @@ def test_eigenvalues_over_the_physical_range(p):
     b, K = p["b"] * p["a"], p["K"] * p["a"] * p["sigma"] / p["Dc"]
     p = {**p, "b": b, "K": K}
     modes = theory.eigenvalues(**p)
-    exact, amplified = exact_modes(**p)
+    exact, amplification = exact_modes(**p)
     assert modes.shape == (3,)
     assert (np.diff(modes.real) <= 0).all()
     if p["M"] == 0:
@@ -132,27 +132,27 @@ def test_eigenvalues_over_the_physical_range(p):
         error = min(abs(complex(mode) - root) for mode in modes if np.isfinite(mode)) / abs(root)
         assert error < 1e-14 / max(gap, 1e-7)
     if (
-        gap > 1e-3 and amplified < 1e12
-    ):  # the growth rate itself, to its own digits: only K - K_c may cancel
+        gap > 1e-3 and amplification < 1e12
+    ):  # the growth rate is accurate too: only K - K_c may cancel
         growth = max(mpmath.re(root) for root in exact)
-        assert abs(modes[0].real / growth - 1) < 1e-14 / gap * amplified
+        assert abs(modes[0].real / growth - 1) < 1e-14 / gap * amplification
 
 
 @pytest.mark.parametrize("eta", [1e-15, 1e-8, 1e-3, 1, 1e3, 1e8])
 @pytest.mark.parametrize("stiffness", [0.5, 0.8, 0.999999, 1.000001, 1.5, 30])
-def test_eigenvalues_where_masses_are_extreme(eta, stiffness):
+def test_eigenvalues_of_extreme_masses(eta, stiffness):
     V, M = 1e-3, eta * 2e6 * 0.003 * 1e-5 / 1e-6
     K = stiffness * theory.K_c(V, **FIG_2, M=M)
-    exact, amplified = exact_modes(V=V, M=M, K=K, **FIG_2)
+    exact, amplification = exact_modes(V=V, M=M, K=K, **FIG_2)
     modes = theory.eigenvalues(V, M=M, K=K, **FIG_2)
     for root in exact:
         assert min(abs(complex(mode) - root) for mode in modes) < 1e-14 * abs(root)
     growth = max(mpmath.re(root) for root in exact)
-    assert abs(modes[0].real / growth - 1) < 2e-15 * amplified
+    assert abs(modes[0].real / growth - 1) < 2e-15 * amplification
 
 
-def test_eigenvalues_do_not_depend_on_what_lies_beside_them():
-    """To the bit: a sweep gives the same whatever the size of its chunks."""
+def test_eigenvalues_do_not_depend_on_neighbours():
+    """They are equal to the bit, so a sweep does not depend on the size of its chunks."""
     random = np.random.default_rng(7)
     eta, kappa = 10 ** random.uniform(-12, 8, 500), 10 ** random.uniform(-4, 4, 500)
     beta = random.uniform(0, 40, 500)
@@ -192,7 +192,7 @@ def test_hopf_bifurcation(M):
 def test_rigid_limit():
     modes = theory.eigenvalues(1e-3, **FIG_2, K=np.inf, M=np.array([0.0, 100.0]))
     np.testing.assert_array_equal(modes, np.tile([-100, -np.inf, -np.inf], (2, 1)))
-    # which is where ever stiffer springs lead
+    # this is the limit of stiff springs
     assert theory.eigenvalues(1e-3, **FIG_2, K=1e22, M=0.0)[0] == pytest.approx(
         -100, rel=1e-12, abs=0
     )
@@ -227,7 +227,7 @@ def test_dataset():
     assert complex(result.growth_rate, result.omega) == result.eigenvalues[0]
 
 
-def test_broadcasting_gives_what_one_call_a_case_gives():
+def test_broadcasting_equals_single_calls():
     slider = rs.SpringSlider(
         a=0.003,
         b=xr.DataArray([0.002, 0.006], dims="b"),

@@ -1,4 +1,4 @@
-"""Taylor coefficients in time of the equations that are derived from formulas."""
+"""Taylor coefficients in time of expressions, compared with mpmath."""
 
 import math
 
@@ -17,7 +17,7 @@ ORDER = 8
 
 @pytest.mark.parametrize("name", sorted(DERIVATIVES.keys() - {"abs"}))
 def test_functions_of_a_series(name):
-    """Of x = 0.7 + 0.4 t, whose coefficients are derivatives over factorials."""
+    """The argument is x = 0.7 + 0.4 t."""
     graph = Graph(merges=False)
     x = graph.symbol("x", is_constant=False)
     y = graph.call(name, x)
@@ -42,7 +42,7 @@ def test_powers_of_a_series(exponent):
     np.testing.assert_allclose(np.array(found, float), np.array(expected, float), rtol=1e-11)
 
 
-def test_a_motion():
+def test_two_unknowns():
     """A pendulum-like pair: x' = y, y' = a - x exp(x), driven along a line a = 0.3 + 0.5 t."""
     graph = Graph(merges=False)
     x, y, a = (graph.symbol(name, is_constant=False) for name in "xya")
@@ -58,7 +58,7 @@ def test_a_motion():
     assert len(work) == 20
 
 
-def test_a_choice_has_no_series():
+def test_where_has_no_series():
     graph = Graph(merges=False)
     x = graph.symbol("x", is_constant=False)
     with pytest.raises(NoSeries):
