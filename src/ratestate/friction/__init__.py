@@ -2,7 +2,7 @@
 
 ==================== ============================================================================
 ``law_formula``      the base class of laws: names, parameters, a formula
-``law``              what follows from the formula: equations, coefficients, steady sliding
+``law``              equations, coefficients and steady sliding that follow from the formula
 ``built_in_laws``    the built-in laws of friction
 ``laws``             laws by name
 ``forms``            forms of friction other than eq. 1

@@ -120,7 +120,7 @@ class Equations:
         """Return a text that identifies these equations."""
         optional = self.runs_away, self.log_theta, self.variables, *self.law_constants.values()
         roots = [*self.evolution_effects, *self.rates, *self.resistance]
-        roots += [root for roots in optional for root in roots or []]
+        roots += [root for group in optional for root in group or []]
         formulas = source_of(roots, [self.v, self.kappa, *self.psi, *self.constants])
         constants = [*self.constants.values(), *self.friction_at_reference]
         return f"{formulas}\n{source_of(constants, self._parameters.values())}"

@@ -59,7 +59,7 @@ class CutOff(FrictionLaw):
         return {"v1": log(p.V1 / p.V_ref), "v2": log(p.V2 / p.V_ref)}
 
     def runaway(self, v, psi, kappa, p):
-        """Return whether v > `LIMIT`: the spring exceeds friction, if sigma fell say."""
+        """Return whether v > `LIMIT`: the spring then exceeds friction at any speed."""
         return v > LIMIT
 
     def discount_rounding(self, at, error, inertia, rounding, size, allowed):
@@ -127,13 +127,13 @@ class Regularized(FrictionLaw):
         return self.constant("barrier", p) + dot(self.evolution_effects(p), psi)
 
     def net_speed(self, v, psi, p):
-        """Return w, 1/c, and c in a tuple."""
+        """Return w, 1/c and (c,), see point.py."""
         t = tanh(v)
         c = bounded_exp(self.log_jump_rate(v, psi, p)) * (2.0 / (1.0 + abs(t)))
         return c * t, 1.0 / c, (c,)
 
     def log_jump_rate(self, v, psi, p):
-        """Return ln of the larger of the rates of forward and backward jumps."""
+        """Return ln of the larger of the forward and backward jump rates."""
         return abs(v) - self.barrier(psi, p)
 
     def v_at(self, w, psi, p):

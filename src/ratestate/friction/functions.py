@@ -22,26 +22,26 @@ def _function(name, text):
     return function
 
 
-exp = _function("exp", "e**x.")
+exp = _function("exp", "Return e**x.")
 bounded_exp = _function(
-    "bounded_exp", "e**x, of x cut off at -`expressions.LIMIT` and at that: rest is e**-600."
+    "bounded_exp", "Return e**x with x limited to +-`expressions.LIMIT`: rest is e**-600."
 )
-exp_and_inverse = _function("exp_and_inverse", "`bounded_exp` of x and of -x.")
-expm1 = _function("expm1", "e**x - 1.")
-log = _function("log", "ln x, of x > 0.")
-log1p = _function("log1p", "ln(1 + x).")
+exp_and_inverse = _function("exp_and_inverse", "Return `bounded_exp` of x and of -x.")
+expm1 = _function("expm1", "Return e**x - 1.")
+log = _function("log", "Return ln x, for x > 0.")
+log1p = _function("log1p", "Return ln(1 + x).")
 rough_log2 = _function(
-    "rough_log2", "log2 x, less up to 0.09, of a normal x > 0: between powers of 2 linear in x."
+    "rough_log2", "Return log2 x minus up to 0.09: linear between powers of 2; x > 0, normal."
 )
-sinh = _function("sinh", "sinh x.")
-cosh = _function("cosh", "cosh x.")
-tanh = _function("tanh", "tanh x.")
-asinh = _function("asinh", "The inverse of sinh.")
-sqrt = _function("sqrt", "The root of x.")
-softplus = _function("softplus", "ln(1 + e**x).")
-logistic = _function("logistic", "1/(1 + e**-x), the derivative of `softplus`.")
-asinh_of_exp = _function("asinh_of_exp", "asinh(e**x), which is x + ln 2 for large x.")
-cosine = _function("cosine", "cos(2 pi x).")
+sinh = _function("sinh", "Return sinh x.")
+cosh = _function("cosh", "Return cosh x.")
+tanh = _function("tanh", "Return tanh x.")
+asinh = _function("asinh", "Return the inverse of sinh at x.")
+sqrt = _function("sqrt", "Return the square root of x.")
+softplus = _function("softplus", "Return ln(1 + e**x).")
+logistic = _function("logistic", "Return 1/(1 + e**-x), the derivative of `softplus`.")
+asinh_of_exp = _function("asinh_of_exp", "Return asinh(e**x), which is x + ln 2 for large x.")
+cosine = _function("cosine", "Return cos(2 pi x).")
 
 
 def where(condition, x, y):

@@ -1,4 +1,4 @@
-"""What follows from a law's formula: equations, coefficients, steady sliding.
+"""The class of friction laws: equations, coefficients and steady sliding.
 
 All computations under a law use log variables, a reference velocity V_ref and T = t V_ref/Dc:
 
@@ -142,8 +142,8 @@ class FrictionLaw(LawFormula):
     def must_stop(self, v, p):
         """Return whether the solver must stop although the motion is not a runaway.
 
-        The slider has no mass and no damping.  It may turn back, but the engine cannot follow such
-        speeds unless states evolve with slip alone.
+        The slider has no mass and no damping.  It may turn back, but doubles cannot follow such
+        speeds unless the states evolve with slip alone.
         """
         return v > LIMIT if self.heals_at_rest else False
 
@@ -213,10 +213,9 @@ class FrictionLaw(LawFormula):
 
     @cached_property
     def series(self):
-        """Return c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., or None.
+        """Return c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., None for any other h.
 
-        h(z) is the rate of the state of a law of one length at v = 0 and psi = z.  None: no such
-        series.
+        h(z) is the rate of the state of a law of one length at v = 0 and psi = z.
         """
         from .taylor import NoSeries, expand
 
@@ -264,7 +263,7 @@ class FrictionLaw(LawFormula):
         return self.reference_friction(V, values) + values["a"] * at.R + values["a"] * (at.S - at.R)
 
     def __getstate__(self):
-        """Return what pickle stores: not derived properties, which hold local functions."""
+        """Return the state for pickle, without derived properties, which hold functions."""
         kind = type(self)
         derived = {x for x in vars(self) if isinstance(getattr(kind, x, None), cached_property)}
         return {name: x for name, x in vars(self).items() if name not in derived}

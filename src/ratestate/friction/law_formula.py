@@ -76,7 +76,7 @@ class LawFormula:
     def runaway(self, v, psi, kappa, p):
         """Return whether a slider without mass at V >> V_lp surely runs away.
 
-        False means that it turns back; None instead of a condition, that the law has no criterion.
+        If not, the solver follows it.  None instead of a condition: the law has no criterion.
 
         kappa : K Dc/(a sigma)
         """
@@ -115,11 +115,11 @@ class LawFormula:
     reverses = False
 
     def net_speed(self, v, psi, p):
-        """Return w, 1/c, and a tuple of the numbers that the engine stores with them."""
+        """Return w, 1/c (point.py), and a tuple of the numbers that the engine stores."""
         return *exp_and_inverse(v), ()
 
     def log_jump_rate(self, v, psi, p):
-        """Return ln of the larger of the rates of forward and backward jumps."""
+        """Return ln of the larger of the forward and backward jump rates: v if w > 0."""
         return v
 
     def v_at(self, w, psi, p):

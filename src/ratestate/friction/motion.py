@@ -95,8 +95,8 @@ class Motion:
         self.f = [f + growth * jump for f, jump in zip(self.f, jumps, strict=True)]
         self._lists["jumps"] = jumps
 
-    def _derivative_along(self, x, omega, *psi, has_rates=True, dT=0.0):
-        """Return a `Derivative` in a direction and a time dT, of F too if has_rates."""
+    def _derivative_along(self, x, omega, *psi, with_F=True, dT=0.0):
+        """Return a `Derivative` in a direction and a time dT; of F too if with_F."""
         symbols, effects = self.symbols, self.equations.evolution_effects
         changes = {symbols["x"]: x, **dict(zip(self.psi, psi, strict=True))}
         moves = symbols["moves"]
@@ -114,7 +114,7 @@ class Motion:
         changes |= {symbol: dT * rate for symbol, rate in self.time_rates.items()}
         along = Derivative(self.graph, changes)
         along.derivatives[symbols["g"]] = x - along(self.S)
-        if self.reverses and has_rates:
+        if self.reverses and with_F:
             along.derivatives[symbols["F"]] = dot(effects, tuple(map(along, self.f)))
         return along
 
@@ -139,8 +139,8 @@ class Motion:
 
     def _changes(self):
         symbols, f, (x, v, *psi) = self.symbols, self.f, self.symbols["z"]
-        at_constant_F = [self._derivative_along(*one, has_rates=False) for one in self._units[1:]]
-        and_time = self._derivative_along(x, v, *psi, dT=symbols["dT"])
+        at_constant_F = [self._derivative_along(*unit, with_F=False) for unit in self._units[1:]]
+        along_and_time = self._derivative_along(x, v, *psi, dT=symbols["dT"])
         by_time = Derivative(self.graph, self.time_rates)
         v_row, omega = symbols["q"] * symbols["g"], v
         if self.reverses:
@@ -149,7 +149,7 @@ class Motion:
         along_z = self._derivative_along(x, omega, *psi)
         equations = [-symbols["kappa"] * self.w, v_row, *f]
         return {
-            "changes": [*map(and_time, (self.S, self.N, self.R))],
+            "changes": [*map(along_and_time, (self.S, self.N, self.R))],
             "N_drift": [by_time(self.N)] if self.time_rates else [],
             "f_drift": [*map(by_time, f)] if self.time_rates else [],
             "inertia_slopes": [-along(v_row) for along in at_constant_F],

@@ -6,9 +6,10 @@ Then v is friction itself, mu_ref is 0, and
 
     v = mu/a,     w = V/V_ref = exp(v - Theta) - exp(-v - Theta) = c t,     t = tanh v,
 
-the rate of forward minus the rate of backward jumps over barriers.  Their height is Theta = mu0/a +
-sum_k beta_k psi_k, but for V_ref instead of V0, and c = 2 cosh(v) exp(-Theta) is the rate of all
-jumps.  All functions are smooth at rest, and w keeps its digits however small friction is.
+the rate of forward minus the rate of backward jumps over barriers.  The height of the barriers is
+Theta = mu0/a + sum_k beta_k psi_k, with mu0 at V_ref instead of V0, and c = 2 cosh(v) exp(-Theta)
+is the rate of all jumps.  All functions are smooth at rest, and w keeps its digits however small
+friction is.
 
 In either case c = dw/dv at constant psi, and d omega = dw/c.  If slip never reverses, c is w, and
 omega is v.
@@ -20,8 +21,8 @@ from .expressions import LIMIT
 from .functions import bounded_exp, exp, larger, log, smaller, sqrt, where
 from .tuples import dot, dot_onto, minus_dot, product, select, times, total
 
-# The smallest |w| in formulas of laws, and the smallest fastest speed, divided by c.
-SMALLEST_SPEED, SMALLEST_FASTEST = 1e-100, 1e-6
+# Lower limits of |w| in formulas of laws, and of the fastest speed divided by c.
+SMALLEST_SPEED, SMALLEST_RATIO = 1e-100, 1e-6
 # Error of g = x - S, relative to x and the parts of friction.
 ROUNDING_OF_FORCE = 1e-13
 
@@ -71,7 +72,7 @@ class Point:
             known[motion.w] = self.w
         if self.e is None:
             return known
-        if motion.reverses:  # a smaller |w| has no logarithm
+        if motion.reverses:  # the limit keeps ln |w| finite
             size, c = larger(abs(self.w), SMALLEST_SPEED), self.c
             known |= {equations.v: log(size), equations.w: size}
             known |= {motion.c: c, motion.t: self.w / c}
@@ -121,7 +122,7 @@ class Point:
 
     @cached_property
     def log_jump_rate(self):
-        """Return ln of the larger of the rates of forward and backward jumps."""
+        """Return ln of the larger of the forward and backward jump rates."""
         return self.law.log_jump_rate(self.v, self.psi, self.p)
 
     @property
@@ -151,7 +152,7 @@ class Point:
             return error[1]
         omega = abs(error[1] + dot(self.omega_by_psi, error[2:]))
         largest = larger(larger(fastest[0], -fastest[1]), larger(abs(self.w), fastest[2]))
-        return omega * larger(1.0, self.c / larger(largest, SMALLEST_FASTEST * self.c))
+        return omega * larger(1.0, self.c / larger(largest, SMALLEST_RATIO * self.c))
 
     @cached_property
     def g(self):
