@@ -237,7 +237,7 @@ def test_the_slider_keeps_its_form(tmp_path):
         ),
         (
             {"friction": "log", "law": "flash-heating", "V_w": 0.1, "mu_w": 0.2},
-            r"^friction = 'log' does not go with law = 'flash-heating', which is for friction = "
+            r"^friction = 'log' does not go with law = 'flash-heating', which needs friction = "
             r"'regularized'; leave friction out",
         ),
         (

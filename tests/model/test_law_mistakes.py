@@ -43,7 +43,7 @@ CONDITION = (
         (
             f"1 - math.sqrt({X})",
             "a function that takes plain numbers, such as math.exp, is given V, theta or p. Use "
-            "that of ratestate.laws.",
+            "the function of this name in ratestate.laws.",
         ),
         (f"1 - np.sqrt({X})", "numpy.sqrt is given V, theta or p. Use ratestate.laws.sqrt."),
         (
@@ -65,7 +65,7 @@ CONDITION = (
         ),
         (
             f"1 - {X} * Dc",
-            "NameError: name 'Dc' is not defined. Mend the formula, which is run with symbols for "
+            "NameError: name 'Dc' is not defined. Correct the formula, which runs with symbols for "
             "V, theta and p.",
         ),
         (
@@ -97,48 +97,48 @@ def test_a_mistake_in_a_function_of_the_file_has_the_line_there(law_file):
         ),
         (
             f"return 1 > {X}",
-            "evolution returns what is not a number: a condition is not a number. Use "
+            "evolution must return a number: a condition is not a number. Use "
             "ratestate.laws.where(condition, x, y).",
         ),
         (
             "return 'theta'",
-            "evolution returns what is not a number: 'theta' is not a finite number. Write "
+            "evolution must return a number: 'theta' is not a finite number. Write "
             "formulas with numbers, V, theta and p.",
         ),
         (
             f"return 1 + {X}",
             "theta has no steady value at V = 1e-12 m/s: d theta/dt has one sign for all V "
-            "theta/D from 2e-9 to 1e9. Mend evolution, or the examples of parameters.",
+            "theta/D from 2e-9 to 1e9. Correct evolution, or the examples of parameters.",
         ),
         (
             f"return {X} - 1",
-            "theta has an unstable steady value at V = 1e-12 m/s: V theta/D near 0.905. A law "
-            "needs one, which theta goes to.",
+            "theta has an unstable steady value at V = 1e-12 m/s: V theta/D near 0.905. It "
+            "needs exactly one, which theta approaches.",
         ),
         (
             f"return (1 - {X}) * (2 - {X}) * (3 - {X})",
             "theta has several steady values at V = 1e-12 m/s: V theta/D near 0.905 and 1.65 and "
-            "2.46. A law needs one, which theta goes to.",
+            "2.46. It needs exactly one, which theta approaches.",
         ),
         (
             f"x = {X}; return rs.laws.where(x < 0.5, 0.5 - x, rs.laws.where(x < 2, 0, 2 - x))",
-            "theta does not go to its steady value: there d theta/dt does not fall with theta. "
-            "Mend evolution, or the examples of parameters.",
+            "theta does not approach its steady value, because d theta/dt does not fall with theta "
+            "there. Correct evolution, or the examples of parameters.",
         ),
         (
             f"return 1 - {X} * rs.laws.where(V > 1e-2, 0, 1)",
             "theta has no steady value at V = 0.0316 m/s: d theta/dt has one sign for all V "
-            "theta/D from 2e-9 to 1e9. Mend evolution, or the examples of parameters.",
+            "theta/D from 2e-9 to 1e9. Correct evolution, or the examples of parameters.",
         ),
         (
             f"return 1 - {X} * rs.laws.sqrt(V / 0.02 - 1 + 1e-16)",
-            "evolution is infinite or NaN at V = 1e-12 m/s and V theta/D = 1.53e-09. Write another "
-            "formula there by ratestate.laws.where.",
+            "evolution is infinite or NaN at V = 1e-12 m/s and V theta/D = 1.53e-09. Give another "
+            "formula for this range with ratestate.laws.where.",
         ),
     ],
 )
 def test_rates_that_no_state_has(law_file, returned, said):
-    """In these the line is that of the method."""
+    """The message gives the line of the method."""
     text = PLAIN.replace(RETURN, f"        {returned}\n")
     assert message_of(law_file, text) == f"law 'plain', line 7 of FILE: {said}"
 
@@ -150,17 +150,17 @@ def test_rates_that_no_state_has(law_file, returned, said):
         (
             "return p.mu0 - p.a * rs.laws.log(V / p.V0)",
             "friction must rise with V at a constant state: d mu/d ln V = -0.01 at V = 1e-12 m/s "
-            "and V theta/D = 1.53e-09. Mend friction, or the examples of parameters.",
+            "and V theta/D = 1.53e-09. Correct friction, or the examples of parameters.",
         ),
         (
             "return p.mu0 + p.b * rs.laws.log(theta)",
             "friction must rise with V at a constant state: d mu/d ln V = 0 at V = 1e-12 m/s and "
-            "V theta/D = 1.53e-09. Mend friction, or the examples of parameters.",
+            "V theta/D = 1.53e-09. Correct friction, or the examples of parameters.",
         ),
         (
             "return p.mu0 + p.a * rs.laws.log(V - 0.01)",
-            "friction is infinite or NaN at V = 1e-12 m/s and V theta/D = 1.53e-09. Write another "
-            "formula there by ratestate.laws.where.",
+            "friction is infinite or NaN at V = 1e-12 m/s and V theta/D = 1.53e-09. Give another "
+            "formula for this range with ratestate.laws.where.",
         ),
     ],
 )
@@ -185,14 +185,12 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
         (
             'states = {"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")}',
             "law 'plain': states['theta2'] = ('b2', 'Dc2') must be the symbols of b and Dc of "
-            "this state. Add "
-            "those that the law has of its own to parameters too.",
+            "this state. Add symbols of the law alone to parameters too.",
         ),
         (
             'states = {"theta": "Dc"}',
             "law 'plain': states['theta'] = 'Dc' must be the symbols of b and Dc of this state. "
-            "Add those "
-            "that the law has of its own to parameters too.",
+            "Add symbols of the law alone to parameters too.",
         ),
         ("states = {}", "law 'plain': states is empty. Leave it out for theta alone."),
         (
@@ -220,16 +218,16 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
         ),
         (
             "def rates(self, v, w, psi, e, p): pass",
-            "law 'plain' has the method rates, of an old form of laws. Replace it, and its "
+            "law 'plain' has the method rates, an old form of laws. Replace it, and its "
             "derivatives, by "
             "evolution(self, V, theta, p), which returns d theta/dt.",
         ),
         (
             "def stiffness(self, kappa, p): return 2 * kappa",
-            "law 'plain' has stiffness of its own. Rename it, or remove it: laws keep under this "
-            "name what is derived from their formulas.",
+            "law 'plain' has stiffness of its own. Rename or remove it: this name belongs to a "
+            "quantity that is derived from the formula.",
         ),
-        ("motion = {}", "law 'plain' has motion of its own. Rename it, or remove it: "),
+        ("motion = {}", "law 'plain' has motion of its own. Rename or remove it: "),
         (
             "name = 'slip'",
             "law 'slip' of FILE: the name 'slip' is that of a built-in law; choose another",
@@ -252,13 +250,13 @@ def test_attributes_that_no_law_has(law_file, attribute, said):
     [
         ("import ratestate as rs", "import nothing_like_it", "line 2: ModuleNotFoundError: No m"),
         ("import ratestate as rs", "import ratestate as rs\n1 / 0", "line 3: ZeroDivisionError"),
-        ("import ratestate as rs", "import ratestate as rs\nexit(3)", "line 3: SystemExit: 3. Me"),
+        ("import ratestate as rs", "import ratestate as rs\nexit(3)", "line 3: SystemExit: 3. Co"),
         ("class Plain", "class Plain(:", "line 4: SyntaxError"),
         ("rs.FrictionLaw", "rs.Frictionlaw", "line 4: AttributeError: module 'ratestate' has no"),
         (
             "class Plain",
             "class E(Exception):\n    __str__ = None\nraise E()\nclass Plain",
-            "line 6: E. Mend that line.",
+            "line 6: E. Correct that line.",
         ),
         (
             "class Plain(rs.FrictionLaw)",
@@ -271,7 +269,7 @@ def test_attributes_that_no_law_has(law_file, attribute, said):
 def test_files_that_cannot_be_run(law_file, old, new, said):
     found = message_of(law_file, PLAIN.replace(old, new))
     assert found.startswith(f"law file FILE cannot be loaded, {said}")
-    assert found.endswith(". Mend that line.")
+    assert found.endswith(". Correct that line.")
 
 
 def test_a_file_without_a_law(law_file):

@@ -214,7 +214,7 @@ def test_a_slider_takes_its_law_along(law_file, tmp_path):
 
 
 def test_a_law_that_is_not_registered_is_not_looked_for():
-    with pytest.raises(rs.ParameterError, match=r"not known here: register .*'mine.py'"):
+    with pytest.raises(rs.ParameterError, match=r"not registered. Register .*'mine.py'"):
         rs.SpringSlider(**COMMON, law="mine@00000000", m=1.0)
 
 

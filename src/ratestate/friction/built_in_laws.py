@@ -261,7 +261,7 @@ class TwoStateSlipLaw(TwoStateLaw):
         growth = half + sqrt(half * half + r * positive_c)
         steady = kappa / positive_c
         y1, y2 = v + psi[0] - steady, v + psi[1] - steady / r
-        # each eigenvector has two forms; use those that do not vanish
+        # each eigenvector has two forms, of which one does not vanish
         m1, m2 = growth - b1 + 1.0, growth - r * (b2 - 1.0)
         by_m1 = (b1 * y1 + m1 * y2) * (b1 * b1 + m1 * r * b2)
         by_m2 = (m2 * y1 + r * b2 * y2) * (b1 * m2 + r * r * b2 * b2)

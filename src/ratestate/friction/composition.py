@@ -117,7 +117,7 @@ def composed(law, form=None, damped=False):
     if form != law.form:
         if law.form != LOG:
             raise ParameterError(
-                f"friction = {form!r} does not go with law = {law.name!r}, which is for friction = "
+                f"friction = {form!r} does not go with law = {law.name!r}, which needs friction = "
                 f"{law.form!r}; leave friction out, or choose another law"
             )
         if not takes_forms(law):

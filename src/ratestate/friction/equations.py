@@ -155,4 +155,4 @@ def _as_expression(graph, x, method):
     try:
         return graph.number(x)
     except FormulaError as error:
-        raise FormulaError(f"{method} returns what is not a number: {error}", method) from None
+        raise FormulaError(f"{method} must return a number: {error}", method) from None

@@ -292,7 +292,7 @@ class Expression:
     def __float__(self):
         raise FormulaError(
             "a function that takes plain numbers, such as math.exp, is given V, theta or p. Use "
-            "that of ratestate.laws."
+            "the function of this name in ratestate.laws."
         )
 
     def __array_ufunc__(self, function, method, *inputs, **others):

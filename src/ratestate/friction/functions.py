@@ -152,7 +152,7 @@ Expression.functions = _ExpressionFunctions()
 
 
 class _ArrayFunctions:
-    """Functions of floats and NumPy arrays: NumPy's, and those that NumPy lacks."""
+    """Functions of floats and NumPy arrays, from NumPy or written here."""
 
     def __getattr__(self, name):
         import numpy as np  # slow to import

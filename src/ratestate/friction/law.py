@@ -63,7 +63,7 @@ class FrictionLaw(LawFormula):
         """Return mu_ref, given mu at V_ref and theta_k = D_k/V_ref."""
         return mu
 
-    # What follows from the formula: equations (equations.py, motion.py), and values at a point
+    # Equations that follow from the formula (equations.py, motion.py), and values at a point
 
     @_thread_safe_property
     def equations(self):

@@ -50,8 +50,8 @@ def law_name(law):
     if isinstance(law, str) and HASH_MARK in law:
         own = law.partition(HASH_MARK)[0]
         raise ParameterError(
-            f"law = {law!r} is a user's own, and not known here: register the file that has it, "
-            f"ratestate.register('{own}.py'); after {HASH_MARK} is the hash of its source"
+            f"law = {law!r} is a user's law that is not registered. Register its file, "
+            f"ratestate.register('{own}.py'). The part after {HASH_MARK} is a hash of its formula."
         )
     names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_NAMES.keys() - LAWS.keys()))
     raise ParameterError(f"law = {law!r} is unknown; choose {names} (or {others})")

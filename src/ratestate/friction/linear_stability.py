@@ -136,7 +136,7 @@ class Critical(NamedTuple):
     """The largest K at which steady sliding at one speed changes stability."""
 
     kappa: np.ndarray  # K_c Dc/(a sigma); 0 or less if sliding is stable at any K
-    omega: np.ndarray  # angular frequency there [V/Dc]; NaN if there is no such K
+    omega: np.ndarray  # angular frequency at this K [V/Dc]; NaN if there is no such K
 
 
 def critical(law, p, inertia):

@@ -189,7 +189,7 @@ def _flatten(nested):
 
 
 def _refill(nested, values):
-    """Return the same nesting, tuples for lists, with values for expressions."""
+    """Return tuples and dicts of this nesting, with values for the expressions."""
     if isinstance(nested, dict):
         return {key: next(values) for key in nested}
     return tuple(_refill(x, values) for x in nested) if isinstance(nested, list) else next(values)

@@ -19,8 +19,8 @@ E is the excursion: 0 in steady sliding and positive elsewhere.  It is conserved
 falls above, and grows below.  Its level curves are closed, so that under the aging law every
 motion at K_c_qs is periodic.  With X = x + E the level curves of the slip law are
 E = kappa h(v) + h(X), the same curves.  (Both laws are the Lotka-Volterra equations there, in the
-time S or the slip D.)  Starts with z >= 1 under the slip law lie on no such curve: at K_c_qs they
-run away, and V grows without bound in a finite time.  At any stiffness starts with
+time S or the slip D.)  Starts with z >= 1 under the slip law lie beyond these curves: at K_c_qs
+they run away, and V grows without bound in a finite time.  At any stiffness starts with
 ln(V theta/Dc) >= K/K_c_qs run away too.
 
 The edge of runaway under the slip law, with y = v + psi and e(v) = kappa (exp(-v) - 1):
@@ -31,8 +31,8 @@ The distance Q = y - K/K_c_qs obeys dQ/dD = c Q + kappa exp(-v): once it is not 
 grow without bound.  At V >> V_lp the equations are linear, and while Q < 0 the motion turns back,
 however fast it is.  So for K >= K_c_qs one path, along which Q rises to 0 as V grows, separates
 runaway from return.  v rises all along this path, no motion returns and then runs away, and the
-path meets each line of disturbances once.  Seen from its fast end it attracts its neighbours, so
-it is integrated from there, as y(v).
+path meets each line of disturbances once.  It is integrated backwards from its fast end, as y(v),
+because it attracts its neighbours in this direction.
 
 Sources: Gu, Rice, Ruina & Tse (1984) doi:10.1016/0022-5096(84)90007-3 (slip law), Ranjith & Rice
 (1999) doi:10.1016/S0022-5096(98)00113-6 (aging law).  Comments beside the bounds for K > K_c_qs

@@ -59,8 +59,8 @@ def steady_problem(at):
         for name, slope in zip(law.states, at.f_slopes[1], strict=True):
             if not np.all(slope < 0.0):
                 return (
-                    f"{name} does not go to its steady value: there d {name}/dt does not fall with "
-                    f"{name}"
+                    f"{name} does not approach its steady value, because d {name}/dt does not "
+                    f"fall with {name} there"
                 )
     if law.overrides("friction") and np.any((by_v := at.R_slopes[0]) <= 0.0):
         least = np.nanmin(by_v)

@@ -19,8 +19,7 @@ class NoSeries(TypeError):
 def expand(derivatives, integrands, order, start):
     """Return lists of Taylor coefficients of unknowns and of integrands.
 
-    Those of integrands end one order before `order`.  A coefficient that is always 0 is the float
-    0.0.
+    Integrands have one order less than unknowns.  A coefficient that is always 0 is the float 0.0.
 
     derivatives : dict unknown symbol -> its derivative in time, an expression
     integrands : expressions

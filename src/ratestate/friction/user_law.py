@@ -70,7 +70,7 @@ def class_from_text(text, path):
         lines = [frame.lineno for frame in frames if frame.filename == str(path)]
         line = getattr(error, "lineno", None) or (lines[-1] if lines else 1)
         raise ParameterError(
-            f"law file {path} cannot be loaded, line {line}: {reason_of(error)}. Mend that line."
+            f"law file {path} cannot be loaded, line {line}: {reason_of(error)}. Correct that line."
         ) from None
     if len(laws) != 1:
         raise ParameterError(
@@ -110,13 +110,13 @@ def make_user_law(kind):
     own = {name for base in bases for name in vars(base)}
     if "rates" in own:
         raise ParameterError(
-            f"law {name!r} has the method rates, of an old form of laws. Replace it, and its "
+            f"law {name!r} has the method rates, an old form of laws. Replace it, and its "
             f"derivatives, by evolution(self, V, theta, p), which returns d theta/dt."
         )
     if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
         raise ParameterError(
-            f"law {name!r} has {derived[0]} of its own. Rename it, or remove it: laws keep under "
-            f"this name what is derived from their formulas."
+            f"law {name!r} has {derived[0]} of its own. Rename or remove it: this name belongs "
+            f"to a quantity that is derived from the formula."
         )
     if "evolution" not in own:
         raise ParameterError(
@@ -148,7 +148,7 @@ def _check_states(law):
         if missing or isinstance(symbols, str) or len(symbols) != 2:
             raise FormulaError(
                 f"states[{state!r}] = {symbols!r} must be the symbols of b and Dc of this state. "
-                f"Add those that the law has of its own to parameters too."
+                f"Add symbols of the law alone to parameters too."
             )
 
 
@@ -183,7 +183,7 @@ def _explain(error):
         )
     if isinstance(error, RecursionError):
         return "the formula nests too many functions. Write it with fewer."
-    return f"{reason_of(error)}. Mend the formula, which is run with symbols for V, theta and p."
+    return f"{reason_of(error)}. Correct the formula, which runs with symbols for V, theta and p."
 
 
 def _is_law(value):
@@ -212,8 +212,8 @@ def check_formulas(law, values):
         k = np.argmax(by_v <= 0.0)
         raise FormulaError(
             f"friction must rise with V at a constant state: d mu/d ln V = "
-            f"{by_v.flat[k] * EXAMPLE['a']:.4g} at {_describe_point(k)}. Mend friction, or the "
-            f"examples of parameters.",
+            f"{by_v.flat[k] * EXAMPLE['a']:.4g} at {_describe_point(k)}. Correct friction, or "
+            f"the examples of parameters.",
             "friction",
         )
     for name, rate in zip(law.states, at.f, strict=True):
@@ -221,13 +221,13 @@ def check_formulas(law, values):
             _check_steady(name, V, row)
     if problem := steady_problem(steady_point(law, p, 0.0)):
         raise FormulaError(
-            f"{problem}. Mend evolution, or the examples of parameters.", "evolution"
+            f"{problem}. Correct evolution, or the examples of parameters.", "evolution"
         )
     logs = tuple(AGES + k for k in range(len(law.states)))
     again = law.log_states(0.4, law.variables(0.4, logs, p), p)
     if not all(np.abs(x - y).max() <= INVERSION_ERROR for x, y in zip(logs, again, strict=True)):
         raise FormulaError(
-            "variables_of is not the inverse of log_theta. Mend either.", "variables_of"
+            "variables_of is not the inverse of log_theta. Correct one of them.", "variables_of"
         )
 
 
@@ -251,8 +251,8 @@ def _check_finite(prefix, method, numbers):
             _check_finite(prefix, method, number)
     elif (bad := ~np.isfinite(_on_grid(numbers))).any():
         raise FormulaError(
-            f"{prefix}{method} is infinite or NaN at {_describe_point(np.argmax(bad))}. Write "
-            f"another formula there by ratestate.laws.where.",
+            f"{prefix}{method} is infinite or NaN at {_describe_point(np.argmax(bad))}. Give "
+            f"another formula for this range with ratestate.laws.where.",
             method,
         )
 
@@ -266,14 +266,14 @@ def _check_steady(name, V, rate):
     if len(at) == 0:
         raise FormulaError(
             f"{name} has no steady value at V = {V:.3g} m/s: d {name}/dt has one sign for all "
-            f"V {name}/D from 2e-9 to 1e9. Mend evolution, or the examples of parameters.",
+            f"V {name}/D from 2e-9 to 1e9. Correct evolution, or the examples of parameters.",
             "evolution",
         )
     where = " and ".join(f"{np.exp(ages[k]):.3g}" for k in at)
     problem = "several steady values" if len(at) > 1 else "an unstable steady value"
     raise FormulaError(
-        f"{name} has {problem} at V = {V:.3g} m/s: V {name}/D near {where}. A law needs one, "
-        f"which {name} goes to.",
+        f"{name} has {problem} at V = {V:.3g} m/s: V {name}/D near {where}. It needs "
+        f"exactly one, which {name} approaches.",
         "evolution",
     )
 
