@@ -12,7 +12,7 @@ from .law_formula import Parameter
 
 
 class SlipLaw(FrictionLaw):
-    """d theta/dt = -(V theta/Dc) ln(V theta/Dc) (eq. 3 of Im, Marone & Elsworth, 2019)."""
+    """d theta/dt = -(V theta/Dc) ln(V theta/Dc) (eq. 3 of Im et al., 2019)."""
 
     name = "slip"
     label = "slip (Ruina) law"
@@ -32,7 +32,7 @@ class SlipLaw(FrictionLaw):
 
 
 class AgingLaw(FrictionLaw):
-    """d theta/dt = 1 - V theta/Dc (eq. 2 of Im, Marone & Elsworth, 2019)."""
+    """d theta/dt = 1 - V theta/Dc (eq. 2 of Im et al., 2019)."""
 
     name = "aging"
     label = "aging (Dieterich) law"
