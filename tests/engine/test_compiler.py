@@ -179,7 +179,7 @@ INTS = some.lists(some.integers(-4, 5), min_size=1, max_size=14)
 @pytest.mark.parametrize(
     "function", [arithmetic, functions, conditions, loops, tuples, arrays], ids=lambda f: f.__name__
 )
-def test_as_python(function, level):
+def test_results_equal_pythons(function, level):
     """Each statement and expression, on random numbers, to the last bit.
 
     But for logarithms and exponentials, of which the engine has its own.
@@ -300,7 +300,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("function", REFUSED, ids=lambda f: f.__name__)
-def test_what_is_not_known_is_refused(function):
+def test_unsupported_code_is_refused(function):
     """With the name of the function and the text."""
     # (of many kinds, as Python's own operators refuse; what is tested are the notes)
     with pytest.raises(Exception) as refused:  # noqa: PT011
@@ -320,7 +320,7 @@ def test_a_function_that_may_end_without_a_return_is_refused():
     [np.zeros(4)[::2], np.zeros(4, np.float32), np.zeros(4, ">f8"), np.zeros(4, bool), 0.5, None],
     ids=["strided", "float32", "big-endian", "bool", "float", "None"],
 )
-def test_a_record_of_other_things_is_refused(wrong):
+def test_unsupported_fields_of_a_record_are_refused(wrong):
     with pytest.raises(TypeError):
         Context(record()[0]._replace(x=wrong))
 

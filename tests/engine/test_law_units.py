@@ -9,7 +9,7 @@ from textbook import OF_LAW
 from ratestate.engine import rows as R
 from ratestate.engine.lanes import write_point
 from ratestate.engine.programs import units_of
-from ratestate.engine.rows import FOUND, WORK, read_rows, rows_of
+from ratestate.engine.rows import OUTPUT, WORK_SIZE, read_rows, rows_of
 from ratestate.engine.units import MarchUnits, ReturnUnits, in_python, lane_units
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.forms import FORMS
@@ -59,7 +59,7 @@ def by_machine(unit, s, work, is_of_lanes):
     code = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(unit)
     for l in range(R.LANES):
         given = work[l].ctypes.data
-        code(place + 8 * l, given, given + 8 * FOUND)
+        code(place + 8 * l, given, given + 8 * OUTPUT)
 
 
 def by_python(unit, s, work, is_of_lanes):
@@ -86,7 +86,7 @@ def test_every_unit(law, kind):
     machine, python = units_of(law, kind, R.WIDTH), in_python(law, kind)
     of_lanes = lane_units(law, kind)
     rng = np.random.default_rng(3)
-    s, work = random_lanes(law, rng), rng.uniform(0.1, 0.5, (R.LANES, WORK))
+    s, work = random_lanes(law, rng), rng.uniform(0.1, 0.5, (R.LANES, WORK_SIZE))
     assert [bool(one) for one in machine] == [bool(one) for one in python]
 
     def compared(s, work):
@@ -100,14 +100,14 @@ def test_every_unit(law, kind):
     for name in kind._fields:
         if not getattr(machine, name):
             continue
-        if name == "outrun":  # and b > a
+        if name == "check_runaway":  # and b > a
             s[R.V_NEW : R.V_NEW + R.LANES], s[R.KAPPA : R.KAPPA + R.LANES] = 40.0, 1e-9
         ours = found(by_machine, getattr(machine, name), name)
         theirs, *near = (
             found(by_python, getattr(python, name), name, k) for k in (0, 1e-15, 1e-15)
         )
         changed = not np.array_equal(theirs, compared(s, work))
-        assert changed or name == "outrun", name  # (not all laws run away)
+        assert changed or name == "check_runaway", name  # (not all laws run away)
         bad = np.flatnonzero(~is_near(ours, theirs, near))
         # (a bit of an event hangs on the sign of a number that may be 0 to rounding: in one lane)
         flips = bad // len(COMPARED) == R.EVENTS // R.LANES

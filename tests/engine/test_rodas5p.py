@@ -143,7 +143,7 @@ def plain_step(f, jacobian, f_t, y, h):
 
 @pytest.mark.parametrize("law", ["slip", "aging"])
 @pytest.mark.parametrize("eta0", [0.02, 1.0, 50.0])
-def test_one_step_is_the_method(law, eta0):
+def test_one_step_equals_the_published_method(law, eta0):
     """The arrow solve and the scaled row are rearrangements, not approximations."""
     kappa, beta, w_lp, ramp, h = 0.7, 1.9, 1.3, 0.4, 0.11
     y = np.array([0.3, 0.2, -0.15])

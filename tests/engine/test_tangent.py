@@ -94,7 +94,7 @@ def system_of(law, kappa, beta, eta):
     return FORMULAS[law], kappa, eta, (beta,)
 
 
-def draw(law, rng, eta=None, spread=1.0, slaved=False):
+def random_step(law, rng, eta=None, spread=1.0, slaved=False):
     """y, h and system of a step as the step control would take it at a very loose tolerance."""
     kappa, beta = 10 ** rng.uniform(-1.5, 1), rng.uniform(1.1, 5)
     eta = 10 ** rng.uniform(-5, 3) if eta is None else eta
@@ -107,11 +107,11 @@ def draw(law, rng, eta=None, spread=1.0, slaved=False):
 
 
 @LAWS
-def test_is_the_derivative_of_the_method(law):
+def test_derivative_of_the_method(law):
     """Against complex steps through the method as in the books: exact to rounding."""
     rng = np.random.default_rng(21)
     for _ in range(40):
-        y, h, system = draw(law, rng)
+        y, h, system = random_step(law, rng)
         _, kappa, eta, (beta,) = system
         f, J = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
         y1, y2 = rng.normal(size=(2, 3))
@@ -134,7 +134,7 @@ def test_is_the_derivative_of_the_method(law):
 def test_base_step_is_that_of_a_march(law, eta):
     rng = np.random.default_rng(22)
     for _ in range(20):
-        y, h, system = draw(law, rng, eta, spread=2.0, slaved=eta < 1e-10)
+        y, h, system = random_step(law, rng, eta, spread=2.0, slaved=eta < 1e-10)
         ours = step(y, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), h, system)
         (y_new, w, e), error, dense, _, _ = base_step(tuple(y), h, system)
         np.testing.assert_allclose(ours.y, y_new, rtol=0, atol=1e-13)
@@ -164,16 +164,16 @@ def differences(y, along, h, system, size):
 
 @LAWS
 @pytest.mark.parametrize("place", ["moving", "slaved", "held", "rest"])
-def test_is_the_derivative_of_the_engines_step(law, place):
+def test_derivative_of_the_engines_step(law, place):
     """Where inertia matters, where it is small, where it is below rounding, and at rest."""
     rng = np.random.default_rng(23)
     for _ in range(30):
         if place == "moving":
-            y, h, system = draw(law, rng)
+            y, h, system = random_step(law, rng)
         elif place == "slaved":
-            y, h, system = draw(law, rng, 10 ** rng.uniform(-12, -7), slaved=True)
+            y, h, system = random_step(law, rng, 10 ** rng.uniform(-12, -7), slaved=True)
         elif place == "held":
-            y, h, system = draw(law, rng, 10 ** rng.uniform(-30, -22), slaved=True)
+            y, h, system = random_step(law, rng, 10 ** rng.uniform(-30, -22), slaved=True)
         else:  # w is a constant there
             y, h, system = at_rest(law, rng)
         y1, y2 = rng.normal(size=(2, 3))
@@ -192,8 +192,8 @@ def test_is_the_derivative_of_the_engines_step(law, place):
 
 
 @LAWS
-def test_directions_do_not_mix(law):
-    y, h, system = draw(law, np.random.default_rng(24))
+def test_perturbations_are_independent(law):
+    y, h, system = random_step(law, np.random.default_rng(24))
     a, b = (0.3, -1.1, 0.7), (-0.2, 0.4, 1.3)
     one, other = step(y, a, b, h, system), step(y, b, a, h, system)
     np.testing.assert_allclose((one.z1, one.z2), (other.z2, other.z1), rtol=1e-13)

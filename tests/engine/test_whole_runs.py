@@ -8,7 +8,7 @@ from plain_python import Pairs
 
 import ratestate as rs
 from ratestate.engine.programs import units_of
-from ratestate.engine.rows import FOUND
+from ratestate.engine.rows import OUTPUT
 from ratestate.engine.units import in_python, lane_units
 
 
@@ -26,7 +26,7 @@ def called_from_python(law, kind):
             code(s.ctypes.data + 8 * l, 1)
 
         def point(s, l, work):
-            code(s.ctypes.data + 8 * l, work.ctypes.data, work.ctypes.data + 8 * FOUND)
+            code(s.ctypes.data + 8 * l, work.ctypes.data, work.ctypes.data + 8 * OUTPUT)
 
         return lanes if name in of_lanes else point
 
