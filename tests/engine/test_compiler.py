@@ -1,4 +1,4 @@
-"""The compiler of the control, beside Python itself, and what it refuses."""
+"""The compiler of the control against Python, and the code that it refuses."""
 
 import math
 from typing import NamedTuple
@@ -35,7 +35,7 @@ class Pair(NamedTuple):
     second: int
 
 
-# ------------------------------------------------------------------------------ what it knows
+# ------------------------------------------------------------------------------ supported code
 
 
 def arithmetic(run, n):
@@ -160,14 +160,14 @@ TYPES = float, np.int64, float, float, np.int64, float
 
 
 def record():
-    """A record of zeros, and its arrays."""
+    """Return a record of zeros, and its arrays."""
     arrays = [np.zeros(*one) for one in zip(SHAPES, TYPES, strict=True)]
     *others, items, out = arrays
     return Given(*others, Inner(5, items), out), arrays
 
 
 def bits(array):
-    """To the last bit, but for NaN, of which Python keeps no sign."""
+    """Return the bytes of an array; NaN without its sign, which Python does not keep."""
     return np.where(np.isnan(array), np.nan, array).tobytes() if array.dtype == float else array
 
 
@@ -180,9 +180,9 @@ INTS = some.lists(some.integers(-4, 5), min_size=1, max_size=14)
     "function", [arithmetic, functions, conditions, loops, tuples, arrays], ids=lambda f: f.__name__
 )
 def test_results_equal_pythons(function, level):
-    """Each statement and expression, on random numbers, to the last bit.
+    """Each statement and expression gives Python's bits, on random numbers.
 
-    But for logarithms and exponentials, of which the engine has its own.
+    Logarithms and exponentials are the engine's own, and agree to rounding.
     """
     (ours, mine), (theirs, others) = record(), record()
     machine = Machine(function, ours, level)
@@ -204,7 +204,7 @@ def test_results_equal_pythons(function, level):
     compare()
 
 
-# ------------------------------------------------------------------------------ what it does not
+# ------------------------------------------------------------------------------ refused code
 
 
 def power(run, n):
@@ -301,7 +301,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("function", REFUSED, ids=lambda f: f.__name__)
 def test_unsupported_code_is_refused(function):
-    """With the name of the function and the text."""
+    """The error has notes with the name of the function and the text."""
     # (of many kinds, as Python's own operators refuse; what is tested are the notes)
     with pytest.raises(Exception) as refused:  # noqa: PT011
         kernel_text(function, Context(record()[0]).layout())

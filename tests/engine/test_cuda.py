@@ -75,9 +75,9 @@ define void @start(ptr addrspace(1) %words, i64 %budget, i32 %thread) {
 
 
 class Emulator:
-    """Instead of NVIDIA's driver: memory is this machine's, and threads go one after the other.
+    """A replacement of NVIDIA's driver: memory is the host's, threads run in turn.
 
-    Has one multiprocessor, and fails in the function `broken`.
+    It has one multiprocessor, and fails in the function `broken`.
     """
 
     def __init__(self, broken=""):
@@ -168,7 +168,7 @@ class Emulator:
 
 @contextlib.contextmanager
 def emulated(job="simulations", broken=""):
-    """Let an `Emulator` be the driver, and what it is given the LLVM text of kernels.
+    """Replace the driver by an `Emulator`, which receives the LLVM text of kernels.
 
     It has fewer threads than a job has cases: 6 in two blocks, or 18 in two sets of lanes.
     """
@@ -195,9 +195,9 @@ def emulated(job="simulations", broken=""):
 
 
 def arguments(law):
-    """Of brief runs through steps and a hold, of unlike lengths; each ninth slider has no mass.
+    """Return brief runs of various lengths through steps and a hold.
 
-    law : its name, and perhaps that of a form of friction, or that normal stress varies
+    law : name of the law, and perhaps of a form of friction, or "varying-stress"
     """
     law, *form = law.split()
     loading = LOADING.sigma_step(5e-4, "2.1 MPa") if form == ["varying-stress"] else LOADING
@@ -228,7 +228,7 @@ def simulations(law):
 
 
 def call():
-    """The call of a simulation."""
+    """Return the call of a simulation."""
     slider, loading, t_end = arguments("slip")
     return call_of("simulate", slider, {"loading": loading, "t_end": t_end, "rtol": RTOL})[1]
 
@@ -267,7 +267,7 @@ def returns(law):
 
 
 def same(found, expected):
-    """All within `CLOSE` of each quantity's scale, and V, which varies by decades, of itself."""
+    """Compare results to `CLOSE` of a quantity's scale, or of itself for V and theta."""
     assert found.keys() == expected.keys()
     np.testing.assert_array_equal(found.pop("status"), expected["status"])
     # (by which method the next step is, and how far errors of rounding let it go, is rounding's)
@@ -331,11 +331,11 @@ def test_the_processor_of_a_store_names_the_gpu():
 
 
 class NoLaunch(Exception):
-    """Instead of a launch."""
+    """Raised in place of a launch."""
 
 
 def ptx(job, law):
-    """The PTX text of the kernel for a job."""
+    """Return the PTX text of the kernel for a job."""
     with emulated(job), backend.use(device="cuda"), pytest.MonkeyPatch.context() as change:
         images = []
         change.setattr(cuda_driver, "function", lambda image: images.append(image) or no_launch())

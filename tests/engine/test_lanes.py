@@ -32,7 +32,7 @@ LOADING = rs.Loading.steps(1e-4, (0.02, 3e-3), (0.1, 0.0), (0.3, 1e-2))
 
 
 def cases(n, seed=11):
-    """Mixed lengths and fates: easy and stiff, stick-slip, steady, without mass, failing."""
+    """Return cases of mixed length and fate: stiff or not, without mass, failing."""
     rng = np.random.default_rng(seed)
     a = 10 ** rng.uniform(-2.7, -1.5, n)
     M = np.where(rng.random(n) < 0.2, 0.0, 10 ** rng.uniform(0, 5, n))

@@ -1,4 +1,4 @@
-"""Machine code that is written by running formulas once: its functions, and the rates of laws."""
+"""Machine code made by running formulas once: functions, and rates of laws."""
 
 import ctypes
 
@@ -21,7 +21,7 @@ WIDTHS = (1, 2, 4, 8)
 
 
 def run(function, width, *columns):
-    """What compiled code of a function of numbers gives for columns (n,), an array (m, n)."""
+    """Return the results of a compiled function for columns (n,), an array (m, n)."""
     code = Code(width)
     results = function(*(code.load("%in", k * width) for k in range(len(columns))))
     for k, one in enumerate(results):
@@ -40,14 +40,14 @@ def run(function, width, *columns):
     return found
 
 
-#: those that are tested by themselves
+#: functions with tests of their own
 OTHERS = "exp_and_inverse", "rough_log2", "cosine"
 FUNCTIONS = [name for name in vars(type(CODE)) if name[0] != "_" and name not in OTHERS]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_functions_are_accurate(name):
-    """To a few units in the last place, of sizes from 1e-200 up to where e**x saturates."""
+    """A few units in the last place, from 1e-200 up to where e**x saturates."""
     sizes = np.concatenate([np.geomspace(1e-200, 1e-3, 16), np.geomspace(1e-3, 590.0, 40)])
     x = sizes if name in ("log", "log1p", "sqrt") else np.concatenate([sizes, -sizes])
     if name == "log":  # of what is near 1 it is as good as 1 is rounded

@@ -1,4 +1,4 @@
-"""Machine code on disk: damaged, full, refused, another's; a call never fails for it."""
+"""The cache of machine code: damaged, full, refused or another's; no call fails."""
 
 import contextlib
 import ctypes
@@ -29,7 +29,7 @@ TEXT = "define i64 @add_three(i64 %x) {{ %y = add i64 %x, {number}\nret i64 %y }
 
 @pytest.fixture
 def cache_folder(tmp_path, monkeypatch):
-    """The folder for kernels, in an empty cache; temporary files have a folder of their own too."""
+    """The folder for code in an empty cache; temporary files have another folder."""
     (tmp_path / "tmp").mkdir()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
@@ -43,7 +43,7 @@ def other_folder(tmp_path, cache_folder):
 
 
 def load_add_three(number=3):
-    """Whether code that adds 3 is found, as a new process would: else it is compiled."""
+    """Load code that adds 3, as a new process would; return whether it was cached."""
     made = []
 
     def make():
@@ -57,7 +57,7 @@ def load_add_three(number=3):
 
 
 def only_file(folder):
-    """The one file in a folder."""
+    """Return the one file in a folder."""
     (path,) = folder.iterdir()
     assert path.name == f"add_three-{machine_code._machine()}.o"
     return path
@@ -146,7 +146,7 @@ WHITEN = (
 
 
 def run(program, folder, **more):
-    """A process that runs a program, with its cache in a folder."""
+    """Start a process that runs a program, with its cache in a folder."""
     place = os.environ | {"XDG_CACHE_HOME": str(folder)}
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen([sys.executable, "-c", program], env=place, **streams)
@@ -208,7 +208,7 @@ def test_a_process_that_is_killed_while_it_writes(cache_folder, tmp_path):
 
 
 def refuse(monkeypatch, *folders):
-    """Let writes into some folders find the disk full."""
+    """Make writes into some folders fail because the disk is full."""
     write = machine_code._write
 
     def full(path, content):

@@ -1,4 +1,4 @@
-"""Of how many returns the period of a run is, by maxima of maps whose periods are known."""
+"""The number of returns in the period of a run, for maps whose period is known."""
 
 import math
 from typing import NamedTuple
@@ -35,7 +35,7 @@ WRITE = Machine(write_period, RUN)
 
 
 def returns_of(highs, lows, tolerance=0.0):
-    """How many returns make the last period of a run with these stress maxima and minima."""
+    """Return the number of returns in the last period of a run with these extremes."""
     s, n = RUN.s, len(highs)
     s[R.CYCLES], s[R.TOLERANCE] = n, tolerance
     for k in range(max(n - R.RING, 0), n):
@@ -50,7 +50,7 @@ def returns_of(highs, lows, tolerance=0.0):
 
 
 def logistic(r, n, x=0.3):
-    """n iterates of the logistic map, after 2,000 others."""
+    """Return n iterates of the logistic map, after 2,000 others."""
     found = []
     for k in range(2000 + n):
         x = r * x * (1.0 - x)

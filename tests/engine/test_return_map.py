@@ -1,4 +1,4 @@
-"""The return map and its derivative: differences, SciPy's variational equations, lanes."""
+"""The return map and its derivative: differences, SciPy, lanes."""
 
 import math
 

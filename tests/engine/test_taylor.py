@@ -1,4 +1,4 @@
-"""The Taylor method: its coefficients, order, answers beside Rodas5P's, and when it steps."""
+"""The Taylor method: coefficients, order, agreement with Rodas5P, choice."""
 
 import functools
 import math
@@ -22,7 +22,7 @@ from ratestate.friction.point import point_at
 from ratestate.friction.tuples import pairwise_sum, product
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
-#: of a state in the dimensionless system: x, v, psi, w_lp, its rate, kappa, eta0
+#: a state in the dimensionless system, with w_lp, its rate `ramp`, kappa and eta0
 POINT = {"x": 0.3, "v": 0.2, "psi": -0.15, "w_lp": 1.1, "ramp": 0.07, "kappa": 0.8, "eta0": 0.6}
 
 
@@ -43,7 +43,7 @@ def over_step(c, of_works, h):
 
 
 class Truncated:
-    """A power series up to a degree, in many digits: of sums and products, and by Newton."""
+    """A power series up to a degree, in many digits."""
 
     N = 2
 
@@ -105,7 +105,7 @@ class Truncated:
 
 
 def coefficients_of(law):
-    """Of a law's own p, from the example of each of its parameters."""
+    """Return a law and its p, from the example of each of its parameters."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, law=law, **OF_LAW[law])
     law = slider.friction_law
     columns = {k: np.array([v]) for k, v in slider.parameters.items() if not isinstance(v, str)}
@@ -117,7 +117,7 @@ def start_of(law, point):
 
 
 def solution(law, p, point, start=None, terms=ORDER + 3):
-    """The powers of `works`, and y as `Truncated`, by Picard's iteration: each adds a term."""
+    """Return y and the powers of `works` as `Truncated`, by Picard's iteration."""
     start = start_of(law, point) if start is None else start
     y = [Truncated([one]) for one in start]
     for Truncated.N in range(2, terms + 1):

@@ -9,7 +9,7 @@ range, `break`, `return` and calls.  Anything else is refused.
 The results equal Python's to the last bit, if
 
 - ints stay within 64 bits, and the operands of // and % are not negative;
-- `and` and `or` join bools, and no comparison in a chain has side effects;
+- `and` and `or` join bools, and every comparison in a chain may be evaluated;
 - indices are within the array and not negative: they are not checked;
 - nothing raises: x/0 is infinite or NaN, and log and sqrt of negative numbers are NaN.
 

@@ -217,7 +217,7 @@ def move(s, shape, l, to):
 
 
 def change_sets(s, shape, first):
-    """Move sliders that change their method out of a set, and waiting sliders into it.
+    """Move sliders that change their method out of a set, waiting sliders into it.
 
     Returns whether any slider has moved.
     """

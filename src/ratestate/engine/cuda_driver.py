@@ -34,7 +34,7 @@ def query(kind, name, *arguments):
 
 @functools.cache
 def device():
-    """Initialize the driver and return the first GPU; CudaError or OSError if there is none."""
+    """Initialize the driver, return the first GPU; CudaError or OSError without one."""
     call("cuInit", 0)
     return query(ctypes.c_int, "cuDeviceGet", 0)
 
@@ -57,7 +57,7 @@ def _context():
 
 
 def enter():
-    """Let the calling Python thread use the GPU."""
+    """Make the GPU current for the calling thread."""
     call("cuCtxSetCurrent", _context())
 
 

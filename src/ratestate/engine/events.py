@@ -210,12 +210,12 @@ def max_change(s, home, shape, first, end, p):
 
     The returns first to end - 1 are compared; home : the column that keeps them
     """
-    most = 0.0
+    largest = 0.0
     for k in range(first, end):
         this, other = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
-        most = max(most, abs(s[shape.highs + this] - s[shape.highs + other]))
-        most = max(most, abs(s[shape.lows + this] - s[shape.lows + other]))
-    return most
+        largest = max(largest, abs(s[shape.highs + this] - s[shape.highs + other]))
+        largest = max(largest, abs(s[shape.lows + this] - s[shape.lows + other]))
+    return largest
 
 
 def last_period(run, l):

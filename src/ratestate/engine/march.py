@@ -188,7 +188,7 @@ def finish(run, l):
 
 
 def end(run, l):
-    """Enter the next segment at a breakpoint, finish at the last one, else set why it failed.
+    """Enter the next segment, or finish the case: at its end, or because it failed.
 
     If the state jumps at a saved time, the state after the jump is saved.
     """

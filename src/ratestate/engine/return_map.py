@@ -38,7 +38,7 @@ class Starts(NamedTuple):
     steady: np.ndarray  # (n, len(y)) steady sliding
     unstable: np.ndarray  # 1 if steady sliding is unstable
     atol: np.ndarray  # tolerance of a step in x, v and psi
-    steady_tol: np.ndarray  # largest distance from steady sliding that counts as steady; 0: none
+    steady_tol: np.ndarray  # distance from steady sliding below which a slider counts as steady
     observe: np.ndarray  # 1 if extremes are wanted
     period: np.ndarray  # assumed for the waveform; not > 0 if none is known
     v_limit: np.ndarray  # ln(V/V_lp) beyond which an orbit that does not turn back has run away
@@ -101,7 +101,10 @@ def load(run, l, i):
 
 
 def end(run, l):
-    """Store the outcome of the lane's case, with derivatives of its point on the section."""
+    """Store the outcome of the lane's case.
+
+    Derivatives are corrected to points on the section.
+    """
     s, shape, results, work = run.s, run.shape, run.results, run.work
     i, status, states = int(s[R.CASE + l]), int(s[R.STATUS + l]), shape.states
     results.status[i] = status if status != RUNNING else failure_status(s, l)

@@ -200,12 +200,12 @@ def step(start, w_lp, ramp, h):
     dense : the dense output
     load_work, dissipation : integrals of `Point.works` over the step
     """
-    taken = [*stages(Arrow(start, h), h, w_lp, ramp)]
-    last, _, k = taken[-1]
+    points = [*stages(Arrow(start, h), h, w_lp, ramp)]
+    last, _, k = points[-1]
     new, _, error, dense = end_of_step(start, k, last, h)
 
     # Both quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
-    powers = [at.works(w_lp_here) for at, w_lp_here, _ in taken]
+    powers = [at.works(w_lp_here) for at, w_lp_here, _ in points]
     dy, (S_v, *S_psi) = start.in_omega(sum_of(B, k)), start.S_slopes
     load_1, friction_1 = sum_of(B[:4], powers[:4])
     load_2, friction_2 = sum_of(B[4:], powers[4:])

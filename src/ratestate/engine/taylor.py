@@ -97,15 +97,15 @@ def _values(start, w_lp):
     return start.known | {symbols[name]: x for name, x in numbers.items()}
 
 
-def step_length(last, before, tolerance):
+def step_length(last, previous, tolerance):
     """Return the step that the sizes of the last two coefficients allow, to 1 %.
 
-    last, before : sizes of the coefficients of order `ORDER` and `ORDER` - 1; at least `TINY`
+    last, previous : sizes of the coefficients of order `ORDER` and `ORDER` - 1; at least `TINY`
     """
     allowed = rough_log2(TERM_SHARE * tolerance)
     by_last = (allowed - rough_log2(last)) * (1.0 / ORDER)
-    by_before = (allowed - rough_log2(before)) * (1.0 / (ORDER - 1))
-    return exp(LN2 * where(by_last < by_before, by_last, by_before))
+    by_previous = (allowed - rough_log2(previous)) * (1.0 / (ORDER - 1))
+    return exp(LN2 * where(by_last < by_previous, by_last, by_previous))
 
 
 def norm(y, momentum):

@@ -12,14 +12,14 @@ from . import rows as R
 from .rows import rows_of, store_each
 from .taylor import ORDER, coefficients, integrals, norm, powers, step_length
 
-# Step lengths, multiplied by the fastest rate of the equations.
-#: Longest step of the Taylor method.  At order 12 it is stable up to 5.8 if the rate is a decay.
+# The fastest rate of the equations decides between the two methods.
+#: Longest Taylor step, times this rate.  At order 12 it is stable up to 5.8 if the rate is a decay.
 STABLE = 4.0
 #: Rodas5P takes over if accuracy alone would allow a step that is this many times longer.
 RODAS5P_ABOVE = 3.0
 #: Rodas5P also takes over if stability has limited more than this many steps in a row.
 MAX_LIMITED = 8.0
-#: The Taylor method takes over if the next step of Rodas5P is shorter than this.
+#: The Taylor method takes over if the next step of Rodas5P, times the rate, is shorter than this.
 TAYLOR_BELOW = 2.0
 #: Powers of rates above this, or below its inverse, would overflow, for example at rest.
 FASTEST = 1e20
@@ -32,14 +32,14 @@ def fastest_rate(at, frequency):
 
 
 def momentum_of(s, l):
-    """Return the momentum of the lane's slider, as `taylor.max_norm` needs it."""
+    """Return the momentum of the lane's slider, as `taylor.norm` needs it."""
     return s[R.ETA0 + l] * s[R.FREQUENCY + l] * s[R.W + l]
 
 
 def step_lengths(s, l, c):
     """Return the longest accurate step, by coefficients c, and the longest stable."""
-    last, before = (norm([one[k] for one in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
-    return step_length(last, before, s[R.TOLERANCE + l]), STABLE / s[R.RATE + l]
+    last, previous = (norm([one[k] for one in c], momentum_of(s, l)) for k in (ORDER, ORDER - 1))
+    return step_length(last, previous, s[R.TOLERANCE + l]), STABLE / s[R.RATE + l]
 
 
 def store_step(s, l, start, h, h_powers, c, lengths, other_sum):

@@ -124,7 +124,7 @@ def enter_stress(s, l, law, start, rate):
 
 
 def stress_jump(s, l, law, rise):
-    """Change psi as a jump of ln s by `rise` does at constant V; return v there.
+    """Change psi as a jump of ln s by `rise` at constant V does; return v at this V.
 
     R changes in proportion to the jumps of psi, which depend on R: hence the exponential.
     """
@@ -205,10 +205,7 @@ def refresh_rigid(s, l, law):
 
 
 def lane_units(law, kind):
-    """Return name -> functions of (s, l, law) that run in turn on vectors of lanes.
-
-    kind : the class of the units
-    """
+    """Return name -> functions of (s, l, law) that run in turn on vectors of lanes."""
     returns, events = kind is ReturnUnits, rigid if kind is RigidUnits else lanes
     step = tangent.try_step if returns else events.try_step
     taylor_step = tangent.try_taylor_step if returns else taylor_lanes.try_step
@@ -262,10 +259,7 @@ def unit_names(law, kind):
 
 
 def in_python(law, kind):
-    """Return the units of a law as Python functions, called like machine code.
-
-    kind : the class of the units
-    """
+    """Return a law's units as Python functions that are called like machine code."""
     units = {name: _lanes(law, bodies) for name, bodies in lane_units(law, kind).items()}
     points = {name: _point(law, *unit) for name, unit in point_units(law, kind).items()}
     return kind(**dict.fromkeys(kind._fields, 0) | units | points)
