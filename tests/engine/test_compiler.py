@@ -1,4 +1,4 @@
-"""The compiler of the control, beside Python itself, and what it refuses."""
+"""The compiler of the control against Python, and the code that it refuses."""
 
 import math
 from typing import NamedTuple
@@ -35,7 +35,7 @@ class Pair(NamedTuple):
     second: int
 
 
-# ------------------------------------------------------------------------------ what it knows
+# ------------------------------------------------------------------------------ supported code
 
 
 def arithmetic(run, n):
@@ -160,14 +160,14 @@ TYPES = float, np.int64, float, float, np.int64, float
 
 
 def record():
-    """A record of zeros, and its arrays."""
+    """Return a record of zeros, and its arrays."""
     arrays = [np.zeros(*one) for one in zip(SHAPES, TYPES, strict=True)]
     *others, items, out = arrays
     return Given(*others, Inner(5, items), out), arrays
 
 
 def bits(array):
-    """To the last bit, but for NaN, of which Python keeps no sign."""
+    """Return the bytes of an array; NaN without its sign, which Python does not keep."""
     return np.where(np.isnan(array), np.nan, array).tobytes() if array.dtype == float else array
 
 
@@ -179,10 +179,10 @@ INTS = some.lists(some.integers(-4, 5), min_size=1, max_size=14)
 @pytest.mark.parametrize(
     "function", [arithmetic, functions, conditions, loops, tuples, arrays], ids=lambda f: f.__name__
 )
-def test_as_python(function, level):
-    """Each statement and expression, on random numbers, to the last bit.
+def test_results_equal_pythons(function, level):
+    """Each statement and expression gives Python's bits, on random numbers.
 
-    But for logarithms and exponentials, of which the engine has its own.
+    Logarithms and exponentials are the engine's own, and agree to rounding.
     """
     (ours, mine), (theirs, others) = record(), record()
     machine = Machine(function, ours, level)
@@ -204,7 +204,7 @@ def test_as_python(function, level):
     compare()
 
 
-# ------------------------------------------------------------------------------ what it does not
+# ------------------------------------------------------------------------------ refused code
 
 
 def power(run, n):
@@ -300,8 +300,8 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("function", REFUSED, ids=lambda f: f.__name__)
-def test_what_is_not_known_is_refused(function):
-    """With the name of the function and the text."""
+def test_unsupported_code_is_refused(function):
+    """The error has notes with the name of the function and the text."""
     # (of many kinds, as Python's own operators refuse; what is tested are the notes)
     with pytest.raises(Exception) as refused:  # noqa: PT011
         kernel_text(function, Context(record()[0]).layout())
@@ -320,7 +320,7 @@ def test_a_function_that_may_end_without_a_return_is_refused():
     [np.zeros(4)[::2], np.zeros(4, np.float32), np.zeros(4, ">f8"), np.zeros(4, bool), 0.5, None],
     ids=["strided", "float32", "big-endian", "bool", "float", "None"],
 )
-def test_a_record_of_other_things_is_refused(wrong):
+def test_unsupported_fields_of_a_record_are_refused(wrong):
     with pytest.raises(TypeError):
         Context(record()[0]._replace(x=wrong))
 

@@ -32,15 +32,15 @@ OF_LAW = {"b2": 1e-3, "Dc2": 5e-5}
 #: recurrences, and under normal stress that jumps
 SOME = [
     ("simulations", "slip"),
-    ("turns", "two-state-aging"),
+    ("returns", "two-state-aging"),
     ("simulations", "slip regularized"),
     ("simulations", "aging varying-stress"),
 ]
 MORE = [
-    ("turns", "aging"),
+    ("returns", "aging"),
     ("simulations", "two-state-slip"),
     ("simulations", "aging"),
-    ("turns", "slip"),
+    ("returns", "slip"),
 ]
 RTOL, CLOSE = 1e-10, 1e-9
 N = 22  # sliders simulated
@@ -75,9 +75,9 @@ define void @start(ptr addrspace(1) %words, i64 %budget, i32 %thread) {
 
 
 class Emulator:
-    """Instead of NVIDIA's driver: memory is this machine's, and threads go one after the other.
+    """A replacement of NVIDIA's driver: memory is the host's, threads run in turn.
 
-    Has one multiprocessor, and fails in the function `broken`.
+    It has one multiprocessor, and fails in the function `broken`.
     """
 
     def __init__(self, broken=""):
@@ -143,8 +143,8 @@ class Emulator:
             r"define internal i32 @thread.*?\n}", THREAD_OF_HOST, text, flags=re.S
         )
         assert count == 1
-        code = machine_code.compiled(text, level=1)
-        start = machine_code.loaded(code, ["start"])["start"]
+        code = machine_code.compile_object(text, level=1)
+        start = machine_code.load_functions(code, ["start"])["start"]
         kind = ctypes.CFUNCTYPE(None, ctypes.c_uint64, ctypes.c_int64, ctypes.c_int32)
         self.kernels.append(kind(start))
         module._obj.value = len(self.kernels)
@@ -168,7 +168,7 @@ class Emulator:
 
 @contextlib.contextmanager
 def emulated(job="simulations", broken=""):
-    """Let an `Emulator` be the driver, and what it is given the LLVM text of kernels.
+    """Replace the driver by an `Emulator`, which receives the LLVM text of kernels.
 
     It has fewer threads than a job has cases: 6 in two blocks, or 18 in two sets of lanes.
     """
@@ -177,12 +177,12 @@ def emulated(job="simulations", broken=""):
     with pytest.MonkeyPatch.context() as change:
         change.setattr(cuda_driver, "library", lambda: driver)
         change.setattr(cuda, "ptx", str.encode)
-        change.setattr(machine_code, "obtained", lambda name, make: make())
-        change.setattr(cuda, "BLOCK", 3 if job == "turns" else 18)
-        change.setattr(cuda, "RESIDENT", 2 if job == "turns" else 1)
-        change.setattr(cuda, "GROWTH", 1)
-        budgets = {"simulations": 300, "turns": 40, "interrupted": 15}
-        change.setattr(cuda, "LEAST_BUDGET", budgets[job])
+        change.setattr(machine_code, "cached_code", lambda name, make: make())
+        change.setattr(cuda, "BLOCK", 3 if job == "returns" else 18)
+        change.setattr(cuda, "WARPS", 2 if job == "returns" else 1)
+        change.setattr(cuda, "MAX_GROWTH", 1)
+        budgets = {"simulations": 300, "returns": 40, "interrupted": 15}
+        change.setattr(cuda, "MIN_BUDGET", budgets[job])
         for function in cached:
             function.cache_clear()
         yield driver
@@ -195,9 +195,9 @@ def emulated(job="simulations", broken=""):
 
 
 def arguments(law):
-    """Of brief runs through steps and a hold, of unlike lengths; each ninth slider has no mass.
+    """Return brief runs of various lengths through steps and a hold.
 
-    law : its name, and perhaps that of a form of friction, or that normal stress varies
+    law : name of the law, and perhaps of a form of friction, or "varying-stress"
     """
     law, *form = law.split()
     loading = LOADING.sigma_step(5e-4, "2.1 MPa") if form == ["varying-stress"] else LOADING
@@ -228,12 +228,12 @@ def simulations(law):
 
 
 def call():
-    """The call of a simulation."""
+    """Return the call of a simulation."""
     slider, loading, t_end = arguments("slip")
     return call_of("simulate", slider, {"loading": loading, "t_end": t_end, "rtol": RTOL})[1]
 
 
-def turns(law):
+def returns(law):
     """With derivative and waveform, of many a slider; and three that do not come back.
 
     The third takes too many steps, the fifth is stable, the sixth has no mass and runs away.
@@ -267,7 +267,7 @@ def turns(law):
 
 
 def same(found, expected):
-    """All within `CLOSE` of each quantity's scale, and V, which varies by decades, of itself."""
+    """Compare results to `CLOSE` of a quantity's scale, or of itself for V and theta."""
     assert found.keys() == expected.keys()
     np.testing.assert_array_equal(found.pop("status"), expected["status"])
     # (by which method the next step is, and how far errors of rounding let it go, is rounding's)
@@ -285,7 +285,7 @@ def same(found, expected):
 def test_emulated(job, law):
     expected = globals()[job](law)
     fates = set(expected["status"].tolist())
-    if job == "turns":
+    if job == "returns":
         assert {FINISHED, STEADY_SLIDING, RUNAWAY, STEP_LIMIT} == fates
         assert (expected["slow"] > 0).any()
     else:
@@ -299,14 +299,14 @@ def test_emulated(job, law):
 
 def test_progress_and_interruption():
     """No progress is reported after the event was set; an error of it is its own."""
-    stop, told = threading.Event(), []
+    stop, fractions = threading.Event(), []
 
     def fail(fraction):
         raise ZeroDivisionError(fraction)
 
     def progress(fraction):
-        told.append(fraction)
-        if len(told) == 3:
+        fractions.append(fraction)
+        if len(fractions) == 3:
             stop.set()
 
     gpu = backend.use(device="cuda", stop=stop)
@@ -315,10 +315,10 @@ def test_progress_and_interruption():
             call().move(fail)
         with pytest.raises(backend.Stopped):
             call().move(progress)
-    assert len(told) == 3
-    assert 0.0 < told[0] < 0.5
-    assert (np.diff(told) > 0.0).all()
-    assert told[-1] < 1.0
+    assert len(fractions) == 3
+    assert 0.0 < fractions[0] < 0.5
+    assert (np.diff(fractions) > 0.0).all()
+    assert fractions[-1] < 1.0
 
 
 def test_the_processor_of_a_store_names_the_gpu():
@@ -330,22 +330,22 @@ def test_the_processor_of_a_store_names_the_gpu():
 # PTX ----------------------------------------------------------------------------------------------
 
 
-class Seen(Exception):
-    """Instead of a launch."""
+class NoLaunch(Exception):
+    """Raised in place of a launch."""
 
 
 def ptx(job, law):
-    """The PTX text of the kernel for a job."""
+    """Return the PTX text of the kernel for a job."""
     with emulated(job), backend.use(device="cuda"), pytest.MonkeyPatch.context() as change:
         images = []
-        change.setattr(cuda_driver, "function", lambda image: images.append(image) or seen())
-        with pytest.raises(rs.SolverError, match="Seen"):
+        change.setattr(cuda_driver, "function", lambda image: images.append(image) or no_launch())
+        with pytest.raises(rs.SolverError, match="NoLaunch"):
             globals()[job](law)
     return cuda.ptx(images[0].decode()).decode()
 
 
-def seen():
-    raise Seen
+def no_launch():
+    raise NoLaunch
 
 
 @pytest.mark.parametrize(("job", "law"), SOME[:2])
@@ -380,7 +380,7 @@ def test_assembler(job, law, tmp_path):
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
         spilled = sum(map(int, re.findall(r"(\d+) bytes spill stores", done.stderr)))
-        assert spilled < (10_000 if job == "turns" else 200)
+        assert spilled < (10_000 if job == "returns" else 200)
         assert 128 < int(re.search(r"Used (\d+) registers", done.stderr)[1]) <= 255
 
 
@@ -416,27 +416,27 @@ def test_gpu(job, law):
 def test_without_a_gpu(library, words):
     with emulated(broken="cuInit"), pytest.MonkeyPatch.context() as change:
         if library:
-            change.setattr(cuda_driver, "library", partial(raised, library))
+            change.setattr(cuda_driver, "library", partial(raise_error, library))
         with backend.use(device="cuda"), pytest.raises(rs.ParameterError) as caught:
-            turns("slip")
+            returns("slip")
     assert str(caught.value) == (
         f"device = 'cuda' needs an NVIDIA GPU with its driver, which was not found ({words})."
         " Leave device out to run on the CPU."
     )
 
 
-def raised(error):
+def raise_error(error):
     raise error
 
 
-def test_no_case_needs_no_gpu():
+def test_without_cases_no_gpu_is_needed():
     with backend.use(device="cuda"):
         found = dispatch.run_returns(None, Starts(*[np.empty((0, 3))] * len(Starts._fields)))
     assert found.numbers.shape == (0, len(RETURN_NUMBERS))
 
 
 @pytest.mark.parametrize("broken", ["cuModuleLoadData", "cuMemAlloc_v2", "cuLaunchKernel"])
-def test_a_failure_is_said_at_once(broken):
+def test_a_failure_of_the_gpu_is_reported_at_once(broken):
     """And not taken for one of a case, after which a sweep would try each half of the cases."""
     slider = rs.SpringSlider(a=0.01, b=0.02, Dc=1e-5, sigma=2e6, K=1e9, M=1e3)
     message = rf"^The GPU failed \(CudaError: {broken}: out of memory\)\. If it lacks memory"

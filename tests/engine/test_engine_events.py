@@ -7,7 +7,7 @@ import pytest
 
 from ratestate.engine import events
 from ratestate.engine import rows as R
-from ratestate.engine.rows import WORK
+from ratestate.engine.rows import WORK_SIZE
 from ratestate.engine.units import MarchUnits, in_python
 from ratestate.friction.built_in_laws import SlipLaw
 from ratestate.friction.composition import composed, under_varying_stress
@@ -23,13 +23,13 @@ def lane(law, c, p=(), h=1.0):
     """
     rows = R.rows_of(law)
     s = np.full(rows.size, np.nan)
-    s[R.TAYLOR + LANE], s[R.H_USED + LANE] = len(c[0]) > R.OF_RODAS5P, h
+    s[R.TAYLOR + LANE], s[R.H_USED + LANE] = len(c[0]) > R.RODAS5P_TERMS, h
     for row, coefficients in zip(rows.c, c, strict=True):
         s[np.add(row[: len(coefficients)], LANE)] = coefficients
     s[np.add(rows.p, LANE)] = p
     s[np.add(rows.y, LANE)] = np.transpose(c)[0]
     units = in_python(law, MarchUnits)
-    return SimpleNamespace(s=s, shape=R.shape_of(law), units=units, work=np.zeros(WORK))
+    return SimpleNamespace(s=s, shape=R.shape_of(law), units=units, work=np.zeros(WORK_SIZE))
 
 
 def of_v(c):
@@ -69,12 +69,12 @@ MANY = (0.4, -0.2, 1.3, 2.5, -3.0, 1.7, -0.6)
         ((1.1, -3.0), 1.0),
     ],
 )
-def test_where_a_step_has_its_extreme(roots, at, sign, terms):
+def test_extreme_of_a_step(roots, at, sign, terms):
     c = sign * from_derivative(terms, *roots)
     assert extreme(of_v(c)) == pytest.approx(at, abs=1e-13)
 
 
-def test_where_a_step_of_high_order_has_its_extreme():
+def test_extreme_of_a_taylor_step():
     """All coefficients count, and those of the step before, of another method, do not."""
     run = of_v(from_derivative(13, *MANY))
     assert extreme(run) == pytest.approx(0.4, abs=1e-13)
@@ -100,7 +100,7 @@ def crossing(c, *load):
         ((1.0 - 1e-9, -2.0, 4.0), 1.0 - 1e-9),
     ],
 )
-def test_where_a_step_crosses_the_speed_of_the_load_point(roots, at, sign, terms):
+def test_crossing_of_the_load_point_speed(roots, at, sign, terms):
     c = sign * np.polynomial.Polynomial.fromroots(roots).coef
     c = np.append(c, np.zeros(terms - c.size))
     c[0] += np.log(3.0)

@@ -32,7 +32,7 @@ LOADING = rs.Loading.steps(1e-4, (0.02, 3e-3), (0.1, 0.0), (0.3, 1e-2))
 
 
 def cases(n, seed=11):
-    """Mixed lengths and fates: easy and stiff, stick-slip, steady, without mass, failing."""
+    """Return cases of mixed length and fate: stiff or not, without mass, failing."""
     rng = np.random.default_rng(seed)
     a = 10 ** rng.uniform(-2.7, -1.5, n)
     M = np.where(rng.random(n) < 0.2, 0.0, 10 ** rng.uniform(0, 5, n))
@@ -82,7 +82,7 @@ def test_a_million_steps_lose_no_time():
 
 @pytest.mark.parametrize("where", range(6))
 @pytest.mark.parametrize("wrong", [0.0, np.nan, np.inf])
-def test_a_step_that_is_no_number_is_rejected(where, wrong):
+def test_a_step_that_is_not_finite_is_rejected(where, wrong):
     """Whichever of its numbers is none: of that and another, max may give the other."""
     law, l = friction_law("slip"), 5
     rows = R.rows_of(law)
@@ -91,8 +91,8 @@ def test_a_step_that_is_no_number_is_rejected(where, wrong):
     s[R.TOLERANCE + l] = 1e-6
     y, error = [[2.0, 0.0, 0.5], [3e-7, 0.0, 1e-7]]
     (error if where < 3 else y)[where % 3] += wrong
-    dense = ((0.0,) * R.OF_RODAS5P,) * 3
-    lanes.record(s, l, 0.1, Point(law, (1.5, 1.5), tuple(y), 1.0, ()), tuple(error), dense)
+    dense = ((0.0,) * R.RODAS5P_TERMS,) * 3
+    lanes.store_step(s, l, 0.1, Point(law, (1.5, 1.5), tuple(y), 1.0, ()), tuple(error), dense)
     control_step(s, l)
     assert s[R.OK + l] == (wrong == 0.0)
     assert s[R.BAD + l] == (wrong != 0.0)
@@ -100,7 +100,7 @@ def test_a_step_that_is_no_number_is_rejected(where, wrong):
         assert s[R.ERROR + l] == pytest.approx(0.3, rel=1e-12)
 
 
-def test_where_nothing_marches_no_kernel_is_loaded(monkeypatch):
+def test_a_rigid_limit_cycle_loads_no_kernel(monkeypatch):
     """There is no cycle with K = inf."""
     monkeypatch.setattr(dispatch, "Program", None)
     rigid = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=np.inf)
@@ -140,7 +140,7 @@ def test_threads(reference, law, cores, monkeypatch):
 
 
 @LAWS
-def test_one_after_another(law):
+def test_a_second_run_gives_the_same_bits(law):
     """A run leaves nothing behind for the next."""
     same(run(*cases(40), law), run(*cases(40), law))
 
@@ -163,7 +163,7 @@ def test_a_single_run_is_stopped_between_two_budgets(times):
 
 
 @LAWS
-def test_alone(reference, law):
+def test_single_sliders(reference, law):
     """A slider in a call of its own."""
     parameters, t_end = cases(40)
     for i in range(40):
@@ -207,7 +207,7 @@ def test_code_is_made_once(monkeypatch):
     before = list(programs._functions)
     of_records = [(f, *(one for one in kinds if isinstance(one[0], str))) for f, kinds in before]
     assert len(set(of_records)) == len(before)  # each for one kind of record
-    monkeypatch.setattr(machine_code, "obtained", None)
+    monkeypatch.setattr(machine_code, "cached_code", None)
     work(many, np.linspace(0.0, 1e-3, 9)[::2])
     escape(slider, 3.6e-4)
     rs.fit(fitted, SLIDER, errors="covariance")

@@ -1,4 +1,4 @@
-"""The units of laws as machine code, beside the same functions in plain Python."""
+"""The units of laws as machine code, against the same functions in Python."""
 
 import ctypes
 
@@ -9,7 +9,7 @@ from textbook import OF_LAW
 from ratestate.engine import rows as R
 from ratestate.engine.lanes import write_point
 from ratestate.engine.programs import units_of
-from ratestate.engine.rows import FOUND, WORK, read_rows, rows_of
+from ratestate.engine.rows import OUTPUT, WORK_SIZE, read_rows, rows_of
 from ratestate.engine.units import MarchUnits, ReturnUnits, in_python, lane_units
 from ratestate.friction.composition import composed, under_varying_stress
 from ratestate.friction.forms import FORMS
@@ -26,12 +26,12 @@ COMPOSED += [
 ]
 
 
-#: lanes that run as Python too, which takes long: in each group of WIDTH lanes one or two
+#: lanes that also run as Python, which is slow: one or two in each vector
 COMPARED = [0, 3, 6, 9, 13]
 
 
 def random_lanes(law, rng):
-    """A set of lanes: states, perturbations and dense output of either sign, the rest > 0."""
+    """Return random lanes: states, perturbations and dense output of any sign."""
     rows = R.rows_of(law)
     s = rng.uniform(0.1, 0.9, (rows.size // R.LANES, R.LANES))
     signed = [*rows.y, *rows.y_new, *np.ravel(rows.z), *np.ravel(rows.c), *np.ravel(rows.z_new)]
@@ -51,7 +51,7 @@ def random_lanes(law, rng):
 
 
 def by_machine(unit, s, work, is_of_lanes):
-    """Run machine code of a unit on all lanes: s and work are changed."""
+    """Run machine code of a unit on all lanes; s and work are changed."""
     place = s.ctypes.data
     if is_of_lanes:
         ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)(unit)(place, R.LANES)
@@ -59,7 +59,7 @@ def by_machine(unit, s, work, is_of_lanes):
     code = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)(unit)
     for l in range(R.LANES):
         given = work[l].ctypes.data
-        code(place + 8 * l, given, given + 8 * FOUND)
+        code(place + 8 * l, given, given + 8 * OUTPUT)
 
 
 def by_python(unit, s, work, is_of_lanes):
@@ -69,7 +69,7 @@ def by_python(unit, s, work, is_of_lanes):
 
 @np.errstate(invalid="ignore")
 def is_near(ours, theirs, near):
-    """Whether numbers are the same to rounding; near : what rounding of what is given makes."""
+    """Return whether results agree to rounding; near : results of changed input."""
     rounding = np.abs(near - theirs).max(axis=0)
     allowed = 1e-12 * (1.0 + np.abs(theirs)) + 30.0 * rounding
     assert np.nanmedian(allowed) < 1e-11
@@ -80,13 +80,13 @@ def is_near(ours, theirs, near):
 @pytest.mark.parametrize("kind", [MarchUnits, ReturnUnits])
 @pytest.mark.parametrize("law", COMPOSED, ids=lambda law: law.name)
 def test_every_unit(law, kind):
-    """To 1e-12, or what a change of all numbers by 1e-15 makes, in some random lanes."""
+    """Results agree to 1e-12, or to the effect of changing all numbers by 1e-15."""
     if kind is ReturnUnits and rows_of(law).history:
         pytest.skip("normal stress is constant in a return")
     machine, python = units_of(law, kind, R.WIDTH), in_python(law, kind)
     of_lanes = lane_units(law, kind)
     rng = np.random.default_rng(3)
-    s, work = random_lanes(law, rng), rng.uniform(0.1, 0.5, (R.LANES, WORK))
+    s, work = random_lanes(law, rng), rng.uniform(0.1, 0.5, (R.LANES, WORK_SIZE))
     assert [bool(one) for one in machine] == [bool(one) for one in python]
 
     def compared(s, work):
@@ -100,14 +100,14 @@ def test_every_unit(law, kind):
     for name in kind._fields:
         if not getattr(machine, name):
             continue
-        if name == "outrun":  # and b > a
+        if name == "check_runaway":  # and b > a
             s[R.V_NEW : R.V_NEW + R.LANES], s[R.KAPPA : R.KAPPA + R.LANES] = 40.0, 1e-9
         ours = found(by_machine, getattr(machine, name), name)
         theirs, *near = (
             found(by_python, getattr(python, name), name, k) for k in (0, 1e-15, 1e-15)
         )
         changed = not np.array_equal(theirs, compared(s, work))
-        assert changed or name == "outrun", name  # (not all laws run away)
+        assert changed or name == "check_runaway", name  # (not all laws run away)
         bad = np.flatnonzero(~is_near(ours, theirs, near))
         # (a bit of an event hangs on the sign of a number that may be 0 to rounding: in one lane)
         flips = bad // len(COMPARED) == R.EVENTS // R.LANES

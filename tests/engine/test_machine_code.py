@@ -1,4 +1,4 @@
-"""Machine code that is written by running formulas once: its functions, and the rates of laws."""
+"""Machine code made by running formulas once: functions, and rates of laws."""
 
 import ctypes
 
@@ -9,7 +9,7 @@ from exact_functions import exact_function
 
 from ratestate.engine import machine_code
 from ratestate.engine.code import Code, Number, unit_text
-from ratestate.engine.machine_code import compiled, loaded, target
+from ratestate.engine.machine_code import compile_object, load_functions, target
 from ratestate.engine.rows import LANES, WIDTH, rows_of
 from ratestate.engine.units import MarchUnits, ReturnUnits, lane_units, point_units
 from ratestate.friction import functions
@@ -21,14 +21,14 @@ WIDTHS = (1, 2, 4, 8)
 
 
 def run(function, width, *columns):
-    """What compiled code of a function of numbers gives for columns (n,), an array (m, n)."""
+    """Return the results of a compiled function for columns (n,), an array (m, n)."""
     code = Code(width)
     results = function(*(code.load("%in", k * width) for k in range(len(columns))))
     for k, one in enumerate(results):
         code.store(one, "%out", k * width)
     head, end = "define void @f(ptr %in, ptr %out) {", ["ret void", "}"]
     text = "\n".join([*code.declarations.values(), head, *code.lines, *end])
-    address = loaded(compiled(text), ["f"])["f"]
+    address = load_functions(compile_object(text), ["f"])["f"]
     call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
     rows = np.stack(columns)
     found = np.empty((len(results), rows.shape[1]))
@@ -40,14 +40,14 @@ def run(function, width, *columns):
     return found
 
 
-#: those that are tested by themselves
+#: functions with tests of their own
 OTHERS = "exp_and_inverse", "rough_log2", "cosine"
 FUNCTIONS = [name for name in vars(type(CODE)) if name[0] != "_" and name not in OTHERS]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_functions_are_accurate(name):
-    """To a few units in the last place, of sizes from 1e-200 up to where e**x saturates."""
+    """A few units in the last place, from 1e-200 up to where e**x saturates."""
     sizes = np.concatenate([np.geomspace(1e-200, 1e-3, 16), np.geomspace(1e-3, 590.0, 40)])
     x = sizes if name in ("log", "log1p", "sqrt") else np.concatenate([sizes, -sizes])
     if name == "log":  # of what is near 1 it is as good as 1 is rounded
@@ -81,7 +81,7 @@ def test_far_arguments_saturate_and_nan_stays(name):
 
 
 @pytest.mark.parametrize("x", [0.0, -1.0])
-def test_the_logarithm_of_no_positive_number_is_none(x):
+def test_logarithm_of_numbers_that_are_not_positive(x):
     (found,) = run(lambda one: [functions.log(one)], 2, np.array([x, 2.0]))
     assert np.isnan(found[0])
     assert found[1] == np.log(2.0)
@@ -102,10 +102,10 @@ def test_an_instruction_is_written_once():
     assert len(code.lines) == 2
 
 
-def test_missing_functions_are_seen_before_they_are_called():
-    code = compiled("define void @f() { ret void }")
+def test_missing_functions_are_reported_on_loading():
+    code = compile_object("define void @f() { ret void }")
     with pytest.raises(ImportError, match="lacks g"):
-        loaded(code, ["f", "g"])
+        load_functions(code, ["f", "g"])
 
 
 @pytest.mark.parametrize("name", LAWS)
@@ -136,7 +136,7 @@ def test_rates_of_laws(name, width):
 def test_objects_for_other_processors(triple, cpu, kind):
     """x86-64 without AVX, and aarch64: of a law's units, for vectors of two doubles."""
     names = [*lane_units(LAWS["slip"], kind), *point_units(LAWS["slip"], kind)]
-    code = compiled(unit_text(LAWS["slip"], kind, 2), target(cpu, "", triple))
+    code = compile_object(unit_text(LAWS["slip"], kind, 2), target(cpu, "", triple))
     assert code[:4] == b"\x7fELF"
     assert code[18] == {"x86_64": 62, "aarch64": 183}[triple.partition("-")[0]]
     assert all(name.encode() in code for name in names)
@@ -148,10 +148,10 @@ def test_this_processor_without_avx(monkeypatch):
     s = np.random.default_rng(2).uniform(0.1, 0.9, rows_of(law).size)
     found = []
     for width, machine in ((2, target("x86-64", "")), (WIDTH, target())):
-        code = compiled(unit_text(law, MarchUnits, width), machine)
+        code = compile_object(unit_text(law, MarchUnits, width), machine)
         buffer = s.copy()
         call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
-        call(loaded(code, [name])[name])(buffer.ctypes.data, LANES)
+        call(load_functions(code, [name])[name])(buffer.ctypes.data, LANES)
         found.append(buffer)
     assert (found[0] != s).any()
     np.testing.assert_allclose(*found, rtol=1e-8, atol=1e-12)

@@ -1,4 +1,4 @@
-"""Machine code on disk: damaged, full, refused, another's; a call never fails for it."""
+"""The cache of machine code: damaged, full, refused or another's; no call fails."""
 
 import contextlib
 import ctypes
@@ -28,52 +28,52 @@ TEXT = "define i64 @add_three(i64 %x) {{ %y = add i64 %x, {number}\nret i64 %y }
 
 
 @pytest.fixture
-def usual(tmp_path, monkeypatch):
-    """The folder for kernels, in an empty cache; temporary files have a folder of their own too."""
+def cache_folder(tmp_path, monkeypatch):
+    """The folder for code in an empty cache; temporary files have another folder."""
     (tmp_path / "tmp").mkdir()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
-    machine_code.say.cache_clear()
+    machine_code.report_once.cache_clear()
     return tmp_path / "cache" / "ratestate" / f"kernels-{machine_code.DIGEST}"
 
 
 @pytest.fixture
-def temporary(tmp_path, usual):
+def other_folder(tmp_path, cache_folder):
     return tmp_path / "tmp" / f"ratestate-{os.geteuid()}" / f"kernels-{machine_code.DIGEST}"
 
 
-def called(number=3):
-    """Whether code that adds 3 is found, as a new process would: else it is compiled."""
+def load_add_three(number=3):
+    """Load code that adds 3, as a new process would; return whether it was cached."""
     made = []
 
     def make():
         made.append(True)
-        return machine_code.compiled(TEXT.format(number=number))
+        return machine_code.compile_object(TEXT.format(number=number))
 
-    code = machine_code.obtained("add_three", make)
+    code = machine_code.cached_code("add_three", make)
     add = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64)
-    assert add(machine_code.loaded(code, ["add_three"])["add_three"])(4) == 4 + number
+    assert add(machine_code.load_functions(code, ["add_three"])["add_three"])(4) == 4 + number
     return not made
 
 
-def only(folder):
-    """The one file in a folder."""
+def only_file(folder):
+    """Return the one file in a folder."""
     (path,) = folder.iterdir()
     assert path.name == f"add_three-{machine_code._machine()}.o"
     return path
 
 
-def test_code_is_compiled_once(usual, temporary, capfd):
-    assert [called(), called(), called()] == [False, True, True]
-    content = only(usual).read_bytes()
+def test_code_is_compiled_once(cache_folder, other_folder, capfd):
+    assert [load_add_three(), load_add_three(), load_add_three()] == [False, True, True]
+    content = only_file(cache_folder).read_bytes()
     assert content[:CHECKSUM] == hashlib.sha256(content[CHECKSUM:]).digest()
-    assert not temporary.exists()
+    assert not other_folder.exists()
     assert capfd.readouterr().err == ""
 
 
-def test_one_file_for_each_processor_and_compiler(usual, monkeypatch):
-    assert not called()
-    names, (triple, *_) = {only(usual).name}, machine_code.processor()
+def test_one_file_for_each_processor_and_compiler(cache_folder, monkeypatch):
+    assert not load_add_three()
+    names, (triple, *_) = {only_file(cache_folder).name}, machine_code.processor()
     for module, name, value in (
         (machine_code, "processor", lambda: (triple, "generic", "")),
         (machine_code.llvmlite, "__version__", "0.0"),
@@ -81,13 +81,13 @@ def test_one_file_for_each_processor_and_compiler(usual, monkeypatch):
         monkeypatch.setattr(module, name, value)
         machine_code._machine.cache_clear()
         names.add(f"add_three-{machine_code._machine()}.o")
-        assert [called(), called()] == [False, True]
+        assert [load_add_three(), load_add_three()] == [False, True]
     machine_code._machine.cache_clear()
-    assert {path.name for path in usual.iterdir()} == names
+    assert {path.name for path in cache_folder.iterdir()} == names
     assert len(names) == 3
 
 
-def test_code_is_of_its_sources(tmp_path, monkeypatch):
+def test_cache_folder_depends_on_all_sources(tmp_path, monkeypatch):
     """A change of any file of the engine or of friction, or a new one, has another folder."""
     package = Path(machine_code.__file__).parents[1]
     sources = [
@@ -123,19 +123,19 @@ DAMAGES = {
 
 
 @pytest.mark.parametrize("damage", DAMAGES.values(), ids=DAMAGES)
-def test_a_damaged_file_is_replaced(damage, usual, capfd):
-    called()
-    path = only(usual)
+def test_a_damaged_file_is_replaced(damage, cache_folder, capfd):
+    load_add_three()
+    path = only_file(cache_folder)
     whole = path.read_bytes()
     path.write_bytes(damage(whole))
-    assert not called()
-    said = f"ratestate: the machine code {path} is damaged; it is compiled anew\n"
-    assert capfd.readouterr().err == said
-    assert only(usual) == path
+    assert not load_add_three()
+    message = f"ratestate: the machine code {path} is damaged; it is compiled anew\n"
+    assert capfd.readouterr().err == message
+    assert only_file(cache_folder) == path
     content = path.read_bytes()
     assert content[:CHECKSUM] == hashlib.sha256(content[CHECKSUM:]).digest()
     assert content == whole
-    assert called()
+    assert load_add_three()
     assert capfd.readouterr().err == ""
 
 
@@ -146,7 +146,7 @@ WHITEN = (
 
 
 def run(program, folder, **more):
-    """A process that runs a program, with its cache in a folder."""
+    """Start a process that runs a program, with its cache in a folder."""
     place = os.environ | {"XDG_CACHE_HOME": str(folder)}
     streams = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     return subprocess.Popen([sys.executable, "-c", program], env=place, **streams)
@@ -188,27 +188,27 @@ def test_two_processes_at_once_in_an_empty_folder(tmp_path):
     assert not list(tmp_path.rglob("*.partial"))
 
 
-def test_a_process_that_is_killed_while_it_writes(usual, tmp_path):
+def test_a_process_that_is_killed_while_it_writes(cache_folder, tmp_path):
     """What it leaves is not taken for code."""
     stops = (
         "import os, pathlib, time; from ratestate.engine import machine_code;"
         "os.replace = pathlib.Path.replace = lambda *given: (print(flush=True), time.sleep(60));"
-        "machine_code.obtained('add_three', lambda: bytes(300_000))"
+        "machine_code.cached_code('add_three', lambda: bytes(300_000))"
     )
     process = run(stops, tmp_path / "cache")
     process.stdout.readline()
     process.send_signal(signal.SIGKILL)
     process.communicate()
-    (partial,) = usual.iterdir()
+    (partial,) = cache_folder.iterdir()
     assert partial.suffix == ".partial"
-    assert [called(), called()] == [False, True]
+    assert [load_add_three(), load_add_three()] == [False, True]
 
 
 # ------------------------------------------------------------------------------- nowhere to put it
 
 
 def refuse(monkeypatch, *folders):
-    """Let writes into some folders find the disk full."""
+    """Make writes into some folders fail because the disk is full."""
     write = machine_code._write
 
     def full(path, content):
@@ -219,43 +219,43 @@ def refuse(monkeypatch, *folders):
     monkeypatch.setattr(machine_code, "_write", full)
 
 
-def test_a_full_disk_leads_to_one_folder_of_this_user(usual, temporary, monkeypatch, capfd):
-    refuse(monkeypatch, usual)
-    assert [called(), called(), called()] == [False, True, True]
-    only(temporary)
-    assert stat.S_IMODE(temporary.parent.stat().st_mode) == 0o700
+def test_a_full_disk_leads_to_another_folder(cache_folder, other_folder, monkeypatch, capfd):
+    refuse(monkeypatch, cache_folder)
+    assert [load_add_three(), load_add_three(), load_add_three()] == [False, True, True]
+    only_file(other_folder)
+    assert stat.S_IMODE(other_folder.parent.stat().st_mode) == 0o700
     assert capfd.readouterr().err == (
-        f"ratestate: machine code cannot be kept in {usual} (No space left on device); "
-        f"it is in {temporary}\n"
+        f"ratestate: machine code cannot be kept in {cache_folder} (No space left on device); "
+        f"it is in {other_folder}\n"
     )
 
 
-def test_a_folder_that_cannot_be_made(usual, temporary, tmp_path, capfd):
+def test_a_folder_that_cannot_be_made(cache_folder, other_folder, tmp_path, capfd):
     (tmp_path / "cache").write_text("a file")
-    assert [called(), called()] == [False, True]
-    only(temporary)
-    said = capfd.readouterr().err
-    assert f"cannot be kept in {usual} (Not a directory); it is in {temporary}" in said
+    assert [load_add_three(), load_add_three()] == [False, True]
+    only_file(other_folder)
+    message = capfd.readouterr().err
+    assert f"cannot be kept in {cache_folder} (Not a directory); it is in {other_folder}" in message
 
 
-def test_no_place_at_all(usual, temporary, monkeypatch, capfd):
-    refuse(monkeypatch, usual, temporary)
-    assert [called(), called()] == [False, False]
-    said = capfd.readouterr().err
-    assert said.count("\n") == 1  # once
-    assert f"{usual} (No space left on device) nor in {temporary} (No space" in said
-    assert "XDG_CACHE_HOME" in said
+def test_no_folder_takes_the_code(cache_folder, other_folder, monkeypatch, capfd):
+    refuse(monkeypatch, cache_folder, other_folder)
+    assert [load_add_three(), load_add_three()] == [False, False]
+    message = capfd.readouterr().err
+    assert message.count("\n") == 1  # once
+    assert f"{cache_folder} (No space left on device) nor in {other_folder} (No space" in message
+    assert "XDG_CACHE_HOME" in message
 
 
-def test_a_disk_that_fills_up_leaves_no_part_of_a_file(usual, temporary):
+def test_a_disk_that_fills_up_leaves_no_part_of_a_file(cache_folder, other_folder):
     from limits import largest_file
 
     with largest_file(100):
-        assert not called()
-    assert [*usual.iterdir(), *temporary.iterdir()] == []
+        assert not load_add_three()
+    assert [*cache_folder.iterdir(), *other_folder.iterdir()] == []
 
 
-def test_no_home_and_no_temporary_folder(monkeypatch, usual):
+def test_no_home_and_no_temporary_folder(monkeypatch, cache_folder):
     monkeypatch.delenv("XDG_CACHE_HOME")
 
     def missing():
@@ -266,7 +266,7 @@ def test_no_home_and_no_temporary_folder(monkeypatch, usual):
 
     monkeypatch.setattr("pathlib.Path.home", missing)
     monkeypatch.setattr("tempfile.gettempdir", none)
-    assert [called(), called()] == [False, False]
+    assert [load_add_three(), load_add_three()] == [False, False]
 
 
 # ---------------------------------------------------------------------------- code of other users
@@ -303,57 +303,57 @@ ABOVE = {
     + [(2, *one) for one in ABOVE.values()],
     ids=[*OWN, *(f"{k}, around it" for k in OWN), *(f"{k}, above" for k in ABOVE)],
 )
-def test_a_folder_of_others_is_passed_over(level, change, reason, usual, temporary, capfd):
+def test_a_folder_of_others_is_not_used(level, change, reason, cache_folder, other_folder, capfd):
     """Be it the folder itself, the one around it, or one above; the two places are alike."""
-    for folder in (usual, temporary):
+    for folder in (cache_folder, other_folder):
         for part in (*reversed(folder.parents), folder):
             part.mkdir(mode=0o700, exist_ok=True)
         assert folder in machine_code._folders()
         changed = (folder, *folder.parents)[level]
         change(changed)
         assert folder not in machine_code._folders()
-        said = capfd.readouterr().err
-        assert said.startswith(f"ratestate: machine code in {folder.parent} is not used: ")
-        assert f"{changed}" in said
-        assert reason in said
-        assert said.count("\n") == 1  # once
+        message = capfd.readouterr().err
+        assert message.startswith(f"ratestate: machine code in {folder.parent} is not used: ")
+        assert f"{changed}" in message
+        assert reason in message
+        assert message.count("\n") == 1  # once
 
 
-def test_folders_that_are_safe_are_used(usual, temporary, capfd):
+def test_folders_that_are_safe_are_used(cache_folder, other_folder, capfd):
     """Others may write above them under the sticky bit, or the group; and above there are links."""
-    assert machine_code._folders() == [usual, temporary]  # where there is nothing yet
-    cache_home = usual.parents[1]
+    assert machine_code._folders() == [cache_folder, other_folder]  # where there is nothing yet
+    cache_home = cache_folder.parents[1]
     cache_home.mkdir()
     for mode in (0o1777, 0o775, 0o755, 0o700):
         cache_home.chmod(mode)
-        assert machine_code._folders() == [usual, temporary], oct(mode)
+        assert machine_code._folders() == [cache_folder, other_folder], oct(mode)
     linked(cache_home)
-    elsewhere = cache_home.with_name("else") / "ratestate" / usual.name
-    assert machine_code._folders() == [elsewhere, temporary]
+    elsewhere = cache_home.with_name("else") / "ratestate" / cache_folder.name
+    assert machine_code._folders() == [elsewhere, other_folder]
     assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize("safe", [True, False])
-def test_code_of_others_does_not_run(safe, usual, temporary):
+def test_code_of_others_does_not_run(safe, cache_folder, other_folder):
     """A file that is made up as code runs what it likes, from a safe folder alone."""
-    called()
-    path, other = only(usual), machine_code.compiled(TEXT.format(number=5))
+    load_add_three()
+    path, other = only_file(cache_folder), machine_code.compile_object(TEXT.format(number=5))
     path.write_bytes(hashlib.sha256(other).digest() + other)
-    usual.parent.chmod(0o700 if safe else 0o707)
-    assert called(5 if safe else 3) == safe
-    assert temporary.exists() != safe
+    cache_folder.parent.chmod(0o700 if safe else 0o707)
+    assert load_add_three(5 if safe else 3) == safe
+    assert other_folder.exists() != safe
 
 
 @pytest.mark.parametrize("mask", [0, 0o002, 0o022, 0o077])
-def test_folders_and_files_are_this_users_alone(mask, usual, capfd):
+def test_folders_and_files_are_this_users_alone(mask, cache_folder, capfd):
     before = os.umask(mask)
     try:
-        assert [called(), called()] == [False, True]
+        assert [load_add_three(), load_add_three()] == [False, True]
     finally:
         os.umask(before)
-    for folder in (usual, *usual.parents[:2]):
+    for folder in (cache_folder, *cache_folder.parents[:2]):
         assert stat.S_IMODE(folder.stat().st_mode) == 0o700
-    assert stat.S_IMODE(only(usual).stat().st_mode) == 0o600
+    assert stat.S_IMODE(only_file(cache_folder).stat().st_mode) == 0o600
     assert capfd.readouterr().err == ""
 
 
@@ -372,7 +372,7 @@ def link_to_a_copy(path, content):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (lambda path: path.chmod(0o620), True),
         (lambda path: path.chmod(0o602), True),
@@ -383,25 +383,25 @@ def link_to_a_copy(path, content):
     ],
     ids=["group", "others", "owner", "FIFO", "link", "folder"],
 )
-def test_a_file_of_others_is_not_loaded(change, told, usual, capfd):
-    called()
-    path = only(usual)
+def test_a_file_of_others_is_not_loaded(change, reported, cache_folder, capfd):
+    load_add_three()
+    path = only_file(cache_folder)
     change(path)
-    assert not called()
-    said = f"the machine code {path} may be another user's; it is compiled anew"
-    assert (said in capfd.readouterr().err) == told
+    assert not load_add_three()
+    message = f"the machine code {path} may be another user's; it is compiled anew"
+    assert (message in capfd.readouterr().err) == reported
     if path.is_file():
-        assert called()
+        assert load_add_three()
 
 
-def test_writers_at_once_leave_a_whole_file(usual):
+def test_writers_at_once_leave_a_whole_file(cache_folder):
     program = (
         "import sys; from pathlib import Path; from ratestate.engine import machine_code\n"
         "path, content = Path(sys.argv[1]), bytes([int(sys.argv[2])]) * 300_000\n"
         "for _ in range(40): machine_code._write(path, content)"
     )
-    usual.mkdir(parents=True)
-    path = usual / "x.o"
+    cache_folder.mkdir(parents=True)
+    path = cache_folder / "x.o"
     machine_code._write(path, bytes(300_000))
     command = [sys.executable, "-c", program, str(path)]
     writers = [subprocess.Popen([*command, str(i)]) for i in (1, 2)]
@@ -409,34 +409,34 @@ def test_writers_at_once_leave_a_whole_file(usual):
         content = path.read_bytes()
         assert content == content[:1] * 300_000
     assert [writer.returncode for writer in writers] == [0, 0]
-    assert list(usual.iterdir()) == [path]
+    assert list(cache_folder.iterdir()) == [path]
 
 
 # ------------------------------------------------------------------- what is loaded, and reported
 
 
-def test_code_without_a_function_is_made_anew(usual):
+def test_code_without_a_function_is_made_again(cache_folder):
     texts = iter(["define void @other() { ret void }", TEXT.format(number=3)])
 
     def make():
-        return machine_code.compiled(next(texts))
+        return machine_code.compile_object(next(texts))
 
     with contextlib.suppress(StopIteration):
         assert machine_code.addresses("add_three", make, ["add_three"])["add_three"] > 0
     assert next(texts, None) is None
-    assert called()  # it is kept
+    assert load_add_three()  # it is kept
 
 
 @pytest.mark.parametrize("text", ["define void @other() { ret void }", "define nothing"])
-def test_code_that_cannot_be_made_or_lacks_a_function_still(text, usual):
+def test_code_that_fails_again_raises_an_error(text, cache_folder):
     def make():
-        return machine_code.compiled(text)
+        return machine_code.compile_object(text)
 
     with pytest.raises(CompilationError, match=r"cannot be compiled on this machine \(\w+Error: "):
         machine_code.addresses("add_three", make, ["add_three"])
 
 
-def test_a_law_that_cannot_be_compiled_is_named(usual, monkeypatch):
+def test_a_law_that_cannot_be_compiled_is_named(cache_folder, monkeypatch):
     def fails(*given):
         raise TypeError("no number")
 
@@ -446,26 +446,26 @@ def test_a_law_that_cannot_be_compiled_is_named(usual, monkeypatch):
 
 
 @pytest.mark.parametrize(("seconds", "reported"), [(0.6, "1.2"), (0.4, ""), (30.0, "60.0")])
-def test_a_long_time_is_reported_once(seconds, reported, usual, monkeypatch, capfd):
+def test_a_long_time_is_reported_once(seconds, reported, cache_folder, monkeypatch, capfd):
     monkeypatch.setattr(machine_code, "_reported", [])
     monkeypatch.setattr(machine_code, "_seconds", [])
     clock = iter(np.arange(100) * seconds)
     monkeypatch.setattr(time, "perf_counter", lambda: next(clock))
     for _ in range(3):
         for name in ("one", "other"):
-            machine_code.made(name, lambda: b"code")
+            machine_code.make_and_cache(name, lambda: b"code")
         machine_code.report_time()
-    said = f"ratestate: compiled the solver for this machine in {reported} s; it is kept\n"
-    assert capfd.readouterr().err == (said if reported else "")
+    message = f"ratestate: compiled the solver for this machine in {reported} s; it is kept\n"
+    assert capfd.readouterr().err == (message if reported else "")
 
 
-def test_nothing_is_reported_of_code_that_is_kept(usual, monkeypatch, capfd):
-    monkeypatch.setattr(machine_code, "LONG", 1e-9)
+def test_cached_code_is_not_reported(cache_folder, monkeypatch, capfd):
+    monkeypatch.setattr(machine_code, "REPORTED_SECONDS", 1e-9)
     monkeypatch.setattr(machine_code, "_reported", [])
-    called()
+    load_add_three()
     machine_code.report_time()
     assert "it is kept" in capfd.readouterr().err
     machine_code._reported.clear()
-    called()
+    load_add_three()
     machine_code.report_time()
     assert capfd.readouterr().err == ""

@@ -1,4 +1,4 @@
-"""Of how many returns the period of a run is, by maxima of maps whose periods are known."""
+"""The number of returns in the period of a run, for maps whose period is known."""
 
 import math
 from typing import NamedTuple
@@ -35,12 +35,12 @@ WRITE = Machine(write_period, RUN)
 
 
 def returns_of(highs, lows, tolerance=0.0):
-    """How many returns make the last period of a run with these stress maxima and minima."""
+    """Return the number of returns in the last period of a run with these extremes."""
     s, n = RUN.s, len(highs)
     s[R.CYCLES], s[R.TOLERANCE] = n, tolerance
     for k in range(max(n - R.RING, 0), n):
         at = (k % R.RING) * R.LANES
-        s[ROWS.highs + at], s[ROWS.lows + at], s[ROWS.spans + at] = highs[k], lows[k], 1.0
+        s[ROWS.highs + at], s[ROWS.lows + at], s[ROWS.durations + at] = highs[k], lows[k], 1.0
     assert WRITE()
     amplitude, period, returns = RUN.found
     assert amplitude > 0.0
@@ -50,7 +50,7 @@ def returns_of(highs, lows, tolerance=0.0):
 
 
 def logistic(r, n, x=0.3):
-    """n iterates of the logistic map, after 2,000 others."""
+    """Return n iterates of the logistic map, after 2,000 others."""
     found = []
     for k in range(2000 + n):
         x = r * x * (1.0 - x)
@@ -63,14 +63,14 @@ def logistic(r, n, x=0.3):
     ("r", "returns"), [(2.8, 1), (3.2, 2), (3.5, 4), (3.55, 8), (3.565, 16), (3.83, 3), (3.74, 5)]
 )
 @pytest.mark.parametrize("n", [40, 64, 200])
-def test_a_period_is_named(r, returns, n):
+def test_period_of_periodic_maps(r, returns, n):
     x = logistic(r, n)
     assert returns_of(1.0 + x, -x) == returns
 
 
 @pytest.mark.parametrize("r", [3.6, 3.7, 3.8, 3.9, 4.0])
 @pytest.mark.parametrize("n", [20, 64])
-def test_no_period_is_named_in_chaos(r, n):
+def test_chaos_has_no_period(r, n):
     """At 2,000 ends of a run each, whose last maxima may repeat by chance."""
     x = logistic(r, 2100)
     ends = range(n, n + 2000)

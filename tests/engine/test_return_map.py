@@ -1,4 +1,4 @@
-"""The return map and its derivative: differences, SciPy's variational equations, lanes."""
+"""The return map and its derivative: differences, SciPy, lanes."""
 
 import math
 
@@ -32,11 +32,11 @@ def test_derivative_by_differences(law, eta):
     assert np.abs(returns.jacobian[:, 0, 0]).max() > 1e-4  # there is something to see
     # eta d G is lost in the rounding of x where eta is small, and so is G
     for column, name in enumerate("ab" if eta > 1e-4 else "a"):
-        along = state(system, np.eye(2)[[column] * len(y)])
+        perturbations = state(system, np.eye(2)[[column] * len(y)])
         d = 3e-5 * (np.abs(y).max(axis=1) if name == "a" else 1 / (1 + eta / 10))
         sizes = d * np.linspace(0.8, 1.2, 5)[:, None]  # on average rounding has less effect
         ends = [
-            [return_map(system, y + (e * along.T).T, 1e-12) for e in (size, -size)]
+            [return_map(system, y + (e * perturbations.T).T, 1e-12) for e in (size, -size)]
             for size in sizes
         ]
         found = [(returns.jacobian[:, 0, :], lambda end: end.image[:, 0], 1e-5)]
@@ -55,7 +55,7 @@ def test_derivative_by_differences(law, eta):
 
 
 @LAWS
-def test_turns_follow_the_tolerance(law):
+def test_errors_of_returns_follow_the_tolerance(law):
     """Errors of the section's next point and of the period: near the tolerance, on both sides."""
     system, y = random_sliders(law, 24)
     exact = return_map(system, y, 1e-12)
@@ -221,7 +221,7 @@ def test_step_limit():
         p=2 * np.ones((n, 1)),
         eta=ones,
         y=y,
-        along=np.zeros((n, 2, 3)),
+        perturbations=np.zeros((n, 2, 3)),
         steady=np.zeros((n, 3)),
         unstable=ones,
         atol=1e-6 * ones,
@@ -237,7 +237,7 @@ def test_step_limit():
 
 
 @LAWS
-def test_a_turn_is_from_maximum_to_maximum(law):
+def test_a_return_goes_from_maximum_to_maximum(law):
     """From anywhere to the next rise of V through V_lp; from one to the next, not to itself."""
     system, y = random_sliders(law, 24)
     assert (y[:, 1] == 0).all()
@@ -265,7 +265,7 @@ def test_a_turn_is_from_maximum_to_maximum(law):
 # Lanes --------------------------------------------------------------------------------------------
 
 
-def every(returns):
+def all_numbers(returns):
     numbers, gradients = returns.numbers.values(), returns.gradients.values()
     return np.column_stack([returns.status, *numbers, *gradients, returns.jacobian.reshape(-1, 4)])
 
@@ -280,7 +280,7 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
     def run(pick):
         mine = system.at(pick)
         guess = None if period is None else period[pick]
-        return every(return_map(mine, y[pick], rtol[pick], observe=observed, period=guess))
+        return all_numbers(return_map(mine, y[pick], rtol[pick], observe=observed, period=guess))
 
     whole = run(np.arange(40))
     rng = np.random.default_rng(4)
@@ -295,7 +295,7 @@ def test_same_bits_anywhere(law, observed, monkeypatch):
 
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-9])
-def test_a_sudden_arrest_ends_no_return(rtol):
+def test_a_sudden_arrest_does_not_end_a_return(rtol):
     """V falls through V_lp while S_v dv/dT = -S_psi dpsi/dT has the other sign; by a run."""
     parameters = {"a": 0.012037, "b": 0.054124, "Dc": 1.1553e-4, "sigma": 1.3986e6, "mu0": 0.62545}
     parameters |= {"K": 1.95253e7, "M": 4.92037, "V0": 2.20713e-6, "b2": -0.0038346}

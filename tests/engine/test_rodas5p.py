@@ -1,4 +1,4 @@
-"""Rodas5P: its tableau by algebra, one step against a plain implementation, observed orders."""
+"""Rodas5P: its tableau by algebra, one step against a plain one, observed orders."""
 
 import functools
 import math
@@ -32,10 +32,9 @@ NODES = ALPHAS.sum(1)
 
 
 def order_conditions(weights, s=1.0):
-    """Residuals of the order conditions (H&W, table IV.7.1), order -> residuals.
+    """Return residuals of the order conditions (H&W, table IV.7.1) by order.
 
-    weights : of k_1 to k_8 in the new state
-    With s < 1 those of dense output at the fraction s of a step.
+    weights : of k_1 to k_8 in the new state; with s < 1, in the dense output at the fraction s
     """
     with mpmath.workdps(40):
         return _order_conditions(weights @ EXACT, mpmath.mpf(s))
@@ -117,7 +116,7 @@ def test_quadrature_weights():
 
 @functools.cache
 def step_of(law):
-    """`rodas5p.step` under this law as machine code."""
+    """Return `rodas5p.step` under this law as machine code."""
 
     def step(y, w_lp, ramp, h, kappa, eta0, p):
         new, *others = R.step(point_at(law, p, y, kappa, eta0), w_lp, ramp, h)
@@ -132,7 +131,7 @@ def step(y, w_lp, ramp, h, system):
 
 
 def plain_step(f, jacobian, f_t, y, h):
-    """Rodas5P on dy/dt = f(t, y), as in the books: y_new, error, K_1 to K_3."""
+    """Take a step on dy/dt = f(t, y) as in the books: y_new, error, K_1 to K_3."""
     solve = np.linalg.inv(np.eye(len(y)) / (R.GAMMA * h) - jacobian)
     k = np.zeros((8, len(y)))
     for i in range(8):
@@ -143,7 +142,7 @@ def plain_step(f, jacobian, f_t, y, h):
 
 @pytest.mark.parametrize("law", ["slip", "aging"])
 @pytest.mark.parametrize("eta0", [0.02, 1.0, 50.0])
-def test_one_step_is_the_method(law, eta0):
+def test_one_step_equals_the_published_method(law, eta0):
     """The arrow solve and the scaled row are rearrangements, not approximations."""
     kappa, beta, w_lp, ramp, h = 0.7, 1.9, 1.3, 0.4, 0.11
     y = np.array([0.3, 0.2, -0.15])
@@ -173,7 +172,7 @@ def test_one_step_is_the_method(law, eta0):
 
 
 def march_fixed(law, eta0, n, t_end=3.0):
-    """x, v, psi and the two works at t_end; without inertia the start is on v = x - beta psi."""
+    """Return x, v, psi and works at t_end; without inertia start at v = x - beta psi."""
     y, h, ramp = (0.5, -0.3 if eta0 else 0.18, 0.2), t_end / n, 0.25
     work = friction = 0.0
     for i in range(n):

@@ -1,4 +1,4 @@
-"""One step with its derivative: by complex steps and by differences of the step, its trace."""
+"""One step with its derivative, against complex steps and differences; its trace."""
 
 import functools
 import math
@@ -16,11 +16,11 @@ from ratestate.friction.laws import LAWS as FORMULAS
 from ratestate.friction.point import point_at
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
-SMALLEST = 1e-30  # an imaginary part so small that its square is nothing
+SMALLEST = 1e-30  # an imaginary part whose square vanishes
 
 
 class Step(NamedTuple):
-    """What `tangent.step` returns, and y of `new`."""
+    """The result of `tangent.step`, and y of `new`."""
 
     new: tuple
     z: tuple
@@ -43,7 +43,7 @@ class Step(NamedTuple):
 
 @functools.cache
 def steps_of(law):
-    """`tangent.step` with two perturbations, and `rodas5p.step`, as machine code."""
+    """Return `tangent.step`, with two perturbations, and `rodas5p.step`, compiled."""
 
     def step(y, z, h, kappa, eta, p):
         new, *others = T.step(point_at(law, p, y, kappa, eta), z, h)
@@ -72,7 +72,7 @@ def base_step(y, h, system):
 
 
 def plain_step(y, h, f, J):
-    """y_new and the integral of the trace of J, which rides along as a fourth variable."""
+    """Return y_new and the integral of the trace of J, which is a fourth variable."""
     n = len(y)
     matrix = np.zeros((n + 1, n + 1), complex)
     matrix[:n, :n] = J(y)
@@ -90,12 +90,12 @@ def plain_step(y, h, f, J):
 
 
 def system_of(law, kappa, beta, eta):
-    """What steps take of a slider."""
+    """Return the arguments of a step that describe the slider."""
     return FORMULAS[law], kappa, eta, (beta,)
 
 
-def draw(law, rng, eta=None, spread=1.0, slaved=False):
-    """y, h and system of a step as the step control would take it at a very loose tolerance."""
+def random_step(law, rng, eta=None, spread=1.0, slaved=False):
+    """Return y, h and system of a step that meets a very loose tolerance."""
     kappa, beta = 10 ** rng.uniform(-1.5, 1), rng.uniform(1.1, 5)
     eta = 10 ** rng.uniform(-5, 3) if eta is None else eta
     v, psi = spread * rng.normal(size=2)
@@ -107,11 +107,11 @@ def draw(law, rng, eta=None, spread=1.0, slaved=False):
 
 
 @LAWS
-def test_is_the_derivative_of_the_method(law):
+def test_derivative_of_the_method(law):
     """Against complex steps through the method as in the books: exact to rounding."""
     rng = np.random.default_rng(21)
     for _ in range(40):
-        y, h, system = draw(law, rng)
+        y, h, system = random_step(law, rng)
         _, kappa, eta, (beta,) = system
         f, J = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
         y1, y2 = rng.normal(size=(2, 3))
@@ -134,7 +134,7 @@ def test_is_the_derivative_of_the_method(law):
 def test_base_step_is_that_of_a_march(law, eta):
     rng = np.random.default_rng(22)
     for _ in range(20):
-        y, h, system = draw(law, rng, eta, spread=2.0, slaved=eta < 1e-10)
+        y, h, system = random_step(law, rng, eta, spread=2.0, slaved=eta < 1e-10)
         ours = step(y, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), h, system)
         (y_new, w, e), error, dense, _, _ = base_step(tuple(y), h, system)
         np.testing.assert_allclose(ours.y, y_new, rtol=0, atol=1e-13)
@@ -145,7 +145,7 @@ def test_base_step_is_that_of_a_march(law, eta):
 
 
 def at_rest(law, rng):
-    """The same where v < -600: v changes by some units while x and psi stand still."""
+    """Return y, h and system at v < -600: v changes by some units, x and psi do not."""
     v, psi, beta, g = rng.uniform(-900, -700), rng.normal(), rng.uniform(1.1, 5), rng.normal()
     eta = 10 ** rng.uniform(0, 3)
     y, system = np.array([v + beta * psi + g, v, psi]), system_of(law, 1.0, beta, eta)
@@ -153,7 +153,7 @@ def at_rest(law, rng):
 
 
 def differences(y, along, h, system, size):
-    """Central differences of the march's step, extrapolated from two sizes."""
+    """Return central differences of the march's step, extrapolated from two sizes."""
 
     def central(d):
         up, down = (base_step(tuple(y + sign * d * along), h, system)[0][0] for sign in (1, -1))
@@ -164,16 +164,16 @@ def differences(y, along, h, system, size):
 
 @LAWS
 @pytest.mark.parametrize("place", ["moving", "slaved", "held", "rest"])
-def test_is_the_derivative_of_the_engines_step(law, place):
+def test_derivative_of_the_engines_step(law, place):
     """Where inertia matters, where it is small, where it is below rounding, and at rest."""
     rng = np.random.default_rng(23)
     for _ in range(30):
         if place == "moving":
-            y, h, system = draw(law, rng)
+            y, h, system = random_step(law, rng)
         elif place == "slaved":
-            y, h, system = draw(law, rng, 10 ** rng.uniform(-12, -7), slaved=True)
+            y, h, system = random_step(law, rng, 10 ** rng.uniform(-12, -7), slaved=True)
         elif place == "held":
-            y, h, system = draw(law, rng, 10 ** rng.uniform(-30, -22), slaved=True)
+            y, h, system = random_step(law, rng, 10 ** rng.uniform(-30, -22), slaved=True)
         else:  # w is a constant there
             y, h, system = at_rest(law, rng)
         y1, y2 = rng.normal(size=(2, 3))
@@ -192,8 +192,8 @@ def test_is_the_derivative_of_the_engines_step(law, place):
 
 
 @LAWS
-def test_directions_do_not_mix(law):
-    y, h, system = draw(law, np.random.default_rng(24))
+def test_perturbations_are_independent(law):
+    y, h, system = random_step(law, np.random.default_rng(24))
     a, b = (0.3, -1.1, 0.7), (-0.2, 0.4, 1.3)
     one, other = step(y, a, b, h, system), step(y, b, a, h, system)
     np.testing.assert_allclose((one.z1, one.z2), (other.z2, other.z1), rtol=1e-13)
@@ -203,7 +203,7 @@ def test_directions_do_not_mix(law):
 
 
 def march_fixed(law, eta, n, t_end=3.0):
-    """End of a march with perturbations along x, v and psi, and its trace."""
+    """Return perturbations along x, v and psi at the end of a march, and the trace."""
     y, h, system = (0.5, -0.3, 0.2), t_end / n, system_of(law, 0.8, 1.6, eta)
     a, b, c = np.eye(3)
     trace = 0.0

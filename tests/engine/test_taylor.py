@@ -1,4 +1,4 @@
-"""The Taylor method: its coefficients, order, answers beside Rodas5P's, and when it steps."""
+"""The Taylor method: coefficients, order, agreement with Rodas5P, choice."""
 
 import functools
 import math
@@ -22,12 +22,12 @@ from ratestate.friction.point import point_at
 from ratestate.friction.tuples import pairwise_sum, product
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
-#: of a state in the dimensionless system: x, v, psi, w_lp, its rate, kappa, eta0
+#: a state in the dimensionless system, with w_lp, its rate `ramp`, kappa and eta0
 POINT = {"x": 0.3, "v": 0.2, "psi": -0.15, "w_lp": 1.1, "ramp": 0.07, "kappa": 0.8, "eta0": 0.6}
 
 
 def longest(last, before, tolerance, momentum=0.0):
-    return T.longest(T.size(last, momentum), T.size(before, momentum), tolerance)
+    return T.step_length(T.norm(last, momentum), T.norm(before, momentum), tolerance)
 
 
 def rough_log2(x):
@@ -43,7 +43,7 @@ def over_step(c, of_works, h):
 
 
 class Truncated:
-    """A power series up to a degree, in many digits: of sums and products, and by Newton."""
+    """A power series up to a degree, in many digits."""
 
     N = 2
 
@@ -105,7 +105,7 @@ class Truncated:
 
 
 def coefficients_of(law):
-    """Of a law's own p, from the example of each of its parameters."""
+    """Return a law and its p, from the example of each of its parameters."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, law=law, **OF_LAW[law])
     law = slider.friction_law
     columns = {k: np.array([v]) for k, v in slider.parameters.items() if not isinstance(v, str)}
@@ -117,7 +117,7 @@ def start_of(law, point):
 
 
 def solution(law, p, point, start=None, terms=ORDER + 3):
-    """`work_rates`, and y as `Truncated`, by Picard's iteration: each adds a term."""
+    """Return y and the powers of `work_rates` as `Truncated`, by Picard's iteration."""
     start = start_of(law, point) if start is None else start
     y = [Truncated([one]) for one in start]
     for Truncated.N in range(2, terms + 1):
@@ -212,7 +212,7 @@ def last_two(c):
     return tuple(zip(*c, strict=True))[:-3:-1]
 
 
-def test_the_step_is_where_the_last_terms_reach_the_tolerance():
+def test_last_terms_of_a_step_reach_the_tolerance():
     """A tenth of it, to 1 %, whichever of the last two is longer; and of any variable."""
     c = [[0.5**k for k in range(ORDER + 1)], [0.25**k for k in range(ORDER + 1)]]
     h = longest(*last_two(c), 1e-6)
@@ -237,7 +237,7 @@ def test_rough_log2(x):
 def test_which_laws_have_recurrences(name):
     law, _ = coefficients_of(name)
     assert has_recurrences(law) == (name in WITH_RECURRENCES)
-    assert (len(R.rows_of(law).c[0]) > R.OF_RODAS5P) == has_recurrences(law)
+    assert (len(R.rows_of(law).c[0]) > R.RODAS5P_TERMS) == has_recurrences(law)
 
 
 @pytest.mark.parametrize(
@@ -293,7 +293,7 @@ def test_same_answers_as_rodas5p(law):
     ("law", "rtol"),
     [("slip", 1e-4), ("slip", 1e-8), ("slip", 1e-12), ("aging", 1e-4), ("aging", 1e-8)],
 )
-def test_who_steps_where(law, rtol):
+def test_taylor_steps_are_taken_only_if_not_stiff(law, rtol):
     """Fewer steps where nothing is stiff, and not more where it is, through holds and events."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8, law=law)
     run = functools.partial(rs.simulate, rtol=rtol, times=[0.0])

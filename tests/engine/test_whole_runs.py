@@ -1,4 +1,4 @@
-"""Whole runs as machine code and as plain Python, sweep by sweep, from the same numbers."""
+"""Whole runs as machine code and as plain Python, compared sweep by sweep."""
 
 import ctypes
 
@@ -8,12 +8,12 @@ from plain_python import Pairs
 
 import ratestate as rs
 from ratestate.engine.programs import units_of
-from ratestate.engine.rows import FOUND
+from ratestate.engine.rows import OUTPUT
 from ratestate.engine.units import in_python, lane_units
 
 
 def called_from_python(law, kind):
-    """Machine code of a law's units, a lane at a time, as functions that Python calls."""
+    """Return machine code of a law's units, a lane at a time, as Python functions."""
     of_lanes = lane_units(law, kind)
 
     def function(name, address):
@@ -26,7 +26,7 @@ def called_from_python(law, kind):
             code(s.ctypes.data + 8 * l, 1)
 
         def point(s, l, work):
-            code(s.ctypes.data + 8 * l, work.ctypes.data, work.ctypes.data + 8 * FOUND)
+            code(s.ctypes.data + 8 * l, work.ctypes.data, work.ctypes.data + 8 * OUTPUT)
 
         return lanes if name in of_lanes else point
 
@@ -51,7 +51,7 @@ def slider(law, **more):
 
 
 def loading():
-    """Jumps of speed, one to rest, and a step of normal stress."""
+    """Return jumps of speed, one to rest, and a step of normal stress."""
     return rs.Loading.steps(1e-2, (2e-3, 3e-2), (8e-3, 0.0), (9e-3, 1e-2)).sigma_step(5e-3, 2.2e6)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ratestate.engine.code import Code
 from ratestate.engine.compiler import kernel_text
-from ratestate.engine.machine_code import compiled, loaded
+from ratestate.engine.machine_code import compile_object, load_functions
 from ratestate.engine.programs import Context
 
 
@@ -15,9 +15,9 @@ class Machine:
 
     def __init__(self, function, record, level=0):
         self.context, name = Context(record), function.__name__
-        code = compiled(kernel_text(function, self.context.layout()), level=level)
+        code = compile_object(kernel_text(function, self.context.layout()), level=level)
         kind = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)
-        self.run = kind(loaded(code, [name])[name])
+        self.run = kind(load_functions(code, [name])[name])
 
     def __call__(self, number=0):
         """What the function returns for the record and an int."""
@@ -47,7 +47,7 @@ class Formula:
         head = "define void @f(ptr %given, ptr %found) {"
         text = "\n".join([*code.declarations.values(), head, *code.lines, "ret void", "}"])
         kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
-        self.code = kind(loaded(compiled(text), ["f"])["f"])
+        self.code = kind(load_functions(compile_object(text), ["f"])["f"])
         self.found, self.out = each(lambda _: None, found), np.empty(len(flat(found)))
 
     def __call__(self, *given):

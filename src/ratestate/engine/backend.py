@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Backend(NamedTuple):
-    """How many threads (None: one a core), what stops them, and the device: "cpu" or "cuda"."""
+    """Settings of kernels: threads (None: one per core), stop event, "cpu" or "cuda"."""
 
     threads: int | None = None
     stop: threading.Event | None = None
@@ -18,16 +18,16 @@ _current: contextvars.ContextVar[Backend] = contextvars.ContextVar("backend")
 
 
 class Stopped(Exception):
-    """The event `Backend.stop` was set before the kernels were done."""
+    """The event `Backend.stop` was set before the kernels had finished."""
 
 
 def current():
-    """The `Backend` of kernels that this thread starts; of a new thread, `Backend()`."""
+    """Return the `Backend` of this thread; in a new thread, `Backend()`."""
     return _current.get(Backend())
 
 
 def check_stopped():
-    """Raise `Stopped` where this thread's `Backend.stop` is set."""
+    """Raise `Stopped` if `Backend.stop` of this thread is set."""
     stop = current().stop
     if stop and stop.is_set():
         raise Stopped
@@ -35,10 +35,10 @@ def check_stopped():
 
 @contextlib.contextmanager
 def use(**settings):
-    """Let kernels that this thread starts inside run on `Backend(**settings)`.
+    """Run the kernels that this thread starts inside on `Backend(**settings)`.
 
-    What is not given has its default, not the value of a `use` around this one.  The device is
-    not checked here: `sweep` does that.
+    A setting that is left out has its default, whatever an enclosing `use` says.  The device is not
+    checked here: `sweep` does that.
     """
     token = _current.set(Backend(**settings))
     try:

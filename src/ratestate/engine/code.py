@@ -1,15 +1,15 @@
-"""Code as LLVM text, by running Python once with numbers that write it; the units of a law so.
+"""Write LLVM text by running Python with numbers that record their arithmetic.
 
-A `Number` stands for as many doubles as the code's width, one a lane.  Its arithmetic appends
-instructions to the `Code` that it belongs to, each of them once; conditions become bits by which
-`where` selects.  A sum with a product, a*b + c, has one rounding where the processor can do that:
-the only liberty taken.  It is written as such, so that vectors of any width give the same bits.
+A `Number` stands for as many doubles as the code's width, one for each lane.  Its arithmetic
+appends instructions to its `Code`, each of them once.  Conditions become bits by which `where`
+selects.  A sum with a product, a*b + c, is rounded once if the processor can do so.  The text
+contains this contraction, the only liberty, so that vectors of any width give the same bits.
 
-The units of a law (units.py) are straight lines of such code, with these signatures:
+The units of a law (units.py) have no branches.  Their functions have these signatures:
 
 ===========================  =======================================================
-``void f(s, n)``             of n lanes, whole vectors of them, from the column s on
-``void f(s, given, found)``  of the lane at s: numbers that it is given, and finds
+``void f(s, n)``             works on n lanes, whole vectors, from the column s on
+``void f(s, in, out)``       works on the lane at s: input and output numbers
 ===========================  =======================================================
 """
 
@@ -18,33 +18,33 @@ import operator
 import struct
 
 from ..friction.functions import CODE
-from .rows import FOUND, WORK
+from .rows import OUTPUT, WORK_SIZE
 from .units import lane_units, point_units
 
 
 def double(x):
-    """A double as LLVM text, to its last digit."""
+    """Return a double as LLVM text, exact to the last bit."""
     return f"0x{struct.pack('>d', float(x)).hex().upper()}"
 
 
 class Code:
-    """Instructions that are being written, in their order.
+    """Instructions in their order.
 
-    width : doubles that go together; letter : with which names begin
+    width : number of doubles in a vector; letter : first letter of all names
     """
 
-    contracts = True  # whether a sum with a product has one rounding
+    contracts = True  # whether a sum with a product is rounded once
 
     def __init__(self, width, letter="v"):
         self.lines, self.declarations = [], {}
-        self._known, self._width, self._letter = {}, width, letter
+        self._written, self._width, self._letter = {}, width, letter
 
     def type(self, kind):
-        """The type of a kind of `Value`."""
+        """Return the LLVM type of a kind of `Value`."""
         return kind.item if self._width == 1 else f"<{self._width} x {kind.item}>"
 
     def text(self, kind, x):
-        """The text of a number, or of a `Value`, as one of this kind."""
+        """Return the text of a number or `Value`, converted to this kind."""
         if type(x) is kind:
             return x.name
         if isinstance(x, Value):
@@ -54,50 +54,50 @@ class Code:
         return text if self._width == 1 else f"splat ({kind.item} {text})"
 
     def write(self, instruction, kind):
-        """What an instruction gives, an instance of a kind of `Value`."""
-        if instruction not in self._known:
-            name = f"%{self._letter}{len(self._known)}"
+        """Append an instruction if it is new; return its result, of a kind of `Value`."""
+        if instruction not in self._written:
+            name = f"%{self._letter}{len(self._written)}"
             self.lines.append(f"{name} = {instruction}")
-            self._known[instruction] = kind(self, name)
-        return self._known[instruction]
+            self._written[instruction] = kind(self, name)
+        return self._written[instruction]
 
-    def call(self, function, *given):
-        """What a function of LLVM, such as "sqrt", gives for a `Number`, or for several numbers."""
+    def call(self, function, *arguments):
+        """Return the result of an LLVM function, such as "sqrt", for some numbers."""
         name = f"@llvm.{function}.{f'v{self._width}' if self._width > 1 else ''}f64"
         double = self.type(Number)
-        kinds = ", ".join([double] * len(given))
+        kinds = ", ".join([double] * len(arguments))
         self.declarations[name] = f"declare {double} {name}({kinds})"
-        texts = ", ".join(f"{double} {self.text(Number, x)}" for x in given)
+        texts = ", ".join(f"{double} {self.text(Number, x)}" for x in arguments)
         return self.write(f"call {double} {name}({texts})", Number)
 
     def as_value(self, x, kind):
-        """A number, or a `Value`, as a `Value` of this kind."""
+        """Return a number or `Value` as a `Value` of this kind."""
         return x if type(x) is kind else kind(self, self.text(kind, x))
 
-    def _place(self, start, at):
+    def _pointer(self, start, at):
         return self.write(f"getelementptr double, ptr {start}, i64 {at}", Value).name
 
     def load(self, start, at):
-        """The double, or the doubles from there on, that stand behind a place."""
-        place = self._place(start, at)
+        """Return the `Number` stored at an index after a pointer."""
+        place = self._pointer(start, at)
         return self.write(f"load {self.type(Number)}, ptr {place}, align 8", Number)
 
     def store(self, value, start, at):
-        """Put a number there."""
-        text, place = self.text(Number, value), self._place(start, at)
+        """Store a number at an index after a pointer."""
+        text, place = self.text(Number, value), self._pointer(start, at)
         self.lines.append(f"store {self.type(Number)} {text}, ptr {place}, align 8")
 
 
-def kind_of_both(x, y):
-    """The kind that arithmetic on two values, or numbers, gives."""
+def result_kind(x, y):
+    """Return the kind of the result of arithmetic on two values or numbers."""
     kinds = type(x), type(y)
     if Number in kinds or isinstance(x, float) or isinstance(y, float):
         return Number
     return Bits if Bits in kinds or int in kinds else Condition
 
 
-def _contracted(code, instruction, x, y):
-    """A sum or difference of numbers with a product among them, in one rounding; None without."""
+def _contract(code, instruction, x, y):
+    """Return a sum or difference that contains a product, in one rounding; else None."""
     if factors := getattr(y, "factors", None):
         first, second = factors
         return code.call("fmuladd", first if instruction == "fadd" else -first, second, x)
@@ -107,23 +107,23 @@ def _contracted(code, instruction, x, y):
 
 
 def _operators(of_doubles, of_ints=None, is_test=False):
-    """An operator of two values, and its mirror; is_test : it gives a `Condition`."""
+    """Return an operator and its mirror image; is_test : it gives a `Condition`."""
 
     def written(code, x, y):
-        kind = kind_of_both(x, y) if of_ints else Number
+        kind = result_kind(x, y) if of_ints else Number
         if kind is Condition and of_doubles:
             kind = Bits
         instruction = of_doubles if kind is Number else of_ints
         if instruction is None:
             raise TypeError("an operator of integers")
         if instruction in ("fadd", "fsub"):
-            if (found := _contracted(code, instruction, x, y)) is not None:
-                return found
+            if (result := _contract(code, instruction, x, y)) is not None:
+                return result
         values = f"{code.type(kind)} {code.text(kind, x)}, {code.text(kind, y)}"
-        found = code.write(f"{instruction} {values}", Condition if is_test else kind)
+        result = code.write(f"{instruction} {values}", Condition if is_test else kind)
         if code.contracts and instruction == "fmul":
-            found.factors = code.as_value(x, Number), code.as_value(y, Number)
-        return found
+            result.factors = code.as_value(x, Number), code.as_value(y, Number)
+        return result
 
     def applied(self, other):
         return written(self.code, self, other)
@@ -135,12 +135,12 @@ def _operators(of_doubles, of_ints=None, is_test=False):
 
 
 class Value:
-    """What an instruction of some code gives, by its name there."""
+    """The result of an instruction, known by its name in the code."""
 
     __slots__ = ("code", "name")
     functions = CODE
     item: str  # type of an element
-    casts: dict  # item of a kind that it may serve as -> instruction
+    casts: dict  # item of another kind -> instruction that converts to it
 
     def __init__(self, code, name):
         self.code, self.name = code, name
@@ -170,12 +170,12 @@ class Value:
 
     def _same_bits(self, kind):
         code = self.code
-        given = f"{code.type(type(self))} {self.name}"
-        return code.write(f"bitcast {given} to {code.type(kind)}", kind)
+        operand = f"{code.type(type(self))} {self.name}"
+        return code.write(f"bitcast {operand} to {code.type(kind)}", kind)
 
 
 class Condition(Value):
-    """Bits that are 1 where a condition holds."""
+    """Bits that are 1 if a condition holds."""
 
     __slots__ = ()
     item, casts = "i1", {"i64": "zext", "double": "uitofp"}
@@ -184,8 +184,8 @@ class Condition(Value):
         return self ^ True
 
     def select(self, x, y):
-        """x where the condition holds, else y."""
-        code, kind = self.code, kind_of_both(x, y)
+        """Return x if the condition holds, else y."""
+        code, kind = self.code, result_kind(x, y)
         sides = ", ".join(f"{code.type(kind)} {code.text(kind, one)}" for one in (x, y))
         return code.write(f"select {code.type(Condition)} {self.name}, {sides}", kind)
 
@@ -197,30 +197,30 @@ class Bits(Value):
     item, casts = "i64", {"double": "sitofp"}
 
     def number(self):
-        """The same bits as doubles."""
+        """Return the same bits as doubles."""
         return self._same_bits(Number)
 
 
 class Number(Value):
     """Doubles."""
 
-    __slots__ = ("factors",)  # of a product
+    __slots__ = ("factors",)  # set only for a product
     item, casts = "double", {}
 
     def __pow__(self, n):
-        return functools.reduce(operator.mul, (self,) * n)  # of a whole n > 0
+        return functools.reduce(operator.mul, (self,) * n)  # n is an integer > 0
 
     def __neg__(self):
-        found = self.code.write(f"fneg {self.code.type(Number)} {self.name}", Number)
+        result = self.code.write(f"fneg {self.code.type(Number)} {self.name}", Number)
         if hasattr(self, "factors"):
-            found.factors = -self.factors[0], self.factors[1]
-        return found
+            result.factors = -self.factors[0], self.factors[1]
+        return result
 
     def __abs__(self):
         return self.code.call("fabs", self)
 
     def bits(self):
-        """The same bits as integers."""
+        """Return the same bits as integers."""
         return self._same_bits(Bits)
 
 
@@ -228,7 +228,7 @@ class Number(Value):
 
 
 class _Lane:
-    """The lane buffer as units see it: a row of it is loaded once, and stored at the end."""
+    """The lane buffer for units: a row is loaded once, and stored once at the end."""
 
     def __init__(self, code, start):
         self._code, self._start, self._rows, self._stored = code, start, {}, {}
@@ -242,15 +242,15 @@ class _Lane:
         self._rows[row] = self._stored[row] = self._code.as_value(value, Number)
 
     def store(self):
-        """Write the code that stores what was set."""
+        """Write the code that stores all rows that were set."""
         for row, value in self._stored.items():
             self._code.store(value, self._start, row)
 
 
 def unit_text(law, kind, width):
-    """LLVM text of all units of a law.
+    """Return the LLVM text of all units of a law.
 
-    kind : their class (units.py); width : doubles of a vector
+    kind : class of the units (units.py); width : doubles of a vector
     """
     texts: list[str] = []
     declarations: dict[str, str] = {}
@@ -267,20 +267,20 @@ def unit_text(law, kind, width):
     for name, (body, count) in point_units(law, kind).items():
         code = Code(1)
         lane = _Lane(code, "%s")
-        found = body(lane, 0, law, *(code.load("%given", k) for k in range(count)))
+        results = body(lane, 0, law, *(code.load("%in", k) for k in range(count)))
         lane.store()
-        if count > FOUND or len(found) > WORK - FOUND:
+        if count > OUTPUT or len(results) > WORK_SIZE - OUTPUT:
             raise ValueError(f"law = {law.name!r} has too many states: {len(law.states)}")
-        for k, value in enumerate(found):
-            code.store(value, "%found", k)
+        for k, value in enumerate(results):
+            code.store(value, "%out", k)
         lines = "\n  ".join([*code.lines, "ret void"])
-        texts.append(f"define void @{name}(ptr %s, ptr %given, ptr %found) {{\n  {lines}\n}}")
+        texts.append(f"define void @{name}(ptr %s, ptr %in, ptr %out) {{\n  {lines}\n}}")
         declarations |= code.declarations
     return "\n".join([*declarations.values(), *texts, ""])
 
 
 def _loops(name, loops, width):
-    """A function of n lanes whose loops over vectors of them have these lines."""
+    """Return a function of n lanes with a loop over vectors for each list of lines."""
     head = f"define void @{name}(ptr %s, i64 %n) {{\n"
     text = ["%some = icmp sgt i64 %n, 0", "br i1 %some, label %enter0, label %done"]
     for k, lines in enumerate(loops):

@@ -1,19 +1,19 @@
-"""Functions of a small part of Python as LLVM text: the control, which is the same for all laws.
+"""Compile functions in a small part of Python into LLVM text: the control.
 
-A function holds numbers (floats, ints of 64 bits and bools), whose kinds are those of their first
-assignments, tuples of numbers, and what is known as it is compiled: numbers, functions, modules,
-and the layout of the record that a kernel works on.  Statements are assignments, also of a tuple to
-a row of an array, `if`, `while`, `for` over a range that rises, `break`, `return` and calls.  All
-else is refused.
+The control is the same for all laws.  A function holds numbers (floats, 64-bit ints and bools),
+tuples of numbers, and values that are known when it is compiled: numbers, functions, modules, and
+the layout of the record that a kernel works on.  The first assignment to a variable sets its kind.
+Statements are assignments, also of a tuple to a row of an array, `if`, `while`, `for` over a rising
+range, `break`, `return` and calls.  Anything else is refused.
 
-The answers are Python's, to the last bit, if
+The results equal Python's to the last bit, if
 
-- ints stay within 64 bits, and those of // and % are not negative;
-- `and` and `or` are of bools, and comparisons in a row all need be made;
-- each index is one of the array's, from 0 on: none is checked;
+- ints stay within 64 bits, and the operands of // and % are not negative;
+- `and` and `or` join bools, and every comparison in a chain may be evaluated;
+- indices are within the array and not negative: they are not checked;
 - nothing raises: x/0 is infinite or NaN, and log and sqrt of negative numbers are NaN.
 
-Functions of friction/functions.py are the engine's own (code.py), not NumPy's.
+exp, log and the other functions of friction/functions.py are the engine's (code.py), not NumPy's.
 """
 
 import ast
@@ -30,9 +30,9 @@ import numpy as np
 
 from ..friction import functions as F
 from .code import Bits, Code, Condition, Number, Value
-from .rows import FOUND, add, call_lanes, call_point
+from .rows import OUTPUT, add, call_lanes, call_point
 
-#: the kinds of an array's items
+#: dtype of an array -> kind of its items
 KINDS = {np.dtype(np.float64): Number, np.dtype(np.int64): Bits}
 OPERATORS: dict[type, Any] = {
     ast.Add: operator.add,
@@ -50,7 +50,7 @@ OPERATORS: dict[type, Any] = {
     ast.NotEq: operator.ne,
     ast.USub: operator.neg,
 }
-#: how a loop over a range is written; the body follows
+#: a loop over a range as a while loop, to which the body is added
 FOR = """
 {i}, {end} = {start}, {stop}
 while {i} < {end}:
@@ -60,14 +60,14 @@ while {i} < {end}:
 
 @dataclass(frozen=True)
 class Word:
-    """An int of the record, by its place among the record's words."""
+    """An int of the record; at : its index among the record's words."""
 
     at: int
 
 
 @dataclass(frozen=True)
 class Array:
-    """An array: the place of its address among the words, before its shape; or its LLVM name."""
+    """An array; at : index of its address and shape among the words, or an LLVM name."""
 
     at: Any
     dimensions: int
@@ -75,23 +75,23 @@ class Array:
 
 
 class Slot(NamedTuple):
-    """A variable, or an item of an array: its kind, and where it stands."""
+    """A variable or an item of an array; place : LLVM name of its address."""
 
     kind: type
     place: str
 
 
-def kernel_text(function, layout, pointer="ptr", own=""):
-    """LLVM text of ``{ i1 } function(words, ...)``, and of all that it calls.
+def kernel_text(function, layout, pointer="ptr", extra=""):
+    """Return the LLVM text of ``{ i1 } function(words, ...)`` and of all it calls.
 
-    An error, with notes that say where, for what is refused.
+    For code that is refused, an error is raised with notes that locate it.
 
-    function : of a record and ints; it returns a bool
+    function : takes a record and ints, and returns a bool
     layout : the record, with a `Word` for each int and an `Array` for each array
-    pointer : LLVM's type of a pointer to words and arrays
-    own : further LLVM parameters of all functions, such as ", ptr %work"
+    pointer : LLVM type of a pointer to words and arrays
+    extra : further LLVM parameters of all functions, such as ", ptr %work"
     """
-    program = _Program(pointer, own)
+    program = _Program(pointer, extra)
     ints = [Bits(None, "")] * (len(inspect.signature(function).parameters) - 1)
     _, returns = program.add(function, (layout, *ints), function.__name__)
     if returns != (Condition,):
@@ -99,9 +99,9 @@ def kernel_text(function, layout, pointer="ptr", own=""):
     return "\n".join([*sorted(program.declarations.values()), *program.texts, "!0 = !{}", ""])
 
 
-def _in_tuples(function, x):
-    """A function of x, or of all that stands in the tuple x."""
-    return tuple(_in_tuples(function, one) for one in x) if type(x) is tuple else function(x)
+def _map_tuples(function, x):
+    """Apply a function to x, or to each item of a tuple, at any depth."""
+    return tuple(_map_tuples(function, one) for one in x) if type(x) is tuple else function(x)
 
 
 def _flat(x):
@@ -109,7 +109,7 @@ def _flat(x):
 
 
 def _type_of(kinds):
-    """The type of what a function returns."""
+    """Return the LLVM type of a result with items of these kinds."""
     return f"{{ {', '.join(kind.item for kind in kinds)} }}" if kinds else "void"
 
 
@@ -119,27 +119,27 @@ def _kind_of(x):
 
 
 class _Program:
-    """Functions, each of them once for arguments of the same kinds."""
+    """Compiled functions, each of them once for arguments of the same kinds."""
 
-    def __init__(self, pointer, own):
-        self.pointer, self.words = pointer, f"{pointer} %words{own}"
+    def __init__(self, pointer, extra):
+        self.pointer, self.words = pointer, f"{pointer} %words{extra}"
         self.texts, self.declarations = [], {}
-        self._known, self._count = {}, itertools.count()
+        self._compiled, self._count = {}, itertools.count()
 
     def add(self, function, arguments, name=None):
-        """The name of a function for arguments like these, and the kinds that it returns."""
+        """Return the name of a function for such arguments, and the kinds of its results."""
         signature = [type(x) if isinstance(x, Value) else id(x) for x in _flat(arguments)]
         key = function, *signature
-        if key not in self._known:
-            own = name or f"{function.__name__}.{next(self._count)}"
+        if key not in self._compiled:
+            label = name or f"{function.__name__}.{next(self._count)}"
             written = _Function(self, function, arguments)
-            self._known[key] = own, written.returns
-            self.texts.append(written.whole(f"{'' if name else 'internal '}{{}} @{own}"))
-        return self._known[key]
+            self._compiled[key] = label, written.returns
+            self.texts.append(written.whole(f"{'' if name else 'internal '}{{}} @{label}"))
+        return self._compiled[key]
 
 
 class _Function(Code):
-    """A function's statements and expressions, written as instructions."""
+    """The statements and expressions of a function, written as instructions."""
 
     contracts = False
 
@@ -150,28 +150,28 @@ class _Function(Code):
         self._parameters, self._slots = [program.words], []
         self._variables, self._ends, self._count = {}, [], itertools.count()
         tree: Any = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
-        for one, given in zip(tree.args.args, arguments, strict=True):
-            self._assign(ast.Name(one.arg), _in_tuples(self._parameter, given))
+        for one, argument in zip(tree.args.args, arguments, strict=True):
+            self._assign(ast.Name(one.arg), _map_tuples(self._parameter, argument))
         if not self._block(tree.body):
-            self._do_Return(ast.Return())
+            self._exec_Return(ast.Return())
 
     def whole(self, head):
-        """The text; head : in which {} stands for the type of what the function returns."""
+        """Return the text; head : contains {}, which the type of the result replaces."""
         body = "\n  ".join(["entry:", *self._slots, *self.lines])
         head = head.format(_type_of(self.returns))
         return f"define {head}({', '.join(self._parameters)}) {{\n  {body}\n}}"
 
-    def _parameter(self, given):
-        if not isinstance(given, Value):
-            return given
+    def _parameter(self, argument):
+        if not isinstance(argument, Value):
+            return argument
         name = f"%a{len(self._parameters)}"
-        self._parameters.append(f"{given.item} {name}")
-        return type(given)(self, name)
+        self._parameters.append(f"{argument.item} {name}")
+        return type(argument)(self, name)
 
     # Instructions
 
     def write(self, instruction, kind):
-        """What an instruction gives; each is written, as memory may have changed."""
+        """Append an instruction and return its result, anew each time: memory may change."""
         name = f"%t{next(self._count)}"
         self.lines.append(f"{name} = {instruction}")
         return kind(self, name)
@@ -219,31 +219,31 @@ class _Function(Code):
         for k, one in enumerate(others, 2):
             at = at * self._word(array.at + k) + one
         kind = KINDS[array.dtype]
-        given = f"ptr {self._address(array)}, {self._argument(Bits, at)}"
-        return Slot(kind, self.write(f"getelementptr {kind.item}, {given}", Value).name)
+        operands = f"ptr {self._address(array)}, {self._argument(Bits, at)}"
+        return Slot(kind, self.write(f"getelementptr {kind.item}, {operands}", Value).name)
 
-    # Statements: True of those after which none is reached
+    # Statements: each method returns True if control does not go on to the next statement
 
     def _block(self, statements):
         return any(self._statement(one) for one in statements)
 
     def _statement(self, node):
         try:
-            return bool(getattr(self, f"_do_{type(node).__name__}")(node))
-        except Exception as error:  # any: to say where, it gets a note, and goes on
+            return bool(getattr(self, f"_exec_{type(node).__name__}")(node))
+        except Exception as error:  # of any kind: a note adds the place
             text = ast.unparse(node).partition("\n")[0]
             error.add_note(f"{self._function.__module__}.{self._function.__qualname__}: {text}")
             raise
 
-    def _do_Expr(self, node):
+    def _exec_Expr(self, node):
         self._value(node.value)
 
-    def _do_Assign(self, node):
+    def _exec_Assign(self, node):
         value = self._value(node.value)
         for target in node.targets:
             self._assign(target, value)
 
-    def _do_AugAssign(self, node):
+    def _exec_AugAssign(self, node):
         self._assign(node.target, self._value(ast.BinOp(node.target, node.op, node.value)))
 
     def _assign(self, target, value):
@@ -260,39 +260,39 @@ class _Function(Code):
         else:
             self._variables[target.id] = self._assigned(self._variables.get(target.id), value)
 
-    def _assigned(self, known, value):
-        """What a name that stood for `known` stands for: variables if it is for numbers."""
+    def _assigned(self, meaning, value):
+        """Assign a value to a name, and return its meaning: a `Slot` for each number."""
         if type(value) is tuple:
-            known = (None,) * len(value) if known is None else known
-            return tuple(self._assigned(*both) for both in zip(known, value, strict=True))
-        if known is None and not isinstance(value, (Value, int, float)):
+            meaning = (None,) * len(value) if meaning is None else meaning
+            return tuple(self._assigned(*both) for both in zip(meaning, value, strict=True))
+        if meaning is None and not isinstance(value, (Value, int, float)):
             return value
-        if known is None:
-            known = Slot(_kind_of(value), f"%x{next(self._count)}")
-            self._slots.append(f"{known.place} = alloca {known.kind.item}")
-        if isinstance(known, Slot):
-            self._put(value, known)
-        elif known is not value:
+        if meaning is None:
+            meaning = Slot(_kind_of(value), f"%x{next(self._count)}")
+            self._slots.append(f"{meaning.place} = alloca {meaning.kind.item}")
+        if isinstance(meaning, Slot):
+            self._put(value, meaning)
+        elif meaning is not value:
             raise TypeError("the name stands for something else")
-        return known
+        return meaning
 
-    def _do_Return(self, node):
-        found = () if node.value is None else self._value(node.value)
-        found = found if type(found) is tuple else (found,)
+    def _exec_Return(self, node):
+        values = () if node.value is None else self._value(node.value)
+        values = values if type(values) is tuple else (values,)
         if self.returns is None:
-            self.returns = tuple(map(_kind_of, found))
+            self.returns = tuple(map(_kind_of, values))
         whole = f"{_type_of(self.returns)} poison"
-        for i, (kind, x) in enumerate(zip(self.returns, found, strict=True)):
+        for i, (kind, x) in enumerate(zip(self.returns, values, strict=True)):
             one = self.write(f"insertvalue {whole}, {self._argument(kind, x)}, {i}", Value)
             whole = f"{_type_of(self.returns)} {one.name}"
         self.lines.append(f"ret {whole}" if self.returns else "ret void")
         return True
 
-    def _do_If(self, node):
+    def _exec_If(self, node):
         return self._branches(node.test, self._block, node.body, node.orelse)
 
     def _branches(self, test, write, *sides):
-        """Write both sides of a condition; whether both end in a jump."""
+        """Write both sides of a condition; return whether both end in a jump."""
         labels, end = [self._label() for _ in sides], self._label()
         self._branch(self._value(test), *labels)
         ended = []
@@ -305,7 +305,7 @@ class _Function(Code):
             self.lines.append(f"{end}:")
         return all(ended)
 
-    def _do_While(self, node):
+    def _exec_While(self, node):
         if node.orelse:
             raise TypeError("a loop has no else")
         again, body, end = (self._label() for _ in range(3))
@@ -319,86 +319,86 @@ class _Function(Code):
         self._ends.pop()
         self.lines.append(f"{end}:")
 
-    def _do_For(self, node):
-        given = [ast.unparse(one) for one in node.iter.args]
-        start, stop, step = ("0", *given, "1")[-3:] if len(given) < 3 else given
+    def _exec_For(self, node):
+        bounds = [ast.unparse(one) for one in node.iter.args]
+        start, stop, step = ("0", *bounds, "1")[-3:] if len(bounds) < 3 else bounds
         i, end = (f"_{next(self._count)}" for _ in range(2))
-        if node.orelse or ast.unparse(node.iter) != f"range({', '.join(given)})":
+        if node.orelse or ast.unparse(node.iter) != f"range({', '.join(bounds)})":
             raise TypeError("a loop is over a range, and has no else")
         names = {"i": i, "end": end, "target": ast.unparse(node.target)}
         tree: Any = ast.parse(FOR.format(**names, start=start, stop=stop, step=step))
         tree.body[-1].body += node.body
         return self._block(tree.body)
 
-    def _do_Break(self, node):
+    def _exec_Break(self, node):
         self._jump(self._ends[-1])
         return True
 
-    # Expressions: a `Value`, a tuple, or what is known
+    # Expressions: each method returns a `Value`, a tuple, or a value known at compile time
 
     def _value(self, node):
-        return getattr(self, f"_of_{type(node).__name__}")(node)
+        return getattr(self, f"_eval_{type(node).__name__}")(node)
 
-    def _of_Constant(self, node):
+    def _eval_Constant(self, node):
         return node.value
 
-    def _of_Tuple(self, node):
+    def _eval_Tuple(self, node):
         return tuple(map(self._value, node.elts))
 
-    def _of_Name(self, node):
+    def _eval_Name(self, node):
         if node.id in self._variables:
-            found = self._variables[node.id]
-            return _in_tuples(lambda x: self._get(x) if isinstance(x, Slot) else x, found)
-        known = self._function.__globals__
-        return known[node.id] if node.id in known else getattr(builtins, node.id)
+            value = self._variables[node.id]
+            return _map_tuples(lambda x: self._get(x) if isinstance(x, Slot) else x, value)
+        constants = self._function.__globals__
+        return constants[node.id] if node.id in constants else getattr(builtins, node.id)
 
-    def _of_Attribute(self, node):
-        of = self._value(node.value)
-        if isinstance(of, Array) and node.attr == "shape":
-            return tuple(self._word(of.at + 1 + k) for k in range(of.dimensions))
-        found = getattr(of, node.attr)
-        return self._word(found.at) if isinstance(found, Word) else found
+    def _eval_Attribute(self, node):
+        owner = self._value(node.value)
+        if isinstance(owner, Array) and node.attr == "shape":
+            return tuple(self._word(owner.at + 1 + k) for k in range(owner.dimensions))
+        value = getattr(owner, node.attr)
+        return self._word(value.at) if isinstance(value, Word) else value
 
-    def _of_Subscript(self, node):
-        of, index = self._value(node.value), self._value(node.slice)
-        return self._get(self._item(of, index)) if isinstance(of, Array) else of[index]
+    def _eval_Subscript(self, node):
+        array, index = self._value(node.value), self._value(node.slice)
+        return self._get(self._item(array, index)) if isinstance(array, Array) else array[index]
 
-    def _of_BinOp(self, node):
+    def _eval_BinOp(self, node):
         return OPERATORS[type(node.op)](self._value(node.left), self._value(node.right))
 
-    def _of_UnaryOp(self, node):
+    def _eval_UnaryOp(self, node):
         x = self._value(node.operand)
         if isinstance(node.op, ast.Not):
             return ~self.as_value(self._truth(x), Condition)
         return OPERATORS[type(node.op)](x)
 
-    def _of_Compare(self, node):
+    def _eval_Compare(self, node):
         values = [self._value(one) for one in (node.left, *node.comparators)]
         each = zip(node.ops, values, values[1:], strict=False)
-        found = (OPERATORS[type(op)](x, y) for op, x, y in each)
-        return functools.reduce(operator.and_, found)
+        tests = (OPERATORS[type(op)](x, y) for op, x, y in each)
+        return functools.reduce(operator.and_, tests)
 
-    def _of_BoolOp(self, node):
+    def _eval_BoolOp(self, node):
         first, *others = node.values
         rest = ast.BoolOp(node.op, others) if len(others) > 1 else others[0]
         if isinstance(node.op, ast.And):
-            return self._of_IfExp(ast.IfExp(first, rest, ast.Constant(False)))
-        return self._of_IfExp(ast.IfExp(first, ast.Constant(True), rest))
+            return self._eval_IfExp(ast.IfExp(first, rest, ast.Constant(False)))
+        return self._eval_IfExp(ast.IfExp(first, ast.Constant(True), rest))
 
-    def _of_IfExp(self, node):
-        found, sides = ast.Name(f"?{next(self._count)}"), (node.body, node.orelse)
-        self._branches(node.test, lambda x: self._assign(found, self._value(x)), *sides)
-        return self._value(found)
+    def _eval_IfExp(self, node):
+        name, sides = ast.Name(f"?{next(self._count)}"), (node.body, node.orelse)
+        self._branches(node.test, lambda x: self._assign(name, self._value(x)), *sides)
+        return self._value(name)
 
-    def _of_Call(self, node):
+    def _eval_Call(self, node):
         function, arguments = self._value(node.func), tuple(map(self._value, node.args))
         if inspect.isclass(function) and issubclass(function, tuple):
             named = {one.arg: self._value(one.value) for one in node.keywords}
             return tuple(function(*arguments, **named))
         if node.keywords:
-            raise TypeError("arguments are given by their place")
+            raise TypeError("arguments must be positional")
         if function in (max, min):
-            return functools.reduce(functools.partial(_further, function), arguments)
+            return functools.reduce(functools.partial(_larger_or_smaller, function), arguments)
         if function is int and isinstance(arguments[0], Number):
             return self.write(f"fptosi double {arguments[0].name} to i64", Bits)
         if function in (int, float):
@@ -408,47 +408,47 @@ class _Function(Code):
         if function in (call_lanes, call_point):
             return self._call_unit(*arguments)
         if function is add:
-            return self._added(*arguments)
+            return self._atomic_add(*arguments)
         return self._call(function, arguments)
 
     def _call(self, function, arguments):
         numbers = bool, int, float
-        kinds = _in_tuples(
+        kinds = _map_tuples(
             lambda x: self.as_value(x, _kind_of(x)) if isinstance(x, numbers) else x, arguments
         )
         name, returns = self._program.add(function, kinds)
-        given = [f"{x.item} {x.name}" for x in _flat(kinds) if isinstance(x, Value)]
-        of = _type_of(returns)
-        call = f"call {of} @{name}({', '.join([self._program.words, *given])})"
+        arguments_text = [f"{x.item} {x.name}" for x in _flat(kinds) if isinstance(x, Value)]
+        type_ = _type_of(returns)
+        call = f"call {type_} @{name}({', '.join([self._program.words, *arguments_text])})"
         if not returns:
             return self.lines.append(call)
-        whole, each = f"{of} {self.write(call, Value).name}", enumerate(returns)
-        found = tuple(self.write(f"extractvalue {whole}, {i}", one) for i, one in each)
-        return found[0] if len(found) == 1 else found
+        whole, each = f"{type_} {self.write(call, Value).name}", enumerate(returns)
+        results = tuple(self.write(f"extractvalue {whole}, {i}", one) for i, one in each)
+        return results[0] if len(results) == 1 else results
 
     def _call_unit(self, unit, buffer, first, last):
-        """Call a unit, by its name or its address, of a column; last : a number, or `work`."""
+        """Call a unit, given by name or address, on a column; last : a number, or `work`."""
         column = f"ptr {self._address(buffer)}, {self._argument(Bits, first)}"
         start = self.write(f"getelementptr double, {column}", Value).name
         if isinstance(last, Array):
             work = self._address(last)
-            found = self.write(f"getelementptr double, ptr {work}, i64 {FOUND}", Value).name
-            given = f"ptr {start}, ptr {work}, ptr {found}"
+            output = self.write(f"getelementptr double, ptr {work}, i64 {OUTPUT}", Value).name
+            arguments = f"ptr {start}, ptr {work}, ptr {output}"
         else:
-            given = f"ptr {start}, {self._argument(Bits, last)}"
+            arguments = f"ptr {start}, {self._argument(Bits, last)}"
         if isinstance(unit, Value):
             unit = self.write(f"inttoptr i64 {unit.name} to ptr", Value).name
-        self.lines.append(f"call void {unit}({given})")
+        self.lines.append(f"call void {unit}({arguments})")
 
-    def _added(self, array, index, x):
-        """Add to an item of an array, atomically; the number before."""
+    def _atomic_add(self, array, index, x):
+        """Add to an item of an array, atomically; return the previous number."""
         kind, place = self._item(array, index)
         name = "fadd" if kind is Number else "add"
-        given = f"ptr {place}, {self._argument(kind, x)}"
-        return self.write(f"atomicrmw {name} {given} monotonic", kind)
+        operands = f"ptr {place}, {self._argument(kind, x)}"
+        return self.write(f"atomicrmw {name} {operands} monotonic", kind)
 
 
-def _further(function, x, y):
-    """The larger of two numbers, or the smaller."""
+def _larger_or_smaller(function, x, y):
+    """Return max or min of two numbers, as the function says."""
     test = y > x if function is max else y < x
     return test.select(y, x) if isinstance(test, Condition) else function(x, y)

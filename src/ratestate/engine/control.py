@@ -1,15 +1,15 @@
-"""The control of lanes: what marches and return maps have in common.
+"""The control of lanes: the part that marches and return maps have in common.
 
-Lanes are filled from a queue, step, and stop at events and breaks.  `run_lanes` can be left and
-entered again: all it knows is in the lane buffer and the queue's position.  So the caller stays in
-control of a long run: progress, interruption, output.
+The control fills lanes from a queue, lets them step, and stops them at events and breaks.  All its
+state is in the lane buffer and in the queue's position.  So `run_lanes` can be left and entered
+again, and the caller can report progress, write output or interrupt a long run.
 
-Lanes stand in sets.  A loop over lanes takes steps of one method.  A slider that changes its method
-moves to the other's set, or waits in a third one until there is room.  With twice as many sliders
-under way as a set has lanes, one of the two is always full: the fuller one goes next.
+Lanes are grouped in sets.  One loop over lanes takes steps of one method.  A slider that changes
+its method moves to the other method's set, or waits in a third set if that one is full.  Twice as
+many sliders run as a set has lanes, so one of both sets is always full: the fuller one steps next.
 
-A set is a lane buffer (rows.py) of its own, behind the one before.  So a slider's place is known by
-one number, its column: its lane, and where its set begins.
+Each set is a lane buffer (rows.py), and all sets are stored in one array, one after the other.  So
+one number locates a slider: its column, which is the start of the set plus the lane.
 """
 
 import math
@@ -24,52 +24,52 @@ from .lanes import TOO_MANY_FAILURES
 from .model import NOT_FINITE, RUNNING, STEP_LIMIT, STEP_UNDERFLOW
 from .rows import add, call_lanes, call_point
 
-#: sets of a run that may take steps of the Taylor method: for Rodas5P, for these, to wait in
+#: sets of a run with both methods: for Rodas5P, for the Taylor method, and for waiting
 SETS = 3
-#: most error of a step if K = inf: small steps cost little where only states evolve
-TOLERANCE_OF_RIGID = 1e-12
-#: the case of a lane that is free
+#: largest tolerance of a step if K = inf: small steps cost little if only the states evolve
+RIGID_TOLERANCE = 1e-12
+#: CASE of a lane without a slider
 IDLE = -1.0
 
 
 class Kernel(NamedTuple):
-    """A kind of run: its units, and what it does with the lane of a column l."""
+    """A kind of run: its units, and the functions that handle the lane in a column l."""
 
     units: type
-    load: Callable  # (run, l, i): put case i there
-    handle: Callable  # (run, l): see to what its accepted step holds
-    commit: Callable  # (run, first, n, taylor): commit steps of n lanes
-    end: Callable  # (run, l): at a break; where its case is over, write it out, and be IDLE
+    load: Callable  # (run, l, i): put case i into the lane
+    handle: Callable  # (run, l): handle the events of the accepted step
+    commit: Callable  # (run, first, n, taylor): commit the steps of n lanes
+    end: Callable  # (run, l): handle a break; if the case is over, store it and set CASE to IDLE
 
 
 class Run(NamedTuple):
-    """All that a kernel works on; lanes stand in `SETS` sets if `taylor`, else in one."""
+    """The record of a kernel; there are `SETS` sets of lanes if `taylor`, else one."""
 
     kernel: Kernel
     shape: Any  # `rows.Shape`
-    units: Any  # of the kernel's kind
+    units: Any  # the law's units, of the kernel's kind
     width: int  # lanes of a vector of the units
-    taylor: int  # 1 if steps that are not stiff are of the Taylor method, which the law allows
+    taylor: int  # 1 if steps that are not stiff use the Taylor method
     s: np.ndarray  # (sets * size,) the lanes
     queue: np.ndarray  # (n,) case numbers, in the order in which to start them
     position: np.ndarray  # (3,) next in queue; cases done; rows of `path` filled
-    work: Any  # (WORK,) array; on a GPU each thread has its own
-    cases: Any  # `model.Cases`, or of a return map `Starts`
+    work: Any  # (WORK_SIZE,) array; on a GPU one per thread
+    cases: Any  # `model.Cases`, or `Starts` of a return map
     results: Any  # `model.Results`, or `ReturnResults`
-    # of a march
+    # only for a march:
     loads: Any = ()  # `model.Loads`
     save_times: np.ndarray = np.empty((1, 0))  # (rows, n_times) [s], increasing
-    # (m, 1 + len(y)) T, x, v, psi after each step of the only slider, inside Taylor steps, and
-    # after each jump; empty if not wanted
+    # (m, 1 + len(y)) T, x, v, psi of the only slider, after each step and jump and at points
+    # inside Taylor steps; empty if no path is wanted
     path: np.ndarray = np.empty((0, 1))
-    # of a return map
-    waveform: int = 0  # 1 if its integrals are wanted
-    # on a GPU
-    under_way: np.ndarray = np.zeros(1)  # sum of the fractions done of unfinished cases
+    # only for a return map:
+    waveform: int = 0  # 1 if integrals of the waveform are wanted
+    # only on a GPU:
+    partly_done: np.ndarray = np.zeros(1)  # sum of the completed fractions of unfinished cases
 
 
 def run_lanes(run, budget):
-    """Let lanes step until all cases are done (True) or the budget is spent (False).
+    """Step the lanes until all cases are done (True) or the budget is spent (False).
 
     run : `Run`; budget : int, sweeps over the lanes
     """
@@ -83,7 +83,7 @@ def run_lanes(run, budget):
                 i = next_case(run)
                 if i < 0:
                     break
-                kernel.load(run, room(s, shape, 0.0), i)
+                kernel.load(run, free_column(s, shape, 0.0), i)
             vacant = False
         if regroup:
             first, n = next_set(run)
@@ -106,15 +106,15 @@ def run_lanes(run, budget):
 
 
 def next_case(run):
-    """Number of the next case of the queue, which so is taken; -1 if there is none."""
+    """Take the next case from the queue; return its number, or -1 if it is empty."""
     n = add(run.position, 0, 1)
     return run.queue[n] if n < run.queue.shape[0] else -1
 
 
-def fill(run, l, i, eta0, tolerance):
-    """Put what all kernels' cases have in common of case i into lane l; all else there is 0."""
+def fill_lane(run, l, i, eta0, tolerance):
+    """Load the part of case i that all kernels share into lane l; clear other rows."""
     s, shape, cases = run.s, run.shape, run.cases
-    for row in range(R.HOME + R.LANES, shape.kept, R.LANES):
+    for row in range(R.RING_COLUMN + R.LANES, shape.scratch, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
     s[R.KAPPA + l] = cases.kappa[i]
@@ -128,22 +128,22 @@ def fill(run, l, i, eta0, tolerance):
     s[R.F_LOW + l] = s[R.XF_LOW + l] = math.inf
     s[R.ETA0 + l], s[R.TOLERANCE + l] = eta0, tolerance
     s[R.FREQUENCY + l] = sqrt(s[R.KAPPA + l] / eta0) if eta0 > 0.0 else math.inf
-    if shape.rigid:  # (its speed is not known yet)
-        s[R.KAPPA + l], s[R.TOLERANCE + l] = 0.0, min(tolerance, TOLERANCE_OF_RIGID)
+    if shape.rigid:  # (the speed is not known until the kernel enters a segment)
+        s[R.KAPPA + l], s[R.TOLERANCE + l] = 0.0, min(tolerance, RIGID_TOLERANCE)
     else:
         call_point(run.units.begin, s, l, run.work)
 
 
-def leave(run, l, numbers):
-    """Put the numbers of the lane's case, which is over, into its results; the lane is idle."""
+def close_case(run, l, numbers):
+    """Store the numbers of the lane's finished case, and free the lane."""
     i = int(run.s[R.CASE + l])
     run.results.numbers[i] = numbers
     run.s[R.CASE + l] = IDLE
     add(run.position, 1, 1)
 
 
-def stuck(s, l):
-    """Status of a case given up: too many rejections in a row, or its steps are spent."""
+def failure_status(s, l):
+    """Return why a case failed: too many rejections in a row, or too many steps."""
     if s[R.FAILURES + l] > TOO_MANY_FAILURES:
         return NOT_FINITE if s[R.BAD + l] > 0.0 else STEP_UNDERFLOW
     return STEP_LIMIT
@@ -153,46 +153,46 @@ def stuck(s, l):
 
 
 def idle_lanes(shape, sets):
-    """A lane buffer of free lanes."""
-    s, columns = np.zeros((sets, shape.size)), np.arange(R.LANES)
+    """Return a lane buffer in which all lanes are free."""
+    s, first = np.zeros((sets, shape.size)), shape.size * np.arange(sets)
     s[:, R.CASE : R.CASE + R.LANES] = IDLE
-    s[:, R.HOME : R.HOME + R.LANES] = np.add.outer(shape.size * np.arange(sets), columns)
+    s[:, R.RING_COLUMN : R.RING_COLUMN + R.LANES] = np.add.outer(first, np.arange(R.LANES))
     return s.ravel()
 
 
 def idle_column(s, first):
-    """The first column of a set that holds no slider, or -1."""
+    """Return the first column of a set that holds no slider, or -1."""
     for l in range(first, first + R.LANES):
         if s[R.CASE + l] == IDLE:
             return l
     return -1
 
 
-def busy_columns(s, first):
-    """How many columns of a set hold a slider."""
+def count_busy(s, first):
+    """Return how many columns of a set hold a slider."""
     busy = 0
     for l in range(first, first + R.LANES):
         busy += s[R.CASE + l] != IDLE
     return busy
 
 
-def room(s, shape, taylor):
-    """A column for one more slider; taylor : 1.0 if its steps are of this method, else 0.0."""
+def free_column(s, shape, taylor):
+    """Return a free column for a slider; taylor : 1.0 for Taylor steps, else 0.0."""
     l = idle_column(s, shape.size if taylor > 0.0 else 0)
     return l if l >= 0 else idle_column(s, 2 * shape.size)
 
 
 def next_set(run):
-    """Where the set begins that goes next, and how many of its lanes go: 0 without sliders.
+    """Choose the set that steps next; return its first column and number of lanes.
 
-    Of the two of the methods, or without `taylor` of the only one, that of which more lanes are
-    busy, as a part of those that go.  Its sliders are then in these.
+    The number of lanes is 0 if no slider is left.  Of the sets for the two methods, the one with
+    the larger share of busy lanes goes.  Its sliders are moved into the lanes that step.
     """
     s, shape = run.s, run.shape
-    first, busy = 0, busy_columns(s, 0)
+    first, busy = 0, count_busy(s, 0)
     n = whole_vectors(busy, run.width)
     if run.taylor > 0:
-        others = busy_columns(s, shape.size)
+        others = count_busy(s, shape.size)
         n_others = whole_vectors(others, run.width)
         more = others * n - busy * n_others
         if more > 0 or (more == 0 and others > busy):
@@ -204,35 +204,35 @@ def next_set(run):
 
 
 def whole_vectors(busy, width):
-    """How many lanes go if so many are busy: those of whole vectors."""
+    """Round a number of busy lanes up to whole vectors."""
     return (busy + width - 1) // width * width
 
 
 def move(s, shape, l, to):
-    """Move the slider of column l to another, which is idle."""
-    for row in range(R.HOME + R.LANES, shape.kept, R.LANES):
+    """Move the slider of column l to an idle column."""
+    for row in range(R.RING_COLUMN + R.LANES, shape.scratch, R.LANES):
         s[row + to] = s[row + l]
-    s[R.HOME + l], s[R.HOME + to] = s[R.HOME + to], s[R.HOME + l]
+    s[R.RING_COLUMN + l], s[R.RING_COLUMN + to] = s[R.RING_COLUMN + to], s[R.RING_COLUMN + l]
     s[R.CASE + l] = IDLE
 
 
 def change_sets(s, shape, first):
-    """Move those of a set that change their method, and call in sliders that wait for its lanes.
+    """Move sliders that change their method out of a set, waiting sliders into it.
 
-    Whether any has moved.
+    Returns whether any slider has moved.
     """
-    size, moves = shape.size, False
+    size, has_moved = shape.size, False
     taylor = 1.0 if first == size else 0.0
     for l in range(first, first + R.LANES):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
             s[R.TAYLOR + l] = 1.0 - taylor
-            move(s, shape, l, room(s, shape, 1.0 - taylor))
-            moves = True
+            move(s, shape, l, free_column(s, shape, 1.0 - taylor))
+            has_moved = True
     for l in range(2 * size, 2 * size + R.LANES):
         if s[R.CASE + l] != IDLE and s[R.TAYLOR + l] == taylor:
             to = idle_column(s, first)
             if to < 0:
                 break
             move(s, shape, l, to)
-            moves = True
-    return moves
+            has_moved = True
+    return has_moved

@@ -1,10 +1,10 @@
-"""Running cases on an NVIDIA GPU, with one slider a thread: kernels, launches, progress.
+"""Run cases on an NVIDIA GPU, one slider per thread: kernels, launches, progress.
 
-No formula stands here.  `kernel_of` joins three texts in LLVM's language: the units of a law for
-vectors of one lane (code.py); the control, which the compiler of the CPU's control makes from
-`march_lane`; and the entry, which gives each thread its number.  The control calls units by name,
-so LLVM puts the steps into the loop.  Arrays are in the GPU's global memory, LLVM's address space
-1.  `ptx` turns the text into PTX, which NVIDIA's driver assembles.
+This module contains no formula.  `kernel_of` joins three texts in LLVM's language: the units of a
+law for vectors of one lane (code.py); the control, which the compiler of the CPU's control makes
+from `march_lane`; and the entry, which gives each thread its number.  The control calls units by
+name, so LLVM inlines the steps into the loop.  Arrays are in the GPU's global memory, LLVM's
+address space 1.  `ptx` turns the text into PTX, which NVIDIA's driver assembles.
 
 Thread t works in lane t % LANES of set t // LANES of the lane buffer.  A row of a set is 16
 neighbouring doubles.  So a warp reads or writes a row as two whole lines of 128 bytes.
@@ -14,9 +14,9 @@ differ in cost by orders of magnitude, and a warp is as slow as its slowest thre
 after `budget` steps of each thread, and unfinished cases stay in the buffer.  So the host can
 report progress or stop.
 
-Threads of a warp take steps of both methods, one kind after the other, and wait for threads that
-handle events.  Letting each warp do what most of its threads wait for costs more than it saves (on
-an H100).
+Threads of a warp take steps of both methods, one after the other, and wait for threads that handle
+events.  Letting each warp do the step that most of its threads wait for costs more than it saves
+(on an H100).
 """
 
 import contextlib
@@ -33,28 +33,28 @@ from .backend import check_stopped
 from .code import unit_text
 from .compiler import Array, kernel_text
 from .control import IDLE, Run, idle_lanes, next_case
-from .machine_code import optimized, target
+from .machine_code import optimize, target
 from .programs import LEVEL, Context
-from .rows import WORK, add, call_lanes
+from .rows import WORK_SIZE, add, call_lanes
 from .units import unit_names
 
-# One warp a block: threads share nothing, and the finer a batch of a few thousand cases is cut, the
-# more evenly it spreads over the multiprocessors.
+# Threads of a block: one warp.  Threads share nothing, and small blocks spread a batch of a few
+# thousand cases more evenly over the multiprocessors.
 BLOCK = 32
 # Warps on a multiprocessor.  A step keeps its stages or coefficients in registers, and takes up to
-# the 255 that a thread can have: 65,536 // (256 x 32) = 8.  Further warps would wait for their turn
-# with cases in their hands, and these would finish last.  (Twice as many warps with half the
-# registers gained nothing on an H100.)
-RESIDENT = 8
-# Seconds a launch should take: often enough for a progress bar and for Ctrl-C, and a hundred times
-# what it takes to launch.  The least budget is a few ms even where doubles are slow.
-SLICE = 0.05
-LEAST_BUDGET = 64
-GROWTH = 4
-#: the oldest GPUs that add doubles atomically; the driver assembles their PTX for newer GPUs too
+# the 255 that a thread can have: 65,536 // (256 x 32) = 8.  Further warps would take cases and wait
+# for their turn, and these cases would finish last.  (Twice as many warps with half the registers
+# gained nothing on an H100.)
+WARPS = 8
+# Seconds that a launch should take: short enough for a progress bar and Ctrl-C, and a hundred times
+# the overhead of a launch.  MIN_BUDGET takes a few ms even on GPUs that are slow at doubles.
+LAUNCH_SECONDS = 0.05
+MIN_BUDGET = 64
+MAX_GROWTH = 4
+#: oldest GPUs that add doubles atomically; the driver assembles their PTX for newer GPUs too
 OLDEST = "sm_60"
-#: `run.work`: each thread has its own
-OWN = Array("%work", 1, np.dtype(np.float64))
+#: `run.work`, of which each thread has its own
+THREAD_WORK = Array("%work", 1, np.dtype(np.float64))
 ENTRY = """
 declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 declare i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
@@ -70,7 +70,7 @@ define internal i32 @thread() {
 }
 
 define ptx_kernel void @kernel(ptr addrspace(1) %words, i64 %budget) {
-  %work = alloca [WORK x double]
+  %work = alloca [WORK_SIZE x double]
   %number = call i32 @thread()
   %thread = zext i32 %number to i64
   call { i1 } @march_lane(ptr addrspace(1) %words, ptr %work, i64 %thread, i64 %budget)
@@ -90,28 +90,28 @@ def check():
         ) from error
 
 
-def run(kernel, law, taylor, order, progress, given):
-    """Let a kernel do the cases of `order`; arguments as for `dispatch._run`.
+def run(kernel, law, taylor, order, progress, fields):
+    """Run a kernel on the cases of `order`; the arguments are as for `dispatch._run`.
 
-    Raises ParameterError if there is no GPU, SolverError if it fails, and `backend.Stopped`.
+    Raises ParameterError if there is no GPU, SolverError if the GPU fails, and `backend.Stopped`.
     """
     check()
     check_stopped()
-    with contextlib.closing(_launches(kernel, law, taylor, order, given)) as fractions:
+    with contextlib.closing(_launches(kernel, law, taylor, order, fields)) as fractions:
         for fraction in fractions:
             if progress:
                 progress(fraction)
-            if fraction < 1.0:  # (finished work is kept)
+            if fraction < 1.0:  # finished work is not discarded
                 check_stopped()
 
 
-def _launches(*given):
+def _launches(*fields):
     """Launch until all cases are done; yield the fraction done after each launch."""
     memory = cuda_driver.Memory()
     try:
         cuda_driver.enter()
-        yield from _unguarded_launches(memory, *given)
-    except Exception as error:  # (cases raise nothing: they have status codes)
+        yield from _unguarded_launches(memory, *fields)
+    except Exception as error:  # not due to a case: cases have status codes and raise nothing
         raise SolverError(
             f"The GPU failed ({type(error).__name__}: {error}). If it lacks memory, give a smaller"
             " chunk. Leave device out to run on the CPU."
@@ -120,34 +120,34 @@ def _launches(*given):
         memory.free()
 
 
-def _unguarded_launches(memory, kernel, law, taylor, order, given):
-    """Do the work of `_launches`; exceptions are the driver's."""
+def _unguarded_launches(memory, kernel, law, taylor, order, fields):
+    """Do the work of `_launches`, without handling errors of the driver."""
     shape, n = R.shape_of(law), len(order)
-    blocks = min(-(-n // BLOCK), RESIDENT * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
+    blocks = min(-(-n // BLOCK), WARPS * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
     s = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
-    position, under_way = np.zeros(3, np.int64), np.zeros(1)
+    position, partly_done = np.zeros(3, np.int64), np.zeros(1)
     names, kind = unit_names(law, kernel.units), kernel.units
-    # LLVM deletes code that would call "null", a unit that the law does not have.
+    # "null" stands for a unit that the law does not have; LLVM deletes code that would call it.
     units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
-    uses_taylor = taylor and shape.terms > R.OF_RODAS5P
-    lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, OWN
-    run = Run(kernel, shape, units, *lanes, **given, under_way=under_way)
-    context = Context(run, memory.place)
+    uses_taylor = taylor and shape.terms > R.RODAS5P_TERMS
+    lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, THREAD_WORK
+    run = Run(kernel, shape, units, *lanes, **fields, partly_done=partly_done)
+    context = Context(run, memory.address)
     name = f"{law.name}-{kernel.units.__name__}-{machine_code.short_hash(context.kinds)}-{OLDEST}"
-    image = machine_code.obtained(name, lambda: ptx(kernel_of(law, kernel.units, context)))
+    image = machine_code.cached_code(name, lambda: ptx(kernel_of(law, kernel.units, context)))
     function = cuda_driver.function(image)
-    words, budget = ctypes.c_uint64(memory.place(context.words)), ctypes.c_int64(LEAST_BUDGET)
+    words, budget = ctypes.c_uint64(memory.address(context.words)), ctypes.c_int64(MIN_BUDGET)
     while position[1] < n:
-        under_way[0] = 0.0
-        memory.send(under_way)
+        partly_done[0] = 0.0
+        memory.send(partly_done)
         start = time.perf_counter()
         cuda_driver.launch(function, blocks, BLOCK, words, budget)
         memory.fetch(position)
-        pace = SLICE / (time.perf_counter() - start)
-        budget.value = max(LEAST_BUDGET, int(budget.value * min(pace, GROWTH)))
-        memory.fetch(under_way)
-        yield min(1.0, (position[1] + np.nan_to_num(under_way[0])) / n)
-    for array in given["results"]:
+        pace = LAUNCH_SECONDS / (time.perf_counter() - start)
+        budget.value = max(MIN_BUDGET, int(budget.value * min(pace, MAX_GROWTH)))
+        memory.fetch(partly_done)
+        yield min(1.0, (position[1] + np.nan_to_num(partly_done[0])) / n)
+    for array in fields["results"]:
         memory.fetch(array)
 
 
@@ -155,14 +155,14 @@ def _unguarded_launches(memory, kernel, law, taylor, order, given):
 
 
 def kernel_of(law, kind, context):
-    """LLVM text of ``void kernel(words, budget)``.
+    """Return the LLVM text of ``void kernel(words, budget)``.
 
-    kind : of the law's units; context : of its `Run`
+    kind : class of the law's units; context : `Context` of its `Run`
     """
     units = unit_text(law, kind, 1)
     units = units.replace("i64 %n)", "i64 %n) alwaysinline")
     text = kernel_text(march_lane, context.layout(), "ptr addrspace(1)", ", ptr %work")
-    entry = ENTRY.replace("WORK", str(WORK))
+    entry = ENTRY.replace("WORK_SIZE", str(WORK_SIZE))
     functions = re.sub(r"define (void|\{)", r"define internal \1", f"{units}\n{text}")
     lines = f"{functions}\n{entry}".splitlines()
     # LLVM refuses to declare a function twice.
@@ -171,13 +171,13 @@ def kernel_of(law, kind, context):
 
 
 def ptx(text):
-    """PTX, bytes, of LLVM text."""
+    """Return LLVM text as PTX, bytes."""
     machine = target(OLDEST, "", "nvptx64-nvidia-cuda")
-    return machine.emit_assembly(optimized(text, machine, LEVEL)).encode()
+    return machine.emit_assembly(optimize(text, machine, LEVEL)).encode()
 
 
 def march_lane(run, thread, budget):
-    """Do the work of `control.run_lanes` in one lane; whether no case is left."""
+    """Do the work of `control.run_lanes` in one lane; return whether no case is left."""
     s, kernel, l = run.s, run.kernel, thread // R.LANES * run.shape.size + thread % R.LANES
     for _ in range(budget):
         if s[R.CASE + l] == IDLE:
@@ -191,12 +191,12 @@ def march_lane(run, thread, budget):
             call_lanes(run.units.step, s, l, 1)
         if s[R.CALL + l] > 0.0:
             kernel.handle(run, l)
-        # (what is read anew is not known: LLVM would write all code after the step twice)
+        # Read the method again: else LLVM would duplicate all code that follows the step.
         kernel.commit(run, l, 1, run.taylor > 0 and s[R.TAYLOR + l] > 0.0)
         if s[R.BREAK + l] > 0.0:
             kernel.end(run, l)
         if run.taylor > 0 and s[R.CHANGES + l] > 0.0:
             s[R.TAYLOR + l] = 1.0 - s[R.TAYLOR + l]
     if s[R.CASE + l] != IDLE:
-        add(run.under_way, 0, s[R.T + l] / s[R.T_END + l])
+        add(run.partly_done, 0, s[R.T + l] / s[R.T_END + l])
     return False

@@ -1,9 +1,9 @@
-"""Calls of NVIDIA's driver by ctypes.  Neither a toolkit nor another package is needed."""
+"""Call NVIDIA's driver by ctypes, without its toolkit or another package."""
 
 import ctypes
 import functools
 
-#: the driver's numbers for attributes of a GPU
+#: attributes of a GPU, as the driver numbers them
 MULTIPROCESSORS, MAJOR, MINOR = 16, 75, 76
 
 
@@ -25,8 +25,8 @@ def call(name, *arguments):
         raise CudaError(f"{name}: {(text.value or b'unknown error').decode()}")
 
 
-def found(kind, name, *arguments):
-    """Call a function of the driver and return its result, a C type, from its first argument."""
+def query(kind, name, *arguments):
+    """Call a function of the driver that writes a result, a C type, and return it."""
     value = kind()
     call(name, ctypes.byref(value), *arguments)
     return value
@@ -34,14 +34,14 @@ def found(kind, name, *arguments):
 
 @functools.cache
 def device():
-    """Initialize the driver and return the first GPU; CudaError or OSError if there is none."""
+    """Initialize the driver, return the first GPU; CudaError or OSError without one."""
     call("cuInit", 0)
-    return found(ctypes.c_int, "cuDeviceGet", 0)
+    return query(ctypes.c_int, "cuDeviceGet", 0)
 
 
 def attribute(number):
     """Return an attribute of the GPU, an int."""
-    return found(ctypes.c_int, "cuDeviceGetAttribute", number, device()).value
+    return query(ctypes.c_int, "cuDeviceGetAttribute", number, device()).value
 
 
 def gpu_name():
@@ -53,19 +53,19 @@ def gpu_name():
 
 @functools.cache
 def _context():
-    return found(ctypes.c_void_p, "cuDevicePrimaryCtxRetain", device())
+    return query(ctypes.c_void_p, "cuDevicePrimaryCtxRetain", device())
 
 
 def enter():
-    """Let the calling Python thread use the GPU."""
+    """Make the GPU current for the calling thread."""
     call("cuCtxSetCurrent", _context())
 
 
 @functools.cache
 def function(image):
     """Assemble PTX, bytes, for the GPU and return its function "kernel"."""
-    module = found(ctypes.c_void_p, "cuModuleLoadData", image)
-    return found(ctypes.c_void_p, "cuModuleGetFunction", module, b"kernel")
+    module = query(ctypes.c_void_p, "cuModuleLoadData", image)
+    return query(ctypes.c_void_p, "cuModuleGetFunction", module, b"kernel")
 
 
 def launch(kernel, blocks, threads, *arguments):
@@ -78,15 +78,15 @@ class Memory:
     """Copies of NumPy arrays in the GPU's memory."""
 
     def __init__(self):
-        self._places = {}  # id of an array -> its address on the GPU, and the array
+        self._copies = {}  # id of an array -> its address on the GPU, and the array
 
-    def place(self, array):
-        """Return the address of an array on the GPU, after copying it there the first time."""
-        if id(array) not in self._places:
-            size = ctypes.c_size_t(max(1, array.nbytes))  # (the driver refuses 0)
-            self._places[id(array)] = found(ctypes.c_uint64, "cuMemAlloc_v2", size), array
+    def address(self, array):
+        """Return the address of an array on the GPU; copy it there the first time."""
+        if id(array) not in self._copies:
+            size = ctypes.c_size_t(max(1, array.nbytes))  # the driver refuses 0
+            self._copies[id(array)] = query(ctypes.c_uint64, "cuMemAlloc_v2", size), array
             self.send(array)
-        return self._places[id(array)][0].value
+        return self._copies[id(array)][0].value
 
     def send(self, array):
         """Copy an array to the GPU."""
@@ -97,11 +97,11 @@ class Memory:
         self._copy("cuMemcpyDtoH_v2", array, -1)
 
     def _copy(self, name, array, order):
-        pair = self._places[id(array)][0], ctypes.c_void_p(array.ctypes.data)
+        pair = self._copies[id(array)][0], ctypes.c_void_p(array.ctypes.data)
         if array.nbytes > 0:
             call(name, *pair[::order], ctypes.c_size_t(array.nbytes))
 
     def free(self):
         """Free the memory, also after an error."""
-        for place, _ in self._places.values():
-            library().cuMemFree_v2(place)
+        for address, _ in self._copies.values():
+            library().cuMemFree_v2(address)

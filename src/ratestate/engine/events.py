@@ -1,165 +1,166 @@
-"""What happens inside an accepted step, read off its dense output, and what period it makes.
+"""Events inside an accepted step, from its dense output; the period of a run.
 
-Where V = V_lp the spring stress is extreme, because dx/dT = kappa (w_lp - w).  An upward
-crossing is a stress maximum and closes a cycle; a downward one is its minimum.
+The spring stress has its extremes at V = V_lp, because dx/dT = kappa (w_lp - w).  An upward
+crossing is a stress maximum and closes a cycle.  A downward crossing is a stress minimum.
 
-The dense output of a step is a polynomial for each number, in the fraction of the step that is
-over, 0 to 1.  Its coefficients, the constant first, stand in rows of the lane buffer: of degree 4
-after a step of Rodas5P, of `taylor.ORDER` after one of the Taylor method.
+The dense output of a step is a polynomial for each variable, in the fraction of the step that has
+passed, 0 to 1.  Rows of the lane buffer hold its coefficients, the constant first.  The degree is 4
+after a step of Rodas5P, and `taylor.ORDER` after a Taylor step.
 
-The period of a run is seen where stress maxima and minima of its last cycles are compared.
+The period of a run follows from the stress maxima and minima of its last cycles.
 """
 
 import math
 
 from ..friction.functions import log
 from . import rows as R
-from .rows import FOUND, call_point
+from .rows import OUTPUT, call_point
 
-#: by how much extreme forces may be off, over the tolerance of a step
-ENOUGH = 0.01
-#: what `of_step` finds
+#: allowed error of extreme forces, as a multiple of the tolerance of a step
+FORCE_TOLERANCE = 0.01
+#: quantities of `evaluate`
 FORCE, SPEED, LEAD = 0, 1, 2
-# Parts of x, the stress S that opposes motion, the strength N and friction R: `units.force`.
-NONE, INERTIAL_FORCE, FRICTION = (0.0, 0.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
-WITH_STRENGTH = (1.0, 0.0, 1.0, 0.0)
-NO_LOAD = (0.0, 0.0)
-#: a speed of the load point that stands for rest
-LEAST = 1e-300
+# Weights of x, the stress S that opposes motion, the strength N and friction R in `units.force`.
+NO_FORCE, INERTIAL_FORCE = (0.0, 0.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
+FRICTION, X_PLUS_N = (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)
+NO_SPEEDS = (0.0, 0.0)  # if `evaluate` does not need them
+#: w_lp that stands for rest, since ln 0 is not a number
+REST_SPEED = 1e-300
 
 # Smallest visible change of stress maxima or minima from one return to the next, divided by the
-# amplitude; part of it that may be left after a whole period.
+# amplitude; fraction of that change that may remain after a whole period.
 VISIBLE, REPEATS = 1e-3, 0.1
-# Largest change after a period of several returns, divided by the amplitude: chaos comes near one
-# by chance.  Errors of a run may be so many times its tolerance, and hide it up to `VISIBLE`.
+# Largest change after a period of several returns, divided by the amplitude, since chaos may nearly
+# repeat.  Errors of a run, as a multiple of its tolerance, may raise this limit up to `VISIBLE`.
 EXACT, ERRORS = 1e-4, 100.0
-# How often stress maxima turn back, among those that are known, where a motion is irregular; and
-# what part of their earlier changes the later ones then are, for it may be on its way to a period.
-# Where changes after a period grow it is irregular too: it leaves an orbit that it came near to.
+# A motion is irregular if the recorded stress maxima reverse their trend this often, and if their
+# later changes are more than this fraction of the earlier ones: else it may settle to a period.
+# The second condition is dropped if changes after a period grow: it is then leaving an orbit.
 REVERSALS, LASTING = 3, 0.5
 
 
-def component(run, l, i, at):
-    """Number i of (x, v, psi...) at a place in the lane's step, and its derivative by the place.
+def component(run, l, i, fraction):
+    """Return number i of (x, v, psi...) at a fraction of the step; its derivative.
 
-    After a step of the Taylor method those of the perturbations z follow in a return map.
+    After a Taylor step of a return map, the numbers of the perturbations z follow after those of y.
     """
     s, shape = run.s, run.shape
     row = shape.c + i * shape.terms * R.LANES + l
-    last = (shape.terms if s[R.TAYLOR + l] > 0.0 else R.OF_RODAS5P) - 1
+    last = (shape.terms if s[R.TAYLOR + l] > 0.0 else R.RODAS5P_TERMS) - 1
     y, dy = s[row + last * R.LANES], 0.0
     for k in range(1, last + 1):
-        dy = y + at * dy
-        y = s[row + (last - k) * R.LANES] + at * y
+        dy = y + fraction * dy
+        y = s[row + (last - k) * R.LANES] + fraction * y
     return y, dy
 
 
-def state_at(run, l, at, work, place):
-    """Put x, v and each psi at a place in the lane's step into `work`, and their derivatives."""
+def state_at(run, l, fraction, work, start):
+    """Put x, v and each psi at a fraction of the step into `work`, then derivatives."""
     n = 2 + run.shape.states
     for i in range(n):
-        work[place + i], work[place + n + i] = component(run, l, i, at)
+        work[start + i], work[start + n + i] = component(run, l, i, fraction)
 
 
-def of_step(run, l, what, parts, load, at):
-    """A number at a place in the lane's step, and what is to vanish where `root` finds it.
+def evaluate(run, l, quantity, weights, speeds, fraction):
+    """Return a quantity at a fraction of the step, and the number that `root` zeroes.
 
     =====  ==========================================================================
-    FORCE  a sum of parts of x, S, N and R, and its slope
-    SPEED  the speed, as of `Point.speed_measure`, and its slope
-    LEAD   the same, and how far v is ahead of the load point's, of which `load` holds
-           the speed at the start of the step and its change in the step
+    FORCE  a weighted sum of x, S, N and R; its slope
+    SPEED  the speed, as `Point.speed_measure`; its slope
+    LEAD   the speed; the excess of v over v at the load-point speed
     =====  ==========================================================================
+
+    weights : of x, S, N and R; speeds : w_lp at the start of the step, and its change
     """
     work = run.work
-    if what == FORCE:
-        work[0] = at
-        work[1], work[2], work[3], work[4] = parts
-        state_at(run, l, at, work, 5)
+    if quantity == FORCE:
+        work[0] = fraction
+        work[1], work[2], work[3], work[4] = weights
+        state_at(run, l, fraction, work, 5)
         call_point(run.units.force, run.s, l, work)
-        return work[FOUND], work[FOUND + 1]
-    w_lp = load[0] + load[1] * at
+        return work[OUTPUT], work[OUTPUT + 1]
+    w_lp = speeds[0] + speeds[1] * fraction
     if run.shape.reverses == 0:
-        v, slope = component(run, l, 1, at)
-        return v, slope if what == SPEED else v - log(max(w_lp, LEAST))
+        v, slope = component(run, l, 1, fraction)
+        return v, slope if quantity == SPEED else v - log(max(w_lp, REST_SPEED))
     work[0] = w_lp
-    state_at(run, l, at, work, 1)
+    state_at(run, l, fraction, work, 1)
     call_point(run.units.speed, run.s, l, work)
-    return work[FOUND], work[FOUND + 1] if what == SPEED else work[FOUND + 2]
+    return work[OUTPUT], work[OUTPUT + 1] if quantity == SPEED else work[OUTPUT + 2]
 
 
-def root(run, l, what, parts, load, low, high, enough):
-    """Find where from low to high the second number of `of_step` is 0, and the first number there.
+def root(run, l, quantity, weights, speeds, low, high, tolerance):
+    """Find the zero of `evaluate`'s second number; return it and the first number.
 
-    By regula falsi (Illinois).  Where it has one sign at both ends, the end where it is smaller in
-    size.
+    The method is regula falsi (Illinois).  If the sign is the same at both ends, the result is the
+    end at which the second number is smaller in size.
 
-    enough : the error that the first may have, of which the second is the slope; 0 if it is not
+    tolerance : error that the first number may have if the second is its slope; else 0
     """
-    first, at_low = of_step(run, l, what, parts, load, low)
-    here, at_high = of_step(run, l, what, parts, load, high)
+    value_at_low, at_low = evaluate(run, l, quantity, weights, speeds, low)
+    value, at_high = evaluate(run, l, quantity, weights, speeds, high)
     if (at_low < 0.0) == (at_high < 0.0):
-        return (low, first) if abs(at_low) < abs(at_high) else (high, here)
+        return (low, value_at_low) if abs(at_low) < abs(at_high) else (high, value)
     side, at, last = 0, high, 2.0
     for _ in range(100):
         at = (low * at_high - high * at_low) / (at_high - at_low)
-        here, off = of_step(run, l, what, parts, load, at)
-        if off == 0.0 or abs(at - last) < 1e-14 or abs(off * (at - last)) < enough:
+        value, residual = evaluate(run, l, quantity, weights, speeds, at)
+        if residual == 0.0 or abs(at - last) < 1e-14 or abs(residual * (at - last)) < tolerance:
             break
         last = at
-        if (off < 0.0) == (at_low < 0.0):
-            low, at_low = at, off
+        if (residual < 0.0) == (at_low < 0.0):
+            low, at_low = at, residual
             at_high = 0.5 * at_high if side == 1 else at_high
             side = 1
         else:
-            high, at_high = at, off
+            high, at_high = at, residual
             at_low = 0.5 * at_low if side == -1 else at_low
             side = -1
-    return at, here
+    return at, value
 
 
-def extreme_value(run, l, parts, enough):
-    """The value of a sum of parts where in the lane's step its slope vanishes, as of `root`."""
-    _, value = root(run, l, FORCE, parts, NO_LOAD, 0.0, 1.0, enough)
+def extreme_value(run, l, weights, tolerance):
+    """Return the extreme value of a weighted sum of forces inside the step."""
+    _, value = root(run, l, FORCE, weights, NO_SPEEDS, 0.0, 1.0, tolerance)
     return value
 
 
 def extreme_speed(run, l):
-    """Where in the lane's step the speed is extreme, and its `speed_measure`."""
-    return root(run, l, SPEED, NONE, NO_LOAD, 0.0, 1.0, 0.0)
+    """Return the fraction of the step at which the speed is extreme, and the speed."""
+    return root(run, l, SPEED, NO_FORCE, NO_SPEEDS, 0.0, 1.0, 0.0)
 
 
-def crossing(run, l, load, low, high):
-    """Where from low to high the speed is the load point's, which the caller has seen it cross."""
-    at, _ = root(run, l, LEAD, NONE, load, low, high, 0.0)
-    return at
+def crossing(run, l, speeds, low, high):
+    """Return where V, which crosses V_lp between two fractions, equals V_lp."""
+    fraction, _ = root(run, l, LEAD, NO_FORCE, speeds, low, high, 0.0)
+    return fraction
 
 
-def observe(run, l):
-    """Extremes of V, |g|, f and x + N inside the step; `commit` sees to its end.
+def record_extremes(run, l):
+    """Record extremes of V, |g|, f and x + N inside the step; `commit` adds its end.
 
-    Returns where in the step, 0 to 1, V has one, or -1.
+    Returns the fraction of the step at which V is extreme, or -1 if V has no extreme inside.
     """
     s = run.s
-    enough, events, at = ENOUGH * s[R.TOLERANCE + l], int(s[R.EVENTS + l]), -1.0
+    tolerance, events, at = FORCE_TOLERANCE * s[R.TOLERANCE + l], int(s[R.EVENTS + l]), -1.0
     if events & R.V_EXTREME > 0:
         at, v = extreme_speed(run, l)
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if events & R.G_EXTREME > 0:
-        force = extreme_value(run, l, INERTIAL_FORCE, enough)
+        force = extreme_value(run, l, INERTIAL_FORCE, tolerance)
         s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(force))
     if events & R.F_EXTREME > 0:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(run, l, FRICTION, enough))
+        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(run, l, FRICTION, tolerance))
     if events & R.XF_EXTREME > 0:
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(run, l, WITH_STRENGTH, enough))
+        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(run, l, X_PLUS_N, tolerance))
     return at
 
 
-def cross(run, l, load, rises, low, high):
-    """Record that V crosses V_lp from low to high in the step: a maximum of stress if it rises."""
+def record_crossing(run, l, speeds, rises, low, high):
+    """Record a crossing between two fractions: a stress maximum if V rises."""
     s = run.s
-    at = crossing(run, l, load, low, high)
+    at = crossing(run, l, speeds, low, high)
     x, _ = component(run, l, 0, at)
     if rises:
         close_cycle(run, l, s[R.T_LOW + l] + at * s[R.H_USED + l], x)
@@ -168,107 +169,107 @@ def cross(run, l, load, rises, low, high):
 
 
 def handle(run, l):
-    """Everything of interest in the lane's accepted step, before it is committed."""
+    """Handle all events of the lane's accepted step, before the step is committed."""
     s = run.s
-    load = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
+    speeds = s[R.W_LP + l], s[R.H_USED + l] * s[R.RAMP + l]
     events, at = int(s[R.EVENTS + l]), -1.0  # where V is extreme
     if s[R.OBSERVE + l] > 0.0:
-        at = observe(run, l)
+        at = record_extremes(run, l)
     elif events & R.GRAZES > 0:
         at, _ = extreme_speed(run, l)
     if run.shape.rigid:
         return
-    above = s[R.W_NEW + l] >= load[0] + load[1]
-    if (s[R.W + l] < load[0]) == above:
-        cross(run, l, load, above, 0.0, 1.0)
+    above = s[R.W_NEW + l] >= speeds[0] + speeds[1]
+    if (s[R.W + l] < speeds[0]) == above:
+        record_crossing(run, l, speeds, above, 0.0, 1.0)
     elif at > 0.0:
-        _, lead = of_step(run, l, LEAD, NONE, load, at)
-        if (lead < 0.0) == above:  # there and back
-            cross(run, l, load, not above, 0.0, at)
-            cross(run, l, load, above, at, 1.0)
-    if events & R.BEYOND > 0:
-        call_point(run.units.outrun, s, l, run.work)
+        _, lead = evaluate(run, l, LEAD, NO_FORCE, speeds, at)
+        if (lead < 0.0) == above:  # V crosses V_lp twice in this step
+            record_crossing(run, l, speeds, not above, 0.0, at)
+            record_crossing(run, l, speeds, above, at, 1.0)
+    if events & R.OVER_V_LIMIT > 0:
+        call_point(run.units.check_runaway, s, l, run.work)
 
 
 # The period of a run
 
 
-def close_cycle(run, l, here, x_high):
-    """Record the cycle that ends at this upward crossing; `here` is the time since s[T]."""
+def close_cycle(run, l, since, x_high):
+    """Record the cycle that ends at an upward crossing, at the time s[T] + since."""
     s, shape = run.s, run.shape
-    if s[R.CROSS_LOW + l] < math.inf:
-        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + int(s[R.HOME + l])
+    if s[R.CROSS_T_LOW + l] < math.inf:
+        at = (int(s[R.CYCLES + l]) % R.RING) * R.LANES + int(s[R.RING_COLUMN + l])
         s[shape.highs + at], s[shape.lows + at] = x_high, s[R.X_LOW + l]
-        s[shape.spans + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (here - s[R.CROSS_LOW + l])
+        s[shape.durations + at] = (s[R.T + l] - s[R.CROSS_T + l]) + (since - s[R.CROSS_T_LOW + l])
         s[R.CYCLES + l] += 1.0
-    s[R.CROSS_T + l], s[R.CROSS_LOW + l] = s[R.T + l], here
+    s[R.CROSS_T + l], s[R.CROSS_T_LOW + l] = s[R.T + l], since
 
 
-def change(s, home, shape, first, end, p):
-    """Largest change of a maximum or minimum of x after p returns, at the returns first to end - 1.
+def max_change(s, home, shape, first, end, p):
+    """Return the largest change of stress maxima and minima after p returns.
 
-    home : the column where they are kept
+    The returns first to end - 1 are compared; home : the column that keeps them
     """
-    most = 0.0
+    largest = 0.0
     for k in range(first, end):
-        now, before = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
-        most = max(most, abs(s[shape.highs + now] - s[shape.highs + before]))
-        most = max(most, abs(s[shape.lows + now] - s[shape.lows + before]))
-    return most
+        this, other = (k % R.RING) * R.LANES + home, ((k - p) % R.RING) * R.LANES + home
+        largest = max(largest, abs(s[shape.highs + this] - s[shape.highs + other]))
+        largest = max(largest, abs(s[shape.lows + this] - s[shape.lows + other]))
+    return largest
 
 
 def last_period(run, l):
-    """Amplitude (in x) and duration (in T) of the last period, and how many returns it has.
+    """Return the last period's amplitude (in x), duration (in T) and returns.
 
-    More than one where the motion repeats after these, and hardly after fewer.  Where it is
-    irregular there is no period: 0 returns, the amplitude of the later half of those that are
-    known, and how long one of them takes.  Before the first return 0.0, inf and 0.
+    There are several returns if the motion repeats after these and hardly after fewer.  If the
+    motion is irregular, there are 0 returns, the amplitude is over the later half of the recorded
+    returns, and the duration is their mean.  Before the first return the result is 0.0, inf and 0.
     """
     s, shape = run.s, run.shape
-    cycles, home = int(s[R.CYCLES + l]), int(s[R.HOME + l])
+    cycles, home = int(s[R.CYCLES + l]), int(s[R.RING_COLUMN + l])
     if cycles == 0:
         return 0.0, math.inf, 0
-    known = min(cycles, R.RING)
+    recorded = min(cycles, R.RING)
     last = ((cycles - 1) % R.RING) * R.LANES + home
     amplitude = s[shape.highs + last] - s[shape.lows + last]
     visible = VISIBLE * amplitude
     errors = ERRORS * s[R.TOLERANCE + l]
     exact = max(EXACT * amplitude, min(visible, errors))
-    first = cycles - known // 2  # in chaos a few returns may repeat by chance
-    returns, left = 1, change(s, home, shape, first, cycles, 1)
-    for p in range(2, known // 2 + 1):
-        if left > (visible if returns == 1 else exact):
-            by_p = change(s, home, shape, first, cycles, p)
-            if by_p < REPEATS * left:
-                returns, left = p, by_p
-    changes = left > (visible if returns == 1 else exact)
-    half = first + known // 4
-    before = max(errors, change(s, home, shape, first, half, returns))
-    grows = (changes or returns > 1) and change(s, home, shape, half, cycles, returns) > before
+    first = cycles - recorded // 2  # in chaos a few returns may repeat by chance
+    returns, remaining = 1, max_change(s, home, shape, first, cycles, 1)
+    for p in range(2, recorded // 2 + 1):
+        if remaining > (visible if returns == 1 else exact):
+            by_p = max_change(s, home, shape, first, cycles, p)
+            if by_p < REPEATS * remaining:
+                returns, remaining = p, by_p
+    changes = remaining > (visible if returns == 1 else exact)
+    half = first + recorded // 4
+    earlier = max(errors, max_change(s, home, shape, first, half, returns))
+    grows = (changes or returns > 1) and max_change(s, home, shape, half, cycles, returns) > earlier
     irregular = (changes or grows) and is_irregular(s, home, shape, cycles, visible, grows)
-    over = known // 2 if irregular else returns
+    over = recorded // 2 if irregular else returns
     high, low, span = -math.inf, math.inf, 0.0
     for k in range(cycles - over, cycles):
         at = (k % R.RING) * R.LANES + home
         high, low = max(high, s[shape.highs + at]), min(low, s[shape.lows + at])
-        span += s[shape.spans + at]
+        span += s[shape.durations + at]
     return high - low, span / over if irregular else span, 0 if irregular else returns
 
 
 def is_irregular(s, home, shape, cycles, visible, grows):
-    """Whether stress maxima go up and down visibly, and lately not much less than before.
+    """Return whether stress maxima go up and down, lately not much less than before.
 
-    grows : whether changes after a period grow; then changes after a return need not last
+    grows : whether changes after a period grow; changes after a return then need not last
     """
-    count, rise_before, earlier, later = 0, 0.0, 0.0, 0.0
-    known = min(cycles, R.RING)
-    for k in range(cycles - known + 1, cycles):
-        now, last = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
-        rise = s[shape.highs + now] - s[shape.highs + last]
+    count, previous_rise, earlier, later = 0, 0.0, 0.0, 0.0
+    recorded = min(cycles, R.RING)
+    for k in range(cycles - recorded + 1, cycles):
+        this, previous = (k % R.RING) * R.LANES + home, ((k - 1) % R.RING) * R.LANES + home
+        rise = s[shape.highs + this] - s[shape.highs + previous]
         if abs(rise) > visible:
-            count += rise * rise_before < 0.0
-            rise_before = rise
-        if k < cycles - known // 2:
+            count += rise * previous_rise < 0.0
+            previous_rise = rise
+        if k < cycles - recorded // 2:
             earlier = max(earlier, abs(rise))
         else:
             later = max(later, abs(rise))

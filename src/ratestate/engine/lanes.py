@@ -1,7 +1,7 @@
-"""The lanes: many sliders side by side in one buffer (rows.py): a step of each, and its events.
+"""Lanes: many sliders side by side in one buffer; their steps and events.
 
-Code of these goes over whole vectors of lanes, idle ones too, so that a slider goes through the
-same instructions, and gets the same bits, wherever it sits.
+The buffer is described in rows.py.  The functions run over whole vectors of lanes, idle lanes
+included.  So a slider goes through the same instructions, and gets the same bits, in any lane.
 """
 
 import math
@@ -14,10 +14,10 @@ from .model import RUNNING
 from .rodas5p import step as rodas5p_step
 from .rows import read_rows, rows_of, store_each, write_rows
 
-# Rejections in a row that no step size can explain: 5**-400 is below any eta0 w.
+# More rejections in a row cannot be due to the step size: 5**-400 is below any eta0 w.
 TOO_MANY_FAILURES = 400.0
 
-# Errors of a step, relative to x and psi, that rounding feigns: no tolerance below them is kept.
+# Error of a step, relative to x and psi, that may be due to rounding: no tolerance is smaller.
 ROUNDING = 1e-15
 
 # A factor below 1/5 or above 5 says more about the estimate than about the solution.
@@ -25,15 +25,15 @@ SAFETY, SHRINK, GROW = 0.85, 0.2, 5.0
 
 
 def rows_of_point(law, at_end=False):
-    """The rows of y, w and e where the lane is, or at the end of its step."""
+    """Return the rows of y, w and e at the start or at the end of the lane's step."""
     rows = rows_of(law)
     return (rows.y_new, R.W_NEW, rows.e_new) if at_end else (rows.y, R.W, rows.e)
 
 
 def read_point(s, l, law, at_end=False):
-    """The slider where the lane is, or at the end of its step, a `Point`.
+    """Return the `Point` at the start or at the end of the lane's step.
 
-    Its coefficients are those of the start: at the end normal stress may be another (`later`).
+    The coefficients are those at the start.  If normal stress varies, call `later` for the end.
     """
     y, w, e = rows_of_point(law, at_end)
     y, e, p = (read_rows(s, one, l) for one in (y, e, rows_of(law).p))
@@ -41,7 +41,7 @@ def read_point(s, l, law, at_end=False):
 
 
 def write_point(s, l, at, at_end=False):
-    """Put the state, the speed and the exponentials of a `Point` there."""
+    """Store the state, the speed and the exponentials of a `Point` in the lane."""
     y, w, e = rows_of_point(at.law, at_end)
     write_rows(s, y, l, at.y)
     write_rows(s, e, l, at.e)
@@ -49,7 +49,7 @@ def write_point(s, l, at, at_end=False):
 
 
 def extremes(s, l, at):
-    """Row -> the extreme of V, |g|, f or x + N so far, that of a `Point` included."""
+    """Return row -> extreme of V, |g|, f or x + N so far, including the `Point` `at`."""
     return {
         R.V_HIGH: larger(s[R.V_HIGH + l], at.speed_measure),
         R.V_LOW: smaller(s[R.V_LOW + l], at.speed_measure),
@@ -60,11 +60,11 @@ def extremes(s, l, at):
 
 
 def extremum_conditions(at, w_lp):
-    """Four numbers with the signs of dw/dT, dg/dT, df/dT and d(x + N)/dT.
+    """Return four numbers with the signs of dw/dT, dg/dT, df/dT and d(x + N)/dT.
 
-    The latter follow from eta0 dw/dT = g, friction f = R, the strength N and g = x - S.
+    They follow from eta0 dw/dT = g, friction f = R, the strength N and g = x - S.
     """
-    # d omega/dT is `by` over `unit`
+    # d omega/dT is `by` divided by `unit`
     by, unit = at.acceleration(w_lp, at.is_balanced)
     of_x = unit * at.x_rate(w_lp)
     change = of_x, by, *times(unit, at.f)
@@ -72,81 +72,81 @@ def extremum_conditions(at, w_lp):
     return by, at.m * at.g_rate(w_lp) - at.S_slopes[0] * at.g, friction, strength + of_x
 
 
-def saves(s, l):
-    """Whether the next saved time lies in the step.
+def has_save_time(s, l):
+    """Return whether the next saved time lies in the step.
 
-    Written as in `step_size`, so that a saved time at a breakpoint lies in the step to it.
+    The arithmetic is as in `step_size`, so that a step up to a breakpoint contains a time there.
     """
     return s[R.H_USED + l] >= (s[R.SAVE_AT + l] - s[R.T + l]) - s[R.T_LOW + l]
 
 
-def has_event(s, l, law):
-    """Set EVENTS, and CALL: whether the step is accepted and holds anything for the control."""
+def flag_events(s, l, law):
+    """Set EVENTS; set CALL if the step is accepted and the control must handle it."""
     h, w_lp = s[R.H_USED + l], s[R.W_LP + l]
     w_lp_end = w_lp + h * s[R.RAMP + l]
     start, end = read_point(s, l, law), read_point(s, l, law, True).later(h)
     crosses = (start.w < w_lp) ^ (end.w < w_lp_end)
-    # V and g have an extreme in the step, f and x + N a minimum
+    # whether V and g have an extreme in the step, and f and x + N a minimum
     a0, b0, c0, d0 = extremum_conditions(start, w_lp)
     a1, b1, c1, d1 = extremum_conditions(end, w_lp_end)
     v, g = (a0 < 0.0) ^ (a1 < 0.0), (b0 < 0.0) ^ (b1 < 0.0)
     f, xf = (c0 < 0.0) & (c1 >= 0.0), (d0 < 0.0) & (d1 >= 0.0)
-    # V, at the rate of the step's start, comes up to V_lp within the step
+    # whether V would reach V_lp within the step at its initial rate
     gap = w_lp - start.w
-    nears = (gap * start.g > 0.0) & (abs(gap) * start.eta0 < abs(start.g) * h)
+    near_V_lp = (gap * start.g > 0.0) & (abs(gap) * start.eta0 < abs(start.g) * h)
     beyond = end.log_jump_rate > s[R.V_LIMIT + l]
-    # (never in a march, whose lanes have the tolerance 0)
-    off = plus(end.y, times(-1.0, read_rows(s, rows_of(law).steady, l)))
-    steady = largest(off) < s[R.STEADY + l]
+    # (never in a march, for which the tolerance STEADY is 0)
+    deviation = plus(end.y, times(-1.0, read_rows(s, rows_of(law).steady, l)))
+    steady = largest(deviation) < s[R.STEADY + l]
     bits = 0.0
-    for bit, event in zip(R.BITS, (v, g, f, xf, v & nears, beyond, steady), strict=True):
+    for bit, event in zip(R.BITS, (v, g, f, xf, v & near_V_lp, beyond, steady), strict=True):
         bits = bits + where(event, float(bit), 0.0)
     s[R.EVENTS + l] = bits
     extreme = (v | g | f | xf) & (s[R.OBSERVE + l] > 0.0)
-    flag = crosses | (v & nears) | extreme | saves(s, l) | steady | beyond
-    flag = flag | (s[R.EVERY_STEP + l] > 0.0)
-    s[R.CALL + l] = where((s[R.OK + l] > 0.0) & flag, 1.0, 0.0)
+    call = crosses | (v & near_V_lp) | extreme | has_save_time(s, l) | steady | beyond
+    call = call | (s[R.EVERY_STEP + l] > 0.0)
+    s[R.CALL + l] = where((s[R.OK + l] > 0.0) & call, 1.0, 0.0)
 
 
-def record(s, l, h, new, error, dense):
-    """Put the outcome of a step into its rows.
+def store_step(s, l, h, new, error, dense):
+    """Store the outcome of a Rodas5P step in the rows of its lane.
 
     new : a `Point`; error : tuple; dense : the dense output
     """
     write_point(s, l, new, True)
     store_each(s, rows_of(new.law).c, l, dense)
     s[R.H_USED + l] = h
-    # (v is far larger at rest, and means nothing there)
-    size = larger(abs(new.x), largest(new.psi))
+    # (without v, whose size has no meaning at rest)
+    scale = larger(abs(new.x), largest(new.psi))
     fastest = s[R.V_HIGH + l], s[R.V_LOW + l], s[R.W_LP + l]
-    allowed = larger(s[R.TOLERANCE + l], ROUNDING * size)
-    of_v, inertia = new.error_of_v(error, fastest), s[R.ETA0 + l] / h
-    of_v = new.law.discount_rounding(new, of_v, inertia, ROUNDING, size, allowed)
-    largest_error = larger(larger(abs(error[0]), abs(of_v)), largest(error[2:]))
-    # of a NaN and a number either may be the larger: it hangs on their order, and on the machine
+    allowed = larger(s[R.TOLERANCE + l], ROUNDING * scale)
+    error_of_v, inertia = new.error_of_v(error, fastest), s[R.ETA0 + l] / h
+    error_of_v = new.law.discount_rounding(new, error_of_v, inertia, ROUNDING, scale, allowed)
+    largest_error = larger(larger(abs(error[0]), abs(error_of_v)), largest(error[2:]))
+    # Test a sum, because which one of NaN and a number is larger depends on order and processor.
     finite = abs(total(new.y) + total(error)) < math.inf
     s[R.ERROR + l] = where(finite, largest_error / allowed, math.inf)
 
 
 def try_step(s, l, law):
-    """Try one step of the lane by Rodas5P and record its outcome."""
+    """Try one step of the lane by Rodas5P and store its outcome."""
     h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     new, error, dense, s[R.D_LOAD + l], s[R.D_FRICTION + l] = rodas5p_step(
         read_point(s, l, law), s[R.W_LP + l], s[R.RAMP + l], h
     )
-    record(s, l, h, new, error, dense)
+    store_step(s, l, h, new, error, dense)
 
 
 def step_size(h, t_break, t, t_low):
-    """The step to try, in T: never past the next breakpoint, nor just short of it."""
-    left = (t_break - t) - t_low
-    return where(h * (1.0 + 1e-9) >= left, left, h)
+    """Return the step to try, in T; it never ends beyond or just before a breakpoint."""
+    remaining = (t_break - t) - t_low
+    return where(h * (1.0 + 1e-9) >= remaining, remaining, h)
 
 
 def control_step(s, l):
-    """Accept or reject a step of lane l (OK, BAD) and choose the next size, by a PI controller.
+    """Accept or reject the step (OK, BAD); choose the next size by a PI controller.
 
-    Powers are taken by square roots, which vectorise.
+    Powers are computed by square roots, which vectorise.
     """
     err, h, planned = s[R.ERROR + l], s[R.H_USED + l], s[R.H + l]
     finite = err < 1e300
@@ -155,13 +155,13 @@ def control_step(s, l):
     eighth = sqrt(quarter)
     sixteenth = sqrt(eighth)
     factor = SAFETY * s[R.MEMORY + l] / (eighth * sixteenth)
-    rejected = SAFETY / quarter
-    factor = where(ok, factor, rejected)
+    factor_if_rejected = SAFETY / quarter
+    factor = where(ok, factor, factor_if_rejected)
     factor = where(factor < GROW, factor, GROW)
     factor = where(factor > SHRINK, factor, SHRINK)
     factor = where(finite, factor, SHRINK)
     h_next = h * factor
-    # A step cut short by a breakpoint says nothing against the size planned before it.
+    # A step that was cut short by a breakpoint does not reduce the size that was planned before.
     h_next = where(ok & (h < planned) & (h_next < planned), planned, h_next)
     s[R.OK + l] = where(ok, 1.0, 0.0)
     s[R.BAD + l] = where(finite, 0.0, 1.0)
@@ -170,9 +170,9 @@ def control_step(s, l):
 
 
 def commit_lane(s, l, law):
-    """Move an accepted step's outcome into the state; time is summed in two parts (Kahan).
+    """Make the end of an accepted step the lane's state; time has two parts (Kahan).
 
-    BREAK is set where the lane has come to a breakpoint or cannot go on.
+    BREAK is set if the lane has reached a breakpoint or cannot continue.
     """
     rows, accepted, h = rows_of(law), s[R.OK + l], s[R.H_USED + l]
     ok, end = accepted > 0.0, read_point(s, l, law, True).later(h)

@@ -1,11 +1,11 @@
-"""Machine code: LLVM text is compiled into an object, which is kept on disk, and loaded.
+"""Machine code: LLVM text is compiled into an object, cached on disk, and loaded.
 
-The folder's name is a hash of the sources of engine and friction, a file's name one of all else
-that the code depends on, and a file begins with the SHA-256 of its content.  An object that cannot
-be loaded is compiled anew; one that cannot be kept is used all the same.
+The name of the cache folder is a hash of the sources of engine and friction.  The name of a file is
+a hash of everything else that the code depends on.  A file begins with the SHA-256 of its content.
+An object that cannot be loaded is compiled again; an object that cannot be cached is used anyway.
 
-Loading a file runs what is in it.  So only files and folders are used that nobody but this user
-can have written (`_distrust`, `_read`).
+Loading a file runs its code.  So only files and folders are used that no other user can have
+written (`_reason_for_distrust`, `_read`).
 """
 
 import contextlib
@@ -24,18 +24,18 @@ import llvmlite.binding as llvm
 
 from ..errors import CompilationError
 
-#: objects that are loaded: their code stays as long as these are referred to
+#: engines of the loaded objects, whose code exists as long as the engines do
 _LOADED: list = []
-#: LLVM's names of processors that lower their clock where they use their widest vectors
+#: LLVM's names of processors that lower their clock when they use their widest vectors
 THROTTLED = "skylake", "cannonlake", "cascadelake", "cooperlake"
 CHECKSUM = hashlib.sha256().digest_size
-#: from how many seconds on it is reported how long code took to make
-LONG = 1.0
-_seconds: list = []  # of each code that was made and kept, until they are reported
-_reported: list = []  # what was
+#: shortest time to make code that is reported [s]
+REPORTED_SECONDS = 1.0
+_seconds: list = []  # for each code that was made and cached, until they are reported
+_reported: list = []  # seconds that were reported
 
 
-# Compiled and loaded
+# Compile and load
 
 
 @functools.cache
@@ -46,13 +46,13 @@ def _initialized(triple):
 
 
 def processor():
-    """LLVM's names of this machine, its kind of processor, and the features that code may use."""
+    """Return LLVM's names of this machine, its processor, and the features to use."""
     features = llvm.get_host_cpu_features().flatten()
     return llvm.get_process_triple(), llvm.get_host_cpu_name(), features
 
 
 def doubles_of_vector():
-    """How many doubles the vectors have in which this processor is fastest."""
+    """Return the number of doubles in the vectors that are fastest on this processor."""
     features, processor = llvm.get_host_cpu_features(), llvm.get_host_cpu_name()
     if features.get("avx512f") and not processor.startswith(THROTTLED):
         return 8
@@ -60,10 +60,10 @@ def doubles_of_vector():
 
 
 def target(cpu=None, features=None, triple=None):
-    """The machine for which code is made: this one, or one of this kind of processor."""
-    here, own, native = processor()
+    """Return the machine to compile for: this one, or one with another processor."""
+    here, name, native = processor()
     return _initialized(triple or here).create_target_machine(
-        cpu=cpu or own,
+        cpu=cpu or name,
         features=native if features is None else features,
         opt=3,
         reloc="pic",
@@ -71,7 +71,7 @@ def target(cpu=None, features=None, triple=None):
     )
 
 
-def optimized(text, machine, level):
+def optimize(text, machine, level):
     """Return LLVM text as a module for a machine; level : of optimisation."""
     layout = f'target datalayout = "{machine.target_data}"\ntarget triple = "{machine.triple}"\n'
     module = llvm.parse_assembly(layout + text)
@@ -84,40 +84,40 @@ def optimized(text, machine, level):
     return module
 
 
-def compiled(text, machine=None, level=0):
-    """The object, bytes, of LLVM text.
+def compile_object(text, machine=None, level=0):
+    """Compile LLVM text into an object, bytes.
 
-    level : of optimisation; straight lines of code, which say each thing once, need none
+    level : of optimisation; units need none, because they have no branches and no repeated work
     """
     machine = machine or target()
-    return machine.emit_object(optimized(text, machine, level))
+    return machine.emit_object(optimize(text, machine, level))
 
 
-def loaded(code, names):
-    """Addresses (dict name -> int) of functions in an object; ImportError where one is missing."""
-    # (the engine owns the machine that it is given)
+def load_functions(code, names):
+    """Load an object, return its functions' addresses; ImportError if one is missing."""
+    # the engine takes ownership of the machine, so each one gets a new one
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target())
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
-    found = {name: engine.get_function_address(name) for name in names}
-    if missing := [name for name, address in found.items() if address == 0]:
+    addresses = {name: engine.get_function_address(name) for name in names}
+    if missing := [name for name, address in addresses.items() if address == 0]:
         raise ImportError(f"compiled code lacks {', '.join(missing)}")
     _LOADED.append(engine)
-    return found
+    return addresses
 
 
 def addresses(name, make, functions):
-    """Addresses of functions in machine code of this name, which is kept, else made.
+    """Return the addresses of functions in cached machine code, or make the code.
 
-    Code that is kept and cannot be loaded is made anew.  CompilationError if that fails too.
+    If cached code cannot be loaded, the code is made again.  CompilationError if that fails too.
     """
     try:
         with contextlib.suppress(ImportError):
-            return loaded(obtained(name, make), functions)
-        return loaded(made(name, make), functions)
-    except CompilationError:  # of a law
+            return load_functions(cached_code(name, make), functions)
+        return load_functions(make_and_cache(name, make), functions)
+    except CompilationError:  # due to a law
         raise
-    except Exception as error:  # none of a case's: machine code has but status codes
+    except Exception as error:  # not due to a case: machine code has status codes, no exceptions
         raise CompilationError(
             f"the solver cannot be compiled on this machine ({reason(error)}). No parameter is "
             f"at fault: free memory, or install ratestate and llvmlite anew, and run the same "
@@ -126,15 +126,15 @@ def addresses(name, make, functions):
 
 
 def reason(error):
-    """The kind of an error, and its first line."""
+    """Return the type of an error and its first line."""
     return f"{type(error).__name__}: {error}".splitlines()[0]
 
 
-# Kept on disk
+# Cache on disk
 
 
 def _digest():
-    """A hash of all sources of machine code: the packages engine and friction, whole."""
+    """Return a hash of all sources of machine code: the packages engine and friction."""
     package = Path(__file__).parent.parent
     folders = package / "engine", package / "friction"
     paths = sorted(path for folder in folders for path in folder.rglob("*.py"))
@@ -144,11 +144,11 @@ def _digest():
 DIGEST = _digest()
 
 
-def obtained(name, make):
-    """Machine code of this name, bytes: that which is kept, else what `make` gives, which is kept.
+def cached_code(name, make):
+    """Return machine code, bytes, from the cache, or make and cache it.
 
-    A file that is damaged, or another user may have written, is reported on stderr; one that
-    cannot be read is passed over.  It is told which folders do not take it.
+    A damaged file, or one that another user may have written, is reported on stderr.  An unreadable
+    file is ignored.  Folders that cannot take the code are reported.
     """
     file = f"{name}-{_machine()}.o"
     for folder in _folders():
@@ -157,31 +157,31 @@ def obtained(name, make):
         checksum, code = content[:CHECKSUM], content[CHECKSUM:]
         if hashlib.sha256(code).digest() == checksum:
             return code
-        say(f"the machine code {folder / file} is damaged; it is compiled anew")
-    return made(name, make)
+        report_once(f"the machine code {folder / file} is damaged; it is compiled anew")
+    return make_and_cache(name, make)
 
 
-def made(name, make):
-    """Machine code of this name that `make` gives; it is kept."""
+def make_and_cache(name, make):
+    """Make machine code of this name by `make`, and cache it."""
     start = time.perf_counter()
     code = make()
     seconds = time.perf_counter() - start
-    if _keep(f"{name}-{_machine()}.o", hashlib.sha256(code).digest() + code):
+    if _cache(f"{name}-{_machine()}.o", hashlib.sha256(code).digest() + code):
         _seconds.append(seconds)
     return code
 
 
 def report_time():
-    """Say, once in this process, how long it took to make code since the last call."""
+    """Report, once in a process, how long it took to make code since the last call."""
     seconds = sum(_seconds)
     _seconds.clear()
-    if seconds >= LONG and not _reported:
+    if seconds >= REPORTED_SECONDS and not _reported:
         _reported.append(seconds)
-        say(f"compiled the solver for this machine in {seconds:.1f} s; it is kept")
+        report_once(f"compiled the solver for this machine in {seconds:.1f} s; it is kept")
 
 
-def _keep(file, content):
-    """Write a file into the first folder that takes it; whether one does."""
+def _cache(file, content):
+    """Write a file into the first folder that takes it; return whether one does."""
     refusals = []
     for folder in _folders():
         try:
@@ -193,9 +193,9 @@ def _keep(file, content):
             refusals.append(f"{folder} ({error.strerror or error})")
             continue
         if refusals:
-            say(f"machine code cannot be kept in {refusals[0]}; it is in {folder}")
+            report_once(f"machine code cannot be kept in {refusals[0]}; it is in {folder}")
         return True
-    say(
+    report_once(
         f"machine code cannot be kept in {' nor in '.join(refusals) or 'any folder'}: each "
         f"process compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be "
         f"written to"
@@ -205,79 +205,79 @@ def _keep(file, content):
 
 @functools.cache
 def _machine():
-    """The part of a file's name that stands for the processor and for what made the code."""
+    """Return the part of a file's name for the processor and the version of llvmlite."""
     return short_hash((*processor(), llvmlite.__version__))
 
 
 def short_hash(value):
-    """A hash of what a value is written as."""
+    """Return a hash of the repr of a value."""
     return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
 
 
 def _folders():
-    """Where kernels are kept: with the user's caches or, if they take none, a temporary folder.
+    """Return the cache folders: in the user's cache, then in the temporary folder.
 
-    A folder that others may have put code into is left out, which is said on stderr.
+    A folder that others may have put code into is left out, with a report on stderr.
     """
     base = os.environ.get("XDG_CACHE_HOME")
-    name, found = f"kernels-{DIGEST}", []
+    name, folders = f"kernels-{DIGEST}", []
     with contextlib.suppress(RuntimeError):  # no home
-        found.append(Path(base or Path.home() / ".cache").resolve() / "ratestate" / name)
+        folders.append(Path(base or Path.home() / ".cache").resolve() / "ratestate" / name)
     with contextlib.suppress(FileNotFoundError):  # no folder for temporary files
         temporary = Path(tempfile.gettempdir()).resolve()
-        found.append(temporary / f"ratestate-{os.geteuid()}" / name)
-    reasons = {folder: _distrust(folder) for folder in found}
+        folders.append(temporary / f"ratestate-{os.geteuid()}" / name)
+    reasons = {folder: _reason_for_distrust(folder) for folder in folders}
     for folder, reason in reasons.items():
         if reason:
-            say(f"machine code in {folder.parent} is not used: {reason}")
+            report_once(f"machine code in {folder.parent} is not used: {reason}")
     return [folder for folder, reason in reasons.items() if not reason]
 
 
-def _distrust(kernels):
-    """Why another user may have put code into this folder; "" if nobody can have.
+def _reason_for_distrust(kernels):
+    """Return why another user may have put code into a folder; "" if nobody can have.
 
-    It and the folder around it, ratestate's own, must be this user's, and nobody else may write to
-    them.  Those above must be this user's or root's.  Anybody may write to these only under the
-    sticky bit, by which nobody can replace what is another's.
+    The folder and its parent, ratestate's own folder, must belong to this user, and nobody else may
+    write to them.  The folders above must belong to this user or to root.  If anybody may write to
+    them, they need the sticky bit, under which users cannot replace each other's files.
 
     kernels : Path without links above ratestate's own folder
     """
     own, user = kernels.parent, os.geteuid()
     for folder in (kernels, *kernels.parents):
         try:
-            found = folder.lstat()
-        except OSError:  # it is not there
+            status = folder.lstat()
+        except OSError:  # the folder does not exist
             continue
         inside = folder in (kernels, own)
-        if found.st_uid != user and (inside or found.st_uid != 0):
+        if status.st_uid != user and (inside or status.st_uid != 0):
             return f"{folder} belongs to another user. Set XDG_CACHE_HOME to a folder of your own."
-        if inside and not stat.S_ISDIR(found.st_mode):
+        if inside and not stat.S_ISDIR(status.st_mode):
             return f"{folder} is a link or a file. Remove it."
-        if inside and found.st_mode & 0o022:
+        if inside and status.st_mode & 0o022:
             return f"other users may write to {folder}. Run: chmod -R go-w {own}"
-        if found.st_mode & stat.S_IWOTH and not found.st_mode & stat.S_ISVTX:
+        if status.st_mode & stat.S_IWOTH and not status.st_mode & stat.S_ISVTX:
             return f"other users may write to {folder}. Run: chmod o-w {folder}"
     return ""
 
 
 def _read(path):
-    """The bytes of a file that nobody but this user can have written; None if there is none."""
-    with contextlib.suppress(OSError):  # most often it is not there
+    """Return the bytes of a file that only this user can have written, else None."""
+    with contextlib.suppress(OSError):  # most often the file does not exist
         handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
         with os.fdopen(handle, "rb") as file:
-            found = os.fstat(handle)
-            mine = found.st_uid == os.geteuid() and not found.st_mode & 0o022
-            if mine and stat.S_ISREG(found.st_mode):
+            status = os.fstat(handle)
+            mine = status.st_uid == os.geteuid() and not status.st_mode & 0o022
+            if mine and stat.S_ISREG(status.st_mode):
                 return file.read()
-        say(f"the machine code {path} may be another user's; it is compiled anew")
+        report_once(f"the machine code {path} may be another user's; it is compiled anew")
     return None
 
 
 def _write(path, content):
-    """Write a file that is whole or absent, whoever else writes it."""
+    """Write a file so that it is whole or absent, even if others write it at once."""
     partial = path.with_name(f".{path.name}.{uuid.uuid4().hex}.partial")
     try:
-        partial.touch(mode=0o600)  # whatever the umask: see `_read`
+        partial.touch(mode=0o600)  # under any umask, because `_read` checks the mode
         partial.write_bytes(content)
         partial.replace(path)
     finally:
@@ -286,8 +286,8 @@ def _write(path, content):
 
 
 @functools.cache
-def say(text):
-    """Write a line on stderr, once in this process; nothing where there is no stderr."""
+def report_once(text):
+    """Write a line to stderr, if there is one, once in this process."""
     if sys.stderr:
         sys.stderr.write(f"ratestate: {text}\n")
         sys.stderr.flush()

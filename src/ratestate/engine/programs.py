@@ -1,6 +1,6 @@
-"""Kernels run from Python: machine code of a control (compiler.py) and of a law's units (code.py).
+"""Run compiled programs from Python: the control, and the units of a law.
 
-Each object is made when it is first needed, and kept on disk (machine_code.py).
+Each object is compiled when it is first needed, and cached on disk (machine_code.py).
 """
 
 import ctypes
@@ -16,24 +16,24 @@ from ..errors import CompilationError
 from . import machine_code
 from .code import unit_text
 from .compiler import KINDS, Array, Word, kernel_text
-from .machine_code import compiled
+from .machine_code import compile_object
 from .units import unit_names
 
-#: the level of optimisation of a control: its code is no faster at 2, which takes 0.2 s more
+#: level of optimisation of a control: level 2 takes 0.2 s more, and its code is not faster
 LEVEL = 1
 
 
 class Context:
-    """A record as machine code sees it: words, which are ints, and of arrays address and shape.
+    """A record as machine code reads it: ints, and addresses and shapes of arrays.
 
     record : named tuple of ints, arrays, functions, and such tuples
-    place : array -> its address, if the kernel does not run on this machine's memory
+    place : array -> its address, if the kernel does not run in this machine's memory
     """
 
     def __init__(self, record, place=None):
-        self._record = record  # (it keeps the arrays)
-        self._place = place or _own_address
-        #: what the code of a kernel depends on: types of arrays, and names of functions
+        self._record = record  # keeps the arrays alive
+        self._place = place or _host_address
+        #: types of arrays and names of functions, on which the code of a kernel depends
         self.kinds = []
         words: list[int] = []
         self._add(record, words)
@@ -53,31 +53,31 @@ class Context:
                 self.kinds.append((x.ndim, x.dtype))
             elif inspect.isfunction(x):
                 self.kinds.append((x.__module__, x.__name__))
-            elif not _is_known(x):
+            elif not _is_constant(x):
                 words.append(operator.index(x))
 
     def layout(self):
-        """The record, with a `Word` for each int and an `Array` for each array."""
+        """Return the record with a `Word` for each int and an `Array` for each array."""
         return _layout(self._record, itertools.count())
 
 
-def _is_known(x):
+def _is_constant(x):
     return isinstance(x, (str, Array)) or callable(x)
 
 
 def _layout(x, places):
     if isinstance(x, tuple):
         return type(x)(*(_layout(one, places) for one in x))
-    if _is_known(x):
+    if _is_constant(x):
         return x
     at, *_ = itertools.islice(places, 1 + np.ndim(x))
     return Array(at, x.ndim, x.dtype) if isinstance(x, np.ndarray) else Word(at)
 
 
-def _own_address(x):
-    try:  # a third of the time that `ctypes.data` takes
+def _host_address(x):
+    try:  # three times as fast as `ctypes.data`
         return ctypes.addressof(ctypes.c_char.from_buffer(x))
-    except (TypeError, ValueError):  # it cannot be written to, or is empty
+    except (TypeError, ValueError):  # the array is read-only or empty
         return x.ctypes.data
 
 
@@ -85,12 +85,12 @@ _functions: dict = {}  # (function, kinds of arrays) -> function of ctypes
 
 
 class Program:
-    """A function of a small part of Python that is run on a record as machine code.
+    """A compiled function in a small part of Python, and the record it works on.
 
     Parameters
     ----------
-    function : of a record and an int, which returns a bool
-    record : as of `Context`; arrays are used as they are
+    function : a function of a record and an int that returns a bool
+    record : as for `Context`; arrays are changed in place
     """
 
     def __init__(self, function, record):
@@ -103,32 +103,32 @@ class Program:
 
     def _loaded(self, function, kinds):
         name, layout = function.__name__, self._context.layout()
-        file = Path(inspect.getfile(function))  # it may be in another package
+        file = Path(inspect.getfile(function))  # which may be in another package
         version = machine_code.short_hash((kinds, file.read_bytes()))
-        found = machine_code.addresses(
+        addresses = machine_code.addresses(
             f"{name}-{version}",
-            lambda: compiled(kernel_text(function, layout), level=LEVEL),
+            lambda: compile_object(kernel_text(function, layout), level=LEVEL),
             [name],
         )
-        return ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)(found[name])
+        return ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_int64)(addresses[name])
 
     def __call__(self, budget):
-        """What the function returns; other threads of Python may run meanwhile."""
+        """Return the function's result; other Python threads may run at the same time."""
         return self._run(self._words, budget)
 
 
 @functools.cache
 def units_of(law, kind, width):
-    """The units of a law, loaded; kind : their class (units.py); width : lanes of a vector."""
+    """Return a law's compiled units; kind : their class; width : lanes of a vector."""
     name, names = f"{law.name}-{kind.__name__}-{width}", unit_names(law, kind)
-    found = machine_code.addresses(name, lambda: compiled(_text(law, kind, width)), names)
-    return kind(**dict.fromkeys(kind._fields, 0) | found)
+    units = machine_code.addresses(name, lambda: compile_object(_text(law, kind, width)), names)
+    return kind(**dict.fromkeys(kind._fields, 0) | units)
 
 
 def _text(law, kind, width):
     try:
         return unit_text(law, kind, width)
-    except Exception as error:  # a law's methods are a user's, and may raise anything
+    except Exception as error:  # a user wrote the law's methods, and they may raise anything
         raise CompilationError(
             f"the law {law.name} cannot be compiled ({machine_code.reason(error)}). Its methods "
             f"may hold arithmetic, and functions that ratestate has for laws."

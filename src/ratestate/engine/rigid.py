@@ -1,9 +1,9 @@
-"""A slider that moves with its load point (K = inf): its speed is given, only its states evolve.
+"""A slider that moves with its load point (K = inf): only its states evolve.
 
-    dpsi/dT = f(v, psi),     v that of the speed w_lp(T),     x = S(v, psi) + eta0 dw_lp/dT
+    dpsi/dT = f(v, psi),     v = v(w_lp(T), psi),     x = S(v, psi) + eta0 dw_lp/dT
 
-Speeds jump with the load point's.  No state is coupled to another, so that the matrix of a step of
-Rodas5P is diagonal.  Its dense output has psi alone, from which x and v follow.
+The speed jumps when the load-point speed jumps.  No state is coupled to another, so the matrix of a
+Rodas5P step is diagonal.  The dense output holds psi only; x and v follow from psi.
 """
 
 import math
@@ -12,13 +12,13 @@ from ..friction.functions import larger, where
 from ..friction.point import point_at
 from ..friction.tuples import dot, largest, plus, plus_sum, product, sum_of, times, total
 from . import rows as R
-from .lanes import ROUNDING, read_point, saves, step_size, write_point
-from .rodas5p import GAMMA, NODES, A, D, H, dense_output, leaves, next_point, with_drift
+from .lanes import ROUNDING, has_save_time, read_point, step_size, write_point
+from .rodas5p import GAMMA, NODES, A, D, H, dense_output, psi_pivots, stage_start, with_drift
 from .rows import read_rows, rows_of, store_each
 
 
 def point(s, l, law, dT, psi):
-    """The slider at a time dT into the lane's step, where psi is this."""
+    """Return the `Point` with these psi at a time dT into the lane's step."""
     p = law.later(read_rows(s, rows_of(law).p, l), dT)
     v = law.v_at(s[R.W_LP + l] + dT * s[R.RAMP + l], psi, p)
     at = point_at(law, p, (0.0, v, *psi))
@@ -28,21 +28,21 @@ def point(s, l, law, dT, psi):
 
 
 def slopes(at, ramp, of_psi):
-    """d/dT of x, S, N and R; of_psi : d psi/dT."""
+    """Return d/dT of x, S, N and R; of_psi : d psi/dT."""
     _, stress, *others = at.changes_of_forces((0.0, ramp / at.c, *of_psi), 1.0)
     return stress, stress, *others
 
 
 def try_step(s, l, law):
-    """Try one step of the lane and record its outcome."""
+    """Try one step of the lane and store its outcome."""
     h = step_size(s[R.H + l], s[R.BREAKPOINT + l], s[R.T + l], s[R.T_LOW + l])
     start = read_point(s, l, law)
     by_omega, by_psi = start.f_slopes
     drift = with_drift(times(s[R.RAMP + l] / start.c, by_omega), start.f_drift, 1.0)
-    pivots = leaves(GAMMA * h, by_psi)
+    pivots = psi_pivots(GAMMA * h, by_psi)
     k: tuple = ()
     for node, d in zip(NODES, D, strict=True):
-        u, coupling = next_point(start.psi, k)
+        u, coupling = stage_start(start.psi, k)
         right = plus(point(s, l, law, node * h, u).f, times(1.0 / h, coupling))
         k = *k, product(pivots, plus(right, times(h * d, drift)))
     end = point(s, l, law, h, plus_sum(start.psi, A[8], k))
@@ -55,8 +55,8 @@ def try_step(s, l, law):
     s[R.ERROR + l] = where(finite, largest(k[7]) / allowed, math.inf)
 
 
-def has_event(s, l, law):
-    """Set EVENTS and CALL, as `lanes.has_event`: R and x + N may have minima inside the step."""
+def flag_events(s, l, law):
+    """Set EVENTS and CALL, as `lanes.flag_events`, for minima of R and x + N."""
     bits, sides = 0.0, []
     for at in (read_point(s, l, law), read_point(s, l, law, True).later(s[R.H_USED + l])):
         of_x, _, strength, friction = slopes(at, s[R.RAMP + l], at.f)
@@ -64,19 +64,19 @@ def has_event(s, l, law):
     for bit, start, end in zip((R.F_EXTREME, R.XF_EXTREME), *sides, strict=True):
         bits = bits + where((start < 0.0) & (end >= 0.0), float(bit), 0.0)
     s[R.EVENTS + l] = bits
-    called = ((bits > 0.0) & (s[R.OBSERVE + l] > 0.0)) | saves(s, l)
+    called = ((bits > 0.0) & (s[R.OBSERVE + l] > 0.0)) | has_save_time(s, l)
     s[R.CALL + l] = where((s[R.OK + l] > 0.0) & called, 1.0, 0.0)
 
 
-def state(s, l, law, at, *given):
-    """x and v at a place in the lane's step; given : x and v, which are ignored, and psi there."""
-    return point(s, l, law, at * s[R.H_USED + l], given[2:]).y[:2]
+def state(s, l, law, fraction, *inputs):
+    """Return x and v at a fraction of the step; inputs : x, v (ignored) and psi."""
+    return point(s, l, law, fraction * s[R.H_USED + l], inputs[2:]).y[:2]
 
 
-def force(s, l, law, at, *given):
-    """Find the same as `units.force`, but ignore x and v among the given."""
+def force(s, l, law, fraction, *inputs):
+    """Return the same as `units.force`, but ignore x and v among the inputs."""
     n, h = 2 + len(law.states), s[R.H_USED + l]
-    parts, psi, d_psi = given[:4], given[6 : 4 + n], given[6 + n :]
-    here = point(s, l, law, at * h, psi)
+    weights, psi, d_psi = inputs[:4], inputs[6 : 4 + n], inputs[6 + n :]
+    here = point(s, l, law, fraction * h, psi)
     changes = slopes(here, s[R.RAMP + l], times(1.0 / h, d_psi))
-    return dot(parts, here.forces), h * dot(parts, changes)
+    return dot(weights, here.forces), h * dot(weights, changes)

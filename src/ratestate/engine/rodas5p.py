@@ -1,23 +1,23 @@
-"""One step of Rodas5P: Rosenbrock, 8 stages, order 5(4), stiffly accurate, with dense output.
+"""One step of Rodas5P: Rosenbrock, 8 stages, order 5(4), stiffly accurate.
 
-As published: Steinebach (2023), BIT Numer. Math. 63, 27, doi:10.1007/s10543-023-00967-x, in the
-transformed form of Hairer & Wanner (1996, IV.7), where
+As published by Steinebach (2023), BIT Numer. Math. 63, 27, doi:10.1007/s10543-023-00967-x, in the
+transformed form of Hairer & Wanner (1996, IV.7):
 
     (1/(gamma h) - J) k_i = f(T + c_i h, y + sum_j A_ij k_j) + sum_j (C_ij/h) k_j + h d_i df/dT
     y_new = y + sum_j A_8j k_j + k_8,      error estimate = k_8.
 
-The system is that of `model`: y = (x, v, psi), with a psi for each of the law's variables.  Two
-things are done with its shape.
+The equations are those of `model`: y = (x, v, psi), with one psi for each state of the law.  The
+code makes use of their structure in two ways.
 
-* J is an arrow (x and each psi couple to v alone), so one scalar pivot solves each stage.
+* J is an arrow (x and each psi are coupled to v alone), so one scalar pivot solves each stage.
 * The v row is multiplied by m = eta0 w(v at the start), which turns dv/dT = g/(eta0 w) into
   m dv/dT = g w_start/w.  Nothing overflows as V -> 0, and eta0 = 0 is a regular case: the row
-  then reads S_v k_v = k_x - S_psi k_psi and a linearly implicit method keeps x = S(v, psi).
-  What remains is this same method on the other variables, so the quasi-static limit needs no code
-  of its own.  (Where slip may reverse c takes the place of w, and omega that of v: `point`.)
+  then reads S_v k_v = k_x - S_psi k_psi, and a linearly implicit method keeps x = S(v, psi).
+  The result is the same method in the other variables, so the quasi-static limit needs no code of
+  its own.  (If slip may reverse, c replaces w and omega replaces v: `point`.)
 
-Beside the state, a step integrates the load-point work and the frictional dissipation with the
-weights `B` that the method implies for a pure quadrature.
+The step also integrates the work of the load point and the frictional dissipation, with the weights
+`B` that the method implies for a pure quadrature.
 """
 
 from ..friction.functions import larger, where
@@ -75,9 +75,10 @@ H = (
 
 
 def quadrature_weights():
-    """Eight weights B with y_new - y = h sum_i B_i s_i where dy/dT = s depends on the others only.
+    """Return the weights of a quadrature: B with y_new - y = h sum_i B_i s_i.
 
-    Such a row reads k_i/(gamma h) = s_i + sum_j (C_ij/h) k_j, hence B (1/gamma - C) = (A_8, 1).
+    Here the rate s = dy/dT does not depend on y.  The row of y reads k_i/(gamma h) = s_i +
+    sum_j (C_ij/h) k_j, hence B (1/gamma - C) = (A_8, 1).
     """
     weights = [*A[8]]
     for i in reversed(range(8)):
@@ -96,13 +97,13 @@ class Arrow:
     def __init__(self, at, h):
         self.at, self.m, self.gamma_h = at, at.m, GAMMA * h
         self.f_v, f_psi = at.f_slopes
-        self.kappa_c, self.a_psi = at.kappa * at.c, leaves(self.gamma_h, f_psi)
+        self.kappa_c, self.a_psi = at.kappa * at.c, psi_pivots(self.gamma_h, f_psi)
         diagonal, *self.g_psi = at.derived("inertia_slopes", q=1.0, m=at.m)  # slopes of -m dv/dT
         diagonal = at.m / self.gamma_h + diagonal + self.gamma_h * self.kappa_c
         self.pivot = 1.0 / dot_onto(diagonal, product(self.g_psi, self.a_psi), self.f_v)
 
     def solve(self, r):
-        """The k, in x, v and psi, that solves it for this right-hand side."""
+        """Return the k, in x, v and psi, that solves the system for a right-hand side."""
         r_v = dot_onto(r[1], times(self.m, self.at.omega_by_psi), r[2:])
         r_v = minus_dot(r_v + self.gamma_h * r[0], product(self.g_psi, self.a_psi), r[2:])
         k_omega = self.pivot * r_v
@@ -110,15 +111,15 @@ class Arrow:
         return self.at.in_v((self.gamma_h * (r[0] - self.kappa_c * k_omega), k_omega, *k_psi))
 
 
-def leaves(gamma_h, f_psi):
-    """One over each diagonal element of the arrow that belongs to a state."""
+def psi_pivots(gamma_h, f_psi):
+    """Return the inverse of the arrow's diagonal elements that belong to psi."""
     return tuple(gamma_h / (1.0 - gamma_h * slope) for slope in f_psi)
 
 
 def drift_of(start, h, ramp):
-    """h d/dT of dx/dT, m dv/dT and d psi/dT at constant x, v and psi, each a tuple.
+    """Return h d/dT of dx/dT, m dv/dT and d psi/dT at constant state, each a tuple.
 
-    The load point accelerates.  Those of v and psi are () unless normal stress varies.
+    The load point accelerates.  The drifts of v and psi are () unless normal stress varies.
     """
     psi = times(h, start.f_drift)
     of_v = times(-h, start.N_drift)
@@ -127,26 +128,26 @@ def drift_of(start, h, ramp):
 
 
 def with_drift(rest, drift, d):
-    """rest + d drift of each number, where there is a drift."""
+    """Return rest + d drift of each number, or rest if there is no drift."""
     return plus(rest, times(d, drift)) if drift else rest
 
 
-def next_point(y, k):
-    """Where the stage after those of the increments k is taken: its u, and sum_j C_ij k_j."""
+def stage_start(y, k):
+    """Return the state u of the stage after the increments k, and sum_j C_ij k_j."""
     i = len(k)
     return plus_sum(y, A[i], k), sum_of(C[i], k) if k else (0.0,) * len(y)
 
 
 def stages(arrow, h, w_lp, ramp=None):
-    """Each of the eight stages of a step: its point, and the increments up to its own.
+    """Yield the point, w_lp and the increments so far, for each of the eight stages.
 
-    w_lp, ramp : load-point speed at the start and its rate d w_lp/dT; None if it is constant
+    w_lp, ramp : load-point speed at the start and its rate d w_lp/dT; None if the speed is constant
     """
     start = arrow.at
     k: tuple = ()
     of_x, of_v, of_psi = ((), (), ()) if ramp is None else drift_of(start, h, ramp)
     for node, d in zip(NODES, D, strict=True):
-        u, c = next_point(start.y, k)
+        u, c = stage_start(start.y, k)
         at = start.at(u, node * h) if k else start
         w_lp_here = w_lp if ramp is None else w_lp + node * (h * ramp)
         x, v, *psi = times(1.0 / h, c)
@@ -158,11 +159,11 @@ def stages(arrow, h, w_lp, ramp=None):
 
 
 def end_of_step(start, k, last, h):
-    """The point at the end; whether v is held there; the estimated error; dense output.
+    """Return the point at the end, whether v is held there, the error, dense output.
 
-    v is held where friction balances the spring, if inertia is lost: where m = eta0 c is below
-    rounding.  Over a step in which c changes by orders of magnitude, J sees a deviation at its
-    start and not at its end.
+    If inertia is below rounding (m = eta0 c), v is held at the value at which friction balances the
+    spring.  The method alone does not keep this balance if c changes by orders of magnitude over
+    the step, because J is evaluated at the start.
 
     k : the eight increments; last : the point of the last stage
     """
@@ -176,7 +177,7 @@ def end_of_step(start, k, last, h):
 
 
 def dense_output(y0, y1, k1, k2, k3):
-    """Polynomials in the fraction of the step, each a tuple of coefficients, the constant first.
+    """Return each variable's polynomial in the fraction of the step, constant first.
 
     y0, y1 : the state at the ends of the step; k1, k2, k3 : K_1, K_2, K_3 of `H`
     """
@@ -185,26 +186,26 @@ def dense_output(y0, y1, k1, k2, k3):
 
 
 def step(start, w_lp, ramp, h):
-    """One step of size h.
+    """Take one step of size h.
 
     Parameters
     ----------
     start : the slider at the start, a `Point`
-    w_lp, ramp : load-point speed there and its rate d w_lp/dT
+    w_lp, ramp : load-point speed at the start and its rate d w_lp/dT
 
     Returns
     -------
     new : the slider at the end
     error : estimated error of y (tuple)
-    dense : what `dense_output` gives
-    load_work, dissipation : integrals of `Point.works` over the step
+    dense : the dense output
+    load_work, dissipation : integrals of `Point.work_rates` over the step
     """
-    taken = [*stages(Arrow(start, h), h, w_lp, ramp)]
-    last, _, k = taken[-1]
+    points = [*stages(Arrow(start, h), h, w_lp, ramp)]
+    last, _, k = points[-1]
     new, _, error, dense = end_of_step(start, k, last, h)
 
-    # The two quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
-    powers = [at.work_rates(w_lp_here) for at, w_lp_here, _ in taken]
+    # Both quadratures: powers_i = works(u_i) + gradient k_i + h_i d_i d/dT, weighted by B.
+    powers = [at.work_rates(w_lp_here) for at, w_lp_here, _ in points]
     dy, (S_v, *S_psi) = start.in_omega(sum_of(B, k)), start.S_slopes
     load_1, friction_1 = sum_of(B[:4], powers[:4])
     load_2, friction_2 = sum_of(B[4:], powers[4:])

@@ -1,14 +1,14 @@
-"""Steps of a return map: those of the state together with their derivative in some directions.
+"""Steps of a return map: the state and its derivatives along some directions.
 
 A Rosenbrock method applied to y' = f(y), z' = J(y) z, with the exact Jacobian of both, is the
-derivative of the same method's step at fixed step size.  So the matrix is the one of `rodas5p`,
-and a stage of z needs no exponential of its own:
+derivative of the step of the same method at fixed step size.  So the matrix is the one of
+`rodas5p`, and a stage of z needs no exponential of its own:
 
     (1/(gamma h) - J) dk_i = J(u_i) du_i + sum_j (C_ij/h) dk_j + (J'(y) z) k_i
 
-with the load point at constant speed.  The v row is scaled as there, by m = eta0 w at the start.
+with the load point at constant speed.  As in `rodas5p`, the v row is scaled by m at the start.
 
-Beside them the step integrates the trace of J, which by Liouville's formula is the rate at which
+The step also integrates the trace of J.  By Liouville's formula, this trace is the rate at which
 the logarithm of a volume of states grows.
 """
 
@@ -34,25 +34,25 @@ from ..friction.tuples import (
 )
 from . import lanes as L
 from . import rows as R
-from .rodas5p import A, Arrow, B, end_of_step, next_point, stages
+from .rodas5p import A, Arrow, B, end_of_step, stage_start, stages
 from .rows import load_each, read_rows, rows_of, store_each, write_rows
-from .taylor import ORDER, integrals, longest, powers, size, variational_coefficients
-from .taylor_lanes import momentum_of, record, step_lengths
+from .taylor import ORDER, integrals, norm, powers, step_length, variational_coefficients
+from .taylor_lanes import momentum_of, step_lengths, store_step
 
 
 def right_hand_side(du, jacobian, k, rest, curvature, r, m):
-    """Of the increment of the perturbation du at a stage's point, its v row times m.
+    """Return the right-hand side of a stage for the perturbation du, v's row times m.
 
-    As V falls, v's perturbation grows like 1/w and h shrinks like w: m/h comes before it.
+    As V falls, the perturbation of v grows like 1/w and h shrinks like w: m/h is formed first.
 
     =================  =========================================================================
-    jacobian           there, its v row times m (`motion.Motion`)
-    k, curvature       increment of the state, and how the Jacobian matrix changes along the
+    jacobian           Jacobian matrix at the stage, its v row times m (`motion.Motion`)
+    k, curvature       increment of the state, and the change of the Jacobian matrix along the
                        perturbation, both at the start of the step
     rest, r            sum_j C_ij dk_j, and 1/h
     =================  =========================================================================
 
-    du and k are of x, omega and psi.
+    du and k are changes of x, omega and psi.
     """
     first, second = matrix_product(jacobian, du), matrix_product(curvature, k)
     scaled = r * rest[0], (m * r) * rest[1], *times(r, rest[2:])
@@ -60,21 +60,21 @@ def right_hand_side(du, jacobian, k, rest, curvature, r, m):
 
 
 def trace_of(jacobian, shares, unit):
-    """The trace in x, v and psi of a matrix in x, omega and psi; unit : one over m."""
+    """Return the trace in x, v and psi of a matrix in x, omega and psi; unit : 1/m."""
     _, of_v, *of_psi = jacobian
     by_psi = [row[k] for k, row in enumerate(of_psi, 2)]
     return dot_onto(total(by_psi) + unit * of_v[1], shares, [row[1] for row in of_psi])
 
 
 def perturbation_at_end(new, held, z):
-    """A perturbation of the end of a step, where v's follows the others' if v is held."""
+    """Return a perturbation at the end of a step; if v is held, v follows the others."""
     S_v, *S_psi = new.S_slopes
     of_held = new.in_v((z[0], minus_dot(z[0], S_psi, z[2:]) / S_v, *z[2:]))
     return z[0], where(held, of_held[1], z[1]), *z[2:]
 
 
 def step(start, z, h):
-    """One step of size h, and of small perturbations z of its start; w_lp is 1.
+    """Take one step of size h with small perturbations z of its start; w_lp is 1.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def step(start, z, h):
     new : the slider at the end
     z_new : the perturbations there
     error : estimated error of y (tuple)
-    dense : what `rodas5p.dense_output` gives
+    dense : the dense output, as from `rodas5p.dense_output`
     trace : integral of the trace of J
     """
     arrow, r = Arrow(start, h), 1.0 / h
@@ -100,7 +100,7 @@ def step(start, z, h):
         jacobian = at.derived("jacobian", q=start.c * at.c_inverse, m=start.m, kappa=start.kappa)
         k_omega = start.in_omega(k[-1])
         for j, (one, curvature) in enumerate(zip(z, curvatures, strict=True)):
-            du, rest = next_point(one, dk[j])
+            du, rest = stage_start(one, dk[j])
             du = at.in_omega(du)
             rows = right_hand_side(du, jacobian, k_omega, rest, curvature, r, start.m)
             dk[j] = *dk[j], arrow.solve(rows)
@@ -108,7 +108,7 @@ def step(start, z, h):
     new, held, error, dense = end_of_step(start, k, at, h)
     ends = (plus_sum(one, A[8], of_one) for one, of_one in zip(z, dk, strict=True))
     z_new = tuple(perturbation_at_end(new, held, one) for one in ends)
-    # The trace's quadrature as in `rodas5p.step`: B weighs trace(u_i) + gradient k_i.
+    # The trace is integrated as in `rodas5p.step`: B weights trace(u_i) + gradient k_i.
     q = moves * start.c_inverse / start.eta0
     gradient = at_start("change_of_trace", z=sum_of(B, k), q=q, m=1.0)
     return new, z_new, error, dense, h * (gradient + dot(B, traces))
@@ -117,32 +117,32 @@ def step(start, z, h):
 # Loops over lanes
 
 
-def step_of_lane(s, l, law, h):
-    """What `step` gives for a step of size h from where the lane is."""
+def step_from_lane(s, l, law, h):
+    """Return the result of `step` for a step of size h from the lane's state."""
     return step(L.read_point(s, l, law), load_each(s, rows_of(law).z, l), h)
 
 
 def try_step(s, l, law):
-    """Try one step of the lane by Rodas5P, perturbations included, and record its outcome."""
+    """Try one step of the lane by Rodas5P with perturbations, and store its outcome."""
     h = s[R.H + l]
-    new, z_new, error, dense, s[R.D_TRACE + l] = step_of_lane(s, l, law, h)
+    new, z_new, error, dense, s[R.D_TRACE + l] = step_from_lane(s, l, law, h)
     store_each(s, rows_of(law).z_new, l, z_new)
-    L.record(s, l, h, new, error, dense)
+    L.store_step(s, l, h, new, error, dense)
 
 
 def try_taylor_step(s, l, law):
-    """Take one step of the lane by the Taylor method, perturbations included."""
+    """Take one step of the lane by the Taylor method, with perturbations."""
     rows, start = rows_of(law), L.read_point(s, l, law)
     y, z, momentum = start.y, load_each(s, rows.z, l), momentum_of(s, l)
     c, c_z, trace = variational_coefficients(start, z)
     lengths = step_lengths(s, l, c)
 
     def largest_of_order(k):
-        """The largest size of a perturbation's coefficients, divided by that of itself."""
+        """Return the largest ratio of a perturbation's coefficient to the perturbation."""
         each = zip(grouped([one[k] for one in c_z], y), z, strict=True)
-        return functools.reduce(larger, (size(a, momentum) / size(b, momentum) for a, b in each))
+        return functools.reduce(larger, (norm(a, momentum) / norm(b, momentum) for a, b in each))
 
-    by_z = longest(largest_of_order(ORDER), largest_of_order(ORDER - 1), s[R.TOLERANCE + l])
+    by_z = step_length(largest_of_order(ORDER), largest_of_order(ORDER - 1), s[R.TOLERANCE + l])
     h = smaller(smaller(lengths[0], lengths[1]), by_z)
     landing = s[R.LANDING_STEP + l]
     h = where((landing > 0.0) & (landing < h), landing, h)
@@ -153,27 +153,27 @@ def try_taylor_step(s, l, law):
     store_each(s, rows.z_new, l, grouped(z_new, y))
     (mean_trace,) = integrals((trace,), h_powers)
     s[R.D_TRACE + l] = h * mean_trace
-    record(s, l, start, h, h_powers, c, lengths, total(z_new) + mean_trace)
+    store_step(s, l, start, h, h_powers, c, lengths, total(z_new) + mean_trace)
 
 
 def commit_lane(s, l, law):
-    """`lanes.commit_lane` for what a return map adds, once that is done.
+    """Commit the perturbations and the trace; call it after `lanes.commit_lane`.
 
     A perturbation along the orbit is a shift in time.  It grows and shrinks with the speed of the
-    state, by twenty orders of magnitude in a stick-slip cycle, and would take all digits of the
-    rest: it is taken out after each step.
+    state, by twenty orders of magnitude in a stick-slip cycle, and would hide all digits of the
+    other perturbations.  So this part is removed after each step.
     """
     rows, ok, at = rows_of(law), s[R.OK + l] > 0.0, L.read_point(s, l, law)
     by, unit = at.acceleration(1.0, at.is_balanced)
-    speeds = at.in_v((at.x_rate(1.0), by / unit, *at.f))
-    pace = larger(largest(speeds), 1e-300)
-    direction = times(1.0 / pace, speeds)
-    share = 1.0 / dot(direction, direction)
+    rates = at.in_v((at.x_rate(1.0), by / unit, *at.f))
+    size = larger(largest(rates), 1e-300)
+    direction = times(1.0 / size, rates)
+    inverse = 1.0 / dot(direction, direction)
     z, z_new = load_each(s, rows.z, l), load_each(s, rows.z_new, l)
-    shifts = tuple(share * dot(one, direction) for one in z_new)
-    for of_one, one, new, along in zip(rows.z, z, z_new, shifts, strict=True):
-        write_rows(s, of_one, l, select(ok, plus(new, times(-along, direction)), one))
-    early = read_rows(s, rows.early, l)
-    write_rows(s, rows.early, l, select(ok, plus(early, times(1.0 / pace, shifts)), early))
+    shifts = tuple(inverse * dot(one, direction) for one in z_new)
+    for of_one, one, new, shift in zip(rows.z, z, z_new, shifts, strict=True):
+        write_rows(s, of_one, l, select(ok, plus(new, times(-shift, direction)), one))
+    early = read_rows(s, rows.shifts, l)
+    write_rows(s, rows.shifts, l, select(ok, plus(early, times(1.0 / size, shifts)), early))
     s[R.TRACE + l] += where(ok, s[R.D_TRACE + l], 0.0)
-    s[R.SINCE + l] += s[R.OK + l]
+    s[R.SINCE_CROSSING + l] += s[R.OK + l]

@@ -1,7 +1,7 @@
-"""What the engine does under one law, as functions of a lane: the units, called by the control.
+"""The units: all code that depends on the law, as functions of a lane.
 
-Units of lanes go over whole vectors.  Those of one lane are given numbers and find some; which
-these are is said of each.  They are written as code by `code`, and run in Python as they are.
+Units of lanes run over whole vectors.  Units of one lane have input and output numbers, as their
+docstrings say.  `code` turns these functions into machine code; they also run as plain Python.
 """
 
 from collections import namedtuple
@@ -14,33 +14,33 @@ from ..friction.tuples import dot, grouped, plus, times, total
 from . import lanes, rigid, tangent, taylor_lanes, waveform
 from . import rows as R
 from .model import NOT_FINITE, RUNAWAY, SLAVED
-from .rows import FOUND, load_each, read_rows, rows_of, write_rows
+from .rows import OUTPUT, load_each, read_rows, rows_of, write_rows
 from .taylor import has_recurrences
 
-#: addresses of a law's units for a march on a spring; 0 where it has none of that name
+#: addresses of a law's units for a march on a spring; 0 if the law has no such unit
 MarchUnits = namedtuple(
     "MarchUnits",
-    "step taylor commit first_step force orders "
-    "begin speed outrun "  # on a spring
-    "state note "  # without one; `note` also under normal stress that varies
-    "enter_stress jump pull",  # under normal stress that varies
+    "step taylor commit first_step force v_extremes "
+    "begin speed check_runaway "  # only on a spring
+    "state refresh "  # only without a spring; `refresh` also if normal stress varies
+    "enter_stress stress_jump excess_stress",  # only if normal stress varies
 )
 
 
 class RigidUnits(MarchUnits):
-    """The same where the slider moves with its load point (rigid.py)."""
+    """Units for a march of a slider that moves with its load point (rigid.py)."""
 
 
-#: the same for a return map
+#: addresses of a law's units for a return map
 ReturnUnits = namedtuple(
     "ReturnUnits",
-    "step taylor commit begin first_step force speed outrun "
-    "add_rodas5p add_taylor land perturbed perturbed_taylor outcome",
+    "step taylor commit begin first_step force speed check_runaway "
+    "add_rodas5p add_taylor move_to_section speed_derivatives speed_derivatives_taylor outcome",
 )
 
 
-def note(s, l, law):
-    """Let exponentials and extremes of V, |g|, f and x + N be those of the lane's state too."""
+def refresh(s, l, law):
+    """Compute the lane's speed and exponentials from its state; update the extremes."""
     at = lanes.read_point(s, l, law)
     at = at.at(at.y)
     lanes.write_point(s, l, at)
@@ -50,15 +50,15 @@ def note(s, l, law):
 
 
 def begin(s, l, law):
-    """`note`, and the limit of speed that the law can tell."""
-    note(s, l, law)
+    """Call `refresh`, and lower the speed limit to one that the law can resolve."""
+    refresh(s, l, law)
     p = read_rows(s, rows_of(law).p, l)
     s[R.V_LIMIT + l] = law.largest_resolved_v(s[R.V_LIMIT + l], p)
     return ()
 
 
 def first_step(s, l, law):
-    """Set the lane's next step: small beside the time in which the state, or the load, changes."""
+    """Choose a first step that is short compared with changes of state or loading."""
     at, w_lp = lanes.read_point(s, l, law), s[R.W_LP + l]
     fastest = abs(at.x_rate(w_lp)) + total(map(abs, at.f)) + at.c + abs(w_lp)
     fastest = fastest + total(map(abs, at.N_drift))
@@ -67,32 +67,32 @@ def first_step(s, l, law):
     return ()
 
 
-def force(s, l, law, at, *given):
-    """A sum of parts of x, S, N and R at a place in the lane's step; its slope.
+def force(s, l, law, fraction, *inputs):
+    """Return a weighted sum of x, S, N and R at a fraction of the step; its slope.
 
-    given : four parts, x, v, psi... there, and their derivatives by the place
+    inputs : four weights; x, v, psi... there; their derivatives by the fraction
     """
     n, h = 2 + len(law.states), s[R.H_USED + l]
-    parts, y, dy = given[:4], given[4 : 4 + n], given[4 + n : 4 + 2 * n]
-    here = lanes.read_point(s, l, law).at(y, at * h)
-    return dot(parts, here.forces), dot(parts, here.changes_of_forces(here.in_omega(dy), h))
+    weights, y, dy = inputs[:4], inputs[4 : 4 + n], inputs[4 + n : 4 + 2 * n]
+    here = lanes.read_point(s, l, law).at(y, fraction * h)
+    return dot(weights, here.forces), dot(weights, here.changes_of_forces(here.in_omega(dy), h))
 
 
-def speed(s, l, law, w_lp, *given):
-    """w at a place in the lane's step, its slope, and how far v is ahead of that at w_lp.
+def speed(s, l, law, w_lp, *inputs):
+    """Return w at a fraction of the step, its slope, and v minus v at w_lp.
 
-    given : x, v, psi... there, and their derivatives by the place
+    inputs : x, v, psi... there, and their derivatives by the fraction
     """
     n = 2 + len(law.states)
-    at = lanes.read_point(s, l, law).at(given[:n])
-    _, d_omega, *_ = at.in_omega(given[n : 2 * n])
-    return at.w, at.c * d_omega, at.v - law.v_at(w_lp, at.psi, at.p)
+    here = lanes.read_point(s, l, law).at(inputs[:n])
+    _, d_omega, *_ = here.in_omega(inputs[n : 2 * n])
+    return here.w, here.c * d_omega, here.v - law.v_at(w_lp, here.psi, here.p)
 
 
-def outrun(s, l, law):
-    """End the case of a lane beyond its limit of speed, unless the motion will turn back.
+def check_runaway(s, l, law):
+    """End a lane's case beyond its speed limit, unless the motion will turn back.
 
-    Its status is then RUNAWAY or, where it is lost, NOT_FINITE.
+    The status becomes RUNAWAY, or NOT_FINITE if the law cannot follow the motion (`law.must_stop`).
     """
     at = lanes.read_point(s, l, law, True)
     v, kappa = at.log_jump_rate, law.stiffness(at.kappa, at.p)
@@ -102,31 +102,31 @@ def outrun(s, l, law):
     return ()
 
 
-def orders(s, l, law):
-    """v, at psi = 0 if slip may reverse, of the largest and of the smallest speed so far."""
-    found, psi = (s[R.V_HIGH + l], s[R.V_LOW + l]), law.reference_state
+def v_extremes(s, l, law):
+    """Return v of the largest and of the smallest speed so far, at psi = 0."""
+    order, psi = (s[R.V_HIGH + l], s[R.V_LOW + l]), law.reference_state
     if not law.reverses:
-        return found
+        return order
     p = read_rows(s, rows_of(law).p, l)
-    return tuple(law.v_at(one, psi, p) for one in found)
+    return tuple(law.v_at(one, psi, p) for one in order)
 
 
-# Of varying normal stress
+# Units for varying normal stress
 
 
 def enter_stress(s, l, law, start, rate):
-    """Let normal stress, but for its sinusoid, and its rate be these; s before, and now."""
+    """Set sigma (without sinusoid) and its rate; return the ratio s before and after."""
     rows = rows_of(law)
     p = read_rows(s, rows.p, l)
-    now = law.at_time(p, start, rate, p[law.PHASE])
-    write_rows(s, rows.history, l, law.history(now))
-    return p[law.S], now[law.S]
+    p_new = law.at_time(p, start, rate, p[law.PHASE])
+    write_rows(s, rows.history, l, law.history(p_new))
+    return p[law.S], p_new[law.S]
 
 
-def jump(s, l, law, rise):
-    """Let psi be where ln s has risen by `rise` at once, at constant V; v of the same speed.
+def stress_jump(s, l, law, rise):
+    """Change psi as a jump of ln s by `rise` at constant V does; return v at this V.
 
-    R changes in proportion to the jumps of psi, which it makes larger or smaller.
+    R changes in proportion to the jumps of psi, which depend on R: hence the exponential.
     """
     at = lanes.read_point(s, l, law)
     growth = rise * at.jump_growth
@@ -137,8 +137,8 @@ def jump(s, l, law, rise):
     return (law.v_at(at.w, psi, at.p) if law.reverses else at.v,)
 
 
-def pull(s, l, law, v):
-    """x - S at another v, the logarithm of that speed, and 1 where it would run away."""
+def excess_stress(s, l, law, v):
+    """Return x - S at another v, the speed's logarithm, and 1 if it would run away."""
     at = lanes.read_point(s, l, law)
     at = at.at((at.x, v, *at.psi))
     kappa = law.stiffness(at.kappa, at.p)
@@ -146,69 +146,66 @@ def pull(s, l, law, v):
     return at.g, at.log_jump_rate, where(away, 1.0, 0.0)
 
 
-# Of a return map, whose load point moves at a speed of 1
+# Units for a return map, whose load point moves at a speed of 1
 
 
 def d_omega(at):
-    """d omega/dT, without inertia where G is better known so (`model.SLAVED`)."""
+    """Return d omega/dT, without inertia if G is more accurate so (`model.SLAVED`)."""
     by_omega, size = abs(at.S_slopes[0]), larger(at.eta0, abs(at.g))
-    by, unit = at.acceleration(1.0, (at.eta0 <= 0.0) | (size < SLAVED * sqrt(by_omega / at.c)))
-    return by / unit
+    drive, unit = at.acceleration(1.0, (at.eta0 <= 0.0) | (size < SLAVED * sqrt(by_omega / at.c)))
+    return drive / unit
 
 
-def land(s, l, law):
+def move_to_section(s, l, law):
     """Move the end of a step that was cut at a crossing onto the section."""
     at = lanes.read_point(s, l, law, True)
     dt = -(at.v - law.v_at(1.0, at.psi, at.p)) / d_omega(at)
     psi = plus(at.psi, times(dt, at.f))
-    # (dx/dT vanishes at the section)
+    # dx/dT falls to 0 at the section, so its mean over dt is half of its value
     end = at.at((at.x + 0.5 * at.x_rate(1.0) * dt, law.v_at(1.0, psi, at.p), *psi))
     lanes.write_point(s, l, end, True)
     s[R.W_NEW + l], s[R.H_USED + l] = 1.0, s[R.H_USED + l] + dt
     return ()
 
 
-def changes_of_order(at, z):
-    """How perturbations z change v at psi = 0 and the speed of a point, a tuple."""
+def v_changes(at, z):
+    """Return the change by each perturbation z of v at psi = 0 and the same speed."""
     return times(at.reference_v_slope, tuple(at.in_omega(one)[1] for one in z))
 
 
-def perturbed(s, l, law, at):
-    """`changes_of_order` at a place in the step, by a step of Rodas5P that ends there."""
-    end, z, _, _, _ = tangent.step_of_lane(s, l, law, at * s[R.H_USED + l])
-    return changes_of_order(end, z)
+def speed_derivatives(s, l, law, fraction):
+    """Return `v_changes` at a fraction of the step, by a Rodas5P step up to there."""
+    end, z, _, _, _ = tangent.step_from_lane(s, l, law, fraction * s[R.H_USED + l])
+    return v_changes(end, z)
 
 
-def perturbed_taylor(s, l, law, *given):
-    """`changes_of_order`; given : x, v, psi... and the numbers of each perturbation there."""
+def speed_derivatives_taylor(s, l, law, *inputs):
+    """Return `v_changes`; inputs : x, v, psi... and the numbers of each perturbation."""
     n = 2 + len(law.states)
-    at = lanes.read_point(s, l, law).at(given[:n])
-    return changes_of_order(at, grouped(given[n : n * n], given[:n]))
+    at = lanes.read_point(s, l, law).at(inputs[:n])
+    return v_changes(at, grouped(inputs[n : n * n], inputs[:n]))
 
 
 def outcome(s, l, law):
-    """G; v of the largest and of the smallest speed; shifts to the section; d psi/dT."""
+    """Return G; v of the largest and smallest speed; shifts to the section; d psi/dT."""
     at = lanes.read_point(s, l, law)
     omega = d_omega(at)
     changes = tuple(at.in_omega(z)[1] for z in load_each(s, rows_of(law).z, l))
-    return omega * at.c, *orders(s, l, law), *times(1.0 / omega, changes), *at.f
+    return omega * at.c, *v_extremes(s, l, law), *times(1.0 / omega, changes), *at.f
 
 
-# Without a spring
+# Units for a slider without a spring
 
 
-def settle(s, l, law):
-    """Let the lane's x and v be those at its load point's speed, and `note` them."""
+def refresh_rigid(s, l, law):
+    """Set the lane's x and v from its load point's speed, and call `refresh`."""
     at = rigid.point(s, l, law, 0.0, read_rows(s, rows_of(law).y[2:], l))
     lanes.write_point(s, l, at)
-    return note(s, l, law)
+    return refresh(s, l, law)
 
 
 def lane_units(law, kind):
-    """name -> functions of (s, l, law) that each vector of lanes goes through, in turn.
-
-    kind : the class of the units
-    """
+    """Return name -> functions of (s, l, law) that run in turn on vectors of lanes."""
     returns, events = kind is ReturnUnits, rigid if kind is RigidUnits else lanes
     step = tangent.try_step if returns else events.try_step
     taylor_step = tangent.try_taylor_step if returns else taylor_lanes.try_step
@@ -216,54 +213,53 @@ def lane_units(law, kind):
 
     def control(s, l, law):
         lanes.control_step(s, l)
-        events.has_event(s, l, law)
+        events.flag_events(s, l, law)
         if has_taylor:
-            taylor_lanes.find_calm(s, l, law)
+            taylor_lanes.choose_method(s, l, law)
 
-    of_return = [tangent.commit_lane] if returns else []
-    slow = [waveform.find_slow] if returns else []
-    found = {"step": [step, control, *slow], "commit": [lanes.commit_lane, *of_return]}
+    commit_tangent = [tangent.commit_lane] if returns else []
+    slow = [waveform.set_slow_part] if returns else []
+    units = {"step": [step, control, *slow], "commit": [lanes.commit_lane, *commit_tangent]}
     if has_taylor:
-        found["taylor"] = [taylor_step, lanes.has_event, *slow]
+        units["taylor"] = [taylor_step, lanes.flag_events, *slow]
     if returns:
-        found["add_rodas5p"] = [waveform.add_rodas5p]
+        units["add_rodas5p"] = [waveform.add_rodas5p]
     if returns and has_taylor:
-        found["add_taylor"] = [waveform.add_taylor]
-    return found
+        units["add_taylor"] = [waveform.add_taylor]
+    return units
 
 
 def point_units(law, kind):
-    """name -> a function of (s, l, law, *given), and how many numbers it is given."""
+    """Return name -> a function of (s, l, law, *inputs), and its number of inputs."""
     n = 2 + len(law.states)
-    found: dict[str, Any] = {"first_step": (first_step, 0)}
+    units: dict[str, Any] = {"first_step": (first_step, 0)}
     if kind is RigidUnits:
-        found |= {"note": (settle, 0), "state": (rigid.state, 1 + n)}
-        found["force"] = rigid.force, 5 + 2 * n
+        units |= {"refresh": (refresh_rigid, 0), "state": (rigid.state, 1 + n)}
+        units["force"] = rigid.force, 5 + 2 * n
     else:
-        found |= {"begin": (begin, 0), "outrun": (outrun, 0)}
-        found |= {"force": (force, 5 + 2 * n), "speed": (speed, 1 + 2 * n)}
+        units |= {"begin": (begin, 0), "check_runaway": (check_runaway, 0)}
+        units |= {"force": (force, 5 + 2 * n), "speed": (speed, 1 + 2 * n)}
     if kind is ReturnUnits:
-        found |= {"land": (land, 0), "perturbed": (perturbed, 1), "outcome": (outcome, 0)}
+        units |= {"move_to_section": (move_to_section, 0)}
+        units |= {"speed_derivatives": (speed_derivatives, 1), "outcome": (outcome, 0)}
         if has_recurrences(law):
-            found["perturbed_taylor"] = perturbed_taylor, n * n
-        return found
-    found["orders"] = orders, 0
+            units["speed_derivatives_taylor"] = speed_derivatives_taylor, n * n
+        return units
+    units["v_extremes"] = v_extremes, 0
     if rows_of(law).history:
-        found |= {"enter_stress": (enter_stress, 2), "jump": (jump, 1), "pull": (pull, 1)}
-        found.setdefault("note", (note, 0))
-    return found
+        units |= {"enter_stress": (enter_stress, 2), "stress_jump": (stress_jump, 1)}
+        units["excess_stress"] = excess_stress, 1
+        units.setdefault("refresh", (refresh, 0))
+    return units
 
 
 def unit_names(law, kind):
-    """The names of a law's units; kind : their class."""
+    """Return the names of a law's units; kind : the class of the units."""
     return [*lane_units(law, kind), *point_units(law, kind)]
 
 
 def in_python(law, kind):
-    """The units of a law as functions of Python, which the control calls as it calls machine code.
-
-    kind : their class
-    """
+    """Return a law's units as Python functions that are called like machine code."""
     units = {name: _lanes(law, bodies) for name, bodies in lane_units(law, kind).items()}
     points = {name: _point(law, *unit) for name, unit in point_units(law, kind).items()}
     return kind(**dict.fromkeys(kind._fields, 0) | units | points)
@@ -281,7 +277,7 @@ def _lanes(law, bodies):
 def _point(law, body, count):
     @np.errstate(all="ignore")
     def unit(s, l, work):
-        found = body(s, l, law, *work[:count])
-        work[FOUND : FOUND + len(found)] = found
+        output = body(s, l, law, *work[:count])
+        work[OUTPUT : OUTPUT + len(output)] = output
 
     return unit

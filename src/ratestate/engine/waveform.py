@@ -1,6 +1,6 @@
-"""The waveform of a return: how long it is slow, and Fourier integrals of its stress.
+"""The waveform of a return: its slow fraction, and Fourier integrals of stress.
 
-Steps are summed in loops over lanes, by Gauss-Legendre quadrature of their dense output.
+Steps are summed in loops over lanes, by Gauss-Legendre quadrature of the dense output.
 """
 
 import functools
@@ -12,31 +12,31 @@ from ..friction.tuples import plus, select, times
 from . import rows as R
 from .rows import read_rows, rows_of, write_rows
 
-# V/V_lp below which a part of the cycle is slow (`slow_fraction` of `limit_cycle`).
+# V/V_lp below which a part of the cycle counts as slow (`slow_fraction` of `limit_cycle`).
 SLOW_BELOW = 0.1
-# Coefficients of a polynomial for each node: of a step of Rodas5P three.
+# Polynomial coefficients for each node of the quadrature: Rodas5P has three nodes.
 TERMS_OF_NODE = 2
 
-# Rows: of what is summed, and of the step.
+# Rows of the sums and of the step.
 SUMS = R.SLOW, R.MEAN, R.SQUARE, R.COSINE, R.SINE
-STEP = R.OK, R.H_USED, R.GUESS, R.T, R.T_LOW, R.SLOW_PART
+STEP = R.OK, R.H_USED, R.PERIOD_GUESS, R.T, R.T_LOW, R.SLOW_PART
 
 
-def find_slow(s, l, law):
-    """Set SLOW_PART as the step ends, and CALL where that changes; before it is committed."""
+def set_slow_part(s, l, law):
+    """Set SLOW_PART from the end of the step; set CALL if V crosses the slow limit."""
     slow, slow_before = s[R.W_NEW + l] < SLOW_BELOW, s[R.W + l] < SLOW_BELOW
     s[R.SLOW_PART + l] = where(slow, 1.0, 0.0)
-    changes = (slow ^ slow_before) & (s[R.GUESS + l] > 0.0) & (s[R.OK + l] > 0.0)
+    changes = (slow ^ slow_before) & (s[R.PERIOD_GUESS + l] > 0.0) & (s[R.OK + l] > 0.0)
     s[R.CALL + l] = where(changes, 1.0, s[R.CALL + l])
 
 
 def add_rodas5p(s, l, law):
-    """Add the step of Rodas5P that has been committed, if it was, to the sums."""
-    _add(s, l, rows_of(law).c[0][: R.OF_RODAS5P])
+    """Add the last step of Rodas5P to the sums, if it was accepted."""
+    _add(s, l, rows_of(law).c[0][: R.RODAS5P_TERMS])
 
 
 def add_taylor(s, l, law):
-    """The same of a step of the Taylor method."""
+    """Add the last Taylor step to the sums."""
     _add(s, l, rows_of(law).c[0])
 
 
@@ -49,15 +49,15 @@ def _add(s, l, rows):
 
 @functools.cache
 def gauss_legendre(n):
-    """Nodes on 0..1, and their weights: n pairs."""
+    """Return n pairs of nodes and weights on 0..1."""
     nodes, weights = np.polynomial.legendre.leggauss(n)
     return tuple(zip((0.5 + 0.5 * nodes).tolist(), (0.5 * weights).tolist(), strict=True))
 
 
 def means(c, start, h):
-    """Means over a step of a polynomial x, of x^2, and of x cos and x sin of a phase.
+    """Return the means over a step of polynomial x, x^2, x cos phase and x sin phase.
 
-    start, h : the phase as the step begins, and how much it grows, in periods
+    start, h : the phase at the start of the step, and its growth in the step [periods]
     """
     sums = [0.0] * 4
     for node, weight in gauss_legendre(len(c) // TERMS_OF_NODE + 1):

@@ -78,11 +78,11 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
     )
     results = dispatch.run_returns(system.friction_law, starts)
     numbers = dict(zip(RETURN_NUMBERS, results.numbers.T, strict=True))
-    gradients = dict(zip(DERIVATIVES, np.moveaxis(results.along, -1, 0), strict=True))
+    gradients = dict(zip(DERIVATIVES, np.moveaxis(results.gradients, -1, 0), strict=True))
     numbers["x_high"], gradients["x_high"] = y[:, 0], directions[:, :, 0]
     image = np.concatenate([results.psi - system.steady, numbers["G"][:, None]], axis=1)
     image[results.status != FINISHED] = np.nan
-    d_psi = np.swapaxes(results.psi_along, 1, 2)
+    d_psi = np.swapaxes(results.psi_gradients, 1, 2)
     jacobian = _jacobian(system, results.psi, numbers["G"], gradients["x"], d_psi)
     return Returns(results.status, image, jacobian, numbers, gradients)
 
