@@ -34,6 +34,7 @@ SINGLE = 2.0**-24
 class Hold(NamedTuple):
     """A hold; the slide before it, or after it, has no rows if the record does not have it."""
 
+    number: int  # of its segment
     start: float  # [s], as recorded
     end: float
     V_before: float  # [m/s]; NaN if the record has no such slide
@@ -42,11 +43,6 @@ class Hold(NamedTuple):
     during: np.ndarray
     after: np.ndarray
     slide: float  # time [s] of the slide after it; 0 without one
-
-    @property
-    def sides(self):
-        """Rows of the slides before and after it."""
-        return self.before, self.after
 
     @property
     def is_at_one_speed(self):
@@ -72,7 +68,7 @@ class HealingRecord(NamedTuple):
     trend: str | None  # along what friction drifts: "slip", "time" or None
     segments: Segments
     holds: list
-    slides: list
+    slides: dict  # number of a segment -> `Slide`
     slip: np.ndarray  # of the fault [m]; of the load point if k is not resolved
     k: float  # stiffness over normal stress [1/m]; inf if it is not resolved
     level: np.ndarray  # friction without a rough estimate of its drift
@@ -119,27 +115,26 @@ def is_same(one, other):
 
 
 def _holds(time, segments):
-    """List of `Hold`s, in order of time."""
-    starts, ends = segments.t, segments.ends
-    n = starts.size
+    starts, ends, n = segments.t, segments.ends, segments.t.size
     # (the record's own first and last samples are beside no change)
     first = np.searchsorted(time, starts) + np.where(np.arange(n) > 0, GUARD, 0)
     last = np.searchsorted(time, ends) - np.where(np.arange(n) < n - 1, GUARD, 0)
-    none = np.arange(0)
-    rows = [none, *(np.arange(i, max(i, j)) for i, j in zip(first, last, strict=True)), none]
-    V, lasting = np.r_[np.nan, segments.V, np.nan], np.append(ends - starts, 0.0)
+    rows = [*map(np.arange, first, np.maximum(first, last)), np.arange(0)]
+    V, lasting = np.append(segments.V, np.nan), np.append(ends - starts, 0.0)
+    # (number -1, of the segment before the first, is that of what there is none)
     return [
         Hold(
+            i,
             start=float(starts[i]),
             end=float(ends[i]),
-            V_before=float(V[i]),
-            V_after=float(V[i + 2]),
-            before=rows[i],
-            during=rows[i + 1],
-            after=rows[i + 2],
+            V_before=float(V[i - 1]),
+            V_after=float(V[i + 1]),
+            before=rows[i - 1],
+            during=rows[i],
+            after=rows[i + 1],
             slide=float(lasting[i + 1]),
         )
-        for i in np.flatnonzero(segments.V == 0.0)
+        for i in np.flatnonzero(segments.V == 0.0).tolist()
     ]
 
 
@@ -172,15 +167,15 @@ def _drift(friction, slip, holds):
 
 
 def _slides(level, holds):
-    """List of the `Slide`s before and after holds, each once, in order of time."""
+    """Number of a segment -> `Slide` before or after a hold, in order of time."""
     found = {}
     for hold in holds:
-        sides = (hold.before, hold.V_before, False), (hold.after, hold.V_after, True)
-        for rows, V, after in sides:
-            if rows.size and (first := int(rows[0])) not in found:
-                tail = rows[int(np.argmax(level[rows])) :] if after else rows
-                found[first] = Slide(rows, tail, V, after)
-    return list(found.values())
+        if hold.before.size and hold.number - 1 not in found:
+            found[hold.number - 1] = Slide(hold.before, hold.before, hold.V_before, False)
+        if hold.after.size:
+            tail = hold.after[int(np.argmax(level[hold.after])) :]
+            found[hold.number + 1] = Slide(hold.after, tail, hold.V_after, True)
+    return found
 
 
 def noise_of_slides(record):
@@ -189,7 +184,7 @@ def noise_of_slides(record):
     Slides that seem noisier than the quietest one, by `NOISIER`, are not yet steady and left out.
     The resolution of friction is noise, too.  ParameterError if no such part has `FEWEST` samples.
     """
-    friction, slides = record.friction, [one.rows for one in record.slides]
+    friction, slides = record.friction, [one.rows for one in record.slides.values()]
     parts = [rows[rows.size - int(STEADY * rows.size) :][-MOST:] for rows in slides]
     parts = [rows for rows in parts if rows.size >= FEWEST]
     if not parts:

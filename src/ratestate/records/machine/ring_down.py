@@ -57,8 +57,8 @@ class RingDown(NamedTuple):
         return bool((self.point > RESOLVED * np.sqrt(np.diag(self.covariance))).all())
 
 
-def ring_down(t, friction, rows, start, V):
-    """The `RingDown` in rows after a start [s], at a load-point speed V; None if there is none."""
+def ring_down(t, friction, rows, V):
+    """The `RingDown` in rows after a step or stress drop, at a speed V; None if there is none."""
     first = _dominant(t, friction, rows)
     if first is None:
         return None
@@ -72,9 +72,9 @@ def ring_down(t, friction, rows, start, V):
         later = _window(t, whole, t[fit.rows[0]] + decays / fit.point[1], *fit.point)
         again = None if later is None else _fit(t, friction, later, *fit.point)
         if again is not None and again.is_resolved:
-            return again._replace(start=start, V=V)
+            return again._replace(start=float(t[rows[0]]), V=V)
     unknown = np.diag((UNCHECKED * fit.point) ** 2)
-    return fit._replace(covariance=fit.covariance + unknown, start=start, V=V)
+    return fit._replace(covariance=fit.covariance + unknown, start=float(t[rows[0]]), V=V)
 
 
 def _linear_part(t, friction, whole, omega, decay):
@@ -129,29 +129,26 @@ def _columns(t, omega, decay):
 
 def _fit(t, friction, rows, omega, decay):
     """`RingDown` in these rows, from this start."""
-    at, y = t[rows] - t[rows[0]], friction[rows]
-    level = float(y.mean())
-    y = y - level
+    at, y = t[rows] - t[rows[0]], friction[rows] - friction[rows].mean()
+    noise, scale, point = Noise(float(y.std())), np.array([omega, decay]), np.ones(2)
 
-    def residual(p, noise):
+    def residual(p):
         white = noise.whiten(at, np.column_stack([y, _columns(at, *(p * scale))]))[0]
         return white[:, 0] - white[:, 1:] @ np.linalg.lstsq(white[:, 1:], white[:, 0])[0]
 
-    noise, scale = Noise(float(y.std())), np.array([omega, decay])
-    point = np.ones(2)
     for _ in range(2):
-        point = least_squares(residual, point, args=(noise,), x_scale=[0.1, 0.5]).x
+        point = least_squares(residual, point, x_scale=[0.1, 0.5]).x
         p = point * scale
-        linear = generalized_least_squares(at, y, _columns(at, *p), noise).coefficients
-        fitted = _columns(at, *p) @ linear
+        columns = _columns(at, *p)
+        linear = generalized_least_squares(at, y, columns, noise).coefficients
         slopes = p * (linear @ central_differences(lambda q: _columns(at, *q), p, STEP * p))
-        jacobian = np.column_stack([slopes, _columns(at, *p)])
-        noise = estimated_noise(at, y - fitted, jacobian)
+        jacobian, rest = np.column_stack([slopes, columns]), y - columns @ linear
+        noise = estimated_noise(at, rest, jacobian)
     white, _ = noise.whiten(at, jacobian)
     covariance = np.linalg.pinv(white.T @ white, rcond=1e-15)[:2, :2] * np.outer(p, p)
-    more = _harmonics(at, *p)
-    harmonics = fall_of_chi2(at, y - fitted, np.column_stack([jacobian, more]), 4, noise)
-    return RingDown(p, covariance, rows, fitted + level, harmonics)
+    more = np.column_stack([jacobian, _harmonics(at, *p)])
+    harmonics = fall_of_chi2(at, rest, more, 4, noise)
+    return RingDown(p, covariance, rows, friction[rows] - rest, harmonics)
 
 
 def _harmonics(t, omega, decay):
