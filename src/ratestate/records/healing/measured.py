@@ -85,9 +85,9 @@ def measure(record, hold, noise, levels):
 
 def _measure(record, hold, noise, levels):
     """As `measure`, by the noise alone."""
-    if hold.before.size < FEWEST:
+    if hold.before.rows.size < FEWEST:
         return Measured(NO_SLIDE, {})
-    if hold.during.size < FEWEST_OF_HOLD:
+    if hold.during.rows.size < FEWEST_OF_HOLD:
         return Measured(SHORT, {})
     before, after = levels.get(hold.number - 1), levels.get(hold.number + 1)
     if before is None:
@@ -96,9 +96,9 @@ def _measure(record, hold, noise, levels):
     found = {
         "friction_before": before.at(before.end),
         "friction_min": end,
-        "delta_mu_c": _difference(before.at(record.along_at(hold.end, end[0])), end),
+        "delta_mu_c": _difference(before.at(record.along_at(hold.during.end, end[0])), end),
     }
-    if hold.after.size < FEWEST:
+    if hold.after.rows.size < FEWEST:
         return Measured(ENDS, found)
     status, at, peak = _peak(record, hold, noise, end[0])
     if status:
@@ -119,15 +119,16 @@ def _difference(one, other):
 
 def _end_of_hold(record, hold, noise):
     """Friction at the end of a hold: of a polynomial in the logarithm of its duration."""
-    spacing, rows = float(np.median(np.diff(record.t))), hold.during
-    columns = record.t, np.log(np.maximum(record.t - hold.start, 0.5 * spacing)), record.friction
+    spacing, rows = float(np.median(np.diff(record.t))), hold.during.rows
+    age = np.log(np.maximum(record.t - hold.during.start, 0.5 * spacing))
+    columns = record.t, age, record.friction
 
     def passes(size, _):
         return curvature(*columns, rows[-size:], TESTED, noise) <= SIGNIFICANT
 
     size = max(windows_that_pass(FEWEST_OF_HOLD, rows.size, passes, 1), default=FEWEST_OF_HOLD)
     fit = fitted_polynomial(*columns, rows[-size:], USED, noise)
-    return fit.at(np.log(hold.end - hold.start))
+    return fit.at(np.log(hold.duration))
 
 
 def _peak(record, hold, noise, low):
@@ -135,7 +136,7 @@ def _peak(record, hold, noise, low):
 
     low : friction at the end of the hold
     """
-    t, slide = record.t, hold.after
+    t, slide = record.t, hold.after.rows
     columns = t, t, record.friction
 
     def passes(size, passed):

@@ -131,11 +131,11 @@ def predict(fitted, hold, kind):
     """
     slider, cases = fitted.slider, fitted.cases
     none = np.full((2, 1 + 2 * len(fitted.free)), np.nan)
-    lead, lasts = LEAD * (hold.end - hold.start), hold.end - hold.start
-    end = lead + lasts
-    loading = Loading.steps(hold.V_before, (lead, 0.0), (end, hold.V_after))
+    lead, after = LEAD * hold.duration, hold.after
+    end = lead + hold.duration
+    loading = Loading.steps(hold.before.V, (lead, 0.0), (end, after.V))
     try:
-        window = _about_peak(slider, loading, end, end + hold.slide, kind)
+        window = _about_peak(slider, loading, end, end + after.end - after.start, kind)
         if window is None:
             return none, sentences("prediction.no_peak", law=slider.law)
         times = np.concatenate([[0.0, end], np.linspace(window[0], window[1], POINTS)])

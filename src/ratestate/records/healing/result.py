@@ -35,7 +35,7 @@ def dataset_of(record, noise, measured, sliders, predicted):
     measured : list of `Measured`; sliders : law -> `Fitted`; predicted : law -> list of `predict`
     """
     holds, none = record.holds, (np.nan, np.nan)
-    t_hold = np.array([hold.end - hold.start for hold in holds])
+    t_hold = np.array([hold.duration for hold in holds])
     columns = {name: np.array([one.found.get(name, none) for one in measured]).T for name in NAMES}
     found = {name: tuple(column) for name, column in columns.items()}
     messages = []
@@ -44,10 +44,10 @@ def dataset_of(record, noise, measured, sliders, predicted):
         messages.append("; ".join(filter(None, texts)))
     variables = labelled(
         "hold",
-        hold_start=[hold.start for hold in holds],
+        hold_start=[hold.during.start for hold in holds],
         t_hold=t_hold,
-        V_before=[hold.V_before for hold in holds],
-        V_after=[hold.V_after for hold in holds],
+        V_before=[hold.before.V for hold in holds],
+        V_after=[hold.after.V for hold in holds],
         **found,
         peak_time=np.array([one.peak_time for one in measured]),
         hold_status=np.array([one.status for one in measured], np.int8),
@@ -80,7 +80,7 @@ def _steady(record, measured):
     steady = np.full(record.t.size, np.nan)
     for hold, one in zip(record.holds, measured, strict=True):
         if one.status == EVALUATED:
-            start = np.nanmin([one.before.start, hold.start])
+            start = np.nanmin([one.before.start, hold.during.start])
             first, last = np.searchsorted(record.t, (start, one.peak_time))
             steady[first:last] = one.before.at(record.along[first:last])[0]
     return steady
@@ -88,21 +88,16 @@ def _steady(record, measured):
 
 def _message(record, hold, measured):
     """Why something is not known of a hold, or what must be known of it; "" if nothing."""
-    if measured.status == EVALUATED:
-        return "; ".join(_remarks(record, hold, measured))
-    short = measured.status == SHORT
-    samples, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
-    name = STATUSES[measured.status]
-    return sentences(f"status.{name}", samples=samples.size, fewest=fewest)
-
-
-def _remarks(record, hold, measured):
-    """What must be known of a hold that is evaluated (list of str)."""
+    if measured.status != EVALUATED:
+        short = measured.status == SHORT
+        part, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
+        name = STATUSES[measured.status]
+        return sentences(f"status.{name}", samples=part.rows.size, fewest=fewest)
     remarks, before = [], measured.before
     if not hold.is_at_one_speed:
-        speeds = {"before": hold.V_before, "after": hold.V_after}
+        speeds = {"before": hold.before.V, "after": hold.after.V}
         remarks.append(sentences("evaluated.other_speed", **speeds))
-    change = stress_range(record.data, slice(hold.before[0], hold.after[-1] + 1))
+    change = stress_range(record.data, slice(hold.before.rows[0], hold.after.rows[-1] + 1))
     if change > VARIABLE:
         remarks.append(sentences("evaluated.stress_varies", percent=100.0 * change))
     level, error = before.at(before.end)
@@ -111,7 +106,7 @@ def _remarks(record, hold, measured):
         remarks.append(sentences("evaluated.drift", drift=drift, error=error))
     if before.own_error > TRANSIENT * measured.found["friction_peak"][1]:
         remarks.append(sentences("evaluated.transient"))
-    return remarks
+    return "; ".join(remarks)
 
 
 def _predictions(t_hold, found, sliders, predicted):

@@ -69,8 +69,8 @@ def ring_down(t, friction, rows, V):
         return None
     # what harmonics do not show yet falls with the square of the amplitude: so wait longer
     for decays in LATER:
-        later = _window(t, whole, t[fit.rows[0]] + decays / fit.point[1], *fit.point)
-        again = None if later is None else _fit(t, friction, later, *fit.point)
+        begin = t[fit.rows[0]] + decays / fit.point[1]
+        again = _fit(t, friction, whole, begin, *fit.point)
         if again is not None and again.is_resolved:
             return again._replace(start=float(t[rows[0]]), V=V)
     unknown = np.diag((UNCHECKED * fit.point) ** 2)
@@ -82,10 +82,9 @@ def _linear_part(t, friction, whole, omega, decay):
     begin = t[whole[0]]
     spacing = float(np.median(np.diff(t[whole])))
     for _ in range(TIMES):
-        rows = _window(t, whole, begin, omega, decay)
-        if rows is None:
+        fit = _fit(t, friction, whole, begin, omega, decay)
+        if fit is None:
             return None
-        fit = _fit(t, friction, rows, omega, decay)
         omega, decay = fit.point
         if not 0.0 < decay < OVERDAMPED * omega or omega * spacing * SAMPLES > 2.0 * np.pi:
             return None
@@ -93,14 +92,6 @@ def _linear_part(t, friction, whole, omega, decay):
             return fit if fit.is_resolved else None
         begin += max(LEFT_OUT / decay, np.pi / omega)
     return None
-
-
-def _window(t, whole, begin, omega, decay):
-    """Rows from a time on, as long as the oscillation lasts; None if they are too few."""
-    rows = whole[(t[whole] >= begin) & (t[whole] <= begin + DECAYS / decay)]
-    if rows.size < SHORTEST or (t[rows[-1]] - begin) * omega < PERIODS * 2.0 * np.pi:
-        return None
-    return rows
 
 
 def _dominant(t, friction, rows):
@@ -127,8 +118,14 @@ def _columns(t, omega, decay):
     return np.column_stack([*line, fall * np.cos(omega * t), fall * np.sin(omega * t)])
 
 
-def _fit(t, friction, rows, omega, decay):
-    """`RingDown` in these rows, from this start."""
+def _fit(t, friction, whole, begin, omega, decay):
+    """`RingDown` in rows from a time on, as long as it lasts; None if they are too few.
+
+    omega, decay : from where the search starts
+    """
+    rows = whole[(t[whole] >= begin) & (t[whole] <= begin + DECAYS / decay)]
+    if rows.size < SHORTEST or (t[rows[-1]] - begin) * omega < PERIODS * 2.0 * np.pi:
+        return None
     at, y = t[rows] - t[rows[0]], friction[rows] - friction[rows].mean()
     noise, scale, point = Noise(float(y.std())), np.array([omega, decay]), np.ones(2)
 

@@ -15,6 +15,8 @@ from scipy.ndimage import uniform_filter1d
 
 #: part of the drop on either side of the middle whose samples are fitted; fewest for a cubic
 NEAR, FEWEST = 0.25, 6
+#: Newton steps to the crossing of a cubic
+NEWTON = 8
 #: standard deviation of a time that may be anywhere in a step, in steps
 ANYWHERE = 1.0 / math.sqrt(12.0)
 #: how far bounds exceed extremes by noise: their mean, and standard deviation of one, in those of
@@ -81,15 +83,17 @@ def _on_cubic(t, y, rows, level, level_error, noise):
     x, values = t[rows[:-1]], y[rows[:-1]] - level
     origin, extent = x.mean(), x[-1] - x[0]
     c, covariance = np.polyfit((x - origin) / extent, values, 3, cov="unscaled")
-    roots = np.roots(c)
-    roots = roots.real[(roots.imag == 0.0) & (np.abs(roots.real) <= 0.5)]
-    at = float(min(roots, key=abs, default=0.0))
+    curve, at = np.poly1d(c), 0.0
+    slope = curve.deriv()
+    for _ in range(NEWTON):
+        if slope(at) < 0.0:
+            at = min(max(float(at - curve(at) / slope(at)), -0.5), 0.5)
     row = at ** np.arange(3.0, -1.0, -1.0)
     error = math.hypot(
         noise.sd * math.sqrt(noise.inflation * (row @ covariance @ row)), level_error
     )
-    slope = -float(np.polyval(np.polyder(c), at))
-    return origin + at * extent, extent * min(error / max(slope, error, 1e-300), 1.0)
+    steep = max(-float(slope(at)), error, 1e-300)
+    return origin + at * extent, extent * min(error / steep, 1.0)
 
 
 def with_spikes(t, y, middle, found, sign, noise):

@@ -32,7 +32,7 @@ PLENTY = 300
 MORE = 2
 #: least variance of a sample [Pa^2], so that what has no noise can be divided by it
 TINY = 1e-300
-#: contradiction of a window without a vertex that the fall does not bound: the last to be chosen
+#: excess of a window without a vertex that the fall does not bound: the last to be chosen
 UNBOUNDED = 1e6
 #: standard errors of a vertex that it must be from the fall, so that noise does not make it, nor
 #: a value at the vertex that is too extreme by more than a tenth of its error
@@ -47,6 +47,8 @@ BEYOND = 4
 MOST, ENOUGH = 16, 0.8
 #: standard errors of the mean difference between both degrees that do not contradict
 AGREE = 1.5
+#: standard deviations of the sum of squares that a window may have too much
+ROUGH = 4.0
 #: power of the contradiction by which an error must be smaller
 PRICE = 4
 
@@ -67,7 +69,7 @@ class Extremes(NamedTuple):
     error: np.ndarray
     time_error: np.ndarray
     difference: np.ndarray  # of the values of both degrees
-    contradiction: float  # how far the degrees are apart, as a multiple of what is allowed
+    contradiction: float  # how far the degrees are apart, and samples from them, over the allowed
 
     @property
     def biased_error(self):
@@ -102,7 +104,7 @@ def extremes(t, y, middles, window, k, sign, noise):
     span = firsts[use], lasts[use], np.searchsorted(t, middles[use])
     extent = window.end - window.start
     scales = middles[use] + 0.5 * (window.start + window.end), extent, y[span[0]]
-    (c, C), high = _fits(t, y, span, scales, k, noise)
+    (c, C), high, excess = _fits(t, y, span, scales, k, noise)
     ends = (t[[span[0], span[1] - 1]] - scales[0]) / extent
     vertices, bounded = _vertices(c, C, k, sign, ends, window.fall), np.ones(use.size, bool)
     if vertices is None:
@@ -127,11 +129,10 @@ def extremes(t, y, middles, window, k, sign, noise):
     value = value / extent**k + (scales[2] if k == 0 else 0.0)
     error = np.sqrt(variance) / extent**k
     found[:, use] = time, value, error, extent * u_error, difference / extent**k
-    parts = [
-        abs(off.sum()) / AGREE / math.sqrt(max(its_variance.sum(), TINY))
-        for off, its_variance in ((difference, more), (turn, turn_variance))
-    ]
-    return Extremes._make((*found, max(parts) if bounded.all() else UNBOUNDED))
+    parts = [np.where(bounded, excess, UNBOUNDED).sum() / ROUGH / math.sqrt(use.size)]
+    for off, its_variance in ((difference, more), (turn, turn_variance)):
+        parts.append(abs(off.sum()) / AGREE / math.sqrt(max(its_variance.sum(), TINY)))
+    return Extremes._make((*found, float(max(parts))))
 
 
 def _compared(low, high, u, k):
@@ -145,6 +146,8 @@ def _compared(low, high, u, k):
 
 def _fits(t, y, span, scales, k, noise):
     """c, C of both degrees by least squares of samples (or means of some) in windows.
+
+    And (m,) sums of squares less what is expected, in standard deviations.
 
     span, scales : as of `edges`
     """
@@ -166,7 +169,9 @@ def _fits(t, y, span, scales, k, noise):
         inverse = np.linalg.inv(r[:, :n, :n])
         c = np.einsum("mij,mj->mi", inverse, projected[:, :n])
         both.append((c, variance * (inverse @ inverse.transpose(0, 2, 1))))
-    return both
+    rest = (values - np.einsum("mni,mi->mn", q, projected)) * inside
+    degrees = np.maximum(sizes - size, 1)
+    return *both, ((rest**2).sum(axis=1) / variance - degrees) / np.sqrt(2.0 * degrees)
 
 
 def _vertices(c, C, k, sign, ends, fall):
