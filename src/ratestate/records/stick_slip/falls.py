@@ -23,6 +23,7 @@ from .lines import speed_groups
 
 #: what is measured of a fall; each has an error
 NAMES = ("tau_max", "event_start", "tau_min", "event_end", "event_time", "fall_rate")
+COLUMNS = 2 * len(NAMES) + 2
 #: scatter of rough drops, as a part of their median, beyond which events have windows of their own
 ALIKE = 0.1
 #: the same in standard deviations of the noise, which changes rough drops
@@ -63,20 +64,22 @@ def measured_falls(series, falls, gaps, noise):
 
     gaps : (m,) whether samples are missing
     """
-    whole, table = is_whole(falls), np.full((len(falls), 14), math.nan)
-    table[:, 12:] = 0.0
+    # the columns are values and errors of `NAMES` in turn, samples and sparse
+    whole, table = is_whole(falls), np.full((len(falls), COLUMNS), math.nan)
+    table[:, -2:] = 0.0
     for name, samples in zip(("event_start", "event_end"), falls.T, strict=True):
         cut = ~whole & (samples >= 0)
         table[cut, 2 * NAMES.index(name)] = series.t[samples[cut]]
     spans, rows = spans_of(series, falls), np.flatnonzero(whole & ~gaps)
     if series.V is not None:
+        rate = series.K * (series.V_lp - series.V)
         for row in rows:
-            table[row] = _in_run(series, *falls[row])
+            table[row] = _in_run(series, rate, *falls[row])
     else:
         for group in _groups(series, spans, rows, noise):
             table[group] = _in_record(series, spans[group], noise)
     found: dict = {name: tuple(table[:, 2 * i : 2 * i + 2].T) for i, name in enumerate(NAMES)}
-    return found | {"samples": table[:, 12].astype(int), "sparse": table[:, 13] > 0.0}
+    return found | {"samples": table[:, -2].astype(int), "sparse": table[:, -1] > 0.0}
 
 
 def spans_of(series, falls):
@@ -112,7 +115,7 @@ def _groups(series, spans, whole, noise):
 
 
 def _in_record(series, spans, noise):
-    """(m, 14) rows of the table of falls of one group."""
+    """(m, COLUMNS) rows of the table of falls, for a group of them."""
     t, y = series.t, series.tau
     begins, peaks, troughs, ends = spans.T
     drop = float(np.median(y[peaks] - y[troughs]))
@@ -206,10 +209,12 @@ def _middle_half(t, y, peak, trough):
     return float(t[rows].mean()), -float(x @ y[rows]) / float(x @ x), width
 
 
-def _in_run(series, peak, trough):
-    """(14,) row of the table of one fall of a run."""
-    t, tau, K = series.t, series.tau, series.K
-    rate, drop = K * (series.V_lp - series.V), tau[peak] - tau[trough]
+def _in_run(series, rate, peak, trough):
+    """(COLUMNS,) row of the table of falls, for one of a run.
+
+    rate : (n,) dtau/dt [Pa/s]
+    """
+    t, tau, K, drop = series.t, series.tau, series.K, series.tau[peak] - series.tau[trough]
     high, low = (_extreme(series, rate, i, sign, drop) for i, sign in ((peak, 1), (trough, -1)))
     level = 0.5 * (high[0] + low[0])
     after = peak + int(np.argmax(tau[peak : trough + 1] < level))
