@@ -13,7 +13,7 @@ from ratestate import ParameterError
 from ratestate.records.healing import summary
 from ratestate.records.healing.measured import STATUSES
 from ratestate.records.healing.prediction import Fitted, predict
-from ratestate.records.healing.record import Hold
+from ratestate.records.healing.record import Hold, Part
 
 #: statuses of holds of which not even relaxation is known
 UNMEASURED = ("short_hold", "no_slide_before", "not_steady_before")
@@ -115,17 +115,17 @@ def test_the_slider_predicts_each_hold(one):
 
 def test_errors_of_a_fit_are_propagated():
     """Against differences of predictions of whole sliders, b and Dc correlated."""
-    rows = np.arange(0)
-    hold = Hold(30.0, 60.0, V, V, rows, rows, rows, 30.0)
+    spans = (0.0, 30.0, V), (30.0, 60.0, 0.0), (60.0, 90.0, V)
+    hold = Hold(1, *(Part(*span, np.arange(0)) for span in spans))
     covariance = np.array([[4e-8, 1.2e-10], [1.2e-10, 1e-12]])
     by = np.zeros((2, 2))
     for i, (symbol, step) in enumerate((("b", 2e-5), ("Dc", 2e-8))):
         sliders = (SLIDER.replace(**{symbol: getattr(SLIDER, symbol) + s}) for s in (step, -step))
-        high, low = (predict(Fitted(one), hold, "tau").values[:, 0] for one in sliders)
+        high, low = (predict(Fitted(one), hold, "tau")[0][:, 0] for one in sliders)
         by[:, i] = (high - low) / (2.0 * step)
     fitted = Fitted(SLIDER, ("b", "Dc"), covariance)
     expected = np.sqrt(np.einsum("ni,ij,nj->n", by, covariance, by))
-    values = predict(fitted, hold, "tau").values
+    values, _ = predict(fitted, hold, "tau")
     np.testing.assert_allclose(fitted.error(values), expected, rtol=2e-3)
     assert np.isinf(fitted._replace(covariance=np.inf * covariance).error(values)).all()
 

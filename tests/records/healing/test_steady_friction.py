@@ -6,7 +6,12 @@ from slide_hold_slide import clean, loading_of, noisy, truth
 
 import ratestate as rs
 from ratestate.records.healing.record import healing_record
-from ratestate.records.healing.steady import Shape, _Line, levels_of
+from ratestate.records.healing.steady import (
+    Shape,
+    fitted_line,
+    levels_of,
+    scatter_about_line,
+)
 from ratestate.records.kit.noise import Noise
 from ratestate.records.kit.sample_noise import resolution
 
@@ -93,9 +98,9 @@ def test_levels_scatter_about_their_line_as_much_as_is_seen():
     errors = np.tile(1e-4 * np.eye(2) * 1e-4, (n, 1, 1))
     for scatter in (0.0, 1e-3):
         noise = np.hypot(scatter, 1e-4) * rng.normal(size=(n, 2))
-        line = _Line(designs, designs @ [0.6, 0.01] + noise, errors, 2)
-        assert line.scatter() == pytest.approx(scatter, rel=0.3, abs=7e-5)
-        fitted, covariance = line.fitted(scatter, x > -2.0)
+        columns = designs, designs @ [0.6, 0.01] + noise, errors
+        assert scatter_about_line(*columns, 2) == pytest.approx(scatter, rel=0.3, abs=7e-5)
+        fitted, covariance = fitted_line(*columns, scatter)
         off = np.abs(fitted - [0.6, 0.01]) / np.sqrt(np.diag(covariance))
         assert 0.05 < off.max() < 3.0
 
@@ -105,14 +110,13 @@ def test_a_slide_without_samples_of_its_own_has_the_level_of_the_others():
     record = healing_record(data, None, "slip")
     noise = Noise(3e-4)
     own = levels_of(record, noise)
-    first = int(record.slides[2].rows[0])
-    slides = list(record.slides)
-    slides[2] = slides[2]._replace(tail=slides[2].tail[:3])
-    other = levels_of(record._replace(slides=slides), noise)[first]
-    assert own[first].own_error < 2e-4
+    number = [*record.slides][2]
+    without = record.slides[number]._replace(tail=record.slides[number].tail[:3])
+    other = levels_of(record._replace(slides=record.slides | {number: without}), noise)[number]
+    assert own[number].own_error < 2e-4
     assert other.own_error == np.inf
-    both = np.hypot(other.at(other.end)[1], own[first].at(other.end)[1])
-    assert 0.0 < abs(other.at(other.end)[0] - own[first].at(other.end)[0]) < 3.0 * both < 1e-3
+    both = np.hypot(other.at(other.end)[1], own[number].at(other.end)[1])
+    assert 0.0 < abs(other.at(other.end)[0] - own[number].at(other.end)[0]) < 3.0 * both < 1e-3
 
 
 def test_the_steady_line_ends_at_the_peak():

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray
 from machine_records import (
     SLIDER,
     STICK_SLIP,
@@ -19,10 +20,10 @@ import ratestate as rs
 from ratestate import ParameterError, plot
 from ratestate.records.loading import segments_of
 from ratestate.records.machine import summary
-from ratestate.records.machine.loading_curve import curve, fit_loading_curve
 from ratestate.records.machine.machine_stiffness import stress_drops
 from ratestate.records.machine.result import stiffness_remarks
 from ratestate.records.machine.ring_down import RingDown, mass_and_damping, ring_down
+from ratestate.records.machine.slopes import curve, fitted_slope
 from ratestate.records.raw_record import raw_record
 from ratestate.records.stick_slip import catalogue
 
@@ -34,8 +35,8 @@ def one():
 
 def test_no_curve_where_nothing_is_loaded():
     x = np.linspace(-1e-5, 1e-5, 200)
-    assert fit_loading_curve(x, x, np.full(200, 0.6), 0.3) is None
-    assert fit_loading_curve(x, x, 0.6 - 100.0 * x, 0.3) is None
+    assert fitted_slope(x, x, np.full(200, 0.6), 0.3) is None
+    assert fitted_slope(x, x, 0.6 - 100.0 * x, 0.3) is None
 
 
 @pytest.mark.parametrize("h", [0.0, 60.0])
@@ -77,7 +78,7 @@ def test_stress_drops_are_those_of_the_events(monkeypatch):
     record = noisy(2, stick_slip())
     expected = rs.events(record, sigma="10 MPa")
     whole = np.isfinite(expected.stress_drop.values)
-    monkeypatch.setattr(catalogue, "_measured", None)
+    monkeypatch.setattr(catalogue, "measured_falls", None)
     raw = raw_record(record, None)
     (drops,) = stress_drops(raw, 1e7, segments_of(raw))
     assert len(drops) == whole.sum() == 7
@@ -89,7 +90,7 @@ def test_a_loading_that_begins_late():
     """By a known error of its start the curve moves; without one K takes it up, and it shows."""
     x, rng = np.linspace(-5e-6, 5e-6, 400), np.random.default_rng(5)
     mu = curve(x - 3e-7, 0.6, 2e3, 0.008, 0.1) + 2e-5 * rng.normal(size=x.size)
-    late, fixed = (fit_loading_curve(x, x, mu, 0.1, x_error=e) for e in (2e-7, 0.0))
+    late, fixed = (fitted_slope(x, x, mu, 0.1, x_error=e) for e in (2e-7, 0.0))
     assert 2e-7 * late.point[3] == pytest.approx(3e-7, abs=3e-8)
     assert late.k == pytest.approx(2e3, abs=3.5 * late.k_error)
     assert abs(fixed.k - 2e3) > 3.0 * fixed.k_error
@@ -170,14 +171,14 @@ def test_a_damped_sinusoid():
     for seed in range(8):
         rng = np.random.default_rng(seed)
         y = 0.6 + 1e-3 * t + 1e-2 * np.exp(-5.0 * t) * np.sin(100.0 * t + seed)
-        found = ring_down(t, y + 3e-4 * rng.normal(size=t.size), np.arange(t.size), 0.0, 1e-2)
+        found = ring_down(t, y + 3e-4 * rng.normal(size=t.size), np.arange(t.size), 1e-2)
         errors = np.sqrt(np.diag(found.covariance))
         z.append((found.point - [100.0, 5.0]) / errors)
     z = np.array(z)
     assert np.abs(z.mean(axis=0)).max() < 1.0
     assert 0.6 < z.std() < 1.35
     noise = 0.6 + 3e-4 * rng.normal(size=t.size)
-    assert ring_down(t, noise, np.arange(t.size), 0.0, 1e-2) is None
+    assert ring_down(t, noise, np.arange(t.size), 1e-2) is None
 
 
 def test_stiffness_mass_and_damping(one):
@@ -333,3 +334,22 @@ def test_ringing_at_rest_is_told_from_ringing_in_sliding():
     assert omega == pytest.approx(10.0 * np.pi, rel=0.02)  # the relaxation is in it
     (said,) = (text for text in json.loads(result.attrs["remarks"]) if "at rest" in text)
     assert f"1 of {result.sizes['ring_down']} ring-downs" in said
+
+
+@pytest.mark.parametrize(("excess", "lasts"), [(0.06, 0.088), (0.1, 0.05), (0.0, 0.05)])
+def test_an_overshoot_does_not_move_the_stiffness(excess, lasts):
+    """The spring loads within 50 ms, all of it at the overshoot's speed."""
+    V, values = 1e-4, {"a": 0.009, "b": 0.012, "Dc": "10 um", "sigma": "10 MPa", "K": "12 GPa/m"}
+    slider = rs.SpringSlider(law="aging", V0="10 um/s", **values)
+    loading = rs.Loading.steps("10 um/s", (60, V * (1.0 + excess)), (60 + lasts, V))
+    t = np.concatenate([np.arange(0, 59, 0.05), np.arange(59, 66, 0.005)])
+    run = rs.simulate(slider, loading, t[-1], times=t, rtol=1e-9)
+    noise = 1e-4 * np.random.default_rng(1).normal(size=t.size)
+    segments = {"segment_t": ("segment", loading.t), "segment_V": ("segment", loading.V)}
+    record = xarray.Dataset(segments | {"delta_lp": ("time", run.delta_lp.values)}, {"time": t})
+    friction = ("time", run.tau.values / 10e6 + noise)
+    result = rs.machine_stiffness(record.assign(friction=friction), "10 MPa")
+    assert result.slope_kind.values.tolist() == ["step_up"]
+    assert result.slope_start.values == pytest.approx([60.0], abs=1e-12)
+    assert float(result.K) == pytest.approx(12e9, rel=0.025)
+    assert float(result.K_error) < 0.04 * 12e9

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ratestate.records.kit.sample_noise import SampleNoise
 from ratestate.records.stick_slip.between_samples import middles
-from ratestate.records.stick_slip.detection import Noise
 
 #: fall of stress from 1/2 to -1/2 against time over its width -> when it passes 0
 FALLS = {
@@ -27,9 +27,10 @@ def off_and_errors(width, sd=0.0, level_error=0.0, draws=600, shape="parabola", 
     for _ in range(draws):
         t = np.arange(-40.0, 60.0) + rng.uniform() + uneven * rng.uniform(-1.0, 1.0, 100)
         y = fall(t / width) + sd * rng.normal(size=t.size)
-        levels = np.array([[0.5], [-0.5]]) + level_error * rng.normal()
-        error = np.array([level_error])
-        rows += [*middles(t, y, np.array([10]), np.array([95]), levels, error, Noise(sd))]
+        high, low = np.array([[0.5], [-0.5]]) + level_error * rng.normal()
+        falls = np.array([10]), np.array([95])
+        found = middles(t, y, *falls, high, low, np.array([level_error]), SampleNoise(sd))
+        rows.append(found[:, 0])
     time, error = np.array(rows).T
     return time - width * middle, error
 

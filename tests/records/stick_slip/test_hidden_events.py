@@ -7,10 +7,10 @@ from scipy.integrate import solve_ivp
 from synthetic_stick_slip import sawtooth
 
 import ratestate as rs
-from ratestate.records.kit.sample_noise import rounding
+from ratestate.records.kit.sample_noise import SampleNoise, rounding
 from ratestate.records.stick_slip.between_samples import has_several, has_step_down
 from ratestate.records.stick_slip.catalogue import SEVERAL, UNDERSAMPLED, WHOLE
-from ratestate.records.stick_slip.detection import Noise, without_rebounds
+from ratestate.records.stick_slip.detection import without_rebounds
 
 DROP = 1e5
 
@@ -124,9 +124,9 @@ def test_a_single_fall_is_not_several():
     fall = -DROP * (0.5 + np.arctan((t - 100.0) / 8.0) / np.pi)
     for noise in (10.0, 0.03 * DROP):
         many = [fall + noise * rng.normal(size=t.size) for _ in range(100)]
-        assert not any(has_several(y, (0, 20, 180, 199), Noise(noise)) for y in many)
+        assert not any(has_several(y, (0, 20, 180, 199), SampleNoise(noise)) for y in many)
     two = 0.5 * (fall + np.roll(fall, 70))
-    assert has_several(two, (0, 20, 190, 199), Noise(0.02 * DROP))
+    assert has_several(two, (0, 20, 190, 199), SampleNoise(0.02 * DROP))
 
 
 @pytest.mark.parametrize(("size", "found"), [(0.02, False), (0.2, True)])
@@ -164,9 +164,9 @@ def test_a_smooth_loading_has_no_step():
     rng, t = np.random.default_rng(0), np.arange(300.0)
     y = 1e5 * np.tanh(t / 150.0)
     for _ in range(100):
-        assert not has_step_down(t, y + 1e3 * rng.normal(size=t.size), 1e5, Noise(1e3))
+        assert not has_step_down(t, y + 1e3 * rng.normal(size=t.size), 1e5, SampleNoise(1e3))
     y = np.where(t > 150.0, y - 6e3, y) + 1e3 * rng.normal(size=t.size)
-    assert has_step_down(t, y, 1e5, Noise(1e3))
+    assert has_step_down(t, y, 1e5, SampleNoise(1e3))
 
 
 @pytest.mark.parametrize(("noise", "told"), [(0.02, False), (0.1, True)])

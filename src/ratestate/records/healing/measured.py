@@ -1,8 +1,7 @@
 """Healing and relaxation of one hold, with standard errors.
 
 The largest of noisy samples is above the peak, by two or three standard deviations of the noise.
-The maximum of a polynomial fitted to samples about the peak is above it by far less, by half the
-variance of the slope over the curvature, which is subtracted.
+So the peak is that of a polynomial fitted to samples about it.
 """
 
 import math
@@ -17,7 +16,7 @@ from ..kit.polynomial_windows import (
     curvature,
     fewest_samples,
     fitted_polynomial,
-    window_sizes,
+    windows_that_pass,
 )
 from ..kit.sample_noise import OF_STEP, resolution
 from .record import FEWEST
@@ -26,8 +25,9 @@ from .steady import Level
 #: orders of friction in ln(time since the hold began): tested, and used; fewest samples of a hold
 TESTED, USED = 1, 3
 FEWEST_OF_HOLD = fewest_samples(USED)
-#: orders of the polynomial about a peak: tested, and used; orders of a test
+#: orders of the polynomial about a peak: tested, and used; fewest samples; orders of a test
 PEAK_TESTED, PEAK_USED, ORDERS = 3, 5, 2
+FEWEST_OF_PEAK = fewest_samples(PEAK_USED)
 #: noise about a peak, as a multiple of the record's, if samples are too few for all its orders
 FEW = math.sqrt(CERTAIN / ORDERS)
 #: successive windows that must fail: noise about the largest sample may be odd in one
@@ -51,9 +51,8 @@ STATUSES = (
 (EVALUATED, NO_SLIDE, UNSTEADY, SHORT, ENDS, NO_PEAK, UNRESOLVED) = range(len(STATUSES))
 
 #: what is measured of a hold; each has a standard error
-FRICTIONS = ("friction_before", "friction_min", "friction_peak", "friction_after")
 DIFFERENCES = ("delta_mu", "delta_mu_c")
-NAMES = (*FRICTIONS, *DIFFERENCES)
+NAMES = ("friction_before", "friction_min", "friction_peak", "friction_after", *DIFFERENCES)
 
 
 class Measured(NamedTuple):
@@ -77,29 +76,29 @@ def measure(record, hold, noise, levels):
     step = resolution(record.friction)
     other = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
     least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * other / step**2) if step else 0.0
-    found = {}
-    for name, (value, error) in one.found.items():
-        values = 2 if name in DIFFERENCES else 1
-        found[name] = value, max(error, math.sqrt(values) * least)
+    found = {
+        name: (value, max(error, math.sqrt(2.0 if name in DIFFERENCES else 1.0) * least))
+        for name, (value, error) in one.found.items()
+    }
     return one._replace(found=found)
 
 
 def _measure(record, hold, noise, levels):
     """As `measure`, by the noise alone."""
-    before, after = (levels.get(int(rows[0]) if rows.size else -1) for rows in hold.sides)
-    if hold.before.size < FEWEST:
+    if hold.before.rows.size < FEWEST:
         return Measured(NO_SLIDE, {})
-    if hold.during.size < FEWEST_OF_HOLD:
+    if hold.during.rows.size < FEWEST_OF_HOLD:
         return Measured(SHORT, {})
+    before, after = levels.get(hold.number - 1), levels.get(hold.number + 1)
     if before is None:
         return Measured(UNSTEADY, {})
     end = _end_of_hold(record, hold, noise)
     found = {
         "friction_before": before.at(before.end),
         "friction_min": end,
-        "delta_mu_c": _difference(before.at(record.along_at(hold.end, end[0])), end),
+        "delta_mu_c": _difference(before.at(record.along_at(hold.during.end, end[0])), end),
     }
-    if hold.after.size < FEWEST:
+    if hold.after.rows.size < FEWEST:
         return Measured(ENDS, found)
     status, at, peak = _peak(record, hold, noise, end[0])
     if status:
@@ -115,21 +114,21 @@ def _measure(record, hold, noise, levels):
 
 
 def _difference(one, other):
-    """Difference of two independent values with standard errors."""
     return one[0] - other[0], float(np.hypot(one[1], other[1]))
 
 
 def _end_of_hold(record, hold, noise):
     """Friction at the end of a hold: of a polynomial in the logarithm of its duration."""
-    spacing, rows = float(np.median(np.diff(record.t))), hold.during
-    age = np.log(np.maximum(record.t - hold.start, 0.5 * spacing))
-    columns, best = (record.t, age, record.friction), FEWEST_OF_HOLD
-    for size in window_sizes(FEWEST_OF_HOLD, rows.size):
-        if curvature(*columns, rows[-size:], TESTED, noise) > SIGNIFICANT:
-            break
-        best = size
-    fit = fitted_polynomial(*columns, rows[-best:], USED, noise)
-    return fit.at(np.log(hold.end - hold.start))
+    spacing, rows = float(np.median(np.diff(record.t))), hold.during.rows
+    age = np.log(np.maximum(record.t - hold.during.start, 0.5 * spacing))
+    columns = record.t, age, record.friction
+
+    def passes(size, _):
+        return curvature(*columns, rows[-size:], TESTED, noise) <= SIGNIFICANT
+
+    size = max(windows_that_pass(FEWEST_OF_HOLD, rows.size, passes, 1), default=FEWEST_OF_HOLD)
+    fit = fitted_polynomial(*columns, rows[-size:], USED, noise)
+    return fit.at(np.log(hold.duration))
 
 
 def _peak(record, hold, noise, low):
@@ -137,51 +136,38 @@ def _peak(record, hold, noise, low):
 
     low : friction at the end of the hold
     """
-    t, slide = record.t, hold.after
-    rows, smaller, own = _peak_window(record, slide, noise)
-    fit = fitted_polynomial(t, t, record.friction, rows, PEAK_USED, own)
-    at = fit.maximum
-    if at is None:
+    t, slide = record.t, hold.after.rows
+    columns = t, t, record.friction
+
+    def passes(size, passed):
+        rows = _about_maximum(record.level, slide, size)
+        # (the smallest ones may need all orders that are used)
+        order, most = (PEAK_TESTED, SIGNIFICANT) if passed else (PEAK_USED, CERTAIN)
+        return curvature(*columns, rows, order, noise) <= most
+
+    passed = windows_that_pass(FEWEST_OF_PEAK, slide.size, passes, FAILED)
+    rows, *smaller = (
+        _about_maximum(record.level, slide, size) for size in passed[:-3:-1] or [FEWEST_OF_PEAK]
+    )
+    excess = 0.0 if smaller else curvature(*columns, rows, PEAK_USED, noise)
+    own = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (at least the misfit)
+    fit = fitted_polynomial(*columns, rows, PEAK_USED, own)
+    if fit.peak is None:
         return (ENDS if rows[-1] == slide[-1] else NO_PEAK), np.nan, None
-    if np.count_nonzero(t[slide] > fit.high) < FEWEST:
+    at, peak, error = fit.peak
+    if np.count_nonzero(t[slide] > t[rows[-1]]) < FEWEST:
         return ENDS, np.nan, None
-    peak, error = _unbiased(fit, at)
     if own.level > FEW * noise.level and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
     change = np.interp(at, t, record.level - record.friction)
     height = peak + change - record.level[slide[-FEWEST:]].mean()
     if height < RESOLVED * np.hypot(error, np.hypot(noise.white * FEWEST**-0.5, noise.red)):
         return NO_PEAK, np.nan, None
-    if smaller is not None:
-        other = fitted_polynomial(t, t, record.friction, smaller, PEAK_USED, own)
-        error = math.hypot(error, _misfit(other, peak, error))
+    if smaller and (other := fitted_polynomial(*columns, smaller[0], PEAK_USED, own).peak):
+        # (how far both peaks are apart beyond what is random is a part of the error)
+        misfit = (other[1] - peak) ** 2 - (other[2] ** 2 - error**2)
+        error = math.hypot(error, math.sqrt(max(misfit, 0.0)))
     return EVALUATED, at, (peak, error)
-
-
-def _peak_window(record, slide, noise):
-    """Rows about the peak of a slide (rows), the next smaller ones, and the noise in them.
-
-    If no smaller window passes the test, it is None, and the noise is at least the misfit.
-    """
-    columns = record.t, record.t, record.friction
-    best = smaller = None
-    failed, fewest = 0, fewest_samples(PEAK_USED)
-    for size in window_sizes(fewest, slide.size):
-        rows = _about_maximum(record.level, slide, size)
-        # (the smallest ones may need all orders that are used)
-        order, least = (PEAK_USED, CERTAIN) if best is None else (PEAK_TESTED, SIGNIFICANT)
-        if curvature(*columns, rows, order, noise) > least:
-            failed += 1
-        else:
-            smaller, best, failed = best, rows, 0
-        if failed == FAILED:
-            break
-    if best is None:
-        best = _about_maximum(record.level, slide, fewest)
-    if smaller is None:
-        excess = curvature(*columns, best, PEAK_USED, noise)
-        noise = noise.times(max(math.sqrt(excess / ORDERS), 1.0))
-    return best, smaller, noise
 
 
 def _about_maximum(friction, slide, width):
@@ -189,27 +175,3 @@ def _about_maximum(friction, slide, width):
     smooth = uniform_filter1d(friction[slide], max(width // 3, 1), mode="nearest")
     first = min(max(int(np.argmax(smooth)) - width // 2, 0), slide.size - width)
     return slide[first : first + width]
-
-
-def _unbiased(fit, at):
-    """Maximum of a `Polynomial`, without what noise adds to it on average; its standard error."""
-    slope = fit.basis(at, 1)[0]
-    excess = 0.5 * (slope @ fit.covariance @ slope) / fit.derivative(at, 2)  # < 0
-    value, error = fit.at(at)
-    return value + float(excess), error
-
-
-def _misfit(smaller, peak, error):
-    """By how much the polynomial of a peak may be off: the peak's change in the smaller window.
-
-    A window grows until the misfit is significant.  Just before, it may exceed the standard error.
-    The larger window has the samples of the smaller one, so noise changes the peak by the
-    difference of their variances, which is subtracted.
-
-    smaller : the `Polynomial` there
-    """
-    at = smaller.maximum
-    if at is None:
-        return 0.0
-    other, larger_error = _unbiased(smaller, at)
-    return math.sqrt(max((other - peak) ** 2 - (larger_error**2 - error**2), 0.0))

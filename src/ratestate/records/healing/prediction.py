@@ -28,7 +28,7 @@ from ..messages import healing as sentences
 #: step of a difference, over a parameter; start of the hold in the run, over its duration
 STEP, LEAD = 1e-4, 1e-3
 #: points about the largest friction, within so many of the solver's steps on either side
-POINTS, BESIDE = 400, 2
+POINTS, BESIDE = 2000, 2
 RTOL = 1e-9
 #: dimension of the sliders of a difference
 CASE = "difference"
@@ -83,32 +83,28 @@ def sliders_of(slider):
             if is_array(value):
                 raise sentences.refusal("slider.array", symbol=symbol)
         return {slider.law: Fitted(slider)}
-    if isinstance(slider, xarray.Dataset) and is_of_steps(slider):
-        parts, errors = results_by_law_of_steps(in_si(slider)), _errors_of_steps
-    else:
-        parts, errors = checked_by_law(slider, "healing"), _errors_of_fit
-    return {law: _fitted(slider, law, part, errors) for law, part in parts.items()}
-
-
-def _fitted(result, law, part, errors):
-    """`Fitted` of one law's part of a fit; errors : function of the part and names, as below."""
-    slider = slider_of(result, law)
-    own = of_slider(slider.friction_law)
-    names = [name for name in part["parameter"].values.tolist() if name in own]
-    sizes, correlation = errors(part, names)
-    # (those of positive parameters are of their logarithms: to first order the same)
-    with np.errstate(invalid="ignore"):
-        return Fitted(slider, tuple(names), correlation * np.outer(sizes, sizes))
-
-
-def _errors_of_fit(part, names):
-    """Standard errors (k,) [SI] of a fit's estimates, and their correlation (k, k)."""
-    errors = np.array([error_of(part, name) for name in names])
-    return errors, part["correlation"].sel(parameter=names, other=names).values
+    is_steps = isinstance(slider, xarray.Dataset) and is_of_steps(slider)
+    parts = (
+        results_by_law_of_steps(in_si(slider)) if is_steps else checked_by_law(slider, "healing")
+    )
+    fitted = {}
+    for law, part in parts.items():
+        one = slider_of(slider, law)
+        own = of_slider(one.friction_law)
+        names = [name for name in part["parameter"].values.tolist() if name in own]
+        if is_steps:
+            errors, correlation = _errors_of_steps(part, names)
+        else:
+            errors = np.array([error_of(part, name) for name in names])
+            correlation = part["correlation"].sel(parameter=names, other=names).values
+        # (those of positive parameters are of their logarithms: to first order the same)
+        with np.errstate(invalid="ignore"):
+            fitted[law] = Fitted(one, tuple(names), correlation * np.outer(errors, errors))
+    return fitted
 
 
 def _errors_of_steps(part, names):
-    """As `_errors_of_fit`, of the joint fit of all steps, which is not of all parameters.
+    """Standard errors (k,) [SI] of the joint fit of all steps, and their correlation (k, k).
 
     Of the machine's parameters the errors are those of one step, with the scatter between steps,
     for a hold may have another stiffness than the median of all.  ParameterError without a joint
@@ -126,32 +122,29 @@ def _errors_of_steps(part, names):
     return errors, correlation
 
 
-class Predicted(NamedTuple):
-    """Healing and relaxation of one hold in the cases of a `Fitted`; why there are none, or ""."""
-
-    values: np.ndarray  # (2, 1 + 2k); NaN
-    message: str = ""
-
-
 def predict(fitted, hold, kind):
-    """`Predicted` of a `Fitted` for a `Hold`; kind of friction: "tau" or "mu"."""
+    """Healing and relaxation of a `Hold` in the cases of a `Fitted` (2, 1 + 2k); a message.
+
+    The values are NaN if the message, else "", says why there are none.
+
+    kind : of friction, "tau" or "mu"
+    """
     slider, cases = fitted.slider, fitted.cases
     none = np.full((2, 1 + 2 * len(fitted.free)), np.nan)
-    lead, lasts = LEAD * (hold.end - hold.start), hold.end - hold.start
-    end = lead + lasts
-    loading = Loading.steps(hold.V_before, (lead, 0.0), (end, hold.V_after))
+    lead, after = LEAD * hold.duration, hold.after
+    end = lead + hold.duration
+    loading = Loading.steps(hold.before.V, (lead, 0.0), (end, after.V))
     try:
-        window = _about_peak(slider, loading, end, end + hold.slide, kind)
+        window = _about_peak(slider, loading, end, end + after.end - after.start, kind)
         if window is None:
-            return Predicted(none, sentences("prediction.no_peak", law=slider.law))
+            return none, sentences("prediction.no_peak", law=slider.law)
         times = np.concatenate([[0.0, end], np.linspace(window[0], window[1], POINTS)])
         run = simulate(cases, loading, float(times[-1]), times=times, rtol=RTOL)
     except RateStateError as error:
-        reason = {"law": slider.law, "reason": str(error)}
-        return Predicted(none, sentences("prediction.failed", **reason))
+        return none, sentences("prediction.failed", law=slider.law, reason=str(error))
     friction = _friction(run, cases, kind).transpose(..., "time").values.reshape(-1, times.size)
-    level, low, high = friction[:, 0], friction[:, 1], _largest(friction[:, 2:])
-    return Predicted(np.array([high - level, level - low]))
+    level, low, high = friction[:, 0], friction[:, 1], friction[:, 2:].max(axis=1)
+    return np.array([high - level, level - low]), ""
 
 
 def _about_peak(slider, loading, end, last, kind):
@@ -171,12 +164,3 @@ def _about_peak(slider, loading, end, last, kind):
 def _friction(run, slider, kind):
     """Friction as it is recorded: of the spring, or of the interface."""
     return run["mu"] if kind == "mu" else run["tau"] / slider.sigma
-
-
-def _largest(friction):
-    """(n,) largest values of rows (n, m) at equal steps: of a parabola through three of them."""
-    at = np.clip(np.argmax(friction, axis=1), 1, friction.shape[1] - 2)
-    before, here, after = (friction[np.arange(len(friction)), at + i] for i in (-1, 0, 1))
-    bend = before - 2.0 * here + after
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(bend < 0.0, here - (after - before) ** 2 / (8.0 * bend), here)

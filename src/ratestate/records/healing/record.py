@@ -29,38 +29,41 @@ MOST, SLIDES = 2000, 8
 SMOOTH, NOISIER = 3, 2.0
 #: least relative noise of a sample: numbers of an instrument have 24 bits at most
 SINGLE = 2.0**-24
+NO_ROWS = np.arange(0)
 
 
-class Hold(NamedTuple):
-    """A hold; the slide before it, or after it, has no rows if the record does not have it."""
+class Part(NamedTuple):
+    """A segment of the load point's history: a hold, or a slide before or after one."""
 
     start: float  # [s], as recorded
     end: float
-    V_before: float  # [m/s]; NaN if the record has no such slide
-    V_after: float
-    before: np.ndarray  # rows of samples
-    during: np.ndarray
-    after: np.ndarray
-    slide: float  # time [s] of the slide after it; 0 without one
+    V: float  # [m/s]
+    rows: np.ndarray  # of samples
+    tail: np.ndarray = NO_ROWS  # of a slide after a hold from the peak on; of another all
+    follows_hold: bool = False
+
+
+class Hold(NamedTuple):
+    """A hold, with the slides before and after it, or `NOTHING` where the record has none."""
+
+    number: int  # of its segment
+    before: Part
+    during: Part
+    after: Part
 
     @property
-    def sides(self):
-        """Rows of the slides before and after it."""
-        return self.before, self.after
+    def duration(self):
+        """How long the load point rests [s]."""
+        return self.during.end - self.during.start
 
     @property
     def is_at_one_speed(self):
         """Whether the speeds before and after it count as one."""
-        return is_same(self.V_before, self.V_after)
+        return is_same(self.before.V, self.after.V)
 
 
-class Slide(NamedTuple):
-    """A slide before or after a hold."""
-
-    rows: np.ndarray  # of samples
-    tail: np.ndarray  # rows from the peak on, if it follows a hold
-    V: float  # [m/s]
-    follows_hold: bool
+#: the part before the first segment, and after the last
+NOTHING = Part(0.0, 0.0, np.nan, NO_ROWS)
 
 
 class HealingRecord(NamedTuple):
@@ -72,7 +75,7 @@ class HealingRecord(NamedTuple):
     trend: str | None  # along what friction drifts: "slip", "time" or None
     segments: Segments
     holds: list
-    slides: list
+    slides: dict  # number of a segment -> `Part`
     slip: np.ndarray  # of the fault [m]; of the load point if k is not resolved
     k: float  # stiffness over normal stress [1/m]; inf if it is not resolved
     level: np.ndarray  # friction without a rough estimate of its drift
@@ -119,28 +122,15 @@ def is_same(one, other):
 
 
 def _holds(time, segments):
-    """List of `Hold`s, in order of time."""
-    starts, ends = segments.t, segments.ends
-    n = starts.size
+    starts, ends, n = segments.t, segments.ends, segments.t.size
     # (the record's own first and last samples are beside no change)
     first = np.searchsorted(time, starts) + np.where(np.arange(n) > 0, GUARD, 0)
     last = np.searchsorted(time, ends) - np.where(np.arange(n) < n - 1, GUARD, 0)
-    none = np.arange(0)
-    rows = [none, *(np.arange(i, max(i, j)) for i, j in zip(first, last, strict=True)), none]
-    V, lasting = np.r_[np.nan, segments.V, np.nan], np.append(ends - starts, 0.0)
-    return [
-        Hold(
-            start=float(starts[i]),
-            end=float(ends[i]),
-            V_before=float(V[i]),
-            V_after=float(V[i + 2]),
-            before=rows[i],
-            during=rows[i + 1],
-            after=rows[i + 2],
-            slide=float(lasting[i + 1]),
-        )
-        for i in np.flatnonzero(segments.V == 0.0)
-    ]
+    rows = map(np.arange, first, np.maximum(first, last))
+    columns = starts.tolist(), ends.tolist(), segments.V.tolist(), rows
+    parts = [*map(Part, *columns), NOTHING]  # (number -1 is that of nothing, too)
+    rests = np.flatnonzero(segments.V == 0.0).tolist()
+    return [Hold(i, parts[i - 1], parts[i], parts[i + 1]) for i in rests]
 
 
 def _reloading(friction, displacement, hold):
@@ -149,11 +139,11 @@ def _reloading(friction, displacement, hold):
     The fault creeps least there, and after the hold with the largest relaxation.  inf and a
     relaxation of 0 if too few samples show the slope.
     """
-    if min(hold.before.size, hold.during.size, hold.after.size) < FEWEST_OF_RELOADING:
+    if min(part.rows.size for part in hold[1:]) < FEWEST_OF_RELOADING:
         return 0.0, np.inf
-    before, low = (friction[x[-FEWEST_OF_RELOADING:]].mean() for x in (hold.before, hold.during))
-    rising = friction[hold.after] < 0.5 * (before + low)
-    rows = hold.after[: int(np.argmin(rising))]
+    before, low = (friction[part.rows[-FEWEST_OF_RELOADING:]].mean() for part in hold[1:3])
+    rising = friction[hold.after.rows] < 0.5 * (before + low)
+    rows = hold.after.rows[: int(np.argmin(rising))]
     if rows.size < FEWEST_OF_RELOADING:
         return 0.0, np.inf
     slope = float(np.polyfit(displacement[rows] - displacement[rows[0]], friction[rows], 1)[0])
@@ -164,7 +154,7 @@ def _drift(friction, slip, holds):
     """Change of friction with slip [1/m], the median over slides, each to the next one's end."""
     slopes = []
     for hold in holds:
-        before, after = hold.before[-LAST:], hold.after[-LAST:]
+        before, after = hold.before.rows[-LAST:], hold.after.rows[-LAST:]
         if min(before.size, after.size) == LAST and hold.is_at_one_speed:
             moved = slip[after].mean() - slip[before].mean()
             slopes.append((friction[after].mean() - friction[before].mean()) / moved)
@@ -172,15 +162,15 @@ def _drift(friction, slip, holds):
 
 
 def _slides(level, holds):
-    """List of the `Slide`s before and after holds, each once, in order of time."""
-    found = {}
-    for hold in holds:
-        sides = (hold.before, hold.V_before, False), (hold.after, hold.V_after, True)
-        for rows, V, after in sides:
-            if rows.size and (first := int(rows[0])) not in found:
-                tail = rows[int(np.argmax(level[rows])) :] if after else rows
-                found[first] = Slide(rows, tail, V, after)
-    return list(found.values())
+    """Number of a segment -> `Part` before or after a hold, in order of time."""
+    found: dict[int, Part] = {}
+    for number, before, _, after in holds:
+        if before.rows.size:
+            found.setdefault(number - 1, before._replace(tail=before.rows))
+        if after.rows.size:
+            tail = after.rows[int(np.argmax(level[after.rows])) :]
+            found[number + 1] = after._replace(tail=tail, follows_hold=True)
+    return found
 
 
 def noise_of_slides(record):
@@ -189,7 +179,7 @@ def noise_of_slides(record):
     Slides that seem noisier than the quietest one, by `NOISIER`, are not yet steady and left out.
     The resolution of friction is noise, too.  ParameterError if no such part has `FEWEST` samples.
     """
-    friction, slides = record.friction, [one.rows for one in record.slides]
+    friction, slides = record.friction, [one.rows for one in record.slides.values()]
     parts = [rows[rows.size - int(STEADY * rows.size) :][-MOST:] for rows in slides]
     parts = [rows for rows in parts if rows.size >= FEWEST]
     if not parts:

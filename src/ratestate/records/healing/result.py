@@ -1,14 +1,13 @@
 """The Dataset of `healing`, and it as text."""
 
 import numpy as np
-import pandas
 import xarray
 
 from ...dynamics import attributes
 from ...dynamics.results import flags
 from ...model.quantities import readable, with_error
-from ..kit.regression import weighted_line
-from ..kit.results import checked_result, labelled, lines_of, with_errors
+from ..kit.regression import Line, weighted_line
+from ..kit.results import checked_result, labelled, lines_of
 from ..load_point.stress_steps import VARIABLE, stress_range
 from ..messages import healing as sentences
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
@@ -26,32 +25,42 @@ TRANSIENT = 2.0
 POINTS, SAME = 41, 1e-3
 #: scatter over errors that is mentioned in the text
 SCATTER = 1.5
+#: the line through too few holds
+UNKNOWN = Line(*[np.nan] * len(Line._fields))
 
 
 def dataset_of(record, noise, measured, sliders, predicted):
     """The Dataset, without attributes.
 
-    measured : list of `Measured`; sliders : law -> `Fitted`; predicted : law -> list of `Predicted`
+    measured : list of `Measured`; sliders : law -> `Fitted`; predicted : law -> list of `predict`
     """
     holds, none = record.holds, (np.nan, np.nan)
-    t_hold = np.array([hold.end - hold.start for hold in holds])
-    found = {name: np.array([one.found.get(name, none) for one in measured]).T for name in NAMES}
+    t_hold = np.array([hold.duration for hold in holds])
+    columns = {name: np.array([one.found.get(name, none) for one in measured]).T for name in NAMES}
+    found = {name: tuple(column) for name, column in columns.items()}
     messages = []
     for hold, one, *others in zip(holds, measured, *predicted.values(), strict=True):
-        texts = [_message(record, hold, one), *(other.message for other in others)]
+        texts = [_message(record, hold, one), *(message for _, message in others)]
         messages.append("; ".join(filter(None, texts)))
     variables = labelled(
         "hold",
-        hold_start=[hold.start for hold in holds],
+        hold_start=[hold.during.start for hold in holds],
         t_hold=t_hold,
-        V_before=[hold.V_before for hold in holds],
-        V_after=[hold.V_after for hold in holds],
+        V_before=[hold.before.V for hold in holds],
+        V_after=[hold.after.V for hold in holds],
+        **found,
         peak_time=np.array([one.peak_time for one in measured]),
         hold_status=np.array([one.status for one in measured], np.int8),
         hold_message=messages,
     )
     variables["hold_status"][2].update(flags(dict(enumerate(STATUSES))))
-    variables |= with_errors("hold", found) | _rates(t_hold, found)
+    line_t = np.geomspace(t_hold.min(), t_hold.max(), POINTS)
+    variables |= labelled("line", line_t_hold=line_t)
+    for name, rate in RATES.items():
+        line = _line(t_hold, *found[name])
+        variables |= labelled((), **{rate: (line.slope, line.slope_error)})
+        variables |= labelled((), **{f"{rate}_scatter": line.scatter})
+        variables |= labelled("line", **{f"line_{name}": line.at(np.log10(line_t))})
     variables |= _predictions(t_hold, found, sliders, predicted) if predicted else {}
     variables |= labelled(
         (),
@@ -59,9 +68,11 @@ def dataset_of(record, noise, measured, sliders, predicted):
         noise_red=noise.red,
         noise_time=noise.time if noise.red else 0.0,
     )
-    lines = labelled("time", friction=record.friction, friction_steady=_steady(record, measured))
+    variables |= labelled(
+        "time", friction=record.friction, friction_steady=_steady(record, measured)
+    )
     laws = {"law": list(predicted)} if predicted else {}
-    return xarray.Dataset(variables | lines, labelled("time", time=record.t) | laws)
+    return xarray.Dataset(variables, labelled("time", time=record.t) | laws)
 
 
 def _steady(record, measured):
@@ -69,7 +80,7 @@ def _steady(record, measured):
     steady = np.full(record.t.size, np.nan)
     for hold, one in zip(record.holds, measured, strict=True):
         if one.status == EVALUATED:
-            start = np.nanmin([one.before.start, hold.start])
+            start = np.nanmin([one.before.start, hold.during.start])
             first, last = np.searchsorted(record.t, (start, one.peak_time))
             steady[first:last] = one.before.at(record.along[first:last])[0]
     return steady
@@ -77,21 +88,16 @@ def _steady(record, measured):
 
 def _message(record, hold, measured):
     """Why something is not known of a hold, or what must be known of it; "" if nothing."""
-    if measured.status == EVALUATED:
-        return "; ".join(_remarks(record, hold, measured))
-    short = measured.status == SHORT
-    samples, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
-    name = STATUSES[measured.status]
-    return sentences(f"status.{name}", samples=samples.size, fewest=fewest)
-
-
-def _remarks(record, hold, measured):
-    """What must be known of a hold that is evaluated (list of str)."""
+    if measured.status != EVALUATED:
+        short = measured.status == SHORT
+        part, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
+        name = STATUSES[measured.status]
+        return sentences(f"status.{name}", samples=part.rows.size, fewest=fewest)
     remarks, before = [], measured.before
     if not hold.is_at_one_speed:
-        speeds = {"before": hold.V_before, "after": hold.V_after}
+        speeds = {"before": hold.before.V, "after": hold.after.V}
         remarks.append(sentences("evaluated.other_speed", **speeds))
-    change = stress_range(record.data, slice(hold.before[0], hold.after[-1] + 1))
+    change = stress_range(record.data, slice(hold.before.rows[0], hold.after.rows[-1] + 1))
     if change > VARIABLE:
         remarks.append(sentences("evaluated.stress_varies", percent=100.0 * change))
     level, error = before.at(before.end)
@@ -100,34 +106,7 @@ def _remarks(record, hold, measured):
         remarks.append(sentences("evaluated.drift", drift=drift, error=error))
     if before.own_error > TRANSIENT * measured.found["friction_peak"][1]:
         remarks.append(sentences("evaluated.transient"))
-    return remarks
-
-
-def _line(t_hold, values, errors):
-    """The `Line` of values (n,) against log10 of hold time; None without two different times.
-
-    Values that are NaN are left out.
-    """
-    known = np.isfinite(values) & np.isfinite(errors) & (errors > 0.0)
-    x = np.log10(t_hold[known])
-    if x.size < 2 or np.ptp(x) < SAME:
-        return None
-    return weighted_line(x, values[known], errors[known])
-
-
-def _rates(t_hold, found):
-    """Rates per decade, and the lines of which they are the slopes."""
-    line_t = np.geomspace(t_hold.min(), t_hold.max(), POINTS)
-    variables = labelled("line", line_t_hold=line_t)
-    for name, rate in RATES.items():
-        line = _line(t_hold, *found[name])
-        slope, at = (np.nan, np.nan), np.full((2, POINTS), np.nan)
-        if line is not None:
-            slope, at = (line.slope, line.slope_error), line.at(np.log10(line_t))
-        variables |= with_errors((), {rate: slope}) | with_errors("line", {f"line_{name}": at})
-        scatter = np.nan if line is None else line.scatter
-        variables |= labelled((), **{f"{rate}_scatter": scatter})
-    return variables
+    return "; ".join(remarks)
 
 
 def _predictions(t_hold, found, sliders, predicted):
@@ -136,15 +115,26 @@ def _predictions(t_hold, found, sliders, predicted):
     for i, (name, rate) in enumerate(RATES.items()):
         columns, rates = [], []
         for law, each in predicted.items():
-            values = np.array([one.values[i] for one in each])  # (holds, cases)
+            values = np.array([one[i] for one, _ in each])  # (holds, cases)
+            slopes = [_line(t_hold, column, found[name][1]).slope for column in values.T]
             columns.append((values[:, 0], sliders[law].error(values)))
-            lines = [_line(t_hold, column, found[name][1]) for column in values.T]
-            slopes = np.array([[np.nan if line is None else line.slope for line in lines]])
-            rates.append((slopes[0, 0], sliders[law].error(slopes)[0]))
-        both = {f"{name}_predicted": np.stack(columns, axis=1)}
-        variables |= with_errors(("law", "hold"), both)
-        variables |= with_errors("law", {f"{rate}_predicted": np.transpose(rates)})
+            rates.append((slopes[0], *sliders[law].error(np.array([slopes]))))
+        pairs = tuple(np.stack(columns, axis=1))
+        variables |= labelled(("law", "hold"), **{f"{name}_predicted": pairs})
+        variables |= labelled("law", **{f"{rate}_predicted": tuple(np.transpose(rates))})
     return variables
+
+
+def _line(t_hold, values, errors):
+    """The `Line` of values (n,) against log10 of hold time; NaN without two different times.
+
+    Values that are NaN are left out.
+    """
+    known = np.isfinite(values) & np.isfinite(errors) & (errors > 0.0)
+    x = np.log10(t_hold[known])
+    if x.size < 2 or np.ptp(x) < SAME:
+        return UNKNOWN
+    return weighted_line(x, values[known], errors[known])
 
 
 def summary(result):
@@ -168,18 +158,8 @@ def summary(result):
         The result is not from `healing`.
     """
     result = checked_result(result, "healing", "delta_mu")
-    source = attributes.text(result, "source", "")
+    source, laws = attributes.text(result, "source", ""), result.get("law", [])
     holds, found = result.sizes["hold"], int((result["hold_status"] == 0).sum())
-    head = f"Healing{f' in {source}' if source else ''}: {found} of {holds} holds evaluated"
-    lines = [head, *lines_of(_table(result)), ""]
-    for name in RATES:
-        lines += _rate_lines(result, name)
-    texts = enumerate(result["hold_message"].values.tolist(), start=1)
-    return "\n".join([*lines, *(f"hold {number}: {text}" for number, text in texts if text)])
-
-
-def _table(result):
-    """A pandas DataFrame of texts, a row for each hold; healing and relaxation in 1e-3."""
     columns = {
         "start": [readable("t", value, 6) for value in result["hold_start"].values],
         "hold": [readable("t", value) for value in result["t_hold"].values],
@@ -187,33 +167,32 @@ def _table(result):
     for side in ("before", "after"):
         speeds = result[f"V_{side}"].values
         columns[side] = ["-" if V != V else readable("V_lp", V, 3) for V in speeds]
-    for name, head in HEADINGS.items():
-        columns[f"{head} [1e-3]"] = _cells(result, name)
-        for law in result["law"].values if "law" in result.dims else ():
-            columns[f"{law} law: {head}"] = _cells(result.sel(law=law), f"{name}_predicted")
-    return pandas.DataFrame(columns, index=pandas.RangeIndex(1, result.sizes["hold"] + 1))
+    rates = []
+    for name, heading in HEADINGS.items():
+        columns[f"{heading} [1e-3]"] = _cells(result, name)
+        rates.append(_rate(result, name))
+        for law in laws:
+            part = result.sel(law=law)
+            columns[f"{law.item()} law: {heading}"] = _cells(part, f"{name}_predicted")
+            if part[RATES[name]].notnull():
+                (rate,) = _cells(part, f"{RATES[name]}_predicted", 1.0)
+                rates.append(f"  {law.item()} law predicts {rate}")
+    head = f"Healing{f' in {source}' if source else ''}: {found} of {holds} holds evaluated"
+    texts = enumerate(result["hold_message"].values.tolist(), start=1)
+    messages = [f"hold {number}: {text}" for number, text in texts if text]
+    return "\n".join([head, *lines_of(columns), "", *rates, *messages])
 
 
-def _cells(result, name):
-    """Values +- errors in 1e-3, "-" for NaN."""
-    pairs = 1e3 * np.column_stack([result[name], result[f"{name}_error"]])
+def _cells(result, name, factor=1e3):
+    """Values +- errors, times a factor; "-" for NaN."""
+    pairs = factor * np.column_stack([result[name], result[f"{name}_error"]])
     return ["-" if value != value else with_error(value, error) for value, error in pairs]
 
 
-def _rate_lines(result, name):
-    """Sentences on a rate per decade, measured and predicted (list of str)."""
-    rate = RATES[name]
-    if np.isnan(result[rate]):
-        return [sentences("rate.few", name=name)]
-    text = f"{HEADINGS[name]} per decade of hold time: {_rate(result, rate)}"
-    scatter = float(result[f"{rate}_scatter"])
-    text += sentences("rate.scatter", scatter=scatter) if scatter > SCATTER else ""
-    return [text] + [
-        f"  {law} law predicts {_rate(result.sel(law=law), f'{rate}_predicted')}"
-        for law in (result["law"].values if "law" in result.dims else ())
-    ]
-
-
-def _rate(result, rate):
-    """A rate +- its error."""
-    return with_error(float(result[rate]), float(result[f"{rate}_error"]))
+def _rate(result, name):
+    """A sentence on a rate per decade, as measured."""
+    if np.isnan(result[RATES[name]]):
+        return sentences("rate.few", name=name)
+    (rate,), scatter = _cells(result, RATES[name], 1.0), float(result[f"{RATES[name]}_scatter"])
+    text = f"{HEADINGS[name]} per decade of hold time: {rate}"
+    return text + (sentences("rate.scatter", scatter=scatter) if scatter > SCATTER else "")

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import chdtri, logsumexp
 
-from ..kit.polynomial_windows import basis, window_sizes
+from ..kit.polynomial_windows import basis, windows_that_pass
 from .record import FEWEST, is_same
 
 #: shorter length of the second exponential, as a fraction; or its wave number, times the length
@@ -113,7 +113,7 @@ class _Own(NamedTuple):
         log_normal = np.linalg.slogdet(normal)[1] + 2.0 * transient * np.log(self.scale)
         return coefficients, covariance, chi2, -0.5 * (chi2 + log_normal)
 
-    def mean(self, weights, prior=None):
+    def mean(self, weights, prior):
         """Level (and slope) and its covariance, averaged over shapes with these ln(weights)."""
         coefficients, covariance, _, likelihood = self.solved(QUADRATIC, prior)
         weights = weights + likelihood
@@ -136,61 +136,49 @@ class _Own(NamedTuple):
 
 
 def levels_of(record, noise):
-    """First row of a slide -> its `Level`; without slides of whose level nothing is known."""
-    slides, bound = record.slides, _bound(record)
+    """Number of a slide's segment -> its `Level`; without slides whose level is unknown."""
+    slides, friction, has_slope = [*record.slides.values()], record.friction, bool(record.trend)
+    # (a slope does not exceed friction's own range)
+    slope = (np.ptp(record.along) / np.ptp(friction)) ** 2.0
+    bound = np.zeros(1 + has_slope), np.diag([0.0, slope][: 1 + has_slope])
     tails = [one.tail for one in slides if one.follows_hold and one.tail.size >= FEWEST]
-    shapes, weights = shapes_of(record.friction, record.slip, tails, noise.level)
-    own, seen = [], np.zeros((len(slides), weights.size))
-    for i, slide in enumerate(slides):
-        one = _own(record, slide.tail, noise, shapes)
-        own.append(one and one.with_misfit(_with_steady(weights, slide), bound))
-        if one is not None and slide.follows_hold:
-            seen[i] = own[i].solved(QUADRATIC)[3][:-1]
+    shapes, weights = shapes_of(friction, record.slip, tails, noise.level)
+    own = [_own(record, slide.tail, noise, shapes) for slide in slides]
+    seen = np.zeros((len(slides), weights.size))
+    for i, (one, slide) in enumerate(zip(own, slides, strict=True)):
+        if one is not None:
+            own[i] = one.with_misfit(_with_none(weights, slide), bound)
+            seen[i] = own[i].solved(QUADRATIC)[3][:-1] if slide.follows_hold else 0.0
     others = [
-        _with_steady(weights + seen.sum(0) - each, slide)
-        for each, slide in zip(seen, slides, strict=True)
+        _with_none(each, slide)
+        for each, slide in zip(weights + seen.sum(0) - seen, slides, strict=True)
     ]
     alone = [one and one.mean(each, bound) for one, each in zip(own, others, strict=True)]
     errors = [np.inf if one is None else float(np.sqrt(one[1][0, 0])) for one in alone]
     for i, slide in enumerate(slides):
-        if errors[i] > UNFINISHED * _fall(record, slide):
+        fall = friction[slide.tail[0]] - friction[slide.rows[-FEWEST:]].mean()
+        if slide.follows_hold and errors[i] > UNFINISHED * fall:
             own[i] = alone[i] = None
-    ends = np.array([record.along[one.rows[-1]] for one in slides])
-    priors = _priors(slides, ends, alone, record.trend is not None)
+    ends = np.array([record.along[slide.rows[-1]] for slide in slides])
     levels = {}
-    for i, slide in enumerate(slides):
-        start, prior = np.nan, priors[i]
+    priors = _priors(slides, ends, alone, has_slope)
+    for i, (number, prior) in enumerate(zip(record.slides, priors, strict=True)):
         if (one := own[i]) is not None:
-            start = one.start
             mean, covariance = one.mean(others[i], bound if prior is None else prior)
         elif prior is not None:
             mean, covariance = prior[0], np.linalg.inv(prior[1])
         else:
             continue
-        mean[0] += record.friction[0]
-        levels[int(slide.rows[0])] = Level(start, ends[i], mean, covariance, errors[i])
+        start, mean = np.nan if one is None else one.start, mean + [friction[0], 0.0][: mean.size]
+        levels[number] = Level(start, ends[i], mean, covariance, errors[i])
     return levels
 
 
-def _with_steady(weights, slide):
+def _with_none(weights, slide):
     """ln of the weights of shapes, and of no transient: half of all, but none after a hold."""
     if slide.follows_hold:
         return np.append(weights, -np.inf)
     return np.append(weights, logsumexp(weights) if weights.size else 0.0)
-
-
-def _fall(record, slide):
-    """Fall of friction from the peak to the end of a slide; inf unless it follows a hold."""
-    if not slide.follows_hold:
-        return np.inf
-    return float(record.friction[slide.tail[0]] - record.friction[slide.rows[-FEWEST:]].mean())
-
-
-def _bound(record):
-    """What is known of any level (and slope): a slope does not exceed friction's own range."""
-    slope = (np.ptp(record.along) / np.ptp(record.friction)) ** 2.0
-    known = np.array([0.0, slope])[: 1 + (record.trend is not None)]
-    return np.zeros(known.size), np.diag(known)
 
 
 def shapes_of(friction, slip, tails, level):
@@ -207,23 +195,18 @@ def shapes_of(friction, slip, tails, level):
     lengths = distance * np.geomspace(SHORTEST, LONGEST, LENGTHS)
     forms = [(faster, 0.0) for faster in FASTER] + [(0.0, wave) for wave in WAVES]
     shapes = [Shape(length, *form) for length in lengths for form in forms]
-    misfit = np.mean([np.log(_misfits(friction, slip, rows, shapes, level)) for rows in tails], 0)
+    misfit = np.zeros(len(shapes))
+    for tail in tails:
+        rows = tail[:: max(tail.size // COMPARED, 1)]
+        y, x = friction[rows], slip[rows]
+        straight = basis(x, x[0], x[-1], 1)
+        for i, shape in enumerate(shapes):
+            columns = np.column_stack([straight, shape.columns(x)])
+            rest = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-6)[0]
+            misfit[i] += np.log(np.hypot(np.sqrt(np.mean(rest**2)), level)) / len(tails)
     weights = -INDEPENDENT * (misfit - misfit.min())
     kept = np.flatnonzero(weights > np.log(LEAST))
     return [shapes[i] for i in kept], weights[kept]
-
-
-def _misfits(friction, slip, rows, shapes, level):
-    """Standard deviation of friction in these rows about a level, a drift and each of shapes."""
-    rows = rows[:: max(rows.size // COMPARED, 1)]
-    y, x = friction[rows], slip[rows]
-    straight = np.column_stack([np.ones(rows.size), (x - x[0]) / np.ptp(x)])
-    misfits = []
-    for shape in shapes:
-        columns = np.column_stack([straight, shape.columns(x)])
-        rest = y - columns @ np.linalg.lstsq(columns, y, rcond=1e-6)[0]
-        misfits.append(np.hypot(np.sqrt(np.mean(rest**2)), level))
-    return np.array(misfits)
 
 
 def _own(record, rows, noise, shapes):
@@ -231,15 +214,15 @@ def _own(record, rows, noise, shapes):
     if rows.size < FEWEST:
         return None
     columns, noise = _averaged(record, rows, noise)
-    best, failed = None, 0
-    for size in window_sizes(FEWEST, columns.shape[1]):
-        one = _window(columns[:, -size:], noise, shapes)
-        small, large = (one.solved(k)[2].min() for k in (LINEAR, QUADRATIC + TESTED))
-        failed = failed + 1 if small - large > SIGNIFICANT else 0
-        best = best if failed else one
-        if failed == FAILED:
-            break
-    return best
+    found = {}
+
+    def passes(size, _):
+        found[size] = _window(columns[:, -size:], noise, shapes)
+        small, large = (found[size].solved(k)[2].min() for k in (LINEAR, QUADRATIC + TESTED))
+        return small - large <= SIGNIFICANT
+
+    passed = windows_that_pass(FEWEST, columns.shape[1], passes, FAILED)
+    return found[passed[-1]] if passed else None
 
 
 def _averaged(record, rows, noise):
@@ -253,8 +236,7 @@ def _averaged(record, rows, noise):
     each = -(-rows.size // MOST)
     if each == 1:
         return columns, noise
-    columns = columns[:, rows.size % each :]
-    columns = columns.reshape(len(columns), -1, each).mean(axis=2)
+    columns = columns[:, rows.size % each :].reshape(len(columns), -1, each).mean(axis=2)
     # (the mean of a red part is less than each of its samples if it varies within a block)
     red = noise.red * min(1.0, np.sqrt(2.0 * noise.time / (columns[0, 1] - columns[0, 0])))
     return columns, noise._replace(white=noise.white / np.sqrt(each), red=red)
@@ -269,8 +251,8 @@ def _window(columns, noise, shapes):
     shared = np.column_stack([friction, np.ones(t.size), *drift, tested])
     white, _ = noise.whiten(t, np.column_stack([shared, *transients]))
     first, last = np.split(white[:, : shared.shape[1]], [-TESTED], axis=1)
-    transients = white[:, shared.shape[1] :].reshape(t.size, -1, QUADRATIC)
-    each = [np.hstack([first, transients[:, i], last]) for i in range(len(shapes) + 1)]
+    parts = np.split(white[:, shared.shape[1] :], len(transients), axis=1)
+    each = [np.hstack([first, part, last]) for part in parts]
     normal = np.array([one.T @ one for one in each])
     lengths = np.array([*(shape.length for shape in shapes), 0.0])
     scale = (np.ptp(friction) + noise.level) * (1.0 + lengths / np.ptp(slip))
@@ -280,11 +262,13 @@ def _window(columns, noise, shapes):
 def _priors(slides, ends, alone, has_slope):
     """What the other slides say of each one: mean and inverse covariance; None if nothing.
 
+    They follow one line, with a level at each speed, but for a scatter.
+
     ends : (slides,) of what friction drifts along, at their ends
     alone : level (and slope) of each slide with its covariance; None if it has none
     """
-    known = [i for i, one in enumerate(alone) if one is not None]
-    if not known or len(slides) < 2:
+    known = np.array([i for i, one in enumerate(alone) if one is not None], int)
+    if not known.size or len(slides) < 2:
         return [None] * len(slides)
     speeds = [next(k for k, b in enumerate(slides) if is_same(a.V, b.V)) for a in slides]
     distance = np.median(np.diff(ends))
@@ -293,59 +277,53 @@ def _priors(slides, ends, alone, has_slope):
     if has_slope:
         designs[:, :, -1] = np.column_stack([(ends - ends.mean()) / distance, np.ones(ends.size)])
     unit = np.array([1.0, distance])[: 1 + has_slope]
-    line = _Line(
-        designs[known],
-        unit * np.array([alone[i][0] for i in known]),
-        np.outer(unit, unit) * np.array([alone[i][1] for i in known]),
-        len({speeds[i] for i in known}) + has_slope,
-    )
-    scatter = line.scatter()
+    values = unit * np.array([alone[i][0] for i in known])
+    covariances = np.outer(unit, unit) * np.array([alone[i][1] for i in known])
+    rank = len({speeds[i] for i in known}) + has_slope
+    scatter = scatter_about_line(designs[known], values, covariances, rank)
     priors: list = []
     for i, design in enumerate(designs):
-        if known == [i]:
+        use = known != i
+        if not use.any():
             priors.append(None)
             continue
-        mean, covariance = line.fitted(scatter, np.array(known) != i)
+        mean, covariance = fitted_line(designs[known[use]], values[use], covariances[use], scatter)
         covariance = design @ covariance @ design.T + scatter**2 * np.eye(unit.size)
         inverse = np.outer(unit, unit) * np.linalg.inv(covariance)
         priors.append((design @ mean / unit, inverse))
     return priors
 
 
-class _Line(NamedTuple):
-    """Levels, and slopes times a distance, of slides that follow one line but for a scatter."""
+def fitted_line(designs, values, covariances, scatter):
+    """Coefficients (k,) of a line through slides, with a scatter about it; their covariance.
 
-    designs: np.ndarray  # (slides, 1 or 2, k) factors of the line's coefficients
-    values: np.ndarray  # (slides, 1 or 2)
-    covariances: np.ndarray
-    rank: int  # number of coefficients that the slides show
+    designs : (slides, 1 or 2, k) factors of the coefficients in a level, and in a slope times a
+        distance; values, covariances : of these levels and slopes
+    """
+    inverse = np.linalg.inv(covariances + scatter**2 * np.eye(values.shape[1]))
+    weighted = np.einsum("aik,aij->akj", designs, inverse)
+    normal = np.einsum("akj,ajl->kl", weighted, designs)
+    # (friction is of the order of 1: this bounds levels at a speed of no other slide)
+    covariance = np.linalg.inv(normal + WIDEST**-2.0 * np.eye(len(normal)))
+    return covariance @ np.einsum("akj,aj->k", weighted, values), covariance
 
-    def fitted(self, scatter, used):
-        """Coefficients of the line through these slides (mask), and their covariance."""
-        inverse = self._inverse(scatter)[used]
-        weighted = np.einsum("aik,aij->akj", self.designs[used], inverse)
-        normal = np.einsum("akj,ajl->kl", weighted, self.designs[used])
-        # (friction is of the order of 1: this bounds levels at a speed of no other slide)
-        covariance = np.linalg.inv(normal + WIDEST**-2.0 * np.eye(len(normal)))
-        return covariance @ np.einsum("akj,aj->k", weighted, self.values[used]), covariance
 
-    def scatter(self):
-        """Standard deviation of slides about the line that errors do not explain; 0 if they do.
+def scatter_about_line(designs, values, covariances, rank):
+    """Standard deviation of slides about their line that errors do not explain; 0 if they do.
 
-        Such that the median of their chi-squares is as expected: a few poor levels do not matter.
-        """
-        freedom = 1.0 - self.rank / self.values.size
+    Such that the median of their chi-squares is as expected: a few poor levels do not matter.
 
-        def excess(scatter):
-            line, _ = self.fitted(scatter, np.ones(len(self.values), bool))
-            rest = self.values - self.designs @ line
-            chi2 = np.einsum("ai,aij,aj->a", rest, self._inverse(scatter), rest)
-            return float(np.median(chi2)) - freedom * chdtri(self.values.shape[1], 0.5)
+    rank : number of coefficients that the slides show; the others are those of `fitted_line`
+    """
+    freedom, size = 1.0 - rank / values.size, values.shape[1]
 
-        if freedom <= 0.0 or excess(0.0) <= 0.0:
-            return 0.0
-        widest = WIDEST * float(np.ptp(self.values[:, 0]) + np.abs(self.values[:, 1:]).sum())
-        return brentq(excess, 0.0, widest)
+    def excess(scatter):
+        line, _ = fitted_line(designs, values, covariances, scatter)
+        rest = values - designs @ line
+        inverse = np.linalg.inv(covariances + scatter**2 * np.eye(size))
+        chi2 = np.einsum("ai,aij,aj->a", rest, inverse, rest)
+        return float(np.median(chi2)) - freedom * chdtri(size, 0.5)
 
-    def _inverse(self, scatter):
-        return np.linalg.inv(self.covariances + scatter**2 * np.eye(self.values.shape[1]))
+    if freedom <= 0.0 or excess(0.0) <= 0.0:
+        return 0.0
+    return brentq(excess, 0.0, WIDEST * float(np.ptp(values[:, 0]) + np.abs(values[:, 1:]).sum()))

@@ -9,7 +9,8 @@ correction: Calonico, Cattaneo & Farrell 2018 doi:10.1080/01621459.2017.1285776)
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
+from numpy.polynomial import Legendre
+from numpy.polynomial.legendre import legvander
 
 from .regression import fall_of_chi2, generalized_least_squares
 
@@ -18,52 +19,46 @@ from .regression import fall_of_chi2, generalized_least_squares
 SIGNIFICANT, CERTAIN = 13.82, 18.42
 #: a window over the next smaller one
 GROWTH = 1.4
-#: a maximum is within this part of a window about its middle; points at which it is sought
-INSIDE, POINTS = 0.9, 801
+#: a maximum is within this part of a window about its middle
+INSIDE = 0.9
 
 
 class Polynomial(NamedTuple):
-    """A polynomial in an abscissa, from ``low`` to ``high``, fitted to rows of a record."""
+    """A polynomial fitted to rows of a record, with the covariance of its coefficients."""
 
-    low: float
-    high: float
-    coefficients: np.ndarray  # (order + 1,) of Legendre polynomials
+    curve: Legendre
     covariance: np.ndarray
-
-    def basis(self, x, derivative=0):
-        """(n, order + 1) Legendre polynomials at x (n,), or their derivatives by it."""
-        return basis(x, self.low, self.high, self.coefficients.size - 1, derivative)
 
     def at(self, x):
         """Value at a number x, and its standard error."""
-        row = self.basis(x)[0]
-        return float(row @ self.coefficients), float(np.sqrt(row @ self.covariance @ row))
-
-    def derivative(self, x, order):
-        """Derivative of this order at a number x."""
-        return float(self.basis(x, order)[0] @ self.coefficients)
+        low, high = self.curve.domain
+        row = basis(x, low, high, self.curve.degree())[0]
+        return float(self.curve(x)), float(np.sqrt(row @ self.covariance @ row))
 
     @property
-    def maximum(self):
-        """Abscissa of the maximum; None if that is at an end of the window, or if there is none."""
-        edge = 0.5 * (1.0 - INSIDE) * (self.high - self.low)
-        x = np.linspace(self.low, self.high, POINTS)
-        at = x[int(np.argmax(self.basis(x) @ self.coefficients))]
-        if not self.low + edge < at < self.high - edge:
+    def peak(self):
+        """Abscissa of the maximum, its value and standard error; None if it is at an end.
+
+        Noise moves the maximum of a fit up on average, by half the variance of the slope divided by
+        the curvature.  The value is without that.
+        """
+        slope, (low, high) = self.curve.deriv(), self.curve.domain
+        turns = slope.roots()
+        x = np.array([low, high, *turns[(turns.imag == 0.0) & (turns.real > low)].real])
+        x = x[x <= high]
+        at = float(x[np.argmax(self.curve(x))])
+        edge = 0.5 * (1.0 - INSIDE) * (high - low)
+        if not low + edge < at < high - edge:
             return None
-        # (one step of Newton's method is enough: the points are so close)
-        slope, curvature = (self.derivative(at, k) for k in (1, 2))
-        return float(at - slope / curvature) if curvature < 0.0 else None
+        parts = [Legendre.basis(j, self.curve.domain) for j in range(self.curve.coef.size)]
+        row = np.array([part.deriv()(at) for part in parts])
+        value, error = self.at(at)
+        return at, value + float(0.5 * (row @ self.covariance @ row) / slope.deriv()(at)), error
 
 
-def basis(x, low, high, order, derivative=0):
-    """(n, order + 1) Legendre polynomials at x (n,), -1 at low and 1 at high, or derivatives."""
-    scale = 2.0 / (high - low)
-    u = (np.atleast_1d(x) - low) * scale - 1.0
-    if not derivative:
-        return legendre.legvander(u, order)
-    coefficients = legendre.legder(np.eye(order + 1), derivative)
-    return legendre.legval(u, coefficients).T * scale**derivative
+def basis(x, low, high, order):
+    """(n, order + 1) Legendre polynomials at x (n,), which are -1 or 1 at low and 1 at high."""
+    return legvander((np.atleast_1d(x) - low) * (2.0 / (high - low)) - 1.0, order)
 
 
 def fitted_polynomial(t, x, y, rows, order, noise):
@@ -71,9 +66,9 @@ def fitted_polynomial(t, x, y, rows, order, noise):
 
     t, x, y : (n,) of a record with this `Noise` along t
     """
-    low, high = float(x[rows[0]]), float(x[rows[-1]])
-    fit = generalized_least_squares(t[rows], y[rows], basis(x[rows], low, high, order), noise)
-    return Polynomial(low, high, fit.coefficients, fit.covariance)
+    ends = float(x[rows[0]]), float(x[rows[-1]])
+    fit = generalized_least_squares(t[rows], y[rows], basis(x[rows], *ends, order), noise)
+    return Polynomial(Legendre(fit.coefficients, ends), fit.covariance)
 
 
 def fewest_samples(order):
@@ -81,13 +76,23 @@ def fewest_samples(order):
     return order + 3
 
 
-def window_sizes(fewest, most):
-    """Numbers of samples of growing windows; the last one is `most`."""
-    size = float(fewest)
-    while size < most:
-        yield int(size)
+def windows_that_pass(fewest, most, passes, failures):
+    """Numbers of samples of growing windows that pass, until so many in turn do not.
+
+    passes : function of a number of samples, and of those that have passed so far
+    """
+    passed: list[int] = []
+    size, failed = float(fewest), 0
+    while failed < failures:
+        if passes(min(int(size), most), passed):
+            passed.append(min(int(size), most))
+            failed = 0
+        else:
+            failed += 1
+        if size >= most:
+            break
         size *= GROWTH
-    yield most
+    return passed
 
 
 def curvature(t, x, y, rows, order, noise):

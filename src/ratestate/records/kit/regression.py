@@ -92,16 +92,14 @@ def mean_with_scatter(values, errors):
 
 def weighted_line(x, values, errors):
     """The `Line` through values (n,) at x (n,), not all the same, weighted by their errors (n,)."""
-    weights = errors**-2.0
-    centre, mean = weighted_mean(x, errors).value, weighted_mean(values, errors)
-    away, degrees = x - centre, x.size - 2
-    spread = float(weights @ away**2)
-    slope = float(weights @ (away * values)) / spread
-    scatter = _scatter(float(weights @ (values - mean.value - slope * away) ** 2), degrees)
+    centre, degrees, weights = weighted_mean(x, errors).value, x.size - 2, 1.0 / errors
+    line, covariance = np.polyfit(x - centre, values, 1, w=weights, cov="unscaled")
+    rest = weights * (values - np.polyval(line, x - centre))
+    scatter = _scatter(float(rest @ rest), degrees)
     slope_error, mean_error = (
-        _enlarged(error, scatter, degrees) for error in (spread**-0.5, mean.error)
+        _enlarged(float(error), scatter, degrees) for error in np.sqrt(np.diag(covariance))
     )
-    return Line(slope, slope_error, centre, mean.value, mean_error, scatter)
+    return Line(float(line[0]), slope_error, centre, float(line[1]), mean_error, scatter)
 
 
 def _scatter(chi2, degrees):

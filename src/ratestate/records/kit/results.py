@@ -22,21 +22,23 @@ def checked_result(result, function, name):
 
 
 def labelled(dims, **values):
-    """name -> variable along these dimensions (or one); each name is one of `QUANTITIES`."""
-    return {name: (dims, value, attrs(name)) for name, value in values.items()}
+    """name -> variable along these dimensions (or one); each name is one of `QUANTITIES`.
 
-
-def with_errors(dims, measured):
-    """As `labelled`, of name -> (values, standard errors): variables NAME and NAME_error."""
+    A tuple has values and their standard errors, for the variables NAME and NAME_error.
+    """
     columns: dict = {}
-    for name, (values, errors) in measured.items():
-        columns |= {name: values, f"{name}_error": errors}
-    return labelled(dims, **columns)
+    for name, value in values.items():
+        if isinstance(value, tuple):
+            columns[name], columns[f"{name}_error"] = value
+        else:
+            columns[name] = value
+    return {name: (dims, value, attrs(name)) for name, value in columns.items()}
 
 
-def lines_of(table):
-    """Lines (list of str) of a pandas DataFrame of texts: headings where their columns begin."""
-    columns = [["", *map(str, table.index)], *([name, *table[name]] for name in table.columns)]
-    widths = [max(map(len, column)) for column in columns]
-    rows = zip(*columns, strict=True)
-    return ["   ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+def lines_of(columns):
+    """Table (list of lines) of name -> texts, with numbers of rows, and headings above columns."""
+    first, *_ = columns.values()
+    table = [["", *map(str, range(1, len(first) + 1))]]
+    table += [[name, *texts] for name, texts in columns.items()]
+    widths = [max(map(len, column)) for column in table]
+    return ["   ".join(map(str.ljust, row, widths)).rstrip() for row in zip(*table, strict=True)]

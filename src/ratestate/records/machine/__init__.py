@@ -2,8 +2,8 @@
 
 ===================== =============================================================
 ``machine_stiffness`` the function `machine_stiffness`; stress drops; ring-downs
-``slopes``            where the spring loads or unloads
-``loading_curve``     friction there: creep at constant state, and healing; its fit
+``slopes``            where the spring loads or unloads; friction there and its fit: creep
+                      at constant state, and healing
 ``ring_down``         free oscillations: frequency and decay; mass and damping
 ``result``            the Dataset, and `summary`, it as text
 ===================== =============================================================

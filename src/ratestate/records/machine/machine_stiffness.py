@@ -107,7 +107,7 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
         drops = stress_drops(raw, sigma, segments)
         oscillations = _ring_downs(raw, segments, drops)
         slopes = slopes_of(raw.time, raw.friction, segments, drops)
-    # a slope that is as fast as the machine's own oscillations is not quasi-static
+    # (a slope that is as fast as the machine's own oscillations is not quasi-static)
     period = max((2.0 * np.pi / one.point[0] for one in oscillations), default=0.0)
     slopes = [one for one in slopes if raw.time[one.rows[-1]] - one.start >= period]
     if not slopes and not oscillations:
@@ -143,14 +143,13 @@ def _normal_stress(data, sigma):
 
 def _ring_downs(raw, segments, drops):
     """`RingDown`s (list) after each change of speed, or each stress drop of a segment."""
-    t, friction, found = raw.time, raw.friction, []
+    t, found = raw.time, []
     for start, end, V, own in zip(segments.t, segments.ends, segments.V, drops, strict=True):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
         peaks = np.searchsorted(t[rows], own[:, 0])
-        for part in np.split(rows, peaks)[1:] if peaks.size else [rows]:
-            one = ring_down(t, friction, part, float(t[part[0]]), float(V)) if part.size else None
-            found += [] if one is None else [one]
-    return found
+        parts = np.split(rows, peaks)[1:] if peaks.size else [rows]
+        found += [ring_down(t, raw.friction, part, float(V)) for part in parts if part.size]
+    return [one for one in found if one is not None]
 
 
 def stress_drops(raw, sigma, segments):

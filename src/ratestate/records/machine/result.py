@@ -3,19 +3,16 @@
 import json
 
 import numpy as np
-import pandas
 import xarray
 
 from ...model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
 from ..kit.regression import mean_with_scatter
-from ..kit.results import checked_result, labelled, lines_of, with_errors
+from ..kit.results import checked_result, labelled, lines_of
 from ..messages import machine as sentences
 from .ring_down import mass_and_damping
 
-#: what is found of a machine
-SYMBOLS = ("K", "M", "damping")
-#: what is found of each ring-down
-OF_RINGS = ("omega", "decay", "M", "damping")
+#: what is found of a machine, and of each ring-down
+SYMBOLS, OF_RINGS = ("K", "M", "damping"), ("omega", "decay", "M", "damping")
 #: relative error of K above which a remark warns; scatter over errors above which another does
 UNCERTAIN, SCATTERED = 0.2, 2.0
 
@@ -25,77 +22,56 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
 
     slopes, ring_downs : lists of `Slope` and `RingDown`; sigma [Pa]; slider may be None
     """
-    used = _used(slopes)
-    K = _stiffness(sigma, [slopes[i].curve for i in np.flatnonzero(used)])
-    of_rings, M, damping = _inertia(K, sigma, slider, ring_downs)
-    means = dict(zip(SYMBOLS, (K, M, damping), strict=True))
-    variables = with_errors((), {name: numbers[:2] for name, numbers in means.items()})
-    variables |= labelled((), **{f"{name}_scatter": one[2] for name, one in means.items()})
-    variables |= _along_slopes(sigma, slopes) | labelled("slope", slope_used=used)
-    variables |= of_rings | labelled("time", friction=raw.friction)
-    fitted = {
-        "slope_friction": [(one.rows, one.curve.at(one.x)) for one in slopes],
-        "ring_down_friction": [(one.rows, one.fitted) for one in ring_downs],
-    }
-    for name, parts in fitted.items():
-        line = np.full(raw.time.size, np.nan)
-        for rows, values in parts:
-            line[rows] = values
-        variables |= labelled("time", **{name: line})
-    result = xarray.Dataset(variables, labelled("time", time=raw.time))
-    misfits = sum(not one.curve.fits for one in slopes)
-    return result.assign_attrs(remarks=json.dumps(_remarks(result, slider, misfits)))
-
-
-def _along_slopes(sigma, slopes):
-    """Variables along ``slope``."""
-    curves = [one.curve for one in slopes]
-    K = sigma * np.array([(curve.k, curve.k_error) for curve in curves]).reshape(-1, 2).T
-    return with_errors("slope", {"slope_K": K}) | labelled(
+    fits = np.array([one.fits for one in slopes], bool)
+    # (the slopes of stick phases give a lower bound of K, for want of others)
+    others = fits & np.array([one.kind != "stick" for one in slopes], bool)
+    used = others if others.any() else fits
+    # (the mean is of ln K, whose errors do not depend on its value)
+    columns = [(one.point[1], one.own_error, one.shared_error) for one in slopes]
+    mean, error, scatter = _mean(*np.array(columns).reshape(-1, 3)[used].T)
+    stiffness = sigma * float(np.exp(mean))
+    K = stiffness, stiffness * error, scatter
+    variables, M, damping = _inertia(K, sigma, slider, ring_downs)
+    for name, (value, error, scatter) in zip(SYMBOLS, (K, M, damping), strict=True):
+        variables |= labelled((), **{name: (value, error), f"{name}_scatter": scatter})
+    errors = sigma * np.array([one.k_error for one in slopes])
+    variables |= labelled(
         "slope",
+        slope_K=(sigma * np.array([one.k for one in slopes]), errors),
         slope_kind=np.array([one.kind for one in slopes], str),
         slope_start=np.array([one.start for one in slopes]),
         slope_straight=sigma * np.array([one.straight for one in slopes]),
-        slope_creep=np.array([curve.r for curve in curves]),
+        slope_creep=np.array([one.r for one in slopes]),
+        slope_used=used,
     )
-
-
-def _used(slopes):
-    """Which slopes are in K: those of stick phases, a lower bound, only for want of others."""
-    fits = np.array([one.curve.fits for one in slopes], bool)
-    others = fits & np.array([one.kind != "stick" for one in slopes], bool)
-    return others if others.any() else fits
-
-
-def _stiffness(sigma, curves):
-    """K, its error and scatter: of the mean of ln K, whose errors do not depend on its value."""
-    columns = [(one.point[1], one.own_error, one.shared_error) for one in curves]
-    mean, error, scatter = _mean(*np.array(columns).reshape(-1, 3).T)
-    K = sigma * float(np.exp(mean))
-    return K, K * error, scatter
+    lines: dict = {"slope_friction": slopes, "ring_down_friction": ring_downs}
+    variables |= labelled("time", friction=raw.friction)
+    for name, found in lines.items():
+        line = np.full(raw.time.size, np.nan)
+        for one in found:
+            line[one.rows] = one.fitted
+        variables |= labelled("time", **{name: line})
+    result = xarray.Dataset(variables, labelled("time", time=raw.time))
+    return result.assign_attrs(remarks=json.dumps(_remarks(result, slider, np.sum(~fits))))
 
 
 def _inertia(K, sigma, slider, ring_downs):
     """Variables along ``ring_down``, and M and damping: mean, error and scatter."""
-    n = len(ring_downs)
-    values, own, shared = np.full((3, n, 2), np.nan)
+    values, own, shared = np.full((3, 2, len(ring_downs)), np.nan)
     for i, one in enumerate(ring_downs):
-        values[i], by = mass_and_damping(K[0], one, sigma, slider)
-        own[i] = np.sqrt(np.einsum("ij,jk,ik->i", by[:, :2], one.covariance, by[:, :2]))
-        shared[i] = by[:, 2] * K[1]
-    point = np.array([one.point for one in ring_downs]).reshape(n, 2)
-    point_errors = np.sqrt([np.diag(one.covariance) for one in ring_downs]).reshape(n, 2)
-    errors = np.hypot(own, shared)
-    columns = np.hstack([point, values]).T, np.hstack([point_errors, errors]).T
-    names = (f"ring_down_{name}" for name in OF_RINGS)
+        values[:, i], by = mass_and_damping(K[0], one, sigma, slider)
+        own[:, i] = np.sqrt(np.einsum("ij,jk,ik->i", by[:, :2], one.covariance, by[:, :2]))
+        shared[:, i] = by[:, 2] * K[1]
+    rates = np.array([one.point for one in ring_downs]).reshape(-1, 2).T
+    errors = np.sqrt([np.diag(one.covariance) for one in ring_downs]).reshape(-1, 2).T
+    pairs = zip([*rates, *values], [*errors, *np.hypot(own, shared)], strict=True)
     variables = labelled(
         "ring_down",
         ring_down_start=np.array([one.start for one in ring_downs]),
         ring_down_V=np.array([one.V for one in ring_downs]),
+        **{f"ring_down_{name}": pair for name, pair in zip(OF_RINGS, pairs, strict=True)},
     )
-    pairs = dict(zip(names, zip(*columns, strict=True), strict=True))
-    means = [_mean(values[:, j], own[:, j], shared[:, j]) for j in range(2)]
-    return variables | with_errors("ring_down", pairs), *means
+    return variables, *map(_mean, values, own, shared)
 
 
 def _mean(values, own, shared):
@@ -111,10 +87,10 @@ def _remarks(result, slider, misfits):
 
     misfits : how many slopes the curve does not describe
     """
+    rings, at_rest = result.sizes["ring_down"], int((result["ring_down_V"] == 0.0).sum())
     texts = [*stiffness_remarks(result)]
     if misfits:
         texts.insert(0, sentences("about.misfit", number=misfits, all=result.sizes["slope"]))
-    rings, at_rest = result.sizes["ring_down"], int((result["ring_down_V"] == 0.0).sum())
     if not rings:
         texts.append(sentences("about.no_ring_down"))
     if at_rest:
@@ -161,9 +137,20 @@ def summary(result):
     """
     result = checked_result(result, "machine_stiffness", "slope_K")
     lines = [estimate(result, symbol) for symbol in SYMBOLS]
-    for name, columns in (("slope", _slopes(result)), ("ring_down", _ring_downs(result))):
-        index = pandas.RangeIndex(1, result.sizes[name] + 1)
-        lines += ["", *lines_of(pandas.DataFrame(columns, index=index))] if index.size else []
+    slopes = {
+        "kind": result["slope_kind"].values.astype(str),
+        "start": [readable("t", value, 6) for value in result["slope_start"].values],
+        "K": _cells(result, "slope_K"),
+        "straight line": [readable("K", value) for value in result["slope_straight"].values],
+        "used": ["yes" if used else "no" for used in result["slope_used"].values],
+    }
+    ring_downs = {
+        "start": [readable("t", value, 6) for value in result["ring_down_start"].values],
+        "V_lp": [readable("V_lp", value, 3) for value in result["ring_down_V"].values],
+        **{name: _cells(result, f"ring_down_{name}") for name in OF_RINGS},
+    }
+    for columns in (slopes, ring_downs):
+        lines += ["", *lines_of(columns)] if len(columns["start"]) else []
     remarks = json.loads(result.attrs["remarks"])
     return "\n".join([*lines, *([""] if remarks else []), *remarks])
 
@@ -176,33 +163,9 @@ def estimate(result, symbol):
     return f"{symbol} = {value_with_unit(value, error, result[symbol].attrs['units'])}"
 
 
-def _slopes(result):
-    """Columns of texts, a row for each slope."""
-    return {
-        "kind": result["slope_kind"].values.astype(str),
-        "start": [readable("t", value, 6) for value in result["slope_start"].values],
-        "K": _cells(result, "slope_K"),
-        "straight line": [readable("K", value) for value in result["slope_straight"].values],
-        "used": ["yes" if used else "no" for used in result["slope_used"].values],
-    }
-
-
-def _ring_downs(result):
-    """Columns of texts, a row for each ring-down."""
-    return {
-        "start": [readable("t", value, 6) for value in result["ring_down_start"].values],
-        "V_lp": [readable("V_lp", value, 3) for value in result["ring_down_V"].values],
-        **{
-            name: _cells(result, f"ring_down_{name}") for name in ("omega", "decay", "M", "damping")
-        },
-    }
-
-
 def _cells(result, name):
-    """Values +- errors with units."""
-    unit = QUANTITIES[name].unit
     pairs = zip(result[name].values, result[f"{name}_error"].values, strict=True)
-    return [value_with_unit(value, error, unit) for value, error in pairs]
+    return [value_with_unit(value, error, QUANTITIES[name].unit) for value, error in pairs]
 
 
 def value_with_unit(value, error, unit, power=None):

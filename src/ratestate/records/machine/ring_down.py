@@ -57,8 +57,8 @@ class RingDown(NamedTuple):
         return bool((self.point > RESOLVED * np.sqrt(np.diag(self.covariance))).all())
 
 
-def ring_down(t, friction, rows, start, V):
-    """The `RingDown` in rows after a start [s], at a load-point speed V; None if there is none."""
+def ring_down(t, friction, rows, V):
+    """The `RingDown` in rows after a step or stress drop, at a speed V; None if there is none."""
     first = _dominant(t, friction, rows)
     if first is None:
         return None
@@ -69,12 +69,12 @@ def ring_down(t, friction, rows, start, V):
         return None
     # what harmonics do not show yet falls with the square of the amplitude: so wait longer
     for decays in LATER:
-        later = _window(t, whole, t[fit.rows[0]] + decays / fit.point[1], *fit.point)
-        again = None if later is None else _fit(t, friction, later, *fit.point)
+        begin = t[fit.rows[0]] + decays / fit.point[1]
+        again = _fit(t, friction, whole, begin, *fit.point)
         if again is not None and again.is_resolved:
-            return again._replace(start=start, V=V)
+            return again._replace(start=float(t[rows[0]]), V=V)
     unknown = np.diag((UNCHECKED * fit.point) ** 2)
-    return fit._replace(covariance=fit.covariance + unknown, start=start, V=V)
+    return fit._replace(covariance=fit.covariance + unknown, start=float(t[rows[0]]), V=V)
 
 
 def _linear_part(t, friction, whole, omega, decay):
@@ -82,10 +82,9 @@ def _linear_part(t, friction, whole, omega, decay):
     begin = t[whole[0]]
     spacing = float(np.median(np.diff(t[whole])))
     for _ in range(TIMES):
-        rows = _window(t, whole, begin, omega, decay)
-        if rows is None:
+        fit = _fit(t, friction, whole, begin, omega, decay)
+        if fit is None:
             return None
-        fit = _fit(t, friction, rows, omega, decay)
         omega, decay = fit.point
         if not 0.0 < decay < OVERDAMPED * omega or omega * spacing * SAMPLES > 2.0 * np.pi:
             return None
@@ -93,14 +92,6 @@ def _linear_part(t, friction, whole, omega, decay):
             return fit if fit.is_resolved else None
         begin += max(LEFT_OUT / decay, np.pi / omega)
     return None
-
-
-def _window(t, whole, begin, omega, decay):
-    """Rows from a time on, as long as the oscillation lasts; None if they are too few."""
-    rows = whole[(t[whole] >= begin) & (t[whole] <= begin + DECAYS / decay)]
-    if rows.size < SHORTEST or (t[rows[-1]] - begin) * omega < PERIODS * 2.0 * np.pi:
-        return None
-    return rows
 
 
 def _dominant(t, friction, rows):
@@ -127,31 +118,34 @@ def _columns(t, omega, decay):
     return np.column_stack([*line, fall * np.cos(omega * t), fall * np.sin(omega * t)])
 
 
-def _fit(t, friction, rows, omega, decay):
-    """`RingDown` in these rows, from this start."""
-    at, y = t[rows] - t[rows[0]], friction[rows]
-    level = float(y.mean())
-    y = y - level
+def _fit(t, friction, whole, begin, omega, decay):
+    """`RingDown` in rows from a time on, as long as it lasts; None if they are too few.
 
-    def residual(p, noise):
+    omega, decay : from where the search starts
+    """
+    rows = whole[(t[whole] >= begin) & (t[whole] <= begin + DECAYS / decay)]
+    if rows.size < SHORTEST or (t[rows[-1]] - begin) * omega < PERIODS * 2.0 * np.pi:
+        return None
+    at, y = t[rows] - t[rows[0]], friction[rows] - friction[rows].mean()
+    noise, scale, point = Noise(float(y.std())), np.array([omega, decay]), np.ones(2)
+
+    def residual(p):
         white = noise.whiten(at, np.column_stack([y, _columns(at, *(p * scale))]))[0]
         return white[:, 0] - white[:, 1:] @ np.linalg.lstsq(white[:, 1:], white[:, 0])[0]
 
-    noise, scale = Noise(float(y.std())), np.array([omega, decay])
-    point = np.ones(2)
     for _ in range(2):
-        point = least_squares(residual, point, args=(noise,), x_scale=[0.1, 0.5]).x
+        point = least_squares(residual, point, x_scale=[0.1, 0.5]).x
         p = point * scale
-        linear = generalized_least_squares(at, y, _columns(at, *p), noise).coefficients
-        fitted = _columns(at, *p) @ linear
+        columns = _columns(at, *p)
+        linear = generalized_least_squares(at, y, columns, noise).coefficients
         slopes = p * (linear @ central_differences(lambda q: _columns(at, *q), p, STEP * p))
-        jacobian = np.column_stack([slopes, _columns(at, *p)])
-        noise = estimated_noise(at, y - fitted, jacobian)
+        jacobian, rest = np.column_stack([slopes, columns]), y - columns @ linear
+        noise = estimated_noise(at, rest, jacobian)
     white, _ = noise.whiten(at, jacobian)
     covariance = np.linalg.pinv(white.T @ white, rcond=1e-15)[:2, :2] * np.outer(p, p)
-    more = _harmonics(at, *p)
-    harmonics = fall_of_chi2(at, y - fitted, np.column_stack([jacobian, more]), 4, noise)
-    return RingDown(p, covariance, rows, fitted + level, harmonics)
+    more = np.column_stack([jacobian, _harmonics(at, *p)])
+    harmonics = fall_of_chi2(at, rest, more, 4, noise)
+    return RingDown(p, covariance, rows, friction[rows] - rest, harmonics)
 
 
 def _harmonics(t, omega, decay):

@@ -35,89 +35,84 @@ LOADING, SIDES, SMOOTH = (0.02, 0.98), (4, 8, 16, 32, 64), 3
 STEP, OF_NEXT = 6.0, 0.02
 
 
-def middles(t, y, peaks, troughs, levels, level_error, noise):
-    """(m, 2) times at which stress falls through the middle of its levels (2, m), their errors;
+def middles(t, y, peaks, troughs, high, low, level_error, noise):
+    """Times (m,) at which stress falls through the middle of two levels (m,), and their errors.
+
     NaN where a level is unknown.
 
     peaks, troughs : (m,) samples
     level_error : (m,) standard error of the middle
     """
-    rows = []
-    for peak, trough, (top, bottom), error in zip(
-        peaks, troughs, levels.T, level_error, strict=True
-    ):
-        level, near = 0.5 * (top + bottom), NEAR * (top - bottom)
-        if not math.isfinite(level):
-            rows.append((math.nan, math.nan))
-            continue
-        above = np.flatnonzero(y[peak : trough + 1] > level + near)
-        first = peak + (int(above[-1]) + 1 if above.size else 0)
-        below = np.flatnonzero(y[first : trough + 1] < level - near)
-        last = first + (int(below[0]) if below.size else trough - first)
+    found = np.full((2, peaks.size), math.nan)
+    for i in np.flatnonzero(np.isfinite(high + low)):
+        level, near = 0.5 * (high[i] + low[i]), NEAR * (high[i] - low[i])
+        fall = y[peaks[i] : troughs[i] + 1]
+        above = np.flatnonzero(fall > level + near)
+        first = int(above[-1]) + 1 if above.size else 0
+        below = np.flatnonzero(fall[first:] < level - near)
+        last = first + int(below[0]) if below.size else fall.size - 1
         crossing = _on_cubic if last - first >= FEWEST else _between_samples
-        rows.append(crossing(t, y, first, last, level, error, noise))
-    return np.array(rows)
+        rows = np.arange(peaks[i] + first, peaks[i] + last + 1)
+        found[:, i] = crossing(t, y, rows, level, level_error[i], noise)
+    return found
 
 
-def _between_samples(t, y, first, last, level, level_error, noise):
-    """Time at which a line between two samples passes the level, and its error."""
-    below = np.append(y[first:last] < level, True)
-    i = min(max(first + int(np.argmax(below)), 2), t.size - 2)
-    step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
-    if not fall > 0.0:
-        return 0.5 * (t[i - 1] + t[i]), step * ANYWHERE
-    part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
-    of_noise = min(math.hypot(noise.sd, level_error) / fall, 1.0)
-    of_line = _error_of_line(t[i - 2 : i + 2], y[i - 2 : i + 2])
-    return t[i - 1] + part * step, step * math.hypot(of_line, of_noise)
-
-
-def _error_of_line(t, y):
-    """Error of a line between the middle two of four samples, in steps; stress bends between them.
+def _between_samples(t, y, rows, level, level_error, noise):
+    """Time at which a line between two samples passes the level, and its error.
 
     A curve with a second difference d is d/8 off the line in the middle of a step.  Where the
     difference at one end of the step is not that at the other, the fall is sharp: it may be
     anywhere in the step where all of it is in there, with differences of -1 and 1 falls.
     """
-    step, fall = t[2] - t[1], y[1] - y[2]
-    second = np.diff(np.diff(y) / np.diff(t)) * 2.0 / (t[2:] - t[:-2]) * step**2
+    below = np.append(y[rows[:-1]] < level, True)
+    i = min(max(int(rows[np.argmax(below)]), 2), t.size - 2)
+    step, fall = t[i] - t[i - 1], y[i - 1] - y[i]
+    if not fall > 0.0:
+        return 0.5 * (t[i - 1] + t[i]), step * ANYWHERE
+    x, around = t[i - 2 : i + 2], y[i - 2 : i + 2]
+    second = np.diff(np.diff(around) / np.diff(x)) * 2.0 / (x[2:] - x[:-2]) * step**2
     bends = np.clip(second / fall, -1.0, 1.0)
-    sharp = 0.5 * float(bends[1] - bends[0])
-    return math.hypot(float(bends.mean()) / 8.0, sharp**2 * ANYWHERE)
+    of_line = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * ANYWHERE)
+    of_noise = min(math.hypot(noise.sd, level_error) / fall, 1.0)
+    part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
+    return t[i - 1] + part * step, step * math.hypot(of_line, of_noise)
 
 
-def _on_cubic(t, y, first, last, level, level_error, noise):
-    """Time at which the cubic through samples first..last-1 passes the level, and its error."""
-    origin, extent = t[first:last].mean(), t[last - 1] - t[first]
-    u = (t[first:last] - origin) / extent
-    q, r = np.linalg.qr(np.vander(u, 4, increasing=True))
-    inverse = np.linalg.inv(r)
-    cubic = np.polynomial.Polynomial(inverse @ (q.T @ (y[first:last] - level)))
-    slope, at = cubic.deriv(), 0.0
+def _on_cubic(t, y, rows, level, level_error, noise):
+    """Time at which the cubic through samples (but the last) passes the level, and its error."""
+    x, values = t[rows[:-1]], y[rows[:-1]] - level
+    origin, extent = x.mean(), x[-1] - x[0]
+    c, covariance = np.polyfit((x - origin) / extent, values, 3, cov="unscaled")
+    curve, at = np.poly1d(c), 0.0
+    slope = curve.deriv()
     for _ in range(NEWTON):
-        if not slope(at) < 0.0:
-            break
-        at = min(max(at - float(cubic(at) / slope(at)), -0.5), 0.5)
-    row = at ** np.arange(4.0) @ inverse
-    error = math.hypot(noise.sd * math.sqrt(noise.inflation * float(row @ row)), level_error)
-    return origin + at * extent, extent * min(error / max(-float(slope(at)), error, 1e-300), 1.0)
+        if slope(at) < 0.0:
+            at = min(max(float(at - curve(at) / slope(at)), -0.5), 0.5)
+    row = at ** np.arange(3.0, -1.0, -1.0)
+    error = math.hypot(
+        noise.sd * math.sqrt(noise.inflation * (row @ covariance @ row)), level_error
+    )
+    steep = max(-float(slope(at)), error, 1e-300)
+    return origin + at * extent, extent * min(error / steep, 1.0)
 
 
 def with_spikes(t, y, middle, found, sign, noise):
-    """Extremes (m, 4) of `_stress_extremes`, or the middle between the last sample and its bound.
+    """Value, error, time, time error (4, m) of extremes, or of the middle of sample and bound.
 
-    They are kept if the bounds exceed them by no more than noise in the mean of all events, or if
-    some are unknown.
+    The extremes are kept if the bounds exceed them by no more than noise in the mean of all events,
+    or if some are unknown.
     """
-    rows = np.array([_bound(t, sign * y, int(i), -sign) for i in np.searchsorted(t, middle)])
-    excess = rows[:, 1] - sign * found[:, 0]
-    error = math.sqrt(np.mean((SPREAD * noise.sd) ** 2 + found[:, 1] ** 2) / excess.size)
+    y = sign * y
+    bounds = [_bound(t, y, int(i), -sign) for i in np.searchsorted(t, middle)]
+    sample, bound, time, time_error = np.array(bounds).T
+    excess = bound - sign * found[0]
+    error = math.sqrt(np.mean((SPREAD * noise.sd) ** 2 + found[1] ** 2) / excess.size)
     if not np.mean(excess) > BY_NOISE * noise.sd + SURE * error:
         return found
-    low = np.maximum(rows[:, 0], sign * found[:, 0])
-    beyond = np.maximum(rows[:, 1] - low, 0.0)
+    low = np.maximum(sample, sign * found[0])
+    beyond = np.maximum(bound - low, 0.0)
     error = np.hypot(np.maximum(beyond, np.sqrt(np.mean(beyond**2))), noise.sd)
-    return np.column_stack([sign * (low + 0.5 * beyond), error, rows[:, 2], rows[:, 3]])
+    return np.array([sign * (low + 0.5 * beyond), error, time, time_error])
 
 
 def _bound(t, y, middle, away):
@@ -149,8 +144,6 @@ def _crossing(t, y, i, away):
 def has_several(y, span, noise):
     """Whether stress in a fall slackens and gains speed again: more than one event.
 
-    One event falls fastest once.
-
     y : (n,) of the record
     span : samples of the last trough, of the fall's peak and trough, and of the next peak
     """
@@ -160,7 +153,7 @@ def has_several(y, span, noise):
             break
         part = y[max(peak - 2 * lag, last) : min(trough + 2 * lag, following) + 1]
         means = uniform_filter1d(part, lag, origin=-(lag // 2))[: part.size - lag + 1]
-        fall = means[:-lag] - means[lag:]  # D
+        fall = means[:-lag] - means[lag:]
         if fall.size <= 2 * lag:
             continue
         before = np.maximum.accumulate(fall)[: -2 * lag]
@@ -183,21 +176,15 @@ def has_step_down(t, y, drop, noise):
     t, y = t[begin:end], y[begin:end]
     if t.size < 2 * SIDES[0]:
         return False
-    x = 2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0
-    y = y - np.polynomial.Polynomial.fit(x, y, SMOOTH)(x)
+    y = y - np.polynomial.Polynomial.fit(t, y, SMOOTH)(t)
     for side in SIDES:
         if 2 * side > t.size:
             break
-        kernel = _step_kernel(side)
+        # the step in the middle of samples on a line, by least squares
+        line = np.arange(2 * side) - side + 0.5
+        kernel = np.linalg.pinv(np.column_stack([line > 0.0, np.ones(2 * side), line]))[0]
         step = np.convolve(y, kernel[::-1], "valid").min()
         error = noise.sd * np.sqrt(noise.inflation * float(kernel @ kernel))
         if -step > max(STEP * error, OF_NEXT * drop):
             return True
     return False
-
-
-def _step_kernel(side):
-    """Weights (2 side,) of the step in the middle of samples on a line, by least squares."""
-    line = np.arange(2 * side) - side + 0.5
-    design = np.column_stack([line > 0.0, np.ones(2 * side), line])
-    return np.linalg.pinv(design)[0]

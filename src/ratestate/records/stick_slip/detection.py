@@ -1,8 +1,8 @@
 """Falls of the shear stress that are stick-slip events: beyond noise, and not noise that wanders.
 
-A turning point of a series is confirmed as soon as the series has moved away from it by more than a
-threshold; what is between a maximum and the next minimum is an event.  The threshold is the largest
-range that noise alone reaches in a series of this length, so that noise makes no event.
+What is between a maximum of a series and the next minimum is an event, if the series moves away
+from each turning point by more than a threshold.  The threshold is the largest range that noise
+alone reaches in a series of this length, so that noise makes no event.
 
 Noise has no direction of time: it falls as slowly as it rises, and at any time.  Stick-slip falls
 faster than the load point loads the spring, or it is regular.
@@ -12,13 +12,13 @@ the record does not have.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
+from scipy.signal import find_peaks
 from scipy.stats import mannwhitneyu
 
-from ..kit.sample_noise import sample_noise
+from ..kit.sample_noise import SampleNoise, noise_of_residuals, sample_noise
 
 #: smallest event of a run, as a multiple of the solver's error per step
 LEAST = 10.0
@@ -30,9 +30,7 @@ OUT = 5.0
 CALM, SMOOTH = (0.2, 0.6), 3
 #: fewest samples there, and most of them from which the noise is found, in all
 FEWEST_CALM, ENOUGH = 12, 20000
-#: standard errors from which a correlation counts; the largest
-KNOWN, MOST_CORRELATED = 3.0, 0.95
-#: noise of the loading over the white one from which events are detected anew
+#: noise of the loading, as a multiple of the white one, from which events are detected anew
 LARGER = 1.2
 #: range of the record over the noise from which samples are used as they are; else means of some
 CLEAR = 40.0
@@ -54,30 +52,18 @@ FEWEST, SHORTER = 4, 0.1
 REGULAR, MANY = (0.1, 0.25), 8
 
 
-class Noise(NamedTuple):
-    """White or first-order correlated noise."""
-
-    sd: float
-    correlation: float = 0.0  # of neighbouring samples
-
-    @property
-    def inflation(self):
-        """Variance of a mean over that with white noise."""
-        return (1.0 + self.correlation) / (1.0 - self.correlation)
-
-
 def detected(series):
     """Return a series without its outliers, its falls, its noise, and the threshold [Pa].
 
-    There are no falls if stress merely wanders.  The `Noise` is that of the loading, if it is
+    There are no falls if stress merely wanders.  The `SampleNoise` is that of the loading, if it is
     larger than white noise.
     """
     if series.V is not None:
-        falls, threshold = rough_falls(series.tau, LEAST * series.resolution)
-        return series, falls, Noise(0.0), threshold
+        falls, threshold = rough_falls(series.tau, SampleNoise(LEAST * series.resolution))
+        return series, falls, SampleNoise(0.0), threshold
     white = max(sample_noise(series.tau), series.resolution)
     series = series._replace(tau=without_outliers(series.tau, white))
-    noise = Noise(white)
+    noise = SampleNoise(white)
     falls, threshold = _falls_beyond(series, noise)
     for _ in range(2):
         noise = loading_noise(series.t, series.tau, loading_phases(series, falls), white)
@@ -88,8 +74,7 @@ def detected(series):
 
 
 def _falls_beyond(series, noise):
-    """Falls (m, 2) in noise, each with its rebound, and the threshold [Pa]."""
-    falls, threshold = rough_falls(series.tau, noise.sd, noise.inflation)
+    falls, threshold = rough_falls(series.tau, noise)
     return without_rebounds(series.tau, series.delta_lp, falls), threshold
 
 
@@ -122,47 +107,32 @@ def without_outliers(y, noise):
     return y
 
 
-def loading_noise(t, y, rises, white):
-    """`Noise` about smooth curves through the rises [(first, last sample)], or the white one."""
+def loading_noise(t, y, phases, white):
+    """`SampleNoise` about curves through phases [(first, last sample)], or the white one."""
     residuals: list[np.ndarray] = []
-    for first, last in rises:
-        begin, end = (round(first + part * (last - first)) for part in CALM)
-        if end - begin < FEWEST_CALM:
-            continue
-        x = (t[begin:end] - t[begin]) / (t[end - 1] - t[begin]) * 2.0 - 1.0
-        curve = np.polynomial.Polynomial.fit(x, y[begin:end], SMOOTH)
-        residuals.append(y[begin:end] - curve(x))
-        if sum(map(len, residuals)) > ENOUGH:
-            break
-    power = sum(float(rest @ rest) for rest in residuals)
-    if not power > 0.0:
-        return Noise(white)
-    samples, taken = sum(map(len, residuals)), (SMOOTH + 1) * len(residuals)
-    pairs = samples - len(residuals)
-    products = sum(float(rest[1:] @ rest[:-1]) for rest in residuals)
-    # (a fit takes some correlation out: by its degree over the samples, to first order)
-    correlation = products / power + taken / pairs
-    known = correlation > KNOWN / math.sqrt(pairs)
-    correlation = min(correlation, MOST_CORRELATED) if known else 0.0
-    return Noise(math.sqrt(power / (samples - taken)), correlation)
+    for first, last in phases:
+        rows = slice(*(round(first + part * (last - first)) for part in CALM))
+        if rows.stop - rows.start >= FEWEST_CALM and sum(map(len, residuals)) <= ENOUGH:
+            curve = np.polynomial.Polynomial.fit(t[rows], y[rows], SMOOTH)
+            residuals.append(y[rows] - curve(t[rows]))
+    if not any(map(np.any, residuals)):
+        return SampleNoise(white)
+    return noise_of_residuals(residuals, SMOOTH + 1)
 
 
-def rough_falls(y, noise, inflation=1.0):
-    """Falls (m, 2) of a series (n,) with noise of this standard deviation, and the threshold.
+def rough_falls(y, noise):
+    """Falls (m, 2) of a series (n,) with this `SampleNoise`, and the threshold.
 
     One that the record's start or end cuts is among them.  Falls that are smaller than the
     threshold are not found.
-
-    inflation : variance of a mean of samples over that with white noise
     """
     spread = float(np.subtract(*np.percentile(y, (99.0, 1.0))))
     width = 1
-    if noise > 0.0 and spread > 0.0:
-        width = min(math.ceil((CLEAR * noise / spread) ** 2), max(int(LONGEST * y.size), 1))
+    if noise.sd > 0.0 and spread > 0.0:
+        width = min(math.ceil((CLEAR * noise.sd / spread) ** 2), max(int(LONGEST * y.size), 1))
     smooth = uniform_filter1d(y, width, mode="nearest") if width > 1 else y
-    independent = max(y.size / width, 2.0)
-    expected = 2.0 * math.sqrt(2.0 * math.log(independent))
-    threshold = (expected + MARGIN) * noise * math.sqrt(min(inflation / width, 1.0))
+    expected = 2.0 * math.sqrt(2.0 * math.log(max(y.size / width, 2.0)))
+    threshold = (expected + MARGIN) * noise.sd * math.sqrt(min(noise.inflation / width, 1.0))
     turns = turning_points(smooth, threshold)
     samples = [i for i, _ in turns]
     if turns and turns[0][1] < 0:
@@ -178,17 +148,15 @@ def turning_points(y, threshold):
     In turn maxima and minima, each more than the threshold from the next; the ends of the series
     are none.
     """
+    found = []
+    for sign in (1, -1):
+        _, shape = find_peaks(sign * y, prominence=threshold, plateau_size=1)
+        first = shape["left_edges"][shape["prominences"] > threshold]
+        found += [(i, sign) for i in first.tolist()]
     turns: list[tuple[int, int]] = []
-    high = low = 0
-    rising = 0  # unknown until the series has moved
-    for i, value in enumerate(y.tolist()):
-        high, low = (i if value > y[high] else high), (i if value < y[low] else low)
-        if rising >= 0 and y[high] - value > threshold:
-            turns += [(high, 1)] if rising else []
-            rising, low = -1, i
-        elif rising <= 0 and value - y[low] > threshold:
-            turns += [(low, -1)] if rising else []
-            rising, high = 1, i
+    for i, sign in sorted(found):
+        if not turns or turns[-1][1] != sign:  # (of extremes as high as each other the first)
+            turns.append((i, sign))
     return turns
 
 

@@ -11,26 +11,35 @@ not yet fall as h^4.
 
 import itertools
 import math
-from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import uniform_filter1d
 
-from .between_samples import NEAR, middles, with_spikes
+from .between_samples import ANYWHERE, NEAR, middles, with_spikes
+from .detection import is_whole
 from .extremes import Window, chosen_window, extremes
+from .lines import speed_groups
 
-#: extents of windows on the side of the loading, over the time of loading; shortest [samples]
-LOADING = np.geomspace(0.02, 0.85, 9)
-SHORTEST = 6.0
-#: ends of windows on the side of the fall, over the time from its middle to the extreme; and in
-#: samples from the middle
-FALL, CLOSE = (0.1, 0.25, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0), (0.5, 1.0, 1.5, 2.0, 3.0)
-#: least ends of windows on the side of the fall, in samples, or over the time of loading if that is
-#: less: noise can hide a sample that is still in the fall
+#: what is measured of a fall; each has an error
+NAMES = ("tau_max", "event_start", "tau_min", "event_end", "event_time", "fall_rate")
+COLUMNS = 2 * len(NAMES) + 2
+#: scatter of rough drops, as a part of their median, beyond which events have windows of their own
+ALIKE = 0.1
+#: the same in standard deviations of the noise, which changes rough drops
+BY_NOISE = 3.0
+#: shortest loading beside an event, as a part of the median, of events that share windows
+CLOSE = 0.5
+#: extents of windows on the side of the loading, as parts of the time of loading; least [samples]
+LOADING, SHORTEST = np.geomspace(0.02, 0.85, 9), 6.0
+#: ends of windows on the side of the fall, as parts of the time from its middle to the extreme; and
+#: in samples from the middle
+FALL, NEAREST = (0.1, 0.25, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0), (0.5, 1.0, 1.5, 2.0, 3.0)
+#: least ends of windows on the side of the fall, in samples, or as a part of the time of loading if
+#: that is less: noise can hide a sample that is still in the fall
 LEAST, OF_LOADING = 1.0, 0.05
-#: half extents of windows for the slip rate, over the time of the fall
-STEEP = np.geomspace(0.05, 0.8, 8)
+#: half extents of windows for the slip rate, as parts of the time of the fall
+STEEP = np.geomspace(0.2, 3.2, 8)
 #: samples in the middle half of a fall below which its mean slope there is taken, a lower bound
 SPARSE = 8
 #: fewest samples of a fall through which a line is drawn
@@ -39,113 +48,140 @@ LINE = 3
 CLEAR = 4.0
 #: times that windows are placed about what the last ones gave
 ROUNDS = 2
-#: error of tau in a run over the drop, from which a fall has too few samples; and samples
+#: error of tau in a run, as a part of the drop, from which a fall has too few samples; and samples
 COARSE, SPARSE_RUN = 5e-4, 5
 #: relative error of a run's steepest fall from which they are too few
 ROUGH = 0.1
-#: farthest that an extreme of a run may be from a sample, over the drop
+#: farthest that an extreme of a run may be from a sample, as a part of the drop
 FAR = 0.01
 
 
-class Found(NamedTuple):
-    """What a record says of m falls; NaN where it says nothing."""
+def measured_falls(series, falls, gaps, noise):
+    """Each of `NAMES` -> values (m,) and errors (m,) of falls; "samples", "sparse" -> (m,).
 
-    peak: np.ndarray  # (m, 4) tau at the peak [Pa], its error, the time [s], its error
-    trough: np.ndarray  # (m, 4) the same at the trough
-    middle: np.ndarray  # (m, 2) time of the middle of the fall, its error [s]
-    slope: np.ndarray  # (m, 2) steepest fall of tau [Pa/s], its error
-    samples: np.ndarray  # (m,) in the fall, between peak and trough
-    sparse: np.ndarray  # (m,) whether they are too few for the slip rate
+    NaN for a fall that the record cuts, but for the time it has, and if samples are missing in it.
+    ``samples`` is their number in the fall, ``sparse`` whether they are too few for the slip rate.
 
-    @classmethod
-    def nothing(cls, m):
-        """Nothing found of m falls."""
-        peak, trough, middle, slope = (np.full((m, n), math.nan) for n in (4, 4, 2, 2))
-        return cls(peak, trough, middle, slope, np.zeros(m, int), np.zeros(m, bool))
-
-
-def found_in_record(series, falls, spans, noise):
-    """`Found` for whole falls (m, 2) at one load-point velocity.
-
-    spans : (m, 2) samples at which the loading before them begins, and that after them ends
+    gaps : (m,) whether samples are missing
     """
+    # the columns are values and errors of `NAMES` in turn, samples and sparse
+    whole, table = is_whole(falls), np.full((len(falls), COLUMNS), math.nan)
+    table[:, -2:] = 0.0
+    for name, samples in zip(("event_start", "event_end"), falls.T, strict=True):
+        cut = ~whole & (samples >= 0)
+        table[cut, 2 * NAMES.index(name)] = series.t[samples[cut]]
+    spans, rows = spans_of(series, falls), np.flatnonzero(whole & ~gaps)
+    if series.V is not None:
+        rate = series.K * (series.V_lp - series.V)
+        for row in rows:
+            table[row] = _in_run(series, rate, *falls[row])
+    else:
+        for group in _groups(series, spans, rows, noise):
+            table[group] = _in_record(series, spans[group], noise)
+    found: dict = {name: tuple(table[:, 2 * i : 2 * i + 2].T) for i, name in enumerate(NAMES)}
+    return found | {"samples": table[:, -2].astype(int), "sparse": table[:, -1] > 0.0}
+
+
+def spans_of(series, falls):
+    """(m, 4) samples of the last trough, of a fall's peak and trough, and of the next peak."""
+    last = np.maximum(np.append(0, falls[:, 1])[:-1], 0)
+    following = np.append(falls[:, 0], series.t.size - 1)[1:]
+    return np.column_stack([last, falls, following])
+
+
+def _groups(series, spans, whole, noise):
+    """Rows of events that are alike: at one V_lp, with much the same drop; else each by itself.
+
+    spans : (m, 4) of `spans_of`; whole : rows of whole events
+    """
+    if not whole.size:
+        return []
+    t, (peaks, troughs) = series.t, spans[whole, 1:3].T
+    drop = series.tau[peaks] - series.tau[troughs]
+    # (loading that the record cuts does not count)
+    beside = np.diff(t[spans[whole]], axis=1)[:, ::2]
+    is_end = (whole == 0) | (whole == len(spans) - 1)
+    loading = np.where(is_end, beside.max(axis=1), beside.min(axis=1))
+    speed = speed_groups(series.at(0.5 * (t[peaks] + t[troughs]), series.V_lp))
+    groups = []
+    for number in range(speed.max() + 1):
+        at = np.flatnonzero(speed == number)
+        off = np.abs(drop[at] - np.median(drop[at]))
+        near = off <= math.hypot(ALIKE * np.median(drop[at]), BY_NOISE * noise.sd)
+        near &= loading[at] > CLOSE * np.median(loading[at])
+        groups += [whole[at[near]]] if near.any() else []
+        groups += [whole[[i]] for i in at[~near]]
+    return groups
+
+
+def _in_record(series, spans, noise):
+    """(m, COLUMNS) rows of the table of falls, for a group of them."""
     t, y = series.t, series.tau
-    peaks, troughs = falls.T
-    spacing = float(np.median(np.diff(t)))
-    means, width = _means(y, peaks, troughs, noise)
-    rough_levels = np.stack([means[peaks], means[troughs]])
-    middle = middles(t, means, peaks, troughs, rough_levels, np.zeros(peaks.size), noise)
-    found = []
-    for sign, samples, edge in zip((1, -1), falls.T, spans.T, strict=True):
-        loading = float(np.median(sign * (t[samples] - t[edge])))
-        one = _stress_extremes(t, y, middle[:, 0], t[samples], sign, loading, spacing, noise)
-        found.append(with_spikes(t, y, middle[:, 0], one, sign, noise))
-    at = [np.searchsorted(t, one[:, 2]) for one in found]
-    if width > 1:  # (a sample far from the fall may pass its middle by noise)
-        peaks, troughs = np.maximum(peaks, at[0] - width), np.minimum(troughs, at[1] + width)
-    (high, high_error, *_), (low, low_error, *_) = (one.T for one in found)
-    level_error = 0.5 * np.hypot(high_error, low_error)
-    middle = middles(t, y, peaks, troughs, np.stack([high, low]), level_error, noise)
-    middle[:, 1] = np.hypot(middle[:, 1], series.t_resolution)
-    slope, few = _slopes(t, y, middle[:, 0], peaks, troughs, noise)
-    for one in found:
-        one[:, 1] = np.hypot(one[:, 1], series.resolution)
-        one[:, 3] = np.hypot(one[:, 3], series.t_resolution)
-    samples = np.maximum(at[1] - at[0], 0)
-    return Found(found[0], found[1], middle, slope, samples, few)
-
-
-def _means(y, peaks, troughs, noise):
-    """Running means of a series (n,) in which noise does not hide the middles of falls; width."""
+    begins, peaks, troughs, ends = spans.T
     drop = float(np.median(y[peaks] - y[troughs]))
+    # in means of so many samples noise does not hide the middles of falls
     width = math.ceil((CLEAR * noise.sd / (NEAR * drop)) ** 2 * noise.inflation)
     width = min(width, max(int(np.min(troughs - peaks)) // 2, 1))
-    return (uniform_filter1d(y, width) if width > 1 else y), width
+    means = uniform_filter1d(y, width) if width > 1 else y
+    nothing = np.zeros(peaks.size)
+    middle, _ = middles(t, means, peaks, troughs, means[peaks], means[troughs], nothing, noise)
+    sides = []
+    for sign, samples, edge in ((1, peaks, begins), (-1, troughs, ends)):
+        loading = float(np.median(sign * (t[samples] - t[edge])))
+        one = _stress_extremes(t, y, middle, t[samples], sign, loading, noise)
+        value, error, time, time_error = with_spikes(t, y, middle, one, sign, noise)
+        error = np.hypot(error, series.resolution)
+        sides.append((value, error, time, np.hypot(time_error, series.t_resolution)))
+    (high, high_error, start, _), (low, low_error, end, _) = sides
+    first, last = np.searchsorted(t, start), np.searchsorted(t, end)
+    if width > 1:  # (a sample far from the fall may pass its middle by noise)
+        peaks, troughs = np.maximum(peaks, first - width), np.minimum(troughs, last + width)
+    level_error = 0.5 * np.hypot(high_error, low_error)
+    middle, error = middles(t, y, peaks, troughs, high, low, level_error, noise)
+    slope, slope_error, few = _slopes(t, y, middle, peaks, troughs, noise)
+    error, samples = np.hypot(error, series.t_resolution), np.maximum(last - first, 0)
+    return np.column_stack([*sides[0], *sides[1], middle, error, slope, slope_error, samples, few])
 
 
-def _stress_extremes(t, y, middle, at, sign, loading, spacing, noise):
-    """(m, 4) value, error, time, time error of peaks (sign 1) or troughs (-1).
+def _stress_extremes(t, y, middle, at, sign, loading, noise):
+    """Value, error, time, time error (m,) of peaks (sign 1) or troughs (-1).
 
     at : (m,) rough times of these
     """
     for _ in range(ROUNDS):
         offset = float(np.median(at - middle))
-        windows = list(_windows(offset, loading, spacing, sign))
+        windows = list(_windows(offset, loading, float(np.median(np.diff(t))), sign))
         window = chosen_window(t, y, middle, windows, 0, sign, noise)
         if window is None:
-            return np.full((middle.size, 4), math.nan)
+            return np.full((4, middle.size), math.nan)
         found = extremes(t, y, middle, window, 0, sign, noise)
         at = np.where(np.isfinite(found.time), found.time, middle + offset)
     # (a peak is always before the middle of its fall; noise may place it after)
     time = sign * np.minimum(sign * found.time, sign * middle)
-    return np.column_stack([found.value, found.biased_error, time, found.time_error])
+    return np.array([found.value, found.biased_error, time, found.time_error])
 
 
 def _windows(offset, loading, spacing, sign):
     """`Window`s that have an extreme this long after the middle of the fall (peaks: < 0)."""
-    reach, shortest = abs(offset), SHORTEST * spacing
-    least = min(LEAST * spacing, OF_LOADING * loading)
+    reach, least = abs(offset), min(LEAST * spacing, OF_LOADING * loading)
     nears = [part * reach for part in FALL]
-    nears += [j * spacing for j in CLOSE if j * spacing <= reach + spacing]
+    nears += [j * spacing for j in NEAREST if j * spacing <= reach + spacing]
     nears = sorted({max(near, least) for near in nears})
     for extent, near in itertools.product(LOADING * loading, nears):
-        far = max(reach + extent, near + shortest)
+        far = max(reach + extent, near + SHORTEST * spacing)
         if far < reach + loading:  # (beyond is the next fall)
             yield Window(-far, -near, 1) if sign > 0 else Window(near, far, -1)
 
 
 def _slopes(t, y, middle, peaks, troughs, noise):
-    """(m, 2) steepest fall [Pa/s] and its error; (m,) whether samples are too few for it."""
+    """Steepest fall (m,) [Pa/s], its error, and whether samples are too few for it."""
     spacing = np.median(np.diff(t))
     fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
     halves = [_middle_half(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)]
     times, means, widths = np.array(halves).T
-    time, width = float(np.median(times - middle)), float(np.median(widths))
-    few = widths < SPARSE * spacing
-    bounds = np.column_stack([means, np.full(means.size, math.nan)])
-    window = None
+    time, few, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
     for _ in range(ROUNDS if not few.all() else 0):
-        extents = np.unique(np.clip(STEEP * width * 4.0, 3.5 * spacing, fall))
+        extents = np.unique(np.clip(STEEP * float(np.median(widths)), 3.5 * spacing, fall))
         windows = [Window(time - a, time + b, 0) for a, b in itertools.product(extents, extents)]
         window = chosen_window(t, y, middle, windows, 1, -1, noise)
         if window is None:
@@ -153,10 +189,9 @@ def _slopes(t, y, middle, peaks, troughs, noise):
         found = extremes(t, y, middle, window, 1, -1, noise)
         time = float(np.nanmedian(found.time - middle))
     if window is None:
-        return bounds, np.ones(middle.size, bool)
-    values = np.column_stack([-found.value, found.biased_error])
-    result = np.where(few[:, None], bounds, values)
-    return result, few | ~np.isfinite(result[:, 0])
+        return means, np.full(means.size, math.nan), np.ones(means.size, bool)
+    slope = np.where(few, means, -found.value)
+    return slope, np.where(few, math.nan, found.biased_error), few | ~np.isfinite(slope)
 
 
 def _middle_half(t, y, peak, trough):
@@ -174,81 +209,59 @@ def _middle_half(t, y, peak, trough):
     return float(t[rows].mean()), -float(x @ y[rows]) / float(x @ x), width
 
 
-def found_in_run(series, falls):
-    """`Found` for the whole falls (m, 2) of a run."""
-    rate = series.K * (series.V_lp - series.V)
-    found = np.array([_in_run(series, rate, *fall) for fall in falls])
-    peaks, troughs, middle, slope = np.split(found, [4, 8, 10], axis=1)
-    drop, samples = peaks[:, 0] - troughs[:, 0], falls[:, 1] - falls[:, 0]
-    few = (samples < SPARSE_RUN) | (slope[:, 1] > ROUGH * np.abs(slope[:, 0]))
-    few |= np.hypot(peaks[:, 1], troughs[:, 1]) > COARSE * drop
-    return Found(peaks, troughs, middle, slope, samples, few)
-
-
 def _in_run(series, rate, peak, trough):
-    """(12,) the columns of `Found` up to the slope, of one fall."""
-    t, tau = series.t, series.tau
-    most = FAR * (tau[peak] - tau[trough])
-    high, low = (_extreme(t, tau, rate, i, sign, most) for i, sign in ((peak, 1), (trough, -1)))
-    for one in (high, low):
-        one[1] = math.hypot(one[1], series.resolution)
-    middle = _middle(t, tau, rate, peak, trough, 0.5 * (high[0] + low[0]))
-    return [*high, *low, *middle, *_steepest(series, peak, trough)]
+    """(COLUMNS,) row of the table of falls, for one of a run.
 
-
-def _extreme(t, tau, rate, i, sign, most):
-    """Value, error, time and time error of the extreme next to sample i.
-
-    most : farthest that an extreme may be from the sample; beyond, a cubic misses a bend, and the
-        extreme is half a sample on at the slower of the slopes
+    rate : (n,) dtau/dt [Pa/s]
     """
-    value, time = _on_cubics(t, tau, rate, [i - 1, i, i + 1], sign)
-    if abs(value - tau[i]) > most:
-        around = slice(max(i - 1, 0), i + 2)
-        half = 0.5 * float(np.diff(t[around]).max())
-        beyond = np.abs(rate[around]).min() * half
-        return [tau[i] + sign * beyond, beyond, t[i], half]
-    other, at = _on_cubics(t, tau, rate, [i - 2, i, i + 2], sign)
-    return [value, abs(value - other), time, abs(time - at)]
-
-
-def _on_cubics(t, tau, rate, samples, sign):
-    """Value and time of the extreme of the cubics through these samples."""
-    rows = np.unique(np.clip(samples, 0, t.size - 1))
-    level, origin = tau[rows[0]], t[rows[0]]
-    x, y = t[rows] - origin, tau[rows] - level
-    curve = CubicHermiteSpline(x, y, rate[rows], extrapolate=False)
-    at = curve.derivative().roots(extrapolate=False)
-    at = np.concatenate([x, at[np.isfinite(at)]])
-    values = curve(at)
-    best = int(np.argmax(sign * values))
-    return float(values[best] + level), float(at[best] + origin)
-
-
-def _middle(t, tau, rate, peak, trough, level):
-    """Time at which tau falls through a level, and its error."""
+    t, tau, K, drop = series.t, series.tau, series.K, series.tau[peak] - series.tau[trough]
+    high, low = (_extreme(series, rate, i, sign, drop) for i, sign in ((peak, 1), (trough, -1)))
+    level = 0.5 * (high[0] + low[0])
     after = peak + int(np.argmax(tau[peak : trough + 1] < level))
     rows = np.array([after - 1, after])
+    middle = straight = float(np.interp(-level, -tau[rows], t[rows]))
+    error = ANYWHERE * (t[after] - t[after - 1])
     curve = CubicHermiteSpline(t[rows] - t[after - 1], tau[rows] - level, rate[rows])
-    at = curve.roots(extrapolate=False)
-    straight = float(np.interp(-level, -tau[rows], t[rows]))
-    if not np.isfinite(at).any():
-        return straight, (t[after] - t[after - 1]) / math.sqrt(12.0)
-    time = float(at[np.isfinite(at)][0] + t[after - 1])
-    return time, abs(time - straight)
-
-
-def _steepest(series, peak, trough):
-    """Largest K (V - V_lp) in a fall, between samples too, and its error.
-
-    By the parabola through ln V at the three largest samples (of V if one is not above 0).
-    """
-    t, V, K = series.t, series.V, series.K
-    i = peak + int(np.argmax(V[peak : trough + 1]))
+    crossings = curve.roots(extrapolate=False)
+    if np.isfinite(crossings).any():
+        middle = float(crossings[np.isfinite(crossings)][0] + t[after - 1])
+        error = abs(middle - straight)
+    # the largest slip rate is on the parabola through ln V at the three largest samples
+    i = peak + int(np.argmax(series.V[peak : trough + 1]))
     rows = np.arange(max(i - 1, 0), min(i + 2, t.size))
-    V_max = V[i]
-    if rows.size == 3 and (V[rows] > 0.0).all():
-        c = np.polynomial.polynomial.polyfit(t[rows] - t[i], np.log(V[rows]), 2)
+    V, V_max = series.V[rows], series.V[i]
+    if rows.size == 3 and (V > 0.0).all():
+        c = np.polynomial.polynomial.polyfit(t[rows] - t[i], np.log(V), 2)
         if c[2] < 0.0:
             V_max = max(V_max, math.exp(c[0] - 0.25 * c[1] ** 2 / c[2]))
-    return K * (V_max - series.V_lp[i]), K * abs(V_max - V[i]) / 4.0
+    slope, slope_error = K * (V_max - series.V_lp[i]), K * abs(V_max - series.V[i]) / 4.0
+    few = trough - peak < SPARSE_RUN or slope_error > ROUGH * abs(slope)
+    few |= math.hypot(high[1], low[1]) > COARSE * (high[0] - low[0])
+    return [*high, *low, middle, error, slope, slope_error, trough - peak, few]
+
+
+def _extreme(series, rate, i, sign, drop):
+    """Value, error, time and time error of the extreme next to sample i of a run.
+
+    Far from the sample a cubic misses a bend, and the extreme is half a sample on at the slower of
+    the slopes.
+    """
+    t, tau = series.t, series.tau
+    found = []
+    for step in (1, 2):
+        rows = np.unique(np.clip([i - step, i, i + step], 0, t.size - 1))
+        curve = CubicHermiteSpline(
+            t[rows] - t[i], tau[rows] - tau[i], rate[rows], extrapolate=False
+        )
+        turns = curve.derivative().roots(extrapolate=False)
+        at = np.concatenate([curve.x, turns[np.isfinite(turns)]])
+        best = int(np.argmax(sign * curve(at)))
+        found.append(np.array([curve(at[best]), at[best]]))
+    (value, time), (other, other_time) = found
+    error, time_error = abs(value - other), abs(time - other_time)
+    if abs(value) > FAR * drop:
+        around = slice(max(i - 1, 0), i + 2)
+        time, time_error = 0.0, 0.5 * float(np.diff(t[around]).max())
+        error = np.abs(rate[around]).min() * time_error
+        value = sign * error
+    return tau[i] + value, math.hypot(error, series.resolution), t[i] + time, time_error

@@ -19,6 +19,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import pandas
 
 from ..kit.regression import weighted_mean
 from ..messages import stick_slip as sentences
@@ -76,9 +77,13 @@ def loading_stiffness(series, rises, falls, noise):
     falling = float(falling / (rising + falling))
     if falling > SMOOTH:
         return Stiffness(math.nan, math.nan, "smooth", falling=falling)
-    K, error, count = _mean(np.array(slopes), np.array(errors))
-    creep = max(float(np.median(lost)), 0.0)
-    return Stiffness(K, math.hypot(error, creep), "loading", count)
+    errors = np.maximum(errors, TINY**0.5)
+    off = np.abs(slopes - np.median(slopes))
+    near = off <= FAR * np.hypot(1.4826 * np.median(off), errors)
+    mean, phases = weighted_mean(np.array(slopes)[near], errors[near]), int(near.sum())
+    scatter = max(mean.chi2 / max(phases - 1, 1), 1.0)
+    error = math.hypot(mean.error * math.sqrt(scatter), max(float(np.median(lost)), 0.0))
+    return Stiffness(mean.value, error, "loading", phases)
 
 
 def _slope(t, y, first, last, part, noise):
@@ -87,16 +92,6 @@ def _slope(t, y, first, last, part, noise):
     x = t[begin:end] - t[begin:end].mean()
     squares = float(x @ x)
     return float(x @ y[begin:end]) / squares, noise.sd * math.sqrt(noise.inflation / squares)
-
-
-def _mean(slopes, errors):
-    """Weighted mean of slopes that are not far off, its error with their scatter, their number."""
-    errors = np.maximum(errors, TINY**0.5)
-    off = np.abs(slopes - np.median(slopes))
-    near = off <= FAR * np.hypot(1.4826 * np.median(off), errors)
-    mean, degrees = weighted_mean(slopes[near], errors[near]), np.count_nonzero(near) - 1
-    scatter = max(mean.chi2 / max(degrees, 1), 1.0)
-    return mean.value, mean.error * math.sqrt(scatter), degrees + 1
 
 
 class Trend(NamedTuple):
@@ -121,20 +116,23 @@ def trend(x, drop, V_lp, what):
         return Trend(message=sentences("trend.few", events=x.size, fewest=FEWEST))
     factor = float(x.max() / x.min())
     if factor < NARROWEST:
-        values = {"what": what, "factor": factor, "least": NARROWEST}
-        return Trend(message=sentences("trend.narrow", **values))
+        texts = {"what": what, "factor": factor, "least": NARROWEST}
+        return Trend(message=sentences("trend.narrow", **texts))
     groups = speed_groups(V_lp)
-    design = np.column_stack([np.ones(x.size), np.log10(x)])
-    line, _ = _fitted(design, drop)
+    columns = np.column_stack([np.ones(x.size), np.log10(x), drop])
+    rest = drop - columns[:, :2] @ np.linalg.lstsq(columns[:, :2], drop)[0]
     speeds = int(groups.max()) + 1
-    shared = _shared_variance(drop - design @ line, groups) if speeds > 2 else 0.0
+    shared = _shared_variance(rest, groups) if speeds > 2 else 0.0
     # (events less a part of their mean at each speed have independent errors of one size)
     part = 1.0 - (1.0 + shared * np.bincount(groups)) ** -0.5
-    columns = np.column_stack([design, drop])
-    columns = columns - part[groups, None] * _means(columns, groups)
-    (A, B), (A_error, B_error) = _fitted(columns[:, :2], columns[:, 2])
+    means = pandas.DataFrame(columns).groupby(groups).transform("mean").values
+    design, values = np.split(columns - part[groups, None] * means, [2], axis=1)
+    inverse = np.linalg.inv(design.T @ design)
+    line = inverse @ design.T @ values[:, 0]
+    rest = values[:, 0] - design @ line
+    A_error, B_error = np.sqrt(rest @ rest / max(x.size - 2, 1) * np.diag(inverse))
     message = sentences("trend.two") if speeds == 2 else ""
-    return Trend(float(A), float(A_error), float(B), float(B_error), x.size, message)
+    return Trend(float(line[0]), float(A_error), float(line[1]), float(B_error), x.size, message)
 
 
 def speed_groups(V):
@@ -146,28 +144,16 @@ def speed_groups(V):
     return number
 
 
-def _fitted(design, values):
-    """Coefficients by least squares, and their standard errors from the residuals."""
-    inverse = np.linalg.inv(design.T @ design)
-    coefficients = inverse @ (design.T @ values)
-    rest = values - design @ coefficients
-    variance = float(rest @ rest) / max(values.size - 2, 1)
-    return coefficients, np.sqrt(variance * np.diag(inverse))
-
-
-def _means(columns, groups):
-    """(m, k) means of columns over the events of each one's group."""
-    member = groups[:, None] == np.arange(groups.max() + 1)
-    return ((member.T @ columns) / member.sum(axis=0)[:, None])[groups]
-
-
 def _shared_variance(rest, groups):
     """Variance, over that among events at one speed, of what all at one speed share.
 
     By moments: the mean square of the residuals' means, less what the scatter explains; 0 at least.
     If there is one event at each speed, their scatter is that of all.
     """
-    counts, means = np.bincount(groups), _means(rest[:, None], groups)[:, 0]
+    counts, means = (
+        np.bincount(groups),
+        pandas.Series(rest).groupby(groups).transform("mean").values,
+    )
     total, inner, degrees = float(rest @ rest), rest - means, rest.size - counts.size
     if degrees < 1:
         own = total / max(rest.size - 2, 1)
