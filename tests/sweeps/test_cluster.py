@@ -259,7 +259,7 @@ def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path,
     where[tuple(zip(*BAD, strict=True))] = True
     assert np.array_equal(found.status == CRASHED, where)
     for i, j in BAD:
-        assert "its process died, signal 9" in found.message.item(i, j)
+        assert "its process died, SIGKILL" in found.message.item(i, j)
         assert np.isnan(found.period[i, j])
     good = xarray.DataArray(~where, dims=found.status.dims)
     xarray.testing.assert_identical(found.load().where(good), alone.where(good))
@@ -321,7 +321,7 @@ def test_the_case_that_kills_is_found_by_halving(monkeypatch):
     monkeypatch.setattr(subprocesses, "GRACE", 0.0)
 
     class Process:
-        died = "signal 9"
+        died = "SIGKILL"
 
         def solve(self, part):
             tried.append((part.batch.n, bad(part)))

@@ -1,14 +1,9 @@
 """Chunks that may kill their process: solved in another, and divided to find the case that does."""
 
 import contextlib
-import os
-import pickle
-import signal
-import subprocess
-import sys
 import time
-from typing import Any
 
+from ..child_process import Child, ChildDied
 from ..engine import backend
 from ..errors import RateStateError, SolverError
 from ..model.arrays import cut
@@ -59,65 +54,33 @@ class _Process:
 
     def __init__(self, device, specs):
         self.setup, self.died = (device, specs), ""
-        self.process: Any = None
+        self.context = contextlib.ExitStack()
+        self.child: Child | None = None
 
     def solve(self, part):
         """Variables of a part; None if it killed the process.  Raises what `solve.solve` does."""
-        if self.process is None:
-            self._start()
+        if self.child is None:
+            self.child = self.context.enter_context(Child(_solve))
         try:
-            _send(part, self.process.stdin)
-            answer = pickle.load(self.process.stdout)
-        except (EOFError, BrokenPipeError, pickle.UnpicklingError):
-            code = self.close()
-            self.died = f"signal {-code}" if code < 0 else f"exit code {code}"
-            return None
-        if isinstance(answer, RateStateError):
-            raise answer
-        return answer
-
-    def _start(self):
-        path = os.pathsep.join(filter(None, sys.path))  # it can import what this process can
-        self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", f"from {__name__} import _serve; _serve()"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=os.environ | {"PYTHONPATH": path},
-        )
-        try:
-            _send(self.setup, self.process.stdin)
-            pickle.load(self.process.stdout)  # it is ready
-        except (EOFError, BrokenPipeError) as error:
-            raise SolverError(sentence("cluster.subprocess", code=self.close())) from error
+            return self.child.call((*self.setup, part))
+        except RateStateError:  # not due to a single case
+            raise
+        except ChildDied:
+            self.died = self.child.ending()
+            if not self.child.ready:
+                raise SolverError(sentence("cluster.subprocess", ending=self.died)) from None
+            self.close()
+        except Exception as error:
+            self.died = f"{type(error).__name__}: {error}"
+        return None
 
     def close(self):
-        """End the process and return its exit code."""
-        process, self.process = self.process, None
-        if process is None:
-            return 0
-        with contextlib.suppress(BrokenPipeError):
-            process.stdin.close()  # which ends it
-        process.stdout.close()
-        return process.wait()
+        """End the process."""
+        self.context.close()
+        self.child = None
 
 
-def _send(thing, stream):
-    pickle.dump(thing, stream)
-    stream.flush()
-
-
-def _serve():
-    """Main loop of the child process: solve parts from stdin until there are no more."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # the worker gets these too, and ends this
-        signal.signal(number, signal.SIG_IGN)
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever else is printed must not mix with the answers
-    device, specs = pickle.load(sys.stdin.buffer)
-    _send("ready", answers)
-    with backend.use(threads=1, device=device), contextlib.suppress(EOFError):
-        while True:
-            part = pickle.load(sys.stdin.buffer)
-            try:
-                _send(solve(part, specs), answers)
-            except RateStateError as error:  # not due to a single case
-                _send(error, answers)
+def _solve(task):
+    device, specs, part = task
+    with backend.use(threads=1, device=device):
+        return solve(part, specs)
