@@ -19,8 +19,7 @@ import ratestate as rs
 from ratestate import files
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.columns import choose_columns
-from ratestate.records.reading.table import Column, Table
+from ratestate.records.reading.columns import Column, Table, choose_columns
 
 COLUMNS = T, X, MU, SIGMA
 
@@ -131,7 +130,7 @@ def test_any_layout(tmp_path, header, order, delimiter, end, bad, comments):
 def test_the_surer_of_two_names_is_taken():
     row = np.arange(3.0)
     columns = "Time Displacement LP_disp Friction Normal_stress Effective_normal_stress".split()
-    table = Table([Column(title, title, "", row) for title in columns], "line")
+    table = Table([Column(title, title, "", row) for title in columns])
     chosen = choose_columns(table, {})
     assert chosen == {"time": 0, "delta_lp": 2, "friction": 3, "sigma": 5}
 

@@ -11,8 +11,8 @@ from lab_files import MU, SIGMA, N, T, X, check, write
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import describe, read_lab
-from ratestate.records.reading.sizes import in_si, unit_of
-from ratestate.records.reading.table import Column
+from ratestate.records.reading.columns import Column, unit_of
+from ratestate.records.reading.sizes import in_si
 from ratestate.records.reading.titles import CERTAIN, LIKE, match_rank, name_and_units, split
 
 BASE = {

@@ -1,14 +1,31 @@
-"""Assigns quantities to the columns of a file, by the names of these."""
+"""Columns of a file, and which quantity each is, by its name."""
 
 import contextlib
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
 
 from ...errors import ParameterError
 from ...model.names import nearest
+from ...model.quantities import QUANTITIES
+from ...model.units import OF_WHOLE_CONTACT, to_si, unit_factor
 from ..messages import reading as sentences
-from .sizes import unit_of
-from .table import name_list, quoted
-from .titles import CERTAIN, PATTERNS, TABLE, WORDS, letters, match_rank, spaced
+from .titles import (
+    CERTAIN,
+    LIKE,
+    PATTERNS,
+    TABLE,
+    WEIGHTS,
+    WORDS,
+    letters,
+    match_rank,
+    plain,
+    spaced,
+)
 
+#: characters of a text, and names of a list, in a message
+LONGEST, MOST = 60, 20
 #: what a record needs -> columns one of which gives it; a message suggests the first
 NEEDS = {
     "time": ["time"],
@@ -18,6 +35,58 @@ NEEDS = {
 }
 #: symbol -> what replaces it
 INSTEAD = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
+
+
+class Column(NamedTuple):
+    """A column as it stands in a file."""
+
+    title: str  # its whole name in the file; "column 3" in a file without header
+    name: str  # the title without unit and group; "" if there is none
+    unit: str  # the unit beside it in the file, as written; "" if there is none
+    values: np.ndarray  # of float, NaN if a cell is not a number
+    other_unit: str = ""  # one elsewhere in the header that contradicts it
+
+
+class Table(NamedTuple):
+    """The contents of a file before they are interpreted: columns, maybe of different lengths."""
+
+    columns: list[Column]
+    lines: np.ndarray | None = None  # number of the line of each row of a text, from 1 on
+    unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
+    text_of: Callable[[int, int], str] | None = None  # of a cell, by the numbers of line and column
+    name: str = ""  # of the file
+
+    @property
+    def titles(self):
+        """list of the columns' titles, which may repeat."""
+        return [column.title for column in self.columns]
+
+    def unread_text(self):
+        """The end of a sentence on what the file has beside columns of numbers; "" for nothing."""
+        return f" (no real numbers, so not read: {name_list(self.unread)})" if self.unread else ""
+
+    def row_label(self, row):
+        """How a person finds a row (counted from 0 on) in the file: "line 17"."""
+        return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
+
+    def cell(self, row, column):
+        """A cell that is not a number as a message shows it, in quotes; "nothing" if empty."""
+        place = next((i for i, one in enumerate(self.columns) if one.values is column.values), None)
+        if self.text_of is None or self.lines is None or place is None:
+            return quoted(str(column.values[row]))
+        text = self.text_of(int(self.lines[row]), place)
+        return quoted(text) if text else "nothing"
+
+
+def quoted(text):
+    """A text out of a file, as a message shows it: in quotes, on one line, `LONGEST` at most."""
+    return repr(text if len(text) <= LONGEST else text[: LONGEST - 3] + "...")
+
+
+def name_list(names):
+    """Names, quoted, as a message lists them: the first `MOST`, and how many more there are."""
+    more = [f"{len(names) - MOST} more"] if len(names) > MOST else []
+    return ", ".join([*map(quoted, names[:MOST]), *more])
 
 
 def check_requests(columns, units):
@@ -169,3 +238,45 @@ def _reference(table, index):
     """A column as a call names it: by its title, or by number if the title is not unique."""
     title = table.titles[index]
     return quoted(title) if table.titles.count(title) == 1 else str(index + 1)
+
+
+def unit_of(column, symbol, units):
+    """The unit of a column as `to_si` reads it: that in `units`, else that beside it in the file.
+
+    Friction without any has "1".  ParameterError: there is none, or it is no unit of the symbol.
+    """
+    unit = plain(units.get(symbol, column.unit))
+    if not unit and symbol == "friction" and symbol not in units:
+        return "1"
+    names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE[symbol]}
+    if not unit:
+        raise sentences.refusal("units.none", **names)
+    if column.other_unit and symbol not in units and not _is_same(unit, column.other_unit, symbol):
+        raise sentences.refusal(
+            "units.contradiction", unit=unit, other=plain(column.other_unit), **names
+        )
+    try:
+        to_si(symbol, f"1 {unit}", bound="")
+    except ParameterError as error:
+        what = str(error).rpartition("; expected")[0] or str(error)
+        what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
+        where = f"units: {symbol} =" if symbol in units else "the unit"
+        other = "" if OF_WHOLE_CONTACT in what else ", or name another column in columns"
+        names |= {"unit": unit, "what": what}
+        raise sentences.refusal("units.kind", where=where, other=other, **names) from None
+    return unit
+
+
+def _is_same(unit, other, symbol):
+    si = QUANTITIES[symbol].unit
+    with contextlib.suppress(ValueError):
+        return unit_factor(si, unit) == unit_factor(si, plain(other))
+    return False
+
+
+def newtons(column, symbol, units):
+    """How many newtons the unit of a column is, None if it is not a unit of force."""
+    with contextlib.suppress(ValueError):
+        unit = plain(units.get(symbol, column.unit))
+        return float(unit_factor("N", WEIGHTS.get(unit, unit)))
+    return None

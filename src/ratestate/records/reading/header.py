@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import ParameterError
 from ..messages import reading as sentences
 from .cells import COMMENTS, cells_of, is_comment, number_in
-from .table import quoted
+from .columns import quoted
 from .titles import WORDS, is_known, is_unit, letters, name_and_units, plain, spaced
 
 #: a line of xlook below names and units: how many records each column has

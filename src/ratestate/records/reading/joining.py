@@ -4,12 +4,9 @@ import itertools
 
 import numpy as np
 
-from ...model.quantities import QUANTITIES
-from ...model.units import scaled, unit_factor
 from ..messages import reading as sentences
 from .columns import NEEDS
 from .rows import Rows
-from .table import Table
 
 #: how the times of files may follow each other
 JOINS = ("auto", "absolute", "restart")
@@ -26,10 +23,9 @@ def check_join(join):
 
 
 def join_parts(parts, join, constants=()):
-    """The `Rows` of all files, in the units of the first, and notes (list of str).
+    """The `Rows` of all files, and notes (list of str).
 
     parts : list of the `Rows` of each file, with nothing left out
-
     join : "absolute", times go on from file to file; "restart", they begin anew in each; "auto",
     the latter if each file begins at 0, else the former
     constants : symbols that are given, and need no column
@@ -40,40 +36,31 @@ def join_parts(parts, join, constants=()):
     if len(parts) == 1:
         return first, []
     symbols, notes = _common_symbols(parts, constants)
-    pieces = {s: [_in_unit(part, s, first.units[s]) for part in parts] for s in symbols}
+    pieces = {s: [part.record[s] for part in parts] for s in symbols}
     if join == "restart" or (join == "auto" and all(map(_begins_at_zero, pieces["time"]))):
-        notes += _follow_on(parts, pieces, first.units)
+        notes += _follow_on(parts, pieces)
     else:
-        _check_order(parts, pieces["time"], first.units["time"])
-    columns = {s: first.columns[s]._replace(values=np.concatenate(pieces[s])) for s in symbols}
+        _check_order(parts, pieces["time"])
     starts = np.cumsum([0, *(t.size for t in pieces["time"])]).tolist()
-    files = tuple(
-        (start, part.table._replace(columns=[part.columns[s] for s in symbols]))
-        for start, part in zip(starts, parts, strict=False)
-    )
-    table = Table([*columns.values()], first.table.row_name, files=files)
-    return Rows(table, columns, {s: first.units[s] for s in symbols}), notes
+    files = [(start, *part.files[0][1:]) for start, part in zip(starts, parts, strict=False)]
+    rows = Rows(files, {s: np.concatenate(piece) for s, piece in pieces.items()})
+    rows.units = first.units
+    return rows, notes
 
 
 def _common_symbols(parts, constants):
     """Symbols that all files have, and notes on others; ParameterError if these are needed."""
-    known = dict.fromkeys(symbol for part in parts for symbol in part.columns)
-    symbols = [s for s in known if all(s in part.columns for part in parts)]
+    known = dict.fromkeys(symbol for part in parts for symbol in part.record)
+    symbols = [s for s in known if all(s in part.record for part in parts)]
     notes = []
     for symbol in [s for s in known if s not in symbols]:
-        name = next(part.table.name for part in parts if symbol in part.columns)
-        lacking = next(part.table.name for part in parts if symbol not in part.columns)
+        name = next(part.name for part in parts if symbol in part.record)
+        lacking = next(part.name for part in parts if symbol not in part.record)
         values = {"symbol": symbol, "name": name, "lacking": lacking}
         if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
             raise sentences.refusal("join.columns", **values)
         notes.append(sentences("notes.not_in_all", **values))
     return symbols, notes
-
-
-def _in_unit(part, symbol, unit):
-    """Values of a file's column in the unit of the first file's."""
-    values, own, si = part.columns[symbol].values, part.units[symbol], QUANTITIES[symbol].unit
-    return values if own == unit else scaled(values, unit_factor(si, own) / unit_factor(si, unit))
 
 
 def _ends(values):
@@ -92,34 +79,33 @@ def _begins_at_zero(t):
     return 0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t)
 
 
-def _check_order(parts, times, unit):
+def _check_order(parts, times):
     for (before, t), (after, u) in itertools.pairwise(zip(parts, times, strict=True)):
         end, begin = _ends(t)[1], _ends(u)[0]
         if begin < end:
             last, first = np.flatnonzero(np.isfinite(t))[-1], np.flatnonzero(np.isfinite(u))[0]
-            values = {
-                "before": before.table.name,
-                "after": after.table.name,
-                "end": end,
-                "begin": begin,
-            }
-            values |= {"last_row": before.table.row_label(last), "unit": unit}
-            values |= {"first_row": after.table.row_label(first)}
-            raise sentences.refusal("join.overlap", **values)
+            raise sentences.refusal(
+                "join.overlap",
+                before=before.name,
+                after=after.name,
+                end=end,
+                begin=begin,
+                last_row=before.row_label(last),
+                first_row=after.row_label(first),
+            )
 
 
-def _follow_on(parts, pieces, units):
+def _follow_on(parts, pieces):
     """Let times of files go on from one to the next, and displacements set to 0 again; notes."""
     notes = []
-    for i, (before, after) in enumerate(itertools.pairwise(part.table.name for part in parts)):
+    for i, (before, after) in enumerate(itertools.pairwise(part.name for part in parts)):
         t, u = pieces["time"][i : i + 2]
         added = _ends(t)[1] + _usual_step(u) - _ends(u)[0]
         pieces["time"][i + 1] = u + added
-        values = {"before": before, "after": after}
-        notes.append(sentences("notes.restart", added=added, unit=units["time"], **values))
+        notes.append(sentences("notes.restart", added=added, before=before, after=after))
         if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i : i + 2])):
             pieces["delta_lp"][i + 1] = pieces["delta_lp"][i + 1] + added
-            notes.append(sentences("notes.zeroed", added=added, unit=units["delta_lp"], **values))
+            notes.append(sentences("notes.zeroed", added=added, before=before, after=after))
     return notes
 
 

@@ -9,18 +9,18 @@ from ...model.quantities import attrs, readable
 from ..load_point.segments import segments_from_displacement, segments_from_velocity
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
-from .columns import choose_columns, column_by_name, title_warnings
+from .columns import (
+    Column,
+    choose_columns,
+    column_by_name,
+    newtons,
+    quoted,
+    title_warnings,
+    unit_of,
+)
 from .joining import check_join, join_parts
 from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
-from .sizes import (
-    check_numbers,
-    check_sizes,
-    constant_in_si,
-    newtons,
-    unit_of,
-    unusual,
-)
-from .table import Column, quoted
+from .sizes import check_sizes, constant_in_si, in_si, unusual
 from .values import (
     coarse_resolution,
     disagreements,
@@ -42,11 +42,11 @@ def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="aut
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
     windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    parts = [_chosen(table, lab, constants) for table in tables]
-    kept, of_files = join_parts([part for part, _ in parts], join, constants)
-    of_files = [note for _, notes in parts for note in notes] + of_files
-    sources = {s: {"title": c.title, "unit": kept.units[s]} for s, c in kept.columns.items()}
-    turned, of_signs = _prepare(kept, windows, lab, constants)
+    parts = [_rows_of(table, lab, constants) for table in tables]
+    kept, of_joining = join_parts([part for part, _ in parts], join, constants)
+    of_files = [note for _, notes in parts for note in notes] + of_joining
+    sources = {s: {"title": kept.columns[s].title, "unit": kept.units[s]} for s in kept.record}
+    turned, minor = _prepare(kept, windows, lab, constants)
     downsample(kept, most)
     record = kept.record
     segments = _segments(record, kept.gaps)
@@ -54,21 +54,22 @@ def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="aut
     is_fine = "sigma" in record and not coarse
     stress = stress_steps(record["time"], record["sigma"]) if is_fine else []
     if segments.V.size == 1 and not stress:
-        of_signs.append(sentences("notes.no_step"))
+        minor.append(sentences("notes.no_step"))
     messages = kept.warnings + of_files + unusual(record, segments.V)
     messages += disagreements(kept, coarse)
     data = _dataset(record, segments)
-    sources = {
-        s: source | ({"sign": -1} if s in turned else {})
-        for s, source in sources.items()
-        if s in record or s == "pore_pressure"
-    }
     data.attrs = {
         "title": "ratestate read_lab",
         "found": coarse or segments.history(record["time"], record.get("delta_lp"), stress),
         "source": ", ".join(table.name for table in tables),
-        "columns": json.dumps(sources),
-        "notes": json.dumps(messages + of_signs + segments.notes),
+        "columns": json.dumps(
+            {
+                s: source | ({"sign": -1} if s in turned else {})
+                for s, source in sources.items()
+                if s in record or s == "pore_pressure"
+            }
+        ),
+        "notes": json.dumps(messages + minor + segments.notes),
     }
     if lab.machine:
         data.attrs["machine"] = json.dumps(lab.machine)
@@ -82,8 +83,8 @@ def _prepare(kept, windows, lab, constants):
     drop_codes(kept)
     kept.order()
     kept.check_enough()
-    for symbol, column in kept.columns.items():
-        check_sizes(symbol, kept.record[symbol], column, kept.units[symbol])
+    for symbol, values in kept.record.items():
+        check_sizes(symbol, values, kept.columns[symbol], kept.units[symbol])
     drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
     turned, notes = flip_signs(kept.record, lab.signs)
     for symbol, value in constants.items():
@@ -96,8 +97,8 @@ def _prepare(kept, windows, lab, constants):
     return turned, notes
 
 
-def _chosen(table, lab, constants):
-    """All `Rows` of the chosen columns of a table, and notes.
+def _rows_of(table, lab, constants):
+    """All `Rows` of the chosen columns of a table, in SI, and notes.
 
     constants : symbol -> constant [SI] in place of a column
     """
@@ -110,17 +111,30 @@ def _chosen(table, lab, constants):
             {s: x for s, x in one.items() if s not in ("tau", "sigma")} for one in (chosen, units)
         )
         chosen["friction"] = ratio
-    unit, of_units = _units(table, chosen, lab.columns, units)
-    notes += of_units
-    chosen = {symbol: chosen[symbol] for symbol in unit}
-    if len({column.values.size for column in chosen.values()}) > 1:
-        sizes = ", ".join(f"{quoted(c.title)} has {c.values.size}" for c in chosen.values())
+    if unused := units.keys() - chosen.keys():
+        symbols = ", ".join(sorted(unused))
+        raise sentences.refusal("units.unused", symbols=symbols, chosen=", ".join(chosen))
+    rows = Rows([(0, table, chosen)], {symbol: c.values for symbol, c in chosen.items()})
+    rows.check_numbers()
+    for symbol, column in chosen.items():
+        stress = symbol in ("tau", "sigma")
+        optional = stress and "friction" in chosen and symbol not in lab.columns
+        try:
+            rows.units[symbol] = unit_of(column, symbol, units)
+        except ParameterError as error:
+            if not optional:
+                raise
+            notes.append(f"{symbol} is left out: {error}")
+            del rows.record[symbol]
+    if len({values.size for values in rows.record.values()}) > 1:
+        sizes = ", ".join(f"{quoted(chosen[s].title)} has {x.size}" for s, x in rows.record.items())
         raise sentences.refusal("column.lengths", sizes=sizes)
+    rows.record = {s: in_si(s, values, rows.units[s]) for s, values in rows.record.items()}
     for symbol, value in constants.items():
         if (index := column_by_name(table, symbol, ())) is not None:
             values = {"sigma": readable(symbol, value), "title": quoted(table.titles[index])}
             notes.append(sentences("notes.constant_sigma", **values))
-    return Rows(table, chosen, unit), notes
+    return rows, notes
 
 
 def _ratio_of_forces(chosen, units):
@@ -135,27 +149,6 @@ def _ratio_of_forces(chosen, units):
         values = shear.values * in_newtons[0] / (normal.values * in_newtons[1])
     title = f"{shear.title} / {normal.title}"
     return Column(title, title, "1", values)
-
-
-def _units(table, chosen, requested, units):
-    """Units of columns, and notes on optional columns left out for want of one."""
-    if unused := units.keys() - chosen.keys():
-        raise sentences.refusal(
-            "units.unused", symbols=", ".join(sorted(unused)), chosen=", ".join(chosen)
-        )
-    for symbol, column in chosen.items():
-        check_numbers(table, symbol, column)
-    unit, notes = {}, []
-    for symbol, column in chosen.items():
-        stress = symbol in ("tau", "sigma")
-        optional = stress and "friction" in chosen and symbol not in requested
-        try:
-            unit[symbol] = unit_of(column, symbol, units)
-        except ParameterError as error:
-            if not optional:
-                raise
-            notes.append(f"{symbol} is left out: {error}")
-    return unit, notes
 
 
 def _segments(record, gaps):

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..messages import reading as sentences
-from .table import Column, Table, quoted
+from .columns import Column, Table, quoted
 from .titles import name_and_units
 
 #: attributes in which units, and names of columns of an array, are kept
@@ -148,7 +148,7 @@ def _unpacked(values, attrs):
 
 
 def _table(path, columns, texts=()):
-    table = Table(columns, "row", unread=tuple(texts), name=path.name)
+    table = Table(columns, unread=tuple(texts), name=path.name)
     if not columns:
         raise sentences.refusal("file.no_columns", name=path.name, unread=table.unread_text())
     return table

@@ -25,8 +25,8 @@ from .cells import (
     rows_in,
     trimmed,
 )
+from .columns import Column, Table, quoted
 from .header import check_headers, end_of_labview, header_of
-from .table import Column, Table, quoted
 from .titles import TABLE, match_rank
 
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
@@ -85,7 +85,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
             # a column of seconds beside it is finer, or as fine
             name = CLOCK_TIME if match_rank(name, "time") is not None else name
         title = header.names[j] or f"column {j + 1}"
-        columns.append(Column(title, name, unit, column, other, j))
+        columns.append(Column(title, name, unit, column, other))
 
     def text_of(number, place):
         with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
@@ -93,7 +93,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         cells = trimmed(cells_of(line, delimiter), width)
         return f"{len(cells)} cells" if len(cells) > width else "".join(cells[place : place + 1])
 
-    return Table(columns, "line", numbers, text_of=text_of, name=path.name)
+    return Table(columns, numbers, text_of=text_of, name=path.name)
 
 
 def _examined(path):
