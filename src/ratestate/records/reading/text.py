@@ -37,8 +37,6 @@ MOST_ABOVE = 2_000  # lines above the numbers
 BLOCK = 1 << 20  # characters read at once
 BYTES = 1 << 24  # read at once to find the encoding
 HEAD = 1 << 16  # bytes in which words are looked for
-NEEDED = 3  # columns of a record: time, displacement and friction
-FEWEST = 10  # whole rows beside short ones
 CLOCK_TIME = "clock time"  # a name of times that ranks below names of seconds
 #: minus signs and blanks that numbers are printed with -> what they mean
 _PRINTED = [
@@ -58,7 +56,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     """
     if (size := path.stat().st_size) > LARGEST:
         raise sentences.refusal("text.large", name=path.name, size=size / 1e9, most=LARGEST / 1e9)
-    encoding, most = _examined(path)
+    encoding = _encoding(path)
     with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
         blocks = _blocks(file, path.name)
         head = _head(blocks)
@@ -74,7 +72,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         decimal = _decimal(path, whole) if decimal is None else decimal
         layout = Layout(delimiter, decimal, width, _clocks(whole, header))
         blocks = itertools.chain([head[start:]], blocks)
-        values, numbers = _numbers(blocks, layout, start, most, header, path.name)
+        values, numbers = _numbers(blocks, layout, start, header, path.name)
     if header.times:
         values[0] = header.times[0] + header.times[1] * np.arange(numbers.size)
     columns = []
@@ -96,8 +94,8 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     return Table(columns, numbers, text_of=text_of, name=path.name)
 
 
-def _examined(path):
-    """(encoding, most lines) of a text file; ParameterError if it is binary.
+def _encoding(path):
+    """Encoding of a text file; ParameterError if it is binary.
 
     UTF-16 by its first bytes, and UTF-8 if it is; else, if words of titles appear in it, an
     encoding of Japanese or Chinese; else the encoding of Windows in western Europe.
@@ -105,23 +103,18 @@ def _examined(path):
     with path.open("rb") as file:
         head = file.read(HEAD)
     utf_16 = head.startswith((b"\xff\xfe", b"\xfe\xff"))
-    ends = 0
-    for block in _bytes(path):
-        if b"\0" in block and not utf_16:
-            raise sentences.refusal("text.binary", name=path.name)
-        ends += block.count(b"\n") + block.count(b"\r")
+    if not utf_16 and any(b"\0" in block for block in _bytes(path)):
+        raise sentences.refusal("text.binary", name=path.name)
     eastern = [
         encoding
         for encoding, words in TABLE["encodings"].items()
         if any(word in head.decode(encoding, "ignore") for word in words)
     ]
     for encoding in ["utf-16"] if utf_16 else ["utf-8-sig", *eastern, "cp1252", "latin-1"]:
-        decoder = codecs.getincrementaldecoder(encoding)()
         with contextlib.suppress(UnicodeDecodeError):
-            for block in _bytes(path):
-                decoder.decode(block)
-            decoder.decode(b"", final=True)
-            return encoding, ends + 1
+            for _ in codecs.iterdecode(_bytes(path), encoding):
+                pass
+            return encoding
     raise sentences.refusal("text.encoding", name=path.name)
 
 
@@ -173,27 +166,23 @@ def _head(blocks):
     return head
 
 
-def _numbers(blocks, layout, start, most, header, name):
-    """(columns, rows) numbers in blocks of lines, and the lines of rows, as an editor counts.
+def _numbers(blocks, layout, start, header, name):
+    """Numbers (rows,) of each column (list) in blocks of lines, and the line of each row, from 1.
 
     start : lines above the first block
-    most : lines there can be
     header, name : the `Header`, and of which file
 
     ParameterError: another header among the rows.
     """
-    values = np.empty((layout.width, most))  # takes memory only where it is filled
-    numbers = np.empty(most, np.int32)
-    count = 0
+    values, numbers = [], []
     for lines in blocks:
         found, places = rows_in(lines, layout)
-        check_headers(lines, found, places, layout, start, header, name)
-        here = slice(count, count + places.size)
-        values[:, here] = found.T
-        numbers[here] = places + (start + 1)
+        check_headers(lines, places[np.isfinite(found).any(axis=1)], layout, start, header, name)
+        values.append(found)
+        numbers.append(places + (start + 1))
         start += len(lines)
-        count += places.size
-    return values[:, :count], numbers[:count]
+    columns = [np.concatenate([part[:, j] for part in values]) for j in range(layout.width)]
+    return columns, np.concatenate(numbers)
 
 
 def _is_data(cells, dense=True):
@@ -219,34 +208,17 @@ def _is_number(cell):
 
 def _first_row(path, lines, full, delimiters):
     """Index of the first line of numbers, and the delimiter of its cells."""
-    for start, after in zip(full[:MOST_ABOVE], [*full[1:], None], strict=False):
+    for start, after in itertools.pairwise(full[: MOST_ABOVE + 1]):
         for delimiter in delimiters:
-            cells = cells_of(lines[start], delimiter)
-            below = [] if after is None else cells_of(lines[after], delimiter)
-            sparse = _is_data(cells, dense=False) and _is_data(below, dense=False)
+            both = [cells_of(lines[i], delimiter) for i in (start, after)]
+            sparse = all(_is_data(cells, dense=False) for cells in both)
             # a date above the table is numbers as well
-            if (_is_data(cells) or sparse) and (after is None or len(below) == len(cells)):
-                if after is None:
-                    _check_short_rows(path, lines, full, delimiters)
+            if (_is_data(both[0]) or sparse) and len(both[0]) == len(both[1]):
                 return start, delimiter
-    _check_short_rows(path, lines, full, delimiters)
     begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
     raise sentences.refusal(
         "text.no_numbers" if full else "text.empty", name=path.name, begins=begins
     )
-
-
-def _check_short_rows(path, lines, full, delimiters):
-    """Refuse rows of numbers of which so many are short that no two whole ones are together."""
-    for delimiter in delimiters:
-        rows = {i: cells_of(lines[i], delimiter) for i in full}
-        rows = {i: cells for i, cells in rows.items() if _is_data(cells)}
-        width = max(map(len, rows.values()), default=0)
-        short = [i for i, cells in rows.items() if len(cells) < width]
-        if short and width >= NEEDED and len(rows) - len(short) >= FEWEST:
-            first = {"line": f"line {short[0] + 1}", "cells": quoted(lines[short[0]].strip())}
-            counts = {"short": len(short), "rows": len(rows), "width": width}
-            raise sentences.refusal("text.short_rows", name=path.name, **first, **counts)
 
 
 def _decimal(path, rows):
