@@ -24,7 +24,7 @@ import ratestate as rs
 from ratestate import ParameterError, child_process, files
 from ratestate.errors import StoreError
 from ratestate.files.stored import raw_netcdf
-from ratestate.records.reading.stored import read_hdf5
+from ratestate.records.reading.open_table import read_hdf5
 from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import open_result, zarr_3_warnings_ignored
 

@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 
-from ..kit.sample_noise import sample_noise
+from ..kit.sample_noise import resolution, sample_noise
 from ..messages import load_point as sentences
 from .runs import JUMP, Run, jump_between, jump_size, noise_variances, refine_breakpoints
 from .splits import SHORTEST, RowSums, cut, drop_weak_cuts
@@ -24,8 +24,6 @@ RAMP = 0.05
 ROUNDED = 1e-9
 #: scatter about the lines, over that from row to row, from which on it is no noise
 WANDER = 10.0
-#: most decimal places that a file has; distance from one, over its size, that is none
-PLACES, ON_GRID = 9, 1e-3
 #: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
 SHORT, SUCCESS = 16, 5.0
 
@@ -37,19 +35,19 @@ def find_runs(t, x):
 
     ParameterError where there are no constant speeds.  V < 0 is not refused here.
     """
-    runs = _steps_and_jumps(RowSums(t, x), x)
+    runs = _steps_and_jumps(RowSums(t, x))
     scatter, steps = _scatter_of(runs)
     # steps in quick succession may be taken for a load point that wanders
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
-        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT), x)
+        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT))
         if SUCCESS * _scatter_of(closer)[0] < scatter:
             runs = closer
     runs, holds = _mark_holds(runs)
     runs, ramps = _without_ramps(runs)
-    return runs, holds + ramps + _oddities(t, x, runs)
+    return runs, holds + ramps + _oddities(runs)
 
 
-def _steps_and_jumps(rows, x):
+def _steps_and_jumps(rows):
     """Runs between steps; where a displacement jumps, lines of one run."""
 
     @functools.cache
@@ -69,7 +67,7 @@ def _steps_and_jumps(rows, x):
         least = least_change(one, other)
         deflection = dV * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise[j] ** 0.5)
         size = min(dV / least if least else 0.0, deflection)
-        jumps = size < 1.0 and jump_size(rows.t, x, j, 0.5 * (one.V + other.V)) != 0.0
+        jumps = size < 1.0 and jump_size(rows, j, 0.5 * (one.V + other.V)) != 0.0
         return np.inf if jumps else size
 
     @functools.cache
@@ -78,8 +76,8 @@ def _steps_and_jumps(rows, x):
         if k - j >= 2 * SHORTEST:
             return False
         one, other = run_of(i, j), run_of(k, m)
-        t, least = rows.t[j:k], JUMP * rows.noise[j:k] ** 0.5
-        off = np.minimum(abs(x[j:k] - one.at(t, -1)), abs(x[j:k] - other.at(t, 0))) > least
+        t, x, least = rows.t[j:k], rows.x[j:k], JUMP * rows.noise[j:k] ** 0.5
+        off = np.minimum(abs(x - one.at(t, -1)), abs(x - other.at(t, 0))) > least
         return bool(off.sum() <= 1 and abs(one.V - other.V) < least_change(one, other))
 
     def changes(at):
@@ -152,31 +150,18 @@ def _scatter_of(runs):
     return float(left.std()), sample_noise(left)
 
 
-def _digit(x):
-    """The decimal place to which half of the values (n,) are rounded, as a size; 0 for none."""
-    x = np.abs(x[1:][np.diff(x) != 0.0])  # of a load point at rest one value says all
-    if not x.any():
-        return 0.0
-    largest = 10.0 ** np.floor(np.log10(x.max()))
-    for place in range(1, PLACES):
-        digit = largest / 10.0**place
-        if np.median(np.abs(x / digit - np.round(x / digit))) < ON_GRID:
-            return float(digit)
-    return 0.0
-
-
-def _oddities(t, x, runs):
+def _oddities(runs):
     """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
-    notes = []
+    notes, t, x = [], runs[0].samples.t, runs[0].samples.x
     for run in runs:
         for first, _ in run.rows[1:]:
-            if gap := jump_size(t, x, first, run.V):
+            if gap := jump_size(run.samples, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(sentences("notes.jump", gap=gap, t=t[first], lost=lost))
     for one, other in itertools.pairwise(runs):
         if gap := jump_between(one, other):
             notes.append(sentences("notes.jump_at_step", gap=gap, t=t[other.first]))
     scatter, steps = _scatter_of(runs)
-    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x), _digit(x)):
+    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)) and scatter > resolution(x):
         notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))
     return notes

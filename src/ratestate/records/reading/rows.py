@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 
 from ...model.units import is_integer, to_si
-from ..load_point.runs import GAP
+from ..load_point.splits import gaps_in
 from ..messages import reading as sentences
 from .cells import LIKE_CLOCK
 from .columns import Column, quoted
@@ -23,7 +23,6 @@ FEWEST = 10  # rows
 LISTED = 5  # rows of each kind in a message
 #: a step of time this short, over the usual one, counts as 0: it gives no speed
 SAME = 1e-9
-NEIGHBOURS = 10  # rows that define what is usual
 
 
 class Rows:
@@ -173,19 +172,11 @@ class Rows:
 
     def find_gaps(self):
         """Warn of steps of time that are much longer than those before and after."""
-        dt = np.diff(self.record["time"])
-        if dt.size < 3:
-            return
-        beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
-        gaps: list[int] = []
-        for i in np.flatnonzero(dt > GAP * beside):
-            sides = [dt[max(0, i - NEIGHBOURS) : i], dt[i + 1 : i + 1 + NEIGHBOURS]]
-            # the sampling rate may change: then the step is usual on one side
-            if dt[i] > GAP * max(float(np.median(side)) for side in sides if side.size):
-                gaps.append(int(i) + 1)
+        t = self.record["time"]
+        gaps = gaps_in(t)
         self.gaps = np.array(gaps, int)
         if gaps:
-            rows = self.listed(gaps, lambda i: f"{dt[i - 1]:.3g} s")
+            rows = self.listed(gaps, lambda i: f"{t[i] - t[i - 1]:.3g} s")
             count = "a gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
             self.warnings.append(f"{count} in time before {rows}")
 

@@ -59,7 +59,9 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     encoding = _encoding(path)
     with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
         blocks = _blocks(file, path.name)
-        head = _head(blocks)
+        head: list[str] = []  # in which the layout is found
+        while len(head) < MOST_ABOVE + LOOK and (lines := next(blocks, None)):
+            head += lines
         above = end_of_labview(head)
         full = [i for i, line in enumerate(head) if is_full(line) and i >= above]
         start, delimiter = _first_row(path, head, full, delimiters)
@@ -154,18 +156,6 @@ def _as_typed(line):
     return line
 
 
-def _head(blocks):
-    """The first lines, in which the layout is found: whole blocks."""
-    head: list[str] = []
-    full = 0
-    for lines in blocks:
-        head += lines
-        full += sum(map(is_full, lines))
-        if full > MOST_ABOVE + LOOK:
-            break
-    return head
-
-
 def _numbers(blocks, layout, start, header, name):
     """Numbers (rows,) of each column (list) in blocks of lines, and the line of each row, from 1.
 
@@ -174,15 +164,17 @@ def _numbers(blocks, layout, start, header, name):
 
     ParameterError: another header among the rows.
     """
-    values, numbers = [], []
+    columns: list[list[np.ndarray]] = [[] for _ in range(layout.width)]
+    numbers = []
     for lines in blocks:
-        found, places = rows_in(lines, layout)
-        check_headers(lines, places[np.isfinite(found).any(axis=1)], layout, start, header, name)
-        values.append(found)
-        numbers.append(places + (start + 1))
+        values, places = rows_in(lines, layout)
+        check_headers(lines, places[np.isfinite(values).any(axis=1)], layout, start, header, name)
+        for column, part in zip(columns, values.T, strict=True):
+            column.append(part.copy())
+        numbers.append((places + (start + 1)).astype(np.int32))
         start += len(lines)
-    columns = [np.concatenate([part[:, j] for part in values]) for j in range(layout.width)]
-    return columns, np.concatenate(numbers)
+    # (each set of parts is freed once it is a column)
+    return [np.concatenate(columns.pop(0)) for _ in range(layout.width)], np.concatenate(numbers)
 
 
 def _is_data(cells, dense=True):
@@ -224,16 +216,11 @@ def _first_row(path, lines, full, delimiters):
 def _decimal(path, rows):
     """The decimal mark of numbers in these rows, "." or ","; ParameterError if either may be."""
     cells = [cell for row in rows for cell in row if "," in cell or "." in cell]
-    marks = Counter(mark for cell in cells if (mark := _decimal_of(cell)))
-    if marks:
-        return marks.most_common(1)[0][0]
-    grouped = [cell for cell in cells if "," in cell and _is_number(cell)]
+    marks = [[mark for mark in ".," if not np.isnan(number_in(cell, mark))] for cell in cells]
+    certain = Counter(found[0] for found in marks if len(found) == 1)
+    if certain:
+        return certain.most_common(1)[0][0]
+    grouped = [cell for cell, found in zip(cells, marks, strict=True) if found and "," in cell]
     if grouped and not any("." in cell for cell in cells):
         raise sentences.refusal("text.decimal", name=path.name, cell=quoted(grouped[0]))
     return "."
-
-
-def _decimal_of(cell):
-    """The decimal mark with which a cell is a number; "" if it is none, or one with either."""
-    marks = [mark for mark in ".," if not np.isnan(number_in(cell, mark))]
-    return marks[0] if len(marks) == 1 else ""
