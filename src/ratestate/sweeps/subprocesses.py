@@ -43,7 +43,7 @@ def _solve_divided(process, part, specs, level=1):
             return variables
         if part.batch.n == 1:
             time.sleep(GRACE)
-            return crashed_variables(part, specs, f"its process died, {process.died}")
+            return crashed_variables(part, specs, process.failure)
     dim, pieces = halves(part.batch.sizes)
     parts = [_solve_divided(process, cut(part, piece), specs, level + 1) for piece in pieces]
     return concatenate(parts, dim)
@@ -53,12 +53,15 @@ class _Process:
     """A child process that solves parts of a sweep; when it dies, the next part starts another."""
 
     def __init__(self, device, specs):
-        self.setup, self.died = (device, specs), ""
+        self.setup, self.failure = (device, specs), ""
         self.context = contextlib.ExitStack()
         self.child: Child | None = None
 
     def solve(self, part):
-        """Variables of a part; None if it killed the process.  Raises what `solve.solve` does."""
+        """Variables of a part; None if it killed the process, or failed as no part should.
+
+        Raises the RateStateError of `solve.solve`; SolverError if no process can be started.
+        """
         if self.child is None:
             self.child = self.context.enter_context(Child(_solve))
         try:
@@ -66,12 +69,13 @@ class _Process:
         except RateStateError:  # not due to a single case
             raise
         except ChildDied:
-            self.died = self.child.ending()
+            ending = self.child.ending()
             if not self.child.ready:
-                raise SolverError(sentence("cluster.subprocess", ending=self.died)) from None
+                raise SolverError(sentence("cluster.subprocess", ending=ending)) from None
+            self.failure = f"its process died, {ending}"
             self.close()
         except Exception as error:
-            self.died = f"{type(error).__name__}: {error}"
+            self.failure = f"it failed, {type(error).__name__}: {error}"
         return None
 
     def close(self):

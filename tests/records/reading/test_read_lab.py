@@ -389,12 +389,6 @@ def test_a_load_point_that_rested_long_still_wanders(tmp_path):
     assert "wanders about constant speeds" in data.attrs["notes"]
 
 
-def test_rows_that_are_never_adjacent_are_refused_in_words(tmp_path):
-    text = "\n".join(f"{t} {t / 2} 0.6\n# comment" for t in range(60))
-    with pytest.raises(rs.ParameterError, match="no line of numbers"):
-        read_lab(write_rows(tmp_path / "alt.txt", text))
-
-
 @pytest.mark.parametrize(("wanders", "noted"), [(0.0, False), (0.05, True)])
 def test_a_load_point_wanders_where_it_is_more_than_rounding(tmp_path, wanders, noted):
     """Displacement to 0.01 um: by 0.5 um a row, and from a step on by 1.2345 um."""

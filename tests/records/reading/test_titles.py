@@ -400,13 +400,6 @@ def test_headers_of_other_languages(language, tmp_path):
         assert [one["title"] for one in known] == header.split("|"), encoding
 
 
-def test_two_columns_of_one_meaning_remain_an_error(tmp_path):
-    header = "Zeit [s]", "Weg A [µm]", "Weg B [µm]", "Reibung"
-    path = write(tmp_path / "r.txt", [T, X, X, MU], header)
-    with pytest.raises(rs.ParameterError, match=r"delta_lp may be any of .*'Weg A \[µm\]'"):
-        read_lab(path)
-
-
 @pytest.mark.parametrize(
     ("written", "read", "factor"),
     [

@@ -55,20 +55,16 @@ class Run:
         mean = 1.0 / self.weights[end]
         return mean if self.hold else mean + (t - self.means[end][0]) ** 2 / self.spread
 
-    def residual(self):
-        """(rows,) displacement less the lines [m]."""
-        lines = zip(self.rows, self.means, strict=True)
-        x = self.samples.x
-        parts = [x[i:j] - mean - self.V * (self.t[i:j] - t) for (i, j), (t, mean) in lines]
-        return np.concatenate(parts)
-
     def of_rows(self, values):
         """(rows,) of values (n,) those at its rows."""
         return np.concatenate([values[i:j] for i, j in self.rows])
 
     def whitened(self):
-        """(rows,) `residual` over the standard deviation of the noise as stated."""
-        return self.residual() / np.sqrt(self.of_rows(self.samples.noise))
+        """(rows,) displacement less the lines, over the standard deviation of the noise."""
+        lines = zip(self.rows, self.means, strict=True)
+        x = self.samples.x
+        parts = [x[i:j] - mean - self.V * (self.t[i:j] - t) for (i, j), (t, mean) in lines]
+        return np.concatenate(parts) / np.sqrt(self.of_rows(self.samples.noise))
 
 
 def breakpoints(runs):

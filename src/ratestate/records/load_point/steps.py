@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 
-from ..kit.sample_noise import resolution, sample_noise
+from ..kit.sample_noise import sample_noise
 from ..messages import load_point as sentences
 from .runs import JUMP, Run, jump_between, jump_size, noise_variances, refine_breakpoints
 from .splits import SHORTEST, RowSums, cut, drop_weak_cuts
@@ -24,6 +24,8 @@ RAMP = 0.05
 ROUNDED = 1e-9
 #: scatter about the lines, over that from row to row, from which on it is no noise
 WANDER = 10.0
+#: most decimal places that a file has; distance from one, over its size, that is none
+PLACES, ON_GRID = 9, 1e-3
 #: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
 SHORT, SUCCESS = 16, 5.0
 
@@ -150,6 +152,19 @@ def _scatter_of(runs):
     return float(left.std()), sample_noise(left)
 
 
+def _digit(x):
+    """The decimal place to which half of the values (n,) are rounded, as a size; 0 for none."""
+    x = np.abs(x[1:][np.diff(x) != 0.0])  # of a load point at rest one value says all
+    if not x.any():
+        return 0.0
+    largest = 10.0 ** np.floor(np.log10(x.max()))
+    for place in range(1, PLACES):
+        digit = largest / 10.0**place
+        if np.median(np.abs(x / digit - np.round(x / digit))) < ON_GRID:
+            return float(digit)
+    return 0.0
+
+
 def _oddities(runs):
     """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
     notes, t, x = [], runs[0].samples.t, runs[0].samples.x
@@ -162,6 +177,6 @@ def _oddities(runs):
         if gap := jump_between(one, other):
             notes.append(sentences("notes.jump_at_step", gap=gap, t=t[other.first]))
     scatter, steps = _scatter_of(runs)
-    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)) and scatter > resolution(x):
+    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x), _digit(x)):
         notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))
     return notes

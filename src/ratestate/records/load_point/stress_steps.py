@@ -55,7 +55,8 @@ def stress_steps(time, sigma):
         return []
     runs = [Run(rows, [two]) for two in itertools.pairwise(places)]
     slow = [r for r in runs if abs(r.V) * (r.end - r.start) <= VARIABLE * r.means[0][1]]
-    levels = [_level(run) for run in slow]
+    edges = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1]), time[-1:]])
+    levels = [_Level(edges[r.first], edges[r.last], r.means[0][1]) for r in slow]
     while levels and min(rests := _rests(levels)) < REST:
         del levels[int(np.argmin(rests))]
     return [
@@ -108,13 +109,6 @@ def stress_range(data, rows=slice(None)):
             largest = max(largest, np.ptp(means) - by_noise)
         rows *= 2
     return float(largest / sigma.mean())
-
-
-def _level(run):
-    t, (first, last) = run.t, run.rows[0]
-    begin = 0.5 * (t[first] + t[max(first - 1, 0)])
-    end = 0.5 * (t[last - 1] + t[min(last, t.size - 1)])
-    return _Level(float(begin), float(end), float(run.means[0][1]))
 
 
 def _rests(levels):

@@ -46,6 +46,14 @@ class Column(NamedTuple):
     values: np.ndarray  # of float, NaN if a cell is not a number
     other_unit: str = ""  # one elsewhere in the header that contradicts it
 
+    def rank(self, symbol):
+        """How surely it is one of a quantity, as of `match_rank`."""
+        return match_rank(self.name, symbol)
+
+    def has(self, word):
+        """Whether its name has one of the `WORDS`."""
+        return bool(WORDS[word].search(spaced(self.name)))
+
 
 class Table(NamedTuple):
     """The contents of a file before they are interpreted: columns, maybe of different lengths."""
@@ -116,12 +124,15 @@ def choose_columns(table, columns, constants=()):
         replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:
             continue
-        if symbol == "pore_pressure" and _is_effective(table, chosen, columns):
+        pore_pressure = symbol == "pore_pressure"
+        # it is to be subtracted from a total stress whose column was not requested
+        of_total = "sigma" in chosen and "sigma" not in columns and not _is_effective(table, chosen)
+        if pore_pressure and not of_total:
             continue
         # stresses are optional where friction is recorded
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
         index = column_by_name(table, symbol, chosen.values(), needed)
-        if index is not None and not _is_excess(table, symbol, index):
+        if index is not None and not (pore_pressure and table.columns[index].has("excess")):
             chosen[symbol] = index
     for need, ways in NEEDS.items():
         if not {*chosen, *constants} & set(ways):
@@ -133,21 +144,8 @@ def choose_columns(table, columns, constants=()):
     return chosen
 
 
-def _is_effective(table, chosen, requested):
-    """Whether no pore pressure is to be subtracted from sigma: it is effective, or requested."""
-    if "sigma" not in chosen or "sigma" in requested:
-        return True
-    return _rank(table, chosen, "sigma") == 0
-
-
-def _is_excess(table, symbol, index):
-    """Whether a column of pore pressure is counted from an initial one."""
-    name = spaced(table.columns[index].name)
-    return symbol == "pore_pressure" and bool(WORDS["excess"].search(name))
-
-
-def _rank(table, chosen, symbol):
-    return match_rank(table.columns[chosen[symbol]].name, symbol)
+def _is_effective(table, chosen):
+    return "sigma" in chosen and table.columns[chosen["sigma"]].rank("sigma") == 0
 
 
 def title_warnings(table, chosen, requested, constants=()):
@@ -158,21 +156,21 @@ def title_warnings(table, chosen, requested, constants=()):
     """
     notes = []
     for symbol, index in chosen.items():
-        title = quoted(table.titles[index])
+        column = table.columns[index]
+        title = quoted(column.title)
         if symbol in requested:
             continue
-        if _rank(table, chosen, symbol) >= CERTAIN[symbol]:
+        if column.rank(symbol) >= CERTAIN[symbol]:
             notes.append(sentences("notes.perhaps", symbol=symbol, title=title))
         if symbol == "pore_pressure":
             sigma = quoted(table.titles[chosen["sigma"]])
             notes.append(sentences("notes.effective", title=title, sigma=sigma))
-    if "pore_pressure" not in chosen and {"sigma"} & {*chosen, *constants}:
-        effective = "sigma" in chosen and _rank(table, chosen, "sigma") == 0
+    total = "sigma" in {*chosen, *constants} and not _is_effective(table, chosen)
+    if total and "pore_pressure" not in chosen:
         for i, column in enumerate(table.columns):
-            free = i not in chosen.values() and not effective
-            known = match_rank(column.name, "pore_pressure") is not None
-            if free and (known or WORDS["pressure"].search(spaced(column.name))):
-                excess = _is_excess(table, "pore_pressure", i)
+            known = column.rank("pore_pressure") is not None or column.has("pressure")
+            if known and i not in chosen.values():
+                excess = column.has("excess")
                 name = "notes.excess_pressure" if excess else "notes.pore_pressure"
                 notes.append(sentences(name, title=quoted(column.title)))
     return notes
@@ -212,7 +210,7 @@ def column_by_name(table, symbol, taken, needed=False):
     ranks = {
         i: rank
         for i, column in enumerate(table.columns)
-        if i not in taken and (rank := match_rank(column.name, symbol)) is not None
+        if i not in taken and (rank := column.rank(symbol)) is not None
     }
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
@@ -225,9 +223,8 @@ def _column_of_unit(table, symbol, taken):
     """The one free column with a unit of this quantity, as a call names it; else ""."""
     same = []
     for i, column in enumerate(table.columns):
-        moves = TABLE["quantities"][symbol].get("moves")
-        others = moves and WORDS["elsewhere"].search(spaced(column.name))
-        if i not in taken and not others:
+        other = TABLE["quantities"][symbol].get("moves") and column.has("elsewhere")
+        if i not in taken and not other:
             with contextlib.suppress(ParameterError):
                 unit_of(column, symbol, {})
                 same.append(i)

@@ -184,29 +184,41 @@ def _dataset(record, segments):
     return xarray.Dataset(variables, coords={"time": ("time", record["time"], attrs("time"))})
 
 
-def _joined(parts, join, constants=()):
+def _joined(parts, join, constants):
     """The `Rows` of all files, and notes (list of str).
 
     parts : list of the `Rows` of each file, with nothing left out
-    join : "absolute", times go on from file to file; "restart", they begin anew in each; "auto",
-    the latter if each file begins at 0, else the former
+    join : as of `read_lab`
     constants : symbols that are given, and need no column
 
     ParameterError: a column that another file lacks, or times that overlap.
     """
-    first = parts[0]
     if len(parts) == 1:
-        return first, []
+        return parts[0], []
     symbols, notes = _common_symbols(parts, constants)
     pieces = {s: [part.record[s] for part in parts] for s in symbols}
-    if join == "restart" or (join == "auto" and all(map(_begins_at_zero, pieces["time"]))):
-        notes += _follow_on(parts, pieces)
-    else:
-        _check_order(parts, pieces["time"])
-    starts = np.cumsum([0, *(t.size for t in pieces["time"])]).tolist()
+    times = pieces["time"]
+    from_zero = all(0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t) for t in times)
+    for i, (one, other) in enumerate(itertools.pairwise(parts)):
+        end, begin = _ends(times[i])[1], _ends(times[i + 1])[0]
+        names = {"before": one.name, "after": other.name}
+        if join == "restart" or (join == "auto" and from_zero):
+            added = end + _usual_step(times[i + 1]) - begin
+            times[i + 1] = times[i + 1] + added
+            notes.append(sentences("notes.restart", added=added, **names))
+            if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i : i + 2])):
+                pieces["delta_lp"][i + 1] = pieces["delta_lp"][i + 1] + added
+                notes.append(sentences("notes.zeroed", added=added, **names))
+        elif begin < end:
+            places = {
+                "last_row": one.row_label(np.flatnonzero(np.isfinite(times[i]))[-1]),
+                "first_row": other.row_label(np.flatnonzero(np.isfinite(times[i + 1]))[0]),
+            }
+            raise sentences.refusal("join.overlap", end=end, begin=begin, **names, **places)
+    starts = np.cumsum([0, *(t.size for t in times)]).tolist()
     files = [(start, *part.files[0][1:]) for start, part in zip(starts, parts, strict=False)]
     rows = Rows(files, {s: np.concatenate(piece) for s, piece in pieces.items()})
-    rows.units = first.units
+    rows.units = parts[0].units
     return rows, notes
 
 
@@ -235,40 +247,6 @@ def _usual_step(t):
     """The usual time between rows; 0 if there is none."""
     steps = np.diff(t[np.isfinite(t)])
     return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-
-
-def _begins_at_zero(t):
-    return 0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t)
-
-
-def _check_order(parts, times):
-    for (before, t), (after, u) in itertools.pairwise(zip(parts, times, strict=True)):
-        end, begin = _ends(t)[1], _ends(u)[0]
-        if begin < end:
-            last, first = np.flatnonzero(np.isfinite(t))[-1], np.flatnonzero(np.isfinite(u))[0]
-            raise sentences.refusal(
-                "join.overlap",
-                before=before.name,
-                after=after.name,
-                end=end,
-                begin=begin,
-                last_row=before.row_label(last),
-                first_row=after.row_label(first),
-            )
-
-
-def _follow_on(parts, pieces):
-    """Let times of files go on from one to the next, and displacements set to 0 again; notes."""
-    notes = []
-    for i, (before, after) in enumerate(itertools.pairwise(part.name for part in parts)):
-        t, u = pieces["time"][i : i + 2]
-        added = _ends(t)[1] + _usual_step(u) - _ends(u)[0]
-        pieces["time"][i + 1] = u + added
-        notes.append(sentences("notes.restart", added=added, before=before, after=after))
-        if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i : i + 2])):
-            pieces["delta_lp"][i + 1] = pieces["delta_lp"][i + 1] + added
-            notes.append(sentences("notes.zeroed", added=added, before=before, after=after))
-    return notes
 
 
 def _zeroed_by(before, after):

@@ -1,7 +1,7 @@
 """Tables of text: tabs, commas, semicolons or spaces between cells; in blocks of lines.
 
-NumPy's `loadtxt` reads the numbers.  It is faster than pandas' parser, rounds as Python does in all
-versions, and says which lines are no rows of numbers.
+NumPy's `loadtxt` reads the numbers, rounded as Python does.  pandas' parser would read a clean file
+faster, but keeps no lines: remarks, other headers and messages need them.
 """
 
 import codecs
