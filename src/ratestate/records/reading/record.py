@@ -92,8 +92,8 @@ def _prepare(kept, windows, lab, constants):
     drop_codes(kept)
     kept.order()
     kept.check_enough()
-    for symbol, values in kept.record.items():
-        check_sizes(symbol, values, kept.columns[symbol], kept.units[symbol])
+    for symbol in kept.record:
+        check_sizes(symbol, kept.record[symbol], kept.columns[symbol], kept.units[symbol])
     drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
     turned, notes = flip_signs(kept.record, lab.signs)
     for symbol, value in constants.items():

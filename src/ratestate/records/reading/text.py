@@ -56,7 +56,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     """
     if (size := path.stat().st_size) > LARGEST:
         raise sentences.refusal("text.large", name=path.name, size=size / 1e9, most=LARGEST / 1e9)
-    encoding = _encoding(path)
+    encoding, most = _examined(path)
     with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
         blocks = _blocks(file, path.name)
         head: list[str] = []  # in which the layout is found
@@ -74,7 +74,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         decimal = _decimal(path, whole) if decimal is None else decimal
         layout = Layout(delimiter, decimal, width, _clocks(whole, header))
         blocks = itertools.chain([head[start:]], blocks)
-        values, numbers = _numbers(blocks, layout, start, header, path.name)
+        values, numbers = _numbers(blocks, layout, start, most, header, path.name)
     if header.times:
         values[0] = header.times[0] + header.times[1] * np.arange(numbers.size)
     columns = []
@@ -96,8 +96,8 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     return Table(columns, numbers, text_of=text_of, name=path.name)
 
 
-def _encoding(path):
-    """Encoding of a text file; ParameterError if it is binary.
+def _examined(path):
+    """(encoding, most lines) of a text file; ParameterError if it is binary.
 
     UTF-16 by its first bytes, and UTF-8 if it is; else, if words of titles appear in it, an
     encoding of Japanese or Chinese; else the encoding of Windows in western Europe.
@@ -105,8 +105,11 @@ def _encoding(path):
     with path.open("rb") as file:
         head = file.read(HEAD)
     utf_16 = head.startswith((b"\xff\xfe", b"\xfe\xff"))
-    if not utf_16 and any(b"\0" in block for block in _bytes(path)):
-        raise sentences.refusal("text.binary", name=path.name)
+    ends = 0
+    for block in _bytes(path):
+        if b"\0" in block and not utf_16:
+            raise sentences.refusal("text.binary", name=path.name)
+        ends += block.count(b"\n") + block.count(b"\r")
     eastern = [
         encoding
         for encoding, words in TABLE["encodings"].items()
@@ -116,7 +119,7 @@ def _encoding(path):
         with contextlib.suppress(UnicodeDecodeError):
             for _ in codecs.iterdecode(_bytes(path), encoding):
                 pass
-            return encoding
+            return encoding, ends + 1
     raise sentences.refusal("text.encoding", name=path.name)
 
 
@@ -156,25 +159,26 @@ def _as_typed(line):
     return line
 
 
-def _numbers(blocks, layout, start, header, name):
-    """Numbers (rows,) of each column (list) in blocks of lines, and the line of each row, from 1.
+def _numbers(blocks, layout, start, most, header, name):
+    """(columns, rows) numbers in blocks of lines, and the line of each row, from 1 on.
 
     start : lines above the first block
+    most : lines there can be
     header, name : the `Header`, and of which file
 
     ParameterError: another header among the rows.
     """
-    columns: list[list[np.ndarray]] = [[] for _ in range(layout.width)]
-    numbers = []
+    values = np.empty((layout.width, most))  # takes memory only where it is filled
+    numbers = np.empty(most, np.int32)
+    count = 0
     for lines in blocks:
-        values, places = rows_in(lines, layout)
-        check_headers(lines, places[np.isfinite(values).any(axis=1)], layout, start, header, name)
-        for column, part in zip(columns, values.T, strict=True):
-            column.append(part.copy())
-        numbers.append((places + (start + 1)).astype(np.int32))
+        found, places = rows_in(lines, layout)
+        check_headers(lines, places[np.isfinite(found).any(axis=1)], layout, start, header, name)
+        here = slice(count, count + places.size)
+        values[:, here], numbers[here] = found.T, places + (start + 1)
         start += len(lines)
-    # (each set of parts is freed once it is a column)
-    return [np.concatenate(columns.pop(0)) for _ in range(layout.width)], np.concatenate(numbers)
+        count += places.size
+    return values[:, :count], numbers[:count]
 
 
 def _is_data(cells, dense=True):
