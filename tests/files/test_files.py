@@ -21,7 +21,7 @@ import xarray as xr
 import zarr
 
 import ratestate as rs
-from ratestate import ParameterError, child_process, files
+from ratestate import ParameterError, files, machine
 from ratestate.errors import StoreError
 from ratestate.files.stored import raw_netcdf
 from ratestate.records.reading.open_table import read_hdf5
@@ -382,7 +382,7 @@ def test_a_damaged_netcdf_names_the_variable(results, tmp_path):
 
 
 def test_a_netcdf_that_another_program_changed(results, tmp_path, monkeypatch):
-    monkeypatch.setattr(child_process, "is_child", False)
+    monkeypatch.setattr(machine, "is_child", False)
     path = files.write(results["cycle"], tmp_path / "x.nc")
     with h5py.File(path, "a") as file:
         file.attrs["title"] = "mine"

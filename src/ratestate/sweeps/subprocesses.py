@@ -3,9 +3,9 @@
 import contextlib
 import time
 
-from ..child_process import Child, ChildDied
 from ..engine import backend
 from ..errors import RateStateError, SolverError
+from ..machine import Child, ChildDied
 from ..model.arrays import cut
 from . import sentence
 from .chunks import halves

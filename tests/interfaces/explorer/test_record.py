@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 from explorer_server import page, read, served
 
-from ratestate import child_process
+from ratestate import machine
 from ratestate.interfaces.explorer.computation.decimation import MOST_SENT
 from ratestate.interfaces.explorer.messages import record, wire
 from ratestate.interfaces.explorer.service import upload
@@ -36,7 +36,7 @@ GOOD = text()
 @pytest.fixture
 def without_child(monkeypatch):
     """Read records in this process: a child takes up to 2 s."""
-    monkeypatch.setattr(child_process, "is_child", True)
+    monkeypatch.setattr(machine, "is_child", True)
 
 
 def answered(contents, name="r.csv", **choices):

@@ -15,10 +15,9 @@ import time
 import warnings
 from typing import Any
 
-from ... import child_process
-from ...child_process import Child, ChildDied
+from ... import machine
 from ...errors import ParameterError
-from ...machine import cores
+from ...machine import Child, ChildDied, cores
 from ..messages import kit as sentences
 
 #: fewest items for each child: it takes a second or two to start
@@ -98,7 +97,7 @@ def read_isolated(reader, path, kind, *more, seconds=None, stop=None):
     too long a time, too much memory, `stop`.  Its warnings are issued here, each once.  If no
     process can be had, and in a child, the file is read in this process.
     """
-    if child_process.is_child:
+    if machine.is_child:
         return reader(path, *more)
     size = path.stat().st_size
     seconds = SECONDS + SECONDS_EACH * size if seconds is None else seconds
