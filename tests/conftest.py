@@ -39,8 +39,8 @@ def pytest_runtest_setup(item):
     """
     if layout := sys.modules.get("ratestate.plot.layout"):
         layout.DPI = 40
-    if processes := sys.modules.get("ratestate.records.kit.processes"):
-        processes._is_child = item.path.parent.name in ("files", "cli", "scenario", "paper")
+    if machine := sys.modules.get("ratestate.machine"):
+        machine.is_child = item.path.parent.name in ("files", "cli", "scenario", "paper")
 
 
 @pytest.fixture(scope="module")

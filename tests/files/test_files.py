@@ -21,11 +21,10 @@ import xarray as xr
 import zarr
 
 import ratestate as rs
-from ratestate import ParameterError, files
+from ratestate import ParameterError, files, machine
 from ratestate.errors import StoreError
 from ratestate.files.stored import raw_netcdf
-from ratestate.records.kit import processes
-from ratestate.records.reading.stored import read_hdf5
+from ratestate.records.reading.open_table import read_hdf5
 from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import open_result, zarr_3_warnings_ignored
 
@@ -383,7 +382,7 @@ def test_a_damaged_netcdf_names_the_variable(results, tmp_path):
 
 
 def test_a_netcdf_that_another_program_changed(results, tmp_path, monkeypatch):
-    monkeypatch.setattr(processes, "_is_child", False)
+    monkeypatch.setattr(machine, "is_child", False)
     path = files.write(results["cycle"], tmp_path / "x.nc")
     with h5py.File(path, "a") as file:
         file.attrs["title"] = "mine"

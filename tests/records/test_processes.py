@@ -5,6 +5,7 @@ import os
 import pytest
 from child_work import dies_elsewhere, prints, refuses, squared
 
+from ratestate import machine
 from ratestate.records.kit import processes
 from ratestate.records.kit.processes import mapped
 
@@ -39,7 +40,7 @@ def test_where_no_process_can_be_had(monkeypatch):
     def no_process(*_, **__):
         raise OSError("none to be had")
 
-    monkeypatch.setattr(processes.subprocess, "Popen", no_process)
+    monkeypatch.setattr(machine.subprocess, "Popen", no_process)
     assert {process for _, process in mapped(squared, range(8))} == {os.getpid()}
 
 
@@ -55,13 +56,13 @@ def test_printing_does_no_harm(capfd):
 
 def test_no_child_is_left(monkeypatch):
     children = []
-    start = processes.subprocess.Popen
+    start = machine.subprocess.Popen
 
     def recorded(*arguments, **options):
         children.append(start(*arguments, **options))
         return children[-1]
 
-    monkeypatch.setattr(processes.subprocess, "Popen", recorded)
+    monkeypatch.setattr(machine.subprocess, "Popen", recorded)
     mapped(squared, range(10))
     with pytest.raises(ValueError, match="no 3"):
         mapped(refuses, range(10))

@@ -14,7 +14,7 @@ import types
 import numpy as np
 import pytest
 import xarray
-from misbehaving import BAD, Deadly, Ending, Slow, bad
+from misbehaving import BAD, Deadly, Ending, Foreign, Slow, bad
 from user_laws import MINE
 
 import ratestate as rs
@@ -259,7 +259,7 @@ def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path,
     where[tuple(zip(*BAD, strict=True))] = True
     assert np.array_equal(found.status == CRASHED, where)
     for i, j in BAD:
-        assert "its process died, signal 9" in found.message.item(i, j)
+        assert "its process died, SIGKILL" in found.message.item(i, j)
         assert np.isnan(found.period[i, j])
     good = xarray.DataArray(~where, dims=found.status.dims)
     xarray.testing.assert_identical(found.load().where(good), alone.where(good))
@@ -321,7 +321,7 @@ def test_the_case_that_kills_is_found_by_halving(monkeypatch):
     monkeypatch.setattr(subprocesses, "GRACE", 0.0)
 
     class Process:
-        died = "signal 9"
+        failure = "its process died"
 
         def solve(self, part):
             tried.append((part.batch.n, bad(part)))
@@ -349,6 +349,16 @@ def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
         solve(call, specs)["growth_rate"].values[0, 0], rel=1e-14
     )
     assert slept == [1.0]
+
+
+def test_a_case_is_blamed_for_an_error_that_no_solver_has(monkeypatch):
+    _, call = calls.call_of("stability", SLIDER.replace(M=M[5:6]), ARGUMENTS["stability"])
+    monkeypatch.setattr(subprocesses, "GRACE", 0.0)
+    with contextlib.closing(subprocesses._Process("cpu", form_of(call).specs)) as process:
+        part = Foreign(call.slider, call.V_lp)
+        found = subprocesses._solve_divided(process, part, form_of(call).specs)
+    assert found["status"].values.tolist() == [[0, CRASHED]]
+    assert "ZeroDivisionError: of one case" in found["message"].values[0, 1]
 
 
 # --------------------------------------------------------------------------- a cluster that is lost

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..records.kit.processes import read_isolated
-from ..records.reading.stored import refuse_other_files
+from ..records.reading.open_table import refuse_other_files
 from .place import CHECKSUMS
 
 #: attribute of a file with digests as JSON; the name there of the file's own attributes

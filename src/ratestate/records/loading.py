@@ -72,17 +72,6 @@ def constant_speeds_of(raw, loading=None):
     return loading
 
 
-def _load_point_segments(data):
-    """(segments,) starts [s] and speeds [m/s] of a record's load point, 0 in a hold."""
-    if (stored := stored_segments(data)) is not None:
-        return stored
-    time = column(data, "time")
-    displacement = displacement_of(data, time)
-    if displacement is None:
-        raise sentences.refusal("load_point.unknown", variables=variable_names(data))
-    return find_segments(time, displacement)
-
-
 def recorded_segments(data, time):
     """Starts (n,) [s], the first at or before the first sample, and speeds (n,) [m/s] of segments.
 
@@ -90,7 +79,14 @@ def recorded_segments(data, time):
 
     ParameterError where the load point's motion is not recorded, or has no constant speeds.
     """
-    starts, speeds = _load_point_segments(data)
+    segments = stored_segments(data)
+    if segments is None:
+        times = column(data, "time")
+        displacement = displacement_of(data, times)
+        if displacement is None:
+            raise sentences.refusal("load_point.unknown", variables=variable_names(data))
+        segments = find_segments(times, displacement)
+    starts, speeds = segments
     # a window may have cut off segments at both ends
     inside = starts < time[-1]
     first = max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)
@@ -131,18 +127,14 @@ def segments_of(raw, loading=None):
     if loading is None:
         all_t, all_V = recorded_segments(raw.data, raw.time)
         t, V, _ = without_overshoots(all_t, all_V, end)
-        return Segments(t, V, end, _start_errors(raw.data, t), all_t, all_V)
+        errors = np.zeros(t.size)
+        if "segment_t_error" in raw.data.variables:
+            at = np.searchsorted(raw.data["segment_t"].values, t)
+            errors = np.asarray(raw.data["segment_t_error"].values, float)[at]
+        return Segments(t, V, end, errors, all_t, all_V)
     checked = constant_speeds_of(raw, loading)
     t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
     return Segments(t, V, end, np.zeros(t.size), t, V)
-
-
-def _start_errors(data, starts):
-    """(n,) standard errors of some of a record's starts [s], as far as it has them."""
-    if "segment_t_error" not in data.variables:
-        return np.zeros(starts.size)
-    at = np.searchsorted(data["segment_t"].values, starts)
-    return np.asarray(data["segment_t_error"].values, float)[at]
 
 
 def recorded_stress(data, t, sigma):

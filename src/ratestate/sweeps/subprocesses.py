@@ -1,16 +1,11 @@
 """Chunks that may kill their process: solved in another, and divided to find the case that does."""
 
 import contextlib
-import os
-import pickle
-import signal
-import subprocess
-import sys
 import time
-from typing import Any
 
 from ..engine import backend
 from ..errors import RateStateError, SolverError
+from ..machine import Child, ChildDied
 from ..model.arrays import cut
 from . import sentence
 from .chunks import halves
@@ -48,7 +43,7 @@ def _solve_divided(process, part, specs, level=1):
             return variables
         if part.batch.n == 1:
             time.sleep(GRACE)
-            return crashed_variables(part, specs, f"its process died, {process.died}")
+            return crashed_variables(part, specs, process.failure)
     dim, pieces = halves(part.batch.sizes)
     parts = [_solve_divided(process, cut(part, piece), specs, level + 1) for piece in pieces]
     return concatenate(parts, dim)
@@ -58,66 +53,38 @@ class _Process:
     """A child process that solves parts of a sweep; when it dies, the next part starts another."""
 
     def __init__(self, device, specs):
-        self.setup, self.died = (device, specs), ""
-        self.process: Any = None
+        self.setup, self.failure = (device, specs), ""
+        self.context = contextlib.ExitStack()
+        self.child: Child | None = None
 
     def solve(self, part):
-        """Variables of a part; None if it killed the process.  Raises what `solve.solve` does."""
-        if self.process is None:
-            self._start()
-        try:
-            _send(part, self.process.stdin)
-            answer = pickle.load(self.process.stdout)
-        except (EOFError, BrokenPipeError, pickle.UnpicklingError):
-            code = self.close()
-            self.died = f"signal {-code}" if code < 0 else f"exit code {code}"
-            return None
-        if isinstance(answer, RateStateError):
-            raise answer
-        return answer
+        """Variables of a part; None if it killed the process, or failed as no part should.
 
-    def _start(self):
-        path = os.pathsep.join(filter(None, sys.path))  # it can import what this process can
-        self.process = subprocess.Popen(
-            [sys.executable, "-P", "-c", f"from {__name__} import _serve; _serve()"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=os.environ | {"PYTHONPATH": path},
-        )
+        Raises the RateStateError of `solve.solve`; SolverError if no process can be started.
+        """
+        if self.child is None:
+            self.child = self.context.enter_context(Child(_solve))
         try:
-            _send(self.setup, self.process.stdin)
-            pickle.load(self.process.stdout)  # it is ready
-        except (EOFError, BrokenPipeError) as error:
-            raise SolverError(sentence("cluster.subprocess", code=self.close())) from error
+            return self.child.call((*self.setup, part))
+        except RateStateError:  # not due to a single case
+            raise
+        except ChildDied:
+            ending = self.child.ending()
+            if not self.child.ready:
+                raise SolverError(sentence("cluster.subprocess", ending=ending)) from None
+            self.failure = f"its process died, {ending}"
+            self.close()
+        except Exception as error:
+            self.failure = f"it failed, {type(error).__name__}: {error}"
+        return None
 
     def close(self):
-        """End the process and return its exit code."""
-        process, self.process = self.process, None
-        if process is None:
-            return 0
-        with contextlib.suppress(BrokenPipeError):
-            process.stdin.close()  # which ends it
-        process.stdout.close()
-        return process.wait()
+        """End the process."""
+        self.context.close()
+        self.child = None
 
 
-def _send(thing, stream):
-    pickle.dump(thing, stream)
-    stream.flush()
-
-
-def _serve():
-    """Main loop of the child process: solve parts from stdin until there are no more."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # the worker gets these too, and ends this
-        signal.signal(number, signal.SIG_IGN)
-    answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever else is printed must not mix with the answers
-    device, specs = pickle.load(sys.stdin.buffer)
-    _send("ready", answers)
-    with backend.use(threads=1, device=device), contextlib.suppress(EOFError):
-        while True:
-            part = pickle.load(sys.stdin.buffer)
-            try:
-                _send(solve(part, specs), answers)
-            except RateStateError as error:  # not due to a single case
-                _send(error, answers)
+def _solve(task):
+    device, specs, part = task
+    with backend.use(threads=1, device=device):
+        return solve(part, specs)

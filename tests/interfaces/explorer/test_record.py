@@ -13,10 +13,10 @@ import pytest
 import xarray as xr
 from explorer_server import page, read, served
 
+from ratestate import machine
 from ratestate.interfaces.explorer.computation.decimation import MOST_SENT
 from ratestate.interfaces.explorer.messages import record, wire
 from ratestate.interfaces.explorer.service import upload
-from ratestate.records.kit import processes
 
 T = np.arange(9000) * 0.1
 X = np.where(T < 400, 3 * T, 10 * T - 2800)
@@ -36,7 +36,7 @@ GOOD = text()
 @pytest.fixture
 def without_child(monkeypatch):
     """Read records in this process: a child takes up to 2 s."""
-    monkeypatch.setattr(processes, "_is_child", True)
+    monkeypatch.setattr(machine, "is_child", True)
 
 
 def answered(contents, name="r.csv", **choices):

@@ -174,14 +174,15 @@ NO_RECORD = [
         "columns[0]: 'a' is no column, expected one of 'column 1', 'column 2', 'column 3'",
     ),
     (
-        "a [s],a [um/s]\n1,2",
+        "a [s],a [um/s]\n1,2\n2,2",
         'columns = ["a", 2]',
         "columns[0]: 'a' is the name of 2 columns, numbers 1, 2",
     ),
     (
         "time [s]; V [um/s]\n",
         "columns = [1, 2]",
-        "file: x.csv has no line of numbers (it begins 'time [s]; V [um/s]'), expected a file",
+        "file: x.csv has no line of numbers (it begins 'time [s]; V [um/s]') above another of as"
+        " many, expected a file",
     ),
     ("", "columns = [1, 2]", "file: x.csv is empty, expected a file with rows of times and speeds"),
     (
@@ -189,7 +190,7 @@ NO_RECORD = [
         "columns = [1, 2]",
         "file: x.csv is neither text nor HDF5 nor MAT, expected a file",
     ),
-    ("a [s],b [m/s]\n1,2\n", "columns = [1, 2]", "file: t has 1 and V_lp 1 values"),
+    ("a [s],b [m/s]\n1,2\n", "columns = [1, 2]", "file: x.csv has no line of numbers"),
 ]
 
 

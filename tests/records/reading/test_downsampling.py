@@ -139,7 +139,7 @@ def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):
     monkeypatch.setattr(text_files, "MOST_ABOVE", 5)
     parts = text_files.read_text(path)
     assert parts.titles == whole.titles
-    np.testing.assert_array_equal(parts.numbers, whole.numbers)
+    np.testing.assert_array_equal(parts.lines, whole.lines)
     found = []
     for one, other in zip(parts.columns, whole.columns, strict=True):
         np.testing.assert_array_equal(one.values, other.values)
@@ -149,7 +149,7 @@ def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):
         found += cells
     assert sorted(found) == ["'5 cells'"] * 4 + ["'over000000'", "nothing"]
     expected = [*range(2, 1701), *range(1704, 3004), 4604]
-    np.testing.assert_array_equal(whole.numbers, expected)
+    np.testing.assert_array_equal(whole.lines, expected)
     assert whole.columns[3].values[2199 - 3] == 20.0
 
 

@@ -99,7 +99,7 @@ def test_a_script_needs_no_guard_and_a_folder_may_hold_anything(tmp_path):
             def here(path):
                 raise SystemExit("it was read in this process, not in the child")
 
-            here.__module__, here.__qualname__ = "ratestate.records.reading.stored", "read_mat"
+            here.__module__, here.__qualname__ = "ratestate.records.reading.open_table", "read_mat"
             open_table.read_mat = here
             print("once", rs.read_lab("r.mat").sizes["time"])
             """
@@ -112,7 +112,9 @@ def test_a_script_needs_no_guard_and_a_folder_may_hold_anything(tmp_path):
 
 
 def test_the_child_imports_little():
-    code = "import sys; import ratestate.records.kit.processes, ratestate.records.reading.stored\n"
+    code = (
+        "import sys; import ratestate.records.kit.processes, ratestate.records.reading.open_table\n"
+    )
     code += "import ratestate.files.stored; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     heavy = {"xarray", "pandas", "scipy.ndimage", "scipy.optimize", "matplotlib", "pint", "zarr"}

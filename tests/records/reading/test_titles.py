@@ -11,8 +11,8 @@ from lab_files import MU, SIGMA, N, T, X, check, write
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import describe, read_lab
-from ratestate.records.reading.sizes import in_si, unit_of
-from ratestate.records.reading.table import Column
+from ratestate.records.reading.columns import Column, unit_of
+from ratestate.records.reading.sizes import in_si
 from ratestate.records.reading.titles import CERTAIN, LIKE, match_rank, name_and_units, split
 
 BASE = {
@@ -398,13 +398,6 @@ def test_headers_of_other_languages(language, tmp_path):
         np.testing.assert_allclose(data.friction, MU, rtol=1e-14)
         known = json.loads(data.attrs["columns"]).values()
         assert [one["title"] for one in known] == header.split("|"), encoding
-
-
-def test_two_columns_of_one_meaning_remain_an_error(tmp_path):
-    header = "Zeit [s]", "Weg A [µm]", "Weg B [µm]", "Reibung"
-    path = write(tmp_path / "r.txt", [T, X, X, MU], header)
-    with pytest.raises(rs.ParameterError, match=r"delta_lp may be any of .*'Weg A \[µm\]'"):
-        read_lab(path)
 
 
 @pytest.mark.parametrize(

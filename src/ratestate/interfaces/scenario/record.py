@@ -12,9 +12,8 @@ from ...model.loading import Loading
 from ...model.parameters import parameter_to_si, quantity_of
 from ...model.quantities import QUANTITIES
 from ...model.units import to_si
-from ...records.reading.columns import requested_column
+from ...records.reading.columns import Column, Table, requested_column
 from ...records.reading.open_table import open_table
-from ...records.reading.table import Column, Table
 from ...records.reading.titles import plain
 from .known_keys import LIKE
 from .problems import Place, error_line, expected, message, refusal

@@ -5,10 +5,9 @@ import math
 
 import numpy as np
 
-#: a gap is a step of time so many times longer than usual on either side of it
-GAP = 5.0
+from .splits import NEAR
+
 ROUNDS = 50  # of moving rows from one line to the next
-NEAR = 10  # rows beside a place where a displacement may jump
 MANY = 400  # rows that tell the correlation of their noise
 JUMP = 4.0  # least jump, over the standard deviation of these rows
 
@@ -56,20 +55,16 @@ class Run:
         mean = 1.0 / self.weights[end]
         return mean if self.hold else mean + (t - self.means[end][0]) ** 2 / self.spread
 
-    def residual(self):
-        """(rows,) displacement less the lines [m]."""
-        lines = zip(self.rows, self.means, strict=True)
-        x = self.samples.x
-        parts = [x[i:j] - mean - self.V * (self.t[i:j] - t) for (i, j), (t, mean) in lines]
-        return np.concatenate(parts)
-
     def of_rows(self, values):
         """(rows,) of values (n,) those at its rows."""
         return np.concatenate([values[i:j] for i, j in self.rows])
 
     def whitened(self):
-        """(rows,) `residual` over the standard deviation of the noise as stated."""
-        return self.residual() / np.sqrt(self.of_rows(self.samples.noise))
+        """(rows,) displacement less the lines, over the standard deviation of the noise."""
+        lines = zip(self.rows, self.means, strict=True)
+        x = self.samples.x
+        parts = [x[i:j] - mean - self.V * (self.t[i:j] - t) for (i, j), (t, mean) in lines]
+        return np.concatenate(parts) / np.sqrt(self.of_rows(self.samples.noise))
 
 
 def breakpoints(runs):
@@ -90,7 +85,9 @@ def breakpoints(runs):
             near, span = False, other.start - one.end
         if is_gap(one, other):
             inside = min(max(meet, one.end), other.start)
-            near = abs(meet - inside) <= _distance_by_noise(one, other)
+            steps = one.t[one.last - 1] - one.t[one.last - 2], one.t[other.first + 1] - other.start
+            error = math.sqrt(one.variance(one.end, -1) + other.variance(other.start, 0))
+            near = abs(meet - inside) <= max(steps) + JUMP * error / abs(change)
             meet, span = inside, 0.0 if near else other.start - one.end
         times.append(float(meet if near else middle))
         spans.append(span)
@@ -114,27 +111,7 @@ def jump_between(one, other):
 
 def is_gap(one, other):
     """Whether there is a gap in time between runs."""
-    usual = [float(np.median(np.diff(r.t[i:j]))) for r, (i, j) in _rows_beside(one, other)]
-    return one.last == other.first and other.start - one.end > GAP * max(usual)
-
-
-def _rows_beside(one, other):
-    """The runs, each with its last or first rows, `NEAR` at most and two at least."""
-    (first, last), (start, end) = one.rows[-1], other.rows[0]
-    return [
-        (one, (max(first, last - NEAR), max(last, first + 2))),
-        (other, (start, max(min(end, start + NEAR), start + 2))),
-    ]
-
-
-def _distance_by_noise(one, other):
-    """How far off [s] noise puts the place where two runs meet, and a step of time."""
-    errors, step = 0.0, 0.0
-    for (run, (i, j)), end in zip(_rows_beside(one, other), (-1, 0), strict=True):
-        at = run.end if end else run.start
-        errors += float(run.whitened().var()) * run.variance(at, end)
-        step = max(step, float(np.median(np.diff(run.t[i:j]))))
-    return step + JUMP * math.sqrt(errors) / abs(one.V - other.V)
+    return one.last == other.first and other.first in one.samples.gaps
 
 
 def refine_breakpoints(runs):
@@ -191,20 +168,17 @@ def _correlation_factor(unit):
     return max(factors)
 
 
-def jump_size(t, x, row, V):
-    """Jump [m], of either sign, of a displacement before a row, at speed V [m/s]; 0 if none."""
-    first, last = max(0, row - NEAR), min(t.size, row + NEAR)
+def jump_size(rows, row, V):
+    """Jump [m], of either sign, of the displacement of `RowSums` before a row, at speed V [m/s].
+
+    0 if there is none.
+    """
     # what is beyond another gap in time has no part in it
-    first += max(_gaps_in(t[first:row]), default=0)
-    last = row + min(_gaps_in(t[row:last]), default=last - row)
-    x = x[first:last] - V * (t[first:last] - t[row])
+    ends = [0, *rows.gaps, rows.t.size]
+    first = max(row - NEAR, max(end for end in ends if end < row))
+    last = min(row + NEAR, min(end for end in ends if end > row))
+    x = rows.x[first:last] - V * (rows.t[first:last] - rows.t[row])
     before, after = x[: row - first], x[row - first :]
     gap = float(np.median(after) - np.median(before))
     scatter = math.sqrt(0.5 * (before.var() + after.var()))
     return gap if abs(gap) > JUMP * scatter else 0.0
-
-
-def _gaps_in(t):
-    """Places (list) in a few times before which there is a gap."""
-    steps = np.diff(t)
-    return (np.flatnonzero(steps > GAP * np.median(steps)) + 1).tolist() if steps.size else []

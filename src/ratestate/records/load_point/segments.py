@@ -1,6 +1,5 @@
 """The history of the load point: speeds that are constant between breaks, without overshoots."""
 
-import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -142,15 +141,12 @@ def segments_from_displacement(t, x):
             values = {"first": first, "last": last, "window": window, "option": option}
             raise sentences.refusal("segments.backwards", V=-run.V, **values)
     noise, (at, spans) = noise_variances(runs), breakpoints(runs)
-    variance = [
-        (s * one.variance(tau, -1) + z * other.variance(tau, 0)) / (one.V - other.V) ** 2
-        if not span
-        else span**2 / 12.0  # of what may be anywhere in it
-        for tau, span, one, other, s, z in zip(
-            at, spans, runs, runs[1:], noise, noise[1:], strict=False
-        )
-    ]
-    for tau, span, one, other in zip(at, spans, runs, runs[1:], strict=False):
+    variance = [0.0]  # of the starts
+    for i, (tau, span) in enumerate(zip(at, spans, strict=True)):
+        one, other = runs[i : i + 2]
+        of_lines = noise[i] * one.variance(tau, -1) + noise[i + 1] * other.variance(tau, 0)
+        # in a jump or a gap the step may be anywhere
+        variance.append(span**2 / 12.0 if span else of_lines / (one.V - other.V) ** 2)
         if span and is_gap(one, other):
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
             notes.append(sentences("notes.step_in_gap", **ends))
@@ -164,13 +160,7 @@ def segments_from_displacement(t, x):
         lasts = np.append(starts, t[-1])[i + 1] - starts[i]
         notes.append(sentences("notes.overshoot", V=V[i], lasts=lasts, first=starts[i]))
     V_error = [0.0 if r.hold else (s / r.spread) ** 0.5 for r, s in zip(runs, noise, strict=True)]
-    return FoundSegments(
-        starts,
-        V,
-        np.append(0.0, np.sqrt(variance)),
-        np.array(V_error),
-        notes,
-    )
+    return FoundSegments(starts, V, np.sqrt(variance), np.array(V_error), notes)
 
 
 def segments_from_velocity(t, V):
@@ -183,13 +173,9 @@ def segments_from_velocity(t, V):
 
     def levels(at):
         weights = np.add.reduceat(1.0 / rows.noise, at[:-1])
-        means = (
-            V[at[:-1]]
-            + np.array(
-                [((V[i:j] - V[i]) / rows.noise[i:j]).sum() for i, j in itertools.pairwise(at)]
-            )
-            / weights
-        )
+        first = V[at[:-1]]
+        off = (V - np.repeat(first, np.diff(at))) / rows.noise
+        means = first + np.add.reduceat(off, at[:-1]) / weights
         errors = weights**-0.5
         least = np.maximum(HOLD_ERRORS * errors, ROUNDED * np.abs(means).max())
         return np.where(np.abs(means) <= least, 0.0, means), errors

@@ -36,6 +36,8 @@ PAIRS, FEWEST_PAIRS = 39, 8
 #: pairs of shortest runs that show the noise at one place of the record, and by how many times its
 #: variance must be larger there: by chance it is up to 2.5 times as large
 LOCAL, LARGER = 101, 3.0
+#: a gap is a step of time so many times longer than usual, among so many rows on either side of it
+GAP, NEAR = 5.0, 10
 #: least variance of the noise, over the sum of squares of all values (rounding) and over the
 #: largest variance at any rate (sums have no digits for more)
 ROUNDING, QUIETEST = 1e-15, 1e-6
@@ -48,11 +50,13 @@ class RowSums:
     degree : 1 or 0, of what is fitted to a run: a line (a displacement), or a level (a speed)
     longest : rows within which noise is looked for; steps that are closer would count as noise
 
-    `rates` (n,) numbers the sampling rates, and `noise` (n,) is the variance of the noise there.
+    `rates` (n,) numbers the sampling rates, `noise` (n,) is the variance of the noise there, and
+    `gaps` are the rows before which there is a gap in time.
     """
 
     def __init__(self, t, x, degree=1, longest=10**9):
         self.t, self.x, self.degree = t, x, degree
+        self.gaps = gaps_in(t)
         u = t - t.mean()
         # what all runs share only costs digits
         y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
@@ -90,6 +94,21 @@ class RowSums:
         both = self.misfit(i, k) + self.misfit(k, j)
         best = int(np.argmin(both))
         return int(k[best]), float(self.misfit(i, j) - both[best])
+
+
+def gaps_in(t):
+    """Rows (list) before which there is a gap in the times t (n,), after 1 row at least."""
+    dt = np.diff(t)
+    if dt.size < 3:
+        return []
+    beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
+    gaps = []
+    for i in np.flatnonzero(dt > GAP * beside).tolist():
+        # the sampling rate may change: then the step is usual on one side
+        sides = [dt[max(0, i - NEAR) : i], dt[i + 1 : i + 1 + NEAR]]
+        if dt[i] > GAP * max(float(np.median(side)) for side in sides if side.size):
+            gaps.append(i + 1)
+    return gaps
 
 
 def cut(rows):

@@ -37,19 +37,19 @@ def find_runs(t, x):
 
     ParameterError where there are no constant speeds.  V < 0 is not refused here.
     """
-    runs = _steps_and_jumps(RowSums(t, x), x)
+    runs = _steps_and_jumps(RowSums(t, x))
     scatter, steps = _scatter_of(runs)
     # steps in quick succession may be taken for a load point that wanders
     if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
-        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT), x)
+        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT))
         if SUCCESS * _scatter_of(closer)[0] < scatter:
             runs = closer
     runs, holds = _mark_holds(runs)
     runs, ramps = _without_ramps(runs)
-    return runs, holds + ramps + _oddities(t, x, runs)
+    return runs, holds + ramps + _oddities(runs)
 
 
-def _steps_and_jumps(rows, x):
+def _steps_and_jumps(rows):
     """Runs between steps; where a displacement jumps, lines of one run."""
 
     @functools.cache
@@ -69,7 +69,7 @@ def _steps_and_jumps(rows, x):
         least = least_change(one, other)
         deflection = dV * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise[j] ** 0.5)
         size = min(dV / least if least else 0.0, deflection)
-        jumps = size < 1.0 and jump_size(rows.t, x, j, 0.5 * (one.V + other.V)) != 0.0
+        jumps = size < 1.0 and jump_size(rows, j, 0.5 * (one.V + other.V)) != 0.0
         return np.inf if jumps else size
 
     @functools.cache
@@ -78,8 +78,8 @@ def _steps_and_jumps(rows, x):
         if k - j >= 2 * SHORTEST:
             return False
         one, other = run_of(i, j), run_of(k, m)
-        t, least = rows.t[j:k], JUMP * rows.noise[j:k] ** 0.5
-        off = np.minimum(abs(x[j:k] - one.at(t, -1)), abs(x[j:k] - other.at(t, 0))) > least
+        t, x, least = rows.t[j:k], rows.x[j:k], JUMP * rows.noise[j:k] ** 0.5
+        off = np.minimum(abs(x - one.at(t, -1)), abs(x - other.at(t, 0))) > least
         return bool(off.sum() <= 1 and abs(one.V - other.V) < least_change(one, other))
 
     def changes(at):
@@ -165,12 +165,12 @@ def _digit(x):
     return 0.0
 
 
-def _oddities(t, x, runs):
+def _oddities(runs):
     """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
-    notes = []
+    notes, t, x = [], runs[0].samples.t, runs[0].samples.x
     for run in runs:
         for first, _ in run.rows[1:]:
-            if gap := jump_size(t, x, first, run.V):
+            if gap := jump_size(run.samples, first, run.V):
                 lost = f" (as in {gap / run.V:.2g} s at that speed)" if run.V else ""
                 notes.append(sentences("notes.jump", gap=gap, t=t[first], lost=lost))
     for one, other in itertools.pairwise(runs):

@@ -46,7 +46,17 @@ def stress_steps(time, sigma):
 
     Normal stress rests at each level for `REST` times as long as the change between them takes.
     """
-    levels = [_level(run) for run in _lines(time, sigma) if _change(run) <= VARIABLE]
+    if not _is_stress(sigma) or np.ptp(sigma) <= VARIABLE * sigma.mean():
+        return []
+    rows = RowSums(time, sigma)
+    try:
+        places = rows.at[cut(rows)].tolist()
+    except ParameterError:  # it varies without end
+        return []
+    runs = [Run(rows, [two]) for two in itertools.pairwise(places)]
+    slow = [r for r in runs if abs(r.V) * (r.end - r.start) <= VARIABLE * r.means[0][1]]
+    edges = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1]), time[-1:]])
+    levels = [_Level(edges[r.first], edges[r.last], r.means[0][1]) for r in slow]
     while levels and min(rests := _rests(levels)) < REST:
         del levels[int(np.argmin(rests))]
     return [
@@ -99,29 +109,6 @@ def stress_range(data, rows=slice(None)):
             largest = max(largest, np.ptp(means) - by_noise)
         rows *= 2
     return float(largest / sigma.mean())
-
-
-def _lines(time, sigma):
-    """`Run`s (list) on each of which a line fits; none if it does not vary, or without end."""
-    if not _is_stress(sigma) or np.ptp(sigma) <= VARIABLE * sigma.mean():
-        return []
-    rows = RowSums(time, sigma)
-    try:
-        cuts = cut(rows)
-    except ParameterError:  # too many
-        return []
-    return [Run(rows, [two]) for two in itertools.pairwise(rows.at[cuts].tolist())]
-
-
-def _change(run):
-    return abs(run.V) * (run.end - run.start) / run.means[0][1]
-
-
-def _level(run):
-    t, (first, last) = run.t, run.rows[0]
-    begin = 0.5 * (t[first] + t[max(first - 1, 0)])
-    end = 0.5 * (t[last - 1] + t[min(last, t.size - 1)])
-    return _Level(float(begin), float(end), float(run.means[0][1]))
 
 
 def _rests(levels):

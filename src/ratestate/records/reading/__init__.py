@@ -2,19 +2,19 @@
 
 =============================== =================================================================
 ``read``                        the function `read_lab`; an attempt for a page, which asks back
-``record``                      from tables to a record: in which order all below is done
-``joining``                     files of one experiment as one table
+``record``                      from tables to a record: in which order all below is done, and how
+                                files of one experiment are joined
 ``lab_format``                  a laboratory's format, saved as TOML; the function `describe`
-``open_table``                  which format a file has, by its first bytes; a file in memory
+``open_table``                  which format a file has, by its first bytes; a file in memory;
+                                which arrays of an HDF5 or MAT file are columns
 ``text``                        a text file in blocks: encoding, delimiter, decimal comma
 ``header``                      names and units in the lines above the numbers
 ``cells``                       numbers and clock times in lines
-``stored``                      which arrays of an HDF5 or MAT file are columns
-``table``                       what a file holds before it is interpreted; how messages quote it
 ``titles``                      name and unit in a title; which names mean which quantity
 ``column_names.toml``           these names, units, and the usual sizes of quantities
-``columns``                     which column is which quantity; which are needed
-``sizes``                       units of columns, and sizes that nobody can have measured
+``columns``                     what a file holds, and how messages quote it; which column is which
+                                quantity; their units
+``sizes``                       sizes that nobody can have measured, or few
 ``rows``                        which rows are kept: windows, cells without number, times, gaps;
                                 means over blocks of rows, of a very long record
 ``values``                      rows with codes, impossible values or dropouts; signs to turn;

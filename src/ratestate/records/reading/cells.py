@@ -1,10 +1,9 @@
 """Numbers and clock times out of lines of text, fast if all cells are numbers."""
 
-import contextlib
 import csv
-import datetime
 import itertools
 import re
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -108,20 +107,13 @@ def _days(dates):
 
 
 def _day(date, day_first):
-    if not date:
-        return np.nan
-    if count := re.fullmatch(r"(\d+)\s*(?:d|days?)?", date):
-        return float(count[1])
-    match = DATE.fullmatch(date)
-    if match and len(match[1]) < 4 and match[2] != ".":
-        parts, year = (int(match[1]), int(match[3])), int(match[4])
-        day, month = parts if day_first else parts[::-1]
-        with contextlib.suppress(ValueError):
-            return float(datetime.date(year + 2000 * (len(match[4]) < 3), month, day).toordinal())
-        return np.nan
     import pandas
 
-    found = pandas.to_datetime(date, errors="coerce", dayfirst="." in date)
+    if count := re.fullmatch(r"(\d+)\s*(?:d|days?)?", date):
+        return float(count[1])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that it is written in the other order
+        found = pandas.to_datetime(date, errors="coerce", dayfirst=day_first or "." in date)
     return np.nan if pandas.isna(found) else float(found.toordinal())
 
 

@@ -1,14 +1,31 @@
-"""Assigns quantities to the columns of a file, by the names of these."""
+"""Columns of a file, and which quantity each is, by its name."""
 
 import contextlib
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
 
 from ...errors import ParameterError
 from ...model.names import nearest
+from ...model.quantities import QUANTITIES
+from ...model.units import OF_WHOLE_CONTACT, to_si, unit_factor
 from ..messages import reading as sentences
-from .sizes import unit_of
-from .table import name_list, quoted
-from .titles import CERTAIN, PATTERNS, TABLE, WORDS, letters, match_rank, spaced
+from .titles import (
+    CERTAIN,
+    LIKE,
+    PATTERNS,
+    TABLE,
+    WEIGHTS,
+    WORDS,
+    letters,
+    match_rank,
+    plain,
+    spaced,
+)
 
+#: characters of a text, and names of a list, in a message
+LONGEST, MOST = 60, 20
 #: what a record needs -> columns one of which gives it; a message suggests the first
 NEEDS = {
     "time": ["time"],
@@ -18,6 +35,66 @@ NEEDS = {
 }
 #: symbol -> what replaces it
 INSTEAD = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
+
+
+class Column(NamedTuple):
+    """A column as it stands in a file."""
+
+    title: str  # its whole name in the file; "column 3" in a file without header
+    name: str  # the title without unit and group; "" if there is none
+    unit: str  # the unit beside it in the file, as written; "" if there is none
+    values: np.ndarray  # of float, NaN if a cell is not a number
+    other_unit: str = ""  # one elsewhere in the header that contradicts it
+
+    def rank(self, symbol):
+        """How surely it is one of a quantity, as of `match_rank`."""
+        return match_rank(self.name, symbol)
+
+    def has(self, word):
+        """Whether its name has one of the `WORDS`."""
+        return bool(WORDS[word].search(spaced(self.name)))
+
+
+class Table(NamedTuple):
+    """The contents of a file before they are interpreted: columns, maybe of different lengths."""
+
+    columns: list[Column]
+    lines: np.ndarray | None = None  # number of the line of each row of a text, from 1 on
+    unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
+    text_of: Callable[[int, int], str] | None = None  # of a cell, by the numbers of line and column
+    name: str = ""  # of the file
+
+    @property
+    def titles(self):
+        """list of the columns' titles, which may repeat."""
+        return [column.title for column in self.columns]
+
+    def unread_text(self):
+        """The end of a sentence on what the file has beside columns of numbers; "" for nothing."""
+        return f" (no real numbers, so not read: {name_list(self.unread)})" if self.unread else ""
+
+    def row_label(self, row):
+        """How a person finds a row (counted from 0 on) in the file: "line 17"."""
+        return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
+
+    def cell(self, row, column):
+        """A cell that is not a number as a message shows it, in quotes; "nothing" if empty."""
+        place = next((i for i, one in enumerate(self.columns) if one.values is column.values), None)
+        if self.text_of is None or self.lines is None or place is None:
+            return quoted(str(column.values[row]))
+        text = self.text_of(int(self.lines[row]), place)
+        return quoted(text) if text else "nothing"
+
+
+def quoted(text):
+    """A text out of a file, as a message shows it: in quotes, on one line, `LONGEST` at most."""
+    return repr(text if len(text) <= LONGEST else text[: LONGEST - 3] + "...")
+
+
+def name_list(names):
+    """Names, quoted, as a message lists them: the first `MOST`, and how many more there are."""
+    more = [f"{len(names) - MOST} more"] if len(names) > MOST else []
+    return ", ".join([*map(quoted, names[:MOST]), *more])
 
 
 def check_requests(columns, units):
@@ -47,12 +124,15 @@ def choose_columns(table, columns, constants=()):
         replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:
             continue
-        if symbol == "pore_pressure" and _is_effective(table, chosen, columns):
+        pore_pressure = symbol == "pore_pressure"
+        # it is to be subtracted from a total stress whose column was not requested
+        of_total = "sigma" in chosen and "sigma" not in columns and not _is_effective(table, chosen)
+        if pore_pressure and not of_total:
             continue
         # stresses are optional where friction is recorded
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
         index = column_by_name(table, symbol, chosen.values(), needed)
-        if index is not None and not _is_excess(table, symbol, index):
+        if index is not None and not (pore_pressure and table.columns[index].has("excess")):
             chosen[symbol] = index
     for need, ways in NEEDS.items():
         if not {*chosen, *constants} & set(ways):
@@ -64,21 +144,8 @@ def choose_columns(table, columns, constants=()):
     return chosen
 
 
-def _is_effective(table, chosen, requested):
-    """Whether no pore pressure is to be subtracted from sigma: it is effective, or requested."""
-    if "sigma" not in chosen or "sigma" in requested:
-        return True
-    return _rank(table, chosen, "sigma") == 0
-
-
-def _is_excess(table, symbol, index):
-    """Whether a column of pore pressure is counted from an initial one."""
-    name = spaced(table.columns[index].name)
-    return symbol == "pore_pressure" and bool(WORDS["excess"].search(name))
-
-
-def _rank(table, chosen, symbol):
-    return match_rank(table.columns[chosen[symbol]].name, symbol)
+def _is_effective(table, chosen):
+    return "sigma" in chosen and table.columns[chosen["sigma"]].rank("sigma") == 0
 
 
 def title_warnings(table, chosen, requested, constants=()):
@@ -89,21 +156,21 @@ def title_warnings(table, chosen, requested, constants=()):
     """
     notes = []
     for symbol, index in chosen.items():
-        title = quoted(table.titles[index])
+        column = table.columns[index]
+        title = quoted(column.title)
         if symbol in requested:
             continue
-        if _rank(table, chosen, symbol) >= CERTAIN[symbol]:
+        if column.rank(symbol) >= CERTAIN[symbol]:
             notes.append(sentences("notes.perhaps", symbol=symbol, title=title))
         if symbol == "pore_pressure":
             sigma = quoted(table.titles[chosen["sigma"]])
             notes.append(sentences("notes.effective", title=title, sigma=sigma))
-    if "pore_pressure" not in chosen and {"sigma"} & {*chosen, *constants}:
-        effective = "sigma" in chosen and _rank(table, chosen, "sigma") == 0
+    total = "sigma" in {*chosen, *constants} and not _is_effective(table, chosen)
+    if total and "pore_pressure" not in chosen:
         for i, column in enumerate(table.columns):
-            free = i not in chosen.values() and not effective
-            known = match_rank(column.name, "pore_pressure") is not None
-            if free and (known or WORDS["pressure"].search(spaced(column.name))):
-                excess = _is_excess(table, "pore_pressure", i)
+            known = column.rank("pore_pressure") is not None or column.has("pressure")
+            if known and i not in chosen.values():
+                excess = column.has("excess")
                 name = "notes.excess_pressure" if excess else "notes.pore_pressure"
                 notes.append(sentences(name, title=quoted(column.title)))
     return notes
@@ -143,7 +210,7 @@ def column_by_name(table, symbol, taken, needed=False):
     ranks = {
         i: rank
         for i, column in enumerate(table.columns)
-        if i not in taken and (rank := match_rank(column.name, symbol)) is not None
+        if i not in taken and (rank := column.rank(symbol)) is not None
     }
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
@@ -156,9 +223,8 @@ def _column_of_unit(table, symbol, taken):
     """The one free column with a unit of this quantity, as a call names it; else ""."""
     same = []
     for i, column in enumerate(table.columns):
-        moves = TABLE["quantities"][symbol].get("moves")
-        others = moves and WORDS["elsewhere"].search(spaced(column.name))
-        if i not in taken and not others:
+        other = TABLE["quantities"][symbol].get("moves") and column.has("elsewhere")
+        if i not in taken and not other:
             with contextlib.suppress(ParameterError):
                 unit_of(column, symbol, {})
                 same.append(i)
@@ -169,3 +235,45 @@ def _reference(table, index):
     """A column as a call names it: by its title, or by number if the title is not unique."""
     title = table.titles[index]
     return quoted(title) if table.titles.count(title) == 1 else str(index + 1)
+
+
+def unit_of(column, symbol, units):
+    """The unit of a column as `to_si` reads it: that in `units`, else that beside it in the file.
+
+    Friction without any has "1".  ParameterError: there is none, or it is no unit of the symbol.
+    """
+    unit = plain(units.get(symbol, column.unit))
+    if not unit and symbol == "friction" and symbol not in units:
+        return "1"
+    names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE[symbol]}
+    if not unit:
+        raise sentences.refusal("units.none", **names)
+    if column.other_unit and symbol not in units and not _is_same(unit, column.other_unit, symbol):
+        raise sentences.refusal(
+            "units.contradiction", unit=unit, other=plain(column.other_unit), **names
+        )
+    try:
+        to_si(symbol, f"1 {unit}", bound="")
+    except ParameterError as error:
+        what = str(error).rpartition("; expected")[0] or str(error)
+        what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
+        where = f"units: {symbol} =" if symbol in units else "the unit"
+        other = "" if OF_WHOLE_CONTACT in what else ", or name another column in columns"
+        names |= {"unit": unit, "what": what}
+        raise sentences.refusal("units.kind", where=where, other=other, **names) from None
+    return unit
+
+
+def _is_same(unit, other, symbol):
+    si = QUANTITIES[symbol].unit
+    with contextlib.suppress(ValueError):
+        return unit_factor(si, unit) == unit_factor(si, plain(other))
+    return False
+
+
+def newtons(column, symbol, units):
+    """How many newtons the unit of a column is, None if it is not a unit of force."""
+    with contextlib.suppress(ValueError):
+        unit = plain(units.get(symbol, column.unit))
+        return float(unit_factor("N", WEIGHTS.get(unit, unit)))
+    return None

@@ -1,7 +1,6 @@
 """Names and units of columns out of the lines above the numbers."""
 
 import csv
-import itertools
 import math
 import re
 from typing import NamedTuple
@@ -10,8 +9,8 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..messages import reading as sentences
-from .cells import COMMENTS, cells_of, is_comment, number_in
-from .table import quoted
+from .cells import COMMENTS, is_comment, number_in
+from .columns import quoted
 from .titles import WORDS, is_known, is_unit, letters, name_and_units, plain, spaced
 
 #: a line of xlook below names and units: how many records each column has
@@ -26,6 +25,7 @@ class Header(NamedTuple):
     names: list[str]  # of the columns, "" for none
     units: list[str]
     times: tuple[float, float] | None = None  # first time and step [s], if no column has them
+    lines: tuple[str, ...] = ()  # as they are written
 
     def described(self):
         """Name, unit and contradicting unit of each column."""
@@ -62,51 +62,38 @@ def header_of(lines, delimiter, width, written=None):
             count = len(_cells(kept[-1].strip(" \n"), delimiter))
             raise sentences.refusal("text.header", count=count, **values)
         return Header(nothing, nothing)
+    texts = tuple(line.strip() for line in kept)
     if above and any(names) and all(not plain(name) or is_unit(name) for name in names):
-        return Header(above, names)
-    return Header(names, nothing)
+        return Header(above, names, lines=texts)
+    return Header(names, nothing, lines=texts)
 
 
-def check_headers(lines, values, places, layout, above, header, name):
+def check_headers(lines, rows, layout, above, header, name):
     """ParameterError if there is another header than the first among the rows of some lines.
 
-    values, places, layout : the numbers in the lines, as by `rows_in`, and their `Layout`
+    rows, layout : which lines have numbers, and their `Layout`
     above : how many lines are above these
     header, name : the first header, and of which file
     """
-    width, delimiter = layout.width, layout.delimiter
-    numbers = np.zeros(len(lines), bool)
-    numbers[places[np.isfinite(values).any(axis=1)]] = True
-    if numbers.all() or not numbers.any():
-        return
-    texts = [i for i in np.flatnonzero(~numbers).tolist() if lines[i].strip()]
-    below = np.append(np.flatnonzero(numbers), len(lines))
-    after = below[np.searchsorted(below, texts)].tolist()
-    for end, group in itertools.groupby(zip(after, texts, strict=True), lambda pair: pair[0]):
-        part = [i for _, i in group]
-        widths = {width} | ({len(cells_of(lines[end], delimiter))} if end < len(lines) else set())
-        found = next(
-            (i for i in part if _is_header(lines[i], delimiter, widths, header.names)), None
-        )
-        if found is None:
+    texts = np.ones(len(lines), bool)
+    texts[rows] = False
+    for i in np.flatnonzero(texts).tolist() if rows.size else []:
+        line = lines[i].strip()
+        if not line or line in header.lines or not _is_header(line, layout, header.names):
             continue
         try:
-            other = header_of([lines[i] for i in part], delimiter, width)
+            same = header_of([line], layout.delimiter, layout.width).meaning() == header.meaning()
         except ParameterError:
-            other = None
-        if other is None or other.meaning() != header.meaning():
-            values = {"line": above + found + 1, "text": quoted(lines[found].strip())}
+            same = False
+        if not same:
+            values = {"line": above + i + 1, "text": quoted(line)}
             raise sentences.refusal("text.second_header", name=name, **values)
 
 
-def _is_header(line, delimiter, widths, first):
-    """Whether a line below the first numbers has names or units of columns: two or more.
-
-    widths : numbers of columns there may be
-    first : names in the first header
-    """
-    ways = [_names(line, delimiter, width) or [] for width in widths]
-    for names in ways if is_comment(line) else [*ways, _cells(line, delimiter)]:
+def _is_header(line, layout, first):
+    """Whether a line has names or units of two columns or more, or names of the first header."""
+    ways = [_names(line, layout.delimiter, layout.width) or []]
+    for names in ways if is_comment(line) else [*ways, _cells(line, layout.delimiter)]:
         numbers = any(not math.isnan(number_in(name)) for name in names)
         if not numbers and sum(name in first or is_known(name) for name in names if name) > 1:
             return True

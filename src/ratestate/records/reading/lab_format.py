@@ -80,15 +80,14 @@ class LabFormat:
         columns, units = {} if columns is None else columns, {} if units is None else units
         check_requests(columns, units)
         sigma = self.constants.get("sigma") if sigma is None else sigma
-        if sigma is None:
-            return dataclasses.replace(
-                self, columns=self.columns | columns, units=self.units | units
-            )
-        if "sigma" in columns:
-            raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
-        own = [{s: x for s, x in one.items() if s != "sigma"} for one in (self.columns, self.units)]
-        changed = {"columns": own[0] | columns, "units": own[1] | units}
-        return dataclasses.replace(self, constants={"sigma": sigma}, **changed)
+        own, constants = [self.columns, self.units], {}
+        if sigma is not None:
+            if "sigma" in columns:
+                raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
+            own = [{s: x for s, x in one.items() if s != "sigma"} for one in own]
+            constants = {"sigma": sigma}
+        columns, units = own[0] | columns, own[1] | units
+        return dataclasses.replace(self, columns=columns, units=units, constants=constants)
 
     def open(self, file):
         """The `Table` in a file, as by `open_table`."""

@@ -130,12 +130,10 @@ def attempt(file, choices, seconds, stop):
 
 
 def _attempt(file, choices):
+    columns, chosen = [], {}
     try:
         table = open_table(file)
-    except ParameterError as error:
-        return Attempt([], {}, None, error)
-    columns, chosen = [(column.title, column.unit) for column in table.columns], {}
-    try:
+        columns = [(column.title, column.unit) for column in table.columns]
         lab = LabFormat().with_call(choices.pop("columns", None), choices.pop("units", None))
         chosen = {s: i + 1 for s, i in choose_columns(table, lab.columns).items()}
         record, _ = record_of([table], lab, **choices)

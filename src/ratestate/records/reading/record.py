@@ -1,5 +1,6 @@
-"""From tables to a record: which columns, which rows, and the load point's history in them."""
+"""From the tables of one or several files to a record with the load point's history."""
 
+import itertools
 import json
 
 import numpy as np
@@ -9,18 +10,18 @@ from ...model.quantities import attrs, readable
 from ..load_point.segments import segments_from_displacement, segments_from_velocity
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
-from .columns import choose_columns, column_by_name, title_warnings
-from .joining import check_join, join_parts
-from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
-from .sizes import (
-    check_numbers,
-    check_sizes,
-    constant_in_si,
+from .columns import (
+    NEEDS,
+    Column,
+    choose_columns,
+    column_by_name,
     newtons,
+    quoted,
+    title_warnings,
     unit_of,
-    unusual,
 )
-from .table import Column, quoted
+from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
+from .sizes import check_sizes, constant_in_si, in_si, unusual
 from .values import (
     coarse_resolution,
     disagreements,
@@ -30,6 +31,13 @@ from .values import (
     flip_signs,
 )
 
+#: how the times of files may follow each other
+JOINS = ("auto", "absolute", "restart")
+#: steps of time from 0 within which a clock begins that starts anew
+NEAR_ZERO = 1.5
+#: least move against the load point's direction, over the largest step, of a sensor set to 0 again
+ZEROED = 3.0
+
 
 def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="auto"):
     """The Dataset that `read_lab` makes of tables, and a list of what it warns of.
@@ -38,15 +46,16 @@ def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="aut
     lab : `LabFormat`, with what a call gives; other arguments, and what is raised, as of `read_lab`
     """
     most = checked_most(rows)
-    check_join(join)
+    if join not in JOINS:
+        raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
     windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    parts = [_chosen(table, lab, constants) for table in tables]
-    kept, of_files = join_parts([part for part, _ in parts], join, constants)
-    of_files = [note for _, notes in parts for note in notes] + of_files
-    sources = {s: {"title": c.title, "unit": kept.units[s]} for s, c in kept.columns.items()}
-    turned, of_signs = _prepare(kept, windows, lab, constants)
+    parts = [_rows_of(table, lab, constants) for table in tables]
+    kept, of_joining = _joined([part for part, _ in parts], join, constants)
+    of_files = [note for _, notes in parts for note in notes] + of_joining
+    sources = {s: {"title": kept.columns[s].title, "unit": kept.units[s]} for s in kept.record}
+    turned, minor = _prepare(kept, windows, lab, constants)
     downsample(kept, most)
     record = kept.record
     segments = _segments(record, kept.gaps)
@@ -54,21 +63,22 @@ def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="aut
     is_fine = "sigma" in record and not coarse
     stress = stress_steps(record["time"], record["sigma"]) if is_fine else []
     if segments.V.size == 1 and not stress:
-        of_signs.append(sentences("notes.no_step"))
+        minor.append(sentences("notes.no_step"))
     messages = kept.warnings + of_files + unusual(record, segments.V)
     messages += disagreements(kept, coarse)
     data = _dataset(record, segments)
-    sources = {
-        s: source | ({"sign": -1} if s in turned else {})
-        for s, source in sources.items()
-        if s in record or s == "pore_pressure"
-    }
     data.attrs = {
         "title": "ratestate read_lab",
         "found": coarse or segments.history(record["time"], record.get("delta_lp"), stress),
         "source": ", ".join(table.name for table in tables),
-        "columns": json.dumps(sources),
-        "notes": json.dumps(messages + of_signs + segments.notes),
+        "columns": json.dumps(
+            {
+                s: source | ({"sign": -1} if s in turned else {})
+                for s, source in sources.items()
+                if s in record or s == "pore_pressure"
+            }
+        ),
+        "notes": json.dumps(messages + minor + segments.notes),
     }
     if lab.machine:
         data.attrs["machine"] = json.dumps(lab.machine)
@@ -82,8 +92,8 @@ def _prepare(kept, windows, lab, constants):
     drop_codes(kept)
     kept.order()
     kept.check_enough()
-    for symbol, column in kept.columns.items():
-        check_sizes(symbol, kept.record[symbol], column, kept.units[symbol])
+    for symbol in kept.record:
+        check_sizes(symbol, kept.record[symbol], kept.columns[symbol], kept.units[symbol])
     drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
     turned, notes = flip_signs(kept.record, lab.signs)
     for symbol, value in constants.items():
@@ -96,8 +106,8 @@ def _prepare(kept, windows, lab, constants):
     return turned, notes
 
 
-def _chosen(table, lab, constants):
-    """All `Rows` of the chosen columns of a table, and notes.
+def _rows_of(table, lab, constants):
+    """All `Rows` of the chosen columns of a table, in SI, and notes.
 
     constants : symbol -> constant [SI] in place of a column
     """
@@ -110,17 +120,30 @@ def _chosen(table, lab, constants):
             {s: x for s, x in one.items() if s not in ("tau", "sigma")} for one in (chosen, units)
         )
         chosen["friction"] = ratio
-    unit, of_units = _units(table, chosen, lab.columns, units)
-    notes += of_units
-    chosen = {symbol: chosen[symbol] for symbol in unit}
-    if len({column.values.size for column in chosen.values()}) > 1:
-        sizes = ", ".join(f"{quoted(c.title)} has {c.values.size}" for c in chosen.values())
+    if unused := units.keys() - chosen.keys():
+        symbols = ", ".join(sorted(unused))
+        raise sentences.refusal("units.unused", symbols=symbols, chosen=", ".join(chosen))
+    rows = Rows([(0, table, chosen)], {symbol: c.values for symbol, c in chosen.items()})
+    rows.check_numbers()
+    for symbol, column in chosen.items():
+        stress = symbol in ("tau", "sigma")
+        optional = stress and "friction" in chosen and symbol not in lab.columns
+        try:
+            rows.units[symbol] = unit_of(column, symbol, units)
+        except ParameterError as error:
+            if not optional:
+                raise
+            notes.append(f"{symbol} is left out: {error}")
+            del rows.record[symbol]
+    if len({values.size for values in rows.record.values()}) > 1:
+        sizes = ", ".join(f"{quoted(chosen[s].title)} has {x.size}" for s, x in rows.record.items())
         raise sentences.refusal("column.lengths", sizes=sizes)
+    rows.record = {s: in_si(s, values, rows.units[s]) for s, values in rows.record.items()}
     for symbol, value in constants.items():
         if (index := column_by_name(table, symbol, ())) is not None:
             values = {"sigma": readable(symbol, value), "title": quoted(table.titles[index])}
             notes.append(sentences("notes.constant_sigma", **values))
-    return Rows(table, chosen, unit), notes
+    return rows, notes
 
 
 def _ratio_of_forces(chosen, units):
@@ -135,27 +158,6 @@ def _ratio_of_forces(chosen, units):
         values = shear.values * in_newtons[0] / (normal.values * in_newtons[1])
     title = f"{shear.title} / {normal.title}"
     return Column(title, title, "1", values)
-
-
-def _units(table, chosen, requested, units):
-    """Units of columns, and notes on optional columns left out for want of one."""
-    if unused := units.keys() - chosen.keys():
-        raise sentences.refusal(
-            "units.unused", symbols=", ".join(sorted(unused)), chosen=", ".join(chosen)
-        )
-    for symbol, column in chosen.items():
-        check_numbers(table, symbol, column)
-    unit, notes = {}, []
-    for symbol, column in chosen.items():
-        stress = symbol in ("tau", "sigma")
-        optional = stress and "friction" in chosen and symbol not in requested
-        try:
-            unit[symbol] = unit_of(column, symbol, units)
-        except ParameterError as error:
-            if not optional:
-                raise
-            notes.append(f"{symbol} is left out: {error}")
-    return unit, notes
 
 
 def _segments(record, gaps):
@@ -180,3 +182,76 @@ def _dataset(record, segments):
         label = f"segment_{name}"
         variables[label] = ("segment", getattr(segments, name), attrs(label))
     return xarray.Dataset(variables, coords={"time": ("time", record["time"], attrs("time"))})
+
+
+def _joined(parts, join, constants):
+    """The `Rows` of all files, and notes (list of str).
+
+    parts : list of the `Rows` of each file, with nothing left out
+    join : as of `read_lab`
+    constants : symbols that are given, and need no column
+
+    ParameterError: a column that another file lacks, or times that overlap.
+    """
+    if len(parts) == 1:
+        return parts[0], []
+    symbols, notes = _common_symbols(parts, constants)
+    pieces = {s: [part.record[s] for part in parts] for s in symbols}
+    times = pieces["time"]
+    from_zero = all(0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t) for t in times)
+    for i, (one, other) in enumerate(itertools.pairwise(parts)):
+        end, begin = _ends(times[i])[1], _ends(times[i + 1])[0]
+        names = {"before": one.name, "after": other.name}
+        if join == "restart" or (join == "auto" and from_zero):
+            added = end + _usual_step(times[i + 1]) - begin
+            times[i + 1] = times[i + 1] + added
+            notes.append(sentences("notes.restart", added=added, **names))
+            if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i : i + 2])):
+                pieces["delta_lp"][i + 1] = pieces["delta_lp"][i + 1] + added
+                notes.append(sentences("notes.zeroed", added=added, **names))
+        elif begin < end:
+            places = {
+                "last_row": one.row_label(np.flatnonzero(np.isfinite(times[i]))[-1]),
+                "first_row": other.row_label(np.flatnonzero(np.isfinite(times[i + 1]))[0]),
+            }
+            raise sentences.refusal("join.overlap", end=end, begin=begin, **names, **places)
+    starts = np.cumsum([0, *(t.size for t in times)]).tolist()
+    files = [(start, *part.files[0][1:]) for start, part in zip(starts, parts, strict=False)]
+    rows = Rows(files, {s: np.concatenate(piece) for s, piece in pieces.items()})
+    rows.units = parts[0].units
+    return rows, notes
+
+
+def _common_symbols(parts, constants):
+    """Symbols that all files have, and notes on others; ParameterError if these are needed."""
+    known = dict.fromkeys(symbol for part in parts for symbol in part.record)
+    symbols = [s for s in known if all(s in part.record for part in parts)]
+    notes = []
+    for symbol in [s for s in known if s not in symbols]:
+        name = next(part.name for part in parts if symbol in part.record)
+        lacking = next(part.name for part in parts if symbol not in part.record)
+        values = {"symbol": symbol, "name": name, "lacking": lacking}
+        if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
+            raise sentences.refusal("join.columns", **values)
+        notes.append(sentences("notes.not_in_all", **values))
+    return symbols, notes
+
+
+def _ends(values):
+    """The first and the last finite value."""
+    finite = values[np.isfinite(values)]
+    return float(finite[0]), float(finite[-1])
+
+
+def _usual_step(t):
+    """The usual time between rows; 0 if there is none."""
+    steps = np.diff(t[np.isfinite(t)])
+    return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
+
+
+def _zeroed_by(before, after):
+    """What to add to a displacement that was set to 0 again; 0 if it was not."""
+    (begin, end), (next_, last) = _ends(before), _ends(after)
+    steps = np.concatenate([np.abs(np.diff(x[np.isfinite(x)])) for x in (before, after)])
+    back = (end - next_) * np.sign(end - begin + last - next_)
+    return end - next_ if back > ZEROED * steps.max(initial=0.0) else 0.0

@@ -11,10 +11,10 @@ import itertools
 import numpy as np
 
 from ...model.units import is_integer, to_si
-from ..load_point.runs import GAP
+from ..load_point.splits import gaps_in
 from ..messages import reading as sentences
-from .sizes import check_numbers, in_si
-from .table import quoted
+from .cells import LIKE_CLOCK
+from .columns import Column, quoted
 
 #: most rows that are kept, by default: `fit` takes a fifth of that, and one of many steps less
 MOST = 1_000_000
@@ -23,28 +23,61 @@ FEWEST = 10  # rows
 LISTED = 5  # rows of each kind in a message
 #: a step of time this short, over the usual one, counts as 0: it gives no speed
 SAME = 1e-9
-NEIGHBOURS = 10  # rows that define what is usual
 
 
 class Rows:
-    """The rows of a table that are `kept`, their `record` (symbol -> values in SI), and `warnings`.
+    """The rows of one or several files that are `kept`, and their `record`.
 
-    columns, units : symbol -> `Column`, all of one length; symbol -> its unit
+    files : list of (first row, `Table`, symbol -> `Column`), the first row counted over all files
+    record : symbol -> values, in the unit of the file until they are converted to SI
 
-    `kept` has their indices in the table, from 0; `record` is empty until `cut`; `gaps` has the
-    places along `kept` before which there is a gap in time, once `find_gaps` has looked.
+    `columns` (those of the first file) and `units` (symbol -> unit) are for messages.  `kept` has
+    indices over all files, from 0; `gaps` the places along `kept` before which there is a gap in
+    time, once `find_gaps` has looked.
     """
 
-    def __init__(self, table, columns, units):
-        self.table, self.columns, self.units = table, columns, units
-        self.kept = np.arange(columns["time"].values.size)
-        self.record: dict[str, np.ndarray] = {}
+    def __init__(self, files, record):
+        self.files, self.record = files, record
+        self.columns: dict[str, Column] = files[0][2]
+        self.units: dict[str, str] = {}
+        self.kept = np.arange(record["time"].size)
         self.warnings: list[str] = []
         self.gaps = np.zeros(0, int)
 
-    def in_si(self, symbol):
-        """(kept,) a column in SI; NaN where it has no number."""
-        return in_si(symbol, self.columns[symbol].values[self.kept], self.units[symbol])
+    @property
+    def name(self):
+        """Name of the first file."""
+        return self.files[0][1].name
+
+    def row_label(self, row):
+        """How a person finds a row: "line 17", or "line 17 of b.txt" if there are several files."""
+        first, table, _ = self._file(row)
+        label = table.row_label(row - first)
+        return f"{label} of {table.name}" if len(self.files) > 1 else label
+
+    def cell(self, row, symbol):
+        """A cell that is not a number, as a message shows it."""
+        first, table, columns = self._file(row)
+        return table.cell(row - first, columns[symbol])
+
+    def _file(self, row):
+        return next(file for file in reversed(self.files) if file[0] <= row)
+
+    def check_numbers(self):
+        """ParameterError for a column without any finite number in the rows that are kept."""
+        for symbol, values in self.record.items():
+            if np.isfinite(values).any():
+                continue
+            row = int(self.kept[0])
+            cell, title = self.cell(row, symbol), quoted(self.columns[symbol].title)
+            dated = symbol == "time" and LIKE_CLOCK.search(cell)
+            raise sentences.refusal(
+                "column.dates" if dated else "column.no_numbers",
+                title=title,
+                symbol=symbol,
+                row=self.row_label(row),
+                cell=cell,
+            )
 
     def keep(self, which):
         """Keep only these of the rows: a mask or slice along `kept`."""
@@ -65,67 +98,61 @@ class Rows:
     def listed(self, places, shown=None):
         """Some rows as a message lists them: "line 17 ('x' in 'Time(s)'), line 20 and 3 more"."""
         texts = [
-            self.table.row_label(self.kept[i]) + (f" ({shown(i)})" if shown else "")
+            self.row_label(self.kept[i]) + (f" ({shown(i)})" if shown else "")
             for i in places[:LISTED]
         ]
         more = f" and {len(places) - LISTED} more" if len(places) > LISTED else ""
         return ", ".join(texts) + more
 
     def cut(self, windows):
-        """Keep only the rows in the windows, from the first one inside to the last: the record.
+        """Keep only the rows in the windows, from the first one inside to the last.
 
         windows : symbol -> (name, from, to) as by `window`; may be empty
 
         ParameterError: no row is inside, too few are, or there is no displacement for a window.
         """
         for symbol, (name, low, high) in windows.items():
-            if symbol not in self.columns:
+            if symbol not in self.record:
                 raise sentences.refusal("window.no_displacement")
-            values = self.in_si(symbol)
+            values = self.record[symbol]
             inside = np.flatnonzero((values >= low) & (values <= high))
             if not inside.size:
                 ends = {"low": np.nanmin(values), "high": np.nanmax(values)}
                 raise sentences.refusal("window.no_row", name=name, symbol=symbol, **ends)
             self.keep(slice(inside[0], inside[-1] + 1))
         self.check_enough(" in the window" if windows else "")
-        self.record = {symbol: self.in_si(symbol) for symbol in self.columns}
 
     def drop_unreadable(self):
-        """Leave out rows without a finite number in any column; ParameterError if one has none."""
-        for symbol, column in self.columns.items():
-            check_numbers(self.table, symbol, column, self.kept)
-        self._check_dense()
+        """Leave out rows without a finite number in any column.
 
-        def bad_cell(i):
-            row = self.kept[i]
-            column = next(c for c in self.columns.values() if not np.isfinite(c.values[row]))
-            return f"{self.table.cell(row, column)} in {quoted(column.title)}"
-
-        bad = np.zeros(self.kept.size, bool)
-        for column in self.columns.values():
-            bad |= ~np.isfinite(column.values[self.kept])
-        self.leave_out(bad, "for want of a number", bad_cell)
-
-    def _check_dense(self):
-        """ParameterError if most rows lack a number in some column; it is left out beside friction.
-
-        Rows without any number do not count.
+        ParameterError if a column has none, or if most rows lack a number in a column that is
+        needed; stresses are left out beside friction.  Rows without any number do not count.
         """
+        self.check_numbers()
         while True:
-            good = {s: np.isfinite(c.values[self.kept]) for s, c in self.columns.items()}
+            good = {symbol: np.isfinite(values) for symbol, values in self.record.items()}
             whole, some = np.all([*good.values()], axis=0), np.any([*good.values()], axis=0)
             if 2 * whole.sum() >= some.sum():
-                return
+                break
             symbol = min(good, key=lambda name: good[name].sum())
-            row = int(np.argmax(some & ~good[symbol]))
-            values = {"title": quoted(self.columns[symbol].title), "symbol": symbol}
-            values |= {"count": int(good[symbol].sum()), "whole": int(whole.sum())}
-            values |= {"rows": int(some.sum()), "row": self.table.row_label(self.kept[row])}
-            if "friction" not in self.columns or symbol not in ("tau", "sigma"):
+            values = {
+                "title": quoted(self.columns[symbol].title),
+                "symbol": symbol,
+                "count": int(good[symbol].sum()),
+                "whole": int(whole.sum()),
+                "rows": int(some.sum()),
+                "row": self.row_label(self.kept[np.argmax(some & ~good[symbol])]),
+            }
+            if "friction" not in self.record or symbol not in ("tau", "sigma"):
                 raise sentences.refusal("column.sparse", **values)
             self.warnings.append(sentences("notes.sparse", **values))
-            self.columns = {s: c for s, c in self.columns.items() if s != symbol}
-            self.record.pop(symbol, None)
+            del self.record[symbol]
+
+        def bad_cell(i):
+            symbol = next(symbol for symbol in good if not good[symbol][i])
+            return f"{self.cell(self.kept[i], symbol)} in {quoted(self.columns[symbol].title)}"
+
+        self.leave_out(~whole, "for want of a number", bad_cell)
 
     def order(self):
         """Leave out rows that repeat a time; ParameterError for times that run backwards."""
@@ -145,19 +172,11 @@ class Rows:
 
     def find_gaps(self):
         """Warn of steps of time that are much longer than those before and after."""
-        dt = np.diff(self.record["time"])
-        if dt.size < 3:
-            return
-        beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
-        gaps: list[int] = []
-        for i in np.flatnonzero(dt > GAP * beside):
-            sides = [dt[max(0, i - NEIGHBOURS) : i], dt[i + 1 : i + 1 + NEIGHBOURS]]
-            # the sampling rate may change: then the step is usual on one side
-            if dt[i] > GAP * max(float(np.median(side)) for side in sides if side.size):
-                gaps.append(int(i) + 1)
+        t = self.record["time"]
+        gaps = gaps_in(t)
         self.gaps = np.array(gaps, int)
         if gaps:
-            rows = self.listed(gaps, lambda i: f"{dt[i - 1]:.3g} s")
+            rows = self.listed(gaps, lambda i: f"{t[i] - t[i - 1]:.3g} s")
             count = "a gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
             self.warnings.append(f"{count} in time before {rows}")
 

@@ -1,16 +1,12 @@
-"""Columns in SI: their units, and checks of what is in them."""
-
-import contextlib
+"""Sizes of quantities in SI: those that nobody can have measured, and those that are rare."""
 
 import numpy as np
 
-from ...errors import ParameterError
 from ...model.quantities import QUANTITIES
-from ...model.units import OF_WHOLE_CONTACT, one_in_si, scaled, to_si, unit_factor
+from ...model.units import one_in_si, scaled, unit_factor
 from ..messages import reading as sentences
-from .cells import LIKE_CLOCK
-from .table import quoted
-from .titles import LIKE, USUAL, WEIGHTS, plain
+from .columns import quoted
+from .titles import USUAL
 
 #: friction of rocks and gouges, which only a few minerals are below and nothing is far above; the
 #: normal stress of most machines; how far [m] and how fast [m/s] all but rotary machines go
@@ -19,65 +15,11 @@ COMMON_STRESS = (1e3, 1e9)  # Pa
 FAR, FAST = 1.0, 0.1
 
 
-def unit_of(column, symbol, units):
-    """The unit of a column as `to_si` reads it: that in `units`, else that beside it in the file.
-
-    Friction without any has "1".  ParameterError: there is none, or it is no unit of the symbol.
-    """
-    unit = plain(units.get(symbol, column.unit))
-    if not unit and symbol == "friction" and symbol not in units:
-        return "1"
-    names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE[symbol]}
-    if not unit:
-        raise sentences.refusal("units.none", **names)
-    if column.other_unit and symbol not in units and not _is_same(unit, column.other_unit, symbol):
-        raise sentences.refusal(
-            "units.contradiction", unit=unit, other=plain(column.other_unit), **names
-        )
-    try:
-        to_si(symbol, f"1 {unit}", bound="")
-    except ParameterError as error:
-        what = str(error).rpartition("; expected")[0] or str(error)
-        what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
-        where = f"units: {symbol} =" if symbol in units else "the unit"
-        other = "" if OF_WHOLE_CONTACT in what else ", or name another column in columns"
-        names |= {"unit": unit, "what": what}
-        raise sentences.refusal("units.kind", where=where, other=other, **names) from None
-    return unit
-
-
-def _is_same(unit, other, symbol):
-    si = QUANTITIES[symbol].unit
-    with contextlib.suppress(ValueError):
-        return unit_factor(si, unit) == unit_factor(si, plain(other))
-    return False
-
-
-def newtons(column, symbol, units):
-    """How many newtons the unit of a column is, None if it is not a unit of force."""
-    with contextlib.suppress(ValueError):
-        unit = plain(units.get(symbol, column.unit))
-        return float(unit_factor("N", WEIGHTS.get(unit, unit)))
-    return None
-
-
 def in_si(symbol, values, unit):
     """(n,) values of a column in SI, of any sign; NaN for those that are not finite."""
     converted = scaled(values, unit_factor(QUANTITIES[symbol].unit, unit))
     finite = np.isfinite(values)
     return converted if finite.all() else np.where(finite, converted, np.nan)
-
-
-def check_numbers(table, symbol, column, rows=slice(None)):
-    """ParameterError for a column without any finite number in these rows, all by default."""
-    numbers = column.values[rows]
-    if np.isfinite(numbers).any():
-        return
-    row = int(np.arange(column.values.size)[rows][0])
-    where = {"title": quoted(column.title), "symbol": symbol, "row": table.row_label(row)}
-    cell = table.cell(row, column)
-    dated = symbol == "time" and LIKE_CLOCK.search(cell)
-    raise sentences.refusal("column.dates" if dated else "column.no_numbers", cell=cell, **where)
 
 
 def unusual(record, speeds):

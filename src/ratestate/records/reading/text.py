@@ -1,7 +1,7 @@
 """Tables of text: tabs, commas, semicolons or spaces between cells; in blocks of lines.
 
-NumPy's `loadtxt` reads the numbers.  It is faster than pandas' parser, rounds as Python does in all
-versions, and says which lines are no rows of numbers.
+NumPy's `loadtxt` reads the numbers, rounded as Python does.  pandas' parser would read a clean file
+faster, but keeps no lines: remarks, other headers and messages need them.
 """
 
 import codecs
@@ -25,8 +25,8 @@ from .cells import (
     rows_in,
     trimmed,
 )
+from .columns import Column, Table, quoted
 from .header import check_headers, end_of_labview, header_of
-from .table import Column, Table, quoted
 from .titles import TABLE, match_rank
 
 DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
@@ -37,8 +37,6 @@ MOST_ABOVE = 2_000  # lines above the numbers
 BLOCK = 1 << 20  # characters read at once
 BYTES = 1 << 24  # read at once to find the encoding
 HEAD = 1 << 16  # bytes in which words are looked for
-NEEDED = 3  # columns of a record: time, displacement and friction
-FEWEST = 10  # whole rows beside short ones
 CLOCK_TIME = "clock time"  # a name of times that ranks below names of seconds
 #: minus signs and blanks that numbers are printed with -> what they mean
 _PRINTED = [
@@ -61,7 +59,9 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
     encoding, most = _examined(path)
     with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
         blocks = _blocks(file, path.name)
-        head = _head(blocks)
+        head: list[str] = []  # in which the layout is found
+        while len(head) < MOST_ABOVE + LOOK and (lines := next(blocks, None)):
+            head += lines
         above = end_of_labview(head)
         full = [i for i, line in enumerate(head) if is_full(line) and i >= above]
         start, delimiter = _first_row(path, head, full, delimiters)
@@ -85,7 +85,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
             # a column of seconds beside it is finer, or as fine
             name = CLOCK_TIME if match_rank(name, "time") is not None else name
         title = header.names[j] or f"column {j + 1}"
-        columns.append(Column(title, name, unit, column, other, j))
+        columns.append(Column(title, name, unit, column, other))
 
     def text_of(number, place):
         with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
@@ -93,7 +93,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         cells = trimmed(cells_of(line, delimiter), width)
         return f"{len(cells)} cells" if len(cells) > width else "".join(cells[place : place + 1])
 
-    return Table(columns, "line", numbers, text_of=text_of, name=path.name)
+    return Table(columns, numbers, text_of=text_of, name=path.name)
 
 
 def _examined(path):
@@ -116,11 +116,9 @@ def _examined(path):
         if any(word in head.decode(encoding, "ignore") for word in words)
     ]
     for encoding in ["utf-16"] if utf_16 else ["utf-8-sig", *eastern, "cp1252", "latin-1"]:
-        decoder = codecs.getincrementaldecoder(encoding)()
         with contextlib.suppress(UnicodeDecodeError):
-            for block in _bytes(path):
-                decoder.decode(block)
-            decoder.decode(b"", final=True)
+            for _ in codecs.iterdecode(_bytes(path), encoding):
+                pass
             return encoding, ends + 1
     raise sentences.refusal("text.encoding", name=path.name)
 
@@ -161,20 +159,8 @@ def _as_typed(line):
     return line
 
 
-def _head(blocks):
-    """The first lines, in which the layout is found: whole blocks."""
-    head: list[str] = []
-    full = 0
-    for lines in blocks:
-        head += lines
-        full += sum(map(is_full, lines))
-        if full > MOST_ABOVE + LOOK:
-            break
-    return head
-
-
 def _numbers(blocks, layout, start, most, header, name):
-    """(columns, rows) numbers in blocks of lines, and the lines of rows, as an editor counts.
+    """(columns, rows) numbers in blocks of lines, and the line of each row, from 1 on.
 
     start : lines above the first block
     most : lines there can be
@@ -187,10 +173,9 @@ def _numbers(blocks, layout, start, most, header, name):
     count = 0
     for lines in blocks:
         found, places = rows_in(lines, layout)
-        check_headers(lines, found, places, layout, start, header, name)
+        check_headers(lines, places[np.isfinite(found).any(axis=1)], layout, start, header, name)
         here = slice(count, count + places.size)
-        values[:, here] = found.T
-        numbers[here] = places + (start + 1)
+        values[:, here], numbers[here] = found.T, places + (start + 1)
         start += len(lines)
         count += places.size
     return values[:, :count], numbers[:count]
@@ -219,49 +204,27 @@ def _is_number(cell):
 
 def _first_row(path, lines, full, delimiters):
     """Index of the first line of numbers, and the delimiter of its cells."""
-    for start, after in zip(full[:MOST_ABOVE], [*full[1:], None], strict=False):
+    for start, after in itertools.pairwise(full[: MOST_ABOVE + 1]):
         for delimiter in delimiters:
-            cells = cells_of(lines[start], delimiter)
-            below = [] if after is None else cells_of(lines[after], delimiter)
-            sparse = _is_data(cells, dense=False) and _is_data(below, dense=False)
+            both = [cells_of(lines[i], delimiter) for i in (start, after)]
+            sparse = all(_is_data(cells, dense=False) for cells in both)
             # a date above the table is numbers as well
-            if (_is_data(cells) or sparse) and (after is None or len(below) == len(cells)):
-                if after is None:
-                    _check_short_rows(path, lines, full, delimiters)
+            if (_is_data(both[0]) or sparse) and len(both[0]) == len(both[1]):
                 return start, delimiter
-    _check_short_rows(path, lines, full, delimiters)
     begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
     raise sentences.refusal(
         "text.no_numbers" if full else "text.empty", name=path.name, begins=begins
     )
 
 
-def _check_short_rows(path, lines, full, delimiters):
-    """Refuse rows of numbers of which so many are short that no two whole ones are together."""
-    for delimiter in delimiters:
-        rows = {i: cells_of(lines[i], delimiter) for i in full}
-        rows = {i: cells for i, cells in rows.items() if _is_data(cells)}
-        width = max(map(len, rows.values()), default=0)
-        short = [i for i, cells in rows.items() if len(cells) < width]
-        if short and width >= NEEDED and len(rows) - len(short) >= FEWEST:
-            first = {"line": f"line {short[0] + 1}", "cells": quoted(lines[short[0]].strip())}
-            counts = {"short": len(short), "rows": len(rows), "width": width}
-            raise sentences.refusal("text.short_rows", name=path.name, **first, **counts)
-
-
 def _decimal(path, rows):
     """The decimal mark of numbers in these rows, "." or ","; ParameterError if either may be."""
     cells = [cell for row in rows for cell in row if "," in cell or "." in cell]
-    marks = Counter(mark for cell in cells if (mark := _decimal_of(cell)))
-    if marks:
-        return marks.most_common(1)[0][0]
-    grouped = [cell for cell in cells if "," in cell and _is_number(cell)]
+    marks = [[mark for mark in ".," if not np.isnan(number_in(cell, mark))] for cell in cells]
+    certain = Counter(found[0] for found in marks if len(found) == 1)
+    if certain:
+        return certain.most_common(1)[0][0]
+    grouped = [cell for cell, found in zip(cells, marks, strict=True) if found and "," in cell]
     if grouped and not any("." in cell for cell in cells):
         raise sentences.refusal("text.decimal", name=path.name, cell=quoted(grouped[0]))
     return "."
-
-
-def _decimal_of(cell):
-    """The decimal mark with which a cell is a number; "" if it is none, or one with either."""
-    marks = [mark for mark in ".," if not np.isnan(number_in(cell, mark))]
-    return marks[0] if len(marks) == 1 else ""

@@ -10,9 +10,8 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.quantities import readable
 from ..messages import reading as sentences
-from .columns import column_by_name
-from .sizes import in_si, unit_of
-from .table import quoted
+from .columns import column_by_name, quoted, unit_of
+from .sizes import in_si
 from .titles import USUAL
 
 #: what loggers write where they have no value
@@ -36,17 +35,15 @@ CONSTANT, CHANCE, NOISY = 20, 1e-6, 0.25
 
 def drop_codes(rows):
     """Leave out rows with a code for a missing value far off from all else in its column."""
-    for column in rows.columns.values():
+    for symbol in rows.record:
         for code in MISSING:
-            values = column.values[rows.kept]
-            bad = values == code
-            if not bad.any():
-                continue
-            others = values[~bad]
-            if others.size < 2:
-                continue
-            if others.min() - code > FAR * np.abs(np.diff(others)).max():
-                rows.leave_out(bad, f"with {code:g} in {quoted(column.title)}, a code for no value")
+            values = rows.record[symbol]
+            number = in_si(symbol, np.array(code), rows.units[symbol])
+            bad = values == number
+            others = values[~bad] if bad.any() else values[:0]
+            if others.size > 1 and others.min() - number > FAR * np.abs(np.diff(others)).max():
+                title = quoted(rows.columns[symbol].title)
+                rows.leave_out(bad, f"with {code:g} in {title}, a code for no value")
 
 
 def drop_impossible(rows):
@@ -247,15 +244,17 @@ def coarse_resolution(record, segments):
 
 def _velocity_disagreement(rows):
     """A note if a velocity beside the displacement leads elsewhere, else ""."""
-    columns, record = rows.table.columns, rows.record
-    own = [*map(id, rows.columns.values())]
-    taken = [i for i, column in enumerate(columns) if id(column) in own]
-    index = None if "V_load" in record else column_by_name(rows.table, "V_load", taken)
-    if index is None or columns[index].values.size <= rows.kept.max():
+    record, (_, table, chosen) = rows.record, rows.files[0]
+    own = [id(column.values) for column in chosen.values()]
+    taken = [i for i, column in enumerate(table.columns) if id(column.values) in own]
+    index = None if "V_load" in record else column_by_name(table, "V_load", taken)
+    if index is None or len(rows.files) > 1:
+        return ""
+    column = table.columns[index]
+    if column.values.size <= rows.kept.max():
         return ""
     try:
-        unit = unit_of(columns[index], "V_load", {})
-        V = in_si("V_load", columns[index].values[rows.kept], unit)
+        V = in_si("V_load", column.values[rows.kept], unit_of(column, "V_load", {}))
     except ParameterError:  # the column is not needed
         return ""
     good = np.isfinite(V)
@@ -265,5 +264,5 @@ def _velocity_disagreement(rows):
     by_V, by_x = abs(float(np.trapezoid(V[good], t))), abs(float(x[-1] - x[0]))
     if abs(by_V - by_x) <= MOVED * max(by_V, by_x):
         return ""
-    title = quoted(columns[index].title)
+    title = quoted(column.title)
     return sentences("notes.speeds", title=title, by_V=by_V, by_x=by_x, first=t[0], last=t[-1])

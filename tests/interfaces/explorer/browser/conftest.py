@@ -25,11 +25,11 @@ EMULATED = {"viewport", "color_scheme", "reduced_motion"}
 # The map of a page that rests is of few sliders, or its computing would slow down all tests.
 # Records are read without a child process, which takes 2 s a file; `test_record` has one.
 COARSE = """
+from ratestate import machine
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.explorer.computation import charts
-from ratestate.records.kit import processes
 charts.SIZES, charts.WINDOW_SIZE = (4, 6), 16
-processes._is_child = True
+machine.is_child = True
 main()
 """
 FINE = "from ratestate.interfaces.cli import main; main()"
