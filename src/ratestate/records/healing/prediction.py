@@ -11,17 +11,10 @@ import xarray
 
 from ...dynamics.simulation.simulate import simulate
 from ...errors import QuasiStaticInstability, RateStateError
-from ...model.conversion import in_si
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from ..fitting.by_law import (
-    checked_by_law,
-    error_of,
-    is_of_steps,
-    results_by_law_of_steps,
-    slider_of,
-)
+from ..fitting.by_law import checked_by_law, error_of, is_of_steps, slider_of
 from ..fitting.unknowns import OF_MACHINE, of_slider
 from ..messages import healing as sentences
 
@@ -83,10 +76,8 @@ def sliders_of(slider):
             if is_array(value):
                 raise sentences.refusal("slider.array", symbol=symbol)
         return {slider.law: Fitted(slider)}
-    if isinstance(slider, xarray.Dataset) and is_of_steps(slider):
-        parts, errors = results_by_law_of_steps(in_si(slider)), _errors_of_steps
-    else:
-        parts, errors = checked_by_law(slider, "healing"), _errors_of_fit
+    parts = checked_by_law(slider, "healing")
+    errors = _errors_of_steps if is_of_steps(slider) else _errors_of_fit
     return {law: _fitted(slider, law, part, errors) for law, part in parts.items()}
 
 

@@ -89,17 +89,15 @@ def test_estimates_at_a_bound_do_not_judge_all_steps(monkeypatch):
     data = recorded(loading, 195.0)
     fit_window = each.fit_window
 
-    def at_its_bound(task):
+    def at_its_bound(steps):
         """The fit, but b of the step at 160 s where its search ends."""
-        fit = fit_window(task)
-        if task.window.t < 150.0:
-            return fit
-        one = fit.of("aging")
-        solution = one.solution
+        (step,) = fit_window(steps)
+        if step.window.t < 150.0:
+            return [step]
+        solution = step.solution
         point, i = solution.point.copy(), solution.unknowns.names.index("b")
         point[i] = solution.unknowns.high[i]
-        moved = solution._replace(point=point)
-        return fit._replace(laws={"aging": one._replace(solution=moved)})
+        return [step._replace(solution=solution._replace(point=point))]
 
     monkeypatch.setattr(each, "fit_window", at_its_bound)
     monkeypatch.setattr(

@@ -11,7 +11,7 @@ import xarray
 from ....model.names import Sentences
 from ....model.quantities import readable, short, with_error
 from ....model.slider import SpringSlider
-from ....records.fitting.by_law import is_of_steps, results_by_law, results_by_law_of_steps
+from ....records.fitting.by_law import is_of_steps, results_by_law
 from ....records.fitting.fit import fit
 from ....records.fitting.steps.text import (
     HEADS,
@@ -90,9 +90,9 @@ def _of_steps(
 ) -> str:
     """The whole report of fits of steps."""
     tables, warnings = "", ""
-    for law, part in results_by_law_of_steps(result).items():
-        heads, rows, together = table_of(result, law)
-        table = _table(heads, [*rows, *together], len(HEADS))
+    for law, part in results_by_law(result).items():
+        heads, *rows = table_of(result, law)
+        table = _table(heads, rows, len(HEADS))
         tables += SENTENCES("report.steps_under", law=law, table=table)
         of_law = [f"- {steps}: {text}" for steps, text in warnings_by_text(part)]
         if of_law:
@@ -149,7 +149,7 @@ def _estimates(laws: Laws) -> str:
     head = ["", "", *(t for law in laws for t in (f"**{law} law**", "68 %", "95 %"))]
     rows = []
     for row in estimate_rows(laws):
-        cells = [t for e in row.estimates for t in (f"**{e.value}**", *(e.intervals or "  "))]
+        cells = [t for value, *ends in row.estimates for t in (f"**{value}**", *ends)]
         rows.append([row.label, row.meaning, *cells])
     return _table(head, rows, 2)
 

@@ -10,3 +10,6 @@
 ``text``       it as tables, sentences, and rows of a CSV
 ============== ==========================================================================
 """
+
+#: status of a step or hold under a law
+FITTED, FAILED, STICK_SLIP = 0, 1, 2

@@ -28,6 +28,11 @@ class Window(NamedTuple):
     t_hold: float  # how long the load point rests [s]; NaN unless it is a hold
     slid: float  # how far it moves from the change before to the window's begin [m]
 
+    @property
+    def rise(self):
+        """How much the speed of the load point rises at a step [m/s]; 0 if it is none of speed."""
+        return self.V_after - self.V_before if self.kind == "step" else 0.0
+
     def part(self, data):
         """The rows of a record (Dataset) in the window."""
         time = data["time"].values
