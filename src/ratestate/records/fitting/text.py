@@ -50,10 +50,12 @@ def summary(result):
     if is_of_steps(result):
         tables = []
         for law in laws:
-            tables += [f"{law} law", *_aligned(table_of(result, law), len(HEADS)), ""]
+            tables += [f"{law} law", *_aligned(table_of(result, law), range(len(HEADS))), ""]
     else:
-        head = ["", *(text for law in laws for text in (f"{law} law", "95 %"))]
-        tables = [*_aligned([head, *estimate_cells(laws, len(laws) == 1)], 1), ""]
+        is_one = len(laws) == 1  # then there is room for the meanings
+        head = ["", *(text for law in laws for text in (f"{law} law", "95 %")), *[""] * is_one]
+        left = {0, len(head) - 1} if is_one else {0}
+        tables = [*_aligned([head, *estimate_cells(laws, is_one)], left), ""]
     below = [text for texts in others for text in texts]
     return "\n".join([*map(_wrapped, above), "", *tables, *map(_wrapped, below)])
 
@@ -104,18 +106,12 @@ def labelled_warnings(laws):
 
 
 def _aligned(rows, left):
-    """Rows of cells as lines: columns aligned right but the first `left`, and what is beyond the
-    first row's, which has their heads.
-    """
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            text.ljust(width) if i < left else text.rjust(width)
-            for i, (text, width) in enumerate(zip(row, widths, strict=False))
-        ]
-        lines.append("   ".join([*cells, *row[len(cells) :]]).rstrip())
-    return lines
+    """Rows of cells as lines; the columns whose numbers are in `left` are aligned left."""
+    columns = []
+    for i, cells in enumerate(zip(*rows, strict=True)):
+        width, align = max(map(len, cells)), str.ljust if i in left else str.rjust
+        columns.append([align(text, width) for text in cells])
+    return ["   ".join(cells).rstrip() for cells in zip(*columns, strict=True)]
 
 
 def _wrapped(text):

@@ -17,9 +17,8 @@ from ratestate.files import laboratory_csv
 from ratestate.records.fitting.settings import checked_settings
 from ratestate.records.fitting.steps import each, shared
 from ratestate.records.fitting.steps.shared import estimates_of, mean_of, ratio_of, shared_fit
-from ratestate.records.fitting.steps.stick_slip import stick_slip_slides
 from ratestate.records.fitting.steps.text import rows_of, table_of
-from ratestate.records.fitting.steps.windows import windows_of
+from ratestate.records.fitting.steps.windows import stick_slip_slides, windows_of
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")

@@ -19,8 +19,7 @@ from ..result import dataset_of
 from ..settings import Settings
 from ..unknowns import OF_MACHINE
 from . import FAILED, FITTED, STICK_SLIP
-from .stick_slip import stick_slip_about, stick_slip_slides
-from .windows import Window, windows_of
+from .windows import Window, stick_slip_about, stick_slip_slides, windows_of
 
 #: most samples of a window that are fitted: a step is resolved as well as with ten times as many
 MOST = 20_000
@@ -51,14 +50,9 @@ class Step(NamedTuple):
     def law(self):
         return self.slider.law
 
-    @property
-    def time(self):
-        """(m,) times of the samples [s]."""
-        return self.data["time"].values
-
     def column(self, name):
         """(m,) a variable of the record; NaN if it has none of this name."""
-        missing = np.full(self.time.size, np.nan)
+        missing = np.full(self.data.sizes["time"], np.nan)
         return self.data[name].values if name in self.data.variables else missing
 
     @property

@@ -51,16 +51,16 @@ def _of_law(steps, shared, names, size):
     nothing = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
     rows, warnings, curves = [], [], []
     for step in steps:
-        row, texts, curve = xarray.Dataset(coords=nothing), [], np.full(step.time.size, np.nan)
+        row, texts, curve = xarray.Dataset(coords=nothing), [], np.full(size, np.nan)
         if step.status == FITTED:
             one = step.result
             kept = (*one["parameter"].values.tolist(), *SCALARS, *KEPT)
             row = one[[name for name in kept if name in one]].drop_attrs(deep=False)
             texts = [*warnings_of(one), *step.caveats]
-            curve = one["friction_fit"].values
+            curve = _sampled(one["friction_fit"].values, size)
         rows.append(row)
         warnings.append("\n".join(texts))
-        curves.append(_sampled(curve, size))
+        curves.append(curve)
     columns = {
         "status": np.array([step.status for step in steps], np.int8),
         "warnings": warnings,
@@ -79,10 +79,10 @@ def _of_windows(steps, size):
             {name: getattr(window, name) for name in ("kind", "V_before", "V_after", "t_hold")}
             | {
                 "step_t": window.t,
-                "step_delta_lp": np.interp(window.t, step.time, step.column("delta_lp")),
+                "step_delta_lp": np.interp(window.t, step.column("time"), step.column("delta_lp")),
                 "sigma": step.slider.sigma,
                 "sigma_after": window.stresses(step.data)[1] if is_of_stress else np.nan,
-                "samples": step.time.size,
+                "samples": step.data.sizes["time"],
                 "rows_per_sample": step.rows_per_sample,
             }
         )
