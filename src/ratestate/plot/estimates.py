@@ -3,12 +3,12 @@
 import numpy as np
 
 from ..model.quantities import short
-from ..records.fitting.by_law import results_by_law, value_of
+from ..records.fitting.by_law import results_by_law
 from ..records.fitting.table import (
-    NONE,
     STABLE_AT_ANY_K,
+    estimate_texts,
     estimated,
-    formatted_estimate,
+    largest,
     short_name,
     stiffness_ratio_text,
 )
@@ -33,9 +33,7 @@ def estimates(result, ax):
     symbols = [symbol for symbol in estimated(laws) if symbol not in TRENDS]
     columns = [_column(laws, symbol) for symbol in symbols]
     if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
-        cells = [
-            "stable" if text == STABLE_AT_ANY_K else _printed(text or NONE.value) for text in ratios
-        ]
+        cells = ["stable" if text == STABLE_AT_ANY_K else _printed(text or "-") for text in ratios]
         columns.append((f"$K$/{label('K_c_qs')}", cells))
     if "aic" not in result:
         columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))
@@ -72,17 +70,12 @@ def write(ax, laws, columns):
 
 def _column(laws, symbol):
     """Heading with the unit, and value with error under each law."""
-    has = {law: part for law, part in laws.items() if symbol in part["parameter"].values}
-    largest = max(abs(value_of(part, symbol)) for part in has.values())
-    factor, unit = scaled(symbol, largest)
-    cells = [
-        (formatted_estimate(part, symbol, factor) if law in has else NONE).value
-        for law, part in laws.items()
-    ]
+    factor, unit = scaled(symbol, largest(laws, symbol))
+    cells = [_printed(value) for value, *_ in estimate_texts(laws, symbol, factor)]
     heading = label(symbol)
     if symbol == "a_minus_b" and short_name(symbol, laws) != "a - b":
         heading = RATE_DEPENDENCE
-    return in_unit(heading, unit), list(map(_printed, cells))
+    return in_unit(heading, unit), cells
 
 
 def _printed(text):

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 import ratestate as rs
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.cli.report import report
+from ratestate.interfaces.cli.report.fit import parts
 from ratestate.interfaces.cli.summary_csv import summary_csv
-from ratestate.records.fitting.steps.text import Table
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -87,22 +87,18 @@ def numbers_of(texts, value, error):
 
 
 def test_columns_go_to_the_next_table_where_one_is_full():
-    heads = ["step", "time [s]", "change", "a", "b"]
-    table = Table(
-        heads, [["1", "1.0", "3 -> 10 um/s", "9.19(18)", "-"]], [["all", "", "", "9", "8"]]
-    )
-    widths = 4 + 8 + 12 + 8 + 1 + 4 * 3
-    (whole,) = table.parts(widths, 3)
-    assert whole == table
-    first, second = table.parts(widths - 1, 3)
-    assert first.heads == heads[:4]
-    assert second == Table(["step", "b"], [["1", "-"]], [["all", "8"]])
-    first, second, third = table.parts(5, 3)
-    assert [part.heads for part in (first, second, third)] == [
-        heads[:3],
-        ["step", "a"],
-        ["step", "b"],
+    rows = [
+        ["step", "time [s]", "change", "a", "b"],
+        ["1", "1.0", "3 -> 10 um/s", "9.19(18)", "-"],
+        ["all", "", "", "9", "8"],
     ]
+    widths = 4 + 8 + 12 + 8 + 1 + 4 * 3
+    assert parts(rows, widths) == [rows]
+    first, second = parts(rows, widths - 1)
+    assert first[0] == rows[0][:4]
+    assert second == [["step", "b"], ["1", "-"], ["all", "8"]]
+    heads = [part[0] for part in parts(rows, 5)]
+    assert heads == [rows[0][:3], ["step", "a"], ["step", "b"]]
 
 
 def test_warnings_of_every_law_are_in_the_report_once(folder, result):

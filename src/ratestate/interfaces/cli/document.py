@@ -43,7 +43,7 @@ def failed(result: xarray.Dataset) -> int:
     if "message" not in result:
         return 0
     if "step" in result.dims:
-        from ...records.fitting.steps.result import FAILED
+        from ...records.fitting.steps import FAILED
 
         return int((result["status"] == FAILED).sum())
     from ...sweeps.solve import count_failed

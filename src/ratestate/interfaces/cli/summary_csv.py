@@ -8,7 +8,7 @@ import xarray
 
 from ...files.tables import laboratory_unit
 from ...model.quantities import QUANTITIES
-from ...records.fitting.by_law import is_of_steps, results_by_law_of_steps
+from ...records.fitting.by_law import is_of_steps, results_by_law
 
 #: heading -> variable along ``parameter`` of fits of steps, and whether it has the quantity's unit
 OF_STEPS = {
@@ -48,7 +48,7 @@ def summary_csv(result: xarray.Dataset) -> str:
 def _of_steps(result: xarray.Dataset) -> list[dict[str, Any]]:
     """A row for each estimate under each law."""
     rows = []
-    for law, part in results_by_law_of_steps(result).items():
+    for law, part in results_by_law(result).items():
         for name in part["parameter"].values.tolist():
             here = part.sel(parameter=name)
             numbers = {head: (here[key], own) for head, (key, own) in OF_STEPS.items()}

@@ -7,8 +7,8 @@ from matplotlib.transforms import ScaledTranslation
 
 from ...dynamics import attributes
 from ...model.quantities import QUANTITIES
-from ...records.fitting.by_law import results_by_law_of_steps
-from ...records.fitting.steps.result import FITTED, STICK_SLIP
+from ...records.fitting.by_law import results_by_law
+from ...records.fitting.steps import FITTED, STICK_SLIP
 from ...records.fitting.steps.text import change_text
 from ...records.fitting.table import law_names
 from ..labels import ABSCISSAE, GRAY, LAWS, in_unit, label, prefixed, scaled
@@ -38,7 +38,7 @@ MARKERS = {("step", True): "^", ("step", False): "v", ("hold", False): "o"}
 
 def steps_page(result):
     """Page (Figure) of fits of steps: a panel for each, and a - b and Dc along the experiment."""
-    laws = results_by_law_of_steps(result)
+    laws = results_by_law(result)
     shown = np.unique(np.linspace(0, result.sizes["step"] - 1, MOST).astype(int))
     shown = shown if result.sizes["step"] > MOST else np.arange(result.sizes["step"])
     columns = min(shown.size, COLUMNS)

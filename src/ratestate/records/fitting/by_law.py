@@ -16,22 +16,28 @@ STEP = 1e-5
 NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
 
 
-def results_by_law(result):
-    """dict law -> that law's part of a result of `fit` (not checked), without what is all NaN."""
-    parts = results_by_law_of_steps(result)
-    return {law: _without_empty(part) for law, part in parts.items()}
-
-
 def is_of_steps(result):
     """Whether a result of `fit` is one of steps."""
     return "step" in result.dims
 
 
-def results_by_law_of_steps(result):
-    """dict law -> that law's part of a result of steps."""
-    if "law" not in result.dims:
-        return {str(result["law"].item()): result}
-    return {str(law): result.sel(law=law) for law in result["law"].values}
+def results_by_law(result):
+    """dict law -> that law's part of a result of `fit` (not checked).
+
+    Of one fit without what is all NaN, because only other laws have it.
+    """
+    if "law" in result.dims:
+        parts = {str(law): result.sel(law=law) for law in result["law"].values}
+    else:
+        parts = {str(result["law"].item()): result}
+    return parts if is_of_steps(result) else {law: _own(part) for law, part in parts.items()}
+
+
+def _own(part):
+    empty = [name for name, v in part.data_vars.items() if v.dtype.kind == "f" and v.isnull().all()]
+    part = part.drop_vars(empty)
+    own = [name for name in part["parameter"].values.tolist() if name in part.data_vars]
+    return part.sel(parameter=own, other=own)
 
 
 def checked_by_law(result, caller):
@@ -40,14 +46,6 @@ def checked_by_law(result, caller):
     if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
         raise sentences.refusal("result.not_of_fit", caller=caller)
     return results_by_law(in_si(result))
-
-
-def _without_empty(part):
-    """One law's part without variables that are all NaN: those that only other laws have."""
-    empty = [name for name, v in part.data_vars.items() if v.dtype.kind == "f" and v.isnull().all()]
-    part = part.drop_vars(empty)
-    own = [name for name in part["parameter"].values.tolist() if name in part.data_vars]
-    return part.sel(parameter=own, other=own)
 
 
 def warnings_of(part):
@@ -88,70 +86,51 @@ def law_of(part):
     return law_of_result(part, str(part["law"].item()))
 
 
-def critical_stiffness(part):
-    """K_c_qs [Pa/m] of one law's part (float); not above 0 where any K is stable.
-
-    None under a law with a speed of its own, on which it depends.
-    """
-    law = law_of(part)
-    values = {symbol: value_of(part, symbol) for symbol in (*law.symbols, "sigma")}
-    return None if law.has_speed_scale else _K_c_qs(law, values)
-
-
-def _K_c_qs(law, values):
-    """K_c_qs [Pa/m] (float) of values by symbol, at any speed."""
-    of_arrays = {symbol: np.array(value) for symbol, value in values.items()}
-    return float(K_c(law, np.array(1.0), M=np.array(0.0), **of_arrays))
-
-
 def stiffness_over_critical(part):
-    """(K/K_c_qs, its standard error), dimensionless; None where K_c_qs <= 0 or K = inf.
+    """(K/K_c_qs, its standard error) of one law's part, dimensionless.
 
-    The relative errors (`error_of`) of K, Dc and a - b, or of what else K_c_qs depends on under the
-    law, are propagated with their correlation: 0 if none of them was estimated, inf if one is not
-    finite.
+    None if K = inf, and under a law with a speed of its own, on which K_c_qs depends.  The ratio is
+    inf if K_c_qs <= 0.  The relative errors (`error_of`) of K and of what K_c_qs depends on are
+    propagated with their correlation: 0 if none was estimated, inf if one is not finite.
     """
-    K, critical = value_of(part, "K"), critical_stiffness(part)
-    if critical is None or not (critical > 0.0 and np.isfinite(K)):
+    law, K = law_of(part), value_of(part, "K")
+    if law.has_speed_scale:
         return None
-    free = part["parameter"].values
-    weights = {"K": 1.0 / K} | _relative_slopes(part)
-    names = [name for name in weights if name in free]
-    if not names:
-        return K / critical, 0.0
-    relative = np.array([weights[name] * error_of(part, name) for name in names])
+    at = {symbol: value_of(part, symbol) for symbol in (*law.symbols, "sigma")}
+
+    def critical(**changes):
+        """K_c_qs [Pa/m] with some values changed, at any speed."""
+        values = {symbol: np.array(value) for symbol, value in (at | changes).items()}
+        return float(K_c(law, np.array(1.0), M=np.array(0.0), **values))
+
+    if critical() <= 0.0:
+        return np.inf, 0.0
+    if not np.isfinite(K):
+        return None
+    # symbol -> derivative of ln(K/K_c_qs) by it
+    slopes = {"K": 1.0 / K}
+    if law.one_length:  # however little is known of a and b: only their difference counts
+        slopes |= {"Dc": 1.0 / at["Dc"], "a_minus_b": 1.0 / (at["b"] - at["a"])}
+    for symbol in () if law.one_length else law.symbols:
+        step = STEP * (abs(at[symbol]) or 1.0)
+        above, below = (critical(**{symbol: at[symbol] + h}) for h in (step, -step))
+        slopes[symbol] = (np.log(below) - np.log(above)) / (2.0 * step)
+    ratio, names = K / critical(), [name for name in slopes if name in part["parameter"].values]
+    relative = np.array([slopes[name] * error_of(part, name) for name in names])
     if not np.isfinite(relative).all():
-        return K / critical, np.inf
+        return ratio, np.inf
     # those of positive parameters are correlations of logarithms, of the same sign
     correlation = part["correlation"].sel(parameter=names, other=names).values
-    return K / critical, K / critical * float(np.sqrt(relative @ correlation @ relative))
-
-
-def _relative_slopes(part):
-    """symbol -> derivative of ln(1/K_c_qs) by it, of what K_c_qs depends on."""
-    law = law_of(part)
-    at = {symbol: value_of(part, symbol) for symbol in (*law.symbols, "sigma")}
-    if law.one_length:  # however little is known of a and b: it has only their difference
-        return {"Dc": 1.0 / at["Dc"], "a_minus_b": 1.0 / (at["b"] - at["a"])}
-    slopes = {}
-    for symbol in law.symbols:
-        step = STEP * (abs(at[symbol]) or 1.0)
-        up, down = (np.log(_K_c_qs(law, at | {symbol: at[symbol] + h})) for h in (step, -step))
-        slopes[symbol] = -(up - down) / (2.0 * step)
-    return slopes
+    return ratio, ratio * float(np.sqrt(relative @ correlation @ relative))
 
 
 def _of_all_steps(result):
     """A result of steps as that of one fit: shared estimates, medians where there are none."""
-    shared = result["shared"].drop_vars("parameter")
-    each = {name: i for i, name in enumerate(result["parameter"].values.tolist())}
-    one = {
-        name: shared.isel(parameter=i)
-        .fillna(result[name].median("step"))
-        .assign_attrs(result[name].attrs)
-        for name, i in each.items()
-    }
-    return result.isel(step=0, drop=True).drop_vars("sigma").assign(one)
+    values = {}
+    for name in result["parameter"].values.tolist():
+        each, shared = result[name], result["shared"].sel(parameter=name, drop=True)
+        values[name] = shared.fillna(each.median("step")).assign_attrs(each.attrs)
+    return result.isel(step=0, drop=True).drop_vars("sigma").assign(values)
 
 
 def slider_of(result, law=None):

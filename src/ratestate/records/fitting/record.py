@@ -70,7 +70,12 @@ def record_of(data, slider, *, loading, trend, against):
     step, or one too near to an end; against displacement none, a hold or a ramp.
     """
     raw = raw_record(data, slider)
-    _check_samples(raw.friction)
+    if raw.friction.size > MOST:
+        every = -(-raw.friction.size // MOST)
+        raise sentences.refusal("record.many", samples=raw.friction.size, most=MOST, every=every)
+    if not np.ptp(raw.friction) > 1e-9 * np.abs(raw.friction).max():
+        first = raw.friction[0]
+        raise sentences.refusal("record.constant", friction=first, samples=raw.friction.size)
     loading = loading_of(raw, loading, slider.sigma)
     t, order = raw.t, np.arange(raw.t.size)
     if against == "displacement":
@@ -95,14 +100,6 @@ def before_changes(loading, t):
     events = changes(loading)
     early = t < (events[0] if events.size else np.inf)
     return early if early.sum() >= BESIDE else np.ones(t.size, bool)
-
-
-def _check_samples(friction):
-    if friction.size > MOST:
-        every = -(-friction.size // MOST)
-        raise sentences.refusal("record.many", samples=friction.size, most=MOST, every=every)
-    if not np.ptp(friction) > 1e-9 * np.abs(friction).max():
-        raise sentences.refusal("record.constant", friction=friction[0], samples=friction.size)
 
 
 def _check_steps(loading, t):

@@ -93,8 +93,7 @@ def add_comparison(results, aic, *, colored=False, fits=True):
     """
     table, text = compare_laws(results, aic, colored, fits)
     for law, result in results.items():
-        for name, variable in table.sel(law=law, drop=True).items():
-            result[name] = variable
+        result.update(table.sel(law=law, drop=True))
         result.attrs["comparison"] = text
 
 

@@ -5,14 +5,7 @@ import textwrap
 
 from ...dynamics import attributes
 from ...model.quantities import readable
-from .by_law import (
-    checked_by_law,
-    is_of_steps,
-    law_of,
-    results_by_law_of_steps,
-    value_of,
-    warnings_of,
-)
+from .by_law import checked_by_law, is_of_steps, law_of, value_of, warnings_of
 from .steps.text import (
     HEADS,
     NOTATION,
@@ -52,51 +45,41 @@ def summary(result):
     ParameterError
         No result of `fit`, or one that has lost its attributes.
     """
-    if is_of_steps(result):
-        return _summary_of_steps(result)
     laws = checked_by_law(result, "summary")
-    above, below = heading(result, laws), remarks(result, laws)
-    below += [f"warning: {text}" for text in labelled_warnings(laws)]
-    return "\n".join([*map(_wrapped, above), "", *_table(laws), "", *map(_wrapped, below)])
+    above, *others = sentences_of(result, laws, "in the variable warnings of the result")
+    if is_of_steps(result):
+        tables = []
+        for law in laws:
+            tables += [f"{law} law", *_aligned(table_of(result, law), range(len(HEADS))), ""]
+    else:
+        is_one = len(laws) == 1  # then there is room for the meanings
+        head = ["", *(text for law in laws for text in (f"{law} law", "95 %")), *[""] * is_one]
+        left = {0, len(head) - 1} if is_one else {0}
+        tables = [*_aligned([head, *estimate_cells(laws, is_one)], left), ""]
+    below = [text for texts in others for text in texts]
+    return "\n".join([*map(_wrapped, above), "", *tables, *map(_wrapped, below)])
 
 
-def _summary_of_steps(result):
-    lines = [_wrapped(heading_of_steps(result))]
-    for law in results_by_law_of_steps(result):
-        table = table_of(result, law)
-        lines += [
-            "",
-            f"{law} law",
-            *_aligned([table.heads, *table.rows, *table.together], len(HEADS)),
-        ]
-    below = [NOTATION, *remarks_on_steps(result)]
-    below += warnings_on_steps(result, "in the variable warnings of the result")
-    return "\n".join([*lines, "", *map(_wrapped, below + notes_of(result))])
+def sentences_of(result, laws, where):
+    """Lines above the tables of a fit, lines below them, and warnings (lists of str).
 
-
-def notes_of(result):
-    """The notes on a result's record, a line each (list of str)."""
-    if "notes" not in result.attrs:
-        return []
-    return [f"note: {note}" for note in attributes.from_json(result, "notes", list)]
-
-
-def heading(result, laws):
-    """What was fitted, and, if recorded, what the load point did (list of one or two str)."""
+    where : of fits of steps, where the warnings of laws that do not fit best are
+    """
+    notes = attributes.from_json(result, "notes", list) if "notes" in result.attrs else []
+    notes = [f"note: {note}" for note in notes]
+    if is_of_steps(result):
+        remarks = [NOTATION, *remarks_on_steps(result), *notes]
+        return [heading_of_steps(result)], remarks, warnings_on_steps(result, where)
     source = attributes.text(result, "source", "")
     about = f"Fit of {source}: " if source else "Fit of "
-    history = attributes.text(result, "found", "")
-    first = f"{about}{result.sizes['time']:,} samples, {law_names(laws)}"
-    return [first, history] if history else [first]
-
-
-def remarks(result, laws):
-    """The lines below the estimates, without the warnings (list of str)."""
-    texts = [fixed_parameters(laws)]
-    texts += [f"{law} law: {quality_text(part)}" for law, part in laws.items()]
-    texts.append(attributes.text(result, "comparison", ""))
-    texts += [f"{law} law: {text}" for law, text in identifiability_by_law(laws).items()]
-    return [text for text in (*texts, *notes_of(result)) if text]
+    above = [f"{about}{result.sizes['time']:,} samples, {law_names(laws)}"]
+    above += [attributes.text(result, "found", "")]  # what the load point did
+    below = [fixed_parameters(laws)]
+    below += [f"{law} law: {quality_text(part)}" for law, part in laws.items()]
+    below += [attributes.text(result, "comparison", "")]
+    below += [f"{law} law: {text}" for law, text in identifiability_by_law(laws).items()]
+    warnings = [f"warning: {text}" for text in labelled_warnings(laws)]
+    return [*filter(None, above)], [*filter(None, below), *notes], warnings
 
 
 def fixed_parameters(laws):
@@ -122,25 +105,13 @@ def labelled_warnings(laws):
     return [f"{law} law: {text}" for law, part in laws.items() for text in warnings_of(part)]
 
 
-def _table(laws):
-    """The lines of the table (list of str); under one law with what each quantity means."""
-    head = ["", *(text for law in laws for text in (f"{law} law", "95 %"))]
-    return _aligned([head, *estimate_cells(laws, len(laws) == 1)], 1)
-
-
 def _aligned(rows, left):
-    """Rows of cells as lines: columns aligned right but the first `left`, and what is beyond the
-    first row's, which has their heads.
-    """
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            text.ljust(width) if i < left else text.rjust(width)
-            for i, (text, width) in enumerate(zip(row, widths, strict=False))
-        ]
-        lines.append("   ".join([*cells, *row[len(cells) :]]).rstrip())
-    return lines
+    """Rows of cells as lines; the columns whose numbers are in `left` are aligned left."""
+    columns = []
+    for i, cells in enumerate(zip(*rows, strict=True)):
+        width, align = max(map(len, cells)), str.ljust if i in left else str.rjust
+        columns.append([align(text, width) for text in cells])
+    return ["   ".join(cells).rstrip() for cells in zip(*columns, strict=True)]
 
 
 def _wrapped(text):

@@ -8,7 +8,7 @@ its level of friction, its trend, and the velocity and states in which it begins
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -202,19 +202,20 @@ def checked_free(free, sliders):
     laws = [slider.friction_law for slider in sliders]
     allowed = (*free_under(laws), "mu0")
     listed = ", ".join(allowed)
-    try:
-        names = (free,) if isinstance(free, str) else tuple(free)
-    except TypeError:
-        raise sentences.refusal("free.no_sequence", free=free, allowed=listed) from None
+    is_one = isinstance(free, str) or not isinstance(free, Iterable)
+    names = (free,) if is_one else tuple(free)
     if not names:
         raise sentences.refusal("free.empty", allowed=listed)
     if not all(isinstance(name, str) for name in names):
         raise sentences.refusal("free.no_sequence", free=free, allowed=listed)
-    for name in names:
-        if name in EXTRAS and name not in allowed:
+    for name in (name for name in names if name not in allowed):
+        if name in EXTRAS:
             raise sentences.refusal("free.undamped")
-        if name not in allowed:
-            raise _not_of_these(name, laws, listed)
+        if not laws_with(name):
+            raise sentences.refusal("free.unknown", name=name, allowed=listed)
+        known = {"laws": [law.name for law in laws], "owners": laws_with(name)}
+        known = {key: " and ".join(map(repr, some)) for key, some in known.items()}
+        raise sentences.refusal("free.of_other_law", name=name, **known)
     if len(set(names)) < len(names):
         raise sentences.refusal("free.twice", names=names)
     if "K" in names and math.isinf(sliders[0].K):
@@ -225,14 +226,6 @@ def checked_free(free, sliders):
         if not set(names) & set(free_under([law])):
             raise sentences.refusal("free.only_mu0", law=law.name, slider=", ".join(of_slider(law)))
     return tuple(name for name in allowed[:-1] if name in names)
-
-
-def _not_of_these(name, laws, listed):
-    """The error for a name that none of these laws has: who has it, if any law does."""
-    if not (having := laws_with(name)):
-        return sentences.refusal("free.unknown", name=name, allowed=listed)
-    compared, having = (" and ".join(map(repr, x)) for x in ([law.name for law in laws], having))
-    return sentences.refusal("free.of_other_law", name=name, laws=compared, owners=having)
 
 
 def to_coordinate(name, value):

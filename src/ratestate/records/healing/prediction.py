@@ -11,17 +11,10 @@ import xarray
 
 from ...dynamics.simulation.simulate import simulate
 from ...errors import QuasiStaticInstability, RateStateError
-from ...model.conversion import in_si
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from ..fitting.by_law import (
-    checked_by_law,
-    error_of,
-    is_of_steps,
-    results_by_law_of_steps,
-    slider_of,
-)
+from ..fitting.by_law import checked_by_law, error_of, is_of_steps, slider_of
 from ..fitting.unknowns import OF_MACHINE, of_slider
 from ..messages import healing as sentences
 
@@ -83,24 +76,26 @@ def sliders_of(slider):
             if is_array(value):
                 raise sentences.refusal("slider.array", symbol=symbol)
         return {slider.law: Fitted(slider)}
-    is_steps = isinstance(slider, xarray.Dataset) and is_of_steps(slider)
-    parts = (
-        results_by_law_of_steps(in_si(slider)) if is_steps else checked_by_law(slider, "healing")
-    )
-    fitted = {}
-    for law, part in parts.items():
-        one = slider_of(slider, law)
-        own = of_slider(one.friction_law)
-        names = [name for name in part["parameter"].values.tolist() if name in own]
-        if is_steps:
-            errors, correlation = _errors_of_steps(part, names)
-        else:
-            errors = np.array([error_of(part, name) for name in names])
-            correlation = part["correlation"].sel(parameter=names, other=names).values
-        # (those of positive parameters are of their logarithms: to first order the same)
-        with np.errstate(invalid="ignore"):
-            fitted[law] = Fitted(one, tuple(names), correlation * np.outer(errors, errors))
-    return fitted
+    parts = checked_by_law(slider, "healing")
+    errors = _errors_of_steps if is_of_steps(slider) else _errors_of_fit
+    return {law: _fitted(slider, law, part, errors) for law, part in parts.items()}
+
+
+def _fitted(result, law, part, errors):
+    """`Fitted` of one law's part of a fit; errors : function of the part and names, as below."""
+    slider = slider_of(result, law)
+    own = of_slider(slider.friction_law)
+    names = [name for name in part["parameter"].values.tolist() if name in own]
+    sizes, correlation = errors(part, names)
+    # (those of positive parameters are of their logarithms: to first order the same)
+    with np.errstate(invalid="ignore"):
+        return Fitted(slider, tuple(names), correlation * np.outer(sizes, sizes))
+
+
+def _errors_of_fit(part, names):
+    """Standard errors (k,) [SI] of a fit's estimates, and their correlation (k, k)."""
+    errors = np.array([error_of(part, name) for name in names])
+    return errors, part["correlation"].sel(parameter=names, other=names).values
 
 
 def _errors_of_steps(part, names):

@@ -16,10 +16,9 @@ from ratestate import fitting
 from ratestate.files import laboratory_csv
 from ratestate.records.fitting.settings import checked_settings
 from ratestate.records.fitting.steps import each, shared
-from ratestate.records.fitting.steps.shared import group_of, grouped, ratio_of, shared_fit
-from ratestate.records.fitting.steps.stick_slip import stick_slip_slides
+from ratestate.records.fitting.steps.shared import estimates_of, mean_of, ratio_of, shared_fit
 from ratestate.records.fitting.steps.text import rows_of, table_of
-from ratestate.records.fitting.steps.windows import windows_of
+from ratestate.records.fitting.steps.windows import stick_slip_slides, windows_of
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -179,7 +178,7 @@ def test_steps_in_stick_slip_are_named_and_not_fitted(data, under_slip):
     text = " ".join(fitting.summary(result).split())
     assert text.count("step 4: not fitted") == 1
     assert "failed" not in text
-    assert "stick-slip" in next(line for line in table_of(result, "slip").rows if line[0] == "4")
+    assert "stick-slip" in next(row for row in table_of(result, "slip") if row[0] == "4")
 
 
 def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip):
@@ -238,31 +237,28 @@ def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
         start="auto",
         errors="auto",
     )
-    fits, _ = each.fit_each(data, settings)
-    joint = shared_fit(fits, "slip")
+    steps = each.fit_each(each.steps_of(data, settings))
+    joint = shared_fit(steps)
     assert joint.degrees == 9
 
-    def changed(fit, **values):
-        one = fit.of("slip")
-        solution = one.solution._replace(**values)
-        return fit._replace(laws={"slip": one._replace(solution=solution)})
+    def changed(step, **values):
+        return step._replace(solution=step.solution._replace(**values))
 
-    def runs_away(fit):
-        solution = fit.of("slip").solution
-        point = solution.point.copy()
-        point[solution.unknowns.names.index("b")] *= 3.0
-        return changed(fit, point=point)
+    def runs_away(step):
+        point = step.solution.point.copy()
+        point[step.solution.unknowns.names.index("b")] *= 3.0
+        return changed(step, point=point)
 
-    wild = [*map(runs_away, fits[:3]), fits[3]]  # with the medians of these no step slides on
-    assert shared_fit(wild, "slip").point == pytest.approx(joint.point, rel=1e-5)
+    wild = [*map(runs_away, steps[:3]), steps[3]]  # with the medians of these no step slides on
+    assert shared_fit(wild).point == pytest.approx(joint.point, rel=1e-5)
 
-    some = [changed(fits[0], converged=False), *fits[1:]]
-    assert shared_fit(some, "slip").degrees == 6
-    assert grouped(some, "slip", "Dc").n == 3
-    one_left = [*(changed(fit, converged=False) for fit in fits[:3]), fits[3]]
-    assert shared_fit(one_left, "slip") is None
+    some = [changed(steps[0], converged=False), *steps[1:]]
+    assert shared_fit(some).degrees == 6
+    assert np.isfinite(estimates_of(some, "Dc")).all(axis=0).tolist() == [False, True, True, True]
+    one_left = [*(changed(step, converged=False) for step in steps[:3]), steps[3]]
+    assert shared_fit(one_left) is None
     monkeypatch.setattr(shared, "MOST", 1)
-    assert shared_fit(fits, "slip") is None
+    assert shared_fit(steps) is None
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -299,7 +295,7 @@ def test_steps_up_beside_steps_down():
     assert found.value == pytest.approx(np.exp(up.mean() - down.mean()))
     assert found.p_value == pytest.approx(expected.pvalue, rel=1e-6)
     # of one step each nothing is known of the scatter
-    alone = ratio_of(([0.2], [0.01]), ([0.1], [0.01]), True)
+    alone = ratio_of(np.array([[0.2], [0.01]]), np.array([[0.1], [0.01]]), True)
     assert alone.value == pytest.approx(np.exp(0.1))
     assert np.isnan(alone.error)
     assert np.isnan(alone.p_value)
@@ -468,16 +464,16 @@ def test_the_mean_of_estimates():
     """Without scatter the weighted mean; with much the plain one, and the scatter itself."""
     rng = np.random.default_rng(2)
     errors = np.array([1.0, 2.0, 4.0])
-    exact = group_of([5.0, 5.0, 5.0], errors)
-    assert exact.mean == 5.0
+    exact = mean_of(np.array([5.0, np.nan, 5.0, 5.0]), np.insert(errors, 1, np.nan))
+    assert exact.value == 5.0
     assert exact.error == pytest.approx((1.0 + 0.25 + 1 / 16) ** -0.5)
     assert exact.scatter == 0.0
     values = 10.0 + 3.0 * rng.normal(size=400)
-    found = group_of(values, np.full(400, 0.1))
+    found = mean_of(values, np.full(400, 0.1))
     assert found.scatter == pytest.approx(3.0, rel=0.1)
-    assert found.mean == pytest.approx(values.mean(), abs=1e-3)
+    assert found.value == pytest.approx(values.mean(), abs=1e-3)
     assert found.error == pytest.approx(values.std() / 20.0, rel=0.05)
-    assert np.isnan(group_of([], []).mean)
+    assert np.isnan(mean_of(np.array([np.nan]), np.array([np.nan]))).all()
 
 
 @pytest.mark.statistics

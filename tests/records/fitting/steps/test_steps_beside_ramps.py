@@ -87,24 +87,18 @@ def test_a_step_in_a_ramp_begins_with_it():
 def test_estimates_at_a_bound_do_not_judge_all_steps(monkeypatch):
     loading = rs.Loading.steps("3 um/s", (60, "10 um/s"), (90, "3 um/s"), (160, "10 um/s"))
     data = recorded(loading, 195.0)
-    fit_window = each.fit_window
 
-    def at_its_bound(task):
-        """The fit, but b of the step at 160 s where its search ends."""
-        fit = fit_window(task)
-        if task.window.t < 150.0:
-            return fit
-        one = fit.of("aging")
-        solution = one.solution
-        point, i = solution.point.copy(), solution.unknowns.names.index("b")
-        point[i] = solution.unknowns.high[i]
-        moved = solution._replace(point=point)
-        return fit._replace(laws={"aging": one._replace(solution=moved)})
+    def at_its_bound(fit_window, windows, report=None):
+        """The fits, but b of the step at 160 s where its search ends."""
+        fits = [step for steps in windows for step in fit_window(steps)]
+        for k, step in enumerate(fits):
+            if step.window.t > 150.0:
+                point, i = step.solution.point.copy(), step.solution.unknowns.names.index("b")
+                point[i] = step.solution.unknowns.high[i]
+                fits[k] = step._replace(solution=step.solution._replace(point=point))
+        return [[step] for step in fits]
 
-    monkeypatch.setattr(each, "fit_window", at_its_bound)
-    monkeypatch.setattr(
-        each, "mapped", lambda function, tasks, report=None: [*map(function, tasks)]
-    )
+    monkeypatch.setattr(each, "mapped", at_its_bound)
     result = fitted(data)
     assert int(result.shared_degrees) == 3
     assert result.warnings.values[2].startswith("b ends at a bound")

@@ -5,7 +5,6 @@
 ``response``                    a frequency response: gains and phases
 ``sweep``                       a sweep: how cases ended, ranges, failed cases
 ``fit``                         a fit, in the fullest layout that the terminal has room for
-``steps``                       fits of the steps and holds of a record
 ``events``                      a catalogue of stick-slip events
 ``domain``                      cases that leave the domain of the friction law
 ``rows``                        rows about one slider: what stands for NaN and inf
@@ -45,10 +44,6 @@ def report(
     verb = result.attrs["title"].removeprefix("ratestate ")
     if "message" in result and verb != "fit":
         return cases(result, verb, units or {})
-    if verb == "fit" and "step" in result.dims:
-        from .steps import steps
-
-        return steps(result)
     if verb == "fit":
         from .fit import fit  # what it needs takes long to load
 

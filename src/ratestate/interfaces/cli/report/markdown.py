@@ -11,7 +11,7 @@ import xarray
 from ....model.names import Sentences
 from ....model.quantities import readable, short, with_error
 from ....model.slider import SpringSlider
-from ....records.fitting.by_law import is_of_steps, results_by_law, results_by_law_of_steps
+from ....records.fitting.by_law import is_of_steps, results_by_law
 from ....records.fitting.fit import fit
 from ....records.fitting.steps.text import (
     HEADS,
@@ -62,60 +62,52 @@ def markdown(
     request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
 ) -> str:
     """The whole report; `record` and `result` must have the attributes of `read_lab` and `fit`."""
-    if is_of_steps(result):
-        return _of_steps(request, record, slider, result)
+    own = _of_steps(result) if is_of_steps(result) else _of_fit(record, result)
+    text = SENTENCES(
+        "report.steps" if is_of_steps(result) else "report.whole",
+        names=request.names,
+        what_was_read=_what_was_read(record),
+        versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
+        **_python(request, slider, result),
+        **own,
+    )
+    # without the gaps that empty parts leave, and with signs as print has them
+    return re.sub("\n{3,}", "\n\n", text).replace("+-", "\N{PLUS-MINUS SIGN}")
+
+
+def _of_fit(record: xarray.Dataset, result: xarray.Dataset) -> dict[str, str]:
+    """The parts of the report on one fit."""
     laws = results_by_law(result)
     warnings = [f"> - {text}" for text in labelled_warnings(laws)]
     determined = [f"**{law} law.** {text}" for law, text in identifiability_by_law(laws).items()]
-    text = SENTENCES(
-        "report.whole",
-        what_was_read=_what_was_read(record),
-        names=request.names,
-        warnings=_part("warnings", "\n".join(warnings)),
-        estimates=_estimates(laws),
-        kinds=_kinds(laws),
-        fixed=fixed_parameters(laws),
-        quality=_statistics(laws) if "aic" in result else _features(laws),
-        comparison=result.attrs.get("comparison", ""),
-        identifiability=_part("identifiability", "\n\n".join(determined)),
-        **_python(request, slider, result),
-        speed=readable("V_lp", float(record["segment_V"].max())),
-        versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
-    )
-    return _printed(text)
+    return {
+        "warnings": _part("warnings", "\n".join(warnings)),
+        "estimates": _estimates(laws),
+        "kinds": _kinds(laws),
+        "fixed": fixed_parameters(laws),
+        "quality": _statistics(laws) if "aic" in result else _features(laws),
+        "comparison": result.attrs.get("comparison", ""),
+        "identifiability": _part("identifiability", "\n\n".join(determined)),
+        "speed": readable("V_lp", float(record["segment_V"].max())),
+    }
 
 
-def _of_steps(
-    request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
-) -> str:
-    """The whole report of fits of steps."""
+def _of_steps(result: xarray.Dataset) -> dict[str, str]:
+    """The parts of the report on fits of steps."""
     tables, warnings = "", ""
-    for law, part in results_by_law_of_steps(result).items():
-        heads, rows, together = table_of(result, law)
-        table = _table(heads, [*rows, *together], len(HEADS))
-        tables += SENTENCES("report.steps_under", law=law, table=table)
+    for law, part in results_by_law(result).items():
+        heads, *rows = table_of(result, law)
+        tables += SENTENCES("report.steps_under", law=law, table=_table(heads, rows, len(HEADS)))
         of_law = [f"- {steps}: {text}" for steps, text in warnings_by_text(part)]
         if of_law:
-            lines = "\n".join(of_law)
-            warnings += SENTENCES("report.warnings_under", law=law, lines=lines)
-    text = SENTENCES(
-        "report.steps",
-        names=request.names,
-        heading=heading_of_steps(result),
-        tables=tables,
-        notation=NOTATION,
-        warnings=_part("warnings_of_steps", warnings),
-        remarks="\n".join(f"- {remark}" for remark in remarks_on_steps(result)),
-        what_was_read=_what_was_read(record),
-        **_python(request, slider, result),
-        versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
-    )
-    return _printed(text)
-
-
-def _printed(text: str) -> str:
-    """A report without the gaps that empty parts leave, and with signs as print has them."""
-    return re.sub("\n{3,}", "\n\n", text).replace("+-", "\N{PLUS-MINUS SIGN}")
+            warnings += SENTENCES("report.warnings_under", law=law, lines="\n".join(of_law))
+    return {
+        "heading": heading_of_steps(result),
+        "tables": tables,
+        "notation": NOTATION,
+        "warnings": _part("warnings_of_steps", warnings),
+        "remarks": "\n".join(f"- {remark}" for remark in remarks_on_steps(result)),
+    }
 
 
 def _what_was_read(record: xarray.Dataset) -> str:
@@ -149,7 +141,7 @@ def _estimates(laws: Laws) -> str:
     head = ["", "", *(t for law in laws for t in (f"**{law} law**", "68 %", "95 %"))]
     rows = []
     for row in estimate_rows(laws):
-        cells = [t for e in row.estimates for t in (f"**{e.value}**", *(e.intervals or "  "))]
+        cells = [t for value, *ends in row.estimates for t in (f"**{value}**", *ends)]
         rows.append([row.label, row.meaning, *cells])
     return _table(head, rows, 2)
 

@@ -1,7 +1,7 @@
 """Each step and hold of a record fitted on its own window, in parallel."""
 
 import itertools
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
@@ -12,212 +12,182 @@ from ...kit.least_squares import single_blas
 from ...kit.processes import mapped
 from ...load_point.stress_steps import VARIABLE, stress_range
 from ...messages import fitting as sentences
-from ..by_law import value_of
 from ..diagnostics.checks import is_misfit
-from ..generalized_least_squares import Solution, responds
+from ..generalized_least_squares import responds
 from ..likelihood.inference import inferences_of, inflation_of
-from ..likelihood.noise_uncertainty import Inflation
-from ..result import datasets_of
+from ..result import dataset_of
 from ..settings import Settings
 from ..unknowns import OF_MACHINE
-from .stick_slip import stick_slip_about, stick_slip_slides
-from .windows import Window, windows_of
+from . import FAILED, FITTED, STICK_SLIP
+from .windows import Window, stick_slip_about, stick_slip_slides, windows_of
 
 #: most samples of a window that are fitted: a step is resolved as well as with ten times as many
 MOST = 20_000
-#: slip since the change before, over Dc, from which on sliding may be steady at a window's begin
+#: slip since the change before, in Dc, from which sliding may be steady when a window begins
 SLID = 5.0
 
 
-class Task(NamedTuple):
-    """A window to be fitted."""
+class Step(NamedTuple):
+    """A step or hold under one law: its part of the record, and the fit, if there is one."""
 
     window: Window
-    data: xarray.Dataset  # its rows
-    settings: Settings  # with the sliders from where the searches begin
+    data: xarray.Dataset  # its samples
     rows_per_sample: int  # of the record, which are averaged
-
-    def with_sliders(self, sliders):
-        """The `Task` with other sliders (list)."""
-        return self._replace(settings=self.settings._replace(sliders=sliders))
-
-
-class Separate(NamedTuple):
-    """The fit of a window under one law: what of its `Inference` goes from process to process."""
-
-    result: xarray.Dataset  # of `datasets_of`
-    solution: Solution
-    inflation: Inflation  # of the coordinates that steps share
-    is_misfit: bool  # whether the residuals are more than noise
-    responds: bool  # whether friction does, beyond noise
+    settings: Settings  # with one slider, from which the search begins
+    status: int = FAILED
+    message: str = ""  # why there is no fit
+    result: Any = None  # Dataset of `dataset_of`
+    solution: Any = None  # `Solution`
+    inflation: Any = None  # `Inflation` of the coordinates that steps share
+    is_misfit: bool = False  # whether the residuals are more than noise
+    responds: bool = False  # whether friction does, beyond noise
 
     @property
-    def at_bound(self):
-        """Names (list) of parameters that are at the end of their range."""
-        return [*itertools.compress(self.solution.unknowns.names, self.solution.at_bound)]
-
-
-class Fitted(NamedTuple):
-    """A window with its fits."""
-
-    task: Task
-    laws: dict  # law -> `Separate`, or the message (str) why there is none
-    is_stick_slip: bool = False  # which is why there is none
-
-    def of(self, law):
-        """The `Separate` of a law, or None."""
-        separate = self.laws[law]
-        return None if isinstance(separate, str) else separate
+    def slider(self):
+        return self.settings.sliders[0]
 
     @property
-    def is_spoilt(self):
-        """Whether normal stress varies under a step or hold of the load point."""
-        of_stress = self.task.window.kind == "normal stress"
-        return not of_stress and stress_range(self.task.data) > VARIABLE
+    def law(self):
+        return self.slider.law
 
-    def usable(self, law):
-        """The `Separate` of a law if all steps may be judged by it, or None.
+    def column(self, name):
+        """(m,) a variable of the record; NaN if it has none of this name."""
+        missing = np.full(self.data.sizes["time"], np.nan)
+        return self.data[name].values if name in self.data.variables else missing
 
-        Not if its search has not converged, friction does not respond, a parameter is at its bound,
-        or normal stress varies.
-        """
-        separate = self.of(law)
-        if not separate or not (separate.solution.converged and separate.responds):
-            return None
-        return None if separate.at_bound or self.is_spoilt else separate
+    @property
+    def shared(self):
+        """Coordinates (list of int) that the steps share: those of the law's parameters."""
+        shared = set(self.settings.free).difference(OF_MACHINE)
+        return [i for i, name in enumerate(self.solution.unknowns.names) if name in shared]
 
-    def remarks(self, law):
-        """Sentences (list) on why all steps leave out one that is fitted under a law."""
-        found = [sentences("each.stress_varies")] if self.is_spoilt else []
-        if names := self.of(law).at_bound:
-            found.append(sentences("each.at_bound", names=" and ".join(names)))
+    @property
+    def caveats(self):
+        """Sentences (list) on why the estimates from all steps leave out this fit."""
+        names = [*itertools.compress(self.solution.unknowns.names, self.solution.at_bound)]
+        found = [sentences("each.at_bound", names=" and ".join(names))] if names else []
+        if self.window.kind != "normal stress" and stress_range(self.data) > VARIABLE:
+            found.insert(0, sentences("each.stress_varies"))
         return found
 
+    @property
+    def is_usable(self):
+        """Whether the estimates from all steps use this fit."""
+        if self.status != FITTED:
+            return False
+        return self.solution.converged and self.responds and not self.caveats
 
-def fit_each(data, settings):
-    """list of `Fitted`, for each step and hold of the load point: first those that are fitted.
+    def with_fit(self, inference):
+        """The `Step` with the result of its `Inference`, and what the joint fit needs."""
+        step = self._replace(status=FITTED, solution=inference.solution)
+        return step._replace(
+            result=dataset_of(inference, self.data),
+            inflation=inflation_of(inference, step.shared),
+            is_misfit=is_misfit(inference),
+            responds=responds(inference.solution),
+        )
 
-    data : the record (Dataset in SI)
 
-    And list of `Window`, for each step of normal stress.  Where friction is stick-slip, steps of
-    both kinds are among the former, and not fitted.  ParameterError as of `windows_of`, and where
-    all are so.
+def steps_of(data, settings):
+    """For each window of a record (Dataset in SI) a list of its `Step`s, one for each law.
+
+    None is fitted yet; where friction is stick-slip, none will be.  ParameterError as of
+    `windows_of`, and if friction is stick-slip in all windows.
     """
-    windows, unstable = _divided(data, settings)
-    tasks = [task_of(one, data, settings) for one in windows if one.kind != "normal stress"]
-    with bar("fits of steps") as show:
-        fitted: list[Fitted] = []
-        # the first that is fitted under all laws shows the others where to begin
-        while tasks and not (fitted and all(map(fitted[-1].of, settings.laws))):
-            fitted += _fit_all([tasks.pop(0)])
-        fitted += _fit_all([_nearer(task, fitted[-1]) for task in tasks], show)
-    return fitted + unstable, [one for one in windows if one.kind == "normal stress"]
-
-
-def _divided(data, settings):
-    """The `Window`s (list) of a record, and the `Fitted` of those in stick-slip."""
-    windows = windows_of(data)
+    windows = windows_of(data)  # which checks the record
     slides = stick_slip_slides(data, settings.sliders[0].sigma)
-    found = {window: stick_slip_about(window, slides) for window in windows}
-    unstable = []
-    for window in (window for window in windows if found[window]):
-        slide = {"events": found[window].events, "V_lp": found[window].V}
-        laws = dict.fromkeys(settings.laws, sentences("each.stick_slip", **slide))
-        unstable.append(Fitted(task_of(window, data, settings), laws, is_stick_slip=True))
-    if len(unstable) == len(windows):
-        raise sentences.refusal("each.all_stick_slip", count=len(windows), **slide)
-    return [window for window in windows if not found[window]], unstable
+    windows = [_steps_of(window, data, settings, slides) for window in windows]
+    if all(steps[0].status == STICK_SLIP for steps in windows):
+        slide = stick_slip_about(windows[-1][0].window, slides)
+        count = {"count": len(windows), "events": slide.events}
+        raise sentences.refusal("each.all_stick_slip", V_lp=slide.V, **count)
+    return windows
 
 
-def task_of(window, data, settings):
-    """The `Task` of a window: free is alpha alone at a step of normal stress, elsewhere all else.
+def _steps_of(window, data, settings, slides):
+    """The `Step`s of a window: free is alpha alone at a step of normal stress, else all others.
 
-    data : the record (Dataset in SI), of which a window of more than `MOST` rows is averaged
+    A window of more than `MOST` rows is averaged.
     """
-    part, free = window.part(data), ("alpha",)
+    part = window.part(data)
     if (each := -(-part.sizes["time"] // MOST)) > 1:
         part = part.coarsen(time=each, boundary="trim").mean()
-    if window.kind != "normal stress":
-        free = tuple(name for name in settings.free if name != "alpha")
-    sliders = [slider.replace(sigma=_stress(window, part, slider)) for slider in settings.sliders]
-    return Task(window, part, settings._replace(free=free, sliders=sliders), max(each, 1))
-
-
-def _stress(window, part, slider):
-    """Normal stress [Pa] of a window, or before a step of it: as recorded, else the slider's."""
+    sigma, free = {}, tuple(name for name in settings.free if name != "alpha")
     if window.kind == "normal stress":
-        return window.stresses(part)[0]
-    recorded = part["sigma"].values if "sigma" in part.data_vars else np.array(np.nan)
-    return float(np.median(recorded)) if np.isfinite(recorded).all() else slider.sigma
+        sigma, free = {"sigma": window.stresses(part)[0]}, ("alpha",)
+    elif "sigma" in part.data_vars and np.isfinite(part["sigma"]).all():
+        sigma = {"sigma": float(part["sigma"].median())}
+    each_law = [
+        settings._replace(free=free, sliders=[slider.replace(**sigma)])
+        for slider in settings.sliders
+    ]
+    status, message = FAILED, ""
+    if slide := stick_slip_about(window, slides):
+        status = STICK_SLIP
+        message = sentences("each.stick_slip", events=slide.events, V_lp=slide.V)
+    return [Step(window, part, max(each, 1), one, status, message) for one in each_law]
 
 
-def _nearer(task, pilot):
-    """The `Task` with the estimates of a `Fitted` as initial guess, where it has them.
+def fit_each(windows):
+    """All `Step`s (list) with their fits; windows : lists of `Step`, one for each law.
 
-    Its start is free where the change before is not over by then.
+    The first window that is fitted under all laws shows the others where to begin.
     """
-    sliders, longest = [], 0.0
-    for slider in task.settings.sliders:
-        if separate := pilot.of(slider.law):
-            part = separate.result
-            names = [name for name in part["parameter"].values.tolist() if name in slider.values]
-            slider = slider.replace(**{name: value_of(part, name) for name in names})
-        sliders.append(slider)
-        lengths = (float(getattr(slider, D)) for D in slider.friction_law.lengths)
-        longest = max(longest, *lengths)
-    start = task.settings.start
-    if start == "auto" and task.window.slid < SLID * longest:
+    fitted: list[Step] = []
+    pilot: list[Step] = []
+    with bar("fits of steps") as show:
+        while windows and not (pilot and all(step.status == FITTED for step in pilot)):
+            pilot = _fit_all(windows[:1])
+            fitted, windows = fitted + pilot, windows[1:]
+        if windows:
+            by_law = {step.law: step for step in pilot}
+            fitted += _fit_all([_nearer(steps, by_law) for steps in windows], show)
+    return fitted
+
+
+def _nearer(steps, pilot):
+    """The `Step`s of a window with the estimates of a pilot (law -> `Step`) as initial guess.
+
+    The start is free if the change before is not over when the window begins.
+    """
+    sliders = []
+    for step in steps:
+        result = pilot[step.law].result
+        names = [n for n in result["parameter"].values.tolist() if n in step.slider.values]
+        sliders.append(step.slider.replace(**{name: float(result[name]) for name in names}))
+    longest = max(float(getattr(one, D)) for one in sliders for D in one.friction_law.lengths)
+    start = steps[0].settings.start
+    if start == "auto" and steps[0].window.slid < SLID * longest:
         start = "free"
-    return task._replace(settings=task.settings._replace(sliders=sliders, start=start))
-
-
-def _fit_all(tasks, report=None):
-    """`Fitted` (list) of all tasks, in parallel: law by law, unless they share a prior."""
-    pieces = [(i, piece) for i, task in enumerate(tasks) for piece in _by_law(task)]
-    # those that take longest first
-    pieces.sort(key=lambda one: -len(one[1].settings.sliders[0].friction_law.states))
-    show = None if report is None else lambda done: report(done / len(pieces))
-    fitted = mapped(fit_window, [piece for _, piece in pieces], show)
-    laws: list[dict] = [{} for _ in tasks]
-    for (i, _), one in zip(pieces, fitted, strict=True):
-        laws[i] |= one.laws
     return [
-        Fitted(task, {law: of_any[law] for law in task.settings.laws})
-        for task, of_any in zip(tasks, laws, strict=True)
+        step._replace(settings=step.settings._replace(sliders=[slider], start=start))
+        for step, slider in zip(steps, sliders, strict=True)
     ]
 
 
-def _by_law(task):
-    """The `Task`s of each law alone; of a posterior the whole, for laws have one prior."""
-    if task.settings.errors == "posterior":
-        return [task]
-    return [task.with_sliders([slider]) for slider in task.settings.sliders]
+def _fit_all(windows, report=None):
+    """The `Step`s (list) of windows with their fits: in parallel, those that take longest first."""
+    if windows[0][0].settings.errors != "posterior":  # for which laws share a prior
+        windows = [[step] for steps in windows for step in steps]
+    windows = sorted(windows, key=lambda steps: -len(steps[0].slider.friction_law.states))
+    show = None if report is None else lambda done: report(done / len(windows))
+    return [*itertools.chain.from_iterable(mapped(fit_window, windows, show))]
 
 
-def fit_window(task):
-    """The `Fitted` of a `Task`: a law that cannot be fitted leaves the others."""
-    settings = task.settings
-    with single_blas():
-        try:
-            inferences = inferences_of(task.data, settings)
-            results = datasets_of(inferences, settings.laws, task.data)
-            pairs = zip(inferences, results.values(), strict=True)
-            separate = [_separate(one, result, settings) for one, result in pairs]
-            return Fitted(task, dict(zip(results, separate, strict=True)))
-        except RateStateError as error:
-            if len(settings.sliders) == 1:
-                return Fitted(task, {settings.laws[0]: str(error)})
+def fit_window(steps, adjusted=lambda inference: inference):
+    """The `Step`s (list) of one window with their fits; a law that fails leaves the others.
+
+    adjusted : function of an `Inference`, gives the one that is reported
+    """
+    settings = steps[0].settings._replace(sliders=[step.slider for step in steps])
+    try:
+        with single_blas():
+            inferences = inferences_of(steps[0].data, settings)
+            pairs = zip(steps, map(adjusted, inferences), strict=True)
+            return [step.with_fit(inference) for step, inference in pairs]
+    except RateStateError as error:
+        if len(steps) == 1:
+            return [steps[0]._replace(message=str(error))]
     alone = settings._replace(errors="auto")  # without a prior that the laws share
-    return _fit_all([task._replace(settings=alone)])[0]
-
-
-def _separate(inference, result, settings):
-    solution = inference.solution
-    inflation = inflation_of(inference, shared_coordinates(solution.unknowns, settings))
-    return Separate(result, solution, inflation, is_misfit(inference), responds(solution))
-
-
-def shared_coordinates(unknowns, settings):
-    """Coordinates (list of int) that the steps share: those of the law's parameters."""
-    names = unknowns.names
-    return [i for i, n in enumerate(names) if n in settings.free and n not in OF_MACHINE]
+    steps = [step._replace(settings=alone._replace(sliders=[step.slider])) for step in steps]
+    return [fit_window([step], adjusted)[0] for step in steps]

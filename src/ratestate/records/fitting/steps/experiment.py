@@ -1,36 +1,91 @@
 """What `fit` does if each="step": all steps and holds of an experiment.
 
-Steps of normal stress come last: they tell alpha, with the law's other parameters held at those of
-the other steps.
+Steps of normal stress come last: they determine alpha, and the law's other parameters are held at
+the estimates from the other steps.
 """
 
 import numpy as np
+from scipy.linalg import block_diag
 
-from ....errors import RateStateError
-from ....model.quantities import readable
 from ...messages import fitting as sentences
 from ..estimates import ROOTS
-from ..generalized_least_squares import solutions_of
-from ..unknowns import to_value
-from .each import Fitted, fit_each, fit_window, task_of
-from .result import FAILED, STICK_SLIP, dataset_of_steps
-from .shared import grouped, shared_fit
+from ..forward import Forward
+from ..unknowns import to_coordinate, to_value
+from . import FAILED, FITTED, STICK_SLIP
+from .each import Step, fit_each, fit_window, steps_of
+from .result import dataset_of_steps
+from .shared import estimates_of, mean_of, shared_fit
 
 
 def fit_experiment(data, settings):
     """The Dataset of all steps and holds of a record (Dataset in SI), with checked `Settings`.
 
-    ParameterError where there is no step and no hold, or none that can be fitted.
+    ParameterError if there is no step and no hold, or none that can be fitted.
     """
-    fits, of_stress = fit_each(data, settings)
-    shared = {law: shared_fit(fits, law) for law in settings.laws}
-    fits += fit_stress_steps(data, of_stress, settings, fits, shared)
-    fits.sort(key=lambda fit: fit.task.window.t)
-    if not any(fit.of(law) for fit in fits for law in settings.laws):
-        failed = next(fit for fit in fits if not fit.is_stick_slip)
-        message = failed.laws[settings.laws[0]]
-        raise sentences.refusal("each.failed", count=len(fits), message=message)
-    return dataset_of_steps(fits, shared, settings.laws)
+    unstable: list[Step] = []
+    of_stress: list[Step] = []
+    others = []
+    for steps in steps_of(data, settings):
+        if steps[0].status == STICK_SLIP:
+            unstable += steps
+        elif steps[0].window.kind == "normal stress":
+            of_stress += steps
+        else:
+            others.append(steps)
+    fitted = fit_each(others)
+    by_law = {law: [step for step in fitted if step.law == law] for law in settings.laws}
+    shared = {law: shared_fit(steps) for law, steps in by_law.items()}
+    fitted += [fit_stress_step(step, by_law[step.law], shared[step.law]) for step in of_stress]
+    fitted = sorted(unstable + fitted, key=lambda step: step.window.t)
+    by_law = {law: [step for step in fitted if step.law == law] for law in settings.laws}
+    if not any(step.status == FITTED for step in fitted):
+        steps = by_law[settings.laws[0]]
+        message = next(step.message for step in steps if step.status == FAILED)
+        raise sentences.refusal("each.failed", count=len(steps), message=message)
+    return dataset_of_steps(by_law, shared)
+
+
+def fit_stress_step(step, others, shared):
+    """The `Step` of normal stress with its fit, in which alpha alone is free.
+
+    others : fitted `Step`s of the load point under the same law, whose mean K is held
+    shared : their `Shared`, or None
+
+    The errors of held parameters widen the interval of alpha, to first order.
+    """
+    held, covariance = {}, np.zeros((0, 0))
+    if shared is not None:
+        held, covariance = dict(zip(shared.names, shared.point, strict=True)), shared.covariance
+    K = mean_of(*estimates_of(others, "K"))
+    if np.isfinite(K.value):
+        held["K"], covariance = K.value, block_diag(covariance, K.error**2)
+    values = {name: float(to_value(name, x)) for name, x in held.items()}
+    settings = step.settings._replace(sliders=[step.slider.replace(**values)])
+    (step,) = fit_window(
+        [step._replace(settings=settings)],
+        lambda inference: _with_errors_of(inference, tuple(held), covariance),
+    )
+    return step
+
+
+def _with_errors_of(inference, held, covariance):
+    """The `Inference` with errors (h, h) of held parameters (h names) propagated to alpha."""
+    solution, estimates = inference.solution, inference.estimates
+    problem, names = solution.problem, solution.unknowns.names
+    point = [to_coordinate(name, getattr(problem.slider, name)) for name in held]
+    forward = Forward(problem.record, problem.slider, (*held, *names))
+    jacobian = forward.jacobian(np.concatenate([point, solution.point]))[1]
+    white, _ = solution.noise.whiten(problem.record.t, np.nan_to_num(jacobian))
+    by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
+    slopes = by_held[names.index("alpha")]
+    i = estimates.names.index("alpha")
+    errors, intervals = estimates.errors.copy(), estimates.intervals.copy()
+    errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)
+    # (added, which is right at a bound, too, where the interval is not about the estimate)
+    more = (errors[i] - estimates.errors[i]) * ROOTS[:, None] * np.array([-1.0, 1.0])
+    is_open = intervals[i] == to_value("alpha", -np.inf)
+    intervals[i] += np.where(is_open, 0.0, more)
+    return inference._replace(estimates=estimates._replace(errors=errors, intervals=intervals))
 
 
 def warnings_of_steps(result):
@@ -50,74 +105,3 @@ def warnings_of_steps(result):
             steps = ", ".join(map(str, (np.flatnonzero(which) + 1).tolist()))
             parts.append(f"{which.sum()} of {which.size} {what} (step {steps}; see {variable})")
     return [f"fits of each step: {'; '.join(parts)}"] if parts else []
-
-
-def fit_stress_steps(data, windows, settings, fits, shared):
-    """list of `Fitted`, for each `Window` of a step of normal stress, with alpha free alone.
-
-    data : the record (Dataset in SI); settings, fits : of the other steps
-    shared : law -> `Shared` of these, or None; what is not shared stays as the slider has it
-
-    What the errors of held parameters add to that of alpha is in its interval.
-    """
-    fitted = []
-    for window in windows:
-        task, laws, sliders = task_of(window, data, settings), {}, []
-        for slider in task.settings.sliders:
-            held, directions = _held(fits, shared[slider.law], slider)
-            sliders.append(slider.replace(**held))
-            alone = task.with_sliders(sliders[-1:])
-            fit = fit_window(alone)
-            laws[slider.law] = fit.laws[slider.law]
-            if one := fit.of(slider.law):
-                changes = [_change(alone, moved) for moved in directions]
-                _widen(one.result, float(np.sqrt(np.sum(np.square(changes)))))
-        fitted.append(Fitted(task.with_sliders(sliders), laws))
-    return fitted
-
-
-def _held(fits, shared, slider):
-    """name -> value [SI] of what other steps tell of a slider; and, for each independent direction
-    in which these are uncertain, two such dicts a standard error to either side.
-    """
-    held, directions = {}, []
-    K = grouped(fits, slider.law, "K")
-    if K.n:
-        held["K"] = float(np.exp(K.mean))
-        directions.append([{"K": float(np.exp(K.mean + s * K.error))} for s in (1.0, -1.0)])
-    if shared is not None:
-        sizes, axes = np.linalg.eigh(shared.covariance)
-        moves = (axes * np.sqrt(np.maximum(sizes, 0.0))).T
-        directions += [[shared.values(move), shared.values(-move)] for move in moves]
-        held |= shared.values()
-    return held, directions
-
-
-def _change(task, sides):
-    """Half the difference of alpha between two sets of held parameters; inf without a fit."""
-    alphas = []
-    for moved in sides:
-        sliders = [slider.replace(**moved) for slider in task.settings.sliders]
-        try:
-            (one,) = solutions_of(task.data, task.settings._replace(sliders=sliders))
-        except RateStateError:
-            return np.inf
-        alphas.append(to_value("alpha", one.point[one.unknowns.names.index("alpha")]))
-    return float(0.5 * (alphas[0] - alphas[1]))
-
-
-def _widen(result, extra):
-    """Add an independent error to that of alpha in a Dataset, and in its texts, in place."""
-    at = {"parameter": "alpha"}
-    own = float(result["standard_error"].sel(at))
-    total = float(np.hypot(own, extra))
-    result["standard_error"].loc[at] = total
-    value = float(result["alpha"])
-    ends = result["interval"].sel(at).transpose("level", "side").values
-    reach = np.hypot(ends - value, extra * ROOTS[:, None])
-    is_open = ends == to_value("alpha", -np.inf)
-    wider = np.where(is_open, ends, value + reach * np.array([-1.0, 1.0]))
-    before, after = (f"< {readable('alpha', one[-1, 1], 3)}" for one in (ends, wider))
-    result["interval"].loc[at] = wider  # ("ends" is a view of it)
-    for name in ("warnings", "identifiability"):
-        result[name].values = np.array(str(result[name].item()).replace(before, after))

@@ -1,19 +1,29 @@
-"""Windows of a record: each step and hold with the sliding before it and after."""
+"""Windows of a record: each step and hold with the sliding before it and after.
+
+No step can be fitted in a slide that is stick-slip.  The events and the test of their significance
+are those of `events`.  Of noise that wanders, that test accepts some: here a slide needs several
+events, which make up much of the range of friction.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
+from ....errors import RateStateError
 from ...load_point.segments import without_overshoots
 from ...load_point.stress_steps import stress_steps
 from ...loading import recorded_segments
 from ...messages import fitting as sentences
 from ...raw_record import checked_time
+from ...stick_slip.detection import detected
+from ...stick_slip.series import series_of
 
 #: part of the sliding before a change that belongs to its window: the change before it is over
 LEAD = 0.5
 #: fewest rows there, as far as there are as many
 ROWS = 50
+#: fewest events at one speed, and least drop of a typical one, over the range of friction there
+FEWEST, DROP = 4, 1.0 / 3.0
 
 
 class Window(NamedTuple):
@@ -27,6 +37,11 @@ class Window(NamedTuple):
     V_after: float
     t_hold: float  # how long the load point rests [s]; NaN unless it is a hold
     slid: float  # how far it moves from the change before to the window's begin [m]
+
+    @property
+    def rise(self):
+        """How much the speed of the load point rises at a step [m/s]; 0 if it is none of speed."""
+        return self.V_after - self.V_before if self.kind == "step" else 0.0
 
     def part(self, data):
         """The rows of a record (Dataset) in the window."""
@@ -118,3 +133,45 @@ def _begin(time, before, change, after):
         at = max(int(np.searchsorted(time, change.t)) - ROWS, 0)
         lead = max(lead, change.t - max(float(time[at]), over))
     return change.t - lead
+
+
+class Slide(NamedTuple):
+    """A part of a record at one load-point speed, with stick-slip."""
+
+    begin: float  # [s]
+    end: float
+    V: float  # of the load point [m/s]
+    events: int
+
+
+def stick_slip_slides(data, sigma):
+    """list of `Slide` of a record (Dataset in SI); sigma [Pa] where none is recorded."""
+    time = data["time"].values
+    starts, speeds = recorded_segments(data, time)
+    found = []
+    for begin, end, V in zip(starts, [*starts[1:], np.inf], speeds, strict=True):
+        part = data.isel(time=slice(*np.searchsorted(time, (begin, end)).tolist()))
+        if V > 0.0 and (count := _events_in(part, sigma)):
+            found.append(Slide(float(begin), float(end), float(V), count))
+    return found
+
+
+def _events_in(part, sigma):
+    """Number of stick-slip events in a slide; 0 where there is no stick-slip."""
+    try:
+        series = series_of(part, sigma=None if "sigma" in part.variables else sigma)
+    except RateStateError:  # such as of missing values: the fit of the slide says so
+        return 0
+    series, rough, *_ = detected(series)
+    if len(rough) < FEWEST:
+        return 0
+    friction = series.tau / series.sigma
+    drops = [friction[i] - friction[j] for i, j in rough if min(i, j) >= 0]
+    high, low = np.percentile(friction, (99.0, 1.0))
+    return len(rough) if np.median(drops) > DROP * (high - low) else 0
+
+
+def stick_slip_about(window, slides):
+    """The stick-slip `Slide` with most events that overlaps a `Window`, or None."""
+    about = [one for one in slides if one.begin < window.end and window.begin < one.end]
+    return max(about, key=lambda one: one.events, default=None)
