@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ratestate import ParameterError, logspace
-from ratestate.model.arrays import check_aligned, column
-from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time
+from ratestate.model.arrays import check_aligned, column_to_si
+from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time_unit
 from ratestate.model.units import _PREFIXES, _registry, to_si, unit_factor
 
 SPELLED = [
@@ -191,7 +191,7 @@ def test_a_time_difference_of_numpy_is_not_read_as_an_integer(unit):
     given = np.timedelta64(20, unit)
     for value in (given, np.array([given]), [given, given], xr.DataArray([given], dims="t")):
         with pytest.raises(ParameterError, match=r"^t.*timedelta64|^t.*dtype"):
-            column("t", value)
+            column_to_si("t", value)
     with pytest.raises(ParameterError, match="timedelta64; expected a time"):
         to_si("t", given)
     with pytest.raises(ParameterError, match=r"^n = "):
@@ -280,7 +280,7 @@ def test_check_aligned():
 
 def test_long_times_have_units_of_their_own():
     day, year = 24 * 60 * 60, 365.25 * 24 * 60 * 60
-    assert long_time(7199.9) is None
-    assert long_time(7200.0) == long_time(1.99 * day) == ("hours", 3600.0)
-    assert long_time(2.0 * day) == long_time(1.99 * year) == ("days", day)
-    assert long_time(2.0 * year) == ("years", year)
+    assert long_time_unit(7199.9) is None
+    assert long_time_unit(7200.0) == long_time_unit(1.99 * day) == ("hours", 3600.0)
+    assert long_time_unit(2.0 * day) == long_time_unit(1.99 * year) == ("days", day)
+    assert long_time_unit(2.0 * year) == ("years", year)

@@ -50,24 +50,24 @@ def check_aligned(values):
             )
 
 
-def cut(value, places):
-    """DataArrays, also in a dataclass or dict, at some places of a sweep; anything else as it is.
+def isel(value, indices):
+    """DataArrays, also in a dataclass or dict, at some indices of a sweep; anything else as it is.
 
-    places : dimension -> indices or slice; those that a DataArray lacks do not count
+    indices : dimension -> indices or slice; those that a DataArray lacks do not count
     """
     if is_array(value):
-        return value.isel(places, missing_dims="ignore")
+        return value.isel(indices, missing_dims="ignore")
     if hasattr(value, "parameters") and hasattr(value, "replace"):  # a slider
-        return value.replace(**{name: cut(x, places) for name, x in value.parameters.items()})
+        return value.replace(**{name: isel(x, indices) for name, x in value.parameters.items()})
     if isinstance(value, tuple):
-        return tuple(cut(x, places) for x in value)
+        return tuple(isel(x, indices) for x in value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        parts = {f.name: cut(getattr(value, f.name), places) for f in dataclasses.fields(value)}
+        parts = {f.name: isel(getattr(value, f.name), indices) for f in dataclasses.fields(value)}
         return dataclasses.replace(value, **parts)
-    return {k: cut(v, places) for k, v in value.items()} if isinstance(value, dict) else value
+    return {k: isel(v, indices) for k, v in value.items()} if isinstance(value, dict) else value
 
 
-def column(symbol, values):
+def column_to_si(symbol, values):
     """Column of a record [SI], each value >= 0: ndarray (n,), or DataArray with ``segment`` last.
 
     DataArray if an item of a sequence is one with dimensions.  ParameterError: a single number or
@@ -95,10 +95,10 @@ def column(symbol, values):
         rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
-    return stack({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})
+    return concat({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})
 
 
-def stack(values):
+def concat(values):
     """Floats, DataArrays and columns (name -> value), one after the other.
 
     ndarray (n,), or DataArray with ``segment`` last if one of them is a DataArray.  ParameterError,
@@ -139,7 +139,7 @@ def as_column(values):
     return values if "segment" in values.dims else values.expand_dims("segment")
 
 
-def as_frame(t):
+def as_times(t):
     """Times as a DataArray, along ``time`` if they are an array of one dimension."""
     import xarray
 
@@ -160,22 +160,22 @@ class Batch:
     whether it is a single case without dimensions.
     """
 
-    def __init__(self, values, own=None, taken=()):
-        own = own or {}
-        within_sweep = {name: array.isel({array.dims[-1]: 0}) for name, array in own.items()}
+    def __init__(self, values, tables=None, reserved=()):
+        tables = tables or {}
+        within_sweep = {name: array.isel({array.dims[-1]: 0}) for name, array in tables.items()}
         check_aligned({**within_sweep, **values})
         sizes: dict = {}
         for value in [*values.values(), *within_sweep.values()]:
             sizes |= value.sizes if is_array(value) else {}
-        if clash := [dim for dim in sizes if dim in taken]:
+        if clash := [dim for dim in sizes if dim in reserved]:
             raise ParameterError(
                 f"a dimension called {clash[0]!r} clashes with the result of that name; rename it"
             )
         _check_products(values)
-        self.values, self.own, self.sizes = values, own, sizes
+        self.values, self.tables, self.sizes = values, tables, sizes
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
         self.n = int(np.prod(self.shape, dtype=int))
-        self.alone = not self.dims
+        self.is_single = not self.dims
 
     def check_fits(self, numbers, remedy):
         """ParameterError if so many numbers a case are more than this process has memory for."""
@@ -208,15 +208,15 @@ class Batch:
         table = np.ascontiguousarray(array.values.reshape(first.size, -1), float)
         return table, self._flat(number).astype(np.int64)
 
-    def of(self, function, t):
+    def evaluate(self, function, t):
         """Values of a `Loading` method at times t (n, m), as an array (n, m)."""
         if not self.dims:
             return np.asarray(function(t[0]))[None]
         import xarray
 
-        frame = xarray.DataArray(t.reshape(*self.shape, -1), dims=(*self.dims, "time"))
-        found = function(frame)
-        return found.transpose(*self.dims, "time").values.reshape(self.n, -1)
+        times = xarray.DataArray(t.reshape(*self.shape, -1), dims=(*self.dims, "time"))
+        values = function(times)
+        return values.transpose(*self.dims, "time").values.reshape(self.n, -1)
 
     def variable(self, flat, symbol, *last):
         """Flat results, (n,) or (n, m) with a last dimension, as a variable in the sweep's dims."""
@@ -239,7 +239,7 @@ class Batch:
                 coords[symbol] = ((), value, attrs(symbol))
         taken = RESERVED | set(taken)
         arrays = [(symbol, x, x.dims) for symbol, x in self.values.items() if is_array(x)]
-        for symbol, array, dims in [*arrays, *(("", x, x.dims[:-1]) for x in self.own.values())]:
+        for symbol, array, dims in [*arrays, *(("", x, x.dims[:-1]) for x in self.tables.values())]:
             coords |= {
                 k: v.variable
                 for k, v in array.coords.items()

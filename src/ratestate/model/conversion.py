@@ -48,16 +48,16 @@ def in_units(result, /, **units):
     for given, unit in units.items():
         if not isinstance(unit, str):
             raise ParameterError(f"{given} = {unit!r}: a unit is a str, such as 'um/s'")
-        name = variable_of(result, given)
+        name = find_variable(result, given)
         if name is None:
             quantities = (str(known) for known in result.variables if known in QUANTITIES)
             names = [known for known in quantities if QUANTITIES[known].unit != "1"]
             raise ParameterError(f"the result has no variable {given}; {one_of(names, given)}")
-        converted[name] = _converted(name, result.variables[name], unit)
+        converted[name] = _convert_variable(name, result.variables[name], unit)
     return result.assign(converted)
 
 
-def variable_of(result, name):
+def find_variable(result, name):
     """The name under which a result has a variable: ``t`` may stand for ``time``; None if none."""
     names = (name, "time") if name == "t" else (name,)
     return next((one for one in names if one in result.variables), None)
@@ -76,23 +76,23 @@ def in_si(result):
         own = variable.attrs.get("units") or si
         # (a ratio may carry the unit of what it is the ratio of: xarray's arithmetic keeps it)
         if si is not None and own != si and (si != "1" or has_unit(name, str(own))):
-            converted[name] = _converted(name, variable, si)
+            converted[name] = _convert_variable(name, variable, si)
     return result.assign(converted) if converted else result
 
 
-def _converted(name, variable, unit):
+def _convert_variable(name, variable, unit):
     """A Variable in this unit, given as text."""
     own = variable.attrs.get("units")
     is_number = variable.dtype.kind in "iufc" and "flag_values" not in variable.attrs
     if name not in QUANTITIES or own is None or not is_number:
         raise ParameterError(f"{name} is no quantity with a unit; leave it out")
-    old, new = (_si_in(name, str(one)) for one in (own, unit))
+    old, new = (_si_factor(name, str(one)) for one in (own, unit))
     converted = variable.copy(data=scaled(variable.values, old / new))
     converted.attrs["units"] = unit
     return converted
 
 
-def _si_in(name, unit):
+def _si_factor(name, unit):
     """SI units in one unit of a variable (Decimal)."""
     try:
         return unit_factor(QUANTITIES[name].unit, unit)

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import as_column, as_frame, stack
+from .arrays import as_column, as_times, concat
 from .units import is_array, named
 
 #: largest relative difference between the slider's sigma and the first sigma of a record
-AGREE = 1e-6
+SIGMA_TOLERANCE = 1e-6
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class History:
         Values at the start and at the end of each segment.
     until : float
         End of the last segment [s].  If it is inf, the last segment is constant.
-    returns : bool
+    ends_event : bool
         Whether the last segment only ends a hold or ramp, so that another event may begin with it.
     """
 
@@ -34,25 +34,25 @@ class History:
     start: Any
     end: Any
     until: float = np.inf
-    returns: bool = False
+    ends_event: bool = False
 
     @classmethod
     def constant(cls, symbol, value):
         """One value for ever, a float or DataArray."""
-        column = stack({symbol: value})
+        column = concat({symbol: value})
         return cls(np.zeros(1), column, column)
 
     @property
-    def lasting(self):
+    def durations(self):
         """Durations of the segments (S,) [s]."""
         return np.diff(self.t, append=self.until)
 
     @functools.cached_property
     def rate(self):
         """Slope of each segment, in the shape of ``start``."""
-        return (self.end - self.start) / self.lasting
+        return (self.end - self.start) / self.durations
 
-    def then(self, symbol, *pieces):
+    def followed_by(self, symbol, *pieces):
         """The history up to the first of these pieces (t, start, end), and from then on the pieces.
 
         ParameterError, with the symbol of the values, if DataArrays clash.
@@ -61,16 +61,16 @@ class History:
         kept = self.t < times[0]
         names = [f"{symbol} from t = {t!r} s on" for t in times]
         start, end = (
-            stack({f"{symbol} before": column[..., kept], **dict(zip(names, values, strict=True))})
+            concat({f"{symbol} before": column[..., kept], **dict(zip(names, values, strict=True))})
             for column, values in zip((self.start, self.end), added, strict=True)
         )
         t = np.append(self.t[kept], times)
-        return dataclasses.replace(self, t=t, start=start, end=end, returns=len(pieces) > 1)
+        return dataclasses.replace(self, t=t, start=start, end=end, ends_event=len(pieces) > 1)
 
     def check_time(self, t, what):
         """Return the time t [s] if it comes after the last event, or where a hold or ramp ends."""
         last = float(self.t[-1])
-        if self.returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
+        if self.ends_event and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
             return last
         if t <= last:
             raise ParameterError(
@@ -83,7 +83,7 @@ class History:
         """Numbers of the segments that hold times t [s], or begin then."""
         return np.searchsorted(self.t, t, side="right") - 1
 
-    def pick(self, t, *columns):
+    def look_up(self, t, *columns):
         """Values of columns in the segments that hold times t [s], and the time since each began.
 
         All have the shape of t.  All are DataArrays, with ``time`` last, if t or a column is.
@@ -93,7 +93,7 @@ class History:
         elapsed = seconds - self.t[k]
         if not any(map(is_array, (t, *columns))):
             return [*(column[k] for column in columns), elapsed]
-        frame = as_frame(t)
+        frame = as_times(t)
         found = (as_column(column).isel(segment=frame.copy(data=k)) for column in columns)
         ordered = (values.transpose(..., "time", missing_dims="ignore") for values in found)
         return [*ordered, frame.copy(data=elapsed)]
@@ -133,19 +133,19 @@ class NormalStress(History):
         Shapes are those of `Loading.V_load` for arrays.
         """
         if any(map(is_array, (self.amplitude, self.period))):
-            t = as_frame(t)
-        known = self.of_slider(sigma)
-        start, end, lasting, elapsed = known.pick(t, known.start, known.end, self.lasting)
-        phase = (as_frame(t) if is_array(elapsed) else t) / self.period
+            t = as_times(t)
+        stress = self.with_sigma(sigma)
+        start, end, duration, elapsed = stress.look_up(t, stress.start, stress.end, self.durations)
+        phase = (as_times(t) if is_array(elapsed) else t) / self.period
         wave = self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
-        found = start + elapsed / lasting * (end - start) + wave
+        found = start + elapsed / duration * (end - start) + wave
         if not is_array(found):
             return found
         return named("sigma", found.transpose(..., "time", missing_dims="ignore"))
 
-    def of_slider(self, sigma):
+    def with_sigma(self, sigma):
         """The history with this sigma [Pa] of the slider in place of NaN."""
-        start, end = (_filled(column, sigma) for column in (self.start, self.end))
+        start, end = (_fill_nan(column, sigma) for column in (self.start, self.end))
         return dataclasses.replace(self, start=start, end=end)
 
     def check(self, sigma, t_end):
@@ -154,7 +154,7 @@ class NormalStress(History):
         All may be DataArrays.  A sinusoid on a ramp counts with the lowest of both.
         """
         first = self.start[..., 0]
-        if np.any(np.abs(first - sigma) > AGREE * sigma):
+        if np.any(np.abs(first - sigma) > SIGMA_TOLERANCE * sigma):
             raise ParameterError(
                 f"the series begins at sigma = {float(np.max(first)):.9g} Pa, and the slider has "
                 f"sigma = {float(np.max(sigma)):.9g} Pa; give the slider that of the series"
@@ -173,8 +173,8 @@ class NormalStress(History):
         import xarray
 
         begin, following = map(as_column, (self.t, np.append(self.t[1:], np.inf)))
-        known = self.of_slider(sigma)
-        start, end = map(as_column, (known.start, known.end))
+        stress = self.with_sigma(sigma)
+        start, end = map(as_column, (stress.start, stress.end))
         last = xarray.DataArray(t_end)
         until = xarray.where(following < last, following, last)
         base = np.minimum(start, start + (until - begin) / (following - begin) * (end - start))
@@ -185,7 +185,7 @@ class NormalStress(History):
         return float(each[k]), float(begin[k]), float(until.isel(segment=k).max())
 
 
-def _filled(column, sigma):
+def _fill_nan(column, sigma):
     """A column with sigma, float or DataArray, in place of NaN."""
     if not np.isnan(column).any():
         return column

@@ -9,9 +9,9 @@ from .slider import PARAMETERS
 from .units import to_si
 
 # Differences of x - S that are due to rounding.
-AGREE = 1e-9
+TOLERANCE = 1e-9
 # Largest speed of a start [m/s]: the engine's exponentials saturate not far beyond.
-LARGEST_V = 1e250
+MAX_V = 1e250
 
 
 def initial_values(initial, law):
@@ -55,7 +55,7 @@ def initial_state(law, batch, V_load):
     given = {s: batch.flat(f"{s}_initial") for s in names}
     p = law.coefficient_arrays(V0, batch.columns)
     for label, V in ("V_start", batch.flat("V_start")), ("initial V", given.get("V", V0)):
-        check_ratio(law, label, V, "V0", V0)
+        check_speed_ratio(law, label, V, "V0", V0)
     v, states = steady_state(law, batch, batch.flat("V_start"))
     x = stress(law, v, states, p)
     states = tuple(
@@ -68,28 +68,28 @@ def initial_state(law, batch, V_load):
     w_given = given.get("V", batch.flat("V_start")) / V0
     w = np.where(rigid, np.maximum(V_load, 5e-324) / V0, w_given)
     v = law.v_at(w, states, p)
-    bound = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
+    in_balance = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
     free = [k for k, name in enumerate(law.states) if name not in given]
-    if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > AGREE).any():
+    if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > TOLERANCE).any():
         others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not free else ""
         raise ParameterError(
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
             f"leave V out{others}"
         )
-    fixed = bound if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
-    clash = fixed & (np.abs(x - stress(law, v, states, p)) > AGREE)
+    fixed = in_balance if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
+    clash = fixed & (np.abs(x - stress(law, v, states, p)) > TOLERANCE)
     if "tau" in given and not free and clash.any():
-        _refuse_clash(law, batch, int(np.argmax(clash)), v, states, p, given)
-    by_stress = bound & (("V" in given) | rigid)
-    if "tau" in given and free and by_stress.any():
-        states = _state_by_stress(law, x, w, states, p, free[0], by_stress)
+        _raise_disagreement(law, batch, int(np.argmax(clash)), v, states, p, given)
+    from_stress = in_balance & (("V" in given) | rigid)
+    if "tau" in given and free and from_stress.any():
+        states = _state_from_stress(law, x, w, states, p, free[0], from_stress)
         v = law.v_at(w, states, p)
     elif "V" in given:
-        x = np.where(bound, stress(law, v, states, p), x)
+        x = np.where(in_balance, stress(law, v, states, p), x)
     x = np.where(rigid, stress(law, v, states, p), x)
-    free_speed = bound & ~rigid
+    free_speed = in_balance & ~rigid
     v = np.where(free_speed, root(lambda v: stress(law, v, states, p) - x, v, free_speed), v)
-    _check_speed((law.log_jump_rate(v, states, p) + np.log(V0))[free_speed], names)
+    _check_start_speed((law.log_jump_rate(v, states, p) + np.log(V0))[free_speed], names)
     return np.stack([x, v, *law.variables(v, states, p)], axis=1)
 
 
@@ -115,17 +115,17 @@ def stress(law, v, log_states, p):
     return law.at(v, psi, p).S
 
 
-def _state_by_stress(law, x, w, states, p, k, where):
+def _state_from_stress(law, x, w, states, p, k, where):
     """The states, of which the k-th is such, where this is true, that friction at w is x."""
 
     def with_state(state):
         return (*states[:k], state, *states[k + 1 :])
 
-    def off(state):
+    def stress_error(state):
         others = with_state(state)
         return stress(law, law.v_at(w, others, p), others, p) - x
 
-    found = root(off, states[k], where)
+    found = root(stress_error, states[k], where)
     if not np.isfinite(found[where]).all():
         name = list(law.states)[k]
         raise ParameterError(
@@ -135,7 +135,7 @@ def _state_by_stress(law, x, w, states, p, k, where):
     return with_state(np.where(where, found, states[k]))
 
 
-def check_ratio(law, label, V, reference, V_ref):
+def check_speed_ratio(law, label, V, reference, V_ref):
     """Raise the ParameterError about speeds V whose ratio to V_ref the engine cannot hold.
 
     label, reference : the symbols of V and V_ref
@@ -150,7 +150,7 @@ def check_ratio(law, label, V, reference, V_ref):
         )
 
 
-def _check_speed(log_V, names):
+def _check_start_speed(log_V, names):
     """Raise the ParameterError about a speed that is too large, or does not exist."""
     given = f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they"
     if np.isnan(log_V).any():
@@ -158,14 +158,14 @@ def _check_speed(log_V, names):
             f"{given} must fix V, and friction equals the stress at no speed; give V in place of "
             f"tau"
         )
-    if (log_V > np.log(LARGEST_V)).any():
+    if (log_V > np.log(MAX_V)).any():
         raise ParameterError(
             f"{given} fix V, at 10^{log_V.max() / np.log(10.0):.6g} m/s, beyond double precision; "
             f"give values that agree with a lower speed"
         )
 
 
-def _refuse_clash(law, batch, i, v, states, p, given):
+def _raise_disagreement(law, batch, i, v, states, p, given):
     """Raise the ParameterError about values that do not agree in case i."""
     a, sigma, K = (batch.flat(symbol)[i] for symbol in ("a", "sigma", "K"))
     mu_ref = law.reference_friction(batch.flat("V0"), batch.columns)[i]

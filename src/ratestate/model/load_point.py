@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import column, running_sum
+from .arrays import column_to_si, running_sum
 from .history import History, NormalStress
 from .units import is_array, named, one_in_si, to_si
 
@@ -19,17 +19,17 @@ class Call:
     method: str
     arguments: dict[str, Any]
 
-    def on(self, loading):
+    def apply_to(self, loading):
         """The result of the call on a loading, or on the class `Loading`."""
         return getattr(loading, self.method)(**self.arguments)
 
     def symbol(self, argument):
         """Symbol of the quantity that an argument is."""
-        amplitude = "sigma" if self.of_stress else "V_lp"
+        amplitude = "sigma" if self.changes_stress else "V_lp"
         return {"V": "V_lp", "duration": "t", "amplitude": amplitude}.get(argument, argument)
 
     @property
-    def of_stress(self):
+    def changes_stress(self):
         """Whether the call changes the normal stress, and not the speed."""
         return self.method.startswith("sigma")
 
@@ -107,7 +107,7 @@ class LoadPoint:
             Shape of t if no speed is a DataArray; else the sweep's dimensions, then those of t
             (``time`` for a plain 1-D array).
         """
-        V, rate, elapsed = self.speed.pick(self._checked(t), self.V, self.rate)
+        V, rate, elapsed = self.speed.look_up(self._times_in_si(t), self.V, self.rate)
         return named("V_load", np.maximum(V + rate * elapsed, 0.0))  # rounding may pass 0
 
     def delta_lp(self, t):
@@ -126,8 +126,8 @@ class LoadPoint:
         ndarray or DataArray
             As from `V_load`.
         """
-        columns = self.V, self.rate, self._passed
-        V, rate, passed, elapsed = self.speed.pick(self._checked(t), *columns)
+        columns = self.V, self.rate, self._displacements
+        V, rate, passed, elapsed = self.speed.look_up(self._times_in_si(t), *columns)
         return named("delta_lp", passed + elapsed * (V + 0.5 * rate * elapsed))
 
     def sigma(self, t, sigma):
@@ -145,7 +145,7 @@ class LoadPoint:
         ndarray or DataArray
             As from `V_load`.
         """
-        return self._known_stress.at(self._checked(t), to_si("sigma", sigma))
+        return self._stress_history.at(self._times_in_si(t), to_si("sigma", sigma))
 
     def slider_at(self, t, slider):
         """The slider with the normal stress at time t as its own sigma.
@@ -174,19 +174,19 @@ class LoadPoint:
         [2000000.0, 3000000.0, 4000000.0]
         """
         if isinstance(t, float) and t == np.inf:
-            sigma = self._known_stress.of_slider(slider.sigma).end[..., -1]
+            sigma = self._stress_history.with_sigma(slider.sigma).end[..., -1]
         else:
             sigma = self.sigma(one_in_si("t", t), slider.sigma)
         return slider.replace(sigma=sigma) if self.normal_stress else slider
 
     @property
-    def _known_stress(self):
+    def _stress_history(self):
         return self.normal_stress or NormalStress.constant("sigma", np.nan)
 
-    def _checked(self, t):
+    def _times_in_si(self, t):
         """Return times in SI, an array or DataArray; ParameterError for one outside the history."""
         if isinstance(t, list | tuple) or (isinstance(t, np.ndarray) and t.dtype.kind not in "iuf"):
-            t = column("t", t)
+            t = column_to_si("t", t)
         elif not isinstance(t, np.ndarray):
             t = to_si("t", t)
         seconds = np.asarray(t, dtype=float)
@@ -198,7 +198,7 @@ class LoadPoint:
         return t if is_array(t) else seconds
 
     @functools.cached_property
-    def _passed(self):
+    def _displacements(self):
         """Displacement [m] at the start of each segment, shape of V."""
         V, rate, dt = np.asarray(self.V), np.asarray(self.rate), np.diff(self.t)
         passed = np.zeros(V.shape)

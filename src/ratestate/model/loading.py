@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import check_aligned, column
+from .arrays import check_aligned, column_to_si
 from .history import History
 from .load_point import Call, LoadPoint
-from .segments import period_of, record_of_rows, sinusoid
+from .segments import histories_from_rows, period_of, sinusoid_history
 from .units import is_array, one_in_si, to_si
 
 #: methods that a `Call` may be of
@@ -105,8 +105,8 @@ class Loading(LoadPoint):
             The history.
         """
         given = {"t": t, "V_lp": V_lp} | ({} if sigma is None else {"sigma": sigma})
-        columns = {symbol: column(symbol, values) for symbol, values in given.items()}
-        speed, stress = record_of_rows(*columns.values())
+        columns = {symbol: column_to_si(symbol, values) for symbol, values in given.items()}
+        speed, stress = histories_from_rows(*columns.values())
         return cls(speed, speed.until, stress, (Call("series", columns),))
 
     @classmethod
@@ -139,7 +139,7 @@ class Loading(LoadPoint):
             "period": period_of("a sinusoid", period, frequency),
             "t_end": float(np.max(to_si("t_end", t_end))),
         }
-        return cls(sinusoid(**wave), wave["t_end"], calls=(Call("sinusoid", wave),))
+        return cls(sinusoid_history(**wave), wave["t_end"], calls=(Call("sinusoid", wave),))
 
     def step(self, t, V):
         """The same history up to time t [s], and from then on the speed V [m/s], >= 0.
@@ -161,9 +161,9 @@ class Loading(LoadPoint):
         >>> Loading.constant("1 mm/s").step("1 s", "3.2 mm/s").hold("2 s", "100 s")
         <Loading: 4 segments from t = 0 to inf s>
         """
-        t = self._time(t)
-        V = _value_from("V_lp", t, V, ">= 0")
-        return self._then(Call("step", {"t": t, "V": V}), (t, V, V))
+        t = self._check_speed_time(t)
+        V = _value_after("V_lp", t, V, ">= 0")
+        return self._append(Call("step", {"t": t, "V": V}), (t, V, V))
 
     def hold(self, t, duration):
         """The same history up to time t, then rest for a while, then the speed before it.
@@ -180,10 +180,10 @@ class Loading(LoadPoint):
         Loading
             The longer history.
         """
-        t, V = self._time(t), self.V[..., -1]
+        t, V = self._check_speed_time(t), self.V[..., -1]
         duration = _duration(t, duration, "hold")
         call = Call("hold", {"t": t, "duration": duration})
-        return self._then(call, (t, 0.0, 0.0), (t + duration, V, V))
+        return self._append(call, (t, 0.0, 0.0), (t + duration, V, V))
 
     def ramp(self, t, V, duration):
         """The same history up to time t, then a steady change of speed to V.
@@ -202,10 +202,10 @@ class Loading(LoadPoint):
         Loading
             The longer history.
         """
-        t, before = self._time(t), self.V[..., -1]
-        V, lasting = _value_from("V_lp", t, V, ">= 0"), _duration(t, duration, "ramp")
-        call = Call("ramp", {"t": t, "V": V, "duration": lasting})
-        longer = self._then(call, (t, before, V), (t + lasting, V, V))
+        t, before = self._check_speed_time(t), self.V[..., -1]
+        V, seconds = _value_after("V_lp", t, V, ">= 0"), _duration(t, duration, "ramp")
+        call = Call("ramp", {"t": t, "V": V, "duration": seconds})
+        longer = self._append(call, (t, before, V), (t + seconds, V, V))
         with np.errstate(over="ignore"):
             if not np.isfinite(longer.rate).all():
                 raise ParameterError(f"ramp = {duration!r} is too short; for a jump leave it out")
@@ -237,9 +237,9 @@ class Loading(LoadPoint):
         >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
         <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
         """
-        t = self._stress_time(t)
-        sigma = _value_from("sigma", t, sigma, "> 0")
-        return self._then(Call("sigma_step", {"t": t, "sigma": sigma}), (t, sigma, sigma))
+        t = self._check_stress_time(t)
+        sigma = _value_after("sigma", t, sigma, "> 0")
+        return self._append(Call("sigma_step", {"t": t, "sigma": sigma}), (t, sigma, sigma))
 
     def sigma_ramp(self, t, sigma, duration):
         """The same history, with a steady change of normal stress to sigma.
@@ -258,10 +258,10 @@ class Loading(LoadPoint):
         Loading
             The other history.
         """
-        t, before = self._stress_time(t), self._stress_so_far().end[..., -1]
-        sigma, lasting = _value_from("sigma", t, sigma, "> 0"), _duration(t, duration, "ramp")
-        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": lasting})
-        return self._then(call, (t, before, sigma), (t + lasting, sigma, sigma))
+        t, before = self._check_stress_time(t), self._extendable_stress().end[..., -1]
+        sigma, seconds = _value_after("sigma", t, sigma, "> 0"), _duration(t, duration, "ramp")
+        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": seconds})
+        return self._append(call, (t, before, sigma), (t + seconds, sigma, sigma))
 
     def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
         """The same history, with amplitude sin(2 pi t/period) added to the normal stress.
@@ -278,7 +278,7 @@ class Loading(LoadPoint):
         Loading
             The other history, with one sinusoid of normal stress at most.
         """
-        before = self._stress_so_far()
+        before = self._extendable_stress()
         if not np.all(np.isinf(before.period)):
             raise ParameterError("the normal stress has a sinusoid already, and can have only one")
         wave = {
@@ -286,18 +286,19 @@ class Loading(LoadPoint):
             "period": period_of("a sinusoid of sigma", period, frequency),
         }
         check_aligned(wave)
-        return self._with(Call("sigma_sinusoid", wave), normal_stress=replace(before, **wave))
+        return self._add_call(Call("sigma_sinusoid", wave), normal_stress=replace(before, **wave))
 
-    def _then(self, call, *pieces):
+    def _append(self, call, *pieces):
         """The speed or the normal stress up to the first of these pieces, and then these."""
-        if call.of_stress:
-            return self._with(call, normal_stress=self._stress_so_far().then("sigma", *pieces))
-        return self._with(call, speed=self.speed.then("V_lp", *pieces))
+        if call.changes_stress:
+            stress = self._extendable_stress().followed_by("sigma", *pieces)
+            return self._add_call(call, normal_stress=stress)
+        return self._add_call(call, speed=self.speed.followed_by("V_lp", *pieces))
 
-    def _with(self, call, **history):
+    def _add_call(self, call, **history):
         return replace(self, calls=(*self.calls, call), **history)
 
-    def _time(self, t):
+    def _check_speed_time(self, t):
         """When an event begins [s]: after the last one, or where that ends."""
         if np.isfinite(self.t_last):
             raise ParameterError(
@@ -306,17 +307,17 @@ class Loading(LoadPoint):
             )
         return self.speed.check_time(one_in_si("t", t, bound="> 0"), "the history")
 
-    def _stress_so_far(self):
-        stress = self._known_stress
+    def _extendable_stress(self):
+        stress = self._stress_history
         if not np.isnan(np.asarray(stress.start)[..., 0]).all():
             raise ParameterError(
                 "the series has a normal stress of its own; put the change into its rows"
             )
         return stress
 
-    def _stress_time(self, t):
+    def _check_stress_time(self, t):
         """When normal stress changes [s]: after its last change, and inside the history."""
-        stress, t = self._stress_so_far(), one_in_si("t", t, bound="> 0")
+        stress, t = self._extendable_stress(), one_in_si("t", t, bound="> 0")
         if t >= self.t_last:
             raise ParameterError(
                 f"t = {t!r} s is not before the end of the history, {self.t_last!r} s"
@@ -330,13 +331,13 @@ class Loading(LoadPoint):
         return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{more}{sweep}>"
 
 
-def _value_from(symbol, t, value, bound):
+def _value_after(symbol, t, value, bound):
     return to_si(symbol, value, label=f"{symbol} from t = {t!r} s on", bound=bound)
 
 
 def _duration(t, duration, label):
     """The length [s] of an event that begins at t [s]."""
-    lasting = one_in_si("t", duration, label=label, bound="> 0")
-    if not t < t + lasting < np.inf:
+    seconds = one_in_si("t", duration, label=label, bound="> 0")
+    if not t < t + seconds < np.inf:
         raise ParameterError(f"{label} = {duration!r} is too short or too long after t = {t!r} s")
-    return lasting
+    return seconds

@@ -11,20 +11,20 @@ from ..errors import ParameterError
 from .quantities import readable
 
 #: a method or argument of `simulate` that is gone -> the call in its place
-MOVED = dict.fromkeys(
+REPLACEMENTS = dict.fromkeys(
     ("im2017", "im2017_euler", "dt"), "ratestate.paper.im2017(slider, loading, t_end, dt)"
 )
-NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
+MIN_SIMILARITY = 0.7  # from 0 to 1, how similar a name must be to be suggested
 
 
 def nearest(given, names):
     """The most similar of these names, capitals aside; None if none is, or `given` is no string.
 
-    Similar: a difflib ratio of at least `NEAR`, of the first 60 characters.
+    Similar: a difflib ratio of at least `MIN_SIMILARITY`, of the first 60 characters.
     """
     lower = {name.lower(): name for name in names}
     text = given.lower()[:60] if isinstance(given, str) else ""
-    near = difflib.get_close_matches(text, lower, n=1, cutoff=NEAR)
+    near = difflib.get_close_matches(text, lower, n=1, cutoff=MIN_SIMILARITY)
     return lower[near[0]] if near else None
 
 
@@ -33,8 +33,8 @@ def one_of(names, given=None, like=""):
 
     like : an example, such as ``a = 0.003``
     """
-    if isinstance(given, str) and given in MOVED:
-        return f"expected a call such as {MOVED[given]}"
+    if isinstance(given, str) and given in REPLACEMENTS:
+        return f"expected a call such as {REPLACEMENTS[given]}"
     names = list(names)
     near = nearest(given, names)
     meant = f"; did you mean {near}?" if near else ""

@@ -32,7 +32,7 @@ WHOLE_CONTACT = {
     if by == "area"
 }
 #: longest axis of a sweep
-MOST_VALUES = 10_000_000
+MAX_VALUES = 10_000_000
 
 
 def quantity_of(symbol, value):
@@ -133,8 +133,8 @@ def logspace(name, start, stop, n):
     ]
     if any(is_array(end) or np.isinf(end) for end in ends):
         raise ParameterError(f"{name}: start and stop must be finite numbers, not arrays")
-    if not is_integer(n) or not 2 <= n <= MOST_VALUES:
-        raise ParameterError(f"n = {n!r} must be an integer from 2 to {MOST_VALUES:,}, such as 12")
+    if not is_integer(n) or not 2 <= n <= MAX_VALUES:
+        raise ParameterError(f"n = {n!r} must be an integer from 2 to {MAX_VALUES:,}, such as 12")
     values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
     values[[0, -1]] = ends
     labels = attrs(symbol) if name in QUANTITIES else {}

@@ -13,11 +13,11 @@ from ..friction.forms import FORMS
 from ..friction.laws import LAWS
 
 
-def _table(name):
+def _read_table(name):
     return tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text("utf-8")).items()
 
 
-_UNITS = dict(_table("units"))
+_UNITS = dict(_read_table("units"))
 #: unit -> what such a value is called in a message, and an example of one
 KINDS = {unit: (row["kind"], row["example"]) for unit, row in _UNITS.items()}
 #: unit -> the powers of ten with which values are shown, if any: 0.0032 m/s as 3.2 mm/s
@@ -39,7 +39,7 @@ class Quantity(NamedTuple):
 
 
 #: symbol -> `Quantity`
-QUANTITIES = {symbol: Quantity(**row) for symbol, row in _table("quantities")}
+QUANTITIES = {symbol: Quantity(**row) for symbol, row in _read_table("quantities")}
 
 
 def add_quantities_of(law):
@@ -97,12 +97,12 @@ def prefixed_unit(unit, power, prefixes=PREFIXES):
     return prefixes[power // 2 if unit == "m^2" else power] + unit
 
 
-def exact(symbol, value):
+def exact_text(symbol, value):
     """A value [SI] of a quantity as text that `to_si` reads back bit-for-bit, in a unit that fits.
 
     A number without a unit if it is pure, and in the SI unit if it is inf or NaN or no prefix fits.
 
-    >>> exact("K", 9e8), exact("a", 0.003)
+    >>> exact_text("K", 9e8), exact_text("a", 0.003)
     ('900 MPa/m', '0.003')
     """
     unit, x = QUANTITIES[symbol].unit, float(value)
@@ -121,7 +121,7 @@ def exact(symbol, value):
     return f"{number.scaleb(-power).normalize():f} {prefixed_unit(unit, power)}"
 
 
-def long_time(seconds):
+def long_time_unit(seconds):
     """Name and length [s] of the unit in which a long time is best told; None below 2 hours."""
     return next((unit for unit in LONG_TIMES.items() if seconds >= 2.0 * unit[1]), None)
 
@@ -160,7 +160,7 @@ def readable_time(seconds, digits=4, both=False):
     >>> readable_time(40.0), readable_time(9e6), readable_time(9e6, both=True)
     ('40 s', '104.2 days', '9e+06 s (104 days)')
     """
-    if (long := long_time(seconds)) is None:
+    if (long := long_time_unit(seconds)) is None:
         return readable("t", seconds, digits)
     unit, length = long
     if both:

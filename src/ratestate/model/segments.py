@@ -10,14 +10,14 @@ from .history import History, NormalStress
 from .units import is_array, to_si
 
 #: lines of a sinusoid, and speeds in all cases of a sweep, at most
-MOST_LINES = 10**6
-MOST_SPEEDS = 10**7
+MAX_LINES = 10**6
+MAX_SPEEDS = 10**7
 #: lines in a period of a sinusoid (a multiple of 4): the speed is off by up to 5.1e-5 of the
 #: amplitude, the displacement by up to 1.3e-7 of its own
-LINES = 256
+LINES_PER_PERIOD = 256
 
 
-def sinusoid(V_lp, amplitude, period, t_end):
+def sinusoid_history(V_lp, amplitude, period, t_end):
     """`History` of the speed V_lp + amplitude sin(2 pi t/period) [m/s] up to t_end [s] or later.
 
     ParameterError for too many lines, a period that is too short, and a negative speed.
@@ -42,19 +42,20 @@ def sinusoid(V_lp, amplitude, period, t_end):
             f"{float(np.min(V_lp)):.6g} m/s: the load point would move back; "
             f"give an amplitude up to V_lp"
         )
-    needed = t_end / period * LINES
+    needed = t_end / period * LINES_PER_PERIOD
     cases = np.size(V_lp + amplitude)
-    if not (needed <= MOST_LINES and needed * cases <= MOST_SPEEDS):
+    if not (needed <= MAX_LINES and needed * cases <= MAX_SPEEDS):
         raise ParameterError(
             f"{t_end:.6g} s are {t_end / period:.6g} periods, and {needed:.6g} lines for "
-            f"each of {cases} cases; no more than {MOST_LINES:.0e} lines, and "
-            f"{MOST_SPEEDS:.0e} in all cases: shorten t_end, or lengthen the period"
+            f"each of {cases} cases; no more than {MAX_LINES:.0e} lines, and "
+            f"{MAX_SPEEDS:.0e} in all cases: shorten t_end, or lengthen the period"
         )
-    odd = np.arange(1, 2 * LINES, 2)
-    half = np.sin(np.pi * odd[: LINES // 2] / LINES)
-    heights = np.concatenate([half, -half]) / np.sinc(1 / LINES) ** 2
+    n = LINES_PER_PERIOD
+    odd = np.arange(1, 2 * n, 2)
+    half = np.sin(np.pi * odd[: n // 2] / n)
+    heights = np.concatenate([half, -half]) / np.sinc(1 / n) ** 2
     number = int(needed) + 2
-    periods = np.arange(number) // LINES + np.resize(odd / (2 * LINES), number)
+    periods = np.arange(number) // n + np.resize(odd / (2 * n), number)
     t = np.concatenate([[0.0], periods * period])
     wave: Any = np.concatenate([[0.0], np.resize(heights, number)])
     if is_array(V_lp) or is_array(amplitude):
@@ -88,7 +89,7 @@ def period_of(what, period, frequency):
     return found
 
 
-def record_of_rows(times, V, sigma=None):
+def histories_from_rows(times, V, sigma=None):
     """`History` of the speed and, if sigma is given, `NormalStress` of the rows of a record.
 
     ParameterError if the rows are not a record: see `Loading.series`.  All are columns in SI.
@@ -120,10 +121,10 @@ def record_of_rows(times, V, sigma=None):
     with np.errstate(over="ignore"):
         if not np.isfinite(speed.rate).all():
             raise ParameterError("two times are too close for a ramp; for a jump repeat the time")
-    return speed, None if sigma is None else _stress_of_rows(times, keep, sigma)
+    return speed, None if sigma is None else _stress_from_rows(times, keep, sigma)
 
 
-def _stress_of_rows(times, keep, sigma):
+def _stress_from_rows(times, keep, sigma):
     """`NormalStress` of a record, of whose rows `keep` start segments."""
     if sigma.shape[-1] != times.size:
         raise ParameterError(

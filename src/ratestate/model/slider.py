@@ -18,12 +18,12 @@ from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
 from .names import check_keywords
 from .parameters import parameter_to_si
-from .quantities import QUANTITIES, exact, expected, readable, readable_together
+from .quantities import QUANTITIES, exact_text, expected, readable, readable_together
 from .units import is_array, named, to_si
-from .user_laws import known_again, recorded, register
+from .user_laws import register, register_source, source_of_law
 
 
-def law_of(law):
+def resolve_law(law):
     """The law with a name or synonym, or a user's class of laws, which is registered.
 
     ParameterError for any other.
@@ -31,12 +31,12 @@ def law_of(law):
     return friction_law(register(law) if isinstance(law, type) else law)
 
 
-def _names_first(init):
+def _check_names_first(init):
     """The `__init__`, which first refuses wrong names: Python would tell of missing ones."""
 
     @functools.wraps(init)
     def checked(self, *args, **given):
-        law = law_of(given.get("law", DEFAULT))
+        law = resolve_law(given.get("law", DEFAULT))
         _check_names(law, form_of(law, given.get("friction")), given)
         init(self, *args, **(given | {"law": law.name}))
 
@@ -127,7 +127,7 @@ class SpringSlider:
     alpha: Any = 0.0
     area: Any = None
 
-    @_names_first
+    @_check_names_first
     def __init__(
         self,
         *,
@@ -146,21 +146,21 @@ class SpringSlider:
         area=None,
         **of_law,
     ):
-        of_state = friction_law(law)
+        base_law = friction_law(law)
         common = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "K": K, "M": M, "mu0": mu0, "V0": V0}
         area = {} if area is None else {"area": area}
         given: dict[str, Any] = {}  # area and sigma come before what needs them
         optional = {"damping": damping, "alpha": alpha}
         for symbol, value in (area | common | of_law | optional).items():
             given[symbol] = parameter_to_si(symbol, value, given)
-        form = form_of(of_state, friction)
-        composed(of_state, form)  # (if they do not go together this says so)
-        names = {"law": of_state.name, "friction": form, "area": None}
+        form = form_of(base_law, friction)
+        composed(base_law, form)  # (if they do not go together this says so)
+        names = {"law": base_law.name, "friction": form, "area": None}
         for name, value in (names | given).items():
             object.__setattr__(self, name, value)
         check_aligned(self.parameters)
-        if complaint := of_state.complaint(self):
-            raise ParameterError(f"law = {of_state.name!r}: {complaint}")
+        if complaint := base_law.complaint(self):
+            raise ParameterError(f"law = {base_law.name!r}: {complaint}")
         if self.has_alpha and np.any(np.equal(self.b, 0.0)):
             raise ParameterError(
                 "alpha needs b: theta falls by alpha/b; give another b, or alpha = 0"
@@ -201,7 +201,7 @@ class SpringSlider:
         >>> slider.sigma, slider.M, slider.K
         (2000000.0, 3000.0, 900000000.0)
         """
-        law = law_of(parameters.get("law", DEFAULT))
+        law = resolve_law(parameters.get("law", DEFAULT))
         own = _own_parameters(law, form_of(law, parameters.get("friction")))
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
@@ -251,7 +251,7 @@ class SpringSlider:
         ParameterError
             An unknown or mistyped parameter; a value of a wrong unit or range.
         """
-        old, law = friction_law(self.law), law_of(changes.get("law", self.law))
+        old, law = friction_law(self.law), resolve_law(changes.get("law", self.law))
         kept = self.parameters
         if old.form != LOG and law != old:
             kept.pop("friction", None)  # the old law is for this form
@@ -291,7 +291,7 @@ class SpringSlider:
                 f"{cause} K_c_qs depends on the speed; "
                 f"stability(slider, V_lp).K_c_qs is that at V_lp"
             )
-        return self._of_law("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
+        return self._evaluate("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
 
     @property
     def V_c(self):
@@ -299,7 +299,7 @@ class SpringSlider:
 
         0 where it is unstable down to rest, inf where at no speed.
         """
-        return self._of_law("V_c", V_c, "V_c", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c", V_c, "V_c", **self._pick("sigma", "K", "M"))
 
     @property
     def V_c_upper(self):
@@ -307,7 +307,7 @@ class SpringSlider:
 
         Under a law with a speed of its own it may become unstable once more at larger speeds.
         """
-        return self._of_law("V_c_upper", V_c, "V_c_upper", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c_upper", V_c, "V_c_upper", **self._pick("sigma", "K", "M"))
 
     @property
     def f_n(self):
@@ -329,7 +329,7 @@ class SpringSlider:
         float or DataArray
             K_c [Pa/m].
         """
-        return self._of_law("K_c", K_c, V=self._speed(V), **self._pick("sigma", "M"))
+        return self._evaluate("K_c", K_c, V=self._speed_in_si(V), **self._pick("sigma", "M"))
 
     def eta(self, V):
         """Dynamic instability coefficient for sliding at V (eq. 7).
@@ -344,9 +344,9 @@ class SpringSlider:
         float or DataArray
             Coefficient eta [1].
         """
-        return named("eta", eta(self._speed(V), **self._pick("a", "Dc", "sigma", "M")))
+        return named("eta", eta(self._speed_in_si(V), **self._pick("a", "Dc", "sigma", "M")))
 
-    def _of_law(self, symbol, function, part=None, **given):
+    def _evaluate(self, symbol, function, part=None, **given):
         """The result of a function of linear stability, or a part of it, under its symbol."""
 
         def of_arrays(**arrays):
@@ -359,19 +359,19 @@ class SpringSlider:
     def _pick(self, *symbols):
         return {symbol: getattr(self, symbol) for symbol in symbols}
 
-    def _speed(self, V):
+    def _speed_in_si(self, V):
         V = to_si("V", V)
         check_aligned({**self.parameters, "V": V})
         return V
 
     def __repr__(self):
         """The call that builds the slider; of an array, its sizes and range."""
-        shown = (f"{symbol}={_exact(symbol, value)}" for symbol, value in self.parameters.items())
+        shown = (f"{symbol}={_literal(symbol, value)}" for symbol, value in self.parameters.items())
         return f"SpringSlider({', '.join(shown)})"
 
     def _repr_html_(self):
         """A table for notebooks: symbol, name, and value in a unit that fits."""
-        rows = [(s, QUANTITIES[s].long_name, _rounded(s, x)) for s, x in self.values.items()]
+        rows = [(s, QUANTITIES[s].long_name, _value_text(s, x)) for s, x in self.values.items()]
         rows.append(("law", "friction law", self.law))
         rows += [("friction", "form of friction", self.friction)] if self.friction != LOG else []
         lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
@@ -392,7 +392,7 @@ class SpringSlider:
 
     def __reduce__(self):
         """With the source of a user's law, which is registered where the slider is made again."""
-        return _made_again, (type(self), recorded(self.law), self.parameters)
+        return _rebuild, (type(self), source_of_law(self.law), self.parameters)
 
     __replace__ = replace  # of `copy.replace`
 
@@ -427,14 +427,14 @@ def _check_names(law, form, given):
                 f"rename it"
             )
     for name in given:
-        for kind, chosen, having in (
+        for kind, chosen, owners in (
             ("law", law.name, laws_with(name)),
             ("friction", form, forms_with(name)),
         ):
-            if having and name not in own:
+            if owners and name not in own:
                 raise ParameterError(
                     f"{kind} = {chosen!r} has no parameter {name}, which belongs to "
-                    f"{' and '.join(map(repr, having))}; leave {name} out, or choose such a {kind}"
+                    f"{' and '.join(map(repr, owners))}; leave {name} out, or choose such a {kind}"
                 )
     check_keywords("SpringSlider", given, (*COMMON, *own))
     for name in own:
@@ -445,15 +445,15 @@ def _check_names(law, form, given):
             )
 
 
-def _exact(symbol, value):
+def _literal(symbol, value):
     """A parameter in the call that makes the slider again; of an array, its sizes and range."""
     if is_array(value) or symbol in ("law", "friction"):
-        return _rounded(symbol, value) if is_array(value) else repr(value)
-    text = exact(symbol, value)
+        return _value_text(symbol, value) if is_array(value) else repr(value)
+    text = exact_text(symbol, value)
     return text if QUANTITIES[symbol].unit == "1" else repr(text)
 
 
-def _rounded(symbol, value):
+def _value_text(symbol, value):
     """A quantity as text in six digits, or an array's sizes and range."""
     if not is_array(value):
         return readable(symbol, value, 6)
@@ -462,13 +462,13 @@ def _rounded(symbol, value):
     return f"<{sizes}; {readable_together(symbol, '{:.6g} to {:.6g}', *ends)}>"
 
 
-def _made_again(kind, record, parameters):
-    """A slider of this class, after the law of `recorded` has been made known."""
-    known_again(record)
+def _rebuild(kind, record, parameters):
+    """A slider of this class, after the law of `source_of_law` has been made known."""
+    register_source(record)
     return kind(**parameters)
 
 
-def checked(slider):
+def check_slider(slider):
     """The slider; ParameterError if it is none."""
     if not isinstance(slider, SpringSlider):
         raise ParameterError(f"slider = {slider!r} is not a SpringSlider")

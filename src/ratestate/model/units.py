@@ -20,7 +20,7 @@ from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected, pr
 #: names of dimensions that results need for themselves
 RESERVED = {"time", "mode", "segment"}
 _PREFIXES = {prefix: power for power, prefix in PREFIXES.items()} | {"µ": -6, "μ": -6}
-#: units of what data sheets give for a whole machine, in N/m, kg or N; the complaint about these
+#: units of what data sheets give for a whole machine, in N/m, kg or N; the problem about these
 _PER_AREA = ("Pa/m", "kg/m^2", "Pa", "Pa s/m")
 OF_WHOLE_CONTACT = "is of the whole contact, and to be divided by its area"
 # A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
@@ -94,7 +94,7 @@ def to_si(symbol, value, *, label=None, bound=None):
         return _array_to_si(symbol, value, label, bound)
     given = repr(value) if isinstance(value, str) else str(value)
     if is_pint(value):
-        number = _real(symbol, value.magnitude, label)
+        number = _to_float(symbol, value.magnitude, label)
         x = _convert(symbol, repr(number), str(value.units), f"{label} = {given}")
     elif isinstance(value, str):
         match = _NUMBER.fullmatch(value)
@@ -107,10 +107,10 @@ def to_si(symbol, value, *, label=None, bound=None):
         else:
             x = float(match[1])  # "inf" is the same in all units
     else:
-        x = _real(symbol, value, label)
-        given = _shown(symbol, x)
-    if complaint := _complaint(symbol, x, bound):
-        raise ParameterError(f"{label} = {given} {complaint}; {expected(symbol)}")
+        x = _to_float(symbol, value, label)
+        given = _text(symbol, x)
+    if problem := _problem(symbol, x, bound):
+        raise ParameterError(f"{label} = {given} {problem}; {expected(symbol)}")
     return x
 
 
@@ -123,12 +123,12 @@ def one_in_si(symbol, value, *, label=None, bound=None):
     return float(to_si(symbol, value, label=label, bound=bound))
 
 
-def _shown(symbol, x):
+def _text(symbol, x):
     unit = QUANTITIES[symbol].unit
     return f"{x:.6g}" + ("" if unit == "1" else f" {unit}")
 
 
-def _complaint(symbol, x, bound):
+def _problem(symbol, x, bound):
     """What is wrong with this number, or nothing."""
     quantity = QUANTITIES[symbol]
     bound = quantity.bound if bound is None else bound
@@ -139,7 +139,7 @@ def _complaint(symbol, x, bound):
     return "must be finite" if np.isinf(x) and not quantity.may_be_inf else ""
 
 
-def _real(symbol, value, label):
+def _to_float(symbol, value, label):
     """A plain real number as a float; anything else is refused."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
@@ -166,10 +166,10 @@ def _convert(symbol, number, unit, given):
     except ArithmeticError:  # decimal exponents of ten digits, and what a float cannot hold
         raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
     except ValueError as error:
-        raise ParameterError(f"{given} {error}; {expected(symbol)}{_meant(symbol, unit)}") from None
+        raise ParameterError(f"{given} {error}; {expected(symbol)}{_hint(symbol, unit)}") from None
 
 
-def _meant(symbol, unit):
+def _hint(symbol, unit):
     """The end of a message: the unit that this would be in other letters, small or capital."""
     si = QUANTITIES[symbol].unit
     usual = (prefixed_unit(si, power) for power in POWERS.get(si, (0,)))
@@ -180,7 +180,7 @@ def _meant(symbol, unit):
 
 @functools.lru_cache(maxsize=1000)
 def unit_factor(si, unit):
-    """SI units in one unit, exactly (Decimal); ValueError with a complaint if there is none."""
+    """SI units in one unit, exactly (Decimal); ValueError with a problem if there is none."""
     if unit in ("", "1", "dimensionless"):
         if si == "1":
             return Decimal(1)
@@ -251,14 +251,14 @@ def _array_to_si(symbol, array, label, bound):
     if si.ndim == 0:
         return to_si(symbol, float(si), label=label, bound=bound)
     values = si.values
-    if any(_complaint(symbol, x, bound) for x in (values.min(), values.max())):
-        index = next(i for i, x in np.ndenumerate(values) if _complaint(symbol, x, bound))
+    if any(_problem(symbol, x, bound) for x in (values.min(), values.max())):
+        index = next(i for i, x in np.ndenumerate(values) if _problem(symbol, x, bound))
         where = ", ".join(
             f"{dim}[{i}]" + (f" = {si[dim].values[i]}" if dim in si.indexes else "")
             for dim, i in zip(si.dims, index, strict=True)
         )
-        given, complaint = _shown(symbol, values[index]), _complaint(symbol, values[index], bound)
-        raise ParameterError(f"{label} = {given} at {where} {complaint}; {expected(symbol)}")
+        given, problem = _text(symbol, values[index]), _problem(symbol, values[index], bound)
+        raise ParameterError(f"{label} = {given} at {where} {problem}; {expected(symbol)}")
     # an axis along its own symbol carries its own values, in SI like everything else
     if si.dims == (symbol,) and (
         symbol not in si.indexes or np.array_equal(si.indexes[symbol], array.values)

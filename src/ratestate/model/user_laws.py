@@ -20,7 +20,7 @@ from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
 from .units import to_si
 
 #: words that sliders, scenario files and results use for other things than quantities
-TAKEN = frozenset(
+RESERVED_NAMES = frozenset(
     "law law_file area values parameters friction replace slider loading method verb file plot"
     " steps times initial parameter start stop point case columns units".split()
 )
@@ -60,13 +60,13 @@ def register(law):
     >>> rs.register(Mine).partition("@")[0]
     'mine'
     """
-    kind = class_from_file(law) if isinstance(law, str | os.PathLike) else law
+    law_class = class_from_file(law) if isinstance(law, str | os.PathLike) else law
     try:
-        new = make_user_law(kind)
+        new = make_user_law(law_class)
     except ParameterError:
         raise
     except USER_ERRORS as error:
-        raise ParameterError(f"law{_of(law)} cannot be made: {reason_of(error)}") from error
+        raise ParameterError(f"law{_origin(law)} cannot be made: {reason_of(error)}") from error
     own = new.name.partition(HASH_MARK)[0]
     if new.name in laws.LAWS:
         laws.add(new, own)
@@ -75,19 +75,19 @@ def register(law):
         _check_names(new, own)
         check_formulas(new, {symbol: _example(symbol, new) for symbol in new.parameters})
     except ParameterError as error:
-        raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
+        raise ParameterError(f"law {own!r}{_origin(law)}: {error}") from None
     except FormulaError as error:
         raise ParameterError(describe_error(own, new, error)) from None
     except USER_ERRORS as error:
         raise ParameterError(
-            f"law {own!r}{_of(law)} cannot be tried: {reason_of(error)}"
+            f"law {own!r}{_origin(law)} cannot be tried: {reason_of(error)}"
         ) from error
     add_quantities_of(new)
     laws.add(new, own)
     return new.name
 
 
-def _of(law):
+def _origin(law):
     """Where a law came from, in messages; "" of a class."""
     return "" if isinstance(law, type) else f" of {law}"
 
@@ -100,7 +100,7 @@ def _check_names(law, own):
             raise ParameterError(f"the name {name!r} is that of a built-in law; choose another")
     for symbol, parameter in law.parameters.items():
         quantity = Quantity(*parameter)
-        if not _is_name(symbol) or _is_another(symbol, quantity, own):
+        if not _is_allowed_name(symbol) or _is_other_quantity(symbol, quantity, own):
             raise ParameterError(f"its parameter {symbol!r} is another quantity; rename it")
         if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
             units = ", ".join(KINDS)
@@ -110,7 +110,7 @@ def _check_names(law, own):
             )
     known = {state for one in laws.LAWS.values() for state in one.states}
     for state, (_, distance) in law.states.items():
-        if not _is_name(state) or (state in QUANTITIES and state not in known):
+        if not _is_allowed_name(state) or (state in QUANTITIES and state not in known):
             raise ParameterError(
                 f"its state {state!r} is another quantity, or no name; rename it, as to theta2"
             )
@@ -118,12 +118,12 @@ def _check_names(law, own):
             raise ParameterError(f"its state {state} evolves over {distance!r}, which is no length")
 
 
-def _is_name(text):
+def _is_allowed_name(text):
     """Whether a parameter or state may be called so."""
-    return text.isidentifier() and not keyword.iskeyword(text) and text not in TAKEN
+    return text.isidentifier() and not keyword.iskeyword(text) and text not in RESERVED_NAMES
 
 
-def _is_another(symbol, quantity, own):
+def _is_other_quantity(symbol, quantity, own):
     """Whether a symbol stands for another quantity, elsewhere than in this law before an edit."""
     having = laws.laws_with(symbol)
     if not having:
@@ -150,21 +150,21 @@ def _example(symbol, law):
             QUANTITIES[symbol] = before
 
 
-def file_of(name):
+def file_of_law(name):
     """The file from which the law of this name was registered, a Path; None of any other law."""
     return vars(type(laws.LAWS[name])).get("file")
 
 
-def recorded(name):
-    """What makes a user's law known in another process: `known_again` takes it; None for others."""
+def source_of_law(name):
+    """Return a user's law as `register_source` takes it in another process; None if built in."""
     if HASH_MARK not in name:
         return None
-    kind = type(laws.LAWS[name])
-    return vars(kind).get("file_text") or kind
+    law_class = type(laws.LAWS[name])
+    return vars(law_class).get("file_text") or law_class
 
 
-def known_again(record):
-    """Register what `recorded` gave: the text of a law file, which is run, or a class."""
+def register_source(record):
+    """Register what `source_of_law` gave: the text of a law file, which is run, or a class."""
     known = (vars(type(law)).get("file_text") or type(law) for law in laws.LAWS.values())
     if record is not None and record not in known:
         register(class_from_text(record, "a law file") if isinstance(record, str) else record)
