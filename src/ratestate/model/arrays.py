@@ -26,7 +26,7 @@ LARGEST_EXPONENT = 100.0
 
 
 def check_aligned(values):
-    """Raise ParameterError if two DataArrays differ in size or labels along a dimension.
+    """Raise ParameterError if DataArrays differ in size or labels along a dimension.
 
     values : dict, symbol -> value; values that are not DataArrays are ignored
     """
@@ -51,8 +51,9 @@ def check_aligned(values):
 
 
 def isel(value, indices):
-    """Select cases from a DataArray, slider, tuple, dataclass or dict; return others unchanged.
+    """Select cases from DataArrays, also in a slider, tuple, dataclass or dict.
 
+    Other values are returned unchanged.
     indices : dict, dimension -> indices or slice; a DataArray ignores dimensions that it lacks
     """
     if is_array(value):
@@ -119,7 +120,7 @@ def concat(values):
 
 
 def running_sum(x):
-    """Return the cumulative sum along the last axis, as accurate as in doubled precision.
+    """Return the cumulative sum along the last axis, as if in doubled precision.
 
     Knuth's two-sum gives the exact rounding error of each addition.  These errors are summed too.
     """
@@ -148,7 +149,7 @@ def as_times(t):
 
 
 class Batch:
-    """Named values broadcast against each other into flat arrays, with one value per case.
+    """Named values broadcast against each other into flat arrays of cases.
 
     values : dict, symbol -> float or DataArray; DataArrays broadcast by dimension name
     tables : dict, symbol -> DataArray whose last dimension is not a dimension of the sweep
@@ -198,7 +199,7 @@ class Batch:
         return np.ascontiguousarray(full.transpose(*self.dims).values.ravel())
 
     def rows(self, array):
-        """Return a table (rows, m) of an array's rows, and the row number of each case (n,).
+        """Return a table (rows, m) of an array, and the row number of each case (n,).
 
         array : DataArray (..., m), or ndarray (m,) for one row that all cases share
         """
@@ -220,7 +221,7 @@ class Batch:
         return values.transpose(*self.dims, "time").values.reshape(self.n, -1)
 
     def variable(self, flat, symbol, *last):
-        """Return flat results, (n,), or (n, m) with a last dimension, as an xarray.Variable."""
+        """Return flat results, (n,) or (n, m) with a last dimension, as a Variable."""
         import xarray
 
         shaped = np.asarray(flat).reshape((*self.shape, *np.shape(flat)[1:]))
@@ -265,6 +266,6 @@ def _check_products(values):
 
 
 def _largest_exponent(value, power):
-    """Return log10 of the largest finite value to this power; -inf if all are 0 or inf."""
+    """Return log10 of the largest finite value to this power; -inf if there is none."""
     sizes = np.ravel(value)
     return (power * np.log10(sizes[(sizes > 0.0) & (sizes < np.inf)])).max(initial=-np.inf)

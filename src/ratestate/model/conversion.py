@@ -58,7 +58,7 @@ def in_units(result, /, **units):
 
 
 def find_variable(result, name):
-    """Return the name of a variable in a result, or None; ``t`` may stand for ``time``."""
+    """Return a variable's name in a result, or None; ``t`` may stand for ``time``."""
     names = (name, "time") if name == "t" else (name,)
     return next((one for one in names if one in result.variables), None)
 

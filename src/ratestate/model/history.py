@@ -53,7 +53,7 @@ class History:
         return (self.end - self.start) / self.durations
 
     def followed_by(self, symbol, *pieces):
-        """Return the history up to the first of these pieces (t, start, end), then the pieces.
+        """Return the history up to the first piece (t, start, end), then the pieces.
 
         Raises ParameterError, with the symbol of the quantity, if DataArrays clash.
         """
@@ -80,11 +80,11 @@ class History:
         return t
 
     def segments_at(self, t):
-        """Return the indices of the segments that contain times t [s]; at a jump, the later."""
+        """Return the segments that contain times t [s]; at a jump, the later ones."""
         return np.searchsorted(self.t, t, side="right") - 1
 
     def look_up(self, t, *columns):
-        """Return columns at times t [s], and the time since the start of the segment at t.
+        """Return columns at times t [s], and the times since their segments began.
 
         All results have the shape of t.  If t or a column is a DataArray, they are DataArrays with
         the last dimension ``time``.
@@ -102,7 +102,7 @@ class History:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class NormalStress(History):
-    """Normal stress [Pa]: straight lines plus a sinusoid; NaN stands for the slider's sigma.
+    """Normal stress [Pa]: straight lines and a sinusoid; NaN is the slider's sigma.
 
     Attributes
     ----------
@@ -120,7 +120,7 @@ class NormalStress(History):
 
     @property
     def first_change(self):
-        """Time of the first change of normal stress in any case [s]; inf if there is none."""
+        """Time of the first change of normal stress in any case [s], or inf."""
         if self.oscillates:
             return 0.0
         start, end = (np.nan_to_num(column, nan=-1.0) for column in (self.start, self.end))
@@ -129,7 +129,7 @@ class NormalStress(History):
         return float(self.t[changes.reshape(-1, self.t.size).any(axis=0)].min(initial=np.inf))
 
     def at(self, t, sigma):
-        """Return normal stress [Pa] at times t [s] if it begins at sigma; at a jump, after it.
+        """Return the stress [Pa] at times t [s] if it begins at sigma; after a jump at t.
 
         The result has the same shape as from `Loading.V_load`.
         """
@@ -150,7 +150,7 @@ class NormalStress(History):
         return dataclasses.replace(self, start=start, end=end)
 
     def check(self, sigma, t_end):
-        """Raise ParameterError unless normal stress begins at sigma and is > 0 up to t_end [s].
+        """Raise ParameterError unless stress begins at sigma and is > 0 up to t_end [s].
 
         Arguments may be DataArrays.  If a sinusoid lies on a ramp, the lowest values of the ramp
         and of the sinusoid are added, although they may occur at different times.

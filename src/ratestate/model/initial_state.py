@@ -15,9 +15,9 @@ MAX_V = 1e250
 
 
 def initial_values(initial, law):
-    """Return the values given for t = 0 in SI, as {"V_initial": 0.001, ...}; {} for None.
+    """Return the values for t = 0 in SI, as {"V_initial": 0.001, ...}; {} for None.
 
-    Raises ParameterError for a wrong key, type, unit or range; not if values do not agree.
+    Raises ParameterError for a wrong key, type, unit or range.  `initial_state` checks agreement.
     """
     if initial is None:
         return {}
@@ -35,7 +35,7 @@ def initial_values(initial, law):
 
 
 def initial_state(law, batch, V_load):
-    """Return x = (tau/sigma - mu_ref)/a, v and the law's variables at t = 0: (n, len(y)).
+    """Return x = (tau/sigma - mu_ref)/a, v and the law's variables at t = 0, (n, m).
 
     Values that `initial` does not give are those of steady sliding at V_start, with two exceptions.
     If M = 0, the balance x = S fixes one of V, the states and tau by the others.  If K = inf, V
@@ -98,14 +98,14 @@ def initial_state(law, batch, V_load):
 
 
 def steady_sliding_state(law, batch, V):
-    """Return x, v and the law's variables in steady sliding at V (n,): (n, len(y))."""
+    """Return x, v and the law's variables in steady sliding at V (n,): array (n, m)."""
     p = law.coefficient_arrays(batch.flat("V0"), batch.columns)
     v, states = steady_state(law, batch, V)
     return np.stack([stress(law, v, states, p), v, *law.variables(v, states, p)], axis=1)
 
 
 def steady_state(law, batch, V):
-    """Return v and a tuple of ln(V0 theta/D) of each state in steady sliding at V (n,)."""
+    """Return v and a tuple of ln(V0 theta/D) of each state in steady sliding at V."""
     V0 = batch.flat("V0")
     at_V = law.coefficient_arrays(V, batch.columns)
     steady = law.log_states(0.0, law.steady(at_V).psi, at_V)
@@ -120,7 +120,7 @@ def stress(law, v, log_states, p):
 
 
 def _state_from_stress(law, x, w, states, p, k, where):
-    """Return the states; where `where` is true, state k makes friction at w equal to x."""
+    """Return the states, with state k such that S at w equals x if `where` is true."""
 
     def with_state(state):
         return (*states[:k], state, *states[k + 1 :])

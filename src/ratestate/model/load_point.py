@@ -50,17 +50,17 @@ class LoadPoint:
 
     @property
     def V(self):
-        """Speed [m/s] at the start of each segment: (S,), or DataArray with ``segment`` last."""
+        """Speed [m/s] at the start of each segment: (S,), or DataArray (..., segment)."""
         return self.speed.start
 
     @property
     def rate(self):
-        """Acceleration [m/s^2] in each segment, in the shape of V; 0 if the speed is constant."""
+        """Acceleration [m/s^2] in each segment, in the shape of V."""
         return self.speed.rate
 
     @property
     def parameters(self):
-        """Arguments of all calls by number and method: ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
+        """Arguments of all calls, such as ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
         return {f"{number} {call.method}": call.arguments for number, call in enumerate(self.calls)}
 
     @property
@@ -184,7 +184,7 @@ class LoadPoint:
         return self.normal_stress or NormalStress.constant("sigma", np.nan)
 
     def _times_in_si(self, t):
-        """Return times in SI: array or DataArray; ParameterError if one is outside the history."""
+        """Return times [s], array or DataArray; ParameterError if outside the history."""
         if isinstance(t, list | tuple) or (isinstance(t, np.ndarray) and t.dtype.kind not in "iuf"):
             t = column_to_si("t", t)
         elif not isinstance(t, np.ndarray):

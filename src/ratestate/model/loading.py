@@ -64,7 +64,7 @@ class Loading(LoadPoint):
 
     @classmethod
     def steps(cls, V_start, *steps):
-        """Return a loading with velocity steps: V_start, then V1 from t1 on, V2 from t2 on, ...
+        """Return a loading of velocity steps: V_start, V1 from t1 on, V2 from t2 on, ...
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class Loading(LoadPoint):
 
     @classmethod
     def series(cls, t, V_lp, *, sigma=None):
-        """Return a loading from samples, such as a laboratory record; it is piecewise linear.
+        """Return a piecewise linear loading from samples, such as a laboratory record.
 
         Parameters
         ----------
@@ -111,7 +111,7 @@ class Loading(LoadPoint):
 
     @classmethod
     def sinusoid(cls, V_lp, amplitude, *, t_end, period=None, frequency=None):
-        """Return a loading with the speed V_lp + amplitude sin(2 pi t/period) up to t_end.
+        """Return a loading with the speed V_lp + amplitude sin(2 pi t/period).
 
         The speed consists of straight lines: 256 per period, and at most 10^6.  Their fundamental
         is exactly this sinusoid.  The error of the speed is at most 5.1e-5 of its amplitude.  The
@@ -166,7 +166,7 @@ class Loading(LoadPoint):
         return self._append(Call("step", {"t": t, "V": V}), (t, V, V))
 
     def hold(self, t, duration):
-        """Add a hold: from time t the load point rests, then it resumes its speed before t.
+        """Add a hold: from time t the load point rests, then it resumes its old speed.
 
         Parameters
         ----------
@@ -291,7 +291,7 @@ class Loading(LoadPoint):
         return self._add_call(Call("sigma_sinusoid", wave), normal_stress=replace(before, **wave))
 
     def _append(self, call, *pieces):
-        """Return the loading with these pieces (t, start, end) added to its speed or sigma."""
+        """Return the loading with pieces (t, start, end) added to its speed or sigma."""
         if call.changes_stress:
             stress = self._extendable_stress().followed_by("sigma", *pieces)
             return self._add_call(call, normal_stress=stress)

@@ -29,7 +29,7 @@ def nearest(given, names):
 
 
 def one_of(names, given=None, like=""):
-    """Return the end of a message: the valid names, and the name that was probably meant.
+    """Return the end of a message: the valid names, and the one probably meant.
 
     like : an example, such as ``a = 0.003``
     """
@@ -53,7 +53,7 @@ def check_keywords(caller, given, names):
 
 
 def keywords_checked(function):
-    """Wrap a function so that a mistyped keyword raises ParameterError instead of TypeError."""
+    """Wrap a function: mistyped keywords raise ParameterError, not TypeError."""
     names = inspect.signature(function).parameters
 
     @functools.wraps(function)
@@ -89,7 +89,7 @@ class Sentences(string.Formatter):
         return self.vformat(self.tables[table][sentence], (), values)
 
     def refusal(self, name, /, **values):
-        """Return a `ParameterError` with the sentence of this name, for the caller to raise."""
+        """Return a `ParameterError` with the sentence of this name, to be raised."""
         error = ParameterError(self(name, **values))
         error.sentence = name
         return error

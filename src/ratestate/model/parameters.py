@@ -36,7 +36,7 @@ MAX_VALUES = 10_000_000
 
 
 def quantity_of(symbol, value):
-    """Return the symbol of the quantity, such as ``"K_over_sigma"``, that fits the value's unit.
+    """Return the symbol of the quantity that fits the unit: ``"K_over_sigma"``.
 
     If the value has no unit, or if its unit does not fit, return the parameter's symbol.
     """
@@ -48,7 +48,7 @@ def quantity_of(symbol, value):
 
 
 def parameter_to_si(symbol, value, given, *, quantity=None, label=None):
-    """Return a parameter of the slider in SI, also from a quantity of `OTHER_QUANTITIES`.
+    """Return a slider's parameter in SI, also from a quantity of `OTHER_QUANTITIES`.
 
     If all cases share the area (or sigma) that the value is divided (or multiplied) by, an axis
     with the parameter's symbol keeps its name and gets the values in SI.  Otherwise it is renamed
@@ -83,7 +83,7 @@ def parameter_to_si(symbol, value, given, *, quantity=None, label=None):
 
 
 def _is_own_axis(symbol, x, value):
-    """Return whether x is an axis with its own symbol, with its given values as labels if any."""
+    """Return whether x lies along `symbol`, with its given values or no labels."""
     if x.dims != (symbol,):
         return False
     given = getattr(value.data, "magnitude", value.data)  # the magnitude of pint data

@@ -57,12 +57,12 @@ for _form in FORMS.values():
 
 
 def attrs(symbol):
-    """Return the attributes ``units`` and ``long_name`` of a variable with this symbol."""
+    """Return the attributes ``units`` and ``long_name`` of a variable."""
     return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
 
 
 def expected(symbol, unit=True):
-    """Return the end of an error message: kind, SI unit and an example of the quantity."""
+    """Return the end of an error message: kind, SI unit and example of a quantity."""
     quantity = QUANTITIES[symbol]
     kind, example = KINDS[quantity.unit]
     si = f" [{quantity.unit}]" if unit and quantity.unit != "1" else ""
@@ -70,7 +70,7 @@ def expected(symbol, unit=True):
 
 
 def power_of(unit, value):
-    """Return the largest power of ten, of this unit's prefixes, that is not above the value [SI].
+    """Return the largest power of ten of the unit's prefixes up to a value [SI].
 
     For smaller values, return the lowest power.  Return 0 if a value is below 1e-3 even with the
     smallest prefix, and for a unit that is not in `POWERS`.
@@ -79,13 +79,13 @@ def power_of(unit, value):
     -3
     """
     powers = POWERS.get(unit, (0,))
-    size = abs(value) * (1 + 1e-9)  # a value rounded to just below 1e-3 is shown as 1 m, too
+    size = abs(value) * (1 + 1e-9)  # rounding to just below 1e-3 does not change the prefix
     lowest = powers[-1] if size >= 10.0 ** (powers[-1] - 3) else 0
     return next((p for p in powers if size >= 10.0**p), lowest)
 
 
 def prefixed_unit(unit, power, prefixes=PREFIXES):
-    """Return an SI unit with the prefix for a power of ten; KeyError if no prefix has it.
+    """Return an SI unit with the prefix for a power of ten; KeyError if none fits.
 
     >>> prefixed_unit("m/s", -3), prefixed_unit("m^2", -4)
     ('mm/s', 'cm^2')
@@ -94,7 +94,7 @@ def prefixed_unit(unit, power, prefixes=PREFIXES):
 
 
 def exact_text(symbol, value):
-    """Return a value [SI] as text that `to_si` reads back exactly, with a suitable unit.
+    """Return a value [SI] with a suitable unit, as text that `to_si` reads exactly.
 
     A pure number has no unit.  inf, NaN and values without a suitable prefix have the SI unit.
 
@@ -118,7 +118,7 @@ def exact_text(symbol, value):
 
 
 def long_time_unit(seconds):
-    """Return the name and length [s] of the best unit for a long time; None below 2 hours."""
+    """Return name and length [s] of the best unit for a time; None below 2 hours."""
     return next((unit for unit in LONG_TIMES.items() if seconds >= 2.0 * unit[1]), None)
 
 
@@ -143,7 +143,7 @@ def readable_change(symbol, before, after):
 
 
 def readable_together(symbol, form, *values):
-    """Return values [SI] in a format string, in a unit that suits the largest, and the unit."""
+    """Return values [SI] in a format string, in a unit that suits the largest value."""
     unit, size = QUANTITIES[symbol].unit, max(map(abs, values))
     power = power_of(unit, size) if math.isfinite(size) else 0
     text = form.format(*(value / 10.0**power for value in values))
@@ -151,7 +151,7 @@ def readable_together(symbol, form, *values):
 
 
 def readable_time(seconds, digits=4, both=False):
-    """Return a time as text; a long time is in years, days or hours, if `both` also in seconds.
+    """Return a time as text, in years, days or hours (or both units) if it is long.
 
     >>> readable_time(40.0), readable_time(9e6), readable_time(9e6, both=True)
     ('40 s', '104.2 days', '9e+06 s (104 days)')
@@ -178,7 +178,7 @@ def with_error(value, error):
 
 
 def concise(value, error):
-    """Return a value as text, with its standard error in brackets, in units of the last digit.
+    """Return a value as text, with the standard error of its last digits in brackets.
 
     If the error is not between 1e-12 and 1e5, return the text of `with_error`.
 
@@ -194,8 +194,8 @@ def concise(value, error):
 def rounded(value, error):
     """Return a value as text, rounded to one or two significant digits of its error.
 
-    One digit of the error counts if the error is 3.55 or more times a power of ten, otherwise two.
-    If the error is not between 1e-12 and 1e5, the text has four digits.
+    One digit counts if the error is 3.55 or more times a power of ten, otherwise two.  All digits
+    before the point stay.  If the error is not between 1e-12 and 1e5, the text has four digits.
 
     >>> rounded(9.4871, 0.1234), rounded(9.4871, 0.0456), rounded(152345.6, 1234.5)
     ('9.49', '9.49', '152346')
@@ -206,7 +206,7 @@ def rounded(value, error):
 
 
 def short(value):
-    """Return a number as text with three digits, or as an integer if it is 99.5 or more.
+    """Return a number as text with three digits, or as an integer from 99.5 on.
 
     >>> short(7.3298), short(11712.4)
     ('7.33', '11712')
@@ -215,7 +215,7 @@ def short(value):
 
 
 def readable_multiplier(value):
-    """Return a Floquet multiplier as text; if it is just below 1, as 1 minus the difference.
+    """Return a Floquet multiplier as text; just below 1, as 1 minus the difference.
 
     >>> readable_multiplier(0.5 + 0.25j), readable_multiplier(1 - 7e-7)
     ('0.5+0.25i', '1 - 7e-07')

@@ -18,7 +18,7 @@ LINES_PER_PERIOD = 256
 
 
 def sinusoid_history(V_lp, amplitude, period, t_end):
-    """Return the `History` of V_lp + amplitude sin(2 pi t/period) [m/s] up to t_end [s] or later.
+    """Return the `History` of V_lp + amplitude sin(2 pi t/period) [m/s] to t_end [s].
 
     Raises ParameterError for too many lines, a period that is too short, and a negative speed.
 
@@ -72,7 +72,7 @@ def sinusoid_history(V_lp, amplitude, period, t_end):
 
 
 def period_of(what, period, frequency):
-    """Return the period [s] from either of the two; `what` has this period, in messages."""
+    """Return the period [s] of `what` from its period or frequency."""
     if (period is None) == (frequency is None):
         raise ParameterError(
             f"{what} needs either its period or its frequency, such as period='2 s'"
@@ -89,7 +89,7 @@ def period_of(what, period, frequency):
 
 
 def histories_from_rows(times, V, sigma=None):
-    """Return the `History` of speed of a record, and its `NormalStress` if sigma is given.
+    """Return the `History` of a record's speed, and `NormalStress` if sigma is given.
 
     Arguments are columns in SI.  Raises ParameterError unless the rows are a valid record.
     """

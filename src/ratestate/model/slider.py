@@ -24,7 +24,7 @@ from .user_laws import register, register_source, source_of_law
 
 
 def resolve_law(law):
-    """Return the law with a name or synonym, or of a user's class, which is registered."""
+    """Return the law with a name or synonym; register and return a user's class."""
     return friction_law(register(law) if isinstance(law, type) else law)
 
 
@@ -213,7 +213,7 @@ class SpringSlider:
 
     @property
     def parameters(self):
-        """All parameters, a dict symbol -> value, from which the slider can be built again.
+        """All parameters (symbol -> value), from which the slider can be built again.
 
         Area, damping, alpha and the form of friction are left out if they have their defaults.
         """
@@ -260,7 +260,7 @@ class SpringSlider:
 
     @property
     def values(self):
-        """The quantities of `parameters`, area first: all except the law and form of friction."""
+        """The `parameters` except the law and form of friction, area first."""
         given = self.parameters
         area = {"area": self.area} if self.has_area else {}
         return area | {name: x for name, x in given.items() if name not in ("law", "friction")}
@@ -293,7 +293,7 @@ class SpringSlider:
 
     @property
     def V_c(self):
-        """Critical velocity [m/s] (eq. 10): steady sliding becomes unstable just above it.
+        """Critical velocity [m/s] (eq. 10): steady sliding is unstable just above it.
 
         It is the lowest such velocity: 0 if steady sliding is unstable at all low velocities, and
         inf if steady sliding is stable at all velocities.
@@ -302,7 +302,7 @@ class SpringSlider:
 
     @property
     def V_c_upper(self):
-        """Velocity above V_c [m/s] at which steady sliding becomes stable again; inf if none.
+        """Velocity above V_c [m/s] at which steady sliding becomes stable again, or inf.
 
         Under a law with a characteristic speed, it may become unstable again above V_c_upper.
         """
@@ -347,7 +347,7 @@ class SpringSlider:
         return named("eta", eta(self._speed_in_si(V), **self._pick("a", "Dc", "sigma", "M")))
 
     def _evaluate(self, symbol, function, part=None, **given):
-        """Return the named result of a function of linear stability, or a part of the result."""
+        """Return the result, or a part of it, of a function of linear stability."""
 
         def of_arrays(**arrays):
             result = function(self.friction_law, **arrays)
@@ -415,7 +415,7 @@ def _own_parameters(law, form):
 
 
 def _check_names(law, form, given):
-    """Raise ParameterError for a parameter that the law and form do not have, or that is missing.
+    """Raise ParameterError for an unknown or missing parameter of the law and form.
 
     form : name of the form of friction; given : names of the given keywords
     """
@@ -446,7 +446,7 @@ def _check_names(law, form, given):
 
 
 def _literal(symbol, value):
-    """Return a parameter as it stands in a Python call; for an array, its sizes and range."""
+    """Return a parameter as Python source; for an array, its sizes and range."""
     if is_array(value) or symbol in ("law", "friction"):
         return _value_text(symbol, value) if is_array(value) else repr(value)
     text = exact_text(symbol, value)

@@ -53,7 +53,7 @@ def is_integer(value):
 
 
 def unit_of(value):
-    """Return the unit of a value for `to_si` as text; None for a number or other text."""
+    """Return the unit of a value for `to_si` as text; None if it has no unit."""
     if is_array(value):
         unit = value.data.units if is_pint(value.data) else value.attrs.get("units")
         return None if unit is None else str(unit)
@@ -73,14 +73,14 @@ def has_unit(symbol, unit):
 
 
 def named(symbol, value):
-    """Return a result as float, ndarray, or DataArray with its symbol as name and attributes."""
+    """Return a result as float, ndarray, or DataArray with its name and attributes."""
     if is_array(value):
         return value.rename(symbol).assign_attrs(attrs(symbol))
     return value if np.ndim(value) else float(value)
 
 
 def to_si(symbol, value, *, label=None, bound=None):
-    """Convert a value of a quantity to SI and check it: a float, or a DataArray of floats.
+    """Convert a value of a quantity to SI and check it: float, or DataArray.
 
     The name of the DataArray is the symbol.  If its only dimension has this name too, and has no
     coordinate or the given values as coordinate, its SI values become the coordinate.  Raises
@@ -117,7 +117,7 @@ def to_si(symbol, value, *, label=None, bound=None):
 
 
 def one_in_si(symbol, value, *, label=None, bound=None):
-    """Convert a single number to SI like `to_si`; ParameterError for an array or a list."""
+    """Convert a single number to SI by `to_si`; ParameterError for array or list."""
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0:
         raise ParameterError(
             f"{label or symbol} is an array and not one number; {expected(symbol)}"
@@ -158,7 +158,7 @@ def _to_float(symbol, value, label):
 
 
 def _convert(symbol, number, unit, given):
-    """Convert a number with a unit, both given as text, to a correctly rounded float in SI."""
+    """Convert a number and a unit, both texts, to a correctly rounded float in SI."""
     try:
         exact = Decimal(number) * unit_factor(QUANTITIES[symbol].unit, unit)
         value = float(exact)
@@ -172,7 +172,7 @@ def _convert(symbol, number, unit, given):
 
 
 def _hint(symbol, unit):
-    """Return the end of a message: the unit that differs from this one only in its case."""
+    """Return the end of a message: the usual unit that differs only in its case."""
     si = QUANTITIES[symbol].unit
     usual = (prefixed_unit(si, power) for power in POWERS.get(si, (0,)))
     plain = unit.replace("^", "").lower()
@@ -182,7 +182,7 @@ def _hint(symbol, unit):
 
 @functools.lru_cache(maxsize=1000)
 def unit_factor(si, unit):
-    """Return the exact size of a unit in SI units (Decimal); ValueError if it does not fit."""
+    """Return the exact size of a unit in SI units (Decimal), or raise ValueError."""
     if unit in ("", "1", "dimensionless"):
         if si == "1":
             return Decimal(1)
@@ -210,13 +210,13 @@ def unit_factor(si, unit):
 
 
 def scaled(values, factor):
-    """Multiply an array by a Decimal with one rounding: 10 um is 10 / 1e6, not 10 * 1e-06."""
+    """Multiply an array by a Decimal; 10 um is 10 / 1e6, rounded once."""
     return values * float(factor) if factor >= 1 else values / float(1 / factor)
 
 
 @functools.cache
 def _registry():
-    """Return pint's registry of units, with decimal arithmetic: "10 um" is exactly 1e-05."""
+    """Return pint's units in decimal arithmetic: "10 um" is exactly 1e-05."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)

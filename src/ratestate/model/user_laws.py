@@ -93,7 +93,7 @@ def _origin(law):
 
 
 def _check_names(law, base_name):
-    """Raise ParameterError if a name of the law is in use or a quantity is not allowed."""
+    """Raise ParameterError if a name is in use or a quantity is not allowed."""
     for name in (base_name, *law.synonyms):
         known = laws.find_law_name(name)
         if known and HASH_MARK not in known:
@@ -119,12 +119,11 @@ def _check_names(law, base_name):
 
 
 def _is_allowed_name(text):
-    """Return whether a parameter or state may have this name."""
     return text.isidentifier() and not keyword.iskeyword(text) and text not in RESERVED_NAMES
 
 
 def _is_other_quantity(symbol, quantity, base_name):
-    """Return whether a symbol is another quantity; earlier versions of this law do not count."""
+    """Return whether a symbol is another quantity, except in versions of this law."""
     owners = laws.laws_with(symbol)
     if not owners:
         return symbol in QUANTITIES
@@ -151,12 +150,12 @@ def _example(symbol, law):
 
 
 def file_of_law(name):
-    """Return the Path of the file that defines the law with this name; None if none does."""
+    """Return the Path of the law's file; None if the law is not from a file."""
     return vars(type(laws.LAWS[name])).get("file")
 
 
 def source_of_law(name):
-    """Return the text of the file of a user's law, or its class; None if it is built in."""
+    """Return the file's text, or the class, of a user's law; None if it is built in."""
     if HASH_MARK not in name:
         return None
     law_class = type(laws.LAWS[name])
@@ -164,7 +163,7 @@ def source_of_law(name):
 
 
 def register_source(source):
-    """Register a law from `source_of_law`, unless it is registered; run the text of a file."""
+    """Register a law from `source_of_law`, unless it is registered already."""
     registered = (vars(type(law)).get("file_text") or type(law) for law in laws.LAWS.values())
     if source is not None and source not in registered:
         register(class_from_text(source, "a law file") if isinstance(source, str) else source)
