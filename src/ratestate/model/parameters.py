@@ -72,7 +72,7 @@ def parameter_to_si(symbol, value, given, *, quantity=None, label=None):
     x, factor = to_si(quantity, value, label=label), given[second]
     check_aligned({label: x, second: factor})
     coords = {}
-    if is_array(x) and _is_own_axis(symbol, x, value):
+    if is_array(x) and _is_axis_of(symbol, x, value):
         x = x.drop_vars(symbol, errors="ignore")
         if is_array(factor) and symbol not in factor.dims:
             coords = {quantity: (quantity, x.values, attrs(quantity))}
@@ -82,7 +82,7 @@ def parameter_to_si(symbol, value, given, *, quantity=None, label=None):
     return result.assign_coords(coords) if coords else result
 
 
-def _is_own_axis(symbol, x, value):
+def _is_axis_of(symbol, x, value):
     """Return whether x lies along `symbol`, with its given values or no labels."""
     if x.dims != (symbol,):
         return False

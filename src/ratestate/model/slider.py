@@ -200,11 +200,11 @@ class SpringSlider:
         (2000000.0, 3000.0, 900000000.0)
         """
         law = resolve_law(parameters.get("law", DEFAULT))
-        own = _own_parameters(law, form_of(law, parameters.get("friction")))
+        extra = _extra_parameters(law, form_of(law, parameters.get("friction")))
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
         others = [name for name in COMMON if name not in ("sigma", "K", "M")]
-        check_keywords("SpringSlider.of_contact", parameters, (*whole, *others, *own))
+        check_keywords("SpringSlider.of_contact", parameters, (*whole, *others, *extra))
         given = {"area": to_si("area", area)}
         for symbol, name in zip(("sigma", "K", "M"), whole, strict=True):
             value = parameter_to_si(symbol, whole[name], given, quantity=name, label=name)
@@ -254,7 +254,7 @@ class SpringSlider:
         if old.form != LOG and law != old:
             kept.pop("friction", None)  # the form belongs to the old law
         form = form_of(law, (kept | changes).get("friction"))
-        known = {*COMMON, *_own_parameters(law, form)}
+        known = {*COMMON, *_extra_parameters(law, form)}
         kept = {name: x for name, x in kept.items() if name in known}
         return type(self)(**(kept | changes))
 
@@ -383,11 +383,11 @@ class SpringSlider:
         """Return whether all values, and the coordinates of arrays, are equal."""
         if not isinstance(other, SpringSlider):
             return NotImplemented
-        mine, its = self.parameters, other.parameters
-        return mine.keys() == its.keys() and all(
-            is_array(x) == is_array(its[name])
-            and (x.equals(its[name]) if is_array(x) else x == its[name])
-            for name, x in mine.items()
+        first, second = self.parameters, other.parameters
+        return first.keys() == second.keys() and all(
+            is_array(x) == is_array(second[name])
+            and (x.equals(second[name]) if is_array(x) else x == second[name])
+            for name, x in first.items()
         )
 
     def __reduce__(self):
@@ -409,7 +409,7 @@ OPTIONAL: dict[str, Any] = {"area": None, "friction": LOG, "damping": 0.0, "alph
 PARAMETERS = tuple(name for name in COMMON if name not in ("law", *OPTIONAL))
 
 
-def _own_parameters(law, form):
+def _extra_parameters(law, form):
     """Return the parameters of a law and form of friction that are not in `COMMON`."""
     return (*law.parameters, *parameters_of(form))
 
@@ -419,7 +419,7 @@ def _check_names(law, form, given):
 
     form : name of the form of friction; given : names of the given keywords
     """
-    own = _own_parameters(law, form)
+    extra = _extra_parameters(law, form)
     for name in law.parameters:
         if name in COMMON or hasattr(SpringSlider, name):
             raise ParameterError(
@@ -431,13 +431,13 @@ def _check_names(law, form, given):
             ("law", law.name, laws_with(name)),
             ("friction", form, forms_with(name)),
         ):
-            if owners and name not in own:
+            if owners and name not in extra:
                 raise ParameterError(
                     f"{kind} = {chosen!r} has no parameter {name}, which belongs to "
                     f"{' and '.join(map(repr, owners))}; leave {name} out, or choose such a {kind}"
                 )
-    check_keywords("SpringSlider", given, (*COMMON, *own))
-    for name in own:
+    check_keywords("SpringSlider", given, (*COMMON, *extra))
+    for name in extra:
         if name not in given:
             needing = f"law = {law.name!r}" if name in law.parameters else f"friction = {form!r}"
             raise ParameterError(
