@@ -48,12 +48,12 @@ def is_pint(value):
 
 
 def is_integer(value):
-    """Return whether value is an integer; to NumPy, a time difference is one too."""
+    """Return whether value is an integer; NumPy's time differences are not."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
 
 
 def unit_of(value):
-    """Return the unit of a value for `to_si` as text; None if it has no unit."""
+    """Return the unit of a value for `to_si` as text; None for any other value."""
     if is_array(value):
         unit = value.data.units if is_pint(value.data) else value.attrs.get("units")
         return None if unit is None else str(unit)
