@@ -1,4 +1,4 @@
-"""Parameters of the whole contact, K as friction per length, and names that are mistyped."""
+"""Parameters of the whole contact, K as friction per length, and mistyped names."""
 
 import pickle
 
@@ -25,7 +25,7 @@ def test_of_contact_divides_by_the_area():
     assert SpringSlider.of_contact(**{**WHOLE, "mass": None}, **FRICTION).M == 0.0
 
 
-def test_values_of_the_whole_contact_with_an_area():
+def test_values_of_the_whole_contact_are_divided_by_the_area():
     whole = {"M": "6 kg", "K": "1.8 kN/mm", "sigma": "4 kN"}
     slider = SpringSlider(**FRICTION, **whole, area="20 cm^2")
     assert slider == SpringSlider.of_contact(**WHOLE, **FRICTION)
@@ -62,7 +62,7 @@ def test_stiffness_as_friction_per_length():
     assert slider.replace(sigma="4 MPa").K == 2e9
 
 
-def test_an_axis_of_it_under_several_normal_stresses():
+def test_axis_of_friction_per_length_with_several_normal_stresses():
     axis, sigma = logspace("K", "1e-4/um", "1e-3/um", 3), logspace("sigma", 1e6, 1e7, 2)
     K = SpringSlider(**FRICTION, sigma=sigma, K=axis).K
     assert dict(K.sizes) == {"K_over_sigma": 3, "sigma": 2}
@@ -81,13 +81,13 @@ def test_an_axis_of_it_under_several_normal_stresses():
         ({"area": "1 m^2", "sigma": "-4 N"}, "sigma = '-4 N' must be > 0; expected a force"),
     ],
 )
-def test_refused(changes, message):
+def test_wrong_values_are_refused(changes, message):
     with pytest.raises(ParameterError, match=message):
         SpringSlider(**FRICTION | PER_AREA | changes)
 
 
 @pytest.mark.parametrize(
-    ("make", "keyword", "meant"),
+    ("make", "keyword", "message"),
     [
         (SpringSlider, "k", "SpringSlider has no parameter k; .*; did you mean K?"),
         (SpringSlider, "dc", "did you mean Dc?"),
@@ -97,9 +97,9 @@ def test_refused(changes, message):
         (SpringSlider.of_contact, "K", "of_contact has no parameter K"),
     ],
 )
-def test_mistyped_keywords(make, keyword, meant):
+def test_mistyped_keywords(make, keyword, message):
     given = dict(WHOLE) if make == SpringSlider.of_contact else {}
-    with pytest.raises(ParameterError, match=meant):
+    with pytest.raises(ParameterError, match=message):
         make(**given, **{keyword: 1.0})
 
 
@@ -110,7 +110,7 @@ def test_mistyped_keywords(make, keyword, meant):
 def test_synonyms_of_laws(given, name):
     assert SpringSlider(**FRICTION, **PER_AREA, law=given).law == name
     lab = template("lab").replace('law = "aging"', f'law = "{given}"')
-    assert loads(lab).slider.law == name  # files know the same names
+    assert loads(lab).slider.law == name  # the synonyms are valid in files too
 
 
 def test_table_for_notebooks():

@@ -1,4 +1,4 @@
-"""Results in other units, and what reads them afterwards."""
+"""Results in other units, and functions that read them."""
 
 import numpy as np
 import pytest
@@ -23,22 +23,22 @@ def steady():
     return rs.stability(SLIDER.replace(M=rs.logspace("M", 1000, 3000, 3)), "3 mm/s")
 
 
-def test_values_and_units(run):
-    mine = rs.in_units(run, V="um/s", tau="MPa", time="ms")
-    np.testing.assert_allclose(mine.V, 1e6 * run.V, rtol=1e-15)
-    np.testing.assert_allclose(mine.tau, 1e-6 * run.tau, rtol=1e-15)
-    assert float(mine.time[-1]) == 2000.0
-    assert [mine[name].units for name in ("V", "tau", "time")] == ["um/s", "MPa", "ms"]
-    assert mine.attrs == run.attrs
+def test_converted_values_and_units(run):
+    converted = rs.in_units(run, V="um/s", tau="MPa", time="ms")
+    np.testing.assert_allclose(converted.V, 1e6 * run.V, rtol=1e-15)
+    np.testing.assert_allclose(converted.tau, 1e-6 * run.tau, rtol=1e-15)
+    assert float(converted.time[-1]) == 2000.0
+    assert [converted[name].units for name in ("V", "tau", "time")] == ["um/s", "MPa", "ms"]
+    assert converted.attrs == run.attrs
     assert run.V.units == "m/s"
-    others = ["V", "tau"]
-    xr.testing.assert_identical(mine.drop_vars([*others, "time"]), run.drop_vars([*others, "time"]))
+    names = ["V", "tau", "time"]
+    xr.testing.assert_identical(converted.drop_vars(names), run.drop_vars(names))
     xr.testing.assert_identical(rs.in_units(run, t="ms"), rs.in_units(run, time="ms"))
 
 
-def test_back_to_si(run):
-    mine = rs.in_units(rs.in_units(run, V="um/s", tau="psi"), V="mm/hour")
-    back = in_si(mine)
+def test_conversion_back_to_si(run):
+    converted = rs.in_units(rs.in_units(run, V="um/s", tau="psi"), V="mm/hour")
+    back = in_si(converted)
     for name in ("V", "tau"):
         np.testing.assert_allclose(back[name], run[name], rtol=1e-14)
         assert back[name].units == run[name].units
@@ -55,15 +55,15 @@ def test_back_to_si(run):
         ({"V": 3}, "V = 3: a unit is a str, such as 'um/s'"),
     ],
 )
-def test_refused(run, units, message):
+def test_wrong_names_and_units_are_refused(run, units, message):
     with pytest.raises(rs.ParameterError, match=message):
         rs.in_units(run, **units)
 
 
-def test_what_made_a_converted_result(steady):
-    mine = rs.in_units(steady, M="t/m^2", V_lp="mm/s")
-    np.testing.assert_allclose(mine.M, [1.0, np.sqrt(3.0), 3.0], rtol=1e-12)
-    scenario = from_result(mine)
+def test_scenario_of_a_converted_result(steady):
+    converted = rs.in_units(steady, M="t/m^2", V_lp="mm/s")
+    np.testing.assert_allclose(converted.M, [1.0, np.sqrt(3.0), 3.0], rtol=1e-12)
+    scenario = from_result(converted)
     np.testing.assert_allclose(scenario.slider.M, steady.M, rtol=1e-15)
     assert scenario.settings["V_lp"] == 3e-3
 
@@ -73,34 +73,34 @@ def test_figures_of_a_converted_result(run):
 
     from ratestate.plot import phase, trace
 
-    mine = rs.in_units(run, V="um/s", tau="MPa", time="ms", V_load="um/s")
+    converted = rs.in_units(run, V="um/s", tau="MPa", time="ms", V_load="um/s")
     for draw in (trace, phase):
-        ours, theirs = Figure().subplots(), Figure().subplots()
-        draw(run, ours)
-        draw(mine, theirs)
-        assert ours.get_xlabel() == theirs.get_xlabel()
-        for one, other in zip(ours.lines, theirs.lines, strict=True):
+        expected, drawn = Figure().subplots(), Figure().subplots()
+        draw(run, expected)
+        draw(converted, drawn)
+        assert expected.get_xlabel() == drawn.get_xlabel()
+        for one, other in zip(expected.lines, drawn.lines, strict=True):
             np.testing.assert_allclose(one.get_xydata(), other.get_xydata(), rtol=1e-14)
 
 
 def test_files_of_a_converted_result(run, tmp_path):
-    mine = rs.in_units(run, V="um/s", tau="MPa", time="ms", delta_lp="um")
-    assert csv_text(mine).startswith("time [ms],V [um/s],theta [s],delta [m],delta_lp [um],")
-    record = rs.read_lab(write(mine, tmp_path / "run.csv"))
+    converted = rs.in_units(run, V="um/s", tau="MPa", time="ms", delta_lp="um")
+    assert csv_text(converted).startswith("time [ms],V [um/s],theta [s],delta [m],delta_lp [um],")
+    record = rs.read_lab(write(converted, tmp_path / "run.csv"))
     np.testing.assert_allclose(record.delta_lp, run.delta_lp, atol=1e-15)
     np.testing.assert_allclose(record.tau, run.tau, rtol=1e-14)
-    kept = read(write(mine, tmp_path / "run.nc"))
+    kept = read(write(converted, tmp_path / "run.nc"))
     assert kept.V.units == "um/s"
     np.testing.assert_allclose(in_si(kept).V, run.V, rtol=1e-14)
 
 
-def test_units_that_mean_nothing_or_something_else(run):
-    friction = run.tau / 2e6  # which keeps the attributes of tau
-    odd = run.assign(friction=friction.assign_attrs(units="Pa"), mine=friction, amplitude=50.0)
+def test_variables_with_the_units_of_other_quantities(run):
+    friction = run.tau / 2e6  # has the attributes of tau
+    odd = run.assign(friction=friction.assign_attrs(units="Pa"), ratio=friction, amplitude=50.0)
     odd.amplitude.attrs["units"] = "%"
     back = in_si(odd)
     xr.testing.assert_identical(back.friction, odd.friction)
-    xr.testing.assert_identical(back.mine, odd.mine)
+    xr.testing.assert_identical(back.ratio, odd.ratio)
     assert float(back.amplitude) == 0.5
     with pytest.raises(rs.ParameterError, match=r"V: .* is a stress"):
         in_si(run.assign(V=run.V.assign_attrs(units="Pa")))
@@ -110,14 +110,14 @@ def test_units_that_mean_nothing_or_something_else(run):
     ("symbol", "unit"), [("Dc", "inch"), ("sigma", "psi"), ("K", "kPa/ft"), ("M", "lb/ft^2")]
 )
 def test_each_case_of_a_converted_sweep_is_one_slider(symbol, unit):
-    """Converted there and back, a value may differ in its last digit."""
+    """A value that is converted to another unit and back may differ in its last digit."""
     first = getattr(SLIDER, symbol)
     axis = xr.DataArray(first * np.linspace(1.0, 3.0, 41), dims=symbol)
     result = rs.stability(SLIDER.replace(**{symbol: axis}), "3 mm/s")
-    mine = rs.in_units(result, **{symbol: unit})
-    assert any(in_si(mine)[symbol].values != result[symbol].values)  # else this shows nothing
+    converted = rs.in_units(result, **{symbol: unit})
+    assert any(in_si(converted)[symbol].values != result[symbol].values)  # else nothing is tested
     for i in range(41):
-        slider = from_result(mine.isel({symbol: i})).slider
+        slider = from_result(converted.isel({symbol: i})).slider
         assert getattr(slider, symbol) == pytest.approx(float(axis[i]), rel=1e-15)
-    part = from_result(mine.isel({symbol: slice(5, 9)})).slider
+    part = from_result(converted.isel({symbol: slice(5, 9)})).slider
     assert getattr(part, symbol).sizes == {symbol: 4}

@@ -1,4 +1,4 @@
-"""Mistakes in laws of users: each is refused by `register`, with its line and what helps."""
+"""Mistakes in laws of users: `register` refuses each with its line and a remedy."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from user_laws import PLAIN
 
 import ratestate as rs
 
-#: the line of PLAIN that returns its rate, and that before which attributes may be added
+#: the line of PLAIN that returns its rate, and the line before which attributes may be added
 RETURN = "        return -V * theta / p.Dc * rs.laws.log(V * theta / p.Dc)\n"
 FIRST = '    name = "plain"\n'
 X = "V * theta / p.Dc"
@@ -20,7 +20,7 @@ TWO = """
 
 
 def message_of(law_file, text):
-    """What `register` says of a law file with this text; its path is written as FILE."""
+    """Return the message of `register` about a law file with this text; FILE is its path."""
     path = law_file(text, "plain.py")
     with pytest.raises(rs.ParameterError) as error:
         rs.register(path)
@@ -34,7 +34,7 @@ CONDITION = (
 
 
 @pytest.mark.parametrize(
-    ("rate", "said"),
+    ("rate", "expected"),
     [
         (f"1 - {X} if V > p.V0 else -{X}", CONDITION),
         (f"1 - max({X}, 0.5)", CONDITION),
@@ -74,20 +74,20 @@ CONDITION = (
         ),
     ],
 )
-def test_lines_that_no_formula_has(law_file, rate, said):
+def test_lines_that_a_formula_must_not_have(law_file, rate, expected):
     text = PLAIN.replace(RETURN, f"        return {rate}\n")
     text = text.replace("import ratestate as rs", "import math, numpy as np, ratestate as rs")
-    assert message_of(law_file, text) == f"law 'plain', line 8 of FILE: {said}"
+    assert message_of(law_file, text) == f"law 'plain', line 8 of FILE: {expected}"
 
 
-def test_a_mistake_in_a_function_of_the_file_has_the_line_there(law_file):
+def test_a_mistake_in_a_function_of_the_file_has_the_line_of_the_function(law_file):
     text = PLAIN.replace(RETURN, f"        return 1 - larger({X})\n")
     text += "\ndef larger(x):\n    return x if x > 1 else 1\n"
     assert message_of(law_file, text) == f"law 'plain', line 11 of FILE: {CONDITION}"
 
 
 @pytest.mark.parametrize(
-    ("returned", "said"),
+    ("returned", "expected"),
     [
         (f"1 - {X}", "evolution returns None. Return the value of the formula."),
         (
@@ -137,14 +137,14 @@ def test_a_mistake_in_a_function_of_the_file_has_the_line_there(law_file):
         ),
     ],
 )
-def test_rates_that_no_state_has(law_file, returned, said):
-    """The message gives the line of the method."""
+def test_rates_that_a_state_must_not_have(law_file, returned, expected):
+    """The message has the line of the method."""
     text = PLAIN.replace(RETURN, f"        {returned}\n")
-    assert message_of(law_file, text) == f"law 'plain', line 7 of FILE: {said}"
+    assert message_of(law_file, text) == f"law 'plain', line 7 of FILE: {expected}"
 
 
 @pytest.mark.parametrize(
-    ("friction", "said"),
+    ("friction", "expected"),
     [
         ("p.mu0", "friction returns None. Return the value of the formula."),
         (
@@ -164,9 +164,9 @@ def test_rates_that_no_state_has(law_file, returned, said):
         ),
     ],
 )
-def test_friction_that_no_law_has(law_file, friction, said):
+def test_friction_that_a_law_must_not_have(law_file, friction, expected):
     text = PLAIN + f"\n    def friction(self, V, theta, p):\n        {friction}\n"
-    assert message_of(law_file, text) == f"law 'plain', line 10 of FILE: {said}"
+    assert message_of(law_file, text) == f"law 'plain', line 10 of FILE: {expected}"
 
 
 def test_a_state_that_depends_on_another_is_refused(law_file):
@@ -180,7 +180,7 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
 
 
 @pytest.mark.parametrize(
-    ("attribute", "said"),
+    ("attribute", "expected"),
     [
         (
             'states = {"theta": ("b", "Dc"), "theta2": ("b2", "Dc2")}',
@@ -240,13 +240,13 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
         ("def __init__(self): exit(3)", "law of FILE cannot be made: SystemExit: 3"),
     ],
 )
-def test_attributes_that_no_law_has(law_file, attribute, said):
-    found = message_of(law_file, PLAIN.replace(FIRST, f"{FIRST}    {attribute}\n"))
-    assert found.startswith(said)
+def test_attributes_that_a_law_must_not_have(law_file, attribute, expected):
+    message = message_of(law_file, PLAIN.replace(FIRST, f"{FIRST}    {attribute}\n"))
+    assert message.startswith(expected)
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "expected"),
     [
         ("import ratestate as rs", "import nothing_like_it", "line 2: ModuleNotFoundError: No m"),
         ("import ratestate as rs", "import ratestate as rs\n1 / 0", "line 3: ZeroDivisionError"),
@@ -266,10 +266,10 @@ def test_attributes_that_no_law_has(law_file, attribute, said):
         ),
     ],
 )
-def test_files_that_cannot_be_run(law_file, old, new, said):
-    found = message_of(law_file, PLAIN.replace(old, new))
-    assert found.startswith(f"law file FILE cannot be loaded, {said}")
-    assert found.endswith(". Correct that line.")
+def test_files_that_cannot_be_run(law_file, old, new, expected):
+    message = message_of(law_file, PLAIN.replace(old, new))
+    assert message.startswith(f"law file FILE cannot be loaded, {expected}")
+    assert message.endswith(". Correct that line.")
 
 
 def test_a_file_without_a_law(law_file):
@@ -285,8 +285,8 @@ def test_a_law_without_evolution(law_file):
     )
 
 
-def test_functions_nested_deeply_give_an_answer_or_say_so(law_file):
-    """Not a RecursionError, and in seconds."""
+def test_deeply_nested_functions_give_an_answer_or_a_message(law_file):
+    """There is no RecursionError, and the test takes seconds."""
     text = PLAIN.replace(
         RETURN,
         f"        x = {X}\n        for _ in range(100):\n            x = rs.laws.tanh(x)\n"

@@ -1,4 +1,4 @@
-"""What the load point does: values, exact integrals against fractions, bad records."""
+"""Loadings: values, integrals compared with exact fractions, and bad records."""
 
 import re
 from fractions import Fraction
@@ -72,7 +72,7 @@ def test_series_with_jumps_a_hold_and_a_ramp():
         (np.array(T, dtype=int), pint.UnitRegistry().Quantity(np.array(V) * 1e3, "mm/s")),
     ],
 )
-def test_forms_of_a_record(t, speeds):
+def test_all_forms_of_a_record_give_the_same_loading(t, speeds):
     loading = Loading.series(t, speeds)
     np.testing.assert_array_equal(loading.t, [0, 1, 2, 4])
     np.testing.assert_array_equal(loading.V, [1e-3, 3e-3, 0, 0])
@@ -117,7 +117,7 @@ def test_long_records_are_fast_and_lose_no_digits():
     np.testing.assert_allclose(loading.V_load(t), speeds, rtol=1e-12, atol=1e-18)
 
 
-def test_speeds_that_are_named_arrays_broadcast():
+def test_named_arrays_of_speeds_broadcast():
     V1 = logspace("V_lp", 1e-4, 1e-1, 4)
     V2 = xr.DataArray([0.0, 1.0], dims="after")
     loading = Loading.steps("0.1 mm/s", (1, V1), (2, V2))
@@ -187,7 +187,7 @@ def test_bad_series(t, speeds, message):
         Loading.series(t, speeds)
 
 
-def test_outside_the_history():
+def test_times_outside_the_history_are_refused():
     loading = Loading.series([0, 10], [1e-3, 2e-3])
     with pytest.raises(ParameterError, match=r"t_end = 12.0 s is beyond .* series, 10.0 s; s"):
         loading.covers(12)
@@ -198,7 +198,7 @@ def test_outside_the_history():
             loading.V_load(np.array([1.0, bad]))
 
 
-def test_steps_holds_and_ramps_follow_each_other():
+def test_steps_holds_and_ramps_in_sequence():
     loading = (
         Loading.constant("1 mm/s")
         .step("1 s", "3 mm/s")
@@ -221,7 +221,7 @@ def test_steps_holds_and_ramps_follow_each_other():
     np.testing.assert_allclose(loading.delta_lp(t), same.delta_lp(t), rtol=1e-14, atol=0)
 
 
-def test_a_ramp_to_the_speed_it_has_may_be_followed_at_once():
+def test_a_step_may_begin_when_a_ramp_to_the_same_speed_ends():
     loading = Loading.constant(1.0).ramp(0.1, 1.0, 0.2).step(0.3, 2.0)  # 0.1 + 0.2 > 0.3
     assert loading.t.tolist() == [0, 0.1, 0.1 + 0.2]
     assert loading.V.tolist() == [1, 1, 2]
@@ -289,17 +289,17 @@ def test_the_fundamental_of_a_sinusoid_is_exact(amplitude):
     assert abs(c).max() < 1.1 / 1023**2
 
 
-def test_how_far_a_sinusoid_is_off():
+def test_errors_of_a_sinusoid():
     loading = Loading.sinusoid("1 mm/s", "1 mm/s", frequency="0.5 Hz", t_end="10 s")
     assert loading.calls[0].arguments["period"] == PERIOD
     assert (loading.t_last, loading.V_first, loading.mean_speed) == (10.0, MEAN, MEAN)
     t = np.linspace(0, 10, 100_001)
     speed = MEAN * (1 + np.sin(OMEGA * t))
-    off = abs(loading.V_load(t) - speed).max() / MEAN
-    assert 4.9e-5 < off < 5.1e-5
+    error = abs(loading.V_load(t) - speed).max() / MEAN
+    assert 4.9e-5 < error < 5.1e-5
     delta = MEAN * t + MEAN / OMEGA * (1 - np.cos(OMEGA * t))
     assert 1.1e-7 < abs(loading.delta_lp(t) - delta).max() * OMEGA / MEAN < 1.3e-7
-    assert loading.V_load(t).min() > 0  # though it touches 0 in theory
+    assert loading.V_load(t).min() > 0  # a true sinusoid touches 0
     loading.covers(10)
     with pytest.raises(ParameterError, match="beyond the end"):
         loading.covers(10.1)
@@ -335,19 +335,19 @@ def test_bad_sinusoids(changes, message):
         Loading.sinusoid(**arguments)
 
 
-def rates(t, y, kappa, eta, beta, omega, share):
-    """x, v, psi (or x, psi where eta = 0) under a true sine, in units of V_lp and Dc."""
+def rates(t, y, kappa, eta, beta, omega, ratio):
+    """Return the rates of x, v, psi (x, psi if eta = 0) under a true sine, in V_lp and Dc."""
     x, psi = y[0], y[-1]
     v = y[1] if eta else x - beta * psi
     w = np.exp(v)
-    by = [kappa * (1 + share * np.sin(omega * t) - w), -w * (v + psi)]
-    return [by[0], (x - v - beta * psi) / (eta * w), by[1]] if eta else by
+    of_x, of_psi = kappa * (1 + ratio * np.sin(omega * t) - w), -w * (v + psi)
+    return [of_x, (x - v - beta * psi) / (eta * w), of_psi] if eta else [of_x, of_psi]
 
 
 @pytest.mark.parametrize("eta", [0.0, 0.8])
-@pytest.mark.parametrize("share", [1e-4, 0.6])
-def test_the_answer_to_a_sinusoid(eta, share):
-    """Against SciPy's under a true sine and, where it is small, the linearised equations."""
+@pytest.mark.parametrize("ratio", [1e-4, 0.6])
+def test_response_to_a_sinusoid(eta, ratio):
+    """Compare with SciPy under a true sine and, if it is small, with linear theory."""
     V, a, b, Dc, sigma = 1e-3, 0.004, 0.006, 1e-5, 1e6
     beta, omega = b / a, 0.6
     kappa = 4.0 * (beta - 1) * (1 + eta)
@@ -355,7 +355,7 @@ def test_the_answer_to_a_sinusoid(eta, share):
         a=a, b=b, Dc=Dc, sigma=sigma, V0=V, K=kappa * a * sigma / Dc, M=eta * sigma * a * Dc / V**2
     )
     scale = Dc / V
-    loading = Loading.sinusoid(V, share * V, period=2 * np.pi / omega * scale, t_end=60 * scale)
+    loading = Loading.sinusoid(V, ratio * V, period=2 * np.pi / omega * scale, t_end=60 * scale)
     T = np.linspace(40, 60, 400)
     run = simulate(slider, loading, 60 * scale, times=T * scale, rtol=1e-10)
     x = (run.tau / sigma - slider.mu0).values / a
@@ -367,46 +367,46 @@ def test_the_answer_to_a_sinusoid(eta, share):
         t_eval=T,
         rtol=1e-12,
         atol=1e-14,
-        args=(kappa, eta, beta, omega, share),
+        args=(kappa, eta, beta, omega, ratio),
     )
-    # by what the load point is displaced too far: 1.2e-7 of its swing, times the stiffness
-    assert 1e-7 < abs(x - solution.y[0]).max() / (share * kappa / omega) < 1.4e-7
-    if share == 1e-4:
+    # the load point's displacement has an error of 1.2e-7 of its amplitude, times the stiffness
+    assert 1e-7 < abs(x - solution.y[0]).max() / (ratio * kappa / omega) < 1.4e-7
+    if ratio == 1e-4:
         s = 1j * omega
         friction = 1 - beta / (s + 1) + eta * s
-        answer = share / (1 / friction + s / kappa)
-        linear = (answer * np.exp(s * T)).imag
-        assert abs(x - linear).max() < 3e-4 * abs(answer)
+        response = ratio / (1 / friction + s / kappa)
+        linear = (response * np.exp(s * T)).imag
+        assert abs(x - linear).max() < 3e-4 * abs(response)
 
 
 @pytest.mark.parametrize("function", ["V_load", "delta_lp", "sigma"])
-def test_times_of_a_loading_may_carry_units(function):
-    """As text, quantity, list or array; what is no time is refused."""
-    pull = Loading.constant("10 um/s").step("1 s", "20 um/s").sigma_ramp("2 s", "4 MPa", "2 s")
-    at = getattr(pull, function)
-    own = ["2 MPa"] if function == "sigma" else []
+def test_times_of_a_loading_may_have_units(function):
+    """Text, quantities, lists and arrays are valid; other values are refused."""
+    loading = Loading.constant("10 um/s").step("1 s", "20 um/s").sigma_ramp("2 s", "4 MPa", "2 s")
+    at = getattr(loading, function)
+    more = ["2 MPa"] if function == "sigma" else []
     expected = {"V_load": 2e-5, "delta_lp": 5e-5, "sigma": 3e6}[function]
     array = xr.DataArray(3000.0, attrs={"units": "ms"})
     for t in ("3 s", 3, 3.0, "3000 ms", np.float64(3.0), pint.Quantity(3, "s"), array):
-        assert float(at(t, *own)) == pytest.approx(expected, rel=1e-14)
+        assert float(at(t, *more)) == pytest.approx(expected, rel=1e-14)
     for many in ([1, 3], ["1 s", "3 s"], np.array([1, 3]), (1.0, 3.0)):
-        assert at(many, *own)[-1] == pytest.approx(expected, rel=1e-14)
+        assert at(many, *more)[-1] == pytest.approx(expected, rel=1e-14)
     step = np.timedelta64(3, "s")
     for t in ("3 m", "x", None, step, [step], ["a"], {"t": 3}, 1j, np.array(["a"]), True, np.nan):
         with pytest.raises(ParameterError, match=r"^t\b"):
-            at(t, *own)
-    if own:
+            at(t, *more)
+    if more:
         for sigma in ("3 s", None, [2e6], -1.0, np.nan):
             with pytest.raises(ParameterError, match=r"^sigma\b"):
                 at(3.0, sigma)
 
 
-@pytest.mark.parametrize("pull", [Loading.constant(1.0), Loading.constant(1.0).sigma_step(1, 5e6)])
-def test_slider_at_takes_one_time(pull):
+@pytest.mark.parametrize("loading", [Loading.constant(1), Loading.constant(1).sigma_step(1, 5e6)])
+def test_slider_at_takes_one_time(loading):
     slider = SpringSlider(a=0.01, b=0.015, Dc=1e-5, sigma=2e6, K=1e9)
-    after = 5e6 if pull.normal_stress else 2e6
+    after = 5e6 if loading.normal_stress else 2e6
     for t in (2.0, "2 s", np.float64(2.0), xr.DataArray(2.0), np.inf):
-        assert pull.slider_at(t, slider).sigma == after
+        assert loading.slider_at(t, slider).sigma == after
     for t in ("2 m", np.timedelta64(2, "s"), -1.0, [1.0, 2.0], xr.DataArray([1.0], dims="t")):
         with pytest.raises(ParameterError, match=r"^t "):
-            pull.slider_at(t, slider)
+            loading.slider_at(t, slider)

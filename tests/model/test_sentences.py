@@ -1,4 +1,4 @@
-"""Sentences kept in TOML."""
+"""Sentences kept in TOML files."""
 
 import pytest
 
@@ -26,6 +26,6 @@ def test_attributes_digits_and_formats_of_python(sentences):
 
 
 @pytest.mark.parametrize(("name", "missing"), [("steady.fast", "fast"), ("steady.plain", "V")])
-def test_a_name_or_a_value_that_is_not_there(sentences, name, missing):
+def test_missing_names_and_values_raise_key_errors(sentences, name, missing):
     with pytest.raises(KeyError, match=missing):
         sentences(name)

@@ -1,4 +1,4 @@
-"""Sliders: values in, checks, derived quantities, equality."""
+"""Sliders: values in SI, checks, derived quantities, equality."""
 
 import copy
 import dataclasses
@@ -43,7 +43,7 @@ def test_derived_quantities():
     assert {type(x) for x in (slider.K_c_qs, slider.V_c, slider.f_n, slider.eta(1e-3))} == {float}
 
 
-def test_derived_quantities_broadcast_by_name_and_carry_units():
+def test_derived_quantities_broadcast_by_name_and_have_units():
     slider = SpringSlider(**FIG_2).replace(M=logspace("M", 1e2, 1e5, 4))
     V = logspace("V_lp", 1e-4, 1e-2, 3)
     assert slider.eta(V).dims == ("M", "V_lp")
@@ -59,7 +59,7 @@ def test_derived_quantities_broadcast_by_name_and_carry_units():
     assert type(slider.K_c_qs) is float
 
 
-def test_frozen():
+def test_sliders_are_frozen():
     slider = SpringSlider(**FIG_2)
     with pytest.raises(dataclasses.FrozenInstanceError):
         slider.K = 1.0
@@ -96,7 +96,7 @@ def test_equality_and_hash():
         ),
     ],
 )
-def test_bad_input(changes, message):
+def test_wrong_parameters_are_refused(changes, message):
     with pytest.raises(ParameterError, match=re.escape(message)):
         SpringSlider(**{**FIG_2, **changes})
     with pytest.raises(ParameterError, match=re.escape(message)):
@@ -111,8 +111,8 @@ def test_speeds_are_checked():
         slider.eta(xr.DataArray([1.0, 2.0], dims="M"))
 
 
-def test_copies_of_a_slider_are_of_its_class():
-    """Also where it has a law's own parameters, and from a class of one's own."""
+def test_copies_of_a_slider_have_its_class():
+    """The slider has a subclass and a law with more parameters."""
 
     class Rig(SpringSlider):
         pass

@@ -1,4 +1,4 @@
-"""Values come in through one door: all accepted forms give the same float, the rest is refused."""
+"""Conversion to SI: all valid forms of a value give the same float, others are refused."""
 
 import contextlib
 import re
@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ratestate import ParameterError, logspace
-from ratestate.model.arrays import check_aligned, column
-from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time
+from ratestate.model.arrays import check_aligned, column_to_si
+from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time_unit
 from ratestate.model.units import _PREFIXES, _registry, to_si, unit_factor
 
-SPELLED = [
+STRINGS = [
     ("Dc", "10 um", 1e-05),
     ("Dc", "10 µm", 1e-05),
     ("Dc", "1e-2mm", 1e-05),
@@ -38,7 +38,7 @@ SPELLED = [
 ]
 
 
-@pytest.mark.parametrize(("symbol", "text", "si"), SPELLED)
+@pytest.mark.parametrize(("symbol", "text", "si"), STRINGS)
 def test_strings_are_read_exactly(symbol, text, si):
     if si is None:
         with pytest.raises(ParameterError, match="has no unit; expected a stress"):
@@ -49,7 +49,7 @@ def test_strings_are_read_exactly(symbol, text, si):
 
 
 @pytest.mark.parametrize("registry", [pint.UnitRegistry(), pint.UnitRegistry(non_int_type=Decimal)])
-def test_quantities_of_any_registry(registry):
+def test_pint_quantities_of_any_registry(registry):
     assert to_si("Dc", registry.Quantity(10, "um")) == 1e-05
     assert to_si("Dc", registry.Quantity("10 um")) == 1e-05
     assert to_si("K", registry.Quantity(900, "MPa") / registry.Quantity(1, "m")) == 9e8
@@ -66,7 +66,7 @@ def test_units_read_without_pint_agree_with_pint(unit, prefix):
     assert unit_factor(unit, prefix + unit) == by_pint
 
 
-def test_units_of_the_table_are_known_to_pint_and_so_are_its_examples():
+def test_pint_has_the_units_of_the_tables_and_examples_are_valid():
     for symbol, quantity in QUANTITIES.items():
         assert (
             _registry()
@@ -99,7 +99,7 @@ REFUSED = [
     ("V_lp", "-3.2 mm/s", "V_lp = '-3.2 mm/s' must be > 0; expected a speed [m/s] such as"),
     ("sigma", "5 degC", "sigma = '5 degC' is of dimension [temperature]; expected a stress [Pa]"),
     ("sigma", "200 N", "sigma = '200 N' is of the whole contact, and to be divided by its area"),
-    ("V_lp", "3 m^3/s", "V_lp = '3 m^3/s' is of dimension"),  # which no sheet gives
+    ("V_lp", "3 m^3/s", "V_lp = '3 m^3/s' is of dimension"),  # not a unit of data sheets
     ("sigma", -2e6, "sigma = -2e+06 Pa must be > 0; expected a stress [Pa] such as '2 MPa'"),
     ("sigma", np.inf, "sigma = inf Pa must be finite"),
     ("K", "1e999", "K = '1e999' has no unit"),
@@ -126,7 +126,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("symbol", "value", "message"), REFUSED)
-def test_refused(symbol, value, message):
+def test_wrong_values_are_refused(symbol, value, message):
     with pytest.raises(ParameterError, match=re.escape(message)) as error:
         to_si(symbol, value)
     assert str(error.value).startswith(f"{symbol} = ")
@@ -139,7 +139,7 @@ def test_strings_are_correctly_rounded(x, unit):
     assert to_si("Dc", f"{x!r} {unit}") == float(Decimal(repr(x)).scaleb(power))
 
 
-def test_array_along_its_own_symbol_becomes_the_coordinate():
+def test_an_array_along_its_symbol_becomes_the_coordinate():
     M = to_si("M", xr.DataArray([1, 2], dims="M"))
     assert M.name == "M"
     assert M.dtype == float
@@ -147,7 +147,7 @@ def test_array_along_its_own_symbol_becomes_the_coordinate():
     assert M.attrs == M.coords["M"].attrs == attrs("M")
 
 
-def test_array_in_other_units_is_converted_and_its_coordinate_with_it():
+def test_an_array_is_converted_together_with_its_coordinate():
     V = xr.DataArray([1.0, 3.2], dims="V_lp", attrs={"units": "mm/s"})
     for given_V in (V, V.assign_coords(V_lp=V.values)):
         si = to_si("V_lp", given_V)
@@ -165,22 +165,22 @@ def test_array_in_other_units_is_converted_and_its_coordinate_with_it():
         match=re.escape("V_lp has the attribute units = 'mm', which is a length [m]; "),
     ):
         to_si("V_lp", V.assign_attrs(units="mm"))
-    assert V.attrs == {"units": "mm/s"}  # what the user holds is left alone
+    assert V.attrs == {"units": "mm/s"}  # the array of the user does not change
 
 
 @pytest.fixture(scope="module")
 def offsets():
-    """pint's own registry, in which units with offsets can be had."""
+    """A registry of pint that allows units with offsets."""
     return pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
 @pytest.mark.parametrize("unit", ["dB", "Np", "decade", "dBm", "dB/m", "degC", "pH"])
 @pytest.mark.parametrize("symbol", ["mu0", "Dc", "sigma"])
 def test_units_that_are_not_factors_are_refused(offsets, symbol, unit):
-    """Logarithmic and offset units; as text and from pint."""
+    """Logarithmic and offset units are refused, as text and from pint."""
     with pytest.raises(ParameterError, match=rf"^{symbol} = '10 {unit}' "):
         to_si(symbol, f"10 {unit}")
-    with contextlib.suppress(pint.errors.PintError):  # (pint does not make each of them)
+    with contextlib.suppress(pint.errors.PintError):  # pint cannot make all of them
         quantity = offsets.Quantity(10, unit)
         with pytest.raises(ParameterError, match=rf"^{symbol} = "):
             to_si(symbol, quantity)
@@ -191,7 +191,7 @@ def test_a_time_difference_of_numpy_is_not_read_as_an_integer(unit):
     given = np.timedelta64(20, unit)
     for value in (given, np.array([given]), [given, given], xr.DataArray([given], dims="t")):
         with pytest.raises(ParameterError, match=r"^t.*timedelta64|^t.*dtype"):
-            column("t", value)
+            column_to_si("t", value)
     with pytest.raises(ParameterError, match="timedelta64; expected a time"):
         to_si("t", given)
     with pytest.raises(ParameterError, match=r"^n = "):
@@ -231,7 +231,7 @@ def test_arrays_of_pint_and_without_dimensions():
         (xr.DataArray(-1.0), "M = -1 kg/m^2 must be >= 0"),
     ],
 )
-def test_arrays_refused(array, message):
+def test_wrong_arrays_are_refused(array, message):
     with pytest.raises(ParameterError, match=re.escape(message)):
         to_si("M", array)
 
@@ -241,7 +241,7 @@ def test_logspace():
     np.testing.assert_array_equal(M, [1e2, 1e3, 1e4, 1e5])
     np.testing.assert_array_equal(M.M, M)
     assert (M.name, M.dims, M.M.attrs) == ("M", ("M",), attrs("M"))
-    eta = logspace("eta", 0.01, 100, 3)  # an axis of what is not a parameter serves as well
+    eta = logspace("eta", 0.01, 100, 3)  # an axis need not be a parameter
     np.testing.assert_allclose(to_si("V_lp", np.sqrt(eta)), [0.1, 1, 10], rtol=1e-15)
     V = logspace("V_lp", 10**-3.8, 0.1, 13)
     assert (V[0], V[-1], V.size) == (10**-3.8, 0.1, 13)
@@ -260,7 +260,7 @@ def test_logspace():
         (("ratio", "1 m", 2, 3), "ratio (start) = '1 m' is a length"),
     ],
 )
-def test_logspace_refuses(call, message):
+def test_wrong_axes_are_refused(call, message):
     with pytest.raises(ParameterError, match=re.escape(message)):
         logspace(*call)
 
@@ -278,9 +278,9 @@ def test_check_aligned():
         check_aligned({"b": bare, "M": one, "K": two})
 
 
-def test_long_times_have_units_of_their_own():
+def test_units_of_long_times():
     day, year = 24 * 60 * 60, 365.25 * 24 * 60 * 60
-    assert long_time(7199.9) is None
-    assert long_time(7200.0) == long_time(1.99 * day) == ("hours", 3600.0)
-    assert long_time(2.0 * day) == long_time(1.99 * year) == ("days", day)
-    assert long_time(2.0 * year) == ("years", year)
+    assert long_time_unit(7199.9) is None
+    assert long_time_unit(7200.0) == long_time_unit(1.99 * day) == ("hours", 3600.0)
+    assert long_time_unit(2.0 * day) == long_time_unit(1.99 * year) == ("days", day)
+    assert long_time_unit(2.0 * year) == ("years", year)

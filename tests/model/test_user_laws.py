@@ -1,4 +1,4 @@
-"""Laws of users: registered from files and classes, and kept apart by their formulas."""
+"""Laws of users: registered from files and classes, and identified by their formulas."""
 
 import os
 import pickle
@@ -19,8 +19,8 @@ COMMON = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
 
 def test_a_law_file_works_like_a_built_in_law(law_file):
     name = rs.register(law_file(MINE))
-    own, digest = name.split("@")
-    assert own == "mine"
+    base_name, digest = name.split("@")
+    assert base_name == "mine"
     assert len(digest) == 8
     assert rs.register(law_file(MINE)) == name  # the same formula is the same law
     slider = rs.SpringSlider(**COMMON, law="mine", m=1.0)
@@ -29,17 +29,17 @@ def test_a_law_file_works_like_a_built_in_law(law_file):
     assert not hasattr(aging, "m")
     assert slider.V_c == pytest.approx(aging.V_c, rel=1e-13)
     assert eval(repr(slider), {"SpringSlider": rs.SpringSlider}) == slider
-    run, its = (
+    run, reference = (
         rs.simulate(one, rs.Loading.constant(4e-3), 0.05, V_start=4e-4) for one in (slider, aging)
     )
-    assert float(run.tau[-1]) == pytest.approx(float(its.tau[-1]), rel=1e-9)
+    assert float(run.tau[-1]) == pytest.approx(float(reference.tau[-1]), rel=1e-9)
     assert f'"law": "{name}"' in run.attrs["slider"]
     with pytest.raises(rs.ParameterError, match=r"needs m, exponent of the state; .* such as 1.5"):
         rs.SpringSlider(**COMMON, law="mine")
 
 
 def test_steady_sliding_is_found_for_each_slider_of_a_sweep(law_file):
-    """psi in steady sliding, z + 0.1 z^3 = q: solved for many q at once, and in closed form."""
+    """Steady psi from z + 0.1 z^3 = q, for many q at once, agrees with the closed form."""
     rs.register(law_file(CUBIC))
     q = rs.logspace("q", 0.1, 30.0, 7)
     sliders = rs.SpringSlider(**COMMON, law="cubic", q=q)
@@ -51,7 +51,7 @@ def test_steady_sliding_is_found_for_each_slider_of_a_sweep(law_file):
 
 
 def test_a_parameter_may_be_corrected_in_the_file(law_file):
-    """Of the law itself; another law's is another quantity."""
+    """The parameter of another law with the same symbol is another quantity."""
     rs.register(law_file(CUBIC))
     edited = rs.register(
         law_file(CUBIC.replace('"offset", "> 0"', '"offset of the state", ">= 0"'))
@@ -63,7 +63,7 @@ def test_a_parameter_may_be_corrected_in_the_file(law_file):
 
 
 def law_with(constant, helper, base, default=1.0, table=(1.0,)):
-    """A class of laws whose rate is multiplied by what it refers to, in each way there is."""
+    """Return a law whose rate has factors from all kinds of references in a function."""
 
     class Mine(base):
         name = "mine"
@@ -84,8 +84,7 @@ MODULE.G = 1.0
 
 
 @pytest.mark.parametrize("changed", "constant helper base default table module".split())
-def test_a_law_is_another_one_with_anything_that_it_refers_to(changed, monkeypatch):
-    """With its own numbers."""
+def test_a_law_changes_with_anything_that_it_refers_to(changed, monkeypatch):
     plain = {"constant": 1.0, "helper": lambda x: x, "base": base_with(1.0)}
     others = {"constant": 2.0, "helper": lambda x: x + x, "base": base_with(2.0)}
     others |= {"default": 2.0, "table": np.array([2.0])}
@@ -102,8 +101,8 @@ def test_a_law_is_another_one_with_anything_that_it_refers_to(changed, monkeypat
     assert after.K_c_qs == pytest.approx(2.0 * K_c, rel=1e-12)
 
 
-def test_a_law_file_is_another_one_with_a_file_that_it_imports(law_file, tmp_path, monkeypatch):
-    """In another process; a store made under the law before is not continued."""
+def test_a_law_file_changes_with_a_file_that_it_imports(law_file, tmp_path, monkeypatch):
+    """The other law runs in another process, which does not continue the first law's store."""
     text = PLAIN.replace("import ratestate as rs", "import ratestate as rs\nfrom constant import G")
     path = law_file(text.replace("-V", "-G * V"))
     law_file("G = 1.0", "constant.py")
@@ -114,7 +113,7 @@ def test_a_law_file_is_another_one_with_a_file_that_it_imports(law_file, tmp_pat
     M, store = rs.logspace("M", 1, 10, 3), tmp_path / "s.zarr"
     for _ in range(2):  # the second continues it
         rs.sweep("stability", slider.replace(M=M), V_lp=1e-3, store=store, progress=False)
-    law_file("G = 2.50", "constant.py")  # (of another length, which its bytecode is told by)
+    law_file("G = 2.50", "constant.py")  # another length, so that Python compiles it again
     code = (
         "import sys, ratestate as rs; name = rs.register(sys.argv[1]); common = eval(sys.argv[2])"
     )
@@ -132,7 +131,7 @@ def test_a_law_file_is_another_one_with_a_file_that_it_imports(law_file, tmp_pat
 
 
 def test_a_law_keeps_its_name_if_its_formula_does():
-    """Comments, docstrings, labels, names, objects elsewhere and hashes of text do not count."""
+    """Comments, docstrings, labels, names, other objects and hash seeds do not matter."""
     changes = [
         ("return", "# a comment\n        return"),
         (
@@ -160,8 +159,8 @@ def test_a_law_keeps_its_name_if_its_formula_does():
 @pytest.mark.parametrize(
     "changes", [("/ p.Dc", "/ p.Dc * 1.0000000000000002"), ("p.Dc", "p.V0"), ("-V", "-2 * V")]
 )
-def test_a_law_is_another_one_with_any_number_in_its_formula(law_file, changes):
-    text = PLAIN.replace("p.Dc *", "p.Dc * rs.laws.expm1(p.V0 * p.Dc) *")  # constant, so allowed
+def test_a_law_changes_with_any_number_in_its_formula(law_file, changes):
+    text = PLAIN.replace("p.Dc *", "p.Dc * rs.laws.expm1(p.V0 * p.Dc) *")  # a constant factor
     assert rs.register(law_file(text.replace(*changes))) != rs.register(law_file(text))
 
 
@@ -174,7 +173,7 @@ def test_a_law_is_another_one_with_any_number_in_its_formula(law_file, changes):
         ('"1.5")}', '"1.5")}\n    form = "regularized"'),
     ],
 )
-def test_a_law_is_another_one_with_what_its_quantities_are(law_file, changes):
+def test_a_law_changes_with_its_parameters_states_and_form(law_file, changes):
     first = rs.register(law_file(MINE))
     assert rs.register(law_file(MINE.replace(*changes))) != first
 
@@ -188,19 +187,19 @@ def test_a_class_is_registered_when_a_slider_takes_it(law_file):
 
     slider = rs.SpringSlider(**COMMON, law=Faster)
     assert slider.law.startswith("faster@")
-    # twice as fast is half the distance
+    # a double rate equals half the slip distance
     half = rs.SpringSlider(**(COMMON | {"Dc": 5e-6}), law="slip")
     assert slider.K_c(1e-3) == pytest.approx(half.K_c(1e-3), rel=1e-9)
 
 
-def test_a_slider_takes_its_law_along(law_file, tmp_path):
-    """To a process that does not know it, by its source; the file may be gone."""
+def test_a_pickled_slider_contains_its_law(law_file, tmp_path):
+    """Another process registers the law from its source, even if the file is removed."""
     path = law_file(MINE)
     slider = rs.SpringSlider(**COMMON, law=rs.register(path), m=1.5)
     path.unlink()
     law = LAWS[slider.law]
     assert pickle.loads(pickle.dumps(slider)) == slider
-    assert LAWS[slider.law] is law  # not made anew where it is known
+    assert LAWS[slider.law] is law  # not made again if it is registered
     (tmp_path / "slider").write_bytes(pickle.dumps(slider))
     code = "import pickle, sys; s = pickle.load(open(sys.argv[1], 'rb')); "
     code += "print(s.law, s.m, s.K_c(1e-3))"
@@ -213,12 +212,12 @@ def test_a_slider_takes_its_law_along(law_file, tmp_path):
     assert done.stdout.split() == [slider.law, "1.5", repr(slider.K_c(1e-3))]
 
 
-def test_a_law_that_is_not_registered_is_not_looked_for():
+def test_a_law_that_is_not_registered_is_refused():
     with pytest.raises(rs.ParameterError, match=r"not registered. Register .*'mine.py'"):
         rs.SpringSlider(**COMMON, law="mine@00000000", m=1.0)
 
 
-def test_files_and_values_that_are_no_laws(tmp_path):
+def test_files_and_values_that_are_not_laws(tmp_path):
     for path in (tmp_path, tmp_path / "none.py", "/dev/zero", "a\0b"):
         with pytest.raises(rs.ParameterError, match=rf"^law file {path} cannot be read: "):
             rs.register(path)
@@ -236,14 +235,14 @@ def test_files_and_values_that_are_no_laws(tmp_path):
         ("2 * (1 - x)", None),  # h'(1) = -2
         ("1 - x * x", None),
         ("1.5 - 1.5 * x ** (2 / 3)", ()),
-        ("where(x > 1, -x * log(x), 1 - x)", None),  # without a series, though of one length
+        ("where(x > 1, -x * log(x), 1 - x)", None),  # of one length, but without a series
         ("1 - x + 1e-9 * (V - V)", ()),
         ("1 - x * (1 + V / p.V0)", None),
         ("log(2) - x", None),
     ],
 )
-def test_laws_of_one_length_are_found(rate, series):
-    """Rates -z + c2 z^2 + ..., z = ln(V theta/Dc), at V = V_ref, of which c2, c3, ... follow."""
+def test_laws_of_one_length_are_recognised(rate, series):
+    """The parameters are rates -z + c2 z^2 + ... with z = ln(V theta/Dc), and c2, c3, ..."""
 
     class Any(rs.FrictionLaw):
         name = "any"
@@ -259,8 +258,8 @@ def test_laws_of_one_length_are_found(rate, series):
         np.testing.assert_allclose(law.series[: len(series)], series, atol=1e-14)
 
 
-def test_a_name_is_that_of_the_law_registered_last(law_file):
-    """Also where that was known before."""
+def test_a_name_means_the_law_registered_last(law_file):
+    """Registering an earlier law once more makes it the last one."""
     first = rs.register(law_file(PLAIN))
     second = rs.register(law_file(PLAIN.replace("-V", "-2 * V")))
     assert rs.SpringSlider(**COMMON, law="plain").law == second
@@ -269,7 +268,7 @@ def test_a_name_is_that_of_the_law_registered_last(law_file):
 
 
 def test_a_law_may_use_the_reference_speed_of_its_slider(law_file):
-    """State that evolves the slower, the faster it slides beside V0; K_c in closed form."""
+    """The state evolves more slowly at high V/V0; K_c has a closed form."""
     name = rs.register(law_file(SLOWED))
     slider = rs.SpringSlider(**COMMON | {"M": 0.0}, law=name, V0=1e-3)
     for V in (1e-4, 2e-3):
@@ -278,8 +277,8 @@ def test_a_law_may_use_the_reference_speed_of_its_slider(law_file):
         assert float(rs.stability(slider.replace(mu0=0.5), V).K_c) == pytest.approx(expected)
 
 
-def test_laws_are_the_same_in_every_process():
-    """Their formulas, and the code of all that is made of them, do not hang on hashes of text."""
+def test_laws_do_not_depend_on_the_process():
+    """Formulas of laws and the generated code do not depend on the hash seed."""
     code = """
 import hashlib
 from ratestate.engine.code import unit_text

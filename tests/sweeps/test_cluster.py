@@ -22,7 +22,7 @@ from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall, limit_cycle, l
 from ratestate.dynamics.results import versions
 from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
-from ratestate.model.arrays import cut
+from ratestate.model.arrays import isel
 from ratestate.sweeps import (
     calls,
     cluster,
@@ -209,7 +209,7 @@ def test_workers_are_given_a_users_law(client, law_file):
     _, call = calls.call_of("stability", slider, {"V_lp": 3e-3})
     specs = form_of(call).specs
     with contextlib.closing(subprocesses._Process("cpu", specs)) as process:
-        answer = process.solve(cut(call, {"M": slice(0, 2)}))
+        answer = process.solve(isel(call, {"M": slice(0, 2)}))
     np.testing.assert_array_equal(answer["K_c"].values, here.K_c.isel(M=slice(0, 2)).values)
 
 
@@ -220,7 +220,7 @@ def test_chunks_by_a_probe(client, alone):
 def test_a_task_weighs_what_its_cases_do():
     slider = SLIDER.replace(M=rs.logspace("M", 1e2, 1e5, 1_000_000))
     name, call = calls.call_of("limit_cycle", slider, {"V_lp": 1e-3})
-    part = cut(call, chunks_of(call.batch.sizes, 1000).slices(500))
+    part = isel(call, chunks_of(call.batch.sizes, 1000).slices(500))
     assert 16_000 < len(pickle.dumps(part)) < 20_000  # values and coordinates, and little else
     assert name == "limit_cycle"
 

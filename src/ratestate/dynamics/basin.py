@@ -12,7 +12,7 @@ import xarray
 
 from ..errors import SolverError
 from ..model.arrays import Batch
-from ..model.slider import checked
+from ..model.slider import check_slider
 from ..model.units import to_si
 from .continuation.family import Family
 from .cycles.attractor import find_attractors
@@ -79,7 +79,7 @@ def escape(slider, V_lp):
     ('runaway', 2.11)
     """
     V_lp = to_si("V_lp", V_lp)
-    batch = Batch({**checked(slider).values, "V_lp": V_lp}, taken=VARIABLES)
+    batch = Batch({**check_slider(slider).values, "V_lp": V_lp}, reserved=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     system = system_of(slider.friction_law.name, **batch.columns)
     alone = batch.shape == ()

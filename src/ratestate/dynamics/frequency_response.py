@@ -12,7 +12,7 @@ from ..friction.stability import eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.parameters import logspace
-from ..model.slider import SpringSlider, checked
+from ..model.slider import SpringSlider, check_slider
 from ..model.units import to_si
 from .refusals import refusal
 from .results import columns, provenance
@@ -79,7 +79,7 @@ def frequency_response(slider, V_lp, frequency=None):
     """
     call = frequency_response_call(slider, V_lp, frequency)
     call.batch.check_fits(4 * len(TRANSFER), "ask for fewer frequencies at a time")
-    if call.sliders.alone and not call.resonances["stable"][0]:
+    if call.sliders.is_single and not call.resonances["stable"][0]:
         raise refusal("response.unstable", V_lp=call.V_lp, K=slider.K)
     return call.dataset(call.run())
 
@@ -91,9 +91,9 @@ def frequency_response_call(slider, V_lp, frequency=None):
     """
     V_lp = to_si("V_lp", V_lp)
     if frequency is None:
-        frequency = _usual_frequencies(checked(slider), V_lp)
+        frequency = _usual_frequencies(check_slider(slider), V_lp)
     frequency = to_si("frequency", _along_itself(frequency), bound="> 0")
-    return FrequencyResponseCall(checked(slider), V_lp, frequency)
+    return FrequencyResponseCall(check_slider(slider), V_lp, frequency)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ class FrequencyResponseCall:
         Its dimensions are those of the result.
         """
         values = {**self.slider.values, "V_lp": self.V_lp, "frequency": self.frequency}
-        return Batch(values, taken=VARIABLES)
+        return Batch(values, reserved=VARIABLES)
 
     @property
     def sliders(self):

@@ -17,7 +17,7 @@ from ..friction.normal_form import (
 from ..friction.stability import eta
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
-from ..model.slider import checked
+from ..model.slider import check_slider
 from ..model.units import is_array, named, to_si
 from .refusals import check_one_length, refusal
 
@@ -81,12 +81,12 @@ def hopf(slider, V_lp=None):
     >>> str(point.type.values), round(float(point.frequency), 2)  # Hz
     ('supercritical', 50.33)
     """
-    law = checked(slider).friction_law
+    law = check_slider(slider).friction_law
     values = slider.values
     parameter = "V_lp" if V_lp is None else "K"
     other = {"K": values["K"]} if V_lp is None else {"V_lp": to_si("V_lp", V_lp)}
     symbols = (*law.symbols, "sigma", "M")
-    batch = Batch({s: values[s] for s in symbols} | other, taken=VARIABLES)
+    batch = Batch({s: values[s] for s in symbols} | other, reserved=VARIABLES)
     batch.check_fits(len(VARIABLES), "ask for fewer at a time")
     columns = _bifurcation(law, parameter, batch.columns)
     coords = batch.coordinates(VARIABLES)

@@ -50,7 +50,7 @@ def recorded_loading(result):
             if method not in METHODS:
                 raise TypeError
             arguments = {name: _argument(result, value) for name, value in given.items()}
-            loading = Call(method, arguments).on(loading)
+            loading = Call(method, arguments).apply_to(loading)
     except ParameterError:
         raise
     except (TypeError, ValueError, KeyError, AttributeError, OverflowError):

@@ -13,7 +13,7 @@ from ..friction.stability import call_elementwise, eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.quantities import attrs
-from ..model.slider import SpringSlider, checked
+from ..model.slider import SpringSlider, check_slider
 from ..model.units import is_array, to_si
 from .results import law_of_result, parameter, provenance
 
@@ -58,7 +58,7 @@ def stability_call(slider, V_lp):
 
     Whether their dimensions and coordinates fit together shows in its `batch`.
     """
-    return StabilityCall(checked(slider), to_si("V_lp", V_lp))
+    return StabilityCall(check_slider(slider), to_si("V_lp", V_lp))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ class StabilityCall:
 
         ParameterError where dimensions or coordinates clash with each other or with the result's.
         """
-        return Batch({**self.slider.values, "V_lp": self.V_lp}, taken=VARIABLES)
+        return Batch({**self.slider.values, "V_lp": self.V_lp}, reserved=VARIABLES)
 
     def blank(self):
         """The variables of `run` itself, with answers: they cost nothing."""

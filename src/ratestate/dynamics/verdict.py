@@ -8,7 +8,7 @@ import numpy as np
 from ..engine.model import STEADY_SLIDING
 from ..errors import NotConverged, QuasiStaticInstability, SolverError
 from ..model.conversion import in_si
-from ..model.slider import SpringSlider, checked
+from ..model.slider import SpringSlider, check_slider
 from ..model.units import is_array, to_si
 from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
@@ -158,7 +158,7 @@ def verdict(slider, V_lp):
     ('quasi-harmonic', 'Quasi-harmonic vibration at 50.59 Hz')
     """
     V_lp = to_si("V_lp", V_lp)
-    if is_array(V_lp) or any(map(is_array, checked(slider).values.values())):
+    if is_array(V_lp) or any(map(is_array, check_slider(slider).values.values())):
         raise refusal("verdict.of_sweep", slider=slider)
     cycle = result_or_error(lambda: limit_cycle(slider, V_lp))
     return verdict_of_cycle(slider, V_lp, cycle)

@@ -1,4 +1,4 @@
-"""Named arrays: whether those of a sweep agree, columns of a record, cases as flat arrays."""
+"""Named arrays: checks of a sweep's arrays, columns of a record, and cases as flat arrays."""
 
 import dataclasses
 import functools
@@ -11,38 +11,38 @@ from ..machine import check_fits
 from .quantities import QUANTITIES, attrs, expected
 from .units import RESERVED, is_array, is_pint, to_si, unit_of
 
-#: dimension of the rows of swept columns, which no sweep has
+#: dimension of the rows of swept columns; no dimension of a sweep has this name
 ROW = "row of the record"
-#: numbers that the equations hold -> powers of what they consist of
+#: product of parameters that the equations compute -> power of each parameter in it
 PRODUCTS = {
     "K Dc/(a sigma)": {"K": 1, "Dc": 1, "a": -1, "sigma": -1},
     "a sigma/(K Dc)": {"a": 1, "sigma": 1, "K": -1, "Dc": -1},
     "M V_lp^2/(a sigma Dc)": {"M": 1, "V_lp": 2, "a": -1, "sigma": -1, "Dc": -1},
     "M V_start^2/(a sigma Dc)": {"M": 1, "V_start": 2, "a": -1, "sigma": -1, "Dc": -1},
-    "V_lp^2": {"V_lp": 2},  # (computed without mass too)
+    "V_lp^2": {"V_lp": 2},  # computed without mass too
 }
-#: of 10, beyond which their squares and cubes overflow
+#: largest power of 10 of a product: squares and cubes of larger ones overflow
 LARGEST_EXPONENT = 100.0
 
 
 def check_aligned(values):
-    """Raise ParameterError where DataArrays of this dict clash along a dimension: size or labels.
+    """Raise ParameterError if DataArrays differ in size or labels along a dimension.
 
-    values : symbol -> value; those that are no DataArray are ignored
+    values : dict, symbol -> value; values that are not DataArrays are ignored
     """
-    seen: dict = {}
+    first: dict = {}
     arrays = ((symbol, value) for symbol, value in values.items() if is_array(value))
     for symbol, value in arrays:
         for dim, size in value.sizes.items():
             index = value.indexes.get(dim)
-            other, other_size, other_index = seen.get(dim, (symbol, size, index))
+            other, other_size, other_index = first.get(dim, (symbol, size, index))
             if size != other_size:
                 clash = f"have {other_size} and {size} values"
             elif index is not None and other_index is not None and not index.equals(other_index):
                 clash = "have different coordinates"
             else:
-                if dim not in seen or other_index is None:
-                    seen[dim] = (symbol, size, index)
+                if dim not in first or other_index is None:
+                    first[dim] = (symbol, size, index)
                 continue
             raise ParameterError(
                 f"{other} and {symbol} {clash} along the dimension {dim!r}; give both the same "
@@ -50,34 +50,36 @@ def check_aligned(values):
             )
 
 
-def cut(value, places):
-    """DataArrays, also in a dataclass or dict, at some places of a sweep; anything else as it is.
+def isel(value, indices):
+    """Select cases from DataArrays, also in a slider, tuple, dataclass or dict.
 
-    places : dimension -> indices or slice; those that a DataArray lacks do not count
+    Other values are returned unchanged.
+    indices : dict, dimension -> indices or slice; a DataArray ignores dimensions that it lacks
     """
     if is_array(value):
-        return value.isel(places, missing_dims="ignore")
+        return value.isel(indices, missing_dims="ignore")
     if hasattr(value, "parameters") and hasattr(value, "replace"):  # a slider
-        return value.replace(**{name: cut(x, places) for name, x in value.parameters.items()})
+        return value.replace(**{name: isel(x, indices) for name, x in value.parameters.items()})
     if isinstance(value, tuple):
-        return tuple(cut(x, places) for x in value)
+        return tuple(isel(x, indices) for x in value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        parts = {f.name: cut(getattr(value, f.name), places) for f in dataclasses.fields(value)}
+        parts = {f.name: isel(getattr(value, f.name), indices) for f in dataclasses.fields(value)}
         return dataclasses.replace(value, **parts)
-    return {k: cut(v, places) for k, v in value.items()} if isinstance(value, dict) else value
+    return {k: isel(v, indices) for k, v in value.items()} if isinstance(value, dict) else value
 
 
-def column(symbol, values):
-    """Column of a record [SI], each value >= 0: ndarray (n,), or DataArray with ``segment`` last.
+def column_to_si(symbol, values):
+    """Convert a column of a record to SI.
 
-    DataArray if an item of a sequence is one with dimensions.  ParameterError: a single number or
-    text, no values, 2-D, < 0 (the symbol's own bound is not used), NaN, wrong unit.
+    Returns an ndarray (n,), or a DataArray with the last dimension ``segment`` if an item of a
+    sequence is a DataArray with dimensions.  Raises ParameterError for a single number, a text, an
+    empty or 2-D array, a value < 0 (whatever bound the symbol has), NaN and a wrong unit.
 
-    values : array of numbers, 1-D DataArray or pint quantity, or sequence of what `to_si` takes
+    values : array of numbers, 1-D DataArray or pint quantity, or sequence of values for `to_si`
     """
     import xarray
 
-    if is_array(values) and values.dims[1:] and values.dims[-1] == "segment":  # as a result has it
+    if is_array(values) and values.dims[1:] and values.dims[-1] == "segment":  # from a result
         rows = to_si(symbol, values.rename(segment=ROW), bound=">= 0")
         return rows.rename({ROW: "segment"}).drop_attrs()
     unit = unit_of(values)
@@ -95,14 +97,14 @@ def column(symbol, values):
         rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
-    return stack({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})
+    return concat({row: to_si(symbol, v, label=row, bound=">= 0") for row, v in items.items()})
 
 
-def stack(values):
-    """Floats, DataArrays and columns (name -> value), one after the other.
+def concat(values):
+    """Concatenate floats, DataArrays and columns, given as a dict (name -> value).
 
-    ndarray (n,), or DataArray with ``segment`` last if one of them is a DataArray.  ParameterError,
-    with their names, if these clash.
+    Returns an ndarray (n,), or a DataArray with the last dimension ``segment`` if a value is a
+    DataArray.  Raises ParameterError, with the names, if DataArrays clash.
     """
     if not any(map(is_array, values.values())):
         return np.hstack(list(values.values()))
@@ -118,20 +120,20 @@ def stack(values):
 
 
 def running_sum(x):
-    """Cumulative sum (new array, shape of x) along the last axis, as if in doubled precision.
+    """Return the cumulative sum along the last axis, as if in doubled precision.
 
-    What each addition rounds off can be told exactly (Knuth's two-sum): it is summed as well.
+    Knuth's two-sum gives the exact rounding error of each addition.  These errors are summed too.
     """
     total = np.cumsum(x, axis=-1)
     before, after = total[..., :-1], total[..., 1:]
-    seen = after - before
-    lost = (before - (after - seen)) + (x[..., 1:] - seen)
-    total[..., 1:] += np.cumsum(lost, axis=-1)
+    added = after - before
+    errors = (before - (after - added)) + (x[..., 1:] - added)
+    total[..., 1:] += np.cumsum(errors, axis=-1)
     return total
 
 
 def as_column(values):
-    """A column, or a single value, as a DataArray with the dimension ``segment``."""
+    """Return a column or single value as a DataArray with the dimension ``segment``."""
     import xarray
 
     if not is_array(values):
@@ -139,55 +141,55 @@ def as_column(values):
     return values if "segment" in values.dims else values.expand_dims("segment")
 
 
-def as_frame(t):
-    """Times as a DataArray, along ``time`` if they are an array of one dimension."""
+def as_times(t):
+    """Return times as a DataArray; a 1-D array gets the dimension ``time``."""
     import xarray
 
     return t if is_array(t) else xarray.DataArray(t, dims=["time"][: np.ndim(t)])
 
 
 class Batch:
-    """Named values broadcast against each other and laid out flat, one value a case.
+    """Named values broadcast against each other into flat arrays of cases.
 
     values : dict, symbol -> float or DataArray; DataArrays broadcast by dimension name
-    own : dict, symbol -> DataArray with a last dimension of its own, kept apart from the sweep
-    taken : names of result variables, which no sweep dimension may have
+    tables : dict, symbol -> DataArray whose last dimension is not a dimension of the sweep
+    reserved : names of result variables; a sweep dimension must not have such a name
 
-    ParameterError for a dimension of such a name, if arrays clash, and if `PRODUCTS` of the values
-    are beyond double precision; the values themselves are not checked.
+    Raises ParameterError for a dimension with a reserved name, for arrays that clash, and for
+    `PRODUCTS` beyond double precision.  The values themselves are not checked.
 
-    Attributes: dims, shape and n, the sweep's dimensions, their sizes, the number of cases; alone,
-    whether it is a single case without dimensions.
+    Attributes: dims, shape and n are the sweep's dimensions, their sizes and the number of cases;
+    is_single is True for a single case without dimensions.
     """
 
-    def __init__(self, values, own=None, taken=()):
-        own = own or {}
-        within_sweep = {name: array.isel({array.dims[-1]: 0}) for name, array in own.items()}
+    def __init__(self, values, tables=None, reserved=()):
+        tables = tables or {}
+        within_sweep = {name: array.isel({array.dims[-1]: 0}) for name, array in tables.items()}
         check_aligned({**within_sweep, **values})
         sizes: dict = {}
         for value in [*values.values(), *within_sweep.values()]:
             sizes |= value.sizes if is_array(value) else {}
-        if clash := [dim for dim in sizes if dim in taken]:
+        if clash := [dim for dim in sizes if dim in reserved]:
             raise ParameterError(
                 f"a dimension called {clash[0]!r} clashes with the result of that name; rename it"
             )
         _check_products(values)
-        self.values, self.own, self.sizes = values, own, sizes
+        self.values, self.tables, self.sizes = values, tables, sizes
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
         self.n = int(np.prod(self.shape, dtype=int))
-        self.alone = not self.dims
+        self.is_single = not self.dims
 
     def check_fits(self, numbers, remedy):
-        """ParameterError if so many numbers a case are more than this process has memory for."""
+        """Raise ParameterError if this many numbers per case do not fit into memory."""
         check_fits(8 * numbers * self.n, f"the results of {self.n:,} cases", remedy)
 
     @functools.cached_property
     def columns(self):
-        """dict of the values of all symbols, symbol -> (n,), which nobody may change."""
+        """Values of all symbols, a dict symbol -> array (n,); do not change the arrays."""
         return {symbol: self._flat(value) for symbol, value in self.values.items()}
 
     def flat(self, symbol):
-        """(n,) array of the values of one symbol, as in `columns`."""
+        """Return the values of one symbol in all cases, array (n,), as in `columns`."""
         return self.columns[symbol]
 
     def _flat(self, value):
@@ -197,9 +199,9 @@ class Batch:
         return np.ascontiguousarray(full.transpose(*self.dims).values.ravel())
 
     def rows(self, array):
-        """A table (rows, m) of the rows of an `own` array, and each case's row number (n,).
+        """Return a table (rows, m) of an array, and the row number of each case (n,).
 
-        array : (..., m) DataArray, or (m,) ndarray for a row that all share.
+        array : DataArray (..., m), or ndarray (m,) for one row that all cases share
         """
         if not is_array(array):
             return np.ascontiguousarray(array, float)[None], np.zeros(self.n, np.int64)
@@ -208,51 +210,50 @@ class Batch:
         table = np.ascontiguousarray(array.values.reshape(first.size, -1), float)
         return table, self._flat(number).astype(np.int64)
 
-    def of(self, function, t):
-        """Values of a `Loading` method at times t (n, m), as an array (n, m)."""
+    def evaluate(self, function, t):
+        """Evaluate a `Loading` method at times t (n, m): array (n, m)."""
         if not self.dims:
             return np.asarray(function(t[0]))[None]
         import xarray
 
-        frame = xarray.DataArray(t.reshape(*self.shape, -1), dims=(*self.dims, "time"))
-        found = function(frame)
-        return found.transpose(*self.dims, "time").values.reshape(self.n, -1)
+        times = xarray.DataArray(t.reshape(*self.shape, -1), dims=(*self.dims, "time"))
+        values = function(times)
+        return values.transpose(*self.dims, "time").values.reshape(self.n, -1)
 
     def variable(self, flat, symbol, *last):
-        """Flat results, (n,) or (n, m) with a last dimension, as a variable in the sweep's dims."""
+        """Return flat results, (n,) or (n, m) with a last dimension, as a Variable."""
         import xarray
 
         shaped = np.asarray(flat).reshape((*self.shape, *np.shape(flat)[1:]))
         return xarray.Variable((*self.dims, *last), shaped, attrs(symbol))
 
-    def coordinates(self, taken):
-        """Coordinates of the sweep, by name: those the arrays bring, and the arrays themselves.
+    def coordinates(self, reserved):
+        """Return the coordinates of the sweep: coordinates of its arrays, and the arrays.
 
-        V_lp and frequency are ones even if all cases share them: results say where they hold.
+        V_lp and frequency are coordinates even if all cases share them: a result holds at these.
 
-        taken : names that no coordinate may have
+        reserved : names that a coordinate must not have
         """
         coords: dict = {}
         for symbol in ("V_lp", "frequency"):
             value = self.values.get(symbol)
             if not (value is None or is_array(value) or symbol in self.dims):
                 coords[symbol] = ((), value, attrs(symbol))
-        taken = RESERVED | set(taken)
+        reserved = RESERVED | set(reserved)
         arrays = [(symbol, x, x.dims) for symbol, x in self.values.items() if is_array(x)]
-        for symbol, array, dims in [*arrays, *(("", x, x.dims[:-1]) for x in self.own.values())]:
+        for symbol, array, dims in [*arrays, *(("", x, x.dims[:-1]) for x in self.tables.values())]:
             coords |= {
                 k: v.variable
                 for k, v in array.coords.items()
-                if k not in taken | set(coords) and set(v.dims) <= set(dims)
+                if k not in reserved | set(coords) and set(v.dims) <= set(dims)
             }
-            # (initial values have names of their own, and no place among the coordinates)
-            if symbol in QUANTITIES and symbol not in taken | set(self.dims):
+            # the names of initial values are not quantities: they do not become coordinates
+            if symbol in QUANTITIES and symbol not in reserved | set(self.dims):
                 coords[symbol] = array.variable
         return coords
 
 
 def _check_products(values):
-    """Raise ParameterError if one of `PRODUCTS` is too large."""
     for name, powers in PRODUCTS.items():
         if not powers.keys() <= values.keys():
             continue
@@ -265,6 +266,6 @@ def _check_products(values):
 
 
 def _largest_exponent(value, power):
-    """log10 of the largest finite power of a value; -inf if it is 0 or inf throughout."""
+    """Return log10 of the largest finite value to this power; -inf if there is none."""
     sizes = np.ravel(value)
     return (power * np.log10(sizes[(sizes > 0.0) & (sizes < np.inf)])).max(initial=-np.inf)

@@ -1,4 +1,4 @@
-"""Results in units of one's own, and brought back to SI."""
+"""Conversion of results to other units, and back to SI."""
 
 from ..errors import ParameterError
 from .names import one_of
@@ -7,30 +7,30 @@ from .units import has_unit, scaled, unit_factor
 
 
 def in_units(result, /, **units):
-    """A result with some of its variables in other units.
+    """Return a result with some of its variables in other units.
 
-    Its attributes, which say how it was made, stay in SI.  Functions that take a result read the
-    units of its variables, so they take this one as well.
+    The attributes of the result, which say how it was made, stay in SI.  All functions that take a
+    result read the units of its variables, so they accept a converted result.
 
     Parameters
     ----------
     result : xarray.Dataset
-        Result of any function, or a record of `read_lab`; also one from this function.
+        Result of any function, a record of `read_lab`, or a result of this function.
     **units : str
-        Name of a variable or coordinate -> its unit, such as ``V="um/s"``.  ``t`` may stand for
+        The unit of each variable or coordinate, such as ``V="um/s"``.  ``t`` may stand for
         ``time``.
 
     Returns
     -------
     xarray.Dataset
-        A new Dataset: these variables are converted, and their attribute ``units`` is the string
-        given.  All others are as they were.
+        A new Dataset.  The attribute ``units`` of each converted variable is the given string.
+        The other variables are unchanged.
 
     Raises
     ------
     ParameterError
-        A name that the result does not have; one of no quantity, such as ``status``; a unit that
-        is unknown or of another kind.
+        If the result has no variable of this name, if the variable is not a quantity with a unit
+        (``status``, for example), or if a unit is unknown or does not fit the quantity.
 
     Examples
     --------
@@ -48,52 +48,51 @@ def in_units(result, /, **units):
     for given, unit in units.items():
         if not isinstance(unit, str):
             raise ParameterError(f"{given} = {unit!r}: a unit is a str, such as 'um/s'")
-        name = variable_of(result, given)
+        name = find_variable(result, given)
         if name is None:
             quantities = (str(known) for known in result.variables if known in QUANTITIES)
             names = [known for known in quantities if QUANTITIES[known].unit != "1"]
             raise ParameterError(f"the result has no variable {given}; {one_of(names, given)}")
-        converted[name] = _converted(name, result.variables[name], unit)
+        converted[name] = _convert_variable(name, result.variables[name], unit)
     return result.assign(converted)
 
 
-def variable_of(result, name):
-    """The name under which a result has a variable: ``t`` may stand for ``time``; None if none."""
+def find_variable(result, name):
+    """Return a variable's name in a result, or None; ``t`` may stand for ``time``."""
     names = (name, "time") if name == "t" else (name,)
     return next((one for one in names if one in result.variables), None)
 
 
 def in_si(result):
-    """A result with all quantities in SI: itself, if none is in another unit; others as they are.
+    """Return a result with all quantities in SI; the result itself if they all are.
 
-    A variable whose name is no quantity's stays as it is, and so does a pure number whose unit is
-    that of something else.  ParameterError for a unit that is unknown or of another kind.  What was
-    converted may differ from its first value in the last digit.
+    A variable that is not a quantity stays unchanged, and so does a pure number with the unit of
+    another quantity.  Raises ParameterError for a unit that is unknown or does not fit.  A value
+    converted to another unit and back may differ in its last digit.
     """
     converted = {}
     for name, variable in getattr(result, "variables", {}).items():
         si = QUANTITIES[name].unit if name in QUANTITIES else None
-        own = variable.attrs.get("units") or si
-        # (a ratio may carry the unit of what it is the ratio of: xarray's arithmetic keeps it)
-        if si is not None and own != si and (si != "1" or has_unit(name, str(own))):
-            converted[name] = _converted(name, variable, si)
+        unit = variable.attrs.get("units") or si
+        # xarray's arithmetic keeps attributes: a ratio may still have the unit of its numerator
+        if si is not None and unit != si and (si != "1" or has_unit(name, str(unit))):
+            converted[name] = _convert_variable(name, variable, si)
     return result.assign(converted) if converted else result
 
 
-def _converted(name, variable, unit):
-    """A Variable in this unit, given as text."""
-    own = variable.attrs.get("units")
+def _convert_variable(name, variable, unit):
+    old_unit = variable.attrs.get("units")
     is_number = variable.dtype.kind in "iufc" and "flag_values" not in variable.attrs
-    if name not in QUANTITIES or own is None or not is_number:
+    if name not in QUANTITIES or old_unit is None or not is_number:
         raise ParameterError(f"{name} is no quantity with a unit; leave it out")
-    old, new = (_si_in(name, str(one)) for one in (own, unit))
+    old, new = (_si_factor(name, str(one)) for one in (old_unit, unit))
     converted = variable.copy(data=scaled(variable.values, old / new))
     converted.attrs["units"] = unit
     return converted
 
 
-def _si_in(name, unit):
-    """SI units in one unit of a variable (Decimal)."""
+def _si_factor(name, unit):
+    """Return the size of a unit of this variable, in its SI unit (Decimal)."""
     try:
         return unit_factor(QUANTITIES[name].unit, unit)
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Speed or normal stress in time: straight lines, with jumps between them."""
+"""Histories of speed or normal stress: straight lines in time, with jumps between them."""
 
 import dataclasses
 import functools
@@ -7,70 +7,70 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import as_column, as_frame, stack
+from .arrays import as_column, as_times, concat
 from .units import is_array, named
 
 #: largest relative difference between the slider's sigma and the first sigma of a record
-AGREE = 1e-6
+SIGMA_TOLERANCE = 1e-6
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class History:
-    """Values in time, piecewise linear with jumps.
+    """A quantity in time, piecewise linear with jumps.
 
     Attributes
     ----------
     t : ndarray, shape (S,)
-        Starts of the segments [s], increasing from 0.
+        Start times of the segments [s], increasing from 0.
     start, end : ndarray, shape (S,), or DataArray with the sweep's dimensions, then ``segment``
         Values at the start and at the end of each segment.
     until : float
         End of the last segment [s].  If it is inf, the last segment is constant.
-    returns : bool
-        Whether the last segment only ends a hold or ramp, so that another event may begin with it.
+    ends_event : bool
+        Whether the last segment follows a hold or ramp, so that another event may begin with it.
     """
 
     t: np.ndarray
     start: Any
     end: Any
     until: float = np.inf
-    returns: bool = False
+    ends_event: bool = False
 
     @classmethod
     def constant(cls, symbol, value):
-        """One value for ever, a float or DataArray."""
-        column = stack({symbol: value})
+        """Return the history of a constant value, a float or DataArray."""
+        column = concat({symbol: value})
         return cls(np.zeros(1), column, column)
 
     @property
-    def lasting(self):
-        """Durations of the segments (S,) [s]."""
+    def durations(self):
+        """Durations of the segments [s], shape (S,)."""
         return np.diff(self.t, append=self.until)
 
     @functools.cached_property
     def rate(self):
         """Slope of each segment, in the shape of ``start``."""
-        return (self.end - self.start) / self.lasting
+        return (self.end - self.start) / self.durations
 
-    def then(self, symbol, *pieces):
-        """The history up to the first of these pieces (t, start, end), and from then on the pieces.
+    def followed_by(self, symbol, *pieces):
+        """Return the history up to the first piece (t, start, end), then the pieces.
 
-        ParameterError, with the symbol of the values, if DataArrays clash.
+        Raises ParameterError, with the symbol of the quantity, if DataArrays clash.
         """
         times, *added = zip(*pieces, strict=True)
         kept = self.t < times[0]
         names = [f"{symbol} from t = {t!r} s on" for t in times]
         start, end = (
-            stack({f"{symbol} before": column[..., kept], **dict(zip(names, values, strict=True))})
+            concat({f"{symbol} before": column[..., kept], **dict(zip(names, values, strict=True))})
             for column, values in zip((self.start, self.end), added, strict=True)
         )
         t = np.append(self.t[kept], times)
-        return dataclasses.replace(self, t=t, start=start, end=end, returns=len(pieces) > 1)
+        return dataclasses.replace(self, t=t, start=start, end=end, ends_event=len(pieces) > 1)
 
     def check_time(self, t, what):
-        """Return the time t [s] if it comes after the last event, or where a hold or ramp ends."""
+        """Return the time t [s] of a new event, which must follow the last event."""
         last = float(self.t[-1])
-        if self.returns and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
+        if self.ends_event and abs(t - last) <= 1e-12 * last:  # 0.1 s + 0.2 s is not quite 0.3 s
             return last
         if t <= last:
             raise ParameterError(
@@ -80,28 +80,29 @@ class History:
         return t
 
     def segments_at(self, t):
-        """Numbers of the segments that hold times t [s], or begin then."""
+        """Return the segments that contain times t [s]; at a jump, the later ones."""
         return np.searchsorted(self.t, t, side="right") - 1
 
-    def pick(self, t, *columns):
-        """Values of columns in the segments that hold times t [s], and the time since each began.
+    def look_up(self, t, *columns):
+        """Return columns at times t [s], and the times since their segments began.
 
-        All have the shape of t.  All are DataArrays, with ``time`` last, if t or a column is.
+        All results have the shape of t.  If t or a column is a DataArray, they are DataArrays with
+        the last dimension ``time``.
         """
         seconds = np.asarray(t, dtype=float)
         k = self.segments_at(seconds)
         elapsed = seconds - self.t[k]
         if not any(map(is_array, (t, *columns))):
             return [*(column[k] for column in columns), elapsed]
-        frame = as_frame(t)
-        found = (as_column(column).isel(segment=frame.copy(data=k)) for column in columns)
-        ordered = (values.transpose(..., "time", missing_dims="ignore") for values in found)
-        return [*ordered, frame.copy(data=elapsed)]
+        times = as_times(t)
+        selected = (as_column(column).isel(segment=times.copy(data=k)) for column in columns)
+        ordered = (values.transpose(..., "time", missing_dims="ignore") for values in selected)
+        return [*ordered, times.copy(data=elapsed)]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class NormalStress(History):
-    """Normal stress [Pa]: straight lines and a sinusoid.  NaN stands for the slider's own sigma.
+    """Normal stress [Pa]: straight lines and a sinusoid; NaN is the slider's sigma.
 
     Attributes
     ----------
@@ -114,12 +115,12 @@ class NormalStress(History):
 
     @property
     def oscillates(self):
-        """Whether it has a sinusoid in any case; it then never comes to rest."""
+        """Whether normal stress has a sinusoid in any case; it then varies for ever."""
         return bool(np.any(np.not_equal(self.amplitude, 0.0)))
 
     @property
     def first_change(self):
-        """When normal stress first changes [s], in any case; inf for never."""
+        """Time of the first change of normal stress in any case [s], or inf."""
         if self.oscillates:
             return 0.0
         start, end = (np.nan_to_num(column, nan=-1.0) for column in (self.start, self.end))
@@ -128,39 +129,40 @@ class NormalStress(History):
         return float(self.t[changes.reshape(-1, self.t.size).any(axis=0)].min(initial=np.inf))
 
     def at(self, t, sigma):
-        """Normal stress [Pa] at times t [s], after a jump there, of a slider that begins at sigma.
+        """Return the stress [Pa] at times t [s] if it begins at sigma; after a jump at t.
 
-        Shapes are those of `Loading.V_load` for arrays.
+        The result has the same shape as from `Loading.V_load`.
         """
         if any(map(is_array, (self.amplitude, self.period))):
-            t = as_frame(t)
-        known = self.of_slider(sigma)
-        start, end, lasting, elapsed = known.pick(t, known.start, known.end, self.lasting)
-        phase = (as_frame(t) if is_array(elapsed) else t) / self.period
+            t = as_times(t)
+        stress = self.with_sigma(sigma)
+        start, end, duration, elapsed = stress.look_up(t, stress.start, stress.end, self.durations)
+        phase = (as_times(t) if is_array(elapsed) else t) / self.period
         wave = self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
-        found = start + elapsed / lasting * (end - start) + wave
-        if not is_array(found):
-            return found
-        return named("sigma", found.transpose(..., "time", missing_dims="ignore"))
+        values = start + elapsed / duration * (end - start) + wave
+        if not is_array(values):
+            return values
+        return named("sigma", values.transpose(..., "time", missing_dims="ignore"))
 
-    def of_slider(self, sigma):
-        """The history with this sigma [Pa] of the slider in place of NaN."""
-        start, end = (_filled(column, sigma) for column in (self.start, self.end))
+    def with_sigma(self, sigma):
+        """Return the history with the slider's sigma [Pa] in place of NaN."""
+        start, end = (_fill_nan(column, sigma) for column in (self.start, self.end))
         return dataclasses.replace(self, start=start, end=end)
 
     def check(self, sigma, t_end):
-        """Raise ParameterError unless normal stress begins at sigma and is > 0 up to t_end [s].
+        """Raise ParameterError unless stress begins at sigma and is > 0 up to t_end [s].
 
-        All may be DataArrays.  A sinusoid on a ramp counts with the lowest of both.
+        Arguments may be DataArrays.  If a sinusoid lies on a ramp, the lowest values of the ramp
+        and of the sinusoid are added, although they may occur at different times.
         """
         first = self.start[..., 0]
-        if np.any(np.abs(first - sigma) > AGREE * sigma):
+        if np.any(np.abs(first - sigma) > SIGMA_TOLERANCE * sigma):
             raise ParameterError(
                 f"the series begins at sigma = {float(np.max(first)):.9g} Pa, and the slider has "
                 f"sigma = {float(np.max(sigma)):.9g} Pa; give the slider that of the series"
             )
         if not self.oscillates:
-            return  # each value of a step, ramp or record is > 0 by itself
+            return  # values of steps, ramps and records have been checked when they were given
         lowest, begin, end = self._lowest(sigma, t_end)
         if lowest <= 0.0:
             raise ParameterError(
@@ -169,12 +171,12 @@ class NormalStress(History):
             )
 
     def _lowest(self, sigma, t_end):
-        """The lowest normal stress [Pa] up to t_end [s] in any case, and its segment's ends [s]."""
+        """Return the lowest normal stress [Pa] up to t_end, and its segment's ends [s]."""
         import xarray
 
         begin, following = map(as_column, (self.t, np.append(self.t[1:], np.inf)))
-        known = self.of_slider(sigma)
-        start, end = map(as_column, (known.start, known.end))
+        stress = self.with_sigma(sigma)
+        start, end = map(as_column, (stress.start, stress.end))
         last = xarray.DataArray(t_end)
         until = xarray.where(following < last, following, last)
         base = np.minimum(start, start + (until - begin) / (following - begin) * (end - start))
@@ -185,8 +187,7 @@ class NormalStress(History):
         return float(each[k]), float(begin[k]), float(until.isel(segment=k).max())
 
 
-def _filled(column, sigma):
-    """A column with sigma, float or DataArray, in place of NaN."""
+def _fill_nan(column, sigma):
     if not np.isnan(column).any():
         return column
     if is_array(column) or is_array(sigma):
@@ -195,7 +196,7 @@ def _filled(column, sigma):
 
 
 def _lowest_sine(begin, end):
-    """The smallest sin(2 pi x) between two x, of arrays too."""
+    """Return the minimum of sin(2 pi x) for x from begin to end, floats or arrays."""
     trough = np.ceil(begin - 0.75) + 0.75
     lower = np.minimum(np.sin(2.0 * np.pi * begin), np.sin(2.0 * np.pi * end))
-    return lower - (1.0 + lower) * (trough <= end)  # (np.where would lose the dimensions)
+    return lower - (1.0 + lower) * (trough <= end)  # np.where would lose the dimensions

@@ -1,4 +1,4 @@
-"""The state at t = 0: steady sliding, with any part of it overridden."""
+"""The state at t = 0: steady sliding, unless `initial` gives other values."""
 
 import numpy as np
 
@@ -8,16 +8,16 @@ from ..friction.roots import root
 from .slider import PARAMETERS
 from .units import to_si
 
-# Differences of x - S that are due to rounding.
-AGREE = 1e-9
-# Largest speed of a start [m/s]: the engine's exponentials saturate not far beyond.
-LARGEST_V = 1e250
+# largest difference x - S that is due to rounding
+TOLERANCE = 1e-9
+# largest initial speed [m/s]: the engine's exponentials saturate not far above it
+MAX_V = 1e250
 
 
 def initial_values(initial, law):
-    """The values given for t = 0 in SI, under the names "V_initial" and so on; {} for None.
+    """Return the values for t = 0 in SI, as {"V_initial": 0.001, ...}; {} for None.
 
-    ParameterError for another key, type, unit or range; `initial_state` sees whether they agree.
+    Raises ParameterError for a wrong key, type, unit or range.  `initial_state` checks agreement.
     """
     if initial is None:
         return {}
@@ -27,27 +27,31 @@ def initial_values(initial, law):
             f"initial = {initial!r} must be a dict with any of the keys "
             f"{', '.join(symbols[:-1])} and tau, for example {{'theta': '10 s'}}"
         )
-    free = {"V": ""} if law.reverses else {}  # at rest, and backwards too
+    bound = {"V": ""} if law.reverses else {}  # V may then be 0 or negative
     return {
-        f"{symbol}_initial": to_si(symbol, value, label=f"initial {symbol}", bound=free.get(symbol))
-        for symbol, value in initial.items()
+        f"{name}_initial": to_si(name, value, label=f"initial {name}", bound=bound.get(name))
+        for name, value in initial.items()
     }
 
 
 def initial_state(law, batch, V_load):
-    """(n, len(y)) x = (tau/sigma - mu_ref)/a, v and the law's variables at t = 0.
+    """Return x = (tau/sigma - mu_ref)/a, v and the law's variables at t = 0, (n, m).
 
-    Steady sliding at V_start, but for what `initial` gives.  Where M = 0 friction fixes what is
-    left out.  Where K = inf V is V_load, and friction fixes a state or tau by the others.
+    Values that `initial` does not give are those of steady sliding at V_start, with two exceptions.
+    If M = 0, the balance x = S fixes one of V, the states and tau by the others.  If K = inf, V
+    equals V_load, and x = S fixes tau, or a state if tau is given.  If two states are not given,
+    tau fixes the first of them.
 
-    ParameterError where values disagree, by more than 1e-9 in x - S: V, all states and tau where
-    M = 0, these but V where K = inf; for V other than V_load where K = inf; where tau would have
-    to fix a state on which friction does not depend; where friction would fix a speed above
-    1e250 m/s; and if V or V_start is beyond 1e-260 or 1e260 times V0.  Of two states that are left
-    out tau fixes the first.  Ranges are checked by `initial_values`.
+    Raises ParameterError in these cases:
+    - All of V, the states and tau are given with M = 0, or all states and tau with K = inf, and
+      x - S differs from 0 by more than 1e-9.
+    - V differs from V_load, and K = inf.
+    - tau would have to fix a state on which friction does not depend.
+    - x = S would fix a speed above 1e250 m/s.
+    - V or V_start is not between 1e-260 and 1e260 times V0.
 
-    batch : with the slider's parameters, V_start, and what `initial_values` found
-    V_load : (n,) speed of the load point at t = 0 [m/s], imposed on the slider where K = inf
+    batch : the slider's parameters, V_start, and the result of `initial_values`
+    V_load : (n,) speed of the load point at t = 0 [m/s], the slider's speed if K = inf
     """
     a, _, _, sigma, K, M, _, V0 = map(batch.flat, PARAMETERS)
     mu_ref = law.reference_friction(V0, batch.columns)
@@ -55,7 +59,7 @@ def initial_state(law, batch, V_load):
     given = {s: batch.flat(f"{s}_initial") for s in names}
     p = law.coefficient_arrays(V0, batch.columns)
     for label, V in ("V_start", batch.flat("V_start")), ("initial V", given.get("V", V0)):
-        check_ratio(law, label, V, "V0", V0)
+        check_speed_ratio(law, label, V, "V0", V0)
     v, states = steady_state(law, batch, batch.flat("V_start"))
     x = stress(law, v, states, p)
     states = tuple(
@@ -68,40 +72,40 @@ def initial_state(law, batch, V_load):
     w_given = given.get("V", batch.flat("V_start")) / V0
     w = np.where(rigid, np.maximum(V_load, 5e-324) / V0, w_given)
     v = law.v_at(w, states, p)
-    bound = (M == 0) | rigid  # there tau/sigma = mu, which fixes one by the others
-    free = [k for k, name in enumerate(law.states) if name not in given]
-    if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > AGREE).any():
-        others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not free else ""
+    in_balance = (M == 0) | rigid  # then x = S fixes one value by the others
+    missing = [k for k, name in enumerate(law.states) if name not in given]
+    if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > TOLERANCE).any():
+        others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not missing else ""
         raise ParameterError(
             "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
             f"leave V out{others}"
         )
-    fixed = bound if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
-    clash = fixed & (np.abs(x - stress(law, v, states, p)) > AGREE)
-    if "tau" in given and not free and clash.any():
-        _refuse_clash(law, batch, int(np.argmax(clash)), v, states, p, given)
-    by_stress = bound & (("V" in given) | rigid)
-    if "tau" in given and free and by_stress.any():
-        states = _state_by_stress(law, x, w, states, p, free[0], by_stress)
+    fixed = in_balance if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
+    differs = fixed & (np.abs(x - stress(law, v, states, p)) > TOLERANCE)
+    if "tau" in given and not missing and differs.any():
+        _raise_disagreement(law, batch, int(np.argmax(differs)), v, states, p, given)
+    from_stress = in_balance & (("V" in given) | rigid)
+    if "tau" in given and missing and from_stress.any():
+        states = _state_from_stress(law, x, w, states, p, missing[0], from_stress)
         v = law.v_at(w, states, p)
     elif "V" in given:
-        x = np.where(bound, stress(law, v, states, p), x)
+        x = np.where(in_balance, stress(law, v, states, p), x)
     x = np.where(rigid, stress(law, v, states, p), x)
-    free_speed = bound & ~rigid
+    free_speed = in_balance & ~rigid
     v = np.where(free_speed, root(lambda v: stress(law, v, states, p) - x, v, free_speed), v)
-    _check_speed((law.log_jump_rate(v, states, p) + np.log(V0))[free_speed], names)
+    _check_start_speed((law.log_jump_rate(v, states, p) + np.log(V0))[free_speed], names)
     return np.stack([x, v, *law.variables(v, states, p)], axis=1)
 
 
 def steady_sliding_state(law, batch, V):
-    """(n, len(y)) x, v and the law's variables, in steady sliding at V (n,)."""
+    """Return x, v and the law's variables in steady sliding at V (n,): array (n, m)."""
     p = law.coefficient_arrays(batch.flat("V0"), batch.columns)
     v, states = steady_state(law, batch, V)
     return np.stack([stress(law, v, states, p), v, *law.variables(v, states, p)], axis=1)
 
 
 def steady_state(law, batch, V):
-    """v and ln(V0 theta/D) of each state, a tuple, in steady sliding at V (n,)."""
+    """Return v and a tuple of ln(V0 theta/D) of each state in steady sliding at V."""
     V0 = batch.flat("V0")
     at_V = law.coefficient_arrays(V, batch.columns)
     steady = law.log_states(0.0, law.steady(at_V).psi, at_V)
@@ -110,33 +114,33 @@ def steady_state(law, batch, V):
 
 
 def stress(law, v, log_states, p):
-    """What opposes the motion, as x is counted, by the states as they are reported."""
+    """Return the resistance S to sliding, in the units of x, from ln(V0 theta/D)."""
     psi = law.variables(v, log_states, p)
     return law.at(v, psi, p).S
 
 
-def _state_by_stress(law, x, w, states, p, k, where):
-    """The states, of which the k-th is such, where this is true, that friction at w is x."""
+def _state_from_stress(law, x, w, states, p, k, where):
+    """Return the states, with state k such that S at w equals x if `where` is true."""
 
     def with_state(state):
         return (*states[:k], state, *states[k + 1 :])
 
-    def off(state):
-        others = with_state(state)
-        return stress(law, law.v_at(w, others, p), others, p) - x
+    def stress_error(state):
+        changed = with_state(state)
+        return stress(law, law.v_at(w, changed, p), changed, p) - x
 
-    found = root(off, states[k], where)
-    if not np.isfinite(found[where]).all():
+    solution = root(stress_error, states[k], where)
+    if not np.isfinite(solution[where]).all():
         name = list(law.states)[k]
         raise ParameterError(
             f"initial V and tau do not fix {name}, on which friction does not depend (b = 0); give "
             f"{name} and tau"
         )
-    return with_state(np.where(where, found, states[k]))
+    return with_state(np.where(where, solution, states[k]))
 
 
-def check_ratio(law, label, V, reference, V_ref):
-    """Raise the ParameterError about speeds V whose ratio to V_ref the engine cannot hold.
+def check_speed_ratio(law, label, V, reference, V_ref):
+    """Raise ParameterError if V/V_ref is beyond the range of the engine.
 
     label, reference : the symbols of V and V_ref
     """
@@ -150,23 +154,21 @@ def check_ratio(law, label, V, reference, V_ref):
         )
 
 
-def _check_speed(log_V, names):
-    """Raise the ParameterError about a speed that is too large, or does not exist."""
+def _check_start_speed(log_V, names):
     given = f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they"
     if np.isnan(log_V).any():
         raise ParameterError(
             f"{given} must fix V, and friction equals the stress at no speed; give V in place of "
             f"tau"
         )
-    if (log_V > np.log(LARGEST_V)).any():
+    if (log_V > np.log(MAX_V)).any():
         raise ParameterError(
             f"{given} fix V, at 10^{log_V.max() / np.log(10.0):.6g} m/s, beyond double precision; "
             f"give values that agree with a lower speed"
         )
 
 
-def _refuse_clash(law, batch, i, v, states, p, given):
-    """Raise the ParameterError about values that do not agree in case i."""
+def _raise_disagreement(law, batch, i, v, states, p, given):
     a, sigma, K = (batch.flat(symbol)[i] for symbol in ("a", "sigma", "K"))
     mu_ref = law.reference_friction(batch.flat("V0"), batch.columns)[i]
     tau = sigma * (mu_ref + a * stress(law, v, states, p)[i])

@@ -1,4 +1,4 @@
-"""Speed and displacement of the load point, and normal stress, at any time of a loading."""
+"""Speed and displacement of the load point, and normal stress, at any time in a loading."""
 
 import dataclasses
 import functools
@@ -7,36 +7,36 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import column, running_sum
+from .arrays import column_to_si, running_sum
 from .history import History, NormalStress
 from .units import is_array, named, one_in_si, to_si
 
 
 @dataclasses.dataclass(frozen=True)
 class Call:
-    """A call of a method of `Loading`, with its arguments in SI."""
+    """A call of a method of `Loading` with arguments in SI."""
 
     method: str
     arguments: dict[str, Any]
 
-    def on(self, loading):
-        """The result of the call on a loading, or on the class `Loading`."""
+    def apply_to(self, loading):
+        """Return the result of the call on a loading, or on the class `Loading`."""
         return getattr(loading, self.method)(**self.arguments)
 
     def symbol(self, argument):
-        """Symbol of the quantity that an argument is."""
-        amplitude = "sigma" if self.of_stress else "V_lp"
+        """Return the symbol of the quantity that this argument is."""
+        amplitude = "sigma" if self.changes_stress else "V_lp"
         return {"V": "V_lp", "duration": "t", "amplitude": amplitude}.get(argument, argument)
 
     @property
-    def of_stress(self):
-        """Whether the call changes the normal stress, and not the speed."""
+    def changes_stress(self):
+        """Whether the call changes the normal stress instead of the speed."""
         return self.method.startswith("sigma")
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class LoadPoint:
-    """Speed of the load point, and the normal stress with it; the fields are those of `Loading`."""
+    """Base class of `Loading`: speed, displacement and normal stress at any time."""
 
     speed: History
     t_last: float = np.inf
@@ -45,27 +45,27 @@ class LoadPoint:
 
     @property
     def t(self):
-        """Starts of the segments [s], increasing from 0: an array, shape (S,)."""
+        """Start times of the segments [s], increasing from 0: array, shape (S,)."""
         return self.speed.t
 
     @property
     def V(self):
-        """Speed [m/s] at the start of each segment, shape (S,), or DataArray, ``segment`` last."""
+        """Speed [m/s] at the start of each segment: (S,), or DataArray (..., segment)."""
         return self.speed.start
 
     @property
     def rate(self):
-        """Acceleration [m/s^2] in each segment, shape of V; 0 if the speed is constant."""
+        """Acceleration [m/s^2] in each segment, in the shape of V."""
         return self.speed.rate
 
     @property
     def parameters(self):
-        """Arguments of all calls, by number and method: ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
+        """Arguments of all calls, such as ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
         return {f"{number} {call.method}": call.arguments for number, call in enumerate(self.calls)}
 
     @property
     def V_first(self):
-        """Speed at t = 0 [m/s], float or DataArray."""
+        """Speed at t = 0 [m/s]: float or DataArray."""
         return named("V_load", self.V[..., 0])
 
     @property
@@ -76,11 +76,11 @@ class LoadPoint:
 
     @property
     def stress_oscillates(self):
-        """Whether normal stress has a sinusoid, and so varies for ever."""
+        """Whether normal stress has a sinusoid, so that it varies for ever."""
         return self.normal_stress is not None and self.normal_stress.oscillates
 
     def covers(self, t_end):
-        """Raise ParameterError if the history ends before a time.
+        """Raise ParameterError if the history ends before t_end.
 
         Parameters
         ----------
@@ -94,27 +94,27 @@ class LoadPoint:
             )
 
     def V_load(self, t):
-        """Speed of the load point [m/s] at times t [s]; at a jump, the speed after it.
+        """Return the speed of the load point [m/s] at times t [s]; at a jump, after it.
 
         Parameters
         ----------
         t : array, DataArray, float, str or pint.Quantity
-            Times from 0 to `t_last`, in any order; others raise ParameterError.
+            Times from 0 to `t_last`, in any order.  Other times raise ParameterError.
 
         Returns
         -------
         ndarray or DataArray
-            Shape of t if no speed is a DataArray; else the sweep's dimensions, then those of t
-            (``time`` for a plain 1-D array).
+            Shape of t if no speed is a DataArray.  Otherwise the dimensions of the sweep, followed
+            by the dimensions of t (``time`` for a plain 1-D array).
         """
-        V, rate, elapsed = self.speed.pick(self._checked(t), self.V, self.rate)
-        return named("V_load", np.maximum(V + rate * elapsed, 0.0))  # rounding may pass 0
+        V, rate, elapsed = self.speed.look_up(self._times_in_si(t), self.V, self.rate)
+        return named("V_load", np.maximum(V + rate * elapsed, 0.0))  # < 0 by rounding
 
     def delta_lp(self, t):
-        """Displacement of the load point [m] from t = 0 to times t [s].
+        """Return the displacement of the load point [m] from t = 0 to times t [s].
 
-        The exact integral of the piecewise linear speed, to a few units in the last place
-        however many segments there are.
+        This is the exact integral of the piecewise linear speed.  Its rounding error is a few units
+        in the last place, however many segments there are.
 
         Parameters
         ----------
@@ -126,44 +126,44 @@ class LoadPoint:
         ndarray or DataArray
             As from `V_load`.
         """
-        columns = self.V, self.rate, self._passed
-        V, rate, passed, elapsed = self.speed.pick(self._checked(t), *columns)
-        return named("delta_lp", passed + elapsed * (V + 0.5 * rate * elapsed))
+        columns = self.V, self.rate, self._displacements
+        V, rate, delta, elapsed = self.speed.look_up(self._times_in_si(t), *columns)
+        return named("delta_lp", delta + elapsed * (V + 0.5 * rate * elapsed))
 
     def sigma(self, t, sigma):
-        """Normal stress [Pa] at times t [s] on a slider whose own is sigma; after a jump there.
+        """Return the normal stress [Pa] at times t [s]; at a jump, the stress after it.
 
         Parameters
         ----------
         t : array, DataArray, float, str or pint.Quantity
             As for `V_load`.
         sigma : float, str, pint.Quantity or DataArray
-            Normal stress of the slider [Pa], > 0.
+            Normal stress of the slider [Pa], > 0, at t = 0.
 
         Returns
         -------
         ndarray or DataArray
             As from `V_load`.
         """
-        return self._known_stress.at(self._checked(t), to_si("sigma", sigma))
+        return self._stress_history.at(self._times_in_si(t), to_si("sigma", sigma))
 
     def slider_at(self, t, slider):
-        """The slider with the normal stress at time t as its own sigma.
+        """Return the slider with sigma set to the normal stress at time t.
 
-        Its critical stiffness, critical velocity and `stability` hold at that time.
+        The critical stiffness, critical velocity and `stability` of this slider hold at time t.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Time [s], from 0 to `t_last`.  inf gives the final normal stress, and under a sinusoid
-            its mean.
+            Time [s], from 0 to `t_last`.  If t is inf, sigma is the final normal stress, or its
+            mean if it has a sinusoid.
         slider : SpringSlider
-            With the normal stress of the beginning.
+            Slider with the normal stress at t = 0.
 
         Returns
         -------
         SpringSlider
-            The same slider if normal stress does not change.
+            The new slider; the given one if the loading does not change the normal stress.
 
         Examples
         --------
@@ -174,19 +174,19 @@ class LoadPoint:
         [2000000.0, 3000000.0, 4000000.0]
         """
         if isinstance(t, float) and t == np.inf:
-            sigma = self._known_stress.of_slider(slider.sigma).end[..., -1]
+            sigma = self._stress_history.with_sigma(slider.sigma).end[..., -1]
         else:
             sigma = self.sigma(one_in_si("t", t), slider.sigma)
         return slider.replace(sigma=sigma) if self.normal_stress else slider
 
     @property
-    def _known_stress(self):
+    def _stress_history(self):
         return self.normal_stress or NormalStress.constant("sigma", np.nan)
 
-    def _checked(self, t):
-        """Return times in SI, an array or DataArray; ParameterError for one outside the history."""
+    def _times_in_si(self, t):
+        """Return times [s], array or DataArray; ParameterError if outside the history."""
         if isinstance(t, list | tuple) or (isinstance(t, np.ndarray) and t.dtype.kind not in "iuf"):
-            t = column("t", t)
+            t = column_to_si("t", t)
         elif not isinstance(t, np.ndarray):
             t = to_si("t", t)
         seconds = np.asarray(t, dtype=float)
@@ -198,9 +198,9 @@ class LoadPoint:
         return t if is_array(t) else seconds
 
     @functools.cached_property
-    def _passed(self):
-        """Displacement [m] at the start of each segment, shape of V."""
+    def _displacements(self):
+        """Displacement [m] at the start of each segment, in the shape of V."""
         V, rate, dt = np.asarray(self.V), np.asarray(self.rate), np.diff(self.t)
-        passed = np.zeros(V.shape)
-        passed[..., 1:] = running_sum(dt * (V[..., :-1] + 0.5 * rate[..., :-1] * dt))
-        return self.V.copy(data=passed) if is_array(self.V) else passed
+        delta = np.zeros(V.shape)
+        delta[..., 1:] = running_sum(dt * (V[..., :-1] + 0.5 * rate[..., :-1] * dt))
+        return self.V.copy(data=delta) if is_array(self.V) else delta

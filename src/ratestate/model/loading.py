@@ -1,17 +1,17 @@
-"""The class `Loading`: what the load point does, and how a history is made."""
+"""The class `Loading`: a history of load-point speed and normal stress."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import ParameterError
-from .arrays import check_aligned, column
+from .arrays import check_aligned, column_to_si
 from .history import History
 from .load_point import Call, LoadPoint
-from .segments import period_of, record_of_rows, sinusoid
+from .segments import histories_from_rows, period_of, sinusoid_history
 from .units import is_array, one_in_si, to_si
 
-#: methods that a `Call` may be of
+#: methods of `Loading` that a `Call` can record
 METHODS = (
     *("constant", "series", "sinusoid", "step", "hold", "ramp"),
     *("sigma_step", "sigma_ramp", "sigma_sinusoid"),
@@ -20,34 +20,34 @@ METHODS = (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Loading(LoadPoint):
-    """History of the load-point velocity from t = 0 on, and of the normal stress with it.
+    """History of the load-point velocity, and of the normal stress, from t = 0 on.
 
-    Made by `constant`, `steps`, `series` or `sinusoid`; the first two go on with `step`, `hold`
-    and `ramp`, and all with `sigma_step`, `sigma_ramp` and `sigma_sinusoid`.  These return a longer
-    history, and the one at hand stays as it is.  Speeds and normal stresses may be named
-    DataArrays; times are common to all cases.
+    Make a loading by `constant`, `steps`, `series` or `sinusoid`.  Extend the first two by `step`,
+    `hold` and `ramp`, and all four by `sigma_step`, `sigma_ramp` and `sigma_sinusoid`.  These
+    methods return a new loading and do not change the old one.  Speeds and normal stresses may be
+    named DataArrays.  All cases share the same times.
 
     Attributes
     ----------
     speed : History
-        Speed of the load point [m/s]; ``t``, ``V`` and ``rate`` are parts of it.
+        Speed of the load point [m/s]; ``t``, ``V`` and ``rate`` belong to it.
     t_last : float
         End of the history [s]; inf unless the loading is a series or a sinusoid.
     normal_stress : NormalStress or None
-        How sigma changes; None if sigma stays the slider's.
+        History of the normal stress; None if it does not change.
     calls : tuple of Call
         The calls that made the loading, with their arguments in SI.
 
     Raises
     ------
     ParameterError
-        By all methods: a value of a wrong unit or range, an event before the end of the last one
-        or after the end of a series or sinusoid, arrays that clash.
+        By all methods, if a value has a wrong unit or is out of range, if an event begins before
+        the last one ends or after the end of a series or sinusoid, or if arrays clash.
     """
 
     @classmethod
     def constant(cls, V):
-        """One speed for ever.
+        """Return a loading with a constant speed.
 
         Parameters
         ----------
@@ -57,26 +57,26 @@ class Loading(LoadPoint):
         Returns
         -------
         Loading
-            The history.
+            The loading.
         """
         V = to_si("V_lp", V, label="V", bound=">= 0")
         return cls(History.constant("V", V), calls=(Call("constant", {"V": V}),))
 
     @classmethod
     def steps(cls, V_start, *steps):
-        """Speeds that change at once: V_start, and V1 from t1 on, V2 from t2 on, ...
+        """Return a loading of velocity steps: V_start, V1 from t1 on, V2 from t2 on, ...
 
         Parameters
         ----------
         V_start : float, str, pint.Quantity or DataArray
             Speed until the first step [m/s], >= 0; a hold is a speed of 0.
         *steps : tuple (t, V)
-            Time [s], > 0 and increasing, and the speed from then on [m/s], >= 0.
+            Time of each step [s], > 0 and increasing, and the speed after it [m/s], >= 0.
 
         Returns
         -------
         Loading
-            The history.
+            The loading.
         """
         loading = cls.constant(to_si("V_lp", V_start, label="V_start", bound=">= 0"))
         for step in steps:
@@ -87,51 +87,51 @@ class Loading(LoadPoint):
 
     @classmethod
     def series(cls, t, V_lp, *, sigma=None):
-        """A sampled history, such as a laboratory record, taken as piecewise linear.
+        """Return a piecewise linear loading from samples, such as a laboratory record.
 
         Parameters
         ----------
         t : sequence of N >= 2 times
-            Times [s], not decreasing from 0.  The same time in two rows is a jump, in three an
-            error.
+            Times [s], starting at 0 and not decreasing.  A time in two rows is a jump.  A time in
+            three rows is an error.
         V_lp : sequence of N speeds
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
         sigma : sequence of N stresses, optional
-            Normal stress [Pa], > 0, likewise; the first is the slider's sigma.
+            Normal stresses [Pa], > 0, in the same forms.  The first equals the slider's sigma.
 
         Returns
         -------
         Loading
-            The history.
+            The loading.
         """
         given = {"t": t, "V_lp": V_lp} | ({} if sigma is None else {"sigma": sigma})
-        columns = {symbol: column(symbol, values) for symbol, values in given.items()}
-        speed, stress = record_of_rows(*columns.values())
+        columns = {symbol: column_to_si(symbol, values) for symbol, values in given.items()}
+        speed, stress = histories_from_rows(*columns.values())
         return cls(speed, speed.until, stress, (Call("series", columns),))
 
     @classmethod
     def sinusoid(cls, V_lp, amplitude, *, t_end, period=None, frequency=None):
-        """A speed V_lp + amplitude sin(2 pi t/period), from t = 0 to t_end.
+        """Return a loading with the speed V_lp + amplitude sin(2 pi t/period).
 
-        Straight lines, 256 a period and 10^6 at most, whose fundamental is exactly this one.  The
-        speed is off by up to 5.1e-5 of the amplitude, the displacement by up to 1.3e-7 of its own
-        amplitude.
+        The speed consists of straight lines: 256 per period, and at most 10^6.  Their fundamental
+        is exactly this sinusoid.  The error of the speed is at most 5.1e-5 of its amplitude.  The
+        error of the displacement is at most 1.3e-7 of the displacement's amplitude.
 
         Parameters
         ----------
         V_lp : float, str, pint.Quantity or DataArray
             Mean speed [m/s], > 0.
         amplitude : float, str, pint.Quantity or DataArray
-            From 0 to V_lp [m/s].
+            Amplitude of the speed [m/s], from 0 to V_lp.
         t_end : float, str or pint.Quantity
-            Where the history ends [s], > 0; of a DataArray, the latest.
+            End of the history [s], > 0; the latest time of a DataArray.
         period, frequency : float, str or pint.Quantity
-            One of them, > 0, [s] or [Hz], common to all cases.
+            Period [s] or frequency [Hz], > 0, common to all cases.  Give one of them.
 
         Returns
         -------
         Loading
-            The history.
+            The loading.
         """
         wave = {
             "V_lp": to_si("V_lp", V_lp),
@@ -139,146 +139,148 @@ class Loading(LoadPoint):
             "period": period_of("a sinusoid", period, frequency),
             "t_end": float(np.max(to_si("t_end", t_end))),
         }
-        return cls(sinusoid(**wave), wave["t_end"], calls=(Call("sinusoid", wave),))
+        return cls(sinusoid_history(**wave), wave["t_end"], calls=(Call("sinusoid", wave),))
 
     def step(self, t, V):
-        """The same history up to time t [s], and from then on the speed V [m/s], >= 0.
+        """Add a velocity step: from time t on, the speed is V.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Later than what happens last in the history, or where a hold or ramp ends.
+            Time of the step [s]: after the last event, or at the end of a hold or ramp.
         V : float, str, pint.Quantity or DataArray
-            Speed from then on [m/s], >= 0.
+            Speed after the step [m/s], >= 0.
 
         Returns
         -------
         Loading
-            The longer history.
+            The extended loading.
 
         Examples
         --------
         >>> Loading.constant("1 mm/s").step("1 s", "3.2 mm/s").hold("2 s", "100 s")
         <Loading: 4 segments from t = 0 to inf s>
         """
-        t = self._time(t)
-        V = _value_from("V_lp", t, V, ">= 0")
-        return self._then(Call("step", {"t": t, "V": V}), (t, V, V))
+        t = self._check_speed_time(t)
+        V = _value_after("V_lp", t, V, ">= 0")
+        return self._append(Call("step", {"t": t, "V": V}), (t, V, V))
 
     def hold(self, t, duration):
-        """The same history up to time t, then rest for a while, then the speed before it.
+        """Add a hold: from time t the load point rests, then it resumes its old speed.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Its start [s], from the end of what happens last in the history on.
+            Start of the hold [s]: after the last event, or at the end of a hold or ramp.
         duration : float, str or pint.Quantity
-            Length of the rest [s], > 0.
+            Duration of the hold [s], > 0.
 
         Returns
         -------
         Loading
-            The longer history.
+            The extended loading.
         """
-        t, V = self._time(t), self.V[..., -1]
+        t, V = self._check_speed_time(t), self.V[..., -1]
         duration = _duration(t, duration, "hold")
         call = Call("hold", {"t": t, "duration": duration})
-        return self._then(call, (t, 0.0, 0.0), (t + duration, V, V))
+        return self._append(call, (t, 0.0, 0.0), (t + duration, V, V))
 
     def ramp(self, t, V, duration):
-        """The same history up to time t, then a steady change of speed to V.
+        """Add a ramp: from time t the speed changes linearly to V.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Its start [s], from the end of what happens last in the history on.
+            Start of the ramp [s]: after the last event, or at the end of a hold or ramp.
         V : float, str, pint.Quantity or DataArray
-            Speed in the end [m/s], >= 0.
+            Speed at the end of the ramp, and after it [m/s], >= 0.
         duration : float, str or pint.Quantity
-            Length of the change [s], > 0.
+            Duration of the ramp [s], > 0.
 
         Returns
         -------
         Loading
-            The longer history.
+            The extended loading.
         """
-        t, before = self._time(t), self.V[..., -1]
-        V, lasting = _value_from("V_lp", t, V, ">= 0"), _duration(t, duration, "ramp")
-        call = Call("ramp", {"t": t, "V": V, "duration": lasting})
-        longer = self._then(call, (t, before, V), (t + lasting, V, V))
+        t, before = self._check_speed_time(t), self.V[..., -1]
+        V, seconds = _value_after("V_lp", t, V, ">= 0"), _duration(t, duration, "ramp")
+        call = Call("ramp", {"t": t, "V": V, "duration": seconds})
+        longer = self._append(call, (t, before, V), (t + seconds, V, V))
         with np.errstate(over="ignore"):
             if not np.isfinite(longer.rate).all():
                 raise ParameterError(f"ramp = {duration!r} is too short; for a jump leave it out")
         return longer
 
     def sigma_step(self, t, sigma):
-        """The same history, with another normal stress from time t on.
+        """Add a step of normal stress: from time t on, the normal stress is sigma.
 
-        The slider's velocity does not jump with it; without mass it is at once the one at which
-        friction balances the spring.  (Without damping too, a large fall may ask for a speed beyond
-        double precision: take a short `sigma_ramp`.)  The state follows by the slider's alpha.
-        Without mass it differs under the law of Nagata from a short ramp, in which friction follows
-        the spring throughout: a step is what a slider of ever smaller mass does.
+        A slider with mass keeps its velocity during the step.  Without mass, its velocity jumps so
+        that friction balances the spring.  If it has no damping either, a large fall of sigma may
+        need a velocity beyond double precision; use a short `sigma_ramp` then.  The state changes
+        according to the slider's alpha.
+        Under the law of Nagata and without mass, a step differs from a short ramp.  During a ramp,
+        friction balances the spring at all times.  A step describes the limit of vanishing mass.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Later than the last change of normal stress, or where a ramp of it ends [s], > 0.
+            Time of the step [s], > 0: after the last change of normal stress, or at the end of a
+            ramp of normal stress.
         sigma : float, str, pint.Quantity or DataArray
-            Normal stress from then on [Pa], > 0.
+            Normal stress after the step [Pa], > 0.
 
         Returns
         -------
         Loading
-            The other history.
+            The extended loading.
 
         Examples
         --------
         >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
         <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
         """
-        t = self._stress_time(t)
-        sigma = _value_from("sigma", t, sigma, "> 0")
-        return self._then(Call("sigma_step", {"t": t, "sigma": sigma}), (t, sigma, sigma))
+        t = self._check_stress_time(t)
+        sigma = _value_after("sigma", t, sigma, "> 0")
+        return self._append(Call("sigma_step", {"t": t, "sigma": sigma}), (t, sigma, sigma))
 
     def sigma_ramp(self, t, sigma, duration):
-        """The same history, with a steady change of normal stress to sigma.
+        """Add a ramp of normal stress: from time t it changes linearly to sigma.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
-            Its start [s], as for `sigma_step`.
+            Start of the ramp [s], as for `sigma_step`.
         sigma : float, str, pint.Quantity or DataArray
-            Normal stress in the end [Pa], > 0.
+            Normal stress at the end of the ramp, and after it [Pa], > 0.
         duration : float, str or pint.Quantity
-            Length of the change [s], > 0.
+            Duration of the ramp [s], > 0.
 
         Returns
         -------
         Loading
-            The other history.
+            The extended loading.
         """
-        t, before = self._stress_time(t), self._stress_so_far().end[..., -1]
-        sigma, lasting = _value_from("sigma", t, sigma, "> 0"), _duration(t, duration, "ramp")
-        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": lasting})
-        return self._then(call, (t, before, sigma), (t + lasting, sigma, sigma))
+        t, before = self._check_stress_time(t), self._extendable_stress().end[..., -1]
+        sigma, seconds = _value_after("sigma", t, sigma, "> 0"), _duration(t, duration, "ramp")
+        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": seconds})
+        return self._append(call, (t, before, sigma), (t + seconds, sigma, sigma))
 
     def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
-        """The same history, with amplitude sin(2 pi t/period) added to the normal stress.
+        """Add amplitude sin(2 pi t/period) to the normal stress; only one can be added.
 
         Parameters
         ----------
         amplitude : float, str, pint.Quantity or DataArray
-            [Pa], >= 0; such that sigma stays > 0, which shows when the slider is known.
+            Amplitude [Pa], >= 0.  `simulate` checks that sigma stays > 0.
         period, frequency : float, str, pint.Quantity or DataArray
-            One of them, > 0, [s] or [Hz].
+            Period [s] or frequency [Hz], > 0.  Give one of them.
 
         Returns
         -------
         Loading
-            The other history, with one sinusoid of normal stress at most.
+            The extended loading.
         """
-        before = self._stress_so_far()
+        before = self._extendable_stress()
         if not np.all(np.isinf(before.period)):
             raise ParameterError("the normal stress has a sinusoid already, and can have only one")
         wave = {
@@ -286,19 +288,19 @@ class Loading(LoadPoint):
             "period": period_of("a sinusoid of sigma", period, frequency),
         }
         check_aligned(wave)
-        return self._with(Call("sigma_sinusoid", wave), normal_stress=replace(before, **wave))
+        return self._add_call(Call("sigma_sinusoid", wave), normal_stress=replace(before, **wave))
 
-    def _then(self, call, *pieces):
-        """The speed or the normal stress up to the first of these pieces, and then these."""
-        if call.of_stress:
-            return self._with(call, normal_stress=self._stress_so_far().then("sigma", *pieces))
-        return self._with(call, speed=self.speed.then("V_lp", *pieces))
+    def _append(self, call, *pieces):
+        """Return the loading with pieces (t, start, end) added to its speed or sigma."""
+        if call.changes_stress:
+            stress = self._extendable_stress().followed_by("sigma", *pieces)
+            return self._add_call(call, normal_stress=stress)
+        return self._add_call(call, speed=self.speed.followed_by("V_lp", *pieces))
 
-    def _with(self, call, **history):
+    def _add_call(self, call, **history):
         return replace(self, calls=(*self.calls, call), **history)
 
-    def _time(self, t):
-        """When an event begins [s]: after the last one, or where that ends."""
+    def _check_speed_time(self, t):
         if np.isfinite(self.t_last):
             raise ParameterError(
                 f"the history ends at t = {self.t_last!r} s, and nothing can follow; "
@@ -306,17 +308,16 @@ class Loading(LoadPoint):
             )
         return self.speed.check_time(one_in_si("t", t, bound="> 0"), "the history")
 
-    def _stress_so_far(self):
-        stress = self._known_stress
+    def _extendable_stress(self):
+        stress = self._stress_history
         if not np.isnan(np.asarray(stress.start)[..., 0]).all():
             raise ParameterError(
                 "the series has a normal stress of its own; put the change into its rows"
             )
         return stress
 
-    def _stress_time(self, t):
-        """When normal stress changes [s]: after its last change, and inside the history."""
-        stress, t = self._stress_so_far(), one_in_si("t", t, bound="> 0")
+    def _check_stress_time(self, t):
+        stress, t = self._extendable_stress(), one_in_si("t", t, bound="> 0")
         if t >= self.t_last:
             raise ParameterError(
                 f"t = {t!r} s is not before the end of the history, {self.t_last!r} s"
@@ -330,13 +331,12 @@ class Loading(LoadPoint):
         return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{more}{sweep}>"
 
 
-def _value_from(symbol, t, value, bound):
+def _value_after(symbol, t, value, bound):
     return to_si(symbol, value, label=f"{symbol} from t = {t!r} s on", bound=bound)
 
 
 def _duration(t, duration, label):
-    """The length [s] of an event that begins at t [s]."""
-    lasting = one_in_si("t", duration, label=label, bound="> 0")
-    if not t < t + lasting < np.inf:
+    seconds = one_in_si("t", duration, label=label, bound="> 0")
+    if not t < t + seconds < np.inf:
         raise ParameterError(f"{label} = {duration!r} is too short or too long after t = {t!r} s")
-    return lasting
+    return seconds

@@ -1,4 +1,4 @@
-"""Wording of messages: sentences kept in TOML files, names that were perhaps meant."""
+"""Wording of messages: sentences kept in TOML files, and suggestions for mistyped names."""
 
 import difflib
 import functools
@@ -10,31 +10,31 @@ from pathlib import Path
 from ..errors import ParameterError
 from .quantities import readable
 
-#: a method or argument of `simulate` that is gone -> the call in its place
-MOVED = dict.fromkeys(
+#: removed method or argument of `simulate` -> the call that replaces it
+REPLACEMENTS = dict.fromkeys(
     ("im2017", "im2017_euler", "dt"), "ratestate.paper.im2017(slider, loading, t_end, dt)"
 )
-NEAR = 0.7  # from 0 to 1, how similar a name must be to be suggested
+MIN_SIMILARITY = 0.7  # smallest difflib ratio, from 0 to 1, of a name that is suggested
 
 
 def nearest(given, names):
-    """The most similar of these names, capitals aside; None if none is, or `given` is no string.
+    """Return the most similar of these names, ignoring case; None if none is similar.
 
-    Similar: a difflib ratio of at least `NEAR`, of the first 60 characters.
+    Only the first 60 characters of `given` count.  If `given` is not a string, return None.
     """
     lower = {name.lower(): name for name in names}
     text = given.lower()[:60] if isinstance(given, str) else ""
-    near = difflib.get_close_matches(text, lower, n=1, cutoff=NEAR)
+    near = difflib.get_close_matches(text, lower, n=1, cutoff=MIN_SIMILARITY)
     return lower[near[0]] if near else None
 
 
 def one_of(names, given=None, like=""):
-    """The end of a message: the valid names, and the one that was perhaps meant.
+    """Return the end of a message: the valid names, and the one probably meant.
 
     like : an example, such as ``a = 0.003``
     """
-    if isinstance(given, str) and given in MOVED:
-        return f"expected a call such as {MOVED[given]}"
+    if isinstance(given, str) and given in REPLACEMENTS:
+        return f"expected a call such as {REPLACEMENTS[given]}"
     names = list(names)
     near = nearest(given, names)
     meant = f"; did you mean {near}?" if near else ""
@@ -43,9 +43,9 @@ def one_of(names, given=None, like=""):
 
 
 def check_keywords(caller, given, names):
-    """Raise ParameterError, in the name of `caller`, for the first name that is no parameter.
+    """Raise ParameterError for the first keyword that is not a parameter of `caller`.
 
-    given, names : names given as keywords, and those of its parameters
+    given, names : the given keywords, and the names of the parameters
     """
     for name in given:
         if name not in names:
@@ -53,7 +53,7 @@ def check_keywords(caller, given, names):
 
 
 def keywords_checked(function):
-    """The function, which now raises a ParameterError, and no TypeError, for a mistyped keyword."""
+    """Wrap a function: mistyped keywords raise ParameterError, not TypeError."""
     names = inspect.signature(function).parameters
 
     @functools.wraps(function)
@@ -65,12 +65,12 @@ def keywords_checked(function):
 
 
 class Sentences(string.Formatter):
-    """The sentences of a TOML file, by name; what stands in braces is filled in.
+    """The sentences of a TOML file, by name; values replace the fields in braces.
 
-    Besides the formats of `str.format`, ``{V_max:as V}`` shows a value in SI as a quantity, in a
-    unit that fits, and ``{V_max:as V 3}`` does so in three digits.
+    Besides the formats of `str.format`, ``{V_max:as V}`` shows a value in SI as a quantity with a
+    suitable unit, and ``{V_max:as V 3}`` does so with three digits.
 
-    path : the file, with tables of strings
+    path : a TOML file with tables of strings
     """
 
     def __init__(self, path):
@@ -78,25 +78,24 @@ class Sentences(string.Formatter):
 
     @functools.cached_property
     def tables(self):
-        """The file's tables."""
         return tomllib.loads(self.path.read_text("utf-8"))
 
     def __call__(self, name, /, **values):
-        """The sentence of this name, ``table.sentence``, with these values.
+        """Return the sentence with this name, ``table.sentence``, and these values.
 
-        KeyError where there is none, or a value for it is missing.
+        Raises KeyError if the sentence does not exist or a value is missing.
         """
         table, sentence = name.split(".")
         return self.vformat(self.tables[table][sentence], (), values)
 
     def refusal(self, name, /, **values):
-        """The `ParameterError`, to be raised by the caller, of the sentence of this name."""
+        """Return a `ParameterError` with the sentence of this name, to be raised."""
         error = ParameterError(self(name, **values))
         error.sentence = name
         return error
 
     def format_field(self, value, spec):
-        """A value as text in this format."""
+        """Return a value as text in this format; called by `string.Formatter`."""
         kind, *symbol_and_digits = spec.split() or [""]
         if kind != "as":
             return super().format_field(value, spec)

@@ -1,7 +1,4 @@
-"""The quantities of quantities.toml, the units of units.toml, and values as text.
-
-Everything that reads values, labels variables or writes messages looks here.
-"""
+"""The quantities of quantities.toml, the units of units.toml, and values as text."""
 
 import math
 import tomllib
@@ -13,14 +10,14 @@ from ..friction.forms import FORMS
 from ..friction.laws import LAWS
 
 
-def _table(name):
+def _read_table(name):
     return tomllib.loads(Path(__file__).with_name(f"{name}.toml").read_text("utf-8")).items()
 
 
-_UNITS = dict(_table("units"))
-#: unit -> what such a value is called in a message, and an example of one
+_UNITS = dict(_read_table("units"))
+#: unit -> the name of such a value in messages, and an example
 KINDS = {unit: (row["kind"], row["example"]) for unit, row in _UNITS.items()}
-#: unit -> the powers of ten with which values are shown, if any: 0.0032 m/s as 3.2 mm/s
+#: unit -> powers of ten of the prefixes with which values are shown: 0.0032 m/s as 3.2 mm/s
 POWERS = {unit: tuple(row["powers"]) for unit, row in _UNITS.items() if "powers" in row}
 #: power of ten -> prefix
 PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -2: "c", -3: "m", -6: "u", -9: "n"}
@@ -29,21 +26,21 @@ LONG_TIMES = {"years": 365.25 * 86400.0, "days": 86400.0, "hours": 3600.0}
 
 
 class Quantity(NamedTuple):
-    """A row of `QUANTITIES`: unit, name for plots, allowed range as `to_si` checks it."""
+    """A row of `QUANTITIES`: unit, name for plots, and the range that `to_si` checks."""
 
     unit: str
     long_name: str
     bound: str = ""  # "", "> 0" or ">= 0"
-    example: str = ""  # where the one in KINDS would mislead
+    example: str = ""  # replaces the example in KINDS
     may_be_inf: bool = False
 
 
 #: symbol -> `Quantity`
-QUANTITIES = {symbol: Quantity(**row) for symbol, row in _table("quantities")}
+QUANTITIES = {symbol: Quantity(**row) for symbol, row in _read_table("quantities")}
 
 
 def add_quantities_of(law):
-    """Add what a friction law has of its own to `QUANTITIES`: its parameters and states."""
+    """Add the parameters and states of a friction law to `QUANTITIES`."""
     for symbol, parameter in law.parameters.items():
         QUANTITIES[symbol] = Quantity(*parameter)
     for k, state in enumerate(law.states):
@@ -60,12 +57,12 @@ for _form in FORMS.values():
 
 
 def attrs(symbol):
-    """Attributes ``units`` and ``long_name`` of this symbol's variables; KeyError if unknown."""
+    """Return the attributes ``units`` and ``long_name`` of a variable."""
     return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
 
 
 def expected(symbol, unit=True):
-    """The end of an error message: what a value of this quantity looks like, and its SI unit."""
+    """Return the end of an error message: kind, SI unit and example of a quantity."""
     quantity = QUANTITIES[symbol]
     kind, example = KINDS[quantity.unit]
     si = f" [{quantity.unit}]" if unit and quantity.unit != "1" else ""
@@ -73,23 +70,22 @@ def expected(symbol, unit=True):
 
 
 def power_of(unit, value):
-    """The power of ten of the prefix that brings a value [SI] to 1 or more, or nearest to it.
+    """Return the largest power of ten of the unit's prefixes up to a value [SI].
 
-    It is 0 for values so small that no prefix makes them readable, and for a unit not in `POWERS`.
+    For smaller values, return the lowest power.  Return 0 if a value is below 1e-3 even with the
+    smallest prefix, and for a unit that is not in `POWERS`.
 
     >>> power_of("m/s", 0.0032)
     -3
     """
     powers = POWERS.get(unit, (0,))
-    size = abs(value) * (1 + 1e-9)  # 1e-3 is 1 m, whatever its rounding
+    size = abs(value) * (1 + 1e-9)  # rounding to just below 1e-3 does not change the prefix
     lowest = powers[-1] if size >= 10.0 ** (powers[-1] - 3) else 0
     return next((p for p in powers if size >= 10.0**p), lowest)
 
 
 def prefixed_unit(unit, power, prefixes=PREFIXES):
-    """An SI unit with the prefix that makes it this power of ten of itself.
-
-    KeyError for a power that has no prefix.
+    """Return an SI unit with the prefix for a power of ten; KeyError if none fits.
 
     >>> prefixed_unit("m/s", -3), prefixed_unit("m^2", -4)
     ('mm/s', 'cm^2')
@@ -97,12 +93,12 @@ def prefixed_unit(unit, power, prefixes=PREFIXES):
     return prefixes[power // 2 if unit == "m^2" else power] + unit
 
 
-def exact(symbol, value):
-    """A value [SI] of a quantity as text that `to_si` reads back bit-for-bit, in a unit that fits.
+def exact_text(symbol, value):
+    """Return a value [SI] with a suitable unit, as text that `to_si` reads exactly.
 
-    A number without a unit if it is pure, and in the SI unit if it is inf or NaN or no prefix fits.
+    A pure number has no unit.  inf, NaN and values without a suitable prefix have the SI unit.
 
-    >>> exact("K", 9e8), exact("a", 0.003)
+    >>> exact_text("K", 9e8), exact_text("a", 0.003)
     ('900 MPa/m', '0.003')
     """
     unit, x = QUANTITIES[symbol].unit, float(value)
@@ -121,15 +117,15 @@ def exact(symbol, value):
     return f"{number.scaleb(-power).normalize():f} {prefixed_unit(unit, power)}"
 
 
-def long_time(seconds):
-    """Name and length [s] of the unit in which a long time is best told; None below 2 hours."""
+def long_time_unit(seconds):
+    """Return name and length [s] of the best unit for a time; None below 2 hours."""
     return next((unit for unit in LONG_TIMES.items() if seconds >= 2.0 * unit[1]), None)
 
 
 def readable(symbol, value, digits=4):
-    """A value [SI] of a quantity as text that `to_si` reads, with a unit that fits it.
+    """Return a value [SI] as text that `to_si` reads, with a suitable unit.
 
-    In the SI unit if it is inf, NaN or too small for any prefix.
+    inf, NaN and values that are too small for any prefix have the SI unit.
 
     >>> readable("V_lp", 0.0032)
     '3.2 mm/s'
@@ -138,7 +134,7 @@ def readable(symbol, value, digits=4):
 
 
 def readable_change(symbol, before, after):
-    """Two values [SI] of a quantity, of which one follows the other, in the unit that fits both.
+    """Return two successive values [SI] of a quantity as text, in a common unit.
 
     >>> readable_change("V_lp", 3e-6, 1e-5)
     '3 -> 10 um/s'
@@ -147,7 +143,7 @@ def readable_change(symbol, before, after):
 
 
 def readable_together(symbol, form, *values):
-    """Values [SI] of a quantity, filled into a form, and the unit that fits the largest."""
+    """Return values [SI] in a format string, in a unit that suits the largest value."""
     unit, size = QUANTITIES[symbol].unit, max(map(abs, values))
     power = power_of(unit, size) if math.isfinite(size) else 0
     text = form.format(*(value / 10.0**power for value in values))
@@ -155,12 +151,12 @@ def readable_together(symbol, form, *values):
 
 
 def readable_time(seconds, digits=4, both=False):
-    """A time as text, a long one in years, days or hours; both: in seconds too.
+    """Return a time as text, in years, days or hours (or both units) if it is long.
 
     >>> readable_time(40.0), readable_time(9e6), readable_time(9e6, both=True)
     ('40 s', '104.2 days', '9e+06 s (104 days)')
     """
-    if (long := long_time(seconds)) is None:
+    if (long := long_time_unit(seconds)) is None:
         return readable("t", seconds, digits)
     unit, length = long
     if both:
@@ -169,9 +165,9 @@ def readable_time(seconds, digits=4, both=False):
 
 
 def with_error(value, error):
-    """A value and its standard error as text, with the digits that the error leaves.
+    """Return a value and its standard error as text, rounded as `rounded` does.
 
-    The value alone, in four digits, where the error is 0, inf or NaN.
+    If the error is 0, inf or NaN, return the value alone, with four digits.
 
     >>> with_error(9.4871, 0.1234), with_error(9.4871, 0.0456), with_error(0.6, 0.0)
     ('9.49 +- 0.12', '9.49 +- 0.05', '0.6')
@@ -182,9 +178,9 @@ def with_error(value, error):
 
 
 def concise(value, error):
-    """A value and its standard error, in brackets, in units of the last digit.
+    """Return a value as text, with the standard error of its last digits in brackets.
 
-    As `with_error` where the error is 0, inf, NaN or not within 1e-12 to 1e5.
+    If the error is not between 1e-12 and 1e5, return the text of `with_error`.
 
     >>> concise(9.4871, 0.1234), concise(27.13, 1.3), concise(27.13, 13.0)
     ('9.49(12)', '27.1(13)', '27(13)')
@@ -196,8 +192,10 @@ def concise(value, error):
 
 
 def rounded(value, error):
-    """A value as text, to the last digit of its error: the first one, if it is 3.55 or more, or
-    else the second.  In four digits where the error is not within 1e-12 to 1e5.
+    """Return a value as text, rounded to one or two significant digits of its error.
+
+    One digit counts if the error is 3.55 or more times a power of ten, otherwise two.  All digits
+    before the point stay.  If the error is not between 1e-12 and 1e5, the text has four digits.
 
     >>> rounded(9.4871, 0.1234), rounded(9.4871, 0.0456), rounded(152345.6, 1234.5)
     ('9.49', '9.49', '152346')
@@ -208,7 +206,7 @@ def rounded(value, error):
 
 
 def short(value):
-    """A plain number in three digits, or all of its whole ones.
+    """Return a number as text with three digits, or as an integer from 99.5 on.
 
     >>> short(7.3298), short(11712.4)
     ('7.33', '11712')
@@ -217,7 +215,7 @@ def short(value):
 
 
 def readable_multiplier(value):
-    """A Floquet multiplier as text; a real one near 1 by what it lacks.
+    """Return a Floquet multiplier as text; just below 1, as 1 minus the difference.
 
     >>> readable_multiplier(0.5 + 0.25j), readable_multiplier(1 - 7e-7)
     ('0.5+0.25i', '1 - 7e-07')

@@ -1,4 +1,4 @@
-"""Histories from the rows of a record, and along a sinusoid."""
+"""Histories from the rows of a record, and of a sinusoid."""
 
 from typing import Any
 
@@ -9,29 +9,28 @@ from .arrays import check_aligned
 from .history import History, NormalStress
 from .units import is_array, to_si
 
-#: lines of a sinusoid, and speeds in all cases of a sweep, at most
-MOST_LINES = 10**6
-MOST_SPEEDS = 10**7
-#: lines in a period of a sinusoid (a multiple of 4): the speed is off by up to 5.1e-5 of the
-#: amplitude, the displacement by up to 1.3e-7 of its own
-LINES = 256
+#: largest number of lines of a sinusoid, and of its speeds in all cases of a sweep
+MAX_LINES = 10**6
+MAX_SPEEDS = 10**7
+#: lines per period of a sinusoid, a multiple of 4: the error is at most 5.1e-5 of the amplitude for
+#: the speed, and 1.3e-7 of the amplitude for the displacement
+LINES_PER_PERIOD = 256
 
 
-def sinusoid(V_lp, amplitude, period, t_end):
-    """`History` of the speed V_lp + amplitude sin(2 pi t/period) [m/s] up to t_end [s] or later.
+def sinusoid_history(V_lp, amplitude, period, t_end):
+    """Return the `History` of V_lp + amplitude sin(2 pi t/period) [m/s] to t_end [s].
 
-    ParameterError for too many lines, a period that is too short, and a negative speed.
+    Raises ParameterError for too many lines, a period that is too short, and a negative speed.
 
     V_lp, amplitude : float or DataArray
 
     Notes
     -----
-    The fundamental of the lines is exactly this sinusoid.  Between N points a period on a sine of
-    amplitude A', straight lines have the amplitude A' sinc^2(pi/N), sinc(x) = sin(x)/x, at the
-    sine's frequency.  So the points lie A/sinc^2(pi/N) from the mean.  The harmonics m = N - 1,
-    N + 1, 2 N - 1, ... remain, with amplitude A/m^2.  No point lies at an extreme of the sine, so
-    the lines stay within its extremes.  A speed whose amplitude equals its mean never falls below
-    0.
+    The fundamental of the lines is exactly this sinusoid.  Straight lines between N points per
+    period, on a sine of amplitude A', have a fundamental of amplitude A' sinc^2(pi/N), with
+    sinc(x) = sin(x)/x.  So the points lie on a sine of amplitude A/sinc^2(pi/N).  The harmonics
+    m = N - 1, N + 1, 2 N - 1, ... remain, with amplitude A/m^2.  The points avoid the extremes of
+    the sine, so that the lines stay within V_lp +- amplitude, and the speed is never negative.
     """
     if is_array(period):
         raise ParameterError("the period of a sinusoid is one number, common to all cases")
@@ -42,19 +41,20 @@ def sinusoid(V_lp, amplitude, period, t_end):
             f"{float(np.min(V_lp)):.6g} m/s: the load point would move back; "
             f"give an amplitude up to V_lp"
         )
-    needed = t_end / period * LINES
+    needed = t_end / period * LINES_PER_PERIOD
     cases = np.size(V_lp + amplitude)
-    if not (needed <= MOST_LINES and needed * cases <= MOST_SPEEDS):
+    if not (needed <= MAX_LINES and needed * cases <= MAX_SPEEDS):
         raise ParameterError(
             f"{t_end:.6g} s are {t_end / period:.6g} periods, and {needed:.6g} lines for "
-            f"each of {cases} cases; no more than {MOST_LINES:.0e} lines, and "
-            f"{MOST_SPEEDS:.0e} in all cases: shorten t_end, or lengthen the period"
+            f"each of {cases} cases; no more than {MAX_LINES:.0e} lines, and "
+            f"{MAX_SPEEDS:.0e} in all cases: shorten t_end, or lengthen the period"
         )
-    odd = np.arange(1, 2 * LINES, 2)
-    half = np.sin(np.pi * odd[: LINES // 2] / LINES)
-    heights = np.concatenate([half, -half]) / np.sinc(1 / LINES) ** 2
+    n = LINES_PER_PERIOD
+    odd = np.arange(1, 2 * n, 2)
+    half = np.sin(np.pi * odd[: n // 2] / n)
+    heights = np.concatenate([half, -half]) / np.sinc(1 / n) ** 2
     number = int(needed) + 2
-    periods = np.arange(number) // LINES + np.resize(odd / (2 * LINES), number)
+    periods = np.arange(number) // n + np.resize(odd / (2 * n), number)
     t = np.concatenate([[0.0], periods * period])
     wave: Any = np.concatenate([[0.0], np.resize(heights, number)])
     if is_array(V_lp) or is_array(amplitude):
@@ -64,15 +64,15 @@ def sinusoid(V_lp, amplitude, period, t_end):
     V = V_lp + amplitude * wave
     V = V.transpose(..., "segment") if is_array(V) else V
     keep = int(np.searchsorted(t, t_end))
-    found = History(t[:keep], V[..., :keep], V[..., 1 : keep + 1], float(t[keep]))
+    history = History(t[:keep], V[..., :keep], V[..., 1 : keep + 1], float(t[keep]))
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-        if not (np.diff(t[: keep + 1]) > 0).all() or not np.isfinite(found.rate).all():
+        if not (np.diff(t[: keep + 1]) > 0).all() or not np.isfinite(history.rate).all():
             raise ParameterError(f"period = {period!r} s is too short; give a longer one")
-    return found
+    return history
 
 
 def period_of(what, period, frequency):
-    """The period [s] of something, given by itself or by the frequency; else ParameterError."""
+    """Return the period [s] of `what` from its period or frequency."""
     if (period is None) == (frequency is None):
         raise ParameterError(
             f"{what} needs either its period or its frequency, such as period='2 s'"
@@ -80,18 +80,18 @@ def period_of(what, period, frequency):
     if frequency is None:
         return to_si("period", period, bound="> 0")
     with np.errstate(divide="ignore"):
-        found = 1.0 / to_si("frequency", frequency, bound="> 0")
-    if not np.all((found > 0.0) & (found < np.inf)):
+        period = 1.0 / to_si("frequency", frequency, bound="> 0")
+    if not np.all((period > 0.0) & (period < np.inf)):
         raise ParameterError(
             f"frequency = {frequency!r} is beyond any size; give one such as '0.5 Hz'"
         )
-    return found
+    return period
 
 
-def record_of_rows(times, V, sigma=None):
-    """`History` of the speed and, if sigma is given, `NormalStress` of the rows of a record.
+def histories_from_rows(times, V, sigma=None):
+    """Return the `History` of a record's speed, and `NormalStress` if sigma is given.
 
-    ParameterError if the rows are not a record: see `Loading.series`.  All are columns in SI.
+    Arguments are columns in SI.  Raises ParameterError unless the rows are a valid record.
     """
     if is_array(times) or times.size < 2 or V.shape[-1] != times.size:
         raise ParameterError(
@@ -107,7 +107,7 @@ def record_of_rows(times, V, sigma=None):
             f"t[{i + 1}] = {times[i + 1]} s is less than t[{i}] = {times[i]} s: times must not "
             f"decrease; mend the record"
         )
-    jump = np.concatenate([[True], dt == 0, [True]])  # nor may a jump be at either end
+    jump = np.concatenate([[True], dt == 0, [True]])  # a jump at either end is an error too
     if (jump[1:] & jump[:-1]).any():
         i = int(np.argmax(jump[1:] & jump[:-1]))
         where = "at an end of the series" if i in (0, times.size - 1) else "a third time"
@@ -120,11 +120,11 @@ def record_of_rows(times, V, sigma=None):
     with np.errstate(over="ignore"):
         if not np.isfinite(speed.rate).all():
             raise ParameterError("two times are too close for a ramp; for a jump repeat the time")
-    return speed, None if sigma is None else _stress_of_rows(times, keep, sigma)
+    return speed, None if sigma is None else _stress_from_rows(times, keep, sigma)
 
 
-def _stress_of_rows(times, keep, sigma):
-    """`NormalStress` of a record, of whose rows `keep` start segments."""
+def _stress_from_rows(times, keep, sigma):
+    """Return the `NormalStress` of a record; `keep` are the rows that start segments."""
     if sigma.shape[-1] != times.size:
         raise ParameterError(
             f"sigma has {sigma.shape[-1]} values for {times.size} times; give one at each time"
@@ -135,5 +135,5 @@ def _stress_of_rows(times, keep, sigma):
             f"sigma[{i}] = {float(np.min(sigma)):.6g} Pa: normal stress must stay > 0; mend "
             f"the record"
         )
-    rows = np.append(keep, times.size - 1)  # from the last time on it stays
+    rows = np.append(keep, times.size - 1)  # constant from the last time on
     return NormalStress(times[rows], sigma[..., rows], sigma[..., np.append(keep + 1, -1)])

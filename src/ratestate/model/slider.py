@@ -1,4 +1,4 @@
-"""The slider: rigid, on a spring, under a friction law."""
+"""The class `SpringSlider`: a rigid slider on a spring, with a friction law."""
 
 import dataclasses
 import functools
@@ -18,25 +18,22 @@ from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
 from .names import check_keywords
 from .parameters import parameter_to_si
-from .quantities import QUANTITIES, exact, expected, readable, readable_together
+from .quantities import QUANTITIES, exact_text, expected, readable, readable_together
 from .units import is_array, named, to_si
-from .user_laws import known_again, recorded, register
+from .user_laws import register, register_source, source_of_law
 
 
-def law_of(law):
-    """The law with a name or synonym, or a user's class of laws, which is registered.
-
-    ParameterError for any other.
-    """
+def resolve_law(law):
+    """Return the law with a name or synonym; register and return a user's class."""
     return friction_law(register(law) if isinstance(law, type) else law)
 
 
-def _names_first(init):
-    """The `__init__`, which first refuses wrong names: Python would tell of missing ones."""
+def _check_names_first(init):
+    """Wrap `__init__` so that unknown parameters are reported before missing ones."""
 
     @functools.wraps(init)
     def checked(self, *args, **given):
-        law = law_of(given.get("law", DEFAULT))
+        law = resolve_law(given.get("law", DEFAULT))
         _check_names(law, form_of(law, given.get("friction")), given)
         init(self, *args, **(given | {"law": law.name}))
 
@@ -45,66 +42,67 @@ def _names_first(init):
 
 @dataclasses.dataclass(frozen=True, kw_only=True, init=False, eq=False, repr=False)
 class SpringSlider:
-    """A slider under rate-and-state friction, pulled through a spring (eqs 1-4).
+    """A slider with rate-and-state friction, pulled through a spring (eqs 1-4).
 
-    M dV/dt = tau - sigma mu - damping V, with tau the stress of the spring.
+    The equation of motion is M dV/dt = tau - sigma mu - damping V.  The spring's stress is tau.
 
     Every parameter is a number in SI, a string or pint quantity with a unit, or a named
-    xarray.DataArray: arrays broadcast by the names of their dimensions, and so make a sweep.
-    Afterwards each attribute is a float or a DataArray, in SI.
+    xarray.DataArray.  Arrays broadcast by the names of their dimensions, which makes a sweep.  The
+    attributes are floats or DataArrays in SI.
 
     Parameters
     ----------
     a : float or DataArray
         Direct effect [1], > 0.
     b : float or DataArray
-        Evolution effect [1]; b > a weakens with velocity.
+        Evolution effect [1].  If b > a, friction weakens with velocity.
     Dc : float, str or DataArray
         Critical slip distance [m], > 0.
     sigma : float, str or DataArray
-        Normal stress [Pa], > 0; that at t = 0, where the loading changes it.
+        Normal stress [Pa], > 0; its value at t = 0 if the loading changes it.
     K : float, str or DataArray
-        Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit: V = V_lp.  Also
-        friction per length, K/sigma, such as "1e-3/um", which is multiplied by sigma.
+        Stiffness of the spring per area [Pa/m], > 0.  inf is the rigid limit, V = V_lp.  K may also
+        be friction per length, K/sigma, such as "1e-3/um", which is multiplied by sigma.
     M : float, str or DataArray
-        Mass per area [kg/m^2], >= 0.  0 (the default) is the quasi-static limit, with damping the
-        quasi-dynamic one.
+        Mass per area [kg/m^2], >= 0.  The default, 0, is the quasi-static limit, or the
+        quasi-dynamic limit if there is damping.
     mu0 : float or DataArray
-        Friction coefficient in steady sliding at V0 [1], >= 0; with cut-offs that at V >> V1 and
-        theta << Dc/V2.  Steady friction at V0 is 0.567 b higher under "kato-tullis" (V0 << V_cut),
-        and lower under "flash-heating" unless V0 << V_w.
+        Friction coefficient in steady sliding at V0 [1], >= 0.  With cut-offs, it is the friction
+        coefficient at V >> V1 and theta << Dc/V2.  Steady friction at V0 is 0.567 b higher under
+        "kato-tullis" if V0 << V_cut, and lower under "flash-heating" unless V0 << V_w.
     V0 : float, str or DataArray
-        Reference velocity [m/s], > 0.  With cut-offs friction does not depend on it.
+        Reference velocity [m/s], > 0.  With cut-offs, friction does not depend on it.
     law : str
-        Friction law, a name of `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
-        or "Dieterich" (eq. 2), in any capitals; the attribute is the law's name.
+        Friction law: a name in `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
+        or "Dieterich" (eq. 2), in upper or lower case.  The attribute is the law's name.
     friction : {"log", "cut-off", "regularized"}, optional
-        How friction depends on speed and state: by the logarithms of eq. 1, as by default; cut off
-        at high speeds (V1) and at young states (V2; Okubo 1989); or by an inverse hyperbolic sine
-        in their place (Rice & Ben-Zion 1996), which is finite at rest, so that slip may reverse.
-        The law "flash-heating" is for the last.
+        How friction depends on speed and state.  "log", the default, is eq. 1.  "cut-off" limits
+        the logarithms at high speeds (V1) and at young states (V2; Okubo 1989).  "regularized"
+        replaces them by an inverse hyperbolic sine (Rice & Ben-Zion 1996): friction is finite at
+        rest, and slip may reverse.  The law "flash-heating" uses "regularized".
     damping : float, str or DataArray
-        Damping [Pa s/m], >= 0, by default 0: of a dashpot beside friction, or by radiated shear
-        waves, G/(2 c_s).  With it a slider without mass is quasi-dynamic: it slips, however fast.
+        Damping [Pa s/m], >= 0, by default 0, of a dashpot parallel to friction or by radiated shear
+        waves, G/(2 c_s).  A slider with damping and without mass is quasi-dynamic.  Its velocity
+        stays finite.
     alpha : float or DataArray
-        Response of the state to normal stress [1], >= 0, by default 0: theta falls by alpha/b with
-        ln sigma (Linker & Dieterich 1992).  It acts where sigma varies: in `frequency_response`,
-        and in `simulate` and `fit` under a loading that changes it, by `Loading.sigma_step`, say.
-        For all else, `stability` and `limit_cycle` among it, sigma is constant.
+        Response of the state to normal stress [1], >= 0, by default 0 (Linker & Dieterich 1992):
+        ln theta falls by alpha/b times the change of ln sigma.  It matters only if sigma varies: in
+        `frequency_response`, and in `simulate` and `fit` with a loading that changes sigma, for
+        example by `Loading.sigma_step`.
     area : float, str or DataArray, optional
-        Area of the contact [m^2], > 0.  The motion does not depend on it, but with it sigma, K, M
-        and damping may be given for the whole contact [N, N/m, kg, N s/m], and reports and figures
-        show forces.
+        Area of the contact [m^2], > 0.  The motion does not depend on it.  If it is given, sigma,
+        K, M and damping may be values of the whole contact [N, N/m, kg, N s/m], and reports and
+        figures show forces.
     **of_law : float, str or DataArray
-        Parameters that the law, or the form of friction, has beside these, all of them: such as b2
-        and Dc2 of "two-state-slip", or V1 and V2 of "cut-off".
+        Parameters of the law or form of friction that are not listed here.  All are required: b2
+        and Dc2 of "two-state-slip", for example, or V1 and V2 of "cut-off".
 
     Raises
     ------
     ParameterError
-        An unknown or mistyped parameter, one that the law does not have, or one of its own that is
-        missing; a value of a wrong type, unit or range, an unknown law or form of friction, or two
-        that do not go together; arrays that clash.
+        If a parameter is unknown, mistyped or missing, or does not belong to the law; if a value
+        has a wrong type or unit or is out of range; if the law or the form of friction is unknown,
+        or the two cannot be combined; if arrays clash.
 
     Examples
     --------
@@ -127,7 +125,7 @@ class SpringSlider:
     alpha: Any = 0.0
     area: Any = None
 
-    @_names_first
+    @_check_names_first
     def __init__(
         self,
         *,
@@ -146,21 +144,21 @@ class SpringSlider:
         area=None,
         **of_law,
     ):
-        of_state = friction_law(law)
+        base_law = friction_law(law)
         common = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "K": K, "M": M, "mu0": mu0, "V0": V0}
         area = {} if area is None else {"area": area}
-        given: dict[str, Any] = {}  # area and sigma come before what needs them
+        given: dict[str, Any] = {}  # area and sigma come first: others may need them
         optional = {"damping": damping, "alpha": alpha}
         for symbol, value in (area | common | of_law | optional).items():
             given[symbol] = parameter_to_si(symbol, value, given)
-        form = form_of(of_state, friction)
-        composed(of_state, form)  # (if they do not go together this says so)
-        names = {"law": of_state.name, "friction": form, "area": None}
+        form = form_of(base_law, friction)
+        composed(base_law, form)  # raises ParameterError if they cannot be combined
+        names = {"law": base_law.name, "friction": form, "area": None}
         for name, value in (names | given).items():
             object.__setattr__(self, name, value)
         check_aligned(self.parameters)
-        if complaint := of_state.complaint(self):
-            raise ParameterError(f"law = {of_state.name!r}: {complaint}")
+        if complaint := base_law.complaint(self):
+            raise ParameterError(f"law = {base_law.name!r}: {complaint}")
         if self.has_alpha and np.any(np.equal(self.b, 0.0)):
             raise ParameterError(
                 "alpha needs b: theta falls by alpha/b; give another b, or alpha = 0"
@@ -168,31 +166,31 @@ class SpringSlider:
 
     @classmethod
     def of_contact(cls, *, area, mass=None, stiffness, normal_force, **parameters):
-        """The slider of a contact whose mass, stiffness and normal force are known as a whole.
+        """Return a slider from the mass, stiffness and normal force of the whole contact.
 
         Parameters
         ----------
         area : float, str or DataArray
             Area of the contact [m^2], > 0.
         mass : float, str or DataArray, optional
-            Mass [kg], >= 0; by default 0, the quasi-static limit.
+            Mass [kg], >= 0.  The default, 0, is the quasi-static limit.
         stiffness : float, str or DataArray
             Stiffness of the spring [N/m], > 0.
         normal_force : float, str or DataArray
             Normal force [N], > 0.
         **parameters
-            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law and those of the law,
-            alpha, and damping, which may be given for the whole contact [N s/m] too.
+            The other parameters of `SpringSlider`: a, b, Dc, mu0, V0, law, the law's parameters,
+            alpha, and damping, which may also be a value of the whole contact [N s/m].
 
         Returns
         -------
         SpringSlider
-            With M, K and sigma per area, and with the area.
+            The slider, with M, K and sigma per area, and with its area.
 
         Raises
         ------
         ParameterError
-            As from `SpringSlider`.
+            In the same cases as `SpringSlider`.
 
         Examples
         --------
@@ -201,12 +199,12 @@ class SpringSlider:
         >>> slider.sigma, slider.M, slider.K
         (2000000.0, 3000.0, 900000000.0)
         """
-        law = law_of(parameters.get("law", DEFAULT))
-        own = _own_parameters(law, form_of(law, parameters.get("friction")))
+        law = resolve_law(parameters.get("law", DEFAULT))
+        extra = _extra_parameters(law, form_of(law, parameters.get("friction")))
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
         others = [name for name in COMMON if name not in ("sigma", "K", "M")]
-        check_keywords("SpringSlider.of_contact", parameters, (*whole, *others, *own))
+        check_keywords("SpringSlider.of_contact", parameters, (*whole, *others, *extra))
         given = {"area": to_si("area", area)}
         for symbol, name in zip(("sigma", "K", "M"), whole, strict=True):
             value = parameter_to_si(symbol, whole[name], given, quantity=name, label=name)
@@ -215,9 +213,9 @@ class SpringSlider:
 
     @property
     def parameters(self):
-        """All parameters, symbol -> value, with which to build the slider again.
+        """All parameters (symbol -> value), from which the slider can be built again.
 
-        Without area, damping or alpha, if it has none, and a form of friction that is eq. 1's.
+        Area, damping, alpha and the form of friction are left out if they have their defaults.
         """
         area = ["area"] if self.has_area else []
         form = ["friction"] if self.friction != LOG else []
@@ -227,62 +225,62 @@ class SpringSlider:
 
     @property
     def friction_law(self):
-        """The friction law itself, of its form and with damping if any: a `FrictionLaw`."""
+        """The `FrictionLaw` of the slider, with its form of friction and damping."""
         damped = is_array(self.damping) or self.damping != 0.0
         return composed(friction_law(self.law), self.friction, damped)
 
     def replace(self, **changes):
-        """A slider with some parameters changed, and checked like any other.
+        """Return a slider with some parameters changed.
 
         Parameters
         ----------
         **changes
-            New values of parameters, as for `SpringSlider`.  The others stay: K, M and sigma are
-            kept per area, whatever they were given as.  With another law, or form of friction, the
-            parameters that only the old one has are left out.
+            New values of parameters, as for `SpringSlider`.  The other parameters do not change:
+            K, M and sigma per area stay the same even if the area changes.  If the law or the form
+            of friction changes, parameters that only the old one has are left out.
 
         Returns
         -------
         SpringSlider
-            The new slider; this one stays as it is.
+            The new slider.  This slider does not change.
 
         Raises
         ------
         ParameterError
-            An unknown or mistyped parameter; a value of a wrong unit or range.
+            If a parameter is unknown or mistyped, or if a value has a wrong unit or range.
         """
-        old, law = friction_law(self.law), law_of(changes.get("law", self.law))
+        old, law = friction_law(self.law), resolve_law(changes.get("law", self.law))
         kept = self.parameters
         if old.form != LOG and law != old:
-            kept.pop("friction", None)  # the old law is for this form
+            kept.pop("friction", None)  # the form belongs to the old law
         form = form_of(law, (kept | changes).get("friction"))
-        known = {*COMMON, *_own_parameters(law, form)}
+        known = {*COMMON, *_extra_parameters(law, form)}
         kept = {name: x for name, x in kept.items() if name in known}
         return type(self)(**(kept | changes))
 
     @property
     def values(self):
-        """The parameters that are quantities: `parameters` but for the law, the area first."""
+        """The `parameters` except the law and form of friction, area first."""
         given = self.parameters
         area = {"area": self.area} if self.has_area else {}
         return area | {name: x for name, x in given.items() if name not in ("law", "friction")}
 
     @property
     def has_area(self):
-        """Whether the area of the contact is known, and so forces are."""
+        """Whether the area of the contact is known, so that forces can be computed."""
         return self.area is not None
 
     @property
     def has_alpha(self):
-        """Whether its state responds to normal stress."""
+        """Whether the state responds to normal stress."""
         return is_array(self.alpha) or self.alpha != 0.0
 
     @property
     def K_c_qs(self):
-        """Quasi-static critical stiffness [Pa/m], where all sizes of M are 0; (b - a) sigma/Dc.
+        """Quasi-static critical stiffness (M = 0) [Pa/m].
 
-        ParameterError where it depends on the speed, as with damping, cut-offs or a law with a
-        speed of its own.
+        It is (b - a) sigma/Dc under the aging and slip laws.  Raises ParameterError if it depends
+        on the speed: with damping or cut-offs, and under laws with a characteristic speed.
         """
         if self.friction_law.has_speed_scale:
             parts = self.friction_law.name.split(PART_MARK)[1:]
@@ -291,33 +289,35 @@ class SpringSlider:
                 f"{cause} K_c_qs depends on the speed; "
                 f"stability(slider, V_lp).K_c_qs is that at V_lp"
             )
-        return self._of_law("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
+        return self._evaluate("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
 
     @property
     def V_c(self):
-        """Critical velocity [m/s] (eq. 10): the lowest above which steady sliding is unstable.
+        """Critical velocity [m/s] (eq. 10): steady sliding is unstable just above it.
 
-        0 where it is unstable down to rest, inf where at no speed.
+        It is the lowest such velocity: 0 if steady sliding is unstable at all low velocities, and
+        inf if steady sliding is stable at all velocities.
         """
-        return self._of_law("V_c", V_c, "V_c", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c", V_c, "V_c", **self._pick("sigma", "K", "M"))
 
     @property
     def V_c_upper(self):
-        """The speed [m/s] above V_c from which steady sliding is stable again; inf if none.
+        """Velocity above V_c [m/s] at which steady sliding becomes stable again, or inf.
 
-        Under a law with a speed of its own it may become unstable once more at larger speeds.
+        Under a law with a characteristic speed, it may become unstable again above V_c_upper.
         """
-        return self._of_law("V_c_upper", V_c, "V_c_upper", **self._pick("sigma", "K", "M"))
+        return self._evaluate("V_c_upper", V_c, "V_c_upper", **self._pick("sigma", "K", "M"))
 
     @property
     def f_n(self):
-        """Natural frequency [Hz], sqrt(K/M)/(2 pi); inf where there is none (M = 0, K = inf)."""
+        """Natural frequency [Hz], sqrt(K/M)/(2 pi); inf if M = 0 or K = inf."""
         return named("f_n", f_n(**self._pick("K", "M")))
 
     def K_c(self, V):
-        """Critical stiffness for sliding at V (eq. 6): the largest at which stability changes.
+        """Return the critical stiffness for sliding at V (eq. 6).
 
-        Steady sliding is unstable just below it, and stable at any K where K_c <= 0.
+        Steady sliding is unstable at stiffnesses just below K_c and stable at all larger ones.  If
+        K_c <= 0, steady sliding is stable at any stiffness.
 
         Parameters
         ----------
@@ -329,10 +329,10 @@ class SpringSlider:
         float or DataArray
             K_c [Pa/m].
         """
-        return self._of_law("K_c", K_c, V=self._speed(V), **self._pick("sigma", "M"))
+        return self._evaluate("K_c", K_c, V=self._speed_in_si(V), **self._pick("sigma", "M"))
 
     def eta(self, V):
-        """Dynamic instability coefficient for sliding at V (eq. 7).
+        """Return the dynamic instability coefficient for sliding at V (eq. 7).
 
         Parameters
         ----------
@@ -344,10 +344,10 @@ class SpringSlider:
         float or DataArray
             Coefficient eta [1].
         """
-        return named("eta", eta(self._speed(V), **self._pick("a", "Dc", "sigma", "M")))
+        return named("eta", eta(self._speed_in_si(V), **self._pick("a", "Dc", "sigma", "M")))
 
-    def _of_law(self, symbol, function, part=None, **given):
-        """The result of a function of linear stability, or a part of it, under its symbol."""
+    def _evaluate(self, symbol, function, part=None, **given):
+        """Return the result, or a part of it, of a function of linear stability."""
 
         def of_arrays(**arrays):
             result = function(self.friction_law, **arrays)
@@ -359,19 +359,19 @@ class SpringSlider:
     def _pick(self, *symbols):
         return {symbol: getattr(self, symbol) for symbol in symbols}
 
-    def _speed(self, V):
+    def _speed_in_si(self, V):
         V = to_si("V", V)
         check_aligned({**self.parameters, "V": V})
         return V
 
     def __repr__(self):
-        """The call that builds the slider; of an array, its sizes and range."""
-        shown = (f"{symbol}={_exact(symbol, value)}" for symbol, value in self.parameters.items())
+        """Return the call that builds the slider, with the sizes and range of an array."""
+        shown = (f"{symbol}={_literal(symbol, value)}" for symbol, value in self.parameters.items())
         return f"SpringSlider({', '.join(shown)})"
 
     def _repr_html_(self):
-        """A table for notebooks: symbol, name, and value in a unit that fits."""
-        rows = [(s, QUANTITIES[s].long_name, _rounded(s, x)) for s, x in self.values.items()]
+        """Return an HTML table for notebooks: symbol, name, and value in a suitable unit."""
+        rows = [(s, QUANTITIES[s].long_name, _value_text(s, x)) for s, x in self.values.items()]
         rows.append(("law", "friction law", self.law))
         rows += [("friction", "form of friction", self.friction)] if self.friction != LOG else []
         lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
@@ -380,19 +380,19 @@ class SpringSlider:
         return f"<table><thead>{head}</thead><tbody>{body}</tbody></table>"
 
     def __eq__(self, other):
-        """Whether all values, and the coordinates of arrays, are equal."""
+        """Return whether all values, and the coordinates of arrays, are equal."""
         if not isinstance(other, SpringSlider):
             return NotImplemented
-        mine, its = self.parameters, other.parameters
-        return mine.keys() == its.keys() and all(
-            is_array(x) == is_array(its[name])
-            and (x.equals(its[name]) if is_array(x) else x == its[name])
-            for name, x in mine.items()
+        first, second = self.parameters, other.parameters
+        return first.keys() == second.keys() and all(
+            is_array(x) == is_array(second[name])
+            and (x.equals(second[name]) if is_array(x) else x == second[name])
+            for name, x in first.items()
         )
 
     def __reduce__(self):
-        """With the source of a user's law, which is registered where the slider is made again."""
-        return _made_again, (type(self), recorded(self.law), self.parameters)
+        """Pickle the source of a user's law too, so that another process can register it."""
+        return _rebuild, (type(self), source_of_law(self.law), self.parameters)
 
     __replace__ = replace  # of `copy.replace`
 
@@ -400,26 +400,26 @@ class SpringSlider:
         return hash(tuple(v.shape if is_array(v) else v for v in self.parameters.values()))
 
 
-#: names of the parameters of every slider
+#: names of the parameters that every slider has
 COMMON = tuple(field.name for field in dataclasses.fields(SpringSlider))
-#: what only some sliders have -> what it is for the others
+#: optional parameter -> its value in sliders that do not have it
 OPTIONAL: dict[str, Any] = {"area": None, "friction": LOG, "damping": 0.0, "alpha": 0.0}
-#: symbols of the quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0; beside
-#: them there are those of the law, and damping
+#: quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0.  Damping and the law's
+#: parameters come in addition.
 PARAMETERS = tuple(name for name in COMMON if name not in ("law", *OPTIONAL))
 
 
-def _own_parameters(law, form):
-    """Symbols of the parameters that the law and its form of friction have beside `COMMON`."""
+def _extra_parameters(law, form):
+    """Return the parameters of a law and form of friction that are not in `COMMON`."""
     return (*law.parameters, *parameters_of(form))
 
 
 def _check_names(law, form, given):
-    """Raise ParameterError for a parameter that the law or its form does not have, or lacks.
+    """Raise ParameterError for an unknown or missing parameter of the law and form.
 
-    form : the name of the form of friction; given : the names given as keywords
+    form : name of the form of friction; given : names of the given keywords
     """
-    own = _own_parameters(law, form)
+    extra = _extra_parameters(law, form)
     for name in law.parameters:
         if name in COMMON or hasattr(SpringSlider, name):
             raise ParameterError(
@@ -427,17 +427,17 @@ def _check_names(law, form, given):
                 f"rename it"
             )
     for name in given:
-        for kind, chosen, having in (
+        for kind, chosen, owners in (
             ("law", law.name, laws_with(name)),
             ("friction", form, forms_with(name)),
         ):
-            if having and name not in own:
+            if owners and name not in extra:
                 raise ParameterError(
                     f"{kind} = {chosen!r} has no parameter {name}, which belongs to "
-                    f"{' and '.join(map(repr, having))}; leave {name} out, or choose such a {kind}"
+                    f"{' and '.join(map(repr, owners))}; leave {name} out, or choose such a {kind}"
                 )
-    check_keywords("SpringSlider", given, (*COMMON, *own))
-    for name in own:
+    check_keywords("SpringSlider", given, (*COMMON, *extra))
+    for name in extra:
         if name not in given:
             needing = f"law = {law.name!r}" if name in law.parameters else f"friction = {form!r}"
             raise ParameterError(
@@ -445,16 +445,16 @@ def _check_names(law, form, given):
             )
 
 
-def _exact(symbol, value):
-    """A parameter in the call that makes the slider again; of an array, its sizes and range."""
+def _literal(symbol, value):
+    """Return a parameter as Python source; for an array, its sizes and range."""
     if is_array(value) or symbol in ("law", "friction"):
-        return _rounded(symbol, value) if is_array(value) else repr(value)
-    text = exact(symbol, value)
+        return _value_text(symbol, value) if is_array(value) else repr(value)
+    text = exact_text(symbol, value)
     return text if QUANTITIES[symbol].unit == "1" else repr(text)
 
 
-def _rounded(symbol, value):
-    """A quantity as text in six digits, or an array's sizes and range."""
+def _value_text(symbol, value):
+    """Return a quantity as text with six digits, or the sizes and range of an array."""
     if not is_array(value):
         return readable(symbol, value, 6)
     sizes = ", ".join(f"{dim}: {size}" for dim, size in value.sizes.items())
@@ -462,14 +462,14 @@ def _rounded(symbol, value):
     return f"<{sizes}; {readable_together(symbol, '{:.6g} to {:.6g}', *ends)}>"
 
 
-def _made_again(kind, record, parameters):
-    """A slider of this class, after the law of `recorded` has been made known."""
-    known_again(record)
-    return kind(**parameters)
+def _rebuild(slider_class, law_source, parameters):
+    """Return a slider of this class after registering its law, from `source_of_law`."""
+    register_source(law_source)
+    return slider_class(**parameters)
 
 
-def checked(slider):
-    """The slider; ParameterError if it is none."""
+def check_slider(slider):
+    """Return the slider; ParameterError if it is not a `SpringSlider`."""
     if not isinstance(slider, SpringSlider):
         raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
     return slider

@@ -1,9 +1,9 @@
-"""Values read into SI; quantities.py shows them as text.
+"""Conversion of values to SI; quantities.py shows values as text.
 
-Inside ratestate every value is in SI.  `to_si` turns what a user writes (a number, ``"10 um"``,
-a pint quantity, a named DataArray) into a float or a DataArray in SI, or raises a
-`ParameterError` that names symbol, value, unit and remedy.
-All units of pint are read; prefixes keep their case: 2 MPa is 2e6 Pa, and 2 mPa is 2e-3 Pa.
+Inside ratestate every value is in SI.  `to_si` converts the input of a user (a number, ``"10 um"``,
+a pint quantity, a named DataArray) to a float or DataArray in SI, or raises a `ParameterError`
+with symbol, value, unit and remedy.  All units of pint are valid, and prefixes are case-sensitive:
+2 MPa is 2e6 Pa, and 2 mPa is 2e-3 Pa.
 """
 
 import functools
@@ -17,18 +17,19 @@ import numpy as np
 from ..errors import ParameterError
 from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected, prefixed_unit
 
-#: names of dimensions that results need for themselves
+#: names of dimensions that only results may have
 RESERVED = {"time", "mode", "segment"}
 _PREFIXES = {prefix: power for power, prefix in PREFIXES.items()} | {"µ": -6, "μ": -6}
-#: units of what data sheets give for a whole machine, in N/m, kg or N; the complaint about these
+#: units of quantities that data sheets give for the whole contact, in N/m, kg, N or N s/m
 _PER_AREA = ("Pa/m", "kg/m^2", "Pa", "Pa s/m")
+#: the problem of such a value
 OF_WHOLE_CONTACT = "is of the whole contact, and to be divided by its area"
-# A number goes as far as it can, and nothing like a second one may touch it: no "1e1e1 um".
+# The number is as long as possible, and no part of another number may follow it ("1e1e1 um").
 _NUMBER = re.compile(
     r"\s*((?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf|nan)))(?![eE]?[-+]?[\d.])"
     r"\s*(.*?)\s*"
 )
-# Names, powers and what joins them; pint by itself takes what follows a # for a comment.
+# Names, powers and operators only: pint would ignore a # and all text after it.
 _EXPRESSION = re.compile(
     r"(?:[^\W\d]\w*+(?:-\d++)?|[%\u00b0]|1(?![\d.])"
     r"|(?:\*\*|\^)\s*+\(?\s*+[-+]?\d++(?:\.\d++)?|[*/()\u00b7\s\u207b])++"
@@ -36,23 +37,23 @@ _EXPRESSION = re.compile(
 
 
 def is_array(value):
-    """Whether value is an xarray.DataArray (without importing xarray to find out)."""
+    """Return whether value is an xarray.DataArray, without importing xarray."""
     xarray = sys.modules.get("xarray")
     return xarray is not None and isinstance(value, xarray.DataArray)
 
 
 def is_pint(value):
-    """Whether value is a quantity of pint, whatever its registry."""
+    """Return whether value is a pint quantity of any registry."""
     return hasattr(value, "magnitude") and hasattr(value, "units")
 
 
 def is_integer(value):
-    """Whether value is an integer; NumPy counts time differences among its own."""
+    """Return whether value is an integer; NumPy's time differences are not."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool | np.timedelta64)
 
 
 def unit_of(value):
-    """The unit that a value for `to_si` carries, as text; None of a number, or other text."""
+    """Return the unit of a value for `to_si` as text; None for any other value."""
     if is_array(value):
         unit = value.data.units if is_pint(value.data) else value.attrs.get("units")
         return None if unit is None else str(unit)
@@ -63,7 +64,7 @@ def unit_of(value):
 
 
 def has_unit(symbol, unit):
-    """Whether values of a quantity may have this unit, given as text."""
+    """Return whether a unit, given as text, fits a quantity."""
     try:
         unit_factor(QUANTITIES[symbol].unit, unit)
     except ValueError:
@@ -72,29 +73,30 @@ def has_unit(symbol, unit):
 
 
 def named(symbol, value):
-    """A result under its symbol: DataArray with name and attributes, ndarray as it is, or float."""
+    """Return a result as float, ndarray, or DataArray with its name and attributes."""
     if is_array(value):
         return value.rename(symbol).assign_attrs(attrs(symbol))
     return value if np.ndim(value) else float(value)
 
 
 def to_si(symbol, value, *, label=None, bound=None):
-    """Value of a quantity in SI, checked: a float, or a DataArray of floats named by the symbol.
+    """Convert a value of a quantity to SI and check it: float, or DataArray.
 
-    A DataArray along its own symbol without a coordinate (or with its own values for one) gets its
-    SI values as the coordinate.  ParameterError for a wrong type, unit or range, NaN, and a
-    DataArray whose dimension has no usable name.
+    The name of the DataArray is the symbol.  If its only dimension has this name too, and has no
+    coordinate or the given values as coordinate, its SI values become the coordinate.  Raises
+    ParameterError for a wrong type, unit or range, for NaN, and for a dimension whose name cannot
+    be used.
 
-    value : float, str, pint.Quantity or DataArray; in SI without a unit, or attribute ``units``
-    label : name of the value in messages, if not its symbol
-    bound : "", "> 0" or ">= 0", in place of the table's
+    value : float, str, pint.Quantity or DataArray; in SI if it has no unit or attribute ``units``
+    label : name of the value in messages, by default the symbol
+    bound : "", "> 0" or ">= 0", instead of the bound in `QUANTITIES`
     """
     label = label or symbol
     if is_array(value):
         return _array_to_si(symbol, value, label, bound)
     given = repr(value) if isinstance(value, str) else str(value)
     if is_pint(value):
-        number = _real(symbol, value.magnitude, label)
+        number = _to_float(symbol, value.magnitude, label)
         x = _convert(symbol, repr(number), str(value.units), f"{label} = {given}")
     elif isinstance(value, str):
         match = _NUMBER.fullmatch(value)
@@ -107,15 +109,15 @@ def to_si(symbol, value, *, label=None, bound=None):
         else:
             x = float(match[1])  # "inf" is the same in all units
     else:
-        x = _real(symbol, value, label)
-        given = _shown(symbol, x)
-    if complaint := _complaint(symbol, x, bound):
-        raise ParameterError(f"{label} = {given} {complaint}; {expected(symbol)}")
+        x = _to_float(symbol, value, label)
+        given = _text(symbol, x)
+    if problem := _problem(symbol, x, bound):
+        raise ParameterError(f"{label} = {given} {problem}; {expected(symbol)}")
     return x
 
 
 def one_in_si(symbol, value, *, label=None, bound=None):
-    """Return `to_si` of a single number, as a float; ParameterError for an array or a list."""
+    """Convert a single number to SI by `to_si`; ParameterError for array or list."""
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0:
         raise ParameterError(
             f"{label or symbol} is an array and not one number; {expected(symbol)}"
@@ -123,13 +125,13 @@ def one_in_si(symbol, value, *, label=None, bound=None):
     return float(to_si(symbol, value, label=label, bound=bound))
 
 
-def _shown(symbol, x):
+def _text(symbol, x):
     unit = QUANTITIES[symbol].unit
     return f"{x:.6g}" + ("" if unit == "1" else f" {unit}")
 
 
-def _complaint(symbol, x, bound):
-    """What is wrong with this number, or nothing."""
+def _problem(symbol, x, bound):
+    """Return what is wrong with a number, as text; "" if it is valid."""
     quantity = QUANTITIES[symbol]
     bound = quantity.bound if bound is None else bound
     if np.isnan(x):
@@ -139,8 +141,8 @@ def _complaint(symbol, x, bound):
     return "must be finite" if np.isinf(x) and not quantity.may_be_inf else ""
 
 
-def _real(symbol, value, label):
-    """A plain real number as a float; anything else is refused."""
+def _to_float(symbol, value, label):
+    """Return a real number as a float; ParameterError for any other type."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if is_integer(value) or isinstance(value, float | np.floating | Decimal):
@@ -156,40 +158,40 @@ def _real(symbol, value, label):
 
 
 def _convert(symbol, number, unit, given):
-    """Number with a unit, both as text, as a float in SI (correctly rounded)."""
+    """Convert a number and a unit, both texts, to a correctly rounded float in SI."""
     try:
         exact = Decimal(number) * unit_factor(QUANTITIES[symbol].unit, unit)
         value = float(exact)
         if np.isinf(value) and exact.is_finite():
             raise OverflowError
         return value
-    except ArithmeticError:  # decimal exponents of ten digits, and what a float cannot hold
+    except ArithmeticError:  # beyond the exponents of Decimal, or beyond a float
         raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
     except ValueError as error:
-        raise ParameterError(f"{given} {error}; {expected(symbol)}{_meant(symbol, unit)}") from None
+        raise ParameterError(f"{given} {error}; {expected(symbol)}{_hint(symbol, unit)}") from None
 
 
-def _meant(symbol, unit):
-    """The end of a message: the unit that this would be in other letters, small or capital."""
+def _hint(symbol, unit):
+    """Return the end of a message: the usual unit that differs only in its case."""
     si = QUANTITIES[symbol].unit
     usual = (prefixed_unit(si, power) for power in POWERS.get(si, (0,)))
     plain = unit.replace("^", "").lower()
-    near = [known for known in usual if si != "1" and known.replace("^", "").lower() == plain]
+    near = [one for one in usual if si != "1" and one.replace("^", "").lower() == plain]
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
 @functools.lru_cache(maxsize=1000)
 def unit_factor(si, unit):
-    """SI units in one unit, exactly (Decimal); ValueError with a complaint if there is none."""
+    """Return the exact size of a unit in SI units (Decimal), or raise ValueError."""
     if unit in ("", "1", "dimensionless"):
         if si == "1":
             return Decimal(1)
         raise ValueError("has no unit")
-    # Loading pint takes 0.3 s, so the usual case, the SI unit with a prefix, is read here.
+    # Importing pint takes 0.3 s: the usual case, the SI unit with a prefix, does without it.
     prefix = unit.removesuffix(si)
     if unit.endswith(si) and prefix in (_PREFIXES if si in POWERS and si != "m^2" else [""]):
         return Decimal(1).scaleb(_PREFIXES[prefix])
-    # "kg/m2" and "m s-1", as CF writes them, mean "kg/m**2" and "m s**-1"
+    # "kg/m2" and "m s-1", as in the CF conventions, mean "kg/m**2" and "m s**-1"
     unit = f"1{unit}" if unit.startswith("/") else unit  # "1e-3/um"
     text = re.sub(r"(?<![\w.])([A-Za-z]+)(-?\d)(?![\d.])", r"\1**\2", unit)
     if not _EXPRESSION.fullmatch(unit):
@@ -199,29 +201,28 @@ def unit_factor(si, unit):
         if one.is_compatible_with(si):
             return one.to(si if si != "1" else "dimensionless").magnitude
         dimension = str(one.dimensionality)
-    except Exception:  # pint raises a dozen kinds, down to AssertionError; dB has no linear factor
+    except Exception:  # of many types, AssertionError among them; dB has no linear factor
         raise ValueError(f"has an unknown unit {unit!r}") from None
     if si in _PER_AREA and one.is_compatible_with(f"({si}) * m**2"):
         raise ValueError(OF_WHOLE_CONTACT)
-    what = [f"{KINDS[kind][0]} [{kind}]" for kind in KINDS if one.is_compatible_with(kind)]
-    raise ValueError(f"is {what[0] if what else f'of dimension {dimension}'}")
+    kinds = [f"{KINDS[known][0]} [{known}]" for known in KINDS if one.is_compatible_with(known)]
+    raise ValueError(f"is {kinds[0] if kinds else f'of dimension {dimension}'}")
 
 
 def scaled(values, factor):
-    """An array times a factor (Decimal), rounded once: 10 um are 10 / 1e6, not 10 * 1e-06."""
+    """Multiply an array by a Decimal; 10 um is 10 / 1e6, rounded once."""
     return values * float(factor) if factor >= 1 else values / float(1 / factor)
 
 
 @functools.cache
 def _registry():
-    """Units by pint, in decimal arithmetic: "10 um" is exactly 1e-05."""
+    """Return pint's units in decimal arithmetic: "10 um" is exactly 1e-05."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
 def _array_to_si(symbol, array, label, bound):
-    """`to_si` for a DataArray."""
     unit = array.attrs.get("units")
     if hasattr(array.data, "magnitude"):  # pint inside xarray
         unit, array = str(array.data.units), array.copy(data=array.data.magnitude)
@@ -251,15 +252,15 @@ def _array_to_si(symbol, array, label, bound):
     if si.ndim == 0:
         return to_si(symbol, float(si), label=label, bound=bound)
     values = si.values
-    if any(_complaint(symbol, x, bound) for x in (values.min(), values.max())):
-        index = next(i for i, x in np.ndenumerate(values) if _complaint(symbol, x, bound))
+    if any(_problem(symbol, x, bound) for x in (values.min(), values.max())):
+        index = next(i for i, x in np.ndenumerate(values) if _problem(symbol, x, bound))
         where = ", ".join(
             f"{dim}[{i}]" + (f" = {si[dim].values[i]}" if dim in si.indexes else "")
             for dim, i in zip(si.dims, index, strict=True)
         )
-        given, complaint = _shown(symbol, values[index]), _complaint(symbol, values[index], bound)
-        raise ParameterError(f"{label} = {given} at {where} {complaint}; {expected(symbol)}")
-    # an axis along its own symbol carries its own values, in SI like everything else
+        given, problem = _text(symbol, values[index]), _problem(symbol, values[index], bound)
+        raise ParameterError(f"{label} = {given} at {where} {problem}; {expected(symbol)}")
+    # the coordinate of an axis is in SI like its values
     if si.dims == (symbol,) and (
         symbol not in si.indexes or np.array_equal(si.indexes[symbol], array.values)
     ):

@@ -1,4 +1,4 @@
-"""The function `register`: a friction law of one's own, checked and made known."""
+"""The function `register`: check a user's friction law and make it available by name."""
 
 import keyword
 import os
@@ -19,15 +19,15 @@ from ..friction.user_law import (
 from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
 from .units import to_si
 
-#: words that sliders, scenario files and results use for other things than quantities
-TAKEN = frozenset(
+#: names that sliders, scenario files and results use for other things than quantities
+RESERVED_NAMES = frozenset(
     "law law_file area values parameters friction replace slider loading method verb file plot"
     " steps times initial parameter start stop point case columns units".split()
 )
 
 
 def register(law):
-    """Check a friction law of your own, and make it known by its name.
+    """Check a friction law of your own and make it available by its name.
 
     Parameters
     ----------
@@ -38,17 +38,17 @@ def register(law):
     Returns
     -------
     str
-        Its name with the first digits of a hash of its formula, such as "mine@1f6ac03b": results
-        have it under this name.  Sliders take this name, the class, or the law's own name, "mine",
-        which stands for the law registered last.
+        The name of the law with the first digits of a hash of its formula, such as
+        "mine@1f6ac03b".  Results record this name.  The parameter ``law`` of `SpringSlider` accepts
+        this name, the class, or "mine", which means the last law registered under this name.
 
     Raises
     ------
     ParameterError
-        A file that cannot be read or run, or does not hold one law; a name that a built-in law
-        has; a parameter of a name or unit that cannot be; a formula that cannot be run with
-        expressions, or gives no finite numbers; a state that depends on another; no steady
-        sliding, or several.
+        If the file cannot be read or run, or does not contain exactly one law; if the name belongs
+        to a built-in law; if the name or unit of a parameter is not allowed; if the formula cannot
+        be run with expressions, or gives infinite values or NaN; if a state depends on another
+        state; if a state has no steady value, or several.
 
     Examples
     --------
@@ -60,47 +60,47 @@ def register(law):
     >>> rs.register(Mine).partition("@")[0]
     'mine'
     """
-    kind = class_from_file(law) if isinstance(law, str | os.PathLike) else law
+    law_class = class_from_file(law) if isinstance(law, str | os.PathLike) else law
     try:
-        new = make_user_law(kind)
+        new = make_user_law(law_class)
     except ParameterError:
         raise
     except USER_ERRORS as error:
-        raise ParameterError(f"law{_of(law)} cannot be made: {reason_of(error)}") from error
-    own = new.name.partition(HASH_MARK)[0]
+        raise ParameterError(f"law{_origin(law)} cannot be made: {reason_of(error)}") from error
+    base_name = new.name.partition(HASH_MARK)[0]
     if new.name in laws.LAWS:
-        laws.add(new, own)
+        laws.add(new, base_name)
         return new.name
     try:
-        _check_names(new, own)
+        _check_names(new, base_name)
         check_formulas(new, {symbol: _example(symbol, new) for symbol in new.parameters})
     except ParameterError as error:
-        raise ParameterError(f"law {own!r}{_of(law)}: {error}") from None
+        raise ParameterError(f"law {base_name!r}{_origin(law)}: {error}") from None
     except FormulaError as error:
-        raise ParameterError(describe_error(own, new, error)) from None
+        raise ParameterError(describe_error(base_name, new, error)) from None
     except USER_ERRORS as error:
         raise ParameterError(
-            f"law {own!r}{_of(law)} cannot be tried: {reason_of(error)}"
+            f"law {base_name!r}{_origin(law)} cannot be tried: {reason_of(error)}"
         ) from error
     add_quantities_of(new)
-    laws.add(new, own)
+    laws.add(new, base_name)
     return new.name
 
 
-def _of(law):
-    """Where a law came from, in messages; "" of a class."""
+def _origin(law):
+    """Return the file of a law for a message; "" if the law is a class."""
     return "" if isinstance(law, type) else f" of {law}"
 
 
-def _check_names(law, own):
-    """Raise ParameterError for a name that is taken, and a quantity that cannot be."""
-    for name in (own, *law.synonyms):
+def _check_names(law, base_name):
+    """Raise ParameterError if a name is in use or a quantity is not allowed."""
+    for name in (base_name, *law.synonyms):
         known = laws.find_law_name(name)
         if known and HASH_MARK not in known:
             raise ParameterError(f"the name {name!r} is that of a built-in law; choose another")
     for symbol, parameter in law.parameters.items():
         quantity = Quantity(*parameter)
-        if not _is_name(symbol) or _is_another(symbol, quantity, own):
+        if not _is_allowed_name(symbol) or _is_other_quantity(symbol, quantity, base_name):
             raise ParameterError(f"its parameter {symbol!r} is another quantity; rename it")
         if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
             units = ", ".join(KINDS)
@@ -110,7 +110,7 @@ def _check_names(law, own):
             )
     known = {state for one in laws.LAWS.values() for state in one.states}
     for state, (_, distance) in law.states.items():
-        if not _is_name(state) or (state in QUANTITIES and state not in known):
+        if not _is_allowed_name(state) or (state in QUANTITIES and state not in known):
             raise ParameterError(
                 f"its state {state!r} is another quantity, or no name; rename it, as to theta2"
             )
@@ -118,23 +118,22 @@ def _check_names(law, own):
             raise ParameterError(f"its state {state} evolves over {distance!r}, which is no length")
 
 
-def _is_name(text):
-    """Whether a parameter or state may be called so."""
-    return text.isidentifier() and not keyword.iskeyword(text) and text not in TAKEN
+def _is_allowed_name(text):
+    return text.isidentifier() and not keyword.iskeyword(text) and text not in RESERVED_NAMES
 
 
-def _is_another(symbol, quantity, own):
-    """Whether a symbol stands for another quantity, elsewhere than in this law before an edit."""
-    having = laws.laws_with(symbol)
-    if not having:
+def _is_other_quantity(symbol, quantity, base_name):
+    """Return whether a symbol is another quantity, except in versions of this law."""
+    owners = laws.laws_with(symbol)
+    if not owners:
         return symbol in QUANTITIES
-    others = [name for name in having if name.partition(HASH_MARK)[0] != own]
+    others = [name for name in owners if name.partition(HASH_MARK)[0] != base_name]
     known = QUANTITIES[symbol]
     return bool(others) and (known.unit, known.bound) != (quantity.unit, quantity.bound)
 
 
 def _example(symbol, law):
-    """A value of a parameter [SI]: its own example, else 1."""
+    """Return the example of a parameter [SI], or 1 if it has none."""
     quantity = Quantity(*law.parameters[symbol])
     if not quantity.example:
         return 1.0
@@ -150,21 +149,21 @@ def _example(symbol, law):
             QUANTITIES[symbol] = before
 
 
-def file_of(name):
-    """The file from which the law of this name was registered, a Path; None of any other law."""
+def file_of_law(name):
+    """Return the Path of the law's file; None if the law is not from a file."""
     return vars(type(laws.LAWS[name])).get("file")
 
 
-def recorded(name):
-    """What makes a user's law known in another process: `known_again` takes it; None for others."""
+def source_of_law(name):
+    """Return the file's text, or the class, of a user's law; None if it is built in."""
     if HASH_MARK not in name:
         return None
-    kind = type(laws.LAWS[name])
-    return vars(kind).get("file_text") or kind
+    law_class = type(laws.LAWS[name])
+    return vars(law_class).get("file_text") or law_class
 
 
-def known_again(record):
-    """Register what `recorded` gave: the text of a law file, which is run, or a class."""
-    known = (vars(type(law)).get("file_text") or type(law) for law in laws.LAWS.values())
-    if record is not None and record not in known:
-        register(class_from_text(record, "a law file") if isinstance(record, str) else record)
+def register_source(source):
+    """Register a law from `source_of_law`, unless it is registered already."""
+    registered = (vars(type(law)).get("file_text") or type(law) for law in laws.LAWS.values())
+    if source is not None and source not in registered:
+        register(class_from_text(source, "a law file") if isinstance(source, str) else source)

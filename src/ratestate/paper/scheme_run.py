@@ -26,7 +26,7 @@ from ..machine import check_fits
 from ..model.loading import Loading
 from ..model.names import keywords_checked
 from ..model.quantities import attrs
-from ..model.slider import checked
+from ..model.slider import check_slider
 from ..model.units import is_array, to_si
 from .laws import LAWS
 
@@ -93,7 +93,7 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     >>> run.sizes["time"]
     10001
     """
-    checked(slider)
+    check_slider(slider)
     if not isinstance(loading, Loading):
         raise refusal("simulate.loading", loading=loading)
     t_end, dt = to_si("t_end", t_end), to_si("dt", dt)

@@ -104,7 +104,7 @@ def prefixed(unit, value):
     >>> prefixed("m/s", 0.0032)
     (1000.0, 'mm/s')
     """
-    if unit == "s" and (long := quantities.long_time(abs(value))):
+    if unit == "s" and (long := quantities.long_time_unit(abs(value))):
         return 1.0 / long[1], long[0]
     power = quantities.power_of(unit, value)
     text = quantities.prefixed_unit(unit, power, PREFIXES).replace("^2", "$^2$")

@@ -2,7 +2,7 @@
 
 A call is a frozen dataclass of arguments in SI.  ``batch`` broadcasts them, ``run()`` returns the
 variables of all cases, ``blank()`` the same without answers, ``dataset(variables)`` the result;
-`arrays.cut` selects a part of it.
+`arrays.isel` selects a part of it.
 """
 
 import inspect
@@ -15,7 +15,7 @@ from ..dynamics.simulation.simulate import simulate, simulate_call
 from ..dynamics.simulation.undisturbed import undisturbed_warning
 from ..dynamics.steady_sliding import stability, stability_call
 from ..errors import ParameterError
-from ..model.arrays import cut
+from ..model.arrays import isel
 from ..model.initial_state import initial_state
 from ..model.names import check_keywords
 from . import sentence
@@ -58,7 +58,7 @@ def call_of(verb, slider, arguments):
         raise ParameterError(f"sweep of {name}: {error}; see help(ratestate.{name})") from None
     bound.apply_defaults()
     call = checked_call(*bound.args, **bound.kwargs)
-    if call.batch.alone:
+    if call.batch.is_single:
         raise ParameterError(sentence("call.nothing", name=name))
     _check_names(call)
     if call.batch.n == 0:
@@ -85,7 +85,7 @@ def check_cases(call, chunks):
     """
     if getattr(call, "initial", None):
         for slices in chunks:
-            part = cut(call, slices)
+            part = isel(call, slices)
             table, rows = part.batch.rows(part.loading.V)
             initial_state(part.slider.friction_law, part.batch, table[rows, 0])
 
@@ -94,7 +94,7 @@ def undisturbed(name, call):
     """What a `RunWarning` says of cases of a checked call that stay on unstable sliding, or ""."""
     if name != "simulate":
         return ""
-    return undisturbed_warning(cut(call, part) for part in chunks_of(call.batch.sizes, AT_A_TIME))
+    return undisturbed_warning(isel(call, part) for part in chunks_of(call.batch.sizes, AT_A_TIME))
 
 
 def check_device(name, call, device):

@@ -10,7 +10,7 @@ import numpy as np
 from ..engine import backend
 from ..engine.rows import LANES
 from ..errors import RateStateError
-from ..model.arrays import cut
+from ..model.arrays import isel
 from .solve import bytes_per_case, solve
 
 # Number of cases in the sample; seconds of computing after which a part of it is enough.
@@ -75,7 +75,7 @@ def cases_per_chunk(request):
     n, fits = batch.n, max(1, MOST_BYTES // bytes_per_case(specs))
     if request.device == "cuda":
         return min(n, CASES_ON_GPU, fits)
-    sample = cut(request.call, sample_indices(batch.sizes, min(SAMPLE, fits)))
+    sample = isel(request.call, sample_indices(batch.sizes, min(SAMPLE, fits)))
     try:
         case_seconds = max(backend.run(seconds_per_case, sample, specs), 1e-9)
     except RateStateError:

@@ -4,7 +4,7 @@ import itertools
 from collections import Counter
 
 from ..errors import RateStateError, SolverError
-from ..model.arrays import cut
+from ..model.arrays import isel
 from . import sentence
 from .cluster_work import jobs_of, working
 from .subprocesses import SubprocessTasks
@@ -55,7 +55,7 @@ class Cluster:
 
         def send(i):
             how = SubprocessTasks(*tasks) if deaths[i] else tasks
-            work.send(i, how.do, i, cut(call, tasks.chunks.slices(i)))
+            work.send(i, how.do, i, isel(call, tasks.chunks.slices(i)))
 
         def retry_in_subprocess(i):
             deaths[i] += 1

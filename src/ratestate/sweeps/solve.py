@@ -9,7 +9,7 @@ import xarray
 from ..engine.backend import Stopped
 from ..engine.model import CRASHED, FINISHED, STATUSES, STEADY_SLIDING
 from ..errors import RateStateError
-from ..model.arrays import cut
+from ..model.arrays import isel
 from ..model.quantities import attrs
 from .chunks import halves
 
@@ -53,7 +53,7 @@ class Form(NamedTuple):
 def form_of(call):
     """`Form` of a call's result."""
     dims = call.batch.dims
-    first = cut(call, {dim: slice(0, 1) for dim in dims})
+    first = isel(call, {dim: slice(0, 1) for dim in dims})
     specs, static = {}, {}
     for name, v in with_messages(first.blank(), first.batch).items():
         own = {dim: n for dim, n in v.sizes.items() if dim not in dims}
@@ -80,7 +80,7 @@ def solve(call, specs, progress=None):
         if call.batch.n == 1:
             return crashed_variables(call, specs, f"{type(error).__name__}: {error}")
     dim, parts = halves(call.batch.sizes)
-    return concatenate([solve(cut(call, slices), specs) for slices in parts], dim)
+    return concatenate([solve(isel(call, slices), specs) for slices in parts], dim)
 
 
 def with_messages(variables, batch):

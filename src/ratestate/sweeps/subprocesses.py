@@ -6,7 +6,7 @@ import time
 from ..engine import backend
 from ..errors import RateStateError, SolverError
 from ..machine import Child, ChildDied
-from ..model.arrays import cut
+from ..model.arrays import isel
 from . import sentence
 from .chunks import halves
 from .solve import concatenate, crashed_variables, solve
@@ -45,7 +45,7 @@ def _solve_divided(process, part, specs, level=1):
             time.sleep(GRACE)
             return crashed_variables(part, specs, process.failure)
     dim, pieces = halves(part.batch.sizes)
-    parts = [_solve_divided(process, cut(part, piece), specs, level + 1) for piece in pieces]
+    parts = [_solve_divided(process, isel(part, piece), specs, level + 1) for piece in pieces]
     return concatenate(parts, dim)
 
 

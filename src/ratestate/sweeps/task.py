@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from ..engine import backend
 from ..errors import StoreError
 from ..machine import cores
-from ..model.arrays import cut
+from ..model.arrays import isel
 from . import sentence
 from .chunks import Chunks
 from .manifest import as_lines
@@ -86,7 +86,7 @@ class Threads:
         stop, queue = threading.Event(), iter(numbers)
 
         def work(i):
-            part = cut(call, tasks.chunks.slices(i))
+            part = isel(call, tasks.chunks.slices(i))
             return tasks.do(i, part, lambda fraction: report.part(i, fraction), threads, stop)
 
         pool = ThreadPoolExecutor(workers)

@@ -11,7 +11,7 @@ from ...model.arrays import Batch
 from ...model.names import keywords_checked
 from ...model.parameters import parameter_to_si
 from ...model.quantities import QUANTITIES, attrs
-from ...model.slider import checked
+from ...model.slider import check_slider
 from ...model.units import is_array, to_si
 from ..cycles.variables import VARIABLES, cycle_variables
 from ..progress import bar
@@ -138,7 +138,7 @@ def _dataset(family, branch, hopf, ends):
     values = family.values | {
         family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
     }
-    batch = Batch(values, taken=VARIABLES)
+    batch = Batch(values, reserved=VARIABLES)
     status = np.full(len(along), FINISHED)
     stable = np.abs(measures["multipliers"][:, 0]) < 1.0
     variables = cycle_variables(composed_law(family.law), batch, status, measures, stable)
@@ -160,7 +160,7 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
 
     ParameterError for any that it refuses before it looks for a cycle.
     """
-    law = checked(slider).friction_law
+    law = check_slider(slider).friction_law
     parameters = (*PARAMETERS, *law.parameters)
     if not isinstance(parameter, str) or parameter not in parameters:
         raise refusal("branch.parameter", parameter=parameter, names=", ".join(parameters))

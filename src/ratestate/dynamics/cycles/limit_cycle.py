@@ -9,9 +9,9 @@ import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from ...model.arrays import Batch
-from ...model.initial_state import check_ratio
+from ...model.initial_state import check_speed_ratio
 from ...model.names import keywords_checked
-from ...model.slider import SpringSlider, checked
+from ...model.slider import SpringSlider, check_slider
 from ...model.units import to_si
 from ..progress import bar
 from ..refusals import refusal
@@ -124,7 +124,7 @@ def limit_cycle_call(slider, V_lp, *, V_start=None, rtol):
         V_start = to_si("V_start", V_start)
         if np.any(V_start == V_lp):
             raise refusal("cycles.undisturbed")
-    return LimitCycleCall(checked(slider), V_lp, V_start, rtol)
+    return LimitCycleCall(check_slider(slider), V_lp, V_start, rtol)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -144,10 +144,10 @@ class LimitCycleCall:
         or V_start is beyond 1e-260 or 1e260 times V_lp.
         """
         start = {} if self.V_start is None else {"V_start": self.V_start}
-        batch = Batch({**self.slider.values, "V_lp": self.V_lp, **start}, taken=VARIABLES)
+        batch = Batch({**self.slider.values, "V_lp": self.V_lp, **start}, reserved=VARIABLES)
         if start:
             speeds = batch.flat("V_start"), "V_lp", batch.flat("V_lp")
-            check_ratio(self.slider.friction_law, "V_start", *speeds)
+            check_speed_ratio(self.slider.friction_law, "V_start", *speeds)
         return batch
 
     def blank(self):
@@ -174,7 +174,7 @@ class LimitCycleCall:
         They are NaN where the status is no cycle, but for a single case that has not converged; and
         {} where no case can have a cycle (K = inf, or steady sliding stable at any K).
         """
-        n, alone = self.batch.n, self.batch.alone
+        n, alone = self.batch.n, self.batch.is_single
         system = system_of(self.slider.friction_law.name, **self.batch.columns)
         status = np.full(n, STEADY_SLIDING)
         may_cycle = np.flatnonzero(system.may_cycle)
@@ -216,6 +216,6 @@ class LimitCycleCall:
 
     def refuse_failure(self, result):
         """Raise the exception for a single case without an answer; nothing for a sweep."""
-        if self.batch.alone and (status := int(result.status)) > STEADY_SLIDING:
+        if self.batch.is_single and (status := int(result.status)) > STEADY_SLIDING:
             best = result if status == NO_CONVERGENCE else None
             raise failure("limit_cycle", self.slider, status, best=best)

@@ -55,7 +55,7 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
     progress : callable, optional, given the fraction done after every return; it may raise
     """
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
-    if not call.batch.alone:
+    if not call.batch.is_single:
         dims = ", ".join(map(str, call.batch.dims))
         raise refusal("cycles.orbit_of_sweep", slider=slider, dims=dims)
     status, measures = call.find_cycles(progress)

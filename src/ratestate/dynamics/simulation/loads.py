@@ -17,7 +17,7 @@ def engine_loads(batch, loading):
         table, rows = batch.rows(loading.V)
         return Loads(loading.t, table, batch.rows(loading.rate)[0]), rows
     t = np.union1d(loading.t, stress.t)
-    known = stress.of_slider(batch.values["sigma"])
+    known = stress.with_sigma(batch.values["sigma"])
     columns = _together(*_speeds_at(loading, t), *_stresses_at(known, t))
     (V, rows), *others = (batch.rows(column) for column in columns)
     return Loads(t, V, *(table for table, _ in others)), rows
@@ -47,7 +47,7 @@ def _stresses_at(stress, t):
     k = stress.segments_at(t)
     start, end = stress.start[..., k], stress.end[..., k]
     ends = t, np.append(t[1:], t[-1])  # (in the last segment it is constant)
-    return (start + (x - stress.t[k]) / stress.lasting[k] * (end - start) for x in ends)
+    return (start + (x - stress.t[k]) / stress.durations[k] * (end - start) for x in ends)
 
 
 def _together(*columns):

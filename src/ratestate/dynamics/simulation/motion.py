@@ -48,7 +48,7 @@ def move(call, progress):
     settings = {"loading": rows, "times": time_rows, "rtol": call.rtol}
     cases = engine_cases(law, batch, y0, t_end=t_end, **settings)
     rests = np.isinf(cases.kappa) & comes_to_rest(loads, rows, t_end)
-    if batch.alone and times is None and not rests[0]:
+    if batch.is_single and times is None and not rests[0]:
         t, states, results = run_path(call.method, law, cases, loads, progress)
     else:
         which = np.flatnonzero(~rests)
@@ -104,7 +104,7 @@ def energy_residual(law, batch, loading, cases, y0, results):
     spring = (x1 - x0) * (x1 + x0) / (2.0 * cases.kappa)
     base = law.reference_friction(batch.flat("V0"), batch.columns) / batch.flat("a")
     ends = np.where(results.status == RUNAWAY, number("t"), batch.flat("t_end"))
-    advance = batch.of(loading.delta_lp, ends[:, None])[:, 0] / batch.flat("Dc")
+    advance = batch.evaluate(loading.delta_lp, ends[:, None])[:, 0] / batch.flat("Dc")
     slip = advance - (x1 - x0) / cases.kappa
     turnover = (
         np.abs(base * advance + load)
@@ -144,7 +144,7 @@ def _series(slider, batch, loading, motion):
     t = np.broadcast_to(motion.t, x.shape)
     mu_ref = law.reference_friction(p.V0, vars(p))
     tau = p.sigma * (mu_ref + p.a * x)
-    delta_lp = batch.of(loading.delta_lp, t)
+    delta_lp = batch.evaluate(loading.delta_lp, t)
     w = law.speed(v, psi, coefficients)
     V = p.V0 * w
     logs = law.log_states(v, psi, coefficients)
@@ -163,14 +163,14 @@ def _series(slider, batch, loading, motion):
         **states,
         "delta": delta_lp - tau / p.K,
         "delta_lp": delta_lp,
-        "V_load": batch.of(loading.V_load, t),
+        "V_load": batch.evaluate(loading.V_load, t),
         "tau": tau,
         "mu": np.where(in_range, mu_ref + p.a * friction, np.nan),
     }
     if loading.normal_stress is not None:
         # (a jump at the very end has not happened)
         end = np.nextafter(batch.flat("t_end"), 0.0)[:, None]
-        values["sigma"] = batch.of(partial(loading.sigma, sigma=sigma), np.minimum(t, end))
+        values["sigma"] = batch.evaluate(partial(loading.sigma, sigma=sigma), np.minimum(t, end))
     variables = {name: batch.variable(value, name, "time") for name, value in values.items()}
     variables["mu"].attrs["comment"] = "NaN where V or theta is beyond double precision"
     return variables

@@ -6,7 +6,7 @@ The defaults are in the functions' signatures.
 import numpy as np
 
 from ...engine.model import METHODS
-from ...model.arrays import column
+from ...model.arrays import column_to_si
 from ...model.names import one_of
 from ...model.units import is_array, to_si
 from ..refusals import refusal
@@ -51,7 +51,7 @@ def saved_times(times, t_end):
     if times is None:
         return None
     if not is_array(times) or times.ndim == 1:
-        times = column("times", times)
+        times = column_to_si("times", times)
         if is_array(times):
             raise refusal("times.list_of_arrays")
     else:

@@ -16,7 +16,7 @@ from ...model.arrays import Batch
 from ...model.initial_state import initial_values
 from ...model.loading import Loading
 from ...model.names import keywords_checked
-from ...model.slider import SpringSlider, checked
+from ...model.slider import SpringSlider, check_slider
 from ...model.units import is_array, to_si
 from ..progress import bar
 from ..recorded_loading import record_loading
@@ -150,7 +150,7 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
     Whether their dimensions fit together, and a start at rest, shows in its `batch`; whether
     initial values contradict each other, when it runs.
     """
-    checked(slider)
+    check_slider(slider)
     if not isinstance(loading, Loading):
         raise refusal("simulate.loading", loading=loading)
     rtol = solver_settings(rtol, method)
@@ -193,7 +193,7 @@ class SimulateCall:
             histories |= {"sigma at first": stress.start, "sigma at last": stress.end}
         extra = {name: history for name, history in histories.items() if is_array(history)}
         extra |= {"time": self.times} if is_array(self.times) else {}
-        return Batch(values, extra, taken=self.names)
+        return Batch(values, extra, reserved=self.names)
 
     @property
     def law(self):
@@ -220,7 +220,7 @@ class SimulateCall:
     def result(self, progress=None):
         """The Dataset; raises for a single case that failed."""
         motion = self.move(progress)
-        if self.batch.alone and (status := motion.status[0]) != FINISHED:
+        if self.batch.is_single and (status := motion.status[0]) != FINISHED:
             best = self._up_to_runaway(motion) if status == RUNAWAY else None
             t = motion.numbers["t"][0]
             raise failure("simulate", self.slider, status, t, best, self.loading)

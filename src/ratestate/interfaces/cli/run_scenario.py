@@ -11,7 +11,7 @@ from ...dynamics.verdict import verdict_of_cycle
 from ...dynamics.whole_contact import whole_contact
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
-from ...model.conversion import in_units, variable_of
+from ...model.conversion import find_variable, in_units
 from ...model.names import one_of
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array, to_si
@@ -162,7 +162,7 @@ def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.D
     """
     numbers = result.assign(whole_contact(result).data_vars)
     wanted = units or {}
-    there = {k: unit for k, unit in wanted.items() if variable_of(numbers, k) is not None}
+    there = {k: unit for k, unit in wanted.items() if find_variable(numbers, k) is not None}
     in_table = {"tau"} if "amplitude" in numbers else set()  # by how much it changes in a cycle
     if absent := [name for name in wanted if name not in there.keys() | in_table]:
         print_line(f"--units: this result has no {', '.join(absent)}", err=True)

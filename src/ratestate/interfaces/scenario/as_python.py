@@ -9,7 +9,7 @@ from ...friction.law_formula import HASH_MARK
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.units import is_array
-from ...model.user_laws import file_of
+from ...model.user_laws import file_of_law
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import Scenario
 
@@ -52,7 +52,7 @@ def registration(law: str) -> list[str]:
     """Lines that make a user's law known: none for a built-in one, a comment without a file."""
     if HASH_MARK not in law:
         return []
-    if file := file_of(law):
+    if file := file_of_law(law):
         return [f"rs.register({json.dumps(file.as_posix(), ensure_ascii=False)})"]
     return [f"# {law} is a user's law: register its class or its file first"]
 

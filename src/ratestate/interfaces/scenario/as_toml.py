@@ -12,7 +12,7 @@ from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array
-from ...model.user_laws import file_of
+from ...model.user_laws import file_of_law
 from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import FUNCTIONS, Scenario
 
@@ -83,7 +83,7 @@ def toml(scenario: Scenario) -> str:
 
 def _law(name: str) -> dict[str, str]:
     """The keys for the friction law: with its file, if that is a user's."""
-    if file := file_of(name):
+    if file := file_of_law(name):
         return {"law": _literal("law", name), "law_file": _literal("law_file", file)}
     unknown = "  # a user's: law_file names the file that has it" if HASH_MARK in name else ""
     return {"law": _literal("law", name) + unknown}
@@ -96,9 +96,9 @@ def _form(name: str) -> dict[str, str]:
 
 def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
     """The keys of [loading], and its last speed."""
-    first, *events = (call for call in loading.calls if not call.of_stress)
+    first, *events = (call for call in loading.calls if not call.changes_stress)
     values = first.arguments
-    stress = _normal_stress([call for call in loading.calls if call.of_stress])
+    stress = _normal_stress([call for call in loading.calls if call.changes_stress])
     if first.method == "series":
         _refuse_arrays("the speeds of a record", values["V_lp"])
         _refuse_arrays("the normal stress of a record", values.get("sigma"))

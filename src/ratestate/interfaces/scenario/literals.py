@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...model.quantities import QUANTITIES, exact
+from ...model.quantities import QUANTITIES, exact_text
 from ...model.units import is_array
 from .values import AxisRange
 
@@ -20,7 +20,7 @@ def quantity(symbol: str, x: float) -> str:
     """
     if not np.isfinite(x):
         return repr(float(x))
-    text = exact(symbol, x)
+    text = exact_text(symbol, x)
     return text if QUANTITIES[symbol].unit == "1" else f'"{text}"'
 
 

@@ -99,7 +99,7 @@ class LoadingTable:
 def _applied(events: list[tuple[Place, Call]], loading: Loading, like: str) -> Loading:
     """The loading with these events; those with a problem, noted, are left out."""
     for place, call in events:
-        make = functools.partial(call.on, loading)
+        make = functools.partial(call.apply_to, loading)
         loading = place.noting(make, "t", "expected steps", like) or loading
     return loading
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from ...dynamics.refusals import check_one_length
-from ...model.slider import checked, law_of
+from ...model.slider import check_slider, resolve_law
 from ...model.units import is_array
 from ..kit.noise import Noise, given_noise
 from ..messages import fitting as sentences
@@ -47,7 +47,7 @@ def checked_settings(slider, *, free, law, noise, each=None, loading=None, **cho
     ParameterError: no slider, or many; what cannot be free; a law, noise or choice that is none; a
     law with parameters that the slider does not have; what a fit of cycles has no use for.
     """
-    checked(slider)
+    check_slider(slider)
     for symbol, value in slider.values.items():
         if is_array(value):
             raise sentences.refusal("settings.slider_array", symbol=symbol)
@@ -86,7 +86,7 @@ def sliders_under(slider, law):
     slider does not have, or that are called as what a fit has of its own.
     """
     one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
-    laws = [law_of(name) for name in ([slider.law if law is None else law] if one else law)]
+    laws = [resolve_law(name) for name in ([slider.law if law is None else law] if one else law)]
     if not laws or len(set(laws)) < len(laws):
         raise sentences.refusal("settings.laws", law=law)
     for known in laws:
