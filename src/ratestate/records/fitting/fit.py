@@ -10,8 +10,7 @@ from ...model.names import keywords_checked
 from ..kit.least_squares import single_blas
 from ..kit.results import kept_attributes
 from .by_law import warnings_of
-from .cycles.fit import fit_cycles
-from .cycles.result import cycles_dataset
+from .cycles.fit import cycles_dataset, fit_cycles
 from .likelihood.inference import inferences_of
 from .result import add_comparison, datasets_of, side_by_side
 from .settings import checked_settings
@@ -176,9 +175,7 @@ def fit(
 
 def _fits_of_cycles(data, settings, loading):
     """dict law -> Dataset of a fit of cycles; data in SI."""
-    fits = {
-        one.law: fit_cycles(data, one, settings.free, one.law, loading) for one in settings.sliders
-    }
+    fits = {one.law: fit_cycles(data, one, settings.free, loading) for one in settings.sliders}
     results = {law: cycles_dataset(fit) for law, fit in fits.items()}
     if len(results) > 1:
         # errors that were enlarged for a misfit are so in the comparison as well

@@ -25,36 +25,23 @@ MAX_STEPS_OF_FIT = 1e5
 NEWTON, LINEAR_STEP = 3, 1e-3
 
 
-class Forward:
-    """Friction of a slider under the loading of a record, for many sliders at once.
+class ForwardModel:
+    """What would be observed at coordinates, and its derivatives.
 
-    slider : gives the parameters that are not among the names of the coordinates (unknowns.py)
+    names : of the coordinates
+    steps : of a central difference in each coordinate but those of `LINEAR`
     """
 
-    def __init__(self, record, slider, names):
-        self.record, self.law, self.names = record, slider.friction_law, names
-        of_motion = (*of_slider(self.law), "sigma", "alpha")
-        self.fixed = {symbol: getattr(slider, symbol) for symbol in of_motion}
-        self.sigma = slider.sigma
-        loading = record.loading
-        self.V0 = float(loading.V[0])  # the reference: v = 0 in steady sliding at it
-        self.loads, row = engine_loads(Batch({"sigma": slider.sigma}), loading)
-        self.max_steps = MAX_STEPS_OF_FIT
-        if np.isinf(slider.K) and "K" not in names:
-            self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
-            self.max_steps *= 10.0  # (the march takes smaller ones)
-            if comes_to_rest(self.loads, row, record.t[-1:]):
-                raise ParameterError(STATUSES[RIGID_REST][1])
-        self.stress = loading.normal_stress
-        self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
-        self.needs_mu0 = "mu0" in self.moving_law.slider_parameters
-        self.evaluations = 0
-        # without inertia and damping V may run away; with a free one of them it cannot
-        unheld = self.fixed["M"] == 0.0 and not self.fixed.get("damping")
-        self.v_limit = np.log(V_LIMIT / self.V0) if unheld else np.inf
-        sizes = sizes_of(record, slider)
-        #: step of a central difference in each coordinate that the motion depends on
-        self.steps = {n: _step(n, record, sizes[n]) for n in names if n not in LINEAR}
+    def __init__(self, names, steps):
+        self.names, self.steps, self.evaluations = names, steps, 0
+
+    def values(self, points):
+        """Name -> (n,) values [SI] at points (n, k)."""
+        raise NotImplementedError
+
+    def parts(self, points):
+        """`friction`, and name -> (n, m) its derivative by each coordinate it is linear in."""
+        raise NotImplementedError
 
     def friction(self, points):
         """(n, m) friction at the record's samples for coordinates (n, k); NaN without a motion.
@@ -92,6 +79,36 @@ class Forward:
         least = np.array([parameter(name).least for name in self.names])
         down = np.minimum(steps, np.maximum(point - least, 0.0))
         return point + np.diag(steps), point - np.diag(down)
+
+
+class Forward(ForwardModel):
+    """Friction of a slider under the loading of a record, for many sliders at once.
+
+    slider : gives the parameters that are not among the names of the coordinates (unknowns.py)
+    """
+
+    def __init__(self, record, slider, names):
+        sizes = sizes_of(record, slider)
+        super().__init__(names, {n: _step(n, record, sizes[n]) for n in names if n not in LINEAR})
+        self.record, self.law = record, slider.friction_law
+        of_motion = (*of_slider(self.law), "sigma", "alpha")
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in of_motion}
+        self.sigma = slider.sigma
+        loading = record.loading
+        self.V0 = float(loading.V[0])  # the reference: v = 0 in steady sliding at it
+        self.loads, row = engine_loads(Batch({"sigma": slider.sigma}), loading)
+        self.max_steps = MAX_STEPS_OF_FIT
+        if np.isinf(slider.K) and "K" not in names:
+            self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
+            self.max_steps *= 10.0  # (the march takes smaller ones)
+            if comes_to_rest(self.loads, row, record.t[-1:]):
+                raise ParameterError(STATUSES[RIGID_REST][1])
+        self.stress = loading.normal_stress
+        self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
+        self.needs_mu0 = "mu0" in self.moving_law.slider_parameters
+        # without inertia and damping V may run away; with a free one of them it cannot
+        unheld = self.fixed["M"] == 0.0 and not self.fixed.get("damping")
+        self.v_limit = np.log(V_LIMIT / self.V0) if unheld else np.inf
 
     def parts(self, points):
         """`friction`, and name -> (n, m) its derivative by each linear parameter of the record."""

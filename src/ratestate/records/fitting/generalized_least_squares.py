@@ -58,7 +58,7 @@ class Solution(NamedTuple):
     @property
     def residual(self):
         """(m,) recorded less fitted friction."""
-        return self.problem.record.friction - self.fitted_friction
+        return self.problem.observed - self.fitted_friction
 
     @property
     def at_bound(self):
@@ -144,16 +144,18 @@ def solution_from(problem, point, noise):
 
     ParameterError if the slider of this point does not move through the whole record.
     """
-    record = problem.record
+    t, observed = problem.t, problem.observed
     current = problem.white_noise(point) if noise is None else noise
     before = problem.forward.evaluations
     result, was_white = _checked_search(problem, point, current), True
     for _ in range(ROUNDS if noise is None else 0):
         friction, jacobian = problem.forward.jacobian(result.x)
-        residual = friction - record.friction
-        current = estimated_noise(record.t, residual, np.nan_to_num(jacobian), current)
+        residual = friction - observed
+        current = estimated_noise(t, residual, np.nan_to_num(jacobian), current)
         # the error of the march itself counts as noise: a record may have none
-        current = current._replace(white=float(np.hypot(current.white, FLOOR * record.scale)))
+        current = current._replace(
+            white=float(np.hypot(current.white, FLOOR * problem.record.scale))
+        )
         if current.red == 0.0 and was_white:
             break  # all weights change by one factor: the minimum stays
         last, was_white = result.x, False
@@ -163,11 +165,9 @@ def solution_from(problem, point, noise):
             break
     friction, jacobian = problem.forward.jacobian(result.x)
     jacobian = np.nan_to_num(jacobian)
-    white, log_determinant = current.whiten(
-        record.t, np.column_stack([friction - record.friction, jacobian])
-    )
+    white, log_determinant = current.whiten(t, np.column_stack([friction - observed, jacobian]))
     chi2 = float(white[:, 0] @ white[:, 0])
-    constant = record.t.size * np.log(2.0 * np.pi)
+    constant = t.size * np.log(2.0 * np.pi)
     return Solution(
         problem,
         current,

@@ -12,8 +12,6 @@ from ..kit.noise import Noise
 from .forward import Forward
 from .unknowns import distinct, parameter, sizes_of, to_coordinate
 
-#: most evaluations of one least-squares fit
-MOST = 200
 #: sliders in the cloud, and the samples of the record that they are compared with
 CLOUD, SAMPLES = 96, 500
 SEED = 20190101
@@ -21,30 +19,45 @@ SEED = 20190101
 DISTANCE = 0.7
 
 
-class Problem:
-    """Residuals of a record as functions of the unknowns, and their derivatives.
+class LeastSquares:
+    """Residuals of what was observed as functions of the unknowns, and their derivatives."""
+
+    #: what was observed: "samples" or "cycles"
+    kind = "samples"
+    #: most evaluations of a search, and fall of chi-square, by the linear model, at which it ends
+    most, enough = 200, 0.0
+    #: whether values are meaningless beyond the bounds of coordinates, so that intervals are open
+    is_open_at_bounds = False
+
+    def __init__(self, slider, forward, unknowns, t, observed):
+        self.slider, self.forward, self.unknowns = slider, forward, unknowns
+        self.t, self.observed, self.law = t, observed, slider.friction_law
+
+    def difference(self, points):
+        """(n, m) model at points (n, k) less what was observed; NaN where there is no motion."""
+        return self.forward.friction(points) - self.observed
+
+    def whitened(self, point, noise):
+        """Whitened difference (m,), NaN without a motion, and jacobian (m, k), 0 without one."""
+        friction, jacobian = self.forward.jacobian(point)
+        columns = np.column_stack([friction - self.observed, np.nan_to_num(jacobian)])
+        white, _ = noise.whiten(self.t, columns)
+        return white[:, 0], white[:, 1:]
+
+
+class Problem(LeastSquares):
+    """The `LeastSquares` of a record's samples.
 
     slider : gives the law, and what is not among the unknowns
     """
 
     def __init__(self, record, slider, unknowns):
-        self.record, self.slider, self.unknowns = record, slider, unknowns
-        self.law = slider.friction_law
-        self.forward = Forward(record, slider, unknowns.names)
+        forward = Forward(record, slider, unknowns.names)
+        super().__init__(slider, forward, unknowns, record.t, record.friction)
+        self.record = record
 
     def __reduce__(self):  # (the law of a moving slider may be made at run time)
         return Problem, (self.record, self.slider, self.unknowns)
-
-    def difference(self, point):
-        """(m,) model less record; NaN where there is no motion."""
-        return self.forward.friction(point[None])[0] - self.record.friction
-
-    def whitened(self, point, noise):
-        """Whitened `difference` (m,), NaN without a motion, and jacobian (m, k), 0 without one."""
-        friction, jacobian = self.forward.jacobian(point)
-        columns = np.column_stack([friction - self.record.friction, np.nan_to_num(jacobian)])
-        white, _ = noise.whiten(self.record.t, columns)
-        return white[:, 0], white[:, 1:]
 
     def distances(self):
         """Coordinates (list of int) of the free distances over which states evolve.
@@ -57,16 +70,17 @@ class Problem:
 
     def white_noise(self, point):
         """White `Noise` of the residuals' size at a point, 1e-15 or more; NaN without a motion."""
-        return Noise(max(float(np.sqrt(np.mean(self.difference(point) ** 2))), 1e-15))
+        return Noise(max(float(np.sqrt(np.mean(self.difference(point[None]) ** 2))), 1e-15))
 
 
-def search(problem, start, noise, most=MOST):
+def search(problem, start, noise, most=None):
     """The `Minimum` from this point (moved within bounds); None where there is no motion.
 
-    problem : has unknowns, and `whitened` as a function of a point and a `Noise`
+    problem : a `LeastSquares`
     """
     _, low, high = problem.unknowns
-    return minimum(lambda x: problem.whitened(x, noise), start, low, high, most)
+    most = problem.most if most is None else most
+    return minimum(lambda x: problem.whitened(x, noise), start, low, high, most, problem.enough)
 
 
 def starting_points(problem, most):

@@ -1,8 +1,9 @@
 """The method of Levenberg and Marquardt, within bounds.
 
-SciPy's `least_squares` asks for residuals and derivatives one after the other; here one march gives
-both, for little more than the residuals alone.  Steps are damped in the scale of the derivatives
-and clipped to the bounds; a coordinate stays at a bound beyond which the sum of squares would fall.
+SciPy's `least_squares` reaches the same minima in as much time, if one march gives it residuals and
+derivatives.  But it may move a coordinate that the residuals do not depend on, such as the velocity
+at the start of a rigid machine, to a bound.  Steps are damped in the scale of the derivatives and
+clipped to the bounds; a coordinate stays at a bound beyond which the sum of squares would fall.
 How the damping follows from the last step: Nielsen (1999), report IMM-REP-1999-05.
 """
 

@@ -3,84 +3,91 @@
 from typing import NamedTuple
 
 import numpy as np
+import xarray
 from scipy.special import chdtrc
 
+from ....dynamics.recorded_loading import record_loading
 from ....errors import ParameterError
+from ....model.loading import Loading
 from ....model.quantities import readable
+from ...kit.results import labelled
 from ...messages import fitting as sentences
-from ..estimates import Estimates, estimates_from
-from ..likelihood.profile import BetterPoint
+from ..diagnostics.checks import search_warnings
+from ..diagnostics.identifiability import identifiability
+from ..generalized_least_squares import solution_from
+from ..likelihood.inference import Inference, infer_quantities
+from ..result import curve_variables, estimate_variables, text_variables
+from ..unknowns import distinct
 from .features import FEATURES, LEVEL
+from .folding import segments_of
 from .measured import corrected, measure
-from .model import GRID, CycleModel
-from .profile import profiled_intervals
-from .search import Problem, distinct_runs, starts
-from .segments import SENTENCES, segments_of
-from .space import Space
+from .model import wave_at
+from .problem import CyclesProblem, check_slider, starting_points
 
 # Probability of a misfit by errors of the features alone, below which the errors are enlarged.
 CHANCE = 0.01
-# Runs are continued, once the shift by noise is known, if their chi-squared is within the first of
-# the best one's; their largest number.
-FOLLOWED, MOST = 30.0, 3
-# Fall of chi-squared by which a point of a profile is better than the fit, which then continues
-# there; how often at most.
-BETTER, REFITS = 0.1, 2
+# Runs are distinct if they end more standard errors apart, and fit equally well if their
+# chi-squared is this near to the best one's.
+DISTINCT, EQUAL = 4.0, 4.0
+# Shifts of phase [cycles] that are tried to align the model's cycle with the record's.
+SHIFTS = np.linspace(-0.05, 0.05, 101)
 
 
 class CyclesFit(NamedTuple):
     """Parameters of a slider from a record's cycles."""
 
-    law: str
-    free: tuple
-    estimates: Estimates  # of the free, of mu0, and of a - b ("a_minus_b") where a or b is free
-    covariance: np.ndarray  # (p, p) of the logarithms of the free, of mu0 and a - b themselves
-    measured: tuple  # `Measured`, one a segment
-    fitted_features: np.ndarray  # (s, 6), as `Measured.values`
-    waves: np.ndarray  # (s, q) tau/sigma at the phases `GRID` of the model's cycle
-    runs: tuple  # `Run`, one a start, the best first
-    run_values: tuple  # dict symbol -> value [SI] of a, b, Dc, K, M, free or not, at each run's end
-    dof: int  # features less free parameters
+    inference: Inference  # its solution has the errors of the features enlarged
+    runs: list  # `Solution` of each start, the best first
+    chi2: float  # of the features, with errors that are not enlarged
     enlarged: float  # factor by which errors are enlarged, for a misfit beyond them
     left_out: list  # warnings on segments that have no cycles
 
     @property
-    def chi2(self):
-        """Chi-squared of the features at the best run's end; errors are not enlarged in it."""
-        return self.runs[0].chi2
+    def problem(self):
+        """The `CyclesProblem`."""
+        return self.inference.solution.problem
+
+    @property
+    def dof(self):
+        """Number of features less that of estimates."""
+        return self.problem.observed.size - len(self.problem.unknowns.names)
+
+    def cycles(self):
+        """Features (s, 6) and waves (s, q) of the fitted cycles."""
+        features, waves = self.problem.forward.cycles(self.inference.solution.point[None])
+        return features[0], waves[0]
 
 
-def fit_cycles(record, slider, free, law, loading=None):
+def fit_cycles(record, slider, free, loading=None):
     """`CyclesFit` of a record; each segment at one load-point speed that oscillates is fitted.
 
-    ParameterError as of `segments_of` and `Space`, and: cycles in no segment; not more features
-    than unknowns; no cycle of the model at any start.
+    ParameterError as of `segments_of` and `check_slider`, and: cycles in no segment; not more
+    features than unknowns; no cycle of the model at any start.
     """
     segments = segments_of(record, slider, loading)
-    space = Space(slider, free, min(segment.V_lp for segment in segments))
+    check_slider(slider, free)
     measured, left_out = _measured(segments)
-    _check_feature_count(space, measured)
-    V_lp = np.array([one.segment.V_lp for one in measured])
-    model = CycleModel(law, V_lp, [m.bins for m in measured], slider.sigma, slider.V0)
-    problem = Problem(space, model, measured)
-    runs = _ranked(problem, (problem.search(q) for q in starts(space, model, measured)))
+    problem = _checked_problem(slider, free, measured)
+    runs = _searched(problem, starting_points(problem))
     # The shift by noise is found about the model's cycle, which has none.
-    waves, features = _waves_and_features(problem, runs[0])
-    measured = tuple(map(corrected, measured, map(wave_at, waves), features))
-    _check_feature_count(space, measured)
-    problem = Problem(space, model, measured)
-    # The shift moves a minimum by about an error: only the better ones are continued.
-    distinct = distinct_runs(runs, runs[0].covariance)
-    followed = [i for i in distinct[:MOST] if runs[i].chi2 < runs[0].chi2 + FOLLOWED]
-
-    def continued(i, run):
-        if i in followed:
-            return problem.search(run.end)._replace(start=run.start)
-        problem.near = run.near
-        return problem.run(run.start, run.point, run.status)
-
-    runs = _ranked(problem, (continued(i, run) for i, run in enumerate(runs)))
-    return _cycles_fit(problem, runs, left_out)
+    features, waves = runs[0].problem.forward.cycles(runs[0].point[None])
+    measured = tuple(map(corrected, measured, map(wave_at, waves[0]), features[0]))
+    problem = _checked_problem(slider, free, measured)
+    runs = _searched(problem, [run.point for run in runs])
+    best, dof = runs[0], problem.observed.size - len(problem.unknowns.names)
+    misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
+    enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
+    noise = problem.noise.times(enlarged)
+    solution = best._replace(
+        problem=best.problem.about(best.point),
+        noise=noise,
+        covariance=enlarged**2 * best.covariance,
+        chi2=best.chi2 / enlarged**2,
+    )
+    quantities = solution.problem.forward.quantities()
+    inference = infer_quantities(solution, quantities, noise)
+    chi2 = enlarged**2 * inference.solution.chi2
+    return CyclesFit(inference, runs, chi2, enlarged, left_out)
 
 
 def _measured(segments):
@@ -93,83 +100,158 @@ def _measured(segments):
             refused.append((segment.V_lp, error))
     if not measured:
         raise refused[0][1]
-    warnings = [SENTENCES("measured.left_out", V_lp=V_lp, error=error) for V_lp, error in refused]
+    warnings = [sentences("cycles.left_out", V_lp=V_lp, error=error) for V_lp, error in refused]
     return tuple(measured), warnings
 
 
-def _check_feature_count(space, measured):
-    """Refuse more unknowns than features."""
-    features = sum(int(one.used.sum()) for one in measured)
-    if len(space.names) < features:
-        return
+def _checked_problem(slider, free, measured):
+    """The `CyclesProblem`; ParameterError for more unknowns than features."""
+    problem = CyclesProblem(slider, free, measured)
+    features = problem.observed.size
+    if len(free) < features:
+        return problem
     listed = "; ".join(
-        f"at {readable('V_lp', one.segment.V_lp)} "
-        + ", ".join(name for name, used in zip(FEATURES, one.used, strict=True) if used)
+        f"at {readable('V_lp', one.segment.V_lp)} " + ", ".join(np.array(FEATURES)[one.used])
         for one in measured
     )
-    count, names = len(space.names), ", ".join(space.names)
-    raise sentences.refusal(
-        "cycles.few_features", count=count, names=names, features=features, listed=listed
+    names = {"count": len(free), "names": ", ".join(free)}
+    raise sentences.refusal("cycles.few_features", **names, features=features, listed=listed)
+
+
+def _searched(problem, starts):
+    """`Solution`s (list) from these points, the best first; ParameterError if none has a cycle."""
+    runs = []
+    for start in starts:
+        try:
+            runs.append(solution_from(problem.about(start), start, problem.noise))
+        except ParameterError:
+            continue  # no cycle there
+    if not runs:
+        names = ", ".join(problem.unknowns.names[:-1])
+        raise sentences.refusal("cycles.no_cycle", names=names, law=problem.law.name)
+    return sorted(runs, key=lambda run: run.chi2)
+
+
+def cycles_dataset(fit):
+    """The Dataset of a `CyclesFit`: estimates, features of the segments, starts, curves, texts."""
+    features, waves = fit.cycles()
+    measured = fit.problem.measured
+    result = xarray.merge(
+        [
+            estimate_variables(fit.inference.estimates),
+            _feature_variables(measured, features),
+            _start_variables(fit.runs),
+            _curves(measured, waves),
+        ]
+    )
+    result["chi2"] = ((), fit.chi2, {"units": "1", "long_name": "chi-squared of the features"})
+    first, *others = (one.segment for one in measured)
+    start = result["time"].values[0]
+    steps = ((float(one.t[0] - start), one.V_lp) for one in others)
+    record_loading(result, Loading.steps(first.V_lp, *steps))
+    return result.assign(text_variables(*diagnose(fit)))
+
+
+def _feature_variables(measured, fitted):
+    """Features measured and fitted, in SI."""
+    is_level = np.arange(len(FEATURES)) == LEVEL
+    errors = np.sqrt([np.diag(m.covariance) for m in measured])
+    logs = np.array([m.values for m in measured]), fitted
+    values, fitted = (np.where(is_level, x, np.exp(x)) for x in logs)
+    columns = {
+        "measured": (values, "feature measured, freed of noise's shift"),
+        "measured_error": (np.where(is_level, errors, values * errors), "its standard error"),
+        "fitted": (fitted, "feature of the fit"),
+        "used": ([m.used for m in measured], "whether the record resolves the feature"),
+    }
+    tables = {
+        name: (("segment", "feature"), v, {"units": "", "long_name": text})
+        for name, (v, text) in columns.items()
+    }
+    speeds, cycles = zip(*((m.segment.V_lp, m.cycles.n) for m in measured), strict=True)
+    lists = labelled("segment", segment_V=list(speeds), cycles=list(cycles))
+    return xarray.Dataset(tables | lists, {"feature": list(FEATURES)})
+
+
+def _start_variables(runs):
+    """Where each start ended."""
+    names = runs[0].unknowns.names[:-1]
+    values = [_end_of(run) for run in runs]
+    status = [
+        "at a bound" if run.at_bound.any() else "converged" if run.converged else "not converged"
+        for run in runs
+    ]
+    chi2 = np.array([run.chi2 for run in runs])
+    ends = np.array([[end[name] for name in names] for end in values])
+    return xarray.Dataset(
+        {
+            "start_chi2": ("start", chi2, {"units": "1", "long_name": "chi-squared at its end"}),
+            "start_status": ("start", status),
+            "start_end": (("start", "free"), ends, {"units": "", "long_name": "its end [SI]"}),
+        },
+        {"free": list(names)},
     )
 
 
-def _ranked(problem, runs):
-    """The runs that ended at a cycle, the best first; ParameterError if none did."""
-    ranked = sorted((run for run in runs if np.isfinite(run.chi2)), key=lambda run: run.chi2)
-    if not ranked:
-        names = ", ".join(problem.space.names)
-        raise sentences.refusal("cycles.no_cycle", names=names, law=problem.model.law)
-    return ranked
+def _end_of(run):
+    """Symbol -> value [SI] (float) of the slider at the end of a run."""
+    return {s: float(v[0]) for s, v in run.problem.forward.values(run.point[None]).items()}
 
 
-def _waves_and_features(problem, run):
-    """Waves (s, q) of tau/sigma and features (s, 6) at a run's end."""
-    (features,), _, (waves,) = problem.model.features(problem.space.values(run.end[None]), run.near)
-    features[:, LEVEL] += run.mu0
-    return waves + run.mu0, features
+def _curves(measured, waves):
+    """The record's cycles, and the model's aligned with them."""
+    times, friction, fitted = [], [], []
+    for one, wave in zip(measured, waves, strict=True):
+        cycles, model = one.cycles, wave_at(wave)
+        samples = one.segment.t, one.segment.y, cycles.phase
+        t, y, phase = (column[cycles.inside] for column in samples)
+        trend = cycles.slope * (t - cycles.middle)
+        curves = [model(phase + shift) + trend for shift in SHIFTS]
+        times.append(t)
+        friction.append(y)
+        fitted.append(min(curves, key=lambda curve: np.sum((y - curve) ** 2)))
+    return curve_variables(*map(np.concatenate, (times, friction, fitted)))
 
 
-def wave_at(wave):
-    """A wave at the phases `GRID` as a function of phase, which may be any number of cycles."""
-    return lambda phase: np.interp(phase % 1.0, GRID, wave)
+def diagnose(fit):
+    """A note on what is determined (str), and warnings (list of str)."""
+    note, warnings = identifiability(fit.inference)
+    notes = [note, sentences("cycles.numbers")]
+    notes += [f"{text[0].upper()}{text[1:]}." for one in fit.problem.measured for text in one.notes]
+    return " ".join(notes), [
+        *fit.left_out,
+        *(text for one in fit.problem.measured for text in one.warnings),
+        *search_warnings(fit.inference._replace(solution=fit.runs[0])),
+        *_misfit(fit),
+        *_equal_fits(fit),
+        *warnings,
+    ]
 
 
-def _cycles_fit(problem, runs, left_out, refits=REFITS):
-    """`CyclesFit` of the best run."""
-    space, best = problem.space, runs[0]
-    dof = problem.levels.size - len(space.names) - 1
-    misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
-    enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
-    gradients = np.array([problem.gradient(name, best.point) for name in space.reported])
-    covariance = gradients @ (enlarged**2 * best.covariance) @ gradients.T
-    errors = dict(zip(space.reported, np.sqrt(np.diag(covariance)), strict=True))
-    better = BETTER if refits else np.inf
-    try:
-        intervals = profiled_intervals(problem, best, errors, enlarged, better)
-    except BetterPoint as improvement:
-        runs = _ranked(problem, [problem.search(improvement.point[:-1]), *runs])
-        return _cycles_fit(problem, runs, left_out, refits - 1)
-    waves, features = _waves_and_features(problem, best)
-    ends_of_runs = [space.values(run.end[None]) for run in runs]
-    run_values = tuple({s: float(v[0]) for s, v in end.items()} for end in ends_of_runs)
-    at = run_values[0] | {"mu0": best.mu0}
-    at["a_minus_b"] = at["a"] - at["b"]
-    centres = np.array([problem.value(name, best.point) for name in space.reported])
-    is_log = np.array([name in space.names for name in space.reported])
-    values = np.array([at[name] for name in space.reported])
-    estimates = estimates_from(space.reported, centres, covariance, is_log, values)
-    ends = {name: np.exp(x) if name in space.names else x for name, x in intervals.items()}
-    return CyclesFit(
-        problem.model.law,
-        space.names,
-        estimates.with_intervals(ends, "profile"),
-        covariance,
-        problem.measured,
-        features,
-        waves,
-        tuple(runs),
-        run_values,
-        dof,
-        enlarged,
-        left_out,
-    )
+def _misfit(fit):
+    """A warning if the fitted cycles are off by more than the errors, and in which features."""
+    if fit.enlarged == 1.0:
+        return
+    off = []
+    for measured, features in zip(fit.problem.measured, fit.cycles()[0], strict=True):
+        difference = features - measured.values
+        errors = np.sqrt(np.diag(measured.covariance))
+        for i in np.flatnonzero(measured.used & (np.abs(difference) > 2.0 * errors)):
+            by = difference[i]
+            size = f"{by:.2g}" if i == LEVEL else f"{100 * np.expm1(by):.2g} %"
+            off.append(f"{FEATURES[i]} by {size}")
+    values = {"law": fit.problem.law.name, "chi2": fit.chi2, "dof": fit.dof}
+    listed = f"; off: {', '.join(off)}" if off else ""
+    yield sentences("cycles.misfit", **values, off=listed, enlarged=fit.enlarged)
+
+
+def _equal_fits(fit):
+    """Warnings on other minima that fit as well."""
+    errors = np.sqrt(np.diag(fit.inference.solution.covariance))[:-1]
+    # (coordinate by coordinate: along a curved valley the covariance at one end misleads)
+    for i in distinct([run.point[:-1] for run in fit.runs], DISTINCT * errors)[1:]:
+        if fit.runs[i].chi2 - fit.runs[0].chi2 < EQUAL:
+            end = _end_of(fit.runs[i])
+            names = fit.problem.unknowns.names[:-1]
+            values = ", ".join(f"{name} = {readable(name, end[name])}" for name in names)
+            yield sentences("cycles.alike", values=values)

@@ -1,11 +1,20 @@
-"""A record that oscillates, cut into its cycles and folded into one."""
+"""The segments of a record that oscillate, cut into their cycles and folded into one."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
+from ...loading import constant_speeds_of
 from ...messages import fitting as sentences
+from ...raw_record import raw_record
 
+# Fewest samples of a segment that is used.
+FEWEST = 20
+# Scatter of the periods beyond which cycles do not repeat.  An amplitude counts as a transient's if
+# it is off by so many standard deviations and by this part of the typical one.
+IRREGULAR, TRANSIENT, DEVIATION = 0.2, 6.0, 0.05
 # Fewest cycles, and samples in a cycle, that can be used.
 FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6
 # Parts of a period over which noise is smoothed before cycles are cut.
@@ -18,6 +27,14 @@ CHANCE = 1e-4
 MANY, PLENTY = 20_000, 256
 # Most samples, so averaged: the bootstrap folds all of them many times.
 MOST = 200_000
+
+
+class Segment(NamedTuple):
+    """A part of a record at one load-point speed."""
+
+    t: np.ndarray  # (samples,) [s]
+    y: np.ndarray  # (samples,) tau/sigma
+    V_lp: float  # [m/s]
 
 
 class Cycles(NamedTuple):
@@ -62,6 +79,26 @@ def periodic(profile, phase):
     m = profile.size
     middles = (np.arange(-1, m + 1) + 0.5) / m
     return np.interp(phase % 1.0, middles, profile[np.arange(-1, m + 1) % m])
+
+
+def segments_of(record, slider, loading):
+    """list of `Segment`s of a record, in each of which the load point moves at one speed.
+
+    ParameterError as of `raw_record` and `constant_speeds_of`, for a record of mu, and if
+    no segment has `FEWEST` samples.
+    """
+    raw = raw_record(record, slider)
+    if raw.kind != "tau":
+        raise sentences.refusal("cycles.of_mu")
+    loading, t = constant_speeds_of(raw, loading), raw.t
+    segments = []
+    for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
+        rows = (t >= start) & (t < end)
+        if V_lp > 0.0 and rows.sum() >= FEWEST:
+            segments.append(Segment(raw.time[rows], raw.friction[rows], float(V_lp)))
+    if not segments:
+        raise sentences.refusal("cycles.no_stretch", fewest=FEWEST)
+    return segments
 
 
 def main_period(t, y):
@@ -124,6 +161,41 @@ def cut_cycles(t, y, period):
     return cuts
 
 
+def regular_cuts(segment, period):
+    """(n + 1,) times [s] to cut a segment into n cycles, and notes (tuple) on cycles left out.
+
+    ParameterError if there are too few, or their periods scatter by more than `IRREGULAR`.
+    """
+    t, y, V_lp = segment
+    cuts = cut_cycles(t, y, period)
+    if cuts.size <= FEWEST_CYCLES:
+        raise sentences.refusal("cycles.few_whole", V_lp=V_lp, fewest=FEWEST_CYCLES)
+    amplitude = np.array(
+        [np.ptp(np.percentile(y[(t >= i) & (t < j)], (1, 99))) for i, j in pairwise(cuts)]
+    )
+    left_out: tuple = ()
+    first = _transient(amplitude)
+    if first and cuts.size - first > FEWEST_CYCLES:
+        which = "first cycle" if first == 1 else f"first {first} cycles"
+        left_out = (sentences("cycles.transient", cycles=which, V_lp=V_lp),)
+        cuts = cuts[first:]
+    periods = np.diff(cuts)
+    if (scatter := float(periods.std() / periods.mean())) > IRREGULAR:
+        raise sentences.refusal(
+            "cycles.irregular", V_lp=V_lp, scatter=100 * scatter, most=100 * IRREGULAR
+        )
+    return cuts, left_out
+
+
+def _transient(amplitude):
+    """Number of first cycles whose amplitude (n,) is unlike that of the later ones."""
+    late = amplitude[amplitude.size // 2 :]
+    typical = float(np.median(late))
+    spread = 1.4826 * max(float(np.median(np.abs(x - np.median(x)))) for x in (late, amplitude))
+    is_unlike = np.abs(amplitude - typical) > max(TRANSIENT * spread, DEVIATION * typical)
+    return int(np.argmin(is_unlike))
+
+
 def fold(t, y, cuts, bins):
     """`Cycles` of a record with these cuts, the trend from cycle to cycle removed.
 
@@ -167,20 +239,14 @@ def _mean_over(y, width):
     half = min(round(width) // 2, (y.size - 1) // 2)
     if half < 1:
         return y
-    sums = np.concatenate([[0.0], np.cumsum(y)])
-    wide = 2 * half + 1
-    inner = (sums[wide:] - sums[:-wide]) / wide
-    return np.pad(inner, half, mode="edge")
+    return np.pad(uniform_filter1d(y, 2 * half + 1)[half:-half], half, mode="edge")
 
 
 def _filled(total, count):
     """Means of bins (..., m); those of empty bins are interpolated."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.asarray(total / count)
-    if (count > 0).all():
-        return mean
+    mean = np.asarray(total / np.maximum(count, 1))
+    at = np.arange(mean.shape[-1])
     for row, filled in zip(np.atleast_2d(mean), np.atleast_2d(count > 0), strict=True):
-        if not filled.all() and filled.any():
-            at = np.arange(row.size)
-            row[~filled] = np.interp(at[~filled], at[filled], row[filled], period=row.size)
+        if filled.any():
+            row[~filled] = np.interp(at[~filled], at[filled], row[filled], period=at.size)
     return mean

@@ -13,8 +13,17 @@ from scipy.special import chdtri
 
 from ...messages import fitting as sentences
 from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
-from .folding import FEWEST_CYCLES, Cycles, cut_cycles, fold, main_period, periodic, thinned
-from .segments import SENTENCES, Segment, regular_cuts
+from .folding import (
+    FEWEST_CYCLES,
+    Cycles,
+    Segment,
+    cut_cycles,
+    fold,
+    main_period,
+    periodic,
+    regular_cuts,
+    thinned,
+)
 
 # Bins of the profile: their least and largest number; noise in one over the amplitude, as a target.
 BINS, BIN_NOISE = (24, 128), 0.01
@@ -136,12 +145,12 @@ def _notes(measured, excess, used):
     notes, warnings = [*measured.left_out], []
     drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
     if abs(drift) > DRIFT * float(np.ptp(cycles.profile)):
-        notes.append(SENTENCES("measured.trend", V_lp=V_lp, drift=drift))
+        notes.append(sentences("cycles.trend", V_lp=V_lp, drift=drift))
     if not used[DROP]:
-        notes.append(SENTENCES("measured.short_drop", V_lp=V_lp))
+        notes.append(sentences("cycles.short_drop", V_lp=V_lp))
     if excess.any():
         names = ", ".join(name for name, more in zip(FEATURES, excess, strict=True) if more > 0.0)
-        warnings.append(SENTENCES("measured.scatter", names=names, V_lp=V_lp))
+        warnings.append(sentences("cycles.scatter", names=names, V_lp=V_lp))
     return tuple(notes), tuple(warnings)
 
 

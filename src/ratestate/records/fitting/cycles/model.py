@@ -61,6 +61,11 @@ def limit_waves(law, values, V_lp, near=None):
     return cycles
 
 
+def wave_at(wave):
+    """A wave at the phases `GRID` as a function of phase, which may be any number of cycles."""
+    return lambda phase: np.interp(phase % 1.0, GRID, wave)
+
+
 def _from_fall(system, u, period):
     """(n, q) x on the cycles through u, of periods (n,) [Dc/V_lp], at the phases `GRID`."""
     low, high = np.zeros(period.size), np.ones(period.size)

@@ -10,7 +10,7 @@ from ..generalized_least_squares import responds, response
 from ..likelihood.transients import longest_distance
 from ..record import before_changes, changes
 from ..table import rate_dependence_text
-from ..unknowns import NEAR, of_slider, parameter, to_value
+from ..unknowns import NEAR, of_slider, parameter
 from .identifiability import bounds_of, identifiability
 from .left_out import left_out, rigid
 
@@ -71,7 +71,7 @@ def search_warnings(inference):
         yield sentences("search.still_improving")
     if inference.posterior is not None:
         yield from _posterior_warnings(inference.posterior, inference.quantities)
-    coordinates = [q for q in inference.quantities if q.is_coordinate]
+    coordinates = [q for q in inference.quantities if q.is_free]
     is_open = [q.name for q in coordinates if None in bounds_of(inference, q)]
     sides = solution.unknowns.sides(solution.point)
     for point, (name, side) in zip(solution.point, sides.items(), strict=True):
@@ -79,7 +79,7 @@ def search_warnings(inference):
             which = "speed" if name == "V_start" else "state"
             yield sentences(f"start.{which}", name=name, ratio=np.exp(point), side=SIDES[side])
         elif side and name not in is_open and not _above_zero(inference, name, point):
-            shown = readable(name, to_value(name, point), 3)
+            shown = readable(name, inference.estimates.of(name).value, 3)
             yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 
@@ -167,7 +167,7 @@ def _trend(inference):
         return
     names, moved = {"a_minus_b": rate_dependence_text([solution.problem.law])}, []
     for quantity, value in zip(inference.quantities, values, strict=True):
-        is_own = quantity.is_coordinate and parameter(quantity.name).group == "slider"
+        is_own = quantity.is_free and parameter(quantity.name).group == "slider"
         error = estimates.of(quantity.name).error
         change = (value - estimates.of(quantity.name).value) / error
         if (is_own or quantity.name in names) and abs(change) > 1.0:

@@ -22,7 +22,7 @@ SMALL = 0.1
 def identifiability(inference):
     """A note on what an `Inference` determines (str), and warnings (list of str)."""
     problem = inference.solution.problem
-    free = [quantity for quantity in inference.quantities if quantity.is_coordinate]
+    free = [quantity for quantity in inference.quantities if quantity.is_free]
     each = [_determination(inference, quantity) for quantity in free]
     warnings = [warning for _, warning in each if warning]
     determined = ", ".join(text for text, warning in each if not warning)
@@ -44,6 +44,7 @@ def _determination(inference, quantity):
     """A parameter with its error, bound or interval, for the note; its warning, "" without one."""
     name, estimate = quantity.name, inference.estimates.of(quantity.name)
     row = parameter(name)
+    remedy = sentences(f"remedy.{inference.solution.problem.kind}")
     if not np.isfinite(estimate.error):
         return name, sentences("warning.unseen", name=name)
     low, high = bounds_of(inference, quantity)
@@ -51,7 +52,7 @@ def _determination(inference, quantity):
         return name, sentences("warning.undetermined", name=name)
     if low is None or high is None:
         bound = f"> {readable(name, low, 3)}" if high is None else f"< {readable(name, high, 3)}"
-        is_irrelevant = row.irrelevant == (1 if high is None else -1)
+        is_irrelevant = quantity.irrelevant == (1 if high is None else -1)
         why = sentences(f"why.{name}") if is_irrelevant else ""
         return f"{name} ({bound})", sentences("warning.one_sided", name=name, bound=bound, why=why)
     if row.group != "slider":
@@ -59,10 +60,11 @@ def _determination(inference, quantity):
     error = _relative_error(name, estimate)
     size = percent(error) if row.is_log else f"{error:.2g} times its value"
     if row.is_log and np.isinf(estimate.interval[-1, 1]):
-        return name, sentences("warning.unconstrained", name=name, size=size)
+        return name, sentences("warning.unconstrained", name=name, size=size, remedy=remedy)
     if error > HARDLY_DETERMINED:
         interval = f"95 %: {' to '.join(readable(name, end, 3) for end in estimate.interval[-1])}"
-        warning = sentences("warning.vague", name=name, size=size, interval=interval)
+        values = {"size": size, "interval": interval, "remedy": remedy}
+        warning = sentences("warning.vague", name=name, **values)
         return f"{name} ({interval})", warning
     return f"{name} to {percent(error)}", ""
 

@@ -1,8 +1,9 @@
 """What the likelihood says of each estimate: profiles, posterior, intervals.
 
 ===================== ==========================================================================
-``inference``         what is reported, with the source of each interval
-``profile``           profiles of the likelihood, with one reported quantity constrained
+``quantities``        what is reported, as functions of the coordinates
+``inference``         its errors and intervals, with their source
+``profile``           profiles of the likelihood, with one reported quantity held
 ``posterior``         the prior, samples, evidence, and whether they are reliable
 ``marginal``          `log_likelihood`, with level and trend integrated out
 ``noise_uncertainty`` what the uncertainty of the noise adds to that of estimates

@@ -54,7 +54,7 @@ class Posterior(NamedTuple):
 
     def truncated_side(self, quantity):
         """-1 or 1 if samples gather at the lower or upper end of the prior, else 0; 0 of a sum."""
-        if not quantity.is_coordinate:
+        if not quantity.is_free:
             return 0
         low, high = self.prior[quantity.name]
         part = (quantity.values(self.points) - low) / (high - low)

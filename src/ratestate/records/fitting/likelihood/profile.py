@@ -11,10 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from ...kit.least_squares import minimum
 from ..estimates import GAUSSIAN, ROOTS
-from ..generalized_least_squares import SEARCH_EVALUATIONS
-from ..problem import search
-from ..unknowns import Unknowns, parameter, to_coordinate
+from ..unknowns import parameter
 
 #: root of the deviance where a profile may end, over that where its widest interval does
 BEYOND = 1.03
@@ -29,12 +28,16 @@ BETTER = 0.05
 #: on the side on which a parameter ceases to matter an interval is open if a value so far from
 #: the estimate (as a logarithm) is still likely
 FARTHEST = np.log(1000.0)
-#: longest first step, as a part of the distance between the bounds
+#: longest first step of a coordinate, as a part of the distance between its bounds
 LONGEST = 0.03
+#: weight of the penalty, over that of a deviance that rises by 1 within a step
+WEIGHT = 4.0
+#: fall of chi-square, by the linear model, at which a search ends
+ENOUGH = 1e-3
 #: relative difference of the deviance's root from a Gaussian's that counts as Gaussian
 TOLERANCE = 0.1
 #: most rounds in which profiles that others contradict are computed again
-ROUNDS = 3
+ROUNDS = 2
 
 
 class BetterPoint(Exception):
@@ -77,20 +80,20 @@ class Profile(NamedTuple):
         return interval
 
 
-def compute_profile(solution, quantity, fits=(), roots=GAUSSIAN):
+def compute_profile(solution, quantity, fits=(), roots=GAUSSIAN, better=BETTER):
     """The `Profile` of a `ReportedQuantity` about a solution.
 
     fits : (point, deviance) of other fits to start from as well
     roots : (levels, sides) roots of the deviance at the ends of its intervals
+    better : fall of chi-square by which a point is better
 
     Raises `BetterPoint` where a point of the profile fits better than the solution.
     """
     low, high = (
-        _Side(solution, quantity, sign, BEYOND * root, fits)
+        _Side(solution, quantity, sign, BEYOND * root, fits, better)
         for sign, root in zip((-1.0, 1.0), roots[-1], strict=True)
     )
     ends = low.walk(), high.walk()
-
     both = ((low.values, high.values), (low.deviance, high.deviance), (low.points, high.points))
     values, deviance, points = (np.array([*below[:0:-1], *above]) for below, above in both)
     return Profile(values, deviance, points, ends)
@@ -99,68 +102,70 @@ def compute_profile(solution, quantity, fits=(), roots=GAUSSIAN):
 class _Side:
     """One side of a profile, from the fit outwards."""
 
-    def __init__(self, solution, quantity, sign, beyond, fits):
+    def __init__(self, solution, quantity, sign, beyond, fits, better):
         self.solution, self.quantity, self.sign = solution, quantity, sign
-        self.beyond = beyond
-        gradient = quantity.gradient(solution.point)
-        along = solution.covariance @ gradient
-        variance = float(gradient @ along)
-        self.error = float(np.sqrt(variance))
+        self.beyond, self.better = beyond, better
+        along = solution.covariance @ quantity.gradient(solution.point)
+        variance = float(quantity.gradient(solution.point) @ along)
         self.lead = sign * along / variance  # change of all coordinates per unit of the quantity
-        self.limit, self.step = sign * np.inf, STRIDE * self.error
+        _, low, high = solution.unknowns
+        moved = np.maximum(np.abs(self.lead), 1e-300)
+        self.shortest = LEAST**2 * variance**0.5
+        self.step = min(STRIDE * variance**0.5, float((LONGEST * (high - low) / moved).min()))
         self.values, self.deviance = [quantity.value(solution.point)], [0.0]
         self.points = [solution.point]
-        if quantity.is_coordinate:
-            low, high = (float(end[quantity.eliminated]) for end in solution.unknowns[1:])
-            self.limit = high if sign > 0 else low
-            if parameter(quantity.name).irrelevant == sign:
-                far = self.values[0] + sign * FARTHEST
-                self.limit = sign * min(sign * self.limit, sign * far)
-            if np.isfinite(high - low):
-                self.step = min(self.step, LONGEST * (high - low))
         valued = [(quantity.value(point), point, deviance) for point, deviance in fits]
         self.fits = [fit for fit in valued if sign * (fit[0] - self.values[0]) > 0.0]
-        likely = [fit[0] for fit in self.fits if fit[2] < beyond**2]
-        #: the farthest value of a likely fit
-        self.far = sign * max((sign * value for value in likely), default=-np.inf)
+        likely = [sign * value for value, _, deviance in self.fits if deviance < beyond**2]
+        #: how far the farthest likely fit is
+        self.far = max(likely, default=-np.inf)
 
     def walk(self):
         """Add the points of this side; how it ends."""
         for _ in range(MOST):
-            last = self.values[-1]
-            if np.isfinite(self.limit) and abs(self.limit - last) <= 1e-9 * max(abs(last), 1e-9):
+            if self._has_gone_far_enough(self.points[-1]):
                 return "open"
-            value = self.sign * min(
-                self.sign * (last + self.sign * self.step), self.sign * self.limit
-            )
-            moved = abs(value - last)
-            fit = constrained_fit(self.solution, self.quantity, value, self._starts(value, moved))
-            root = np.sqrt(max(fit[1], 0.0)) if fit else np.inf
-            if root > self.beyond and root - np.sqrt(self.deviance[-1]) > LEAP:
-                self.step = 0.5 * moved
-                if self.step < LEAST * max(abs(last - self.values[0]), LEAST * self.error):
-                    return "open" if fit and self._at_a_bound(fit[0]) else "edge"
+            last = self.values[-1]
+            fit = self._fit_near(last + self.sign * self.step)
+            moved = self.sign * (fit[0] - last) if fit else 0.0
+            root = np.sqrt(max(fit[2], 0.0)) if fit else np.inf
+            is_leap = root > self.beyond and root - np.sqrt(self.deviance[-1]) > LEAP
+            if is_leap or moved < LEAST * self.step:
+                self.step *= 0.5
+                if self.step < max(LEAST * abs(last - self.values[0]), self.shortest):
+                    return "open" if fit and self._others_at_bounds(fit[1]) else "edge"
                 continue
-            self._add_point(value, *fit)
-            if self.deviance[-1] > self.beyond**2 and self.sign * (value - self.far) >= 0.0:
+            self._add_point(*fit)
+            if root > self.beyond and self.sign * fit[0] >= self.far:
                 return "closed"
         return "open"
 
-    def _at_a_bound(self, point):
-        """Whether another coordinate is at a bound: then the search ends, not the motion."""
-        sides = self.solution.unknowns.sides(point)
-        own = self.quantity.names[self.quantity.eliminated]
-        return any(s and n != own and parameter(n).irrelevant != s for n, s in sides.items())
-
-    def _starts(self, value, moved):
-        """Points to start from: ahead of the last point, and the nearest other fit."""
-        ahead = self.points[-1] + self.lead * moved
+    def _fit_near(self, value):
+        """Value, point and deviance of the best fit near a value; None where nothing moves."""
+        ahead = self.points[-1] + self.lead * abs(value - self.values[-1])
         nearest = min(self.fits, key=lambda fit: abs(fit[0] - value), default=None)
-        return [ahead, self.points[-1]] if nearest is None else [ahead, nearest[1]]
+        starts = [ahead] if nearest is None else [ahead, nearest[1]]
+        return penalized_fit(self.solution, self.quantity, value, self.step, starts)
+
+    def _has_gone_far_enough(self, point):
+        """Whether the interval is open because this far out the quantity is still likely."""
+        far = self.sign * (self.quantity.value(point) - self.values[0]) > FARTHEST
+        if far and self.quantity.irrelevant == self.sign:
+            return True
+        if self.solution.unknowns.sides(point).get(self.quantity.name) == self.sign:
+            return True
+        return self.solution.problem.is_open_at_bounds and self._others_at_bounds(point)
+
+    def _others_at_bounds(self, point):
+        """Whether another coordinate has come to a bound at which it still matters."""
+        before = self.solution.unknowns.sides(self.solution.point)
+        sides = self.solution.unknowns.sides(point)
+        new = [name for name, side in sides.items() if side and side != before[name]]
+        return any(parameter(name).irrelevant != sides[name] for name in new)
 
     def _add_point(self, value, point, deviance):
         """Add a point, and choose the step to the next."""
-        if deviance < -BETTER:
+        if deviance < -self.better:
             raise BetterPoint(point)
         moved = abs(value - self.values[-1])
         rise = np.sqrt(max(deviance, 0.0)) - np.sqrt(self.deviance[-1])
@@ -171,49 +176,38 @@ class _Side:
         self.points.append(point)
 
 
-class ConstrainedProblem:
-    """A `Problem` with a `ReportedQuantity` constrained: one coordinate is eliminated by it."""
+def penalized_fit(solution, quantity, value, step, starts):
+    """Fit with a quantity held near a value: value reached, point (k,), deviance (< 0: better).
 
-    def __init__(self, problem, quantity, value):
-        self.problem, self.quantity, self.value = problem, quantity, value
-        names, low, high = problem.unknowns
-        name = names[quantity.eliminated]
-        #: where Newton's method for the eliminated coordinate starts; not every law allows 0
-        own = getattr(problem.slider, name) if parameter(name).group == "slider" else 0.0
-        self.start = to_coordinate(name, own)
-        rest = self.rest = [i for i in range(len(names)) if i != quantity.eliminated]
-        self.unknowns = Unknowns(tuple(names[i] for i in rest), low[rest], high[rest])
-
-    def point(self, rest):
-        """The point (k,) with these values (k - 1,) of the others; NaN if only a < 0 would do."""
-        point = np.insert(rest, self.quantity.eliminated, self.start)
-        return self.quantity.constrained(point, self.value)
-
-    def whitened(self, rest, noise):
-        """As `Problem.whitened`, at the other coordinates (k - 1,) and by them."""
-        point, eliminated = self.point(rest), self.quantity.eliminated
-        residual, columns = self.problem.whitened(point, noise)
-        gradient = self.quantity.gradient(point)
-        by_rest = -gradient[self.rest] / gradient[eliminated]
-        return residual, columns[:, self.rest] + np.outer(columns[:, eliminated], by_rest)
-
-
-def constrained_fit(solution, quantity, value, starts):
-    """Point (k,), and deviance (< 0: better), of the best fit in which a quantity has this value.
-
-    None where no start moves through the whole record.
+    A penalty holds it: with a strict constraint least squares would advance slowly along a curved
+    valley.  Where the search ends, chi-square is the least for the quantity's value there.  None
+    where no start moves through the whole record.
     """
-    problem = ConstrainedProblem(solution.problem, quantity, value)
-    fits = []
-    for start in starts:
-        rest = np.clip(start[problem.rest], problem.unknowns.low, problem.unknowns.high)
-        if fit := search(problem, rest, solution.noise, SEARCH_EVALUATIONS):
-            fits.append(fit)
-    best = min(fits, key=lambda fit: fit.cost, default=None)
-    return best and (problem.point(best.x), 2.0 * float(best.cost) - solution.chi2)
+    problem, weight = solution.problem, WEIGHT / step
+
+    def with_penalty(point):
+        residual, jacobian = problem.whitened(point, solution.noise)
+        penalty = weight * (quantity.value(point) - value)
+        return np.append(residual, penalty), np.vstack(
+            [jacobian, weight * quantity.gradient(point)]
+        )
+
+    _, low, high = problem.unknowns
+    starts = np.clip(starts, low, high)
+    if len(starts) > 1:
+        white, _ = solution.noise.whiten(problem.t, problem.difference(starts).T)
+        costs = np.sum(white**2, axis=0) + (weight * (quantity.values(starts) - value)) ** 2
+        starts = starts[np.argsort(costs)]  # NaN last
+    enough = max(ENOUGH, problem.enough)
+    best = minimum(with_penalty, starts[0], low, high, problem.most // 8, enough)
+    if best is None:
+        return None
+    reached = quantity.value(best.x)
+    chi2 = 2.0 * best.cost - (weight * (reached - value)) ** 2
+    return reached, best.x, chi2 - solution.chi2
 
 
-def compute_profiles(solution, quantities, everything, roots=None):
+def compute_profiles(solution, quantities, everything, roots=None, better=BETTER):
     """name -> `Profile` of the quantities whose likelihood is not Gaussian, or of all.
 
     roots : (quantities, levels, sides) of the deviance, at the ends of intervals; by default those
@@ -232,7 +226,7 @@ def compute_profiles(solution, quantities, everything, roots=None):
     for _ in range(ROUNDS):
         for quantity in todo:
             profile = profiles[quantity.name] = compute_profile(
-                solution, quantity, fits, roots_of[quantity.name]
+                solution, quantity, fits, roots_of[quantity.name], better
             )
             fits += zip(profile.points, profile.deviance, strict=True)
         todo = [q for q in quantities if _contradicted(solution, q, profiles.get(q.name), fits)]
@@ -256,11 +250,11 @@ def are_gaussian(solution, quantities):
     points = np.array([point + sign * step for step in steps for sign in (-1.0, 1.0)])
     sound = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
     points[~sound] = point
-    residuals = problem.forward.friction(points) - problem.record.friction
+    residuals = problem.difference(points)
     sound &= np.isfinite(residuals).all(axis=1)
     residuals[~sound] = 0.0
     columns = np.column_stack([residuals.T, solution.jacobian])
-    white, _ = solution.noise.whiten(problem.record.t, columns)
+    white, _ = solution.noise.whiten(problem.t, columns)
     whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
     slopes = jacobian.T @ whitened
     gain = np.einsum("ip,ij,jp->p", slopes, spread, slopes)

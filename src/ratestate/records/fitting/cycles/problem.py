@@ -1,0 +1,232 @@
+"""The least squares of the features of cycles: coordinates, residuals, and where searches start.
+
+Coordinates are logarithms of the free parameters, and mu0, which only moves the level.  The
+amplitude of a cycle follows from how far below K_c the spring's stiffness is, and near K_c it
+changes hundredfold where parameters change by a few percent.  So b, or else a, moves as
+
+    ln(K_c/K - STRIP)
+
+at the record's lowest speed: this coordinate changes the amplitude, the others change the shape of
+the cycle, and least squares need not follow a curved valley.
+"""
+
+import copy
+import operator
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import block_diag, solve_triangular
+
+from ....friction.stability import K_c, a_of_K_c, b_of_K_c
+from ...messages import fitting as sentences
+from ..forward import ForwardModel
+from ..likelihood.quantities import ReportedQuantity
+from ..problem import LeastSquares
+from ..unknowns import Unknowns, distinct, of_slider, parameter
+from .features import FEATURES, LEVEL
+from .model import CycleModel
+
+# Largest distance of a coordinate from where a search starts.
+FAR = np.log(1e3)
+# K_c/K below which no cycle exists: some coexist with steady sliding, a little above K_c.
+STRIP = 0.98
+# Step of a difference in a coordinate.
+STEP = 1e-3
+# Ranges from which starts are drawn.
+DIRECT = (3e-4, 0.03)  # a
+WEAKER = (0.01, 20.0)  # K_c/K - STRIP
+SLIPS = (2.0, 200.0)  # slip in a cycle, over Dc
+STIFFER = (0.9, 60.0)  # K over amplitude sigma/(V_lp period), that of a sawtooth
+LIGHTER = (1e-10, 1.0)  # (natural period/period)^2
+NEAR = 1.1  # half width of the range about the slider's own values, as a logarithm
+# Points of the cloud, most starts among them, and least distance between two starts.
+CLOUD, STARTS, DISTANCE, SEED = 512, 4, 0.3, 20190117
+# Least relative error of features in the choice of starts: the shape matters there, not digits.
+ROUGH = 0.1
+
+
+def check_slider(slider, free):
+    """ParameterError for what has no part in cycles, and for a slider without cycles.
+
+    It has none if M = 0, K = inf, or b <= a where both are given.
+    """
+    for name in free:
+        if what := parameter(name).no_part_in_cycles:
+            raise sentences.refusal("cycles.no_part", name=name, what=what)
+    if slider.M == 0.0:
+        raise sentences.refusal("cycles.massless")
+    if np.isinf(slider.K):
+        raise sentences.refusal("cycles.rigid")
+    if not {"a", "b"} & set(free) and slider.b <= slider.a:
+        raise sentences.refusal("cycles.strengthening", a=float(slider.a), b=float(slider.b))
+
+
+class CyclesForward(ForwardModel):
+    """Features of the limit cycles of sliders, at the speeds of a record.
+
+    measured : `Measured` of each segment: those features that it resolves are compared
+    """
+
+    def __init__(self, slider, free, measured):
+        super().__init__((*free, "level"), dict.fromkeys(free, STEP))
+        symbols = of_slider(slider.friction_law)
+        self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
+        self.sigma, self.used = float(slider.sigma), np.array([one.used for one in measured])
+        # the parameter in place of which the distance from steady sliding is a coordinate
+        self.replaced = "b" if "b" in free else "a" if "a" in free else None
+        self.V_lp = np.array([one.segment.V_lp for one in measured])
+        bins = [one.bins for one in measured]
+        self.model = CycleModel(slider.law, self.V_lp, bins, self.sigma, slider.V0)
+        #: the last cycles found, (segments, 2): where cycles coexist with steady sliding, the
+        #: search for them so stays on the cycle
+        self.near = None
+
+    # far from all sliders, where searches may try, values overflow: there is no cycle
+    @np.errstate(over="ignore", divide="ignore", invalid="ignore")
+    def values(self, points):
+        """Symbol -> (n,) [SI] of all that the cycles depend on at points (n, k), and the level."""
+        values = {symbol: np.full(len(points), value) for symbol, value in self.fixed.items()}
+        moved = np.exp(np.clip(points[:, :-1].T, -700.0, 700.0))
+        values |= zip(self.names[:-1], moved, strict=True)
+        if self.replaced:
+            excess = values[self.replaced]  # K_c/K - STRIP
+            rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.replaced}
+            solve = b_of_K_c if self.replaced == "b" else a_of_K_c
+            critical = (excess + STRIP) * values["K"]
+            values[self.replaced] = solve(self.V_lp.min(), critical, sigma=self.sigma, **rest)
+        return values | {"level": points[:, -1]}
+
+    def coordinates(self, values):
+        """(n, k) of values, symbol -> (n,), where b > a; the level is 0."""
+        columns = {s: np.log(values[s]) for s in self.names[:-1] if s != self.replaced}
+        if self.replaced:
+            of_K_c = {s: values[s] for s in ("a", "b", "Dc", "M")}
+            ratio = K_c(self.V_lp.min(), sigma=self.sigma, **of_K_c) / values["K"]
+            columns[self.replaced] = np.log(np.maximum(ratio - STRIP, WEAKER[0]))
+        columns["level"] = np.zeros_like(values["a"])
+        return np.stack([columns[name] for name in self.names], axis=1)
+
+    def own(self):
+        """(1, k) coordinates of the slider's own values, moved to where cycles exist."""
+        return self.coordinates({symbol: np.array([v]) for symbol, v in self.fixed.items()})
+
+    def cycles(self, points):
+        """Features (n, s, 6) and waves (n, s, q) of tau/sigma; NaN without a cycle."""
+        values = self.values(points)
+        features, near, waves = self.model.features(values, self.near)
+        if self.near is not None and not np.isfinite(features[0]).all():
+            features, near, waves = self.model.features(values)
+        if np.isfinite(features[0]).all():
+            self.near = near[0]
+        level = points[:, -1, None, None]
+        self.evaluations += len(points)
+        return features + level * (np.arange(len(FEATURES)) == LEVEL), waves + level
+
+    def parts(self, points):
+        """Features (n, m) that are compared, and the derivative of these by the level."""
+        features, _ = self.cycles(points)
+        is_level = np.broadcast_to(np.arange(len(FEATURES)) == LEVEL, self.used.shape)[self.used]
+        by_level = np.broadcast_to(is_level.astype(float), (len(points), is_level.size))
+        return features[:, self.used], {"level": by_level}
+
+    def quantities(self):
+        """tuple of `ReportedQuantity`: free parameters, mu0, and a - b if a or b is free."""
+        found = [
+            ReportedQuantity(name, self, self._log_of_replaced, is_log=True)
+            if name == self.replaced
+            else ReportedQuantity(name, self, is_log=True)
+            for name in self.names[:-1]
+        ]
+        found.append(ReportedQuantity("mu0", self, operator.itemgetter("level")))
+        if self.replaced:
+            found.append(ReportedQuantity("a_minus_b", self, lambda x: x["a"] - x["b"]))
+        return tuple(found)
+
+    def _log_of_replaced(self, values):
+        return np.log(values[self.replaced])
+
+
+class FeatureNoise(NamedTuple):
+    """The errors of features, in place of the `Noise` of samples."""
+
+    root: np.ndarray  # (m, m) lower triangle: root @ root.T is the covariance
+
+    def whiten(self, _, columns):
+        """(m, k) columns with errors of unit variance; ln det(covariance)."""
+        columns = np.reshape(columns, (len(self.root), -1))
+        log_determinant = 2.0 * float(np.log(np.diag(self.root)).sum())
+        return solve_triangular(self.root, columns, lower=True, check_finite=False), log_determinant
+
+    def times(self, factor):
+        """Errors that are larger by a factor."""
+        return FeatureNoise(factor * self.root)
+
+
+class CyclesProblem(LeastSquares):
+    """The `LeastSquares` of the features that a record resolves."""
+
+    kind, most, enough, is_open_at_bounds = "cycles", 100, 0.01, True
+
+    def __init__(self, slider, free, measured):
+        forward = CyclesForward(slider, free, measured)
+        observed = np.concatenate([one.values[one.used] for one in measured])
+        k = len(forward.names)
+        unknowns = Unknowns(forward.names, np.full(k, -np.inf), np.full(k, np.inf))
+        super().__init__(slider, forward, unknowns, np.arange(observed.size), observed)
+        self.measured = measured
+        blocks = [one.covariance[np.ix_(one.used, one.used)] for one in measured]
+        self.noise = FeatureNoise(np.linalg.cholesky(block_diag(*blocks)))
+
+    def about(self, point):
+        """The problem within bounds about a point (k,)."""
+        other = copy.copy(self)
+        other.forward = copy.copy(self.forward)
+        reach = np.append(np.full(point.size - 1, FAR), np.inf)
+        other.unknowns = Unknowns(self.unknowns.names, point - reach, point + reach)
+        return other
+
+
+def starting_points(problem):
+    """(n, k) points to search from, the best of a cloud, all distinct; n <= `STARTS`, or 0."""
+    forward = copy.copy(problem.forward)
+    points = _cloud(forward, problem.measured[0])
+    features, lines = forward.parts(points)
+    is_level = lines["level"][0] > 0.0
+    residual = problem.observed - features
+    points[:, -1] = residual[:, is_level].mean(axis=1)
+    variance = np.sum(problem.noise.root**2, axis=1) + ROUGH**2
+    misfit = np.sum((residual**2 / variance)[:, ~is_level], axis=1)  # (mu0 adjusts the level)
+    best = points[np.argsort(misfit, kind="stable")[: np.isfinite(misfit).sum()]]
+    return best[distinct(best[:, :-1], DISTANCE, STARTS)]
+
+
+def _cloud(forward, first):
+    """(n, k) points: one half from the features of the first segment, one about the slider."""
+    from scipy.stats import qmc
+
+    names, n = forward.names[:-1], CLOUD // 2
+    amplitude, period = np.exp(first.values[:2])
+    V_lp = first.segment.V_lp
+    drawn = qmc.Sobol(2 * len(names), rng=SEED).random(n)
+    about = forward.own() + np.zeros((n, 1))
+    about[1:, :-1] += NEAR * (2.0 * drawn[1:, : len(names)] - 1.0)
+    parts = dict(zip(names, drawn[:, len(names) :].T, strict=True))
+    values = {symbol: np.full(n, value) for symbol, value in forward.fixed.items()}
+
+    def within(symbol, low, high):
+        return low * (high / low) ** parts[symbol]
+
+    a = forward.fixed["a"]
+    if "Dc" in parts:
+        values["Dc"] = V_lp * period / within("Dc", *SLIPS[::-1])
+    if "K" in parts:
+        values["K"] = amplitude * forward.sigma / (V_lp * period) * within("K", *STIFFER)
+    if "M" in parts:
+        values["M"] = values["K"] * (period / (2.0 * np.pi)) ** 2 * within("M", *LIGHTER)
+    if "a" in parts:
+        values["a"] = within("a", min(DIRECT[0], a / 3.0), max(DIRECT[1], 3.0 * a))
+    from_features = forward.coordinates(values)
+    if forward.replaced:
+        excess = within(forward.replaced, *WEAKER)
+        from_features[:, names.index(forward.replaced)] = np.log(excess)
+    return np.concatenate([about, from_features])
