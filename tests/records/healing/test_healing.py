@@ -262,7 +262,7 @@ def test_the_summary_has_the_numbers(one):
     assert "4 of 4 holds evaluated" in text
     assert "slip law predicts" in text
     assert text.count("10 um/s") == 8
-    with pytest.raises(ParameterError, match="summary wants the Dataset that healing gives"):
+    with pytest.raises(ParameterError, match="summary needs the Dataset that healing returns"):
         summary(one.drop_attrs())
 
 

@@ -271,7 +271,7 @@ def test_the_summary_the_page_and_a_file(one, tmp_path):
     assert "\N{PLUS-MINUS SIGN}" in slope
     assert ring.startswith("ring-down\n222.")
     assert "Drawn" not in fig.get_suptitle()
-    with pytest.raises(ParameterError, match="summary wants the Dataset that machine_stiffness"):
+    with pytest.raises(ParameterError, match="summary needs the Dataset that machine_stiffness"):
         summary(one.drop_attrs())
 
 

@@ -326,8 +326,8 @@ def test_stiffness_that_cannot_be_known_is_not_made_up():
     assert events.sizes["event"] == pytest.approx(0.4 / period, abs=1.5)  # one a period
     assert events["K"].isnull()
     assert events.slip.isnull().all()
-    assert "give K" in events.attrs["stiffness"]
-    assert all("stiffness unknown" in text for text in events.event_message.values)
+    assert "Give K" in events.attrs["stiffness"]
+    assert all("stiffness is unknown" in text for text in events.event_message.values)
     known = rs.events(record, K="900 MPa/m")
     assert known.slip[1:-1].notnull().all()
 
@@ -340,8 +340,8 @@ def test_stiffness_that_cannot_be_known_is_not_made_up():
         (lambda data: data.isel(time=slice(20)), "20 samples"),
         (lambda data: data.isel(time=slice(None, None, -1)), "times must increase"),
         (lambda data: data.assign(friction=data.friction.where(data.time != 1.0)), "row 50"),
-        (lambda data: data.to_dataarray(), "not DataArray"),
-        (lambda data: data.expand_dims(K=2), "pick one case"),
+        (lambda data: data.to_dataarray(), "of the type DataArray"),
+        (lambda data: data.expand_dims(K=2), "Pick one case"),
     ],
 )
 def test_other_records_are_refused(experiment, change, text):
@@ -358,7 +358,7 @@ def test_runs_of_few_times_or_several_sliders_are_refused(experiment):
 
 
 def test_friction_alone_needs_a_normal_stress(experiment):
-    with pytest.raises(rs.ParameterError, match="give sigma"):
+    with pytest.raises(rs.ParameterError, match="Give sigma"):
         rs.events(experiment[0])
     with pytest.raises(rs.ParameterError, match="no parameter least"):
         rs.events(experiment[0], least=1.0)

@@ -175,7 +175,7 @@ def test_drops_close_to_the_threshold_are_told(noise, told):
     truth = sawtooth(60.0 * np.arange(1, 9), np.full(8, DROP), 1.0, rng, noise * DROP)
     events = rs.events(truth.record, K=truth.K)
     assert 8.0 < float(events.detection_threshold / events.tau_noise) < 12.0 or told
-    near = ["similar events may be lost" in text for text in messages(events)]
+    near = ["similar events may be missing" in text for text in messages(events)]
     measured = np.isfinite(events.stress_drop.values)
     close = (events.stress_drop < 2.0 * events.detection_threshold).values
     np.testing.assert_array_equal(np.array(near)[measured], close[measured])
