@@ -94,8 +94,8 @@ def test_a_loading_that_begins_late():
     assert 2e-7 * late.point[3] == pytest.approx(3e-7, abs=3e-8)
     assert late.k == pytest.approx(2e3, abs=3.5 * late.k_error)
     assert abs(fixed.k - 2e3) > 3.0 * fixed.k_error
-    assert late.fits
-    assert not fixed.fits
+    assert late.is_explained
+    assert not fixed.is_explained
     assert late.point[0] == pytest.approx(0.6, abs=1e-5)
 
 
