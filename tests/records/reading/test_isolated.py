@@ -68,7 +68,7 @@ def test_what_a_reader_finds_comes_back_from_a_child(path):
         ("stumbled", "r.dat cannot be read as a thing: IndexError: x{288}. Copy it again"),
         ("nested", "r.dat cannot be read as a thing: RecursionError"),
         ("refused", "^r.dat is not wanted$"),
-        pytest.param("greedy", "it asks for more memory than 1.1 GB", marks=LINUX),
+        pytest.param("greedy", "it needs more memory than 1.1 GB", marks=LINUX),
     ],
 )
 def test_whatever_goes_wrong_is_a_parameter_error(path, reader, message):
