@@ -145,7 +145,7 @@ def test_a_large_error_warns(one):
         texts = [*stiffness_remarks(one.assign(K_error=error * one.K))]
         assert len(texts) == expected
     assert "K rests on 2 slopes, with an error of 20 %" in texts[0]
-    assert "do not fix K in a fit" in texts[0]
+    assert "Do not fix K in a fit" in texts[0]
 
 
 def test_eigenvalues_give_mass_and_damping_back():
