@@ -5,16 +5,7 @@ import json
 import numpy as np
 import pytest
 import xarray
-from machine_records import (
-    SLIDER,
-    STICK_SLIP,
-    STIFF,
-    clean,
-    noisy,
-    one_step,
-    stick_slip,
-    wandering,
-)
+from machine_records import SLIDER, STICK_SLIP, STIFF, clean, noisy, one_step, stick_slip, wandering
 
 import ratestate as rs
 from ratestate import ParameterError, plot

@@ -394,7 +394,9 @@ def test_lines_have_errors_that_hold():
         line = trend(V, drop, V, "V_lp")
         held.append(abs(line.B + 2e4) < 2.2 * line.B_error)
     assert 0.85 < np.mean(held) < 0.99
-    assert trend(V[:8], drop[:8], V[:8], "V_lp").message.startswith("V_lp varies by a factor of only 1")
+    assert trend(V[:8], drop[:8], V[:8], "V_lp").message.startswith(
+        "V_lp varies by a factor of only 1"
+    )
 
 
 def test_catalogues_are_datasets_of_the_package(measured, tmp_path):

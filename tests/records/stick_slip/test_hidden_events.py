@@ -48,11 +48,7 @@ def damped():
 
 @pytest.mark.parametrize(
     ("noise", "digits", "error"),
-    [
-        (0.0, 12, (300.0, 2e3)),
-        (1e-5, 8, (300.0, 2e3)),
-        (0.0, 3, (4082.0, 1e4)),
-    ],
+    [(0.0, 12, (300.0, 2e3)), (1e-5, 8, (300.0, 2e3)), (0.0, 3, (4082.0, 1e4))],
 )
 def test_records_without_noise_have_events(damped, noise, digits, error):
     """Errors cover an overshoot between samples, and rounding: 0.29 of the last digit or more."""

@@ -117,7 +117,6 @@ def healing_record(data, loading, trend):
 
 
 def is_same_speed(one, other):
-    """Return whether two speeds count as one."""
     return abs(one - other) <= SPEEDS * max(one, other)
 
 

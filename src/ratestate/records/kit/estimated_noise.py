@@ -128,7 +128,6 @@ class PowerLaw:
 
 
 def families(likelihood):
-    """Return both families of noise for a `RestrictedLikelihood`."""
     return Relaxation(likelihood), PowerLaw(likelihood)
 
 

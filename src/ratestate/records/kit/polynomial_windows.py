@@ -79,9 +79,7 @@ def fewest_samples(order):
 def windows_that_pass(fewest, most, passes, failures):
     """Return the sizes of growing windows that pass, until several fail in succession.
 
-    fewest, most : samples of the smallest and of the largest window
     passes : function of a number of samples, and of the numbers that have passed before
-    failures : number of successive windows that must fail
     """
     passed: list[int] = []
     size, failed = float(fewest), 0

@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: ratio of the standard deviation of normal noise to its median absolute value; ratio of the
-#: standard deviation of second differences to that of the noise
+#: ratio of the standard deviation of normal noise to its median size; of second differences to it
 OF_MEDIAN, OF_SECOND = 1.4826, 6**0.5
 #: standard deviation of rounding errors, as a fraction of the step between digits
 OF_STEP = 12**-0.5

@@ -20,9 +20,7 @@ UNCERTAIN, SCATTERED = 0.2, 2.0
 def dataset_of(raw, sigma, slider, slopes, ring_downs):
     """Return the Dataset with the attribute ``remarks``.
 
-    sigma : normal stress [Pa]
-    slider : SpringSlider or None
-    slopes, ring_downs : lists of `Slope` and `RingDown`
+    slopes, ring_downs : lists of `Slope` and `RingDown`; sigma [Pa]; slider may be None
     """
     fits = np.array([one.is_explained for one in slopes], bool)
     # (slopes of stick phases give only a lower bound of K)
@@ -104,7 +102,6 @@ def _remarks(result, slider, misfits):
 
 
 def stiffness_remarks(result):
-    """Generate remarks on K."""
     kinds = result["slope_kind"].values[result["slope_used"].values]
     if not kinds.size:
         yield sentences("about.no_K")

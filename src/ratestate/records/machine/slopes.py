@@ -84,7 +84,6 @@ class Slope(NamedTuple):
 
     @property
     def k_error(self):
-        """Return the standard error of k."""
         return self.k * float(np.hypot(self.independent_error, self.shared_error))
 
     @property
@@ -189,7 +188,6 @@ def slopes_of(t, friction, segments, drops):
 
 
 def _slope_after_change(t, friction, rows, segments, i):
-    """Return the `Slope` after a hold or a step, or None."""
     start, V, last_V = float(segments.t[i]), segments.V[i], segments.V[i - 1]
     before = _rows_before(t, segments, i)
     if before.size < FEWEST_BEFORE:
@@ -239,7 +237,6 @@ def _index_at_level(t, rise, smooth, level):
 
 
 def _slope_between_drops(t, friction, begin, end, V):
-    """Return the `Slope` in a loading phase between stress drops, or None."""
     rows = np.arange(*np.searchsorted(t, [begin + part * (end - begin) for part in STICK]))
     if rows.size < FEWEST_BETWEEN:
         return None

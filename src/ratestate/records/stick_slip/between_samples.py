@@ -38,11 +38,8 @@ STEP, OF_NEXT = 6.0, 0.02
 def middles(t, y, peaks, troughs, high, low, level_error, noise):
     """Return when stress falls through the middle of two levels, and its standard error (2, m).
 
-    Both are NaN if a level is unknown.
-
     peaks, troughs : (m,) samples
-    high, low : (m,) levels
-    level_error : (m,) standard error of the middle of the levels
+    high, low, level_error : (m,) levels, or NaN, and the standard error of their middle
     """
     crossings = np.full((2, peaks.size), math.nan)
     for i in np.flatnonzero(np.isfinite(high + low)):
@@ -101,12 +98,10 @@ def corrected_for_spikes(t, y, middle, found, sign, noise):
     """Return value, error, time and time error (4, m) of extremes that may be between samples.
 
     If the bounds exceed the extremes by more than noise explains, on the mean of all events, the
-    extremes are placed halfway between sample and bound.  Otherwise they are returned unchanged,
-    as they are if some are unknown.
+    extremes are placed halfway between sample and bound.  Otherwise `found` is returned.
 
     middle : (m,) times of the middles of falls
-    found : (4, m) value, error, time and time error of the extremes, without the correction
-    sign : 1 for maxima, -1 for minima
+    found : (4, m) the same quantities without this correction
     """
     y = sign * y
     bounds = [_bound(t, y, int(i), -sign) for i in np.searchsorted(t, middle)]
@@ -138,11 +133,7 @@ def _bound(t, y, middle, away):
 
 
 def _crossing(t, y, i, away):
-    """Return the value at which the lines on both sides of a step meet.
-
-    The step begins at sample i.  If the lines do not meet within it, the value is the larger one
-    of the far line at sample i and of sample j.
-    """
+    """Return the value at which the lines on both sides of a step meet, or a bound of it."""
     j = i + away
     near = (y[i] - y[i - away]) / (t[i] - t[i - away])
     far = (y[j + away] - y[j]) / (t[j + away] - t[j])

@@ -110,7 +110,6 @@ def _status(series, falls, gaps, measured, noise):
     """Return the status of falls (m,), and whether the loading before has a hidden fall (m,).
 
     gaps : (m,) whether samples are missing during a fall
-    measured : the result of `measured_falls`
     """
     several, changes, lost = np.zeros((3, len(falls)), bool)
     for k, (last, peak, trough, following) in enumerate(spans_of(series, falls)):
@@ -135,9 +134,8 @@ def _status(series, falls, gaps, measured, noise):
 def _quantities(series, measured, stiffness, several):
     """Return name -> (values (m,), standard errors (m,)) of the quantities of events.
 
-    measured : the result of `measured_falls`
-    several : (m,) whether an event is several events.  Each of these has between nothing and all
-        of the measured amount, and the standard errors cover that range.
+    several : (m,) whether an event is several events; the standard errors then cover all values
+        between zero and the measured amount
     """
     K, K_error = stiffness.K, stiffness.error
     (high, high_error), (start, start_error) = measured["tau_max"], measured["event_start"]

@@ -53,11 +53,7 @@ REGULAR, MANY = (0.1, 0.25), 8
 
 
 def detected(series):
-    """Return a series without outliers, its falls, its noise, and the threshold [Pa].
-
-    There are no falls if the stress only wanders.  The noise is a `SampleNoise`: the noise of the
-    loading phases.
-    """
+    """Return a series without outliers, its falls, their `SampleNoise`, and the threshold [Pa]."""
     if series.V is not None:
         falls, threshold = rough_falls(series.tau, SampleNoise(LEAST * series.resolution))
         return series, falls, SampleNoise(0.0), threshold
@@ -90,12 +86,10 @@ def loading_phases(series, falls):
 
 
 def without_outliers(y, noise):
-    """Replace each outlier of a series (n,) by a line.
+    """Replace each outlier of a series (n,) by a line; noise is the standard deviation.
 
     The samples on both sides of an outlier differ less from each other than from the outlier.
     After a stress drop, or during steep loading, they differ more.
-
-    noise : standard deviation of the white noise
     """
     y = y.copy()
     for length in range(1, LONGEST_OUTLIER + 1):
@@ -110,10 +104,7 @@ def without_outliers(y, noise):
 
 
 def loading_noise(t, y, phases, white):
-    """Return the `SampleNoise` of residuals in loading phases [(first, last sample)].
-
-    It is white, with the standard deviation `white`, if the phases have too few samples.
-    """
+    """Return the `SampleNoise` in loading phases [(first, last sample)]; `white` if too short."""
     residuals: list[np.ndarray] = []
     for first, last in phases:
         rows = slice(*(round(first + part * (last - first)) for part in CALM))
@@ -126,12 +117,7 @@ def loading_noise(t, y, phases, white):
 
 
 def rough_falls(y, noise):
-    """Return the falls (m, 2) of a series (n,) that exceed a threshold, and the threshold.
-
-    Falls that the record's start or end cuts are included.
-
-    noise : `SampleNoise` of the series
-    """
+    """Return the falls (m, 2) of a series that exceed a threshold, also cut ones; the threshold."""
     spread = float(np.subtract(*np.percentile(y, (99.0, 1.0))))
     width = 1
     if noise.sd > 0.0 and spread > 0.0:
@@ -151,8 +137,7 @@ def rough_falls(y, noise):
 def turning_points(y, threshold):
     """Return the turning points [(sample, +1 for a maximum, -1 for a minimum)] of a series.
 
-    Maxima and minima alternate, and each differs from the next by more than the threshold.  The
-    ends of the series are not turning points.
+    Maxima and minima alternate, and each differs from the next by more than the threshold.
     """
     extremes = []
     for sign in (1, -1):

@@ -35,8 +35,7 @@ MORE = 2
 TINY = 1e-300
 #: excess of a window without a vertex and without a bound by the fall, so that it is chosen last
 UNBOUNDED = 1e6
-#: least distance of a vertex from the fall, in standard errors.  Then it is not due to noise, and
-#: its value is too extreme by a tenth of its error at most.
+#: least distance of a vertex from the fall, in standard errors, so that noise does not create it
 SEEN = 6.0
 #: largest shift of a vertex, in u
 FARTHEST = 0.5
@@ -96,9 +95,8 @@ def chosen_window(t, y, middles, windows, k, sign, noise):
 
 
 def extremes(t, y, middles, window, k, sign, noise):
-    """Return the `Extremes` of the k-th derivative in a window relative to each middle.
+    """Return the `Extremes` of the k-th derivative in a window relative to each middle of a fall.
 
-    middles : (m,) times of the middles of falls
     sign : 1 for maxima, -1 for minima
     """
     table = np.full((5, len(middles)), math.nan)
@@ -141,10 +139,7 @@ def extremes(t, y, middles, window, k, sign, noise):
 
 
 def _compared(low, high, u, k):
-    """Return the higher degree's k-th derivative at u, and its difference from the lower's.
-
-    Each has its variance with it.
-    """
+    """Return the higher degree's k-th derivative, its excess over the lower's; with variances."""
     (c, C), (c_high, C_high) = low, high
     row, n = _derivatives(u, c_high.shape[1], k), c.shape[1]
     value, variance = (row * c_high).sum(axis=1), _quadratic(row, C_high)
@@ -153,10 +148,9 @@ def _compared(low, high, u, k):
 
 
 def _fits(t, y, span, scales, k, noise):
-    """Fit both degrees to samples in windows: (c, C) of each, and the excess of squares (m,).
+    """Fit both degrees to samples in windows: (c, C) of each, and the excess (m,).
 
-    Many samples are averaged in blocks.  The excess is the sum of squared residuals minus its
-    expectation, in standard deviations.
+    The excess is the sum of squared residuals minus its expectation, in standard deviations.
 
     span, scales : as for `edges`
     """
@@ -184,10 +178,7 @@ def _fits(t, y, span, scales, k, noise):
 
 
 def _vertices(c, C, k, sign, ends, fall):
-    """Return the vertices of polynomials in u and their errors (m,), or None.
-
-    The result is None if the vertex of the mean polynomial is hidden by noise or outside the
-    window.
+    """Return the vertices of polynomials in u and their errors (m,), or None if hidden by noise.
 
     ends : (2, m) ends of the windows, in u
     """

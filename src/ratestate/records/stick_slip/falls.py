@@ -24,10 +24,9 @@ from .lines import speed_groups
 #: measured quantities of a fall; each has an error
 NAMES = ("tau_max", "event_start", "tau_min", "event_end", "event_time", "fall_rate")
 COLUMNS = 2 * len(NAMES) + 2
-#: largest deviation of a rough drop from the median, as a fraction, of events that share windows
-ALIKE = 0.1
-#: largest such deviation due to noise, in standard deviations of the noise
-BY_NOISE = 3.0
+#: largest deviation from the median drop of events that share windows: as a fraction, and in
+#: standard deviations of the noise
+ALIKE, BY_NOISE = 0.1, 3.0
 #: shortest loading next to an event, as a fraction of the median, of events that share windows
 CLOSE = 0.5
 #: extents of windows into the loading, as fractions of its duration; shortest window [samples]
@@ -91,12 +90,9 @@ def spans_of(series, falls):
 
 
 def _groups(series, spans, whole, noise):
-    """Group events with one V_lp and similar drops; each other event is a group by itself.
-
-    Returns a list of arrays of rows.
+    """Group rows of whole events with one V_lp and similar drops, and each other event by itself.
 
     spans : (m, 4) from `spans_of`
-    whole : rows of whole events
     """
     if not whole.size:
         return []
@@ -152,7 +148,6 @@ def _stress_extremes(t, y, middle, at, sign, loading, noise):
 
     middle : (m,) times of the middles of falls
     at : (m,) rough times of the extremes
-    loading : typical duration of the loading next to the extremes [s]
     """
     for _ in range(ROUNDS):
         offset = float(np.median(at - middle))
@@ -217,10 +212,7 @@ def _middle_half(t, y, peak, trough):
 
 
 def _in_run(series, rate, peak, trough):
-    """Return the row (COLUMNS,) of the table of falls for a fall in a run.
-
-    rate : (n,) dtau/dt [Pa/s]
-    """
+    """Return the row (COLUMNS,) of the table for a fall in a run with this dtau/dt (n,)."""
     t, tau, K, drop = series.t, series.tau, series.K, series.tau[peak] - series.tau[trough]
     high, low = (_extreme(series, rate, i, sign, drop) for i, sign in ((peak, 1), (trough, -1)))
     level = 0.5 * (high[0] + low[0])
