@@ -214,7 +214,7 @@ def test_holds_without_healing_have_a_message(made, window, noise, hold, status)
     [
         # the error of the largest window is 1.4 standard errors of the noise
         ({"a": 0.007, "b": 0.008, "K": "15 GPa/m"}, 10.0, 7e-5, 0.75, 1.0),
-        # the largest window is off by 0.2 errors
+        # the error of the largest window is 0.2 standard errors
         ({"a": 0.007, "b": 0.008, "K": "15 GPa/m"}, 10.0, 3e-4, 0.55, 0.65),
         # the error of the smallest window is 2.7 standard errors, and no other window passes
         ({"K": "30 GPa/m"}, 100.0, 2.4e-4, 1.6, 2.3),

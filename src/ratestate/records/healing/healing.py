@@ -47,13 +47,19 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     Returns
     -------
     xarray.Dataset
-        Along ``hold``, in order of time: ``hold_start`` and ``t_hold`` [s], start and duration of
-        the load point's rest; ``V_before`` and ``V_after`` [m/s], load-point speeds of the slides;
-        ``friction_before``, steady friction at the hold's start; ``friction_min``, friction at the
-        hold's end; ``friction_peak`` and ``peak_time`` [s]; ``friction_after``, steady friction at
-        the end of the slide after the hold; ``delta_mu`` (healing) and ``delta_mu_c`` (relaxation).
-        Each friction has a standard error, ``NAME_error``.  ``hold_status`` (int8 with CF flags) is
-        0 if the hold is evaluated.  ``hold_message`` explains NaN and gives remarks.
+        Along ``hold``, in order of time:
+
+        - ``hold_start`` and ``t_hold`` [s]: start and duration of the load point's rest.
+        - ``V_before`` and ``V_after`` [m/s]: load-point speeds of the slides.
+        - ``friction_before``: steady friction at the hold's start.
+        - ``friction_min``: friction at the hold's end.
+        - ``friction_peak`` and ``peak_time`` [s].
+        - ``friction_after``: steady friction at the end of the slide after the hold.
+        - ``delta_mu`` (healing) and ``delta_mu_c`` (relaxation).
+        - ``hold_status`` (int8 with CF flags): 0 if the hold is evaluated.
+        - ``hold_message``: why a value is NaN, and remarks.
+
+        Each friction, healing and relaxation has a standard error, ``NAME_error``.
 
         Scalars: ``beta`` and ``beta_c``, the change of healing and of relaxation per decade of hold
         time, with ``_error`` and ``_scatter``.  The scatter is the root of the reduced chi-square

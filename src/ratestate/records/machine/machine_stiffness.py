@@ -62,11 +62,14 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
         ln K).  If values scatter significantly more than their errors, ``_scatter`` is above 1, and
         the errors are enlarged by it.
 
-        Along ``slope``: ``slope_kind`` ("reload", "step_up", "step_down" or "stick");
-        ``slope_start`` [s]; ``slope_K`` and ``slope_K_error`` [Pa/m]; ``slope_straight`` [Pa/m],
-        the slope of the best straight line; ``slope_creep``, V/V_lp at the start, 0 between stress
-        drops; ``slope_used``, whether K includes the slope.  The curve must describe a slope that
-        is used, and "stick" is used only without other slopes.
+        Along ``slope``:
+
+        - ``slope_kind``: "reload", "step_up", "step_down" or "stick".
+        - ``slope_start`` [s]; ``slope_K`` and ``slope_K_error`` [Pa/m].
+        - ``slope_straight`` [Pa/m]: slope of the best straight line.
+        - ``slope_creep``: V/V_lp at the start; 0 between stress drops.
+        - ``slope_used``: whether K includes the slope.  The curve must describe it, and "stick" is
+          used only without other slopes.
 
         Along ``ring_down``: ``ring_down_start`` [s] and ``ring_down_V`` [m/s], and with ``_error``
         ``ring_down_omega`` [rad/s], ``ring_down_decay`` [1/s], ``ring_down_M`` and
