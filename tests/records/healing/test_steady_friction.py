@@ -103,14 +103,14 @@ def test_a_slide_without_samples_of_its_own_has_the_level_of_the_others():
     data = noisy(4, trend=3.0)
     record = healing_record(data, None, "slip")
     noise = Noise(3e-4)
-    own = levels_of(record, noise)
+    levels = levels_of(record, noise)
     number = [*record.slides][2]
     without = record.slides[number]._replace(tail=record.slides[number].tail[:3])
     other = levels_of(record._replace(slides=record.slides | {number: without}), noise)[number]
-    assert own[number].error_alone < 2e-4
+    assert levels[number].error_alone < 2e-4
     assert other.error_alone == np.inf
-    both = np.hypot(other.at(other.end)[1], own[number].at(other.end)[1])
-    assert 0.0 < abs(other.at(other.end)[0] - own[number].at(other.end)[0]) < 3.0 * both < 1e-3
+    both = np.hypot(other.at(other.end)[1], levels[number].at(other.end)[1])
+    assert 0.0 < abs(other.at(other.end)[0] - levels[number].at(other.end)[0]) < 3.0 * both < 1e-3
 
 
 def test_the_steady_line_ends_at_the_peak():

@@ -98,8 +98,8 @@ def errors_over_their_estimates(drawn):
     """Return quantity -> errors divided by standard errors (n,) of 24 noisy records."""
     off: dict = {name: [] for name in CALIBRATION}
     for k, cycle in enumerate(drawn):
-        own = rs.events(cycle.run(8.2))
-        own = own.isel(event=own.event_status.values == WHOLE)
+        exact = rs.events(cycle.run(8.2))
+        exact = exact.isel(event=exact.event_status.values == WHOLE)
         for seed in range(2):
             rng = np.random.default_rng(10 * seed + k)
             samples, noise = 10 ** rng.uniform((2.3, -2.7), (2.9, -1.5))
@@ -107,8 +107,8 @@ def errors_over_their_estimates(drawn):
             events = events.isel(event=np.isin(events.event_status, (WHOLE, UNDERSAMPLED)))
             assert events.sizes["event"] in (7, 8)
             assert 0.7 < events.tau_noise / (noise * cycle.drop) < 1.3
-            gaps = np.abs(events.event_time.values[:, None] - own.event_time.values)
-            true = own.isel(event=gaps.argmin(axis=1))
+            gaps = np.abs(events.event_time.values[:, None] - exact.event_time.values)
+            true = exact.isel(event=gaps.argmin(axis=1))
             true["recurrence"] = xarray.full_like(true.recurrence, cycle.period)
             assert gaps.min(axis=1).max() < 0.1 * cycle.period
             for name, parts in off.items():

@@ -23,8 +23,8 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     The record is a slide-hold-slide test.  Healing is the peak of friction on reloading minus
     steady friction before the hold.  Relaxation is steady friction minus friction at the end of the
     hold.  Steady friction is a line, extrapolated to the peak, whose slope is common to all slides.
-    The rest of the transient after the previous hold is modelled.  The peak is that of a polynomial
-    fitted around it by generalized least squares, because the largest noisy sample is too high.
+    The rest of the transient after the previous hold is modelled.  The peak is taken from a fitted
+    polynomial (generalized least squares), because the largest noisy sample is too high.
 
     Parameters
     ----------

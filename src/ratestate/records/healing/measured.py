@@ -1,7 +1,7 @@
 """Healing and relaxation of one hold, with standard errors.
 
 The largest noisy sample is two or three standard deviations of the noise above the peak.  So the
-peak is that of a polynomial fitted to the samples around it.
+peak is taken from a polynomial fitted to the samples around it.
 """
 
 import math

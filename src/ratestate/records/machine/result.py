@@ -57,30 +57,30 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
 
 def _inertia(K, sigma, slider, ring_downs):
     """Return variables along ``ring_down``, and mean, error and scatter of M and of damping."""
-    values, own, shared = np.full((3, 2, len(ring_downs)), np.nan)
+    values, independent, shared = np.full((3, 2, len(ring_downs)), np.nan)
     for i, one in enumerate(ring_downs):
         values[:, i], jacobian = mass_and_damping(K[0], one, sigma, slider)
         rates = jacobian[:, :2]
-        own[:, i] = np.sqrt(np.einsum("ij,jk,ik->i", rates, one.covariance, rates))
+        independent[:, i] = np.sqrt(np.einsum("ij,jk,ik->i", rates, one.covariance, rates))
         shared[:, i] = jacobian[:, 2] * K[1]
     rates = np.array([one.point for one in ring_downs]).reshape(-1, 2).T
     errors = np.sqrt([np.diag(one.covariance) for one in ring_downs]).reshape(-1, 2).T
-    pairs = zip([*rates, *values], [*errors, *np.hypot(own, shared)], strict=True)
+    pairs = zip([*rates, *values], [*errors, *np.hypot(independent, shared)], strict=True)
     variables = labelled(
         "ring_down",
         ring_down_start=np.array([one.start for one in ring_downs]),
         ring_down_V=np.array([one.V for one in ring_downs]),
         **{f"ring_down_{name}": pair for name, pair in zip(OF_RINGS, pairs, strict=True)},
     )
-    return variables, *map(_mean, values, own, shared)
+    return variables, *map(_mean, values, independent, shared)
 
 
-def _mean(values, own, shared):
-    """Return mean, error and scatter of values (n,) with own and shared errors (n,)."""
+def _mean(values, independent, shared):
+    """Return mean, error and scatter of values (n,) with independent and shared errors (n,)."""
     if not values.size or not np.isfinite(values).all():
         return np.nan, np.nan, np.nan
-    mean, error, scatter = mean_with_scatter(values, own)
-    return mean, float(np.hypot(error, np.average(shared, weights=own**-2.0))), scatter
+    mean, error, scatter = mean_with_scatter(values, independent)
+    return mean, float(np.hypot(error, np.average(shared, weights=independent**-2.0))), scatter
 
 
 def _remarks(result, slider, misfits):

@@ -240,9 +240,9 @@ def edges(samples, span, scales, c, fall, sign, sd):
         return left, np.where(far.any(axis=1), far.argmax(axis=1), inside.sum(axis=1) - 1)
 
     count = np.maximum(inside.sum(axis=0), 1)
-    own = leaves(np.abs(off), sd)
+    single = leaves(np.abs(off), sd)
     shared = leaves(np.abs(off.sum(axis=0) / count), sd / np.sqrt(count))
-    left, far = (np.where(own[0] > 0, a, b) for a, b in zip(own, shared, strict=True))
+    left, far = (np.where(single[0] > 0, a, b) for a, b in zip(single, shared, strict=True))
     bounded = left > 0
     step = np.abs(u[event, left] - u[event, np.maximum(left - 1, 0)])
     delay = np.abs(u[event, far] - u[event, left])

@@ -61,7 +61,7 @@ def loading_stiffness(series, rises, falls, noise):
     falls : (m, 2) samples of whole events, for the fraction of time during which the stress falls
     """
     t, y = series.t, series.tau
-    slopes, errors, lost = [], [], []
+    slopes, errors, decreases = [], [], []
     for first, last in rises:
         middle = 0.5 * (t[first] + t[last])
         V, V_error = (series.at(middle, column) for column in (series.V_lp, series.V_lp_error))
@@ -70,7 +70,7 @@ def loading_stiffness(series, rises, falls, noise):
         slope, error = _slope(t, y, first, last, STICKS, noise)
         slopes.append(slope / V)
         errors.append(math.hypot(error / V, slope / V * V_error / V))
-        lost.append((slope - _slope(t, y, first, last, CREEPS, noise)[0]) / V)
+        decreases.append((slope - _slope(t, y, first, last, CREEPS, noise)[0]) / V)
     if not slopes:
         return Stiffness(math.nan, math.nan, "few")
     rising, falling = (np.median(np.diff(t[np.array(spans)])) for spans in (rises, falls))
@@ -82,7 +82,7 @@ def loading_stiffness(series, rises, falls, noise):
     near = off <= FAR * np.hypot(1.4826 * np.median(off), errors)
     mean, phases = weighted_mean(np.array(slopes)[near], errors[near]), int(near.sum())
     scatter = max(mean.chi2 / max(phases - 1, 1), 1.0)
-    error = math.hypot(mean.error * math.sqrt(scatter), max(float(np.median(lost)), 0.0))
+    error = math.hypot(mean.error * math.sqrt(scatter), max(float(np.median(decreases)), 0.0))
     return Stiffness(mean.value, error, "loading", phases)
 
 
