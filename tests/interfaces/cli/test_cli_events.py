@@ -65,4 +65,4 @@ def test_json_has_all_numbers(written):
 def test_a_missing_normal_stress_ends_it(written):
     result = call(written)
     assert result.exit_code == 2
-    assert "give sigma" in result.stderr
+    assert "Give sigma" in result.stderr

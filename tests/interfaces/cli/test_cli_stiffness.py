@@ -53,4 +53,4 @@ def test_json_and_wrong_use(file):
     assert json.loads(done.stdout)["data_vars"]["K"]["attrs"]["units"] == "Pa/m"
     missing = call(file)
     assert missing.exit_code == 2
-    assert "give sigma" in missing.stderr
+    assert "Give sigma" in missing.stderr

@@ -1,4 +1,4 @@
-"""`healing`: holds whose healing is known, their errors, rates, statuses and predictions."""
+"""`healing` of known holds: values, errors, rates, statuses and predictions."""
 
 import json
 import warnings
@@ -15,7 +15,7 @@ from ratestate.records.healing.measured import STATUSES
 from ratestate.records.healing.prediction import Fitted, predict
 from ratestate.records.healing.record import Hold, Part
 
-#: statuses of holds of which not even relaxation is known
+#: statuses of holds whose relaxation is unknown, too
 UNMEASURED = ("short_hold", "no_slide_before", "not_steady_before")
 
 
@@ -25,7 +25,7 @@ def statuses(result):
 
 @pytest.fixture(scope="module")
 def one():
-    """A record with correlated noise and a drift, evaluated with its own slider."""
+    """Evaluate a record with correlated noise and a drift, with the true slider."""
     return rs.healing(noisy(1, white=2e-4, red=2e-4, trend=3.0), SLIDER)
 
 
@@ -38,7 +38,7 @@ def test_holds_are_those_of_the_load_point(one):
     assert not any(one.hold_message.values)
 
 
-def test_without_noise_it_is_exact():
+def test_healing_without_noise_is_exact():
     result = rs.healing(clean(dt=0.02), noise=1e-6)
     np.testing.assert_allclose(result.delta_mu, truth()[:, 0], rtol=0, atol=3e-6)
     np.testing.assert_allclose(result.delta_mu_c, truth()[:, 1], rtol=0, atol=2e-5)
@@ -46,8 +46,8 @@ def test_without_noise_it_is_exact():
 
 
 @pytest.mark.statistics
-def test_estimates_are_unbiased_and_their_errors_hold():
-    """Of 60 records, in every second of which the noise is correlated."""
+def test_estimates_are_unbiased_and_errors_calibrated():
+    """There are 60 records; every second one has correlated noise."""
     z = []
     for seed in range(60):
         result = rs.healing(noisy(seed, red=2e-4 * (seed % 2), trend=2.0))
@@ -114,17 +114,17 @@ def test_the_slider_predicts_each_hold(one):
 
 
 def test_errors_of_a_fit_are_propagated():
-    """Against differences of predictions of whole sliders, b and Dc correlated."""
+    """They agree with differences of predictions; b and Dc are correlated."""
     spans = (0.0, 30.0, V), (30.0, 60.0, 0.0), (60.0, 90.0, V)
     hold = Hold(1, *(Part(*span, np.arange(0)) for span in spans))
     covariance = np.array([[4e-8, 1.2e-10], [1.2e-10, 1e-12]])
-    by = np.zeros((2, 2))
+    derivatives = np.zeros((2, 2))
     for i, (symbol, step) in enumerate((("b", 2e-5), ("Dc", 2e-8))):
         sliders = (SLIDER.replace(**{symbol: getattr(SLIDER, symbol) + s}) for s in (step, -step))
         high, low = (predict(Fitted(one), hold, "tau")[0][:, 0] for one in sliders)
-        by[:, i] = (high - low) / (2.0 * step)
+        derivatives[:, i] = (high - low) / (2.0 * step)
     fitted = Fitted(SLIDER, ("b", "Dc"), covariance)
-    expected = np.sqrt(np.einsum("ni,ij,nj->n", by, covariance, by))
+    expected = np.sqrt(np.einsum("ni,ij,nj->n", derivatives, covariance, derivatives))
     values, _ = predict(fitted, hold, "tau")
     np.testing.assert_allclose(fitted.error(values), expected, rtol=2e-3)
     assert np.isinf(fitted._replace(covariance=np.inf * covariance).error(values)).all()
@@ -200,7 +200,7 @@ def test_a_record_that_ends_too_soon():
         ({"holds": (100.0, 30.0), "white": 1e-6, "dt": 1.0}, (), None, 0, "peak_not_resolved"),
     ],
 )
-def test_holds_without_healing_say_why(made, window, noise, hold, status):
+def test_holds_without_healing_have_a_message(made, window, noise, hold, status):
     data = noisy(9, **made)
     result = rs.healing(data.sel(time=slice(*window)) if window else data, noise=noise)
     assert statuses(result)[hold] == status
@@ -212,18 +212,18 @@ def test_holds_without_healing_say_why(made, window, noise, hold, status):
 @pytest.mark.parametrize(
     ("change", "hold", "noise", "low", "high"),
     [
-        # the largest window is off by 1.4 errors from noise alone
+        # the error of the largest window is 1.4 standard errors of the noise
         ({"a": 0.007, "b": 0.008, "K": "15 GPa/m"}, 10.0, 7e-5, 0.75, 1.0),
-        # the largest window is off by 0.2 errors
+        # the error of the largest window is 0.2 standard errors
         ({"a": 0.007, "b": 0.008, "K": "15 GPa/m"}, 10.0, 3e-4, 0.55, 0.65),
-        # the smallest window is off by 2.7 errors, and no other passes
+        # the error of the smallest window is 2.7 standard errors, and no other window passes
         ({"K": "30 GPa/m"}, 100.0, 2.4e-4, 1.6, 2.3),
-        # the smallest window is off by 0.9 errors, which its samples do not show
+        # the error of the smallest window is 0.9 standard errors, which its samples do not show
         ({"K": "30 GPa/m"}, 100.0, 7e-4, 0.65, 0.75),
     ],
 )
 def test_the_error_of_a_peak_includes_the_misfit(change, hold, noise, low, high):
-    """Without noise in the samples; low and high bound the error divided by the noise assumed."""
+    """Samples have no noise; low and high bound the error divided by the assumed noise."""
     slider = SLIDER.replace(Dc="5 um", **change)
     result = rs.healing(clean(slider, (hold,)), noise=noise)
     error = float(result.friction_peak_error[0])
@@ -262,7 +262,7 @@ def test_the_summary_has_the_numbers(one):
     assert "4 of 4 holds evaluated" in text
     assert "slip law predicts" in text
     assert text.count("10 um/s") == 8
-    with pytest.raises(ParameterError, match="summary wants the Dataset that healing gives"):
+    with pytest.raises(ParameterError, match="summary needs the Dataset that healing returns"):
         summary(one.drop_attrs())
 
 

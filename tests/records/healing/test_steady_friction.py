@@ -6,16 +6,11 @@ from slide_hold_slide import clean, loading_of, noisy, truth
 
 import ratestate as rs
 from ratestate.records.healing.record import healing_record
-from ratestate.records.healing.steady import (
-    Shape,
-    fitted_line,
-    levels_of,
-    scatter_about_line,
-)
+from ratestate.records.healing.steady import Shape, fitted_line, levels_of, scatter_about_line
 from ratestate.records.kit.noise import Noise
 from ratestate.records.kit.sample_noise import resolution
 
-#: with it slides of 200 um are short: friction is oscillating still, with a decay length of 32 um
+#: slider for which slides of 200 um are short: friction oscillates with a decay length of 32 um
 SOFT = rs.SpringSlider(
     a=0.007, b=0.008, Dc="17 um", sigma="10 MPa", K="5 GPa/m", V0="10 um/s", law="aging"
 )
@@ -23,8 +18,7 @@ SHORT = {"slider": SOFT, "holds": (10.0, 100.0, 1000.0), "slide": 20.0, "white":
 HEALING = truth(SOFT, SHORT["holds"], last=16.0)[:, 0]
 
 
-def test_slides_that_are_short_beside_Dc():
-    """Healing to within its errors, which are larger, and with a message."""
+def test_short_slides_have_larger_errors_and_a_message():
     z, beta = [], []
     for seed in range(3):
         result = rs.healing(noisy(seed, **SHORT))
@@ -39,7 +33,7 @@ def test_slides_that_are_short_beside_Dc():
     assert np.abs(beta).max() < 3.0
 
 
-def test_a_drift_with_time_over_a_long_hold_is_not_known():
+def test_drift_with_time_over_a_long_hold_is_unknown():
     result = rs.healing(noisy(1, **SHORT), trend="time")
     known = result.hold_status == 0
     assert known[:2].all()
@@ -55,7 +49,7 @@ def test_a_drift_with_time_over_a_long_hold_is_not_known():
 
 @pytest.mark.parametrize("hardening", [-5.0])
 def test_friction_drifts_with_slip_of_the_fault(hardening):
-    """On reloading the fault slips 150 um less than the load point: healing would be 7e-4 off."""
+    """Drift with the load point, which moves 150 um more, would change healing by 7e-4."""
     data = noisy(3, **SHORT | {"slide": 80.0, "white": 5e-5}, trend=hardening)
     result = rs.healing(data)
     assert (np.abs(result.delta_mu - HEALING) < 3.0 * result.delta_mu_error).all()
@@ -90,7 +84,7 @@ def test_a_transient_is_that_of_linear_theory():
     assert np.abs(friction).max() > 1e-4
 
 
-def test_levels_scatter_about_their_line_as_much_as_is_seen():
+def test_scatter_of_levels_about_their_line_is_estimated():
     rng, n = np.random.default_rng(2), 60
     x = np.linspace(-1.0, 1.0, n)
     designs = np.zeros((n, 2, 2))
@@ -109,14 +103,14 @@ def test_a_slide_without_samples_of_its_own_has_the_level_of_the_others():
     data = noisy(4, trend=3.0)
     record = healing_record(data, None, "slip")
     noise = Noise(3e-4)
-    own = levels_of(record, noise)
+    levels = levels_of(record, noise)
     number = [*record.slides][2]
     without = record.slides[number]._replace(tail=record.slides[number].tail[:3])
     other = levels_of(record._replace(slides=record.slides | {number: without}), noise)[number]
-    assert own[number].own_error < 2e-4
-    assert other.own_error == np.inf
-    both = np.hypot(other.at(other.end)[1], own[number].at(other.end)[1])
-    assert 0.0 < abs(other.at(other.end)[0] - own[number].at(other.end)[0]) < 3.0 * both < 1e-3
+    assert levels[number].error_alone < 2e-4
+    assert other.error_alone == np.inf
+    both = np.hypot(other.at(other.end)[1], levels[number].at(other.end)[1])
+    assert 0.0 < abs(other.at(other.end)[0] - levels[number].at(other.end)[0]) < 3.0 * both < 1e-3
 
 
 def test_the_steady_line_ends_at_the_peak():
@@ -158,7 +152,7 @@ def test_resolution():
 
 
 def test_many_samples_are_averaged():
-    """With 2,000 samples a slide or more its level and its error are those of all of them."""
+    """Averaging more than 2,000 samples of a slide keeps its level and its error."""
     fine, coarse = (noisy(2, holds=(30.0,), dt=dt, white=3e-4) for dt in (0.008, 0.1))
     few, many = (rs.healing(data) for data in (coarse, fine))
     assert (np.abs(many.delta_mu - truth(holds=(30.0,))[:, 0]) < 3.0 * many.delta_mu_error).all()
@@ -168,7 +162,7 @@ def test_many_samples_are_averaged():
 
 @pytest.mark.parametrize("trend", ["slip", "time", None])
 def test_one_hold(trend):
-    """Its slides, and one slide alone."""
+    """A record with one hold has two slides, or only one."""
     data = noisy(5, holds=(30.0,))
     exact = truth(holds=(30.0,))[0]
     both = rs.healing(data, trend=trend)

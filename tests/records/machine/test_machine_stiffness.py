@@ -1,20 +1,11 @@
-"""`machine_stiffness`: K, M and damping that are known, their errors, and what is refused."""
+"""`machine_stiffness` for known K, M and damping: values, errors, remarks and refusals."""
 
 import json
 
 import numpy as np
 import pytest
 import xarray
-from machine_records import (
-    SLIDER,
-    STICK_SLIP,
-    STIFF,
-    clean,
-    noisy,
-    one_step,
-    stick_slip,
-    wandering,
-)
+from machine_records import SLIDER, STICK_SLIP, STIFF, clean, noisy, one_step, stick_slip, wandering
 
 import ratestate as rs
 from ratestate import ParameterError, plot
@@ -33,7 +24,7 @@ def one():
     return rs.machine_stiffness(noisy(1, clean()), "10 MPa", slider=SLIDER)
 
 
-def test_no_curve_where_nothing_is_loaded():
+def test_constant_or_falling_friction_has_no_slope():
     x = np.linspace(-1e-5, 1e-5, 200)
     assert fitted_slope(x, x, np.full(200, 0.6), 0.3) is None
     assert fitted_slope(x, x, 0.6 - 100.0 * x, 0.3) is None
@@ -52,7 +43,7 @@ def test_the_loading_curve_solves_its_equation(h):
 
 
 def test_the_slip_rate_at_the_end_of_a_hold_is_not_a_mean():
-    """It is that of the last moment, of which the record without noise has -dmu/dx = k r."""
+    """It agrees with the last samples without noise, which give -dmu/dx = k r."""
     t, mu = clean().time.values, clean().friction.values
     pair = [rs.machine_stiffness(noisy(7, clean(), white=w), "10 MPa") for w in (1e-4, -1e-4)]
     for i, end in enumerate((60.0, 175.0)):
@@ -60,21 +51,20 @@ def test_the_slip_rate_at_the_end_of_a_hold_is_not_a_mean():
         rate = -np.polyfit(t[last], mu[last], 1)[0]
         creep = np.mean([one.slope_creep.values[i] for one in pair])
         assert creep == pytest.approx(rate / (2e3 * 1e-5), rel=0.012)
-    # what noise does is of the opposite sign in the two, to first order
+    # noise has opposite effects on the pair, to first order
     K = np.mean([float(one.K) for one in pair])
     assert pytest.approx(SLIDER.K, rel=2e-4) == K
 
 
-def test_a_clear_record_has_its_stiffness():
-    """The errors are then those of what is assumed: K was left out for a misfit of the creep."""
+def test_a_record_with_little_noise_has_errors_from_the_assumptions():
     result = rs.machine_stiffness(noisy(1, clean(), white=1e-7), "10 MPa")
     assert result.slope_used.values.all()
     assert pytest.approx(SLIDER.K, rel=2e-4) == float(result.K)
     assert 2e-4 < float(result.K_error / result.K) < 1e-3
 
 
-def test_stress_drops_are_those_of_the_events(monkeypatch):
-    """To the sample, and in none of the time that it takes to measure them."""
+def test_stress_drops_agree_with_events(monkeypatch):
+    """They agree to the sample, and are found without measuring the falls."""
     record = noisy(2, stick_slip())
     expected = rs.events(record, sigma="10 MPa")
     whole = np.isfinite(expected.stress_drop.values)
@@ -87,15 +77,15 @@ def test_stress_drops_are_those_of_the_events(monkeypatch):
 
 
 def test_a_loading_that_begins_late():
-    """By a known error of its start the curve moves; without one K takes it up, and it shows."""
+    """With an error of the start the curve moves; without one K is biased and the fit is poor."""
     x, rng = np.linspace(-5e-6, 5e-6, 400), np.random.default_rng(5)
     mu = curve(x - 3e-7, 0.6, 2e3, 0.008, 0.1) + 2e-5 * rng.normal(size=x.size)
     late, fixed = (fitted_slope(x, x, mu, 0.1, x_error=e) for e in (2e-7, 0.0))
     assert 2e-7 * late.point[3] == pytest.approx(3e-7, abs=3e-8)
     assert late.k == pytest.approx(2e3, abs=3.5 * late.k_error)
     assert abs(fixed.k - 2e3) > 3.0 * fixed.k_error
-    assert late.fits
-    assert not fixed.fits
+    assert late.is_explained
+    assert not fixed.is_explained
     assert late.point[0] == pytest.approx(0.6, abs=1e-5)
 
 
@@ -111,7 +101,7 @@ def test_segments_have_the_errors_of_their_starts():
 
 
 def test_one_step_of_a_stiff_machine_is_not_biased():
-    """Its rise takes 14 samples or so: K from all of 8 records, as often too high as too low."""
+    """The rise takes about 14 samples; K of 8 records is as often too high as too low."""
     z, relative = [], []
     for seed in range(8):
         result = rs.machine_stiffness(noisy(seed, one_step(), white=7.5e-4), STIFF.sigma)
@@ -140,26 +130,26 @@ def test_the_curve_begins_at_the_level_before():
 
 
 def test_a_large_error_warns(one):
-    """Several slopes are warned of only where K is known to less than 20 %."""
+    """Several slopes cause a warning only if the error of K exceeds 20 %."""
     for error, expected in ((0.199, 0), (0.201, 1)):
         texts = [*stiffness_remarks(one.assign(K_error=error * one.K))]
         assert len(texts) == expected
     assert "K rests on 2 slopes, with an error of 20 %" in texts[0]
-    assert "do not fix K in a fit" in texts[0]
+    assert "Do not fix K in a fit" in texts[0]
 
 
-def test_eigenvalues_give_mass_and_damping_back():
-    """The least stable mode of steady sliding, by `stability`, is a ring-down."""
+def test_mass_and_damping_agree_with_eigenvalues():
+    """The least stable mode of steady sliding from `stability` is a ring-down."""
     for damping in (0.0, 3e5):
         slider = SLIDER.replace(damping=damping) if damping else SLIDER
         rate = complex(rs.stability(slider, "5 cm/s").eigenvalues.values[0])
         point = np.array([abs(rate.imag), -rate.real])
         mode = RingDown(point, np.eye(2), None, None, 0.0, start=0.0, V=0.05)
-        (M, found), by = mass_and_damping(SLIDER.K, mode, SLIDER.sigma, SLIDER)
+        (M, result), jacobian = mass_and_damping(SLIDER.K, mode, SLIDER.sigma, SLIDER)
         assert pytest.approx(SLIDER.M, rel=1e-8) == M
-        assert found == pytest.approx(damping, abs=2.0)
+        assert result == pytest.approx(damping, abs=2.0)
         (more, _), _ = mass_and_damping(1.01 * SLIDER.K, mode, SLIDER.sigma, SLIDER)
-        assert more - M == pytest.approx(0.01 * SLIDER.K * by[0, 2], rel=1e-6)
+        assert more - M == pytest.approx(0.01 * SLIDER.K * jacobian[0, 2], rel=1e-6)
         (alone, _), _ = mass_and_damping(SLIDER.K, mode, SLIDER.sigma, None)
         assert alone == pytest.approx(SLIDER.K / abs(rate) ** 2)
         assert 0.01 < alone / SLIDER.M - 1.0 < 0.05
@@ -195,8 +185,8 @@ def test_stiffness_mass_and_damping(one):
 
 
 @pytest.mark.statistics
-def test_errors_hold_the_truth():
-    """Of 16 records, in every second of which the noise is correlated."""
+def test_errors_are_calibrated():
+    """There are 16 records; every second one has correlated noise."""
     z = []
     for seed in range(16):
         data = noisy(seed, clean(), red=5e-5 * (seed % 2))
@@ -209,7 +199,7 @@ def test_errors_hold_the_truth():
     assert (np.abs(z) < 1.96).mean() > 0.85
 
 
-def test_without_a_slider_friction_is_in_the_damping(one):
+def test_without_a_slider_the_damping_includes_friction(one):
     result = rs.machine_stiffness(noisy(1, clean()), "10 MPa")
     assert "friction together" in result.attrs["remarks"]
     friction = SLIDER.a * SLIDER.sigma / 0.05
@@ -222,14 +212,14 @@ def test_stick_slip_gives_a_lower_bound():
     result = rs.machine_stiffness(noisy(2, stick_slip()), "10 MPa")
     assert set(result.slope_kind.values.tolist()) == {"stick"}
     assert "lower bound" in result.attrs["remarks"]
-    # the part that the fault creeps, which the remark gives
+    # the fraction by which creep reduces K, which the remark gives
     lost = STICK_SLIP.K * STICK_SLIP.Dc / (5.0 * STICK_SLIP.b * STICK_SLIP.sigma)
     assert 0.7 * lost < 1.0 - float(result.K) / STICK_SLIP.K < 1.1 * lost
     assert np.isnan(result.M)
 
 
 def test_stick_slip_that_does_not_creep():
-    """Under the aging law the fault heals and sticks: K is neither too high nor too low."""
+    """Under the aging law the fault heals and sticks, so K is unbiased."""
     slider = STICK_SLIP.replace(law="aging")
     z = []
     for seed in range(3):
@@ -242,8 +232,8 @@ def test_stick_slip_that_does_not_creep():
 
 
 @pytest.mark.parametrize("seed", [4, 23, 59])
-def test_noise_is_no_stick_slip(seed):
-    """Of 60 such records those whose largest falls happen to be regular, or shorter than rises."""
+def test_noise_is_not_stick_slip(seed):
+    """These seeds of 60 have falls that happen to be regular, or shorter than rises."""
     assert rs.events(wandering(seed), sigma="10 MPa").sizes["event"] == 0
     with pytest.raises(ParameterError, match="no slope of loading"):
         rs.machine_stiffness(wandering(seed), "10 MPa")
@@ -271,11 +261,11 @@ def test_the_summary_the_page_and_a_file(one, tmp_path):
     assert "\N{PLUS-MINUS SIGN}" in slope
     assert ring.startswith("ring-down\n222.")
     assert "Drawn" not in fig.get_suptitle()
-    with pytest.raises(ParameterError, match="summary wants the Dataset that machine_stiffness"):
+    with pytest.raises(ParameterError, match="summary needs the Dataset that machine_stiffness"):
         summary(one.drop_attrs())
 
 
-def test_headings_stand_over_their_columns(one):
+def test_headings_are_above_their_columns(one):
     rows = summary(one).splitlines()
     head, first = (rows[i] for i in (4, 5))
     for heading, cell in (("kind", "reload"), ("start", "60 s"), ("used", "yes")):
@@ -312,14 +302,14 @@ def test_bad_input(sigma, settings, text):
         rs.machine_stiffness(noisy(1, clean()), sigma, **settings)
 
 
-def test_a_record_that_tells_nothing():
+def test_a_record_without_slope_or_oscillation_is_refused():
     quiet = noisy(1, clean()).sel(time=slice(0.0, 9.0))
     with pytest.raises(ParameterError, match="no slope of loading"):
         rs.machine_stiffness(quiet, "10 MPa")
 
 
-def test_ringing_at_rest_is_told_from_ringing_in_sliding():
-    """A block at rest cannot oscillate: what rings then is another part of the machine."""
+def test_ringing_at_rest_is_distinguished_from_ringing_in_sliding():
+    """A block at rest cannot oscillate, so another part of the machine rings."""
     data = noisy(3, clean())
     t = data.time.values
     start = float(t[np.flatnonzero(np.diff(data.delta_lp.values) == 0.0)[0]])
@@ -331,14 +321,14 @@ def test_ringing_at_rest_is_told_from_ringing_in_sliding():
     at_rest = result.ring_down_V == 0.0
     assert int(at_rest.sum()) == 1
     omega = float(result.ring_down_omega[at_rest][0])
-    assert omega == pytest.approx(10.0 * np.pi, rel=0.02)  # the relaxation is in it
-    (said,) = (text for text in json.loads(result.attrs["remarks"]) if "at rest" in text)
-    assert f"1 of {result.sizes['ring_down']} ring-downs" in said
+    assert omega == pytest.approx(10.0 * np.pi, rel=0.02)  # the relaxation has an effect
+    (remark,) = (text for text in json.loads(result.attrs["remarks"]) if "at rest" in text)
+    assert f"1 of {result.sizes['ring_down']} ring-downs" in remark
 
 
 @pytest.mark.parametrize(("excess", "lasts"), [(0.06, 0.088), (0.1, 0.05), (0.0, 0.05)])
 def test_an_overshoot_does_not_move_the_stiffness(excess, lasts):
-    """The spring loads within 50 ms, all of it at the overshoot's speed."""
+    """The spring loads within 50 ms, entirely at the speed of the overshoot."""
     V, values = 1e-4, {"a": 0.009, "b": 0.012, "Dc": "10 um", "sigma": "10 MPa", "K": "12 GPa/m"}
     slider = rs.SpringSlider(law="aging", V0="10 um/s", **values)
     loading = rs.Loading.steps("10 um/s", (60, V * (1.0 + excess)), (60 + lasts, V))

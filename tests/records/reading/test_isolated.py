@@ -63,12 +63,12 @@ def test_what_a_reader_finds_comes_back_from_a_child(path):
 @pytest.mark.parametrize(
     ("reader", "message"),
     [
-        ("killed", r"as a thing: it ended the process that read it \(SIGSEGV\); copy it again"),
+        ("killed", r"as a thing: it ended the process that read it \(SIGSEGV\). Copy it again"),
         ("left", r"it ended the process that read it \(exit code 7\)"),
-        ("stumbled", "r.dat cannot be read as a thing: IndexError: x{288}; copy it again"),
+        ("stumbled", "r.dat cannot be read as a thing: IndexError: x{288}. Copy it again"),
         ("nested", "r.dat cannot be read as a thing: RecursionError"),
         ("refused", "^r.dat is not wanted$"),
-        pytest.param("greedy", "it asks for more memory than 1.1 GB", marks=LINUX),
+        pytest.param("greedy", "it needs more memory than 1.1 GB", marks=LINUX),
     ],
 )
 def test_whatever_goes_wrong_is_a_parameter_error(path, reader, message):
@@ -127,7 +127,7 @@ def test_a_type_that_killed_the_process(tmp_path):
     double = struct.pack("<II", 9, 8 * T.size)
     assert double in path.read_bytes()
     path.write_bytes(path.read_bytes().replace(double, struct.pack("<II", 0, 8 * T.size), 1))
-    with pytest.raises(ParameterError, match=r"r.mat cannot be read as a MAT file: .*; copy it"):
+    with pytest.raises(ParameterError, match=r"r.mat cannot be read as a MAT file: .*\. Copy it"):
         rs.read_lab(path)
 
 

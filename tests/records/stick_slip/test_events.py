@@ -1,4 +1,4 @@
-"""`events` against exact limit cycles, with noise and without; what it says of other records."""
+"""`events` against exact limit cycles, with and without noise, and its messages."""
 
 import dataclasses
 import itertools
@@ -40,7 +40,7 @@ def drawn():
 
 @pytest.fixture(scope="module")
 def experiment():
-    """A laboratory's record of four speeds, and the run that it is of."""
+    """Return a record with four speeds and noise, and the run without noise."""
     t = np.arange(0.0, 1950.0, 0.02)
     options = {"t_end": 1950.0, "V_start": "1 um/s"}
     run = rs.simulate(AGING, STEPS, times=t, **options)
@@ -67,8 +67,8 @@ def test_runs_have_the_drops_and_periods_of_their_limit_cycles(drawn):
         assert (whole.stress_drop_error > 0.0).all()
 
 
-def test_runs_of_even_samples_say_how_far_they_are_off(drawn):
-    """1000 samples a period: to 1e-3, and where a peak lies between samples the error says so."""
+def test_runs_of_even_samples_have_calibrated_errors(drawn):
+    """With 1000 samples a period, errors are below 1e-3 or covered by the standard error."""
     for cycle in drawn:
         events = rs.events(cycle.run(3.2, 1000))
         use = np.isin(events.event_status, (WHOLE, UNDERSAMPLED))
@@ -79,8 +79,8 @@ def test_runs_of_even_samples_say_how_far_they_are_off(drawn):
         np.testing.assert_allclose(events.recurrence.values[use][1:], cycle.period, rtol=1e-3)
 
 
-#: quantity -> largest mean error, and parts within one and within two errors, in standard errors
-HONEST = {
+#: quantity -> largest mean z = error/standard error; bounds of fractions in 68 % and 95 % intervals
+CALIBRATION = {
     "stress_drop": (0.25, (0.58, 0.78), (0.90, 0.99)),
     "tau_max": (0.25, (0.58, 0.80), (0.90, 0.99)),
     "tau_min": (0.25, (0.58, 0.80), (0.90, 0.99)),
@@ -95,11 +95,11 @@ HONEST = {
 
 @pytest.fixture(scope="module")
 def errors_over_their_estimates(drawn):
-    """Quantity -> (n,) errors over the standard errors told, of 24 noisy records."""
-    off: dict = {name: [] for name in HONEST}
+    """Return quantity -> errors divided by standard errors (n,) of 24 noisy records."""
+    off: dict = {name: [] for name in CALIBRATION}
     for k, cycle in enumerate(drawn):
-        own = rs.events(cycle.run(8.2))
-        own = own.isel(event=own.event_status.values == WHOLE)
+        exact = rs.events(cycle.run(8.2))
+        exact = exact.isel(event=exact.event_status.values == WHOLE)
         for seed in range(2):
             rng = np.random.default_rng(10 * seed + k)
             samples, noise = 10 ** rng.uniform((2.3, -2.7), (2.9, -1.5))
@@ -107,8 +107,8 @@ def errors_over_their_estimates(drawn):
             events = events.isel(event=np.isin(events.event_status, (WHOLE, UNDERSAMPLED)))
             assert events.sizes["event"] in (7, 8)
             assert 0.7 < events.tau_noise / (noise * cycle.drop) < 1.3
-            gaps = np.abs(events.event_time.values[:, None] - own.event_time.values)
-            true = own.isel(event=gaps.argmin(axis=1))
+            gaps = np.abs(events.event_time.values[:, None] - exact.event_time.values)
+            true = exact.isel(event=gaps.argmin(axis=1))
             true["recurrence"] = xarray.full_like(true.recurrence, cycle.period)
             assert gaps.min(axis=1).max() < 0.1 * cycle.period
             for name, parts in off.items():
@@ -117,15 +117,15 @@ def errors_over_their_estimates(drawn):
 
 
 @pytest.mark.statistics
-@pytest.mark.parametrize("name", HONEST)
-def test_errors_of_noisy_records_are_honest(errors_over_their_estimates, name):
-    """Stresses unbiased, times outwards by 0.3 errors; benchmarks/events.py has 200 sliders.
+@pytest.mark.parametrize("name", CALIBRATION)
+def test_errors_of_noisy_records_are_calibrated(errors_over_their_estimates, name):
+    """Stresses are unbiased, times biased by 0.3 errors; benchmarks/events.py has 200 sliders.
 
     Bounds are three standard errors of 24 records, whose events are not independent.
     """
     z = errors_over_their_estimates[name]
     z = z[np.isfinite(z)]  # (the first event has no recurrence)
-    bias, *parts = HONEST[name]
+    bias, *parts = CALIBRATION[name]
     assert z.size > 160
     assert abs(z.mean()) < bias
     for level, (low, high) in zip((0.6827, 0.95), parts, strict=True):
@@ -145,7 +145,7 @@ def test_correlated_noise_enlarges_errors(drawn):
 
 @pytest.mark.parametrize(("time", "most"), [(None, 0), (1.0, 2), (10.0, 2)])
 def test_noise_has_no_event(time, most):
-    """Noise that wanders rises as fast as it falls, and at no regular times."""
+    """Noise that wanders rises as fast as it falls, at irregular times."""
     t, found = np.arange(0.0, 600.0, 0.1), []
     for seed in range(12):
         rng = np.random.default_rng(seed)
@@ -170,7 +170,7 @@ def test_recorded_tension_is_refused(sawtooth):
 
 @pytest.fixture(scope="module")
 def sawtooth():
-    """Ten cycles of 21 s, of which stress falls by 100 kPa in 1 s; noise of 2 kPa."""
+    """Return ten cycles of 21 s, with a fall of 100 kPa in 1 s and noise of 2 kPa."""
     t = np.arange(0.0, 215.0, 0.1)
     tau = 5e6 + 1e5 * np.interp((t + 5.0) % 21.0, [0.0, 20.0, 21.0], [0.0, 1.0, 0.0])
     tau += 2e3 * np.random.default_rng(0).normal(size=t.size)
@@ -178,12 +178,12 @@ def sawtooth():
     return xarray.Dataset(columns, {"time": t})
 
 
-def test_peak_slip_rates_that_are_lower_bounds_are_so_in_noise(sawtooth):
+def test_peak_slip_rates_of_few_samples_are_means(sawtooth):
     events = rs.events(sawtooth, K="500 MPa/m")
     assert (events.event_status == UNDERSAMPLED).sum() >= 9
-    over = (events.peak_slip_rate / (1e-5 + 1e5 / 5e8)).values  # by the drop, in 1 s, over K
-    assert 0.95 < np.nanmean(over) < 1.05
-    assert 0.02 < np.nanstd(over) < 0.12  # 6 % by the noise, in 5 samples
+    ratio = (events.peak_slip_rate / (1e-5 + 1e5 / 5e8)).values  # V_lp + drop/(1 s K)
+    assert 0.95 < np.nanmean(ratio) < 1.05
+    assert 0.02 < np.nanstd(ratio) < 0.12  # noise in 5 samples gives 6 %
     assert events.peak_slip_rate_error.isnull().all()
     assert ["lower bound" in text for text in events.event_message.values] == (
         events.event_status == UNDERSAMPLED
@@ -192,7 +192,7 @@ def test_peak_slip_rates_that_are_lower_bounds_are_so_in_noise(sawtooth):
 
 @pytest.mark.parametrize(("lost", "is_gap"), [((152, 190), True), ((30, 100), False)])
 def test_events_in_a_gap_are_not_measured(sawtooth, lost, is_gap):
-    """The first fall is from 15 to 16 s; a gap in the loading does not matter to it."""
+    """The first fall is from 15 to 16 s; a gap in the loading does not affect it."""
     keep = np.ones(sawtooth.sizes["time"], bool)
     keep[slice(*lost)] = False
     events = rs.events(sawtooth.isel(time=keep), K="500 MPa/m")
@@ -205,7 +205,7 @@ def test_events_in_a_gap_are_not_measured(sawtooth, lost, is_gap):
     assert np.abs(off).max() < 4.0
 
 
-def test_two_rates_of_sampling_are_no_gap():
+def test_two_sampling_rates_are_not_a_gap():
     t = np.concatenate([np.arange(0.0, 10.0, 0.5), np.arange(10.0, 12.0, 0.01), [12.5, 13.0, 13.5]])
     assert not in_gaps(t, np.array([(19, 220), (-1, 220)])).any()
     assert in_gaps(np.delete(t, slice(60, 75)), np.array([(19, 200)])).all()
@@ -217,7 +217,7 @@ def test_one_number_of_normal_stress_holds_for_all_samples(sawtooth):
 
 
 def test_two_clean_drops_are_events(drawn):
-    """From the middle of one loading to that of another; noise of 1 % of the drop."""
+    """The records begin and end in the middle of loading; noise is 1 % of the drop."""
     records = [c.record(2, 600, 0.01, np.random.default_rng(i)) for i, c in enumerate(drawn[:6])]
     found = [rs.events(record, K="1 GPa/m").sizes["event"] for record in records]
     assert found.count(2) == 5  # the sixth is a smooth oscillation
@@ -250,7 +250,7 @@ def test_records_of_several_speeds(measured, experiment):
 
 
 def test_stress_drop_grows_with_the_logarithm_of_recurrence(measured, experiment):
-    """The paper's section 3.2, on a record: the drops of the limit cycles are on the line."""
+    """As in section 3.2 of the paper, the drops of the limit cycles lie on the line."""
     B, error = (measured.trend_B.sel(abscissa="recurrence"), measured.trend_B_error[0])
     V = np.array([3e-6, 1e-5, 3e-5, 1e-4])
     exact = [rs.limit_cycle(AGING, float(one)) for one in V]
@@ -270,7 +270,7 @@ def test_work_and_energy_are_integrals(experiment):
         one = events.isel(event=k)
         inside = run.sel(time=slice(float(one.event_start), float(one.event_end)))
         work = trapezoid(inside.tau.values, inside.delta.values)
-        assert float(one.friction_work) == pytest.approx(work, rel=3e-3)  # (by trapezia)
+        assert float(one.friction_work) == pytest.approx(work, rel=3e-3)  # (trapezoid rule)
         assert float(one.slip) == pytest.approx(float(np.ptp(inside.delta.values)), rel=3e-3)
         stored = (float(one.tau_max) ** 2 - float(one.tau_min) ** 2) / (2.0 * AGING.K)
         assert float(one.spring_energy) == pytest.approx(stored, rel=1e-9)
@@ -278,8 +278,8 @@ def test_work_and_energy_are_integrals(experiment):
 
 
 @pytest.mark.parametrize(("M", "kind"), [(100.0, "fast"), (1e-4, "slow")])
-def test_fast_is_what_inertia_limits(M, kind):
-    """At K near the critical one slip is slow; with mass enough, inertia limits it."""
+def test_slip_limited_by_inertia_is_fast(M, kind):
+    """Near critical stiffness slip is slow; with enough mass, inertia limits it."""
     K = AGING.sigma * (AGING.b - AGING.a) / AGING.Dc * (0.5 if kind == "fast" else 0.97)
     damping, t_end = ({}, 150.0) if kind == "fast" else ({"damping": 1e8}, 60.0)
     slider = dataclasses.replace(AGING, M=M, K=K, **damping)
@@ -287,13 +287,13 @@ def test_fast_is_what_inertia_limits(M, kind):
     events = rs.events(run)
     assert events.sizes["event"] > 1
     assert set(events.event_kind.values[1:-1].tolist()) == {kind}
-    # without its mass the speed against V_lp decides
+    # if the mass is unknown, the ratio to V_lp decides
     unknown = rs.events(run[["tau", "delta_lp"]].drop_attrs(), K=K)
     ratio = (unknown.peak_slip_rate / unknown.V_lp).values
     assert ((unknown.event_kind == "fast").values == (ratio >= 100.0)).all()
 
 
-def test_events_that_are_not_whole_say_so(experiment):
+def test_events_that_are_not_whole_have_a_message(experiment):
     run = experiment[1]
     whole = rs.events(run)
     middle = float(whole.event_start[3]), float(whole.event_time[5])
@@ -314,8 +314,8 @@ def test_events_that_are_not_whole_say_so(experiment):
     assert "V_lp changes during the event" in events.event_message.values[1]
 
 
-def test_stiffness_that_cannot_be_known_is_not_made_up():
-    """A smooth oscillation slips throughout: K must be given, or nothing that needs it is there."""
+def test_a_smooth_oscillation_has_no_stiffness():
+    """The block slips throughout, so K must be given; else quantities that need K are NaN."""
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="900 MPa/m")
     t = np.arange(0.0, 0.4, 2e-4)
     loading = rs.Loading.constant("3.3 mm/s")
@@ -326,8 +326,8 @@ def test_stiffness_that_cannot_be_known_is_not_made_up():
     assert events.sizes["event"] == pytest.approx(0.4 / period, abs=1.5)  # one a period
     assert events["K"].isnull()
     assert events.slip.isnull().all()
-    assert "give K" in events.attrs["stiffness"]
-    assert all("stiffness unknown" in text for text in events.event_message.values)
+    assert "Give K" in events.attrs["stiffness"]
+    assert all("stiffness is unknown" in text for text in events.event_message.values)
     known = rs.events(record, K="900 MPa/m")
     assert known.slip[1:-1].notnull().all()
 
@@ -340,7 +340,7 @@ def test_stiffness_that_cannot_be_known_is_not_made_up():
         (lambda data: data.isel(time=slice(20)), "20 samples"),
         (lambda data: data.isel(time=slice(None, None, -1)), "times must increase"),
         (lambda data: data.assign(friction=data.friction.where(data.time != 1.0)), "row 50"),
-        (lambda data: data.to_dataarray(), "not DataArray"),
+        (lambda data: data.to_dataarray(), "of the type DataArray"),
         (lambda data: data.expand_dims(K=2), "pick one case"),
     ],
 )
@@ -358,7 +358,7 @@ def test_runs_of_few_times_or_several_sliders_are_refused(experiment):
 
 
 def test_friction_alone_needs_a_normal_stress(experiment):
-    with pytest.raises(rs.ParameterError, match="give sigma"):
+    with pytest.raises(rs.ParameterError, match="Give sigma"):
         rs.events(experiment[0])
     with pytest.raises(rs.ParameterError, match="no parameter least"):
         rs.events(experiment[0], least=1.0)
@@ -381,8 +381,8 @@ def test_white_noise_is_measured_under_a_trend():
     assert sample_noise(y) == pytest.approx(50.0, rel=0.03)
 
 
-def test_lines_have_errors_that_hold():
-    """Events at five speeds that share what the line does not say: 95 % intervals of B."""
+def test_errors_of_lines_are_calibrated():
+    """Events at seven speeds share a deviation from the line: 95 % intervals of B."""
     rng = np.random.default_rng(7)
     V = np.repeat([1e-6, 3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3], 8)
     shared = np.repeat(np.arange(7), 8)
@@ -394,7 +394,9 @@ def test_lines_have_errors_that_hold():
         line = trend(V, drop, V, "V_lp")
         held.append(abs(line.B + 2e4) < 2.2 * line.B_error)
     assert 0.85 < np.mean(held) < 0.99
-    assert trend(V[:8], drop[:8], V[:8], "V_lp").message.startswith("V_lp varies by a factor of 1")
+    assert trend(V[:8], drop[:8], V[:8], "V_lp").message.startswith(
+        "V_lp varies by a factor of only 1"
+    )
 
 
 def test_catalogues_are_datasets_of_the_package(measured, tmp_path):

@@ -1,4 +1,4 @@
-"""Extremes of a noisy parabola and of a kink, whose place and value are known."""
+"""Extremes of a noisy parabola and of a kink with known place and value."""
 
 import numpy as np
 import pytest
@@ -8,13 +8,13 @@ from ratestate.records.stick_slip.detection import loading_noise
 from ratestate.records.stick_slip.extremes import Window, edges, extremes
 
 DRAWS = 1500
-#: least contradiction of a window that no fall bounds
+#: least contradiction of a window without a bound by the fall
 BOUNDED = 1e3
 
 
 @pytest.mark.parametrize(("samples", "sd"), [(30, 0.3), (60, 0.1)])
 def test_vertices_are_unbiased(samples, sd):
-    """-t^2 has its maximum, 0, at 0: mean and scatter of value and time over their errors."""
+    """-t^2 has its maximum, 0, at 0: mean and scatter of value and time in standard errors."""
     value, time = drawn_vertices(samples, sd)
     for z in (value[0] / value[1], time[0] / time[1]):
         assert abs(np.mean(z)) < 6.0 / np.sqrt(DRAWS)  # (events share a part of their errors)
@@ -23,9 +23,9 @@ def test_vertices_are_unbiased(samples, sd):
 
 
 def drawn_vertices(samples, sd, events=30):
-    """Values and times, with their errors, of maxima of -t^2 in noise: (2, DRAWS) each.
+    """Return values and times (2, DRAWS), with errors, of maxima of -t^2 in noise.
 
-    Several are events of one record.  NaN if noise hides the vertices.
+    Each record has several events.  Results are NaN if noise hides the vertices.
     """
     rng, window = np.random.default_rng(1), Window(-2.6, -0.4, 1)
     origins, one = 10.0 * np.arange(events), np.linspace(-1.0, 1.0, samples)
@@ -38,8 +38,8 @@ def drawn_vertices(samples, sd, events=30):
     return np.concatenate(rows, axis=1).reshape(2, 2, -1)
 
 
-def test_a_vertex_that_noise_hides_is_that_of_the_mean():
-    """-t^2 for 40 events in noise, of which one alone mostly has no vertex beyond noise."""
+def test_hidden_vertices_are_replaced_by_the_mean_vertex():
+    """-t^2 for 40 events, so noisy that the vertex of a single event is mostly hidden."""
     rng, sd, m = np.random.default_rng(2), 3.0, 40
     middles, window = 10.0 * np.arange(m) + 1.5, Window(-2.5, -0.5, 1)
     off, time = [], []
@@ -56,7 +56,7 @@ def test_a_vertex_that_noise_hides_is_that_of_the_mean():
     assert np.isfinite(drawn_vertices(40, sd, 1)[0][0]).mean() < 0.25
 
 
-def test_what_both_degrees_differ_by_is_part_of_the_errors():
+def test_errors_include_the_difference_of_the_degrees():
     """Extremes of -t^2 + 0.3 t^3 at 0, far from those of parabolas, hardly any noise."""
     begins, window, noise = 10.0 * np.arange(8), Window(-2.5, -0.5, 1), SampleNoise(1e-4)
     t = np.arange(-1.0, 75.0, 0.02)
@@ -71,8 +71,8 @@ def test_what_both_degrees_differ_by_is_part_of_the_errors():
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(("rate", "spread"), [(0.5, (1.2, 1.45)), (5.0, (0.92, 1.2))])
-def test_a_kink_is_where_a_quadratic_fall_begins(sign, rate, spread):
-    """Loading at slope 0.01 up to t = 0, from which stress falls as rate t^2: in any phase."""
+def test_a_kink_is_located_at_the_start_of_a_quadratic_fall(sign, rate, spread):
+    """Stress rises with slope 0.01 until t = 0 and then falls as rate t^2; random phase."""
     rng, places, off, sd = np.random.default_rng(2), [], [], 0.05
     for _ in range(300):
         t = np.arange(-60.0, 12.0) + rng.uniform()
@@ -80,7 +80,7 @@ def test_a_kink_is_where_a_quadratic_fall_begins(sign, rate, spread):
         first, last = (int(i) for i in np.searchsorted(t, (-50.0, -0.5)))
         middle = int(np.searchsorted(t, 8.0))
         c, span = np.array([0.0, 0.01, 0.0]), (first, last, middle)
-        if sign < 0:  # the same backwards: a trough's side
+        if sign < 0:  # reversed in time, as for a trough
             t, y, c = -t[::-1], y[::-1], c * [1.0, -1.0, 1.0]
             span = t.size - last, t.size - first, t.size - middle
         (u,), (error,), (bounded,) = placed((t, y), span, c, sign, sd)
@@ -92,21 +92,21 @@ def test_a_kink_is_where_a_quadratic_fall_begins(sign, rate, spread):
 
 
 def placed(samples, span, c, sign, sd, events=1):
-    """Places, errors, and whether a fall bounds them, of so many events that are alike."""
+    """Return `edges` for several identical events."""
     spans = [np.full(events, i) for i in span]
     scales = np.zeros(events), 1.0, np.zeros(events)
     return edges(samples, spans, scales, np.tile(c, (events, 1)), sign, sign, sd)
 
 
-def test_what_nothing_bounds_is_told():
-    """The extreme is at the window's end, or anywhere up to the fall's middle."""
+def test_an_extreme_without_a_bound():
+    """The extreme is between the window's end and the fall's middle."""
     t, c = np.arange(40.0), np.array([0.0, 0.01, 0.0])
     place = placed((t, 0.01 * t), (0, 20, 39), c, 1, 1.0)
     assert [float(x[0]) for x in place] == [19.0, 10.0, False]
 
 
 def test_many_events_show_a_fall_that_noise_hides_in_one():
-    """A sample that is 2 standard deviations off in each of 16 events."""
+    """A sample deviates by 2 standard deviations in each of 16 events."""
     t, c = np.arange(40.0), np.zeros(3)
     y = np.where(t > 19.5, -2.0, 0.0)
     *_, bounded = placed((t, y), (0, 20, 22), c, 1, 1.0)
@@ -117,7 +117,7 @@ def test_many_events_show_a_fall_that_noise_hides_in_one():
 
 
 def test_noise_of_the_loading():
-    """White and of first order, about a curved loading in three phases."""
+    """White noise and first-order noise about a curved loading in three phases."""
     t = np.arange(3000.0)
     curve = np.sin(2.0 * np.pi * t / 4000.0) * 1e4
     rises = [(0, 999), (1000, 1999), (2000, 2999)]

@@ -1,4 +1,4 @@
-"""What samples and noise hide of stick-slip: close, small and short events, few digits."""
+"""Events that samples or noise hide: close, small and short events, and few digits."""
 
 import numpy as np
 import pytest
@@ -21,10 +21,9 @@ def messages(events):
 
 @pytest.fixture(scope="module")
 def damped():
-    """Times and friction of 8 events of a slider with damping, 20 samples a second; true drop [Pa].
+    """Return times, friction and true drop [Pa] of 8 events of a slider with damping.
 
-    a 0.001, b 0.0015, Dc 30 um, K/sigma 10/m, sigma 10 MPa, damping 5 MPa s/m, 10 um/s; friction
-    is that of the block, which overshoots by 2 % of the drop for less than a step between samples.
+    Friction of the block overshoots by 2 % of the drop, for less than a step between samples.
     """
     a, b, Dc, k, V_lp, eta = 0.001, 0.0015, 3e-5, 10.0, 1e-5, 0.5
 
@@ -48,14 +47,10 @@ def damped():
 
 @pytest.mark.parametrize(
     ("noise", "digits", "error"),
-    [
-        (0.0, 12, (300.0, 2e3)),
-        (1e-5, 8, (300.0, 2e3)),
-        (0.0, 3, (4082.0, 1e4)),
-    ],
+    [(0.0, 12, (300.0, 2e3)), (1e-5, 8, (300.0, 2e3)), (0.0, 3, (4082.0, 1e4))],
 )
 def test_records_without_noise_have_events(damped, noise, digits, error):
-    """Errors cover an overshoot between samples, and rounding: 0.29 of the last digit or more."""
+    """Errors cover an overshoot between samples, and at least the rounding error."""
     t, friction, true = damped
     friction = friction + noise * np.random.default_rng(0).normal(size=t.size)
     columns = {"friction": ("time", friction.round(digits)), "delta_lp": ("time", 1e-5 * t)}
@@ -70,8 +65,8 @@ def test_records_without_noise_have_events(damped, noise, digits, error):
     np.testing.assert_allclose(events.recurrence[2:], 62.02, atol=0.02)
 
 
-def test_stress_that_swings_back_is_no_event_of_its_own():
-    """It rises faster than the spring loads; where it rises as slowly, there are two events."""
+def test_a_rebound_does_not_separate_two_events():
+    """A rebound rises faster than the spring loads; a slower rise separates two events."""
     y = np.array([0.0, 10.0, 20.0, 30.0, 5.0, 8.0, 4.0, 14.0, 24.0])
     falls = np.array([(3, 4), (5, 6), (8, -1)])
     swings = np.array([0.0, 1.0, 2.0, 3.0, 3.1, 3.19, 3.2, 4.2, 5.2])
@@ -80,8 +75,8 @@ def test_stress_that_swings_back_is_no_event_of_its_own():
     assert without_rebounds(y, loads, falls).tolist() == falls.tolist()
 
 
-def test_digits_of_times_are_in_their_errors():
-    """At 1.3 samples a second, with times in units of 0.5 s and in all digits."""
+def test_errors_of_times_include_their_rounding():
+    """1.3 samples a second, with times rounded to 0.5 s or exact."""
     rng = np.random.default_rng(1)
     starts = 100.0 * np.arange(1, 9) + rng.uniform(-1.0, 1.0, 8)
     record = sawtooth(starts, np.full(8, DROP), 20.0, rng, 1e2).record
@@ -97,8 +92,8 @@ def test_digits_of_times_are_in_their_errors():
 @pytest.mark.parametrize(
     ("gap", "noise"), [(3.0, 1e-3), (3.0, 0.05), (6.0, 0.02), (12.0, 1e-3), (12.0, 0.05)]
 )
-def test_close_events_are_two_or_told(gap, noise):
-    """Two events so many samples apart: two within their errors, several, or a large one."""
+def test_close_events_are_separated_or_reported(gap, noise):
+    """Two close events are found as two, or reported as several, or as a large event."""
     rng = np.random.default_rng(0)
     starts = np.sort([*(100.0 * np.arange(1, 9) + rng.uniform()), 400.0 + gap])
     truth = sawtooth(starts, DROP * rng.uniform(0.7, 1.3, 9), 1.0, rng, noise * DROP)
@@ -112,8 +107,8 @@ def test_close_events_are_two_or_told(gap, noise):
     assert np.abs(off[np.isfinite(off) & ~large]).max() < 4.5
     late = (events.event_time.values - truth.times[near]) / events.event_time_error.values
     assert np.abs(late[np.isfinite(late) & ~large]).max() < 4.5
-    told = ["this fall is several events" in text for text in messages(events)]
-    assert told == several.tolist()
+    reported = ["this fall is several events" in text for text in messages(events)]
+    assert reported == several.tolist()
     for name in ("stress_drop", "duration", "slip", "peak_slip_rate", "friction_work"):
         half = events[f"{name}_error"].values >= 0.5 * np.abs(events[name].values)
         assert (half | np.isnan(events[f"{name}_error"].values))[several].all()
@@ -130,8 +125,8 @@ def test_a_single_fall_is_not_several():
 
 
 @pytest.mark.parametrize(("size", "found"), [(0.02, False), (0.2, True)])
-def test_small_falls_in_the_loading_are_told(size, found):
-    """A fall of 0.2 drops in noise of 0.05 drops is below the threshold, and seen on average."""
+def test_small_falls_in_the_loading_are_reported(size, found):
+    """A fall of 0.2 drops in noise of 0.05 drops is below the threshold, but significant."""
     count = 0
     for seed in range(2):
         rng = np.random.default_rng(seed)
@@ -141,14 +136,14 @@ def test_small_falls_in_the_loading_are_told(size, found):
         events = rs.events(truth.record, K=truth.K)
         assert events.sizes["event"] == 6
         assert float(events.detection_threshold) > size * DROP
-        told = ["may span two events" in text for text in messages(events)]
-        count += told[2]
-        assert not any(told[:2] + told[3:])
+        reported = ["may span two events" in text for text in messages(events)]
+        count += reported[2]
+        assert not any(reported[:2] + reported[3:])
     assert count == (2 if found else 0)
 
 
 def test_outliers_are_not_hidden_events():
-    """One in the loading, and one in a fall."""
+    """One outlier is in the loading, and one is in a fall."""
     rng, part = np.random.default_rng(0), np.linspace(0.0, 1.0, 100)
     one = DROP * np.concatenate([np.linspace(0.0, 1.0, 400), 0.5 + 0.5 * np.cos(np.pi * part)])
     tau = np.tile(one, 8) + 0.003 * DROP * rng.normal(size=4000)
@@ -169,20 +164,20 @@ def test_a_smooth_loading_has_no_step():
     assert has_step_down(t, y, 1e5, SampleNoise(1e3))
 
 
-@pytest.mark.parametrize(("noise", "told"), [(0.02, False), (0.1, True)])
-def test_drops_close_to_the_threshold_are_told(noise, told):
+@pytest.mark.parametrize(("noise", "expected"), [(0.02, False), (0.1, True)])
+def test_drops_close_to_the_threshold_are_reported(noise, expected):
     rng = np.random.default_rng(2)
     truth = sawtooth(60.0 * np.arange(1, 9), np.full(8, DROP), 1.0, rng, noise * DROP)
     events = rs.events(truth.record, K=truth.K)
-    assert 8.0 < float(events.detection_threshold / events.tau_noise) < 12.0 or told
-    near = ["similar events may be lost" in text for text in messages(events)]
+    assert 8.0 < float(events.detection_threshold / events.tau_noise) < 12.0 or expected
+    near = ["similar events may be missing" in text for text in messages(events)]
     measured = np.isfinite(events.stress_drop.values)
     close = (events.stress_drop < 2.0 * events.detection_threshold).values
     np.testing.assert_array_equal(np.array(near)[measured], close[measured])
-    assert close.any() == told
+    assert close.any() == expected
 
 
-def test_durations_below_a_sample_are_not_made_up():
+def test_durations_below_a_step_are_not_resolved():
     """A duration of 0.2 steps between samples is NaN, or has an error of that size; 20 are 20."""
     rng = np.random.default_rng(3)
     starts = 100.0 * np.arange(1, 11) + rng.uniform(0.0, 1.0, 10)
@@ -200,7 +195,7 @@ def test_durations_below_a_sample_are_not_made_up():
 
 @pytest.mark.parametrize(("noise", "uneven"), [(0.01, 0.0), (0.1, 0.8), (0.2, 0.0)])
 def test_noise_does_not_bias_drops(noise, uneven):
-    """Noise up to a fifth of the drop; `benchmarks/events.py` has 9 records of each kind."""
+    """Noise is at most a fifth of the drop; benchmarks/events.py has 9 records of each kind."""
     off, relative = [], []
     for seed in range(3):
         rng = np.random.default_rng(seed)

@@ -1,4 +1,4 @@
-"""The function `healing`: frictional healing of the holds of a record, and its rate."""
+"""The function `healing`: frictional healing in the holds of a record, and its rate."""
 
 import json
 
@@ -18,69 +18,79 @@ from .steady import levels_of
 
 @keywords_checked
 def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
-    """Frictional healing and relaxation of each hold of a record, and their rates per decade.
+    """Measure frictional healing and relaxation in each hold, and their rates per decade.
 
-    A slide-hold-slide test: healing is the peak of friction on reloading above steady friction
-    before the hold, relaxation the fall of friction below it during the hold.  Steady friction is
-    a line that is extrapolated to the peak.  Its slope is common to all slides, and what is left
-    of the transient after the previous hold is allowed for.  The peak is that of a polynomial
-    fitted about it by generalized least squares, because the largest of noisy samples is too high.
+    The record is a slide-hold-slide test.  Healing is the peak of friction on reloading minus
+    steady friction before the hold.  Relaxation is steady friction minus friction at the end of the
+    hold.  Steady friction is a line, extrapolated to the peak, whose slope is common to all slides.
+    The rest of the transient after the previous hold is modelled.  The peak is taken from a fitted
+    polynomial (generalized least squares), because the largest noisy sample is too high.
 
     Parameters
     ----------
     data : xarray.Dataset
-        A record of `read_lab`; or, along ``time`` [s], ``friction`` (else ``tau`` with ``sigma``
-        [Pa], or ``mu``) and ``delta_lp`` [m] or ``V_load`` [m/s] of the load point.
+        A record from `read_lab`, or a Dataset along ``time`` [s] with ``friction`` (else ``tau``
+        with ``sigma`` [Pa], or ``mu``) and ``delta_lp`` [m] or ``V_load`` [m/s] of the load point.
     slider : SpringSlider or xarray.Dataset, optional
-        What holds are to be predicted of: one slider, or a result of `fit`, under one law or
-        several, with its errors; of fits of each step the joint fit.
+        Slider with which healing is predicted, or a result of `fit` under one or several laws,
+        whose errors are then propagated.  For fits of each step the joint fit is used.
     loading : Loading, optional
-        The load point's history, with t = 0 at the first sample; by default the steps and holds
-        found in its displacement.
+        The load point's history, with t = 0 at the first sample.  By default the steps and holds
+        are found in its displacement.
     trend : {"slip", "time", None}
         Whether friction drifts in proportion to slip of the fault, or to time, or not at all.
     noise : float or dict, optional
-        Standard deviation of the noise in friction; or those of its parts "white" and "red", and
-        the correlation time "time" [s] of the red part.  By default estimated, from the later
-        halves of the slides, and at least the resolution of friction.
+        Standard deviation of the noise in friction, or a dict with the standard deviations of its
+        parts "white" and "red" and the correlation time "time" [s] of the red part.  By default it
+        is estimated from the later halves of the slides, and at least the resolution of friction.
 
     Returns
     -------
     xarray.Dataset
-        Along ``hold``, n holds in order of time: ``hold_start`` [s], ``t_hold`` [s], how long
-        the load point rests, ``V_before`` and ``V_after`` [m/s], ``friction_before`` (steady, at
-        the hold's start), ``friction_min`` (at its end), ``friction_peak``, ``peak_time`` [s],
-        ``friction_after`` (steady, at the end of the slide after), ``delta_mu``
-        (healing) and ``delta_mu_c`` (relaxation); each friction with its standard error,
-        ``NAME_error``.  ``hold_status`` (int8 with CF flags; 0 evaluated) and ``hold_message``
-        (why something is NaN, or must be known).  Scalars: ``beta`` and ``beta_c``, change of
-        healing and of relaxation per decade of hold time, with ``_error``, and ``_scatter``, the
-        root of the reduced chi-square about the line: where it is significantly above 1 the
-        errors are enlarged by it.  NaN without two different hold times.  Along ``line``:
-        ``line_t_hold``, and the lines with errors, ``line_delta_mu`` and ``line_delta_mu_c``.
-        With a slider, along
-        ``law`` and ``hold``: ``delta_mu_predicted``, ``delta_mu_c_predicted``, and along ``law``
-        ``beta_predicted`` and ``beta_c_predicted``, slopes of the same weighted line through
-        predictions; with standard errors where they are from a fit.  ``noise_white``,
-        ``noise_red``, ``noise_time``.  Along ``time``: ``friction``, and ``friction_steady``, the
-        line of steady friction from the slide before a hold to the peak, NaN elsewhere.
+        Along ``hold``, in order of time:
+
+        - ``hold_start`` and ``t_hold`` [s]: start and duration of the load point's rest.
+        - ``V_before`` and ``V_after`` [m/s]: load-point speeds of the slides.
+        - ``friction_before``: steady friction at the hold's start.
+        - ``friction_min``: friction at the hold's end.
+        - ``friction_peak`` and ``peak_time`` [s].
+        - ``friction_after``: steady friction at the end of the slide after the hold.
+        - ``delta_mu`` (healing) and ``delta_mu_c`` (relaxation).
+        - ``hold_status`` (int8 with CF flags): 0 if the hold is evaluated.
+        - ``hold_message``: why a value is NaN, and remarks.
+
+        Each friction, healing and relaxation has a standard error, ``NAME_error``.
+
+        Scalars: ``beta`` and ``beta_c``, the change of healing and of relaxation per decade of hold
+        time, with ``_error`` and ``_scatter``.  The scatter is the root of the reduced chi-square
+        about the line.  If it is significantly above 1, the errors are enlarged by it.  The rates
+        are NaN without two different hold times.  ``noise_white``, ``noise_red``, ``noise_time``.
+
+        Along ``line``: ``line_t_hold``, and the lines with errors, ``line_delta_mu`` and
+        ``line_delta_mu_c``.  Along ``time``: ``friction``, and ``friction_steady``, the line of
+        steady friction from the slide before a hold to the peak, NaN elsewhere.
+
+        With a slider, along ``law`` and ``hold``: ``delta_mu_predicted`` and
+        ``delta_mu_c_predicted``.  Along ``law``: ``beta_predicted`` and ``beta_c_predicted``, the
+        slopes of lines through predictions with the same weights.  All have errors if the slider
+        is a fit.
 
     Raises
     ------
     ParameterError
-        A record that cannot be used, as of `fit`; none with a hold; slides too short for the noise
-        to be estimated; a slider that is a sweep; fits of steps without a joint fit; a setting out
-        of range.
+        If the record cannot be used or has no hold, its slides are too short to estimate the noise,
+        the slider is a sweep, fits of steps have no joint fit, or a setting is out of range.
 
     Notes
     -----
-    Healing as of Dieterich (1972, doi:10.1029/JB077i020p03690) and Marone (1998,
-    doi:10.1146/annurev.earth.26.1.643).  The rate is that of healing with log10 of hold time, by
-    least squares weighted with the errors.  Slip of the fault is the load point's displacement less
-    friction/k, with k the slope of reloading; the load point's displacement if k is not resolved.
-    No error is less than the rounding of friction.  ``hold_message`` says when healing depends on
-    the drift, and when a slide was too short to become steady.  Its level is then that of a line
-    through all slides, from which slides differ by as much as they are seen to.
+    Healing is defined as by Dieterich (1972, doi:10.1029/JB077i020p03690) and Marone (1998,
+    doi:10.1146/annurev.earth.26.1.643).  The rate is the slope of healing against log10 of hold
+    time, by least squares weighted with the errors.  Slip of the fault is the load point's
+    displacement minus friction/k, with k the slope of reloading.  If k is not resolved, it is the
+    load point's displacement.  No error is less than the rounding of friction.  ``hold_message``
+    says if healing depends on the drift, or if a slide was too short to become steady.  The level
+    of such a slide is taken from a line through all slides, with an error that includes their
+    scatter.
 
     Examples
     --------
@@ -98,14 +108,14 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     given, sliders = given_noise(noise), sliders_of(slider)
     record = healing_record(in_si(data), loading, trend)
     with single_blas():
-        found = given or noise_of_slides(record)
-        levels = levels_of(record, found)
-        measured = [measure(record, hold, found, levels) for hold in record.holds]
+        used = given or noise_of_slides(record)
+        levels = levels_of(record, used)
+        measured = [measure(record, hold, used, levels) for hold in record.holds]
     predicted = {
         law: [predict(fitted, hold, record.kind) for hold in record.holds]
         for law, fitted in sliders.items()
     }
-    return dataset_of(record, found, measured, sliders, predicted).assign_attrs(
+    return dataset_of(record, used, measured, sliders, predicted).assign_attrs(
         title="ratestate healing",
         trend=str(trend),
         noise=json.dumps(noise),

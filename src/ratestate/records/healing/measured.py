@@ -1,7 +1,7 @@
 """Healing and relaxation of one hold, with standard errors.
 
-The largest of noisy samples is above the peak, by two or three standard deviations of the noise.
-So the peak is that of a polynomial fitted to samples about it.
+The largest noisy sample is two or three standard deviations of the noise above the peak.  So the
+peak is taken from a polynomial fitted to the samples around it.
 """
 
 import math
@@ -22,23 +22,23 @@ from ..kit.sample_noise import OF_STEP, resolution
 from .record import FEWEST
 from .steady import Level
 
-#: orders of friction in ln(time since the hold began): tested, and used; fewest samples of a hold
+#: orders of polynomials in ln(time since the hold began): tested, and used; fewest samples
 TESTED, USED = 1, 3
 FEWEST_OF_HOLD = fewest_samples(USED)
-#: orders of the polynomial about a peak: tested, and used; fewest samples; orders of a test
+#: orders of the polynomial around a peak: tested, and used; fewest samples; coefficients tested
 PEAK_TESTED, PEAK_USED, ORDERS = 3, 5, 2
 FEWEST_OF_PEAK = fewest_samples(PEAK_USED)
-#: noise about a peak, as a multiple of the record's, if samples are too few for all its orders
+#: noise around a peak, as a multiple of the record's, above which the samples are too few
 FEW = math.sqrt(CERTAIN / ORDERS)
-#: successive windows that must fail: noise about the largest sample may be odd in one
+#: successive windows that must fail, because noise may make a single one fail
 FAILED = 2
-#: standard errors by which a peak is above friction at the end of the slide
+#: least height of a peak above friction at the end of the slide, in standard errors
 RESOLVED = 3.0
-#: largest error of the level before, as a fraction of healing; and of a peak between samples, as a
-#: fraction of its rise from the end of the hold
+#: largest error of the level before, as a fraction of healing; largest error of a peak with too few
+#: samples, as a fraction of its rise from the end of the hold
 UNKNOWN, COARSE = 0.5, 0.02
 
-#: how holds end; the number of each is its place, and its sentence is in messages.toml
+#: statuses of holds; the number of each is its index, and its message is in messages.toml
 STATUSES = (
     "evaluated",
     "no_slide_before",
@@ -50,41 +50,41 @@ STATUSES = (
 )
 (EVALUATED, NO_SLIDE, UNSTEADY, SHORT, ENDS, NO_PEAK, UNRESOLVED) = range(len(STATUSES))
 
-#: what is measured of a hold; each has a standard error
+#: measured quantities of a hold; each has a standard error
 DIFFERENCES = ("delta_mu", "delta_mu_c")
 NAMES = ("friction_before", "friction_min", "friction_peak", "friction_after", *DIFFERENCES)
 
 
 class Measured(NamedTuple):
-    """What a hold shows: name -> (value, standard error) of `NAMES`, as far as there is any."""
+    """The measured quantities of a hold."""
 
     status: int
-    found: dict
+    values: dict  # name -> (value, standard error) for those of `NAMES` that are known
     peak_time: float = np.nan  # [s]
-    before: Level | None = None  # of the slide before, if healing is evaluated
-    along: float = np.nan  # what friction drifts along, at the peak
+    before: Level | None = None  # level of the slide before, if healing is evaluated
+    drift_coordinate: float = np.nan  # at the peak
 
 
 def measure(record, hold, noise, levels):
-    """`Measured` of a `Hold` of a `HealingRecord` with this noise, and `levels_of` it.
+    """Return the `Measured` quantities of a `Hold`, given the result of `levels_of`.
 
-    No standard error is less than that of rounding to the digits of friction; a difference is of
-    two rounded values.  The mean of samples has less of it, if noise is larger than the last digit
-    (Widrow, Kollar & Liu 1996 doi:10.1109/19.492748).
+    No standard error is less than the error from rounding friction to its digits.  A difference has
+    two rounding errors.  If the noise is larger than the last digit, a mean of samples has less of
+    this error (Widrow, Kollar & Liu 1996 doi:10.1109/19.492748).
     """
-    one = _measure(record, hold, noise, levels)
+    one = _measured_with_noise(record, hold, noise, levels)
     step = resolution(record.friction)
     other = max(noise.level**2 - (OF_STEP * step) ** 2, 0.0)
     least = OF_STEP * step * np.exp(-2.0 * np.pi**2 * other / step**2) if step else 0.0
-    found = {
+    values = {
         name: (value, max(error, math.sqrt(2.0 if name in DIFFERENCES else 1.0) * least))
-        for name, (value, error) in one.found.items()
+        for name, (value, error) in one.values.items()
     }
-    return one._replace(found=found)
+    return one._replace(values=values)
 
 
-def _measure(record, hold, noise, levels):
-    """As `measure`, by the noise alone."""
+def _measured_with_noise(record, hold, noise, levels):
+    """Return the `Measured` quantities of a hold, with errors from the noise alone."""
     if hold.before.rows.size < FEWEST:
         return Measured(NO_SLIDE, {})
     if hold.during.rows.size < FEWEST_OF_HOLD:
@@ -93,24 +93,26 @@ def _measure(record, hold, noise, levels):
     if before is None:
         return Measured(UNSTEADY, {})
     end = _end_of_hold(record, hold, noise)
-    found = {
+    values = {
         "friction_before": before.at(before.end),
         "friction_min": end,
-        "delta_mu_c": _difference(before.at(record.along_at(hold.during.end, end[0])), end),
+        "delta_mu_c": _difference(
+            before.at(record.drift_coordinate_at(hold.during.end, end[0])), end
+        ),
     }
     if hold.after.rows.size < FEWEST:
-        return Measured(ENDS, found)
+        return Measured(ENDS, values)
     status, at, peak = _peak(record, hold, noise, end[0])
     if status:
-        return Measured(status, found)
-    along = record.along_at(at, peak[0])
-    level = before.at(along)
-    found |= {"friction_peak": peak, "delta_mu": _difference(peak, level)}
+        return Measured(status, values)
+    drift_coordinate = record.drift_coordinate_at(at, peak[0])
+    level = before.at(drift_coordinate)
+    values |= {"friction_peak": peak, "delta_mu": _difference(peak, level)}
     if after is not None:
-        found["friction_after"] = after.at(after.end)
-    if level[1] > UNKNOWN * abs(found["delta_mu"][0]):
+        values["friction_after"] = after.at(after.end)
+    if level[1] > UNKNOWN * abs(values["delta_mu"][0]):
         return Measured(UNSTEADY, {})
-    return Measured(EVALUATED, found, at, before, along)
+    return Measured(EVALUATED, values, at, before, drift_coordinate)
 
 
 def _difference(one, other):
@@ -118,7 +120,7 @@ def _difference(one, other):
 
 
 def _end_of_hold(record, hold, noise):
-    """Friction at the end of a hold: of a polynomial in the logarithm of its duration."""
+    """Return friction at the end of a hold, from a polynomial in log time, and its error."""
     spacing, rows = float(np.median(np.diff(record.t))), hold.during.rows
     age = np.log(np.maximum(record.t - hold.during.start, 0.5 * spacing))
     columns = record.t, age, record.friction
@@ -132,7 +134,7 @@ def _end_of_hold(record, hold, noise):
 
 
 def _peak(record, hold, noise, low):
-    """Status, time [s], and (friction, standard error) of the peak after a hold.
+    """Return status, time [s], and (friction, standard error) of the peak after a hold.
 
     low : friction at the end of the hold
     """
@@ -141,7 +143,7 @@ def _peak(record, hold, noise, low):
 
     def passes(size, passed):
         rows = _about_maximum(record.level, slide, size)
-        # (the smallest ones may need all orders that are used)
+        # (until a window passes, test all orders that are used)
         order, most = (PEAK_TESTED, SIGNIFICANT) if passed else (PEAK_USED, CERTAIN)
         return curvature(*columns, rows, order, noise) <= most
 
@@ -150,28 +152,28 @@ def _peak(record, hold, noise, low):
         _about_maximum(record.level, slide, size) for size in passed[:-3:-1] or [FEWEST_OF_PEAK]
     )
     excess = 0.0 if smaller else curvature(*columns, rows, PEAK_USED, noise)
-    own = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (at least the misfit)
-    fit = fitted_polynomial(*columns, rows, PEAK_USED, own)
+    local = noise.times(max(math.sqrt(excess / ORDERS), 1.0))  # (enlarged by a misfit)
+    fit = fitted_polynomial(*columns, rows, PEAK_USED, local)
     if fit.peak is None:
         return (ENDS if rows[-1] == slide[-1] else NO_PEAK), np.nan, None
     at, peak, error = fit.peak
     if np.count_nonzero(t[slide] > t[rows[-1]]) < FEWEST:
         return ENDS, np.nan, None
-    if own.level > FEW * noise.level and error > COARSE * (peak - low):
+    if local.level > FEW * noise.level and error > COARSE * (peak - low):
         return UNRESOLVED, np.nan, None
     change = np.interp(at, t, record.level - record.friction)
     height = peak + change - record.level[slide[-FEWEST:]].mean()
     if height < RESOLVED * np.hypot(error, np.hypot(noise.white * FEWEST**-0.5, noise.red)):
         return NO_PEAK, np.nan, None
-    if smaller and (other := fitted_polynomial(*columns, smaller[0], PEAK_USED, own).peak):
-        # (how far both peaks are apart beyond what is random is a part of the error)
+    if smaller and (other := fitted_polynomial(*columns, smaller[0], PEAK_USED, local).peak):
+        # (the distance between both peaks beyond the random error is part of the error)
         misfit = (other[1] - peak) ** 2 - (other[2] ** 2 - error**2)
         error = math.hypot(error, math.sqrt(max(misfit, 0.0)))
     return EVALUATED, at, (peak, error)
 
 
 def _about_maximum(friction, slide, width):
-    """So many rows about the largest moving average of a slide, as far as the slide goes."""
+    """Return rows of a window of this width around the largest moving average of a slide."""
     smooth = uniform_filter1d(friction[slide], max(width // 3, 1), mode="nearest")
     first = min(max(int(np.argmax(smooth)) - width // 2, 0), slide.size - width)
     return slide[first : first + width]

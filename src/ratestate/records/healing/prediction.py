@@ -1,7 +1,7 @@
-"""What sliders, perhaps of a fit, predict for holds: simulations of the load point's history.
+"""Predictions of healing and relaxation, by simulating the load point's history.
 
-A slider slides steadily before the hold, at the speed that was recorded.  Errors of fitted
-parameters are propagated linearly, by central differences.
+A slider slides steadily before the hold, at the recorded speed.  Errors of fitted parameters are
+propagated linearly, by central differences.
 """
 
 from typing import NamedTuple
@@ -18,31 +18,31 @@ from ..fitting.by_law import checked_by_law, error_of, is_of_steps, slider_of
 from ..fitting.unknowns import OF_MACHINE, of_slider
 from ..messages import healing as sentences
 
-#: step of a difference, over a parameter; start of the hold in the run, over its duration
+#: relative step of a difference; start of the hold in the run, as a fraction of its duration
 STEP, LEAD = 1e-4, 1e-3
-#: points about the largest friction, within so many of the solver's steps on either side
+#: number of times around the largest friction; number of solver steps on either side they span
 POINTS, BESIDE = 2000, 2
 RTOL = 1e-9
-#: dimension of the sliders of a difference
+#: dimension of the sliders for differences
 CASE = "difference"
 
 
 class Fitted(NamedTuple):
-    """A slider, and its parameters that a fit estimated, with their covariance [SI] (k, k)."""
+    """A slider, and the parameters that a fit has estimated, with their covariance."""
 
     slider: SpringSlider
-    free: tuple = ()  # symbols
-    covariance: np.ndarray = np.zeros((0, 0))
+    free: tuple = ()  # symbols of the k estimated parameters
+    covariance: np.ndarray = np.zeros((0, 0))  # (k, k) [SI]
 
     @property
     def steps(self):
-        """(k,) steps of differences by the free parameters."""
+        """Return the steps (k,) of the free parameters for differences."""
         sizes = [abs(getattr(self.slider, symbol)) or self.slider.a for symbol in self.free]
         return STEP * np.array(sizes)
 
     @property
     def cases(self):
-        """The slider, and with each free parameter larger, then smaller by its step: a sweep."""
+        """Return a sweep: the slider, then with each parameter larger, then with each smaller."""
         if not self.free:
             return self.slider
         changes = np.diag(self.steps)
@@ -53,21 +53,21 @@ class Fitted(NamedTuple):
         return self.slider.replace(**{s: xarray.DataArray(x, dims=CASE) for s, x in values.items()})
 
     def error(self, values):
-        """Standard errors (n,) of what has these values (n, 1 + 2k) in the cases.
+        """Return standard errors (n,) of quantities with these values (n, 1 + 2k) in the cases.
 
-        inf if a parameter is unbounded.
+        They are inf if a parameter is unbounded.
         """
         if not np.isfinite(self.covariance).all():
             return np.full(len(values), np.inf)
         larger, smaller = np.split(values[:, 1:], 2, axis=1)
-        by = (larger - smaller) / (2.0 * self.steps)
-        return np.sqrt(np.einsum("ni,ij,nj->n", by, self.covariance, by))
+        derivatives = (larger - smaller) / (2.0 * self.steps)
+        return np.sqrt(np.einsum("ni,ij,nj->n", derivatives, self.covariance, derivatives))
 
 
 def sliders_of(slider):
-    """law -> `Fitted`, from a SpringSlider or a result of `fit`; {} from None.
+    """Return law -> `Fitted` for a SpringSlider or a result of `fit`; {} for None.
 
-    ParameterError for anything else, and for a slider that is a sweep.
+    Anything else, or a slider that is a sweep, raises ParameterError.
     """
     if slider is None:
         return {}
@@ -87,7 +87,7 @@ def _fitted(result, law, part, errors):
     own = of_slider(slider.friction_law)
     names = [name for name in part["parameter"].values.tolist() if name in own]
     sizes, correlation = errors(part, names)
-    # (those of positive parameters are of their logarithms: to first order the same)
+    # (correlations of logarithms equal those of the parameters to first order)
     with np.errstate(invalid="ignore"):
         return Fitted(slider, tuple(names), correlation * np.outer(sizes, sizes))
 
@@ -99,30 +99,30 @@ def _errors_of_fit(part, names):
 
 
 def _errors_of_steps(part, names):
-    """Standard errors (k,) [SI] of the joint fit of all steps, and their correlation (k, k).
+    """Return standard errors (k,) [SI] of the joint fit of all steps, and correlation (k, k).
 
-    Of the machine's parameters the errors are those of one step, with the scatter between steps,
-    for a hold may have another stiffness than the median of all.  ParameterError without a joint
-    fit.
+    Errors of the machine's parameters are those of one step and the scatter between steps, because
+    the stiffness in a hold may differ from the median.  Without a joint fit: ParameterError.
     """
-    here = part.sel(parameter=names)
-    errors = here["shared_error"].values
-    separate = np.hypot(here["standard_error"].median("step"), here["scatter"].fillna(0.0)).values
+    chosen = part.sel(parameter=names)
+    errors = chosen["shared_error"].values
+    scatter = chosen["scatter"].fillna(0.0)
+    separate = np.hypot(chosen["standard_error"].median("step"), scatter).values
     for i in np.flatnonzero(np.isnan(errors)):
         if names[i] not in OF_MACHINE:
             raise sentences.refusal("slider.no_joint_fit", law=str(part["law"].item()))
         errors[i] = separate[i]
-    correlation = here["shared_correlation"].sel(other=names).fillna(0.0).values
+    correlation = chosen["shared_correlation"].sel(other=names).fillna(0.0).values
     np.fill_diagonal(correlation, 1.0)
     return errors, correlation
 
 
 def predict(fitted, hold, kind):
-    """Healing and relaxation of a `Hold` in the cases of a `Fitted` (2, 1 + 2k); a message.
+    """Return healing and relaxation of a `Hold` in the cases of a `Fitted` (2, 1 + 2k).
 
-    The values are NaN if the message, else "", says why there are none.
+    And a message: "", or why the values are NaN.
 
-    kind : of friction, "tau" or "mu"
+    kind : kind of friction, "tau" or "mu"
     """
     slider, cases = fitted.slider, fitted.cases
     none = np.full((2, 1 + 2 * len(fitted.free)), np.nan)
@@ -143,10 +143,10 @@ def predict(fitted, hold, kind):
 
 
 def _about_peak(slider, loading, end, last, kind):
-    """Times [s] before and after the largest friction from the hold's end on; None if at an end."""
+    """Return times [s] around the largest friction after the hold; None if it is at an end."""
     try:
         run = simulate(slider, loading, last, rtol=RTOL)
-    except QuasiStaticInstability as error:  # it may be after the peak
+    except QuasiStaticInstability as error:  # the instability may come after the peak
         run = error.best
     later = run.isel(time=(run["time"].values >= end))
     t, friction = later["time"].values, _friction(later, slider, kind).values
@@ -157,5 +157,5 @@ def _about_peak(slider, loading, end, last, kind):
 
 
 def _friction(run, slider, kind):
-    """Friction as it is recorded: of the spring, or of the interface."""
+    """Return friction as recorded: from the spring's stress, or of the interface."""
     return run["mu"] if kind == "mu" else run["tau"] / slider.sigma

@@ -1,4 +1,4 @@
-"""A record as `healing` looks at it: samples, holds, slides, slip of the fault, and the noise."""
+"""The record for `healing`: samples, holds, slides, slip of the fault, and the noise."""
 
 import math
 from typing import NamedTuple
@@ -15,19 +15,19 @@ from ..loading import Segments, segments_of
 from ..messages import healing as sentences
 from ..raw_record import raw_record
 
-#: samples left out on either side of a change of speed, whose time is found no better
+#: samples left out on either side of a change of speed, the error of its time
 GUARD = 1
-#: samples of which the mean is friction at a slide's end; speeds that differ by more are two speeds
+#: samples averaged for friction at a slide's end; largest relative difference of equal speeds
 LAST, SPEEDS = 12, 0.05
-#: fewest samples of a reloading from which k is taken
+#: fewest samples of a reloading that gives k
 FEWEST_OF_RELOADING = 3
-#: part of a slide that may be steady: its end; fewest samples of it
+#: final fraction of a slide that may be steady; its fewest samples
 STEADY, FEWEST = 0.5, 12
 #: most samples of a slide, and most slides, from which noise is estimated
 MOST, SLIDES = 2000, 8
-#: order of friction in these; noise of one, as a multiple of the least, that counts as a transient
+#: order of the polynomial in a slide; noise, as a multiple of the least, that means a transient
 SMOOTH, NOISIER = 3, 2.0
-#: least relative noise of a sample: numbers of an instrument have 24 bits at most
+#: least relative noise of a sample: values of an instrument have at most 24 bits
 SINGLE = 2.0**-24
 NO_ROWS = np.arange(0)
 
@@ -38,65 +38,65 @@ class Part(NamedTuple):
     start: float  # [s], as recorded
     end: float
     V: float  # [m/s]
-    rows: np.ndarray  # of samples
-    tail: np.ndarray = NO_ROWS  # of a slide after a hold from the peak on; of another all
+    rows: np.ndarray  # samples
+    tail: np.ndarray = NO_ROWS  # samples from the peak on; all if the slide follows no hold
     follows_hold: bool = False
 
 
 class Hold(NamedTuple):
-    """A hold, with the slides before and after it, or `NOTHING` where the record has none."""
+    """A hold, and the slides before and after it; `NO_PART` if the record lacks one."""
 
-    number: int  # of its segment
+    number: int  # index of its segment
     before: Part
     during: Part
     after: Part
 
     @property
     def duration(self):
-        """How long the load point rests [s]."""
+        """Return how long the load point rests [s]."""
         return self.during.end - self.during.start
 
     @property
     def is_at_one_speed(self):
-        """Whether the speeds before and after it count as one."""
-        return is_same(self.before.V, self.after.V)
+        """Return whether the speeds before and after the hold count as one."""
+        return is_same_speed(self.before.V, self.after.V)
 
 
-#: the part before the first segment, and after the last
-NOTHING = Part(0.0, 0.0, np.nan, NO_ROWS)
+#: stands for a part before the first segment or after the last
+NO_PART = Part(0.0, 0.0, np.nan, NO_ROWS)
 
 
 class HealingRecord(NamedTuple):
-    """Samples (m,), and what the load point does."""
+    """Samples (m,) of a record, and the motion of the load point."""
 
     t: np.ndarray  # [s], as recorded
     friction: np.ndarray
-    kind: str  # "tau": of the spring over sigma; "mu": of the interface
-    trend: str | None  # along what friction drifts: "slip", "time" or None
+    kind: str  # "tau": the spring's stress divided by sigma; "mu": of the interface
+    trend: str | None  # variable with which friction drifts: "slip", "time" or None
     segments: Segments
     holds: list
-    slides: dict  # number of a segment -> `Part`
-    slip: np.ndarray  # of the fault [m]; of the load point if k is not resolved
-    k: float  # stiffness over normal stress [1/m]; inf if it is not resolved
-    level: np.ndarray  # friction without a rough estimate of its drift
-    data: xarray.Dataset  # as given, in SI
+    slides: dict  # index of a segment -> `Part`
+    slip: np.ndarray  # slip of the fault [m]; of the load point if k is not resolved
+    k: float  # stiffness divided by normal stress [1/m]; inf if it is not resolved
+    level: np.ndarray  # friction minus a rough estimate of its drift
+    data: xarray.Dataset  # the given data in SI
 
     @property
-    def along(self):
-        """What friction drifts along (m,): time [s], or slip of the fault [m]."""
+    def drift_coordinate(self):
+        """Return the variable with which friction drifts (m,): time [s] or fault slip [m]."""
         return self.t if self.trend == "time" else self.slip
 
-    def along_at(self, t, friction):
-        """What friction drifts along, at a time [s] when it has this value."""
+    def drift_coordinate_at(self, t, friction):
+        """Return the drift coordinate at a time [s], from friction at this time."""
         if self.trend == "time":
             return t
         return float(self.segments.displacement(t)) - friction / self.k
 
 
 def healing_record(data, loading, trend):
-    """`HealingRecord` of a Dataset; ParameterError as of `raw_record`, and if there is no hold.
+    """Return the `HealingRecord` of a Dataset; raise ParameterError if it has no hold.
 
-    loading : `Loading`, or None for the recorded one
+    loading : `Loading`, or None for the recorded motion
     """
     names = getattr(data, "variables", ())
     if "tau" in names and "friction" not in names and "sigma" not in names:
@@ -116,28 +116,26 @@ def healing_record(data, loading, trend):
     )
 
 
-def is_same(one, other):
-    """Whether two speeds count as one."""
+def is_same_speed(one, other):
     return abs(one - other) <= SPEEDS * max(one, other)
 
 
 def _holds(time, segments):
     starts, ends, n = segments.t, segments.ends, segments.t.size
-    # (the record's own first and last samples are beside no change)
+    # (the record's first and last samples are not next to a change of speed)
     first = np.searchsorted(time, starts) + np.where(np.arange(n) > 0, GUARD, 0)
     last = np.searchsorted(time, ends) - np.where(np.arange(n) < n - 1, GUARD, 0)
     rows = map(np.arange, first, np.maximum(first, last))
     columns = starts.tolist(), ends.tolist(), segments.V.tolist(), rows
-    parts = [*map(Part, *columns), NOTHING]  # (number -1 is that of nothing, too)
+    parts = [*map(Part, *columns), NO_PART]  # (index -1 gives `NO_PART`, too)
     rests = np.flatnonzero(segments.V == 0.0).tolist()
     return [Hold(i, parts[i - 1], parts[i], parts[i + 1]) for i in rests]
 
 
 def _reloading(friction, displacement, hold):
-    """Relaxation in a hold, and the slope k [1/m] of friction until half of it is regained.
+    """Return relaxation in a hold, and the slope k [1/m] of reloading; (0, inf) if unresolved.
 
-    The fault creeps least there, and after the hold with the largest relaxation.  inf and a
-    relaxation of 0 if too few samples show the slope.
+    The slope ends at half the relaxation, because the fault creeps least before.
     """
     if min(part.rows.size for part in hold[1:]) < FEWEST_OF_RELOADING:
         return 0.0, np.inf
@@ -151,7 +149,7 @@ def _reloading(friction, displacement, hold):
 
 
 def _drift(friction, slip, holds):
-    """Change of friction with slip [1/m], the median over slides, each to the next one's end."""
+    """Return the median change of friction with slip [1/m] from one slide's end to the next."""
     slopes = []
     for hold in holds:
         before, after = hold.before.rows[-LAST:], hold.after.rows[-LAST:]
@@ -162,22 +160,23 @@ def _drift(friction, slip, holds):
 
 
 def _slides(level, holds):
-    """Number of a segment -> `Part` before or after a hold, in order of time."""
-    found: dict[int, Part] = {}
+    """Return index of a segment -> `Part`, for all slides next to holds in order of time."""
+    slides: dict[int, Part] = {}
     for number, before, _, after in holds:
         if before.rows.size:
-            found.setdefault(number - 1, before._replace(tail=before.rows))
+            slides.setdefault(number - 1, before._replace(tail=before.rows))
         if after.rows.size:
             tail = after.rows[int(np.argmax(level[after.rows])) :]
-            found[number + 1] = after._replace(tail=tail, follows_hold=True)
-    return found
+            slides[number + 1] = after._replace(tail=tail, follows_hold=True)
+    return slides
 
 
 def noise_of_slides(record):
-    """The `Noise` of friction in the later parts of slides, in which it may be steady.
+    """Estimate the `Noise` of friction from the later parts of slides.
 
-    Slides that seem noisier than the quietest one, by `NOISIER`, are not yet steady and left out.
-    The resolution of friction is noise, too.  ParameterError if no such part has `FEWEST` samples.
+    Slides that are noisier than the quietest one by a factor of `NOISIER` are not yet steady, and
+    are left out.  The noise is at least the resolution of friction.  If no part has `FEWEST`
+    samples: ParameterError.
     """
     friction, slides = record.friction, [one.rows for one in record.slides.values()]
     parts = [rows[rows.size - int(STEADY * rows.size) :][-MOST:] for rows in slides]
@@ -193,7 +192,7 @@ def noise_of_slides(record):
 
 
 def _noise(t, friction, parts, least):
-    """The `Noise` in parts of slides, in each of which friction is a cubic polynomial of time.
+    """Return the `Noise` about a cubic polynomial of time in each part (rows) of slides.
 
     least : smallest standard deviation of a sample
     """
@@ -204,7 +203,7 @@ def _noise(t, friction, parts, least):
     if np.std(residual) <= least:
         return Noise(least)
     noise = estimated_noise(t[rows], residual, columns)
-    # of what is slower than a part nothing is known but how fast it spreads, as red^2/time
+    # parts determine only the ratio red^2/time of noise that is slower than they are long
     longest = max(float(t[part[-1]] - t[part[0]]) for part in parts)
     if noise.exponent is not None or noise.time <= longest:
         return noise

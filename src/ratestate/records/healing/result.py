@@ -1,4 +1,4 @@
-"""The Dataset of `healing`, and it as text."""
+"""The Dataset of `healing`, and its summary as text."""
 
 import numpy as np
 import xarray
@@ -13,31 +13,33 @@ from ..messages import healing as sentences
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
 from .record import FEWEST
 
-#: what has a rate per decade -> that rate; and its heading in the text
+#: quantity -> its rate per decade; quantity -> its heading in the text
 RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}
 HEADINGS = {"delta_mu": "healing", "delta_mu_c": "relaxation"}
-#: errors of the level before a hold, and part of healing, beyond which its drift up to the peak is
-#: mentioned
+#: drift up to the peak above which a remark is made: in errors of the level, and as a fraction of
+#: healing
 DRIFT, OF_HEALING = 3.0, 0.001
-#: errors of the peak beyond which it is mentioned that a slide does not give its level by itself
+#: error of a slide's level, in errors of the peak, above which a remark is made
 TRANSIENT = 2.0
-#: points at which the line through the holds is given; hold times this near count as one
+#: points of the line through the holds; difference of log10 below which hold times count as one
 POINTS, SAME = 41, 1e-3
-#: scatter over errors that is mentioned in the text
+#: scatter divided by errors above which the text mentions it
 SCATTER = 1.5
-#: the line through too few holds
+#: line through too few holds
 UNKNOWN = Line(*[np.nan] * len(Line._fields))
 
 
 def dataset_of(record, noise, measured, sliders, predicted):
-    """The Dataset, without attributes.
+    """Return the Dataset without attributes.
 
-    measured : list of `Measured`; sliders : law -> `Fitted`; predicted : law -> list of `predict`
+    measured : list of `Measured`
+    sliders : law -> `Fitted`
+    predicted : law -> list of the results of `predict`
     """
     holds, none = record.holds, (np.nan, np.nan)
     t_hold = np.array([hold.duration for hold in holds])
-    columns = {name: np.array([one.found.get(name, none) for one in measured]).T for name in NAMES}
-    found = {name: tuple(column) for name, column in columns.items()}
+    columns = {name: np.array([one.values.get(name, none) for one in measured]).T for name in NAMES}
+    quantities = {name: tuple(column) for name, column in columns.items()}
     messages = []
     for hold, one, *others in zip(holds, measured, *predicted.values(), strict=True):
         texts = [_message(record, hold, one), *(message for _, message in others)]
@@ -48,7 +50,7 @@ def dataset_of(record, noise, measured, sliders, predicted):
         t_hold=t_hold,
         V_before=[hold.before.V for hold in holds],
         V_after=[hold.after.V for hold in holds],
-        **found,
+        **quantities,
         peak_time=np.array([one.peak_time for one in measured]),
         hold_status=np.array([one.status for one in measured], np.int8),
         hold_message=messages,
@@ -57,11 +59,11 @@ def dataset_of(record, noise, measured, sliders, predicted):
     line_t = np.geomspace(t_hold.min(), t_hold.max(), POINTS)
     variables |= labelled("line", line_t_hold=line_t)
     for name, rate in RATES.items():
-        line = _line(t_hold, *found[name])
+        line = _line(t_hold, *quantities[name])
         variables |= labelled((), **{rate: (line.slope, line.slope_error)})
         variables |= labelled((), **{f"{rate}_scatter": line.scatter})
         variables |= labelled("line", **{f"line_{name}": line.at(np.log10(line_t))})
-    variables |= _predictions(t_hold, found, sliders, predicted) if predicted else {}
+    variables |= _predictions(t_hold, quantities, sliders, predicted) if predicted else {}
     variables |= labelled(
         (),
         noise_white=noise.white,
@@ -76,18 +78,18 @@ def dataset_of(record, noise, measured, sliders, predicted):
 
 
 def _steady(record, measured):
-    """(m,) steady friction of the slide before each hold, up to the peak; NaN elsewhere."""
+    """Return steady friction (m,) from the slide before each hold to the peak; NaN elsewhere."""
     steady = np.full(record.t.size, np.nan)
     for hold, one in zip(record.holds, measured, strict=True):
         if one.status == EVALUATED:
             start = np.nanmin([one.before.start, hold.during.start])
             first, last = np.searchsorted(record.t, (start, one.peak_time))
-            steady[first:last] = one.before.at(record.along[first:last])[0]
+            steady[first:last] = one.before.at(record.drift_coordinate[first:last])[0]
     return steady
 
 
 def _message(record, hold, measured):
-    """Why something is not known of a hold, or what must be known of it; "" if nothing."""
+    """Return why a hold could not be evaluated, or remarks on it, or ""."""
     if measured.status != EVALUATED:
         short = measured.status == SHORT
         part, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
@@ -101,22 +103,22 @@ def _message(record, hold, measured):
     if change > VARIABLE:
         remarks.append(sentences("evaluated.stress_varies", percent=100.0 * change))
     level, error = before.at(before.end)
-    drift = before.at(measured.along)[0] - level
-    if abs(drift) > max(DRIFT * error, OF_HEALING * abs(measured.found["delta_mu"][0])):
+    drift = before.at(measured.drift_coordinate)[0] - level
+    if abs(drift) > max(DRIFT * error, OF_HEALING * abs(measured.values["delta_mu"][0])):
         remarks.append(sentences("evaluated.drift", drift=drift, error=error))
-    if before.own_error > TRANSIENT * measured.found["friction_peak"][1]:
+    if before.error_alone > TRANSIENT * measured.values["friction_peak"][1]:
         remarks.append(sentences("evaluated.transient"))
     return "; ".join(remarks)
 
 
-def _predictions(t_hold, found, sliders, predicted):
-    """Predicted healing and relaxation along ``law`` and ``hold``, their rates along ``law``."""
+def _predictions(t_hold, quantities, sliders, predicted):
+    """Return the variables of predicted healing and relaxation, and of their rates."""
     variables: dict = {}
     for i, (name, rate) in enumerate(RATES.items()):
         columns, rates = [], []
         for law, each in predicted.items():
             values = np.array([one[i] for one, _ in each])  # (holds, cases)
-            slopes = [_line(t_hold, column, found[name][1]).slope for column in values.T]
+            slopes = [_line(t_hold, column, quantities[name][1]).slope for column in values.T]
             columns.append((values[:, 0], sliders[law].error(values)))
             rates.append((slopes[0], *sliders[law].error(np.array([slopes]))))
         pairs = tuple(np.stack(columns, axis=1))
@@ -126,9 +128,9 @@ def _predictions(t_hold, found, sliders, predicted):
 
 
 def _line(t_hold, values, errors):
-    """The `Line` of values (n,) against log10 of hold time; NaN without two different times.
+    """Return the `Line` of known values (n,) against log10 of hold time.
 
-    Values that are NaN are left out.
+    It is NaN without two different hold times.
     """
     known = np.isfinite(values) & np.isfinite(errors) & (errors > 0.0)
     x = np.log10(t_hold[known])
@@ -138,28 +140,28 @@ def _line(t_hold, values, errors):
 
 
 def summary(result):
-    """Healing as plain text, to print.
+    """Describe the result of `healing` as plain text.
 
     Parameters
     ----------
     result : xarray.Dataset
-        From `healing`.
+        Result of `healing`.
 
     Returns
     -------
     str
-        A table with a row for each hold: when it begins, how long it is, the speeds before and
-        after it, healing and relaxation +- standard error [1e-3], and what sliders predict; the
-        rates per decade; messages on holds.
+        A table of the holds: start, duration, speeds before and after the hold, healing and
+        relaxation +- standard error [1e-3], and predictions.  Below it are the rates per decade and
+        the messages on holds.
 
     Raises
     ------
     ParameterError
-        The result is not from `healing`.
+        If the result is not from `healing`.
     """
     result = checked_result(result, "healing", "delta_mu")
     source, laws = attributes.text(result, "source", ""), result.get("law", [])
-    holds, found = result.sizes["hold"], int((result["hold_status"] == 0).sum())
+    holds, evaluated = result.sizes["hold"], int((result["hold_status"] == 0).sum())
     columns = {
         "start": [readable("t", value, 6) for value in result["hold_start"].values],
         "hold": [readable("t", value) for value in result["t_hold"].values],
@@ -177,20 +179,20 @@ def summary(result):
             if part[RATES[name]].notnull():
                 (rate,) = _cells(part, f"{RATES[name]}_predicted", 1.0)
                 rates.append(f"  {law.item()} law predicts {rate}")
-    head = f"Healing{f' in {source}' if source else ''}: {found} of {holds} holds evaluated"
+    head = f"Healing{f' in {source}' if source else ''}: {evaluated} of {holds} holds evaluated"
     texts = enumerate(result["hold_message"].values.tolist(), start=1)
     messages = [f"hold {number}: {text}" for number, text in texts if text]
     return "\n".join([head, *lines_of(columns), "", *rates, *messages])
 
 
 def _cells(result, name, factor=1e3):
-    """Values +- errors, times a factor; "-" for NaN."""
+    """Return texts of values +- errors, multiplied by a factor; "-" for NaN."""
     pairs = factor * np.column_stack([result[name], result[f"{name}_error"]])
     return ["-" if value != value else with_error(value, error) for value, error in pairs]
 
 
 def _rate(result, name):
-    """A sentence on a rate per decade, as measured."""
+    """Return a sentence on the measured rate per decade."""
     if np.isnan(result[RATES[name]]):
         return sentences("rate.few", name=name)
     (rate,), scatter = _cells(result, RATES[name], 1.0), float(result[f"{RATES[name]}_scatter"])

@@ -1,14 +1,14 @@
 """Steady friction of each slide, with its drift.
 
-Friction in a slide is a level, a drift, and a transient that fades from the peak on.  The slide's
-own samples are joined with what the other slides say of it.  All slides are taken to follow one
-line, with a level for each speed, from which they differ at random by as much as is seen.
+Friction in a slide is the sum of a level, a drift, and a transient that decays from the peak on.
+The fit of a slide has a prior from the other slides: all slides follow one line, with a level for
+each speed.  The scatter of slides about this line is estimated.
 
 Near steady sliding the equations of a slider without mass are linear.  The transient is then the
 sum of two exponentials of slip, or an oscillation with an exponential envelope (Ruina 1983
-doi:10.1029/JB088iB12p10359).  The lengths are properties of the slider, the same after every hold.
-The amplitudes differ.  Farther from steady sliding the next terms of a series are products of the
-two.
+doi:10.1029/JB088iB12p10359).  The decay lengths are properties of the slider, equal after every
+hold.  The amplitudes differ.  Farther from steady sliding, the next terms of a series are products
+of the two functions.
 """
 
 from typing import NamedTuple
@@ -18,41 +18,42 @@ from scipy.optimize import brentq
 from scipy.special import chdtri, logsumexp
 
 from ..kit.polynomial_windows import basis, windows_that_pass
-from .record import FEWEST, is_same
+from .record import FEWEST, is_same_speed
 
-#: shorter length of the second exponential, as a fraction; or its wave number, times the length
+#: second decay length as a fraction of the first; or wave number times the decay length
 FASTER, WAVES = (1.0, 0.5, 0.2, 0.05), (0.7, 1.5, 3.0, 6.0)
-#: number of decay lengths; shortest and longest as a fraction of a slide
+#: number of decay lengths that are tried; shortest and longest, as fractions of a slide
 LENGTHS, SHORTEST, LONGEST = 18, 2e-3, 0.5
-#: columns of a transient: linear, and with products
+#: number of columns of a transient: linear terms only, and with products
 LINEAR, QUADRATIC = 2, 5
-#: samples of a slide that are compared with each shape; independent deviations among them
+#: samples of a slide that are compared with each shape; number of independent residuals among them
 COMPARED, INDEPENDENT = 150, 15
 #: least weight of a shape, as a fraction of the best one's
 LEAST = 1e-3
-#: chi-square of six more coefficients that 1 window in 1000 exceeds by chance
+#: fall of chi-square by six more coefficients that 1 of 1000 windows exceeds by chance
 SIGNIFICANT = 22.46
-#: successive windows that must fail; orders of the polynomial that is tested
+#: successive windows that must fail; order of the polynomial that is tested
 FAILED, TESTED = 2, 3
 #: most samples of a slide; more are averaged in blocks
 MOST = 2000
-#: error of a level, as a multiple of that without a transient, beyond which noise is enlarged
+#: error of a level, as a multiple of the error without a transient, above which the noise is
+#: enlarged; the factor
 POOR, MISFIT = 5.0, 3.0
-#: largest error of a level, as a fraction of the fall since the peak, if the slide is to count
+#: largest error of a level, as a fraction of the fall since the peak, of a slide that is used
 UNFINISHED = 0.1
 #: largest standard deviation between slides, as a multiple of the difference of their levels
 WIDEST = 10.0
 
 
 class Shape(NamedTuple):
-    """A transient's decay length [m], with a second, shorter one or a wave."""
+    """Shape of a transient: a decay length, with a second, shorter one or a wave."""
 
-    length: float
-    faster: float  # second length as a fraction; 0 for a wave
-    wave: float
+    length: float  # [m]
+    faster: float  # second length as a fraction of the first; 0 for a wave
+    wave: float  # wave number times the length; 0 for two exponentials
 
     def columns(self, slip):
-        """(n, QUADRATIC) a basis of transients at slip (n,) [m]; of order 1 at its start."""
+        """Return a basis of transients (n, QUADRATIC) at slip (n,) [m], about 1 at the start."""
         u = (slip - slip[0]) / self.length
         fade = np.exp(-u)
         if self.wave:
@@ -65,46 +66,47 @@ class Shape(NamedTuple):
 
 
 class Level(NamedTuple):
-    """Steady friction of a slide: its level at the slide's end, and its slope unless that is 0."""
+    """Steady friction of a slide: its level at the slide's end, and its slope with a trend."""
 
-    start: float  # [s] of the first sample that was used; NaN if there is none
-    end: float  # of what friction drifts along, at the slide's end
-    coefficients: np.ndarray  # (1 or 2,)
+    start: float  # time [s] of the first sample that was used; NaN if none was
+    end: float  # drift coordinate at the slide's end
+    coefficients: np.ndarray  # (1 or 2,) level, and slope if there is a trend
     covariance: np.ndarray
-    own_error: float  # standard error of the level from this slide alone; inf if it has none
+    error_alone: float  # standard error of the level from this slide alone; inf if unknown
 
-    def at(self, along):
-        """Steady friction there (a number or an array), and its standard error."""
-        away = np.asarray(along) - self.end
+    def at(self, drift_coordinate):
+        """Return steady friction and its standard error at a drift coordinate or several."""
+        away = np.asarray(drift_coordinate) - self.end
         columns = np.array([np.ones_like(away), away])[: self.coefficients.size]
         variance = np.einsum("i...,ij,j...->...", columns, self.covariance, columns)
         return np.tensordot(self.coefficients, columns, 1)[()], np.sqrt(variance)[()]
 
 
-class _Own(NamedTuple):
-    """Level (and slope) of a slide from its own samples: normal matrices for each shape.
+class _SlideFit(NamedTuple):
+    """Least-squares fit of a slide's level (and slope): normal matrices for each shape.
 
-    The last shape is no transient.
+    The last shape stands for a slide without a transient.
     """
 
     start: float  # [s]
-    normal: np.ndarray  # (shapes, 1 + k, 1 + k) of friction, and of all columns
-    scale: np.ndarray  # (shapes,) standard deviation of a transient's coefficients beforehand
-    size: int  # level, or level and slope
+    normal: np.ndarray  # (shapes, 1 + k, 1 + k) inner products of friction and all columns
+    scale: np.ndarray  # (shapes,) prior standard deviation of a transient's coefficients
+    size: int  # 1: level; 2: level and slope
 
     def solved(self, transient, prior=None):
-        """Coefficients (shapes, k), their covariance, chi-square and ln of the likelihood.
+        """Return coefficients (shapes, k), their covariance, chi-square and ln likelihood.
 
-        transient : number of its columns; prior : mean (size,) and its inverse covariance
+        transient : number of columns of the transient
+        prior : mean (size,) and inverse covariance of level (and slope), or None
         """
         k = self.size + transient
         normal, right = self.normal[:, 1 : k + 1, 1 : k + 1].copy(), self.normal[:, 1 : k + 1, 0]
         chi2 = self.normal[:, 0, 0]
-        own, rest = slice(self.size), np.arange(self.size, k)
+        level, rest = slice(self.size), np.arange(self.size, k)
         normal[:, rest, rest] += self.scale[:, None] ** -2
         if prior is not None:
             mean, inverse = prior
-            normal[:, own, own] += inverse
+            normal[:, level, level] += inverse
             right = right + np.pad(inverse @ mean, (0, transient))
             chi2 = chi2 + mean @ inverse @ mean
         covariance = np.linalg.inv(normal)
@@ -114,20 +116,20 @@ class _Own(NamedTuple):
         return coefficients, covariance, chi2, -0.5 * (chi2 + log_normal)
 
     def mean(self, weights, prior):
-        """Level (and slope) and its covariance, averaged over shapes with these ln(weights)."""
+        """Return level (and slope) and covariance, averaged over shapes with these ln(weights)."""
         coefficients, covariance, _, likelihood = self.solved(QUADRATIC, prior)
         weights = weights + likelihood
         weights = np.exp(weights - logsumexp(weights))
-        own = slice(self.size)
-        mean = weights @ coefficients[:, own]
-        away = coefficients[:, own] - mean
-        inner = np.einsum("s,sij->ij", weights, covariance[:, own, own])
+        level = slice(self.size)
+        mean = weights @ coefficients[:, level]
+        away = coefficients[:, level] - mean
+        inner = np.einsum("s,sij->ij", weights, covariance[:, level, level])
         return mean, inner + np.einsum("s,si,sj->ij", weights, away, away)
 
     def with_misfit(self, weights, prior):
-        """Itself; with noise larger by `MISFIT` if its transient is what limits the level.
+        """Enlarge the noise by `MISFIT` if the level's error is mainly due to the transient.
 
-        Shapes describe a transient only approximately.
+        The reason is that shapes describe a transient only approximately.
         """
         _, covariance = self.mean(weights, prior)
         if covariance[0, 0] * self.normal[0, 1, 1] < POOR**2:
@@ -136,58 +138,58 @@ class _Own(NamedTuple):
 
 
 def levels_of(record, noise):
-    """Number of a slide's segment -> its `Level`; without slides whose level is unknown."""
+    """Return index of a slide's segment -> `Level`, for slides whose level is known."""
     slides, friction, has_slope = [*record.slides.values()], record.friction, bool(record.trend)
-    # (a slope does not exceed friction's own range)
-    slope = (np.ptp(record.along) / np.ptp(friction)) ** 2.0
+    # (over the record, the drift does not exceed the range of friction)
+    slope = (np.ptp(record.drift_coordinate) / np.ptp(friction)) ** 2.0
     bound = np.zeros(1 + has_slope), np.diag([0.0, slope][: 1 + has_slope])
     tails = [one.tail for one in slides if one.follows_hold and one.tail.size >= FEWEST]
     shapes, weights = shapes_of(friction, record.slip, tails, noise.level)
-    own = [_own(record, slide.tail, noise, shapes) for slide in slides]
-    seen = np.zeros((len(slides), weights.size))
-    for i, (one, slide) in enumerate(zip(own, slides, strict=True)):
-        if one is not None:
-            own[i] = one.with_misfit(_with_none(weights, slide), bound)
-            seen[i] = own[i].solved(QUADRATIC)[3][:-1] if slide.follows_hold else 0.0
+    fits = [_slide_fit(record, slide.tail, noise, shapes) for slide in slides]
+    evidence = np.zeros((len(slides), weights.size))
+    for i, (fit, slide) in enumerate(zip(fits, slides, strict=True)):
+        if fit is not None:
+            fits[i] = fit.with_misfit(_with_no_transient(weights, slide), bound)
+            evidence[i] = fits[i].solved(QUADRATIC)[3][:-1] if slide.follows_hold else 0.0
     others = [
-        _with_none(each, slide)
-        for each, slide in zip(weights + seen.sum(0) - seen, slides, strict=True)
+        _with_no_transient(each, slide)
+        for each, slide in zip(weights + evidence.sum(0) - evidence, slides, strict=True)
     ]
-    alone = [one and one.mean(each, bound) for one, each in zip(own, others, strict=True)]
+    alone = [fit and fit.mean(each, bound) for fit, each in zip(fits, others, strict=True)]
     errors = [np.inf if one is None else float(np.sqrt(one[1][0, 0])) for one in alone]
     for i, slide in enumerate(slides):
         fall = friction[slide.tail[0]] - friction[slide.rows[-FEWEST:]].mean()
         if slide.follows_hold and errors[i] > UNFINISHED * fall:
-            own[i] = alone[i] = None
-    ends = np.array([record.along[slide.rows[-1]] for slide in slides])
+            fits[i] = alone[i] = None
+    ends = np.array([record.drift_coordinate[slide.rows[-1]] for slide in slides])
     levels = {}
     priors = _priors(slides, ends, alone, has_slope)
     for i, (number, prior) in enumerate(zip(record.slides, priors, strict=True)):
-        if (one := own[i]) is not None:
-            mean, covariance = one.mean(others[i], bound if prior is None else prior)
+        if (fit := fits[i]) is not None:
+            mean, covariance = fit.mean(others[i], bound if prior is None else prior)
         elif prior is not None:
             mean, covariance = prior[0], np.linalg.inv(prior[1])
         else:
             continue
-        start, mean = np.nan if one is None else one.start, mean + [friction[0], 0.0][: mean.size]
+        start, mean = np.nan if fit is None else fit.start, mean + [friction[0], 0.0][: mean.size]
         levels[number] = Level(start, ends[i], mean, covariance, errors[i])
     return levels
 
 
-def _with_none(weights, slide):
-    """ln of the weights of shapes, and of no transient: half of all, but none after a hold."""
+def _with_no_transient(weights, slide):
+    """Append ln of the weight without a transient: half of the total, or 0 after a hold."""
     if slide.follows_hold:
         return np.append(weights, -np.inf)
     return np.append(weights, logsumexp(weights) if weights.size else 0.0)
 
 
 def shapes_of(friction, slip, tails, level):
-    """List of `Shape`s, and ln of their weights, that may describe tails (list of rows).
+    """Return the `Shape`s that may describe the tails (lists of rows), and ln of their weights.
+
+    Shapes are compared with friction from each peak on.  None of them is exact there, so weights
+    follow from the misfit relative to the least one.
 
     level : standard deviation of the noise
-
-    They are compared with friction from each peak on.  None of them is exact there, so weights
-    follow from the misfit relative to the least one.
     """
     if not tails:
         return [], np.zeros(0)
@@ -209,43 +211,43 @@ def shapes_of(friction, slip, tails, level):
     return [shapes[i] for i in kept], weights[kept]
 
 
-def _own(record, rows, noise, shapes):
-    """`_Own` of the largest window at a slide's end that a transient describes; None without."""
+def _slide_fit(record, rows, noise, shapes):
+    """Fit the largest window at a slide's end that a transient describes; None without one."""
     if rows.size < FEWEST:
         return None
     columns, noise = _averaged(record, rows, noise)
-    found = {}
+    fits = {}
 
     def passes(size, _):
-        found[size] = _window(columns[:, -size:], noise, shapes)
-        small, large = (found[size].solved(k)[2].min() for k in (LINEAR, QUADRATIC + TESTED))
+        fits[size] = _fit_in_window(columns[:, -size:], noise, shapes)
+        small, large = (fits[size].solved(k)[2].min() for k in (LINEAR, QUADRATIC + TESTED))
         return small - large <= SIGNIFICANT
 
     passed = windows_that_pass(FEWEST, columns.shape[1], passes, FAILED)
-    return found[passed[-1]] if passed else None
+    return fits[passed[-1]] if passed else None
 
 
 def _averaged(record, rows, noise):
-    """Times, change of friction, slip, and what friction drifts along, with their noise.
+    """Return times, change of friction, slip and drift coordinate as rows, and their noise.
 
-    Means of blocks, if there are more than `MOST` samples.  Without a trend the last is absent.
+    More than `MOST` samples are averaged in blocks.  Without a trend the last row is absent.
     """
-    drift = [record.along] if record.trend else []
+    drift = [record.drift_coordinate] if record.trend else []
     change = record.friction - record.friction[0]
     columns = np.array([record.t, change, record.slip, *drift])[:, rows]
     each = -(-rows.size // MOST)
     if each == 1:
         return columns, noise
     columns = columns[:, rows.size % each :].reshape(len(columns), -1, each).mean(axis=2)
-    # (the mean of a red part is less than each of its samples if it varies within a block)
+    # (averaging reduces the red part if it varies within a block)
     red = noise.red * min(1.0, np.sqrt(2.0 * noise.time / (columns[0, 1] - columns[0, 0])))
     return columns, noise._replace(white=noise.white / np.sqrt(each), red=red)
 
 
-def _window(columns, noise, shapes):
-    """`_Own` of the samples in these columns, as of `_averaged`."""
+def _fit_in_window(columns, noise, shapes):
+    """Return the `_SlideFit` of samples from `_averaged`."""
     t, friction, slip = columns[:3]
-    drift = [along - along[-1] for along in columns[3:]]
+    drift = [coordinate - coordinate[-1] for coordinate in columns[3:]]
     tested = basis(slip, slip[0], slip[-1], TESTED)[:, 1:]
     transients = [*(shape.columns(slip) for shape in shapes), np.zeros((t.size, QUADRATIC))]
     shared = np.column_stack([friction, np.ones(t.size), *drift, tested])
@@ -256,21 +258,21 @@ def _window(columns, noise, shapes):
     normal = np.array([one.T @ one for one in each])
     lengths = np.array([*(shape.length for shape in shapes), 0.0])
     scale = (np.ptp(friction) + noise.level) * (1.0 + lengths / np.ptp(slip))
-    return _Own(float(t[0]), normal, scale, 1 + len(drift))
+    return _SlideFit(float(t[0]), normal, scale, 1 + len(drift))
 
 
 def _priors(slides, ends, alone, has_slope):
-    """What the other slides say of each one: mean and inverse covariance; None if nothing.
+    """Return the prior of each slide from all others: mean and inverse covariance, or None.
 
-    They follow one line, with a level at each speed, but for a scatter.
+    Slides scatter about one line with a level at each speed.
 
-    ends : (slides,) of what friction drifts along, at their ends
-    alone : level (and slope) of each slide with its covariance; None if it has none
+    ends : (slides,) drift coordinates at the slides' ends
+    alone : level (and slope) of each slide with its covariance, or None
     """
     known = np.array([i for i, one in enumerate(alone) if one is not None], int)
     if not known.size or len(slides) < 2:
         return [None] * len(slides)
-    speeds = [next(k for k, b in enumerate(slides) if is_same(a.V, b.V)) for a in slides]
+    speeds = [next(k for k, b in enumerate(slides) if is_same_speed(a.V, b.V)) for a in slides]
     distance = np.median(np.diff(ends))
     designs = np.zeros((len(slides), 1 + has_slope, len(slides) + has_slope))
     designs[np.arange(len(slides)), 0, speeds] = 1.0
@@ -295,25 +297,27 @@ def _priors(slides, ends, alone, has_slope):
 
 
 def fitted_line(designs, values, covariances, scatter):
-    """Coefficients (k,) of a line through slides, with a scatter about it; their covariance.
+    """Return coefficients (k,) of a line through slides that scatter about it; their covariance.
 
-    designs : (slides, 1 or 2, k) factors of the coefficients in a level, and in a slope times a
-        distance; values, covariances : of these levels and slopes
+    designs : (slides, 1 or 2, k) factors of the coefficients in each level, and in each slope times
+        a distance
+    values, covariances : levels and slopes, and their covariances
     """
     inverse = np.linalg.inv(covariances + scatter**2 * np.eye(values.shape[1]))
     weighted = np.einsum("aik,aij->akj", designs, inverse)
     normal = np.einsum("akj,ajl->kl", weighted, designs)
-    # (friction is of the order of 1: this bounds levels at a speed of no other slide)
+    # (friction is of the order of 1: this bounds the level at a speed without another slide)
     covariance = np.linalg.inv(normal + WIDEST**-2.0 * np.eye(len(normal)))
     return covariance @ np.einsum("akj,aj->k", weighted, values), covariance
 
 
 def scatter_about_line(designs, values, covariances, rank):
-    """Standard deviation of slides about their line that errors do not explain; 0 if they do.
+    """Return the standard deviation of slides about their line beyond their errors.
 
-    Such that the median of their chi-squares is as expected: a few poor levels do not matter.
+    It makes the median of their chi-squares as expected, so that a few outliers do not matter.  It
+    is 0 if the errors explain the scatter.
 
-    rank : number of coefficients that the slides show; the others are those of `fitted_line`
+    rank : number of coefficients that the slides determine
     """
     freedom, size = 1.0 - rank / values.size, values.shape[1]
 

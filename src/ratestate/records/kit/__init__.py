@@ -1,13 +1,13 @@
-"""What every evaluation of a record uses.
+"""Tools that the evaluations of records share.
 
 ====================== ==========================================================================
-``noise``              level and correlation of the noise, as a user gives it; whitening
-``estimated_noise``    these from residuals, by restricted maximum likelihood
-``sample_noise``       the noise of a series from sample to sample, and its resolution
-``regression``         linear regression, of samples and of estimates with errors; derivatives
-``least_squares``      least squares within bounds; BLAS on one thread
-``polynomial_windows`` polynomials in windows of a record, and how far such windows go
-``processes``          work spread over child processes; files read in one, under limits
+``noise``              level and correlation of the noise, given by the user; whitening
+``estimated_noise``    noise estimated from residuals, by restricted maximum likelihood
+``sample_noise``       noise between neighbouring samples of a series, and its resolution
+``regression``         linear regression of samples, and of estimates with errors; derivatives
+``least_squares``      nonlinear least squares within bounds; BLAS on one thread
+``polynomial_windows`` polynomials in windows of a record, and the sizes of these windows
+``processes``          parallel work in child processes; reading files in a limited child process
 ``results``            variables of results, and their tables as text
 ====================== ==========================================================================
 """

@@ -1,12 +1,13 @@
-"""The noise that residuals show, by restricted maximum likelihood.
+"""Noise estimated from residuals, by restricted maximum likelihood.
 
-Restricted maximum likelihood allows for what the fitted parameters have taken out of the residuals:
+Restricted maximum likelihood corrects for the part of the noise that the fitted parameters absorb:
 Patterson & Thompson (1971) doi:10.1093/biomet/58.3.545.  The variance of the noise is estimated in
 closed form.
 
-Noise has a shape of one of two families: white noise and one relaxation, or white noise and noise
-whose spectrum is a power of frequency.  A shape has two coordinates: ln(share/(1 - share)), of the
-correlated part's share in the variance, and that of the family.
+The shape of the noise belongs to one of two families: white noise and one relaxation, or white
+noise and noise whose spectrum is a power of frequency.  A shape has two coordinates.  One is
+ln(share/(1 - share)), with the correlated part's share in the variance.  The other depends on the
+family.
 """
 
 import math
@@ -19,28 +20,28 @@ from .noise import WHITE, Noise
 
 #: least rise of ln(likelihood) for correlated noise, which has two more parameters
 RISE = 3.0
-#: bounds of ln(share/(1 - share)); shortest time of a relaxation over that between samples
+#: bounds of ln(share/(1 - share)); shortest relaxation time divided by the sample spacing
 LOG_ODDS, SHORTEST = (-8.0, 14.0), 0.2
-#: bounds of the exponent of frequency, and its change that counts as 1
+#: bounds of the exponent of frequency, and the change of exponent that is one unit in the search
 EXPONENTS, UNIT = (0.3, 2.3), 0.3
-#: size of the first simplex, from a start far from the mode or close to it
+#: size of the first simplex, if the start is far from the mode or close to it
 FAR, CLOSE = 1.0, 0.2
 
 
 class Conditional(NamedTuple):
-    """What holds if the noise has one shape, for the k coordinates of a fit."""
+    """Results for noise of a given shape, in a fit with k coordinates."""
 
-    log_likelihood: float  # restricted; -inf where the record does not see some coordinate
-    noise: Noise  # of this shape, with the likeliest variance
-    shift: np.ndarray  # (k,) of the estimates, by generalized least squares to first order
+    log_likelihood: float  # restricted; -inf if the record does not determine the coordinates
+    noise: Noise  # noise of this shape with the likeliest variance
+    shift: np.ndarray  # (k,) first-order change of the estimates by generalized least squares
     root: np.ndarray  # (k, k) with root @ root.T the covariance of the estimates
 
 
 class RestrictedLikelihood:
     """Restricted likelihood of the noise in residuals (m,), at times t (m,) [s].
 
-    jacobian : (m, k) derivatives of the fitted curve by the coordinates.  One that the record does
-        not see, whose column is all 0, does not count: it has no shift and no covariance.
+    jacobian : (m, k) derivatives of the fitted curve by the coordinates.  A coordinate whose column
+        is 0, because the record does not depend on it, has zero shift and covariance.
     """
 
     def __init__(self, t, residual, jacobian):
@@ -48,19 +49,19 @@ class RestrictedLikelihood:
         self.seen = np.flatnonzero(jacobian.any(axis=0))
         self.scale = np.abs(jacobian[:, self.seen]).max(axis=0)
         columns = np.column_stack([residual, jacobian[:, self.seen] / self.scale])
-        self.columns = np.ascontiguousarray(columns)  # as they are made white
+        self.columns = np.ascontiguousarray(columns)  # as whitening requires
         self.degrees = residual.size - self.seen.size
         self.dt = np.diff(t)
-        #: usual time between samples, and length of the record [s]
+        #: median time between samples, and length of the record [s]
         self.spacing, self.length = float(np.median(self.dt)), float(t[-1] - t[0])
 
     def log_likelihood(self, shape):
-        """The restricted ln(likelihood) of a `Noise` of this shape and any variance."""
+        """Return the restricted ln(likelihood) of a `Noise` of this shape and any variance."""
         found = self._reduced(shape)
         return -math.inf if found is None else found[0]
 
     def at(self, shape=WHITE):
-        """`Conditional` on a `Noise` of this shape and any variance."""
+        """Return the `Conditional` for a `Noise` of this shape and any variance."""
         found = self._reduced(shape)
         if found is None:
             nothing = np.zeros((self.size, self.size))
@@ -72,12 +73,12 @@ class RestrictedLikelihood:
         return Conditional(log_likelihood, shape.times(math.sqrt(variance)), shift, root)
 
     def _reduced(self, shape):
-        """ln(likelihood), variance, and what gives the estimates; None if a shape is impossible."""
+        """Return ln(likelihood), variance, and two factors of the estimates; None if singular."""
         white, log_determinant = shape.whiten_steps(self.dt, self.spacing, self.columns)
         normal = white.T @ white
         try:
             factor = np.linalg.cholesky(normal[1:, 1:])
-        except np.linalg.LinAlgError:  # the record does not see some combination at all
+        except np.linalg.LinAlgError:  # the record does not depend on some combination
             return None
         inverse = np.linalg.inv(factor)
         projected = inverse @ normal[1:, 0]
@@ -99,11 +100,11 @@ class Relaxation:
         self.starts = [np.array([0.0, math.log(time)]) for time in times]
 
     def shape(self, point):
-        """`Noise` of unit variance at a point (2,)."""
+        """Return the `Noise` of unit variance at a point (2,)."""
         return Noise(*_parts(point[0]), time=math.exp(point[1]))
 
     def point(self, noise):
-        """(2,) coordinates of a noise; None if it is of another family."""
+        """Return the coordinates (2,) of a noise; None if it belongs to another family."""
         if noise.red > 0.0 and noise.exponent is None:
             return np.array([_log_odds(noise), math.log(noise.time)])
 
@@ -117,43 +118,41 @@ class PowerLaw:
         self.time = likelihood.length
 
     def shape(self, point):
-        """`Noise` of unit variance at a point (2,)."""
+        """Return the `Noise` of unit variance at a point (2,)."""
         return Noise(*_parts(point[0]), time=self.time, exponent=UNIT * point[1])
 
     def point(self, noise):
-        """(2,) coordinates of a noise; None if it is of another family."""
+        """Return the coordinates (2,) of a noise; None if it belongs to another family."""
         if noise.red > 0.0 and noise.exponent is not None:
             return np.array([_log_odds(noise), noise.exponent / UNIT])
 
 
 def families(likelihood):
-    """Both families of noise for a `RestrictedLikelihood`."""
     return Relaxation(likelihood), PowerLaw(likelihood)
 
 
 def _parts(log_odds: float) -> tuple[float, float]:
-    """Standard deviations of the white and the correlated part of unit variance."""
+    """Return standard deviations of the white and the correlated part, for unit variance."""
     return math.sqrt(1.0 / (1.0 + math.exp(log_odds))), math.sqrt(1.0 / (1.0 + math.exp(-log_odds)))
 
 
 def _log_odds(noise):
-    """ln(share/(1 - share)) of the correlated part of a noise; it may be infinite."""
+    """Return ln(share/(1 - share)) of the correlated part of a noise; it may be infinite."""
     with np.errstate(divide="ignore"):
         return 2.0 * np.log(np.float64(noise.red) / noise.white)
 
 
 def estimated_noise(t, residual, jacobian, near=None):
-    """`Noise` by restricted maximum likelihood: of residuals (n,) with a fit's jacobian (n, k).
+    """Estimate the `Noise` of residuals (n,) of a fit with jacobian (n, k).
 
-    near : `Noise` of almost the same residuals, from which the search then starts; None for none
+    The noise is white unless a correlated part raises ln(likelihood) by more than `RISE`.
 
-    White, unless a correlated part raises ln(likelihood) by more than `RISE`.  A column that is all
-    0, of what the record does not see, does not count.
+    near : `Noise` of similar residuals, from which the search starts, or None
     """
     likelihood = RestrictedLikelihood(t, residual, jacobian)
     white = likelihood.at()
-    found = [mode for family in families(likelihood) for mode in modes(likelihood, family, near)]
-    mode = max(found, key=lambda one: one.log_likelihood)
+    maxima = [mode for family in families(likelihood) for mode in modes(likelihood, family, near)]
+    mode = max(maxima, key=lambda one: one.log_likelihood)
     if mode.log_likelihood <= white.log_likelihood + RISE:
         return white.noise
     return likelihood.at(mode.shape).noise
@@ -168,18 +167,18 @@ class Mode(NamedTuple):
 
 
 def modes(likelihood, family, near=None):
-    """`Mode`s (list) of a `RestrictedLikelihood` in a family, from each of the family's starts.
+    """Find `Mode`s (list) of a `RestrictedLikelihood`, one from each start of a family.
 
-    near : as of `estimated_noise`
+    near : as for `estimated_noise`
     """
     starts, size = family.starts, FAR
     if near is not None and (point := family.point(near)) is not None:
         starts, size = [point], CLOSE
     low, high = family.bounds.T
-    found = []
+    maxima = []
     for start in starts:
         first = np.clip(start, low, high - size)
-        # (SciPy's own simplex about a coordinate of 0 is so thin that it may never move)
+        # (SciPy's default simplex around a coordinate of 0 is so thin that it may never move)
         simplex = first + size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         options: Any = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150}
         result = minimize(
@@ -189,5 +188,5 @@ def modes(likelihood, family, near=None):
             bounds=family.bounds,
             options=options,
         )
-        found.append(Mode(result.x, family.shape(result.x), -result.fun))
-    return found
+        maxima.append(Mode(result.x, family.shape(result.x), -result.fun))
+    return maxima

@@ -1,10 +1,10 @@
 """The method of Levenberg and Marquardt, within bounds.
 
-SciPy's `least_squares` reaches the same minima in as much time, if one march gives it residuals and
-derivatives.  But it may move a coordinate that the residuals do not depend on, such as the velocity
-at the start of a rigid machine, to a bound.  Steps are damped in the scale of the derivatives and
-clipped to the bounds; a coordinate stays at a bound beyond which the sum of squares would fall.
-How the damping follows from the last step: Nielsen (1999), report IMM-REP-1999-05.
+SciPy's `least_squares` finds the same minima in about the same time, if one march gives it both
+residuals and derivatives.  But it may move a coordinate on which the residuals do not depend to a
+bound, such as the initial velocity of a rigid machine.  Here steps are damped in the scale of the
+derivatives and clipped to the bounds.  A coordinate is held at a bound if the sum of squares would
+decrease beyond it.  The damping is updated as by Nielsen (1999), report IMM-REP-1999-05.
 """
 
 import functools
@@ -13,17 +13,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-#: damping of the first step, and the largest, over the squares of the scaled derivatives
+#: damping of the first step, and largest damping, relative to squares of scaled derivatives
 FIRST, LARGEST = 1e-2, 1e12
-#: relative fall of the sum of squares by the linear model within which its minimum is exact: with n
-#: samples it is sqrt(n CONVERGED) standard errors away
+#: relative fall of the sum of squares in the linear model at which the search has converged; with
+#: n samples, the minimum is then within sqrt(n CONVERGED) standard errors
 CONVERGED = 1e-7
-#: least derivative along a principal axis, where those by coordinates are 1, that a record sees
+#: least significant derivative along a principal axis, if derivatives by coordinates are 1
 SEEN = 1e-8
 
 
 class Minimum(NamedTuple):
-    """Where a search has ended."""
+    """The end of a search."""
 
     x: np.ndarray  # (k,)
     cost: float  # half the sum of squares
@@ -32,13 +32,13 @@ class Minimum(NamedTuple):
 
 
 def minimum(function, start, low, high, most, enough=0.0):
-    """The `Minimum` of a sum of squares; None where the residual at the start is not finite.
+    """Find the `Minimum` of a sum of squares; None if the residual at the start is not finite.
 
-    function : of a point (k,): residual (m,), and jacobian (m, k), which is finite; the search
-        does not go where the residual is not finite
-    start, low, high : (k,) a point, moved within the bounds, and these
-    most : evaluations
-    enough : fall of the sum of squares, by the linear model, at which the search ends too
+    function : returns the residual (m,) and the finite jacobian (m, k) at a point (k,).  The search
+        avoids points at which the residual is not finite.
+    start, low, high : (k,) starting point, which is clipped to the bounds, and the bounds
+    most : largest number of evaluations
+    enough : fall of the sum of squares in the linear model at which the search also ends
     """
     x = np.clip(start, low, high)
     residual, jacobian = function(x)
@@ -55,7 +55,7 @@ def minimum(function, start, low, high, most, enough=0.0):
         if converged and not linear.frees_by(trial - x):
             better = expected > 0.0  # clipped, a step may lead up
             return Minimum(trial if better else x, cost - max(expected, 0.0), jacobian, True)
-        if damping > LARGEST:  # rounding is all that is left, or a region without motion
+        if damping > LARGEST:  # only rounding remains, or all steps are blocked
             return Minimum(x, cost, jacobian, not blocked)
         residual_there, jacobian_there = function(trial)
         fall = cost - _half_square(residual_there)
@@ -71,7 +71,7 @@ def minimum(function, start, low, high, most, enough=0.0):
 
 
 class _Linear:
-    """The linear model of the residuals about a point, with some coordinates held at bounds."""
+    """Linear model of the residuals about a point, with some coordinates held at bounds."""
 
     def __init__(self, x, residual, jacobian, low, high):
         self.jacobian, self.slope = jacobian, jacobian.T @ residual
@@ -79,23 +79,23 @@ class _Linear:
         self.free = ~self._held(self.slope)
         size = np.linalg.norm(jacobian[:, self.free], axis=0)
         self.size = np.where(size > 0.0, size, 1.0)
-        # of a QR decomposition, R has the same inner products as the columns
+        # the R of a QR decomposition has the same inner products as the columns
         columns = np.column_stack([jacobian[:, self.free] / self.size, residual])
         triangle: Any = np.linalg.qr(columns, mode="r")
         self.columns, self.residual = triangle[:, :-1], triangle[:, -1]
 
     def _held(self, slope):
-        """(k,) whether a coordinate is at a bound beyond which the sum of squares would fall."""
+        """Return (k,) whether the sum of squares would decrease beyond a bound."""
         return (self.at_low & (slope >= 0.0)) | (self.at_high & (slope <= 0.0))
 
     @property
     def most_fall(self):
-        """Half the fall of the sum of squares to its minimum, were there no bounds."""
+        """Return half the fall of the sum of squares to its minimum without bounds."""
         u, s, _ = np.linalg.svd(self.columns, full_matrices=False)
         return _half_square(u.T[s > SEEN] @ self.residual)
 
     def step(self, damping, scale):
-        """(k,) the damped step, of the free coordinates."""
+        """Return the damped step (k,) of the free coordinates."""
         weights = np.diag(np.sqrt(damping) * scale[self.free] / self.size)
         target = np.concatenate([self.residual, np.zeros(len(weights))])
         moved = np.linalg.lstsq(np.concatenate([self.columns, weights]), -target, rcond=None)[0]
@@ -104,11 +104,11 @@ class _Linear:
         return step
 
     def fall(self, step):
-        """Half the fall of the sum of squares by a step (k,)."""
+        """Return half the fall of the sum of squares by a step (k,)."""
         return -float(self.slope @ step) - _half_square(self.jacobian @ step)
 
     def frees_by(self, step):
-        """Whether after a step (k,) some coordinate would leave the bound at which it is held."""
+        """Return whether a held coordinate would become free after a step (k,)."""
         slope = self.slope + self.jacobian.T @ (self.jacobian @ step)
         return bool((~self.free & ~self._held(slope)).any())
 
@@ -121,5 +121,5 @@ _thread_pools = functools.cache(ThreadpoolController)
 
 
 def single_blas():
-    """A context in which BLAS uses one thread: more spin longer than they work."""
+    """Return a context in which BLAS uses one thread, because more threads mostly wait."""
     return _thread_pools().limit(limits=1, user_api="blas")

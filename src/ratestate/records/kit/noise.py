@@ -1,10 +1,10 @@
 """The noise of a record: its level and correlation.
 
-The noise is white noise plus a correlated part (engine/noise.py): the former is from a load cell's
-digits and electronics, the latter from filters, gouge, temperature and machine.  The correlated
-part is one relaxation (an Ornstein-Uhlenbeck process) or, for noise whose spectrum is a power of
-frequency such as 1/f, a sum of relaxations, one a decade.  The numbers are given, or estimated
-(estimated_noise.py).
+The noise is white noise plus a correlated part (engine/noise.py).  White noise comes from a load
+cell's digits and electronics, correlated noise from filters, gouge, temperature and machine.  The
+correlated part is one relaxation (an Ornstein-Uhlenbeck process).  For noise whose spectrum is a
+power of frequency, such as 1/f, it is a sum of relaxations, about one per decade.  The user gives
+the parameters, or they are estimated (estimated_noise.py).
 """
 
 import functools
@@ -19,11 +19,11 @@ from ..messages import kit as sentences
 
 
 class Noise(NamedTuple):
-    """Standard deviations of the white and the correlated part, and the latter's time [s].
+    """Standard deviations of the white and the correlated part, and the correlation time [s].
 
-    With an exponent, the spectrum of the correlated part falls as frequency to the power of
-    -exponent, down to 1/time: relaxations add up, about one a decade, whose times are from `time`
-    down to the usual time between samples.
+    With an exponent, the spectrum of the correlated part is proportional to frequency to the power
+    of -exponent above 1/time.  It is a sum of relaxations, about one per decade, with times from
+    `time` down to the time between samples.
     """
 
     white: float
@@ -32,7 +32,7 @@ class Noise(NamedTuple):
     exponent: float | None = None
 
     def relaxations(self, spacing):
-        """Variances (m,) and times (m,) [s] of the relaxations, for a time between samples [s]."""
+        """Return variances (m,) and times (m,) [s] of relaxations for a sample spacing [s]."""
         if self.exponent is None:
             return np.array([self.red**2]), np.array([self.time])
         times = _decades(self.time, spacing)
@@ -40,14 +40,15 @@ class Noise(NamedTuple):
         return self.red**2 * weights / weights.sum(), times
 
     def whiten(self, t, columns):
-        """(n, k) columns at times t (n,) with white noise of unit variance; ln det(covariance)."""
+        """Transform columns (n, k) at times t (n,) to unit white noise; return ln det(cov) too."""
         columns = np.ascontiguousarray(np.reshape(columns, (t.size, -1)))
         dt = np.diff(t)
         return self.whiten_steps(dt, float(np.median(dt)) if self.red else 0.0, columns)
 
     def whiten_steps(self, dt, spacing, columns):
-        """As `whiten`, for steps dt (n - 1,) between samples [s], of which `spacing` is usual.
+        """Do the same as `whiten` for steps dt (n - 1,) between samples [s].
 
+        spacing : median of dt
         columns : (n, k), contiguous
         """
         if self.red == 0.0:
@@ -57,17 +58,17 @@ class Noise(NamedTuple):
 
     @property
     def level(self):
-        """Standard deviation of one sample."""
+        """Return the standard deviation of one sample."""
         return math.hypot(self.white, self.red)
 
     def times(self, factor):
-        """Noise of the same shape that is larger by a factor."""
+        """Return noise of the same shape multiplied by a factor."""
         return self._replace(white=factor * self.white, red=factor * self.red)
 
 
 @functools.lru_cache(maxsize=16)
 def _decades(longest, shortest):
-    """Times [s], about one a decade, from the longest down to the shortest."""
+    """Return times [s], about one per decade, from the longest down to the shortest."""
     times = np.geomspace(longest, shortest, 1 + max(round(math.log10(longest / shortest)), 1))
     times.flags.writeable = False
     return times
@@ -78,10 +79,10 @@ WHITE = Noise(1.0)
 
 
 def given_noise(noise):
-    """The `Noise` that the user gives, or None if it is to be estimated.
+    """Return the `Noise` that the user gives, or None if it must be estimated.
 
-    noise : None, a standard deviation of friction, or a dict of "white", "red" and "time"; else, or
-        for "red" without "time", or neither above 0, a ParameterError
+    noise : None, a standard deviation of friction, or a dict of "white", "red" and "time".
+        Anything else, "red" without "time", or no positive part raises ParameterError.
     """
     if noise is None:
         return None

@@ -1,9 +1,9 @@
-"""Polynomials in windows of a record, as far as its noise can show that friction follows them.
+"""Polynomials in the largest windows of a record that show no misfit.
 
-A window grows until two more orders of the polynomial would fit significantly better; the next
-smaller one is taken.  Where the orders of the test are higher than those that are then used the
-estimate is biased; so that it is not, the polynomial used is the larger one (robust bias
-correction: Calonico, Cattaneo & Farrell 2018 doi:10.1080/01621459.2017.1285776).
+A window grows until two more orders of the polynomial would fit significantly better, and the next
+smaller window is used.  An estimate with the tested order would be biased by the terms that the
+test cannot detect.  So the polynomial that is used has a higher order (robust bias correction:
+Calonico, Cattaneo & Farrell 2018 doi:10.1080/01621459.2017.1285776).
 """
 
 from typing import NamedTuple
@@ -14,12 +14,12 @@ from numpy.polynomial.legendre import legvander
 
 from .regression import fall_of_chi2, generalized_least_squares
 
-#: chi-square of two more coefficients that 1 in 1000 windows exceed by chance; and 1 in 10,000, for
-#: the smallest window, without which there is no answer
+#: fall of chi-square by two more coefficients that 1 of 1000 windows exceeds by chance; and 1 of
+#: 10,000, for the smallest window, which is indispensable
 SIGNIFICANT, CERTAIN = 13.82, 18.42
-#: a window over the next smaller one
+#: ratio of a window to the next smaller one
 GROWTH = 1.4
-#: a maximum is within this part of a window about its middle
+#: central fraction of a window in which a maximum must lie
 INSIDE = 0.9
 
 
@@ -30,17 +30,17 @@ class Polynomial(NamedTuple):
     covariance: np.ndarray
 
     def at(self, x):
-        """Value at a number x, and its standard error."""
+        """Return the value at a number x, and its standard error."""
         low, high = self.curve.domain
         row = basis(x, low, high, self.curve.degree())[0]
         return float(self.curve(x)), float(np.sqrt(row @ self.covariance @ row))
 
     @property
     def peak(self):
-        """Abscissa of the maximum, its value and standard error; None if it is at an end.
+        """Return abscissa, value and standard error of the maximum; None if it is at an end.
 
-        Noise moves the maximum of a fit up on average, by half the variance of the slope divided by
-        the curvature.  The value is without that.
+        Noise raises the maximum of a fit on average, by half the variance of the slope divided by
+        the curvature.  The value is corrected for this bias.
         """
         slope, (low, high) = self.curve.deriv(), self.curve.domain
         turns = slope.roots()
@@ -57,14 +57,14 @@ class Polynomial(NamedTuple):
 
 
 def basis(x, low, high, order):
-    """(n, order + 1) Legendre polynomials at x (n,), which are -1 or 1 at low and 1 at high."""
+    """Return Legendre polynomials (n, order + 1) at x (n,) of the interval from low to high."""
     return legvander((np.atleast_1d(x) - low) * (2.0 / (high - low)) - 1.0, order)
 
 
 def fitted_polynomial(t, x, y, rows, order, noise):
-    """The `Polynomial` in x fitted to these rows of y, by generalized least squares.
+    """Fit a `Polynomial` in x to these rows of y, by generalized least squares.
 
-    t, x, y : (n,) of a record with this `Noise` along t
+    t, x, y : (n,) columns of a record with this `Noise` along t
     """
     ends = float(x[rows[0]]), float(x[rows[-1]])
     fit = generalized_least_squares(t[rows], y[rows], basis(x[rows], *ends, order), noise)
@@ -72,14 +72,14 @@ def fitted_polynomial(t, x, y, rows, order, noise):
 
 
 def fewest_samples(order):
-    """Fewest samples of a window with a polynomial of this order: `curvature` is of two more."""
+    """Return the fewest samples of a window for `curvature`, which fits two more orders."""
     return order + 3
 
 
 def windows_that_pass(fewest, most, passes, failures):
-    """Numbers of samples of growing windows that pass, until so many in turn do not.
+    """Return the sizes of growing windows that pass, until several fail in succession.
 
-    passes : function of a number of samples, and of those that have passed so far
+    passes : function of a number of samples, and of the numbers that have passed before
     """
     passed: list[int] = []
     size, failed = float(fewest), 0
@@ -96,6 +96,6 @@ def windows_that_pass(fewest, most, passes, failures):
 
 
 def curvature(t, x, y, rows, order, noise):
-    """Fall of chi-square by a polynomial of order + 2 in x in place of one of this order."""
+    """Return the fall of chi-square if two orders are added to a polynomial in x."""
     columns = basis(x[rows], x[rows[0]], x[rows[-1]], order + 2)
     return fall_of_chi2(t[rows], y[rows], columns, 2, noise)

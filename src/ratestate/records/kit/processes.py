@@ -1,9 +1,8 @@
-"""Work spread over child processes, and foreign files read in one under limits.
+"""Parallel work in child processes, and reading files in a child process under limits.
 
-What an HDF5 or MAT file holds goes into compiled code that trusts it: a damaged one may end the
-process that reads it (SIGSEGV, SIGBUS), ask for any amount of memory, or never come to an end.  So
-a child reads it.  Memory is limited if the system does that (Linux), processor time on any POSIX,
-time everywhere.
+Compiled code reads HDF5 and MAT files and trusts their contents.  A damaged file may end the
+process (SIGSEGV, SIGBUS), request any amount of memory, or never come to an end.  So a child
+process reads it.  Memory is limited on Linux, processor time on POSIX, and elapsed time everywhere.
 """
 
 import contextlib
@@ -20,23 +19,23 @@ from ...errors import ParameterError
 from ...machine import Child, ChildDied, cores
 from ..messages import kit as sentences
 
-#: fewest items for each child: it takes a second or two to start
+#: fewest items for each child, because a child takes a second or two to start
 FEWEST = 4
-#: what a reader may take for itself, and more of it for each byte of the file
+#: limits of a reader, and their increase for each byte of the file
 MEMORY, MEMORY_EACH = 1024**3, 20  # bytes
 SECONDS, SECONDS_EACH = 60.0, 1e-6
-EVERY = 0.05  # seconds between looks at whether it is to stop
+EVERY = 0.05  # seconds between checks whether to stop
 LONGEST = 300  # characters of a reader's error message
 
 
 def mapped(function, items, report=None):
-    """list of ``function(item)`` for each item, computed by this process and by children.
+    """Return the list of ``function(item)``, computed by this process and by child processes.
 
-    function : of a module, not of ``__main__``; items and results can be pickled
-    report : function of how many are done, called in this thread, or None
+    function : function of a module, not of ``__main__``.  Items and results can be pickled.
+    report : function of the number of finished items, called in this thread, or None
 
-    An exception of the function is raised once what is under way has ended.  What a child that
-    dies had under way is computed here.
+    An exception of the function is raised after the running computations have ended.  If a child
+    dies, this process computes its item.
     """
     items = list(items)
     results: list[Any] = [None] * len(items)
@@ -77,25 +76,25 @@ def mapped(function, items, report=None):
             raise errors[0]  # children are killed
         for thread in threads:
             thread.join()
-        work(function)  # what children that died have left
+        work(function)  # items of children that died
     if errors:
         raise errors[0]
     return results
 
 
 def read_isolated(reader, path, kind, *more, seconds=None, stop=None):
-    """The result of `reader` on a file; if it crashes, only its child process does.
+    """Return the result of `reader` on a file; a crash ends only the child process.
 
-    reader : function of the file and `more`, of a module; its result can be pickled
-    path : Path of a file that exists, else OSError; or a `MemoryFile`
-    kind : as what the file is read, in messages: "HDF5"
+    reader : function of a module, of the file and `more`.  Its result can be pickled.
+    path : Path of an existing file (else OSError), or a `MemoryFile`
+    kind : format of the file in messages, such as "HDF5"
     more : further arguments of the reader, which can be pickled
-    seconds : longest time [s]; None: `SECONDS`, and `SECONDS_EACH` byte
-    stop : threading.Event that ends the child once it is set, or None
+    seconds : time limit [s]; by default `SECONDS` and `SECONDS_EACH` byte
+    stop : threading.Event that ends the child when it is set, or None
 
-    A ParameterError of the reader is raised, and one for any other failure: an exception, a crash,
-    too long a time, too much memory, `stop`.  Its warnings are issued here, each once.  If no
-    process can be had, and in a child, the file is read in this process.
+    A ParameterError of the reader is raised.  Any other failure (an exception, a crash, too much
+    time or memory, `stop`) also raises ParameterError.  Each warning is issued once.  If no process
+    can be started, or in a child, this process reads the file.
     """
     if machine.is_child:
         return reader(path, *more)
@@ -116,7 +115,7 @@ def read_isolated(reader, path, kind, *more, seconds=None, stop=None):
                 failure = f"it took more than {seconds:.0f} s"
             elif child.ready:
                 failure = f"it ended the process that read it ({child.ending()})"
-            else:  # no process is to be had here, for which the file is not to blame
+            else:  # no process could be started, which is not the fault of the file
                 return reader(path, *more)
     for message, category in messages:
         warnings.warn(f"{path.name}: {message}", category, stacklevel=3)
@@ -129,7 +128,7 @@ def read_isolated(reader, path, kind, *more, seconds=None, stop=None):
 
 @contextlib.contextmanager
 def _ended_by(child, stop, seconds):
-    """Kill the child once `stop` is set, and after so many seconds."""
+    """Kill the child when `stop` is set, or after this many seconds."""
     over = threading.Event()
 
     def watch():
@@ -148,7 +147,7 @@ def _ended_by(child, stop, seconds):
 
 
 def _read(task):
-    """Read a file under limits, in a child: result, error, another failure, and warnings."""
+    """Read a file under limits; return result, ParameterError, other failure, and warnings."""
     (module, name), path, more, memory, seconds = task
     reader = getattr(importlib.import_module(module), name)
     _limit(memory, seconds)
@@ -160,7 +159,7 @@ def _read(task):
         except ParameterError as refused:
             error = refused
         except MemoryError:
-            failure = f"it asks for more memory than {memory / 1e9:.1f} GB"
+            failure = f"it needs more memory than {memory / 1e9:.1f} GB"
         except Exception as other:
             failure = f"{type(other).__name__}: {other}"
     messages = dict.fromkeys((str(one.message), one.category) for one in caught)
@@ -168,7 +167,7 @@ def _read(task):
 
 
 def _limit(memory, seconds):
-    """Limit this process, as far as the system can."""
+    """Limit memory and processor time of this process, if the system supports it."""
     with contextlib.suppress(ImportError):  # Windows
         import resource
 
@@ -176,5 +175,5 @@ def _limit(memory, seconds):
             which = getattr(resource, f"RLIMIT_{name}")
             hard = resource.getrlimit(which)[1]
             most = most if hard == resource.RLIM_INFINITY else min(most, hard)
-            with contextlib.suppress(ValueError, OSError):  # macOS has no limit of memory
+            with contextlib.suppress(ValueError, OSError):  # macOS cannot limit memory
                 resource.setrlimit(which, (most, hard))

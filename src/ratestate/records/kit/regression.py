@@ -1,6 +1,6 @@
-"""Linear regression: of correlated samples, and of estimates whose errors are known.
+"""Linear regression of correlated samples, and of estimates with known errors.
 
-Where estimates scatter more than their errors explain, but for 1 of 10 by chance, these are
+If estimates scatter more than their errors explain, with a probability below 0.1, the errors are
 enlarged by the root of the reduced chi-square (Birge 1932 doi:10.1103/PhysRev.40.207).
 """
 
@@ -10,12 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtrc
 
-#: probability of calling a scatter larger than errors explain where it is not
+#: significance level of the test that scatter exceeds the errors
 CHANCE = 0.1
 
 
 class Linear(NamedTuple):
-    """Best coefficients (k,) of some columns, their covariance (k, k), and the misfit."""
+    """Best coefficients (k,), their covariance (k, k), and the misfit."""
 
     coefficients: np.ndarray
     covariance: np.ndarray
@@ -26,7 +26,7 @@ class Mean(NamedTuple):
     """The mean of values weighted by their errors, and the misfit."""
 
     value: float
-    error: float  # if values differ by their errors alone
+    error: float  # standard error if the scatter is due to the errors alone
     chi2: float
 
 
@@ -35,21 +35,21 @@ class Line(NamedTuple):
 
     slope: float
     slope_error: float
-    centre: float  # of x, where `mean` and `slope` are uncorrelated
+    centre: float  # x at which the errors of `mean` and `slope` are uncorrelated
     mean: float
     mean_error: float
-    scatter: float  # root of the reduced chi-square; NaN of as many points as a line needs
+    scatter: float  # root of the reduced chi-square; NaN for two points
 
     def at(self, x):
-        """The line and its standard error at these x."""
+        """Return the line and its standard error at these x."""
         away = np.asarray(x) - self.centre
         return self.mean + self.slope * away, np.hypot(self.mean_error, self.slope_error * away)
 
 
 def generalized_least_squares(t, values, columns, noise):
-    """`Linear` of values (n,) at times t (n,) by columns (n, k), with this `Noise`.
+    """Fit columns (n, k) to values (n,) at times t (n,) with this `Noise`: a `Linear`.
 
-    LinAlgError where the columns depend on each other.
+    Linearly dependent columns raise LinAlgError.
     """
     white, _ = noise.whiten(t, np.column_stack([values, columns]))
     q, r = np.linalg.qr(white[:, 1:])
@@ -60,9 +60,9 @@ def generalized_least_squares(t, values, columns, noise):
 
 
 def fall_of_chi2(t, values, columns, last, noise):
-    """Fall of chi-square by the last so many of the columns beside the others.
+    """Return the fall of chi-square if the last columns are added to the others.
 
-    All other arguments are those of `generalized_least_squares`.
+    last : number of added columns; other arguments as for `generalized_least_squares`
     """
     white, _ = noise.whiten(t, np.column_stack([values, columns]))
     q, _ = np.linalg.qr(white[:, 1:])
@@ -70,13 +70,13 @@ def fall_of_chi2(t, values, columns, last, noise):
 
 
 def central_differences(function, point, steps):
-    """Derivatives (..., k) of a function by its argument, a point (k,), with these steps (k,)."""
+    """Return the derivatives (..., k) of a function at a point (k,), with steps (k,)."""
     pairs = [(function(point + h), function(point - h)) for h in np.diag(steps)]
     return np.stack([high - low for high, low in pairs], axis=-1) / (2.0 * steps)
 
 
 def weighted_mean(values, errors):
-    """The `Mean` of values (n,) weighted by their errors (n,), n > 0."""
+    """Return the `Mean` of values (n,) weighted by their errors (n,), n > 0."""
     weights = errors**-2.0
     total = float(weights.sum())
     mean = float(weights @ values) / total
@@ -84,14 +84,14 @@ def weighted_mean(values, errors):
 
 
 def mean_with_scatter(values, errors):
-    """Mean of values (n,) weighted by their errors (n,), its standard error and the scatter."""
+    """Return the weighted mean of values (n,), its standard error and the scatter."""
     mean, degrees = weighted_mean(values, errors), values.size - 1
     scatter = _scatter(mean.chi2, degrees)
     return mean.value, _enlarged(mean.error, scatter, degrees), scatter
 
 
 def weighted_line(x, values, errors):
-    """The `Line` through values (n,) at x (n,), not all the same, weighted by their errors (n,)."""
+    """Return the `Line` through values (n,) at x (n,), weighted by their errors (n,)."""
     centre, degrees, weights = weighted_mean(x, errors).value, x.size - 2, 1.0 / errors
     line, covariance = np.polyfit(x - centre, values, 1, w=weights, cov="unscaled")
     rest = weights * (values - np.polyval(line, x - centre))
@@ -103,12 +103,12 @@ def weighted_line(x, values, errors):
 
 
 def _scatter(chi2, degrees):
-    """Root of the reduced chi-square; NaN without a degree of freedom."""
+    """Return the root of the reduced chi-square; NaN without a degree of freedom."""
     return math.sqrt(chi2 / degrees) if degrees > 0 else math.nan
 
 
 def _enlarged(error, scatter, degrees):
-    """An error, enlarged where values scatter significantly more than theirs explain."""
+    """Return an error, enlarged if values scatter significantly more than their errors."""
     if degrees < 1 or chdtrc(degrees, degrees * scatter**2) > CHANCE:
         return error
     return error * scatter

@@ -9,12 +9,12 @@ RECORD_ATTRIBUTES = ("source", "columns", "found", "notes")
 
 
 def kept_attributes(record):
-    """What a result keeps of its record's attributes."""
+    """Return the attributes of a record that a result keeps."""
     return {name: record.attrs[name] for name in RECORD_ATTRIBUTES if name in record.attrs}
 
 
 def checked_result(result, function, name):
-    """A result in SI; ParameterError if it is not of this function or lacks a variable NAME."""
+    """Return a result in SI; raise ParameterError unless it is from this function."""
     title = getattr(result, "attrs", {}).get("title")
     if title != f"ratestate {function}" or name not in result:
         raise sentences.refusal("result.other", function=function)
@@ -22,9 +22,9 @@ def checked_result(result, function, name):
 
 
 def labelled(dims, **values):
-    """name -> variable along these dimensions (or one); each name is one of `QUANTITIES`.
+    """Return name -> variable along one or more dimensions; each name is in `QUANTITIES`.
 
-    A tuple has values and their standard errors, for the variables NAME and NAME_error.
+    A tuple of values and standard errors gives the variables NAME and NAME_error.
     """
     columns: dict = {}
     for name, value in values.items():
@@ -36,7 +36,7 @@ def labelled(dims, **values):
 
 
 def lines_of(columns):
-    """Table (list of lines) of name -> texts, with numbers of rows, and headings above columns."""
+    """Format name -> texts as a table (list of lines) with numbered rows and headings."""
     first, *_ = columns.values()
     table = [["", *map(str, range(1, len(first) + 1))]]
     table += [[name, *texts] for name, texts in columns.items()]

@@ -1,17 +1,17 @@
-"""The noise of a series from sample to sample, and its resolution."""
+"""Noise between neighbouring samples of a series, and its resolution."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-#: standard deviation of normal noise over the median of its size, and of its second differences
+#: ratio of the standard deviation of normal noise to its median size; of second differences to it
 OF_MEDIAN, OF_SECOND = 1.4826, 6**0.5
-#: standard deviation of what digits cut off, as a fraction of their step
+#: standard deviation of rounding errors, as a fraction of the step between digits
 OF_STEP = 12**-0.5
-#: largest relative error of rounding
+#: largest relative rounding error of floating-point numbers
 ROUNDING = 1e-12
-#: standard errors from which a correlation counts; the largest
+#: least significant correlation in standard errors; largest correlation
 KNOWN, MOST_CORRELATED = 3.0, 0.95
 
 
@@ -23,32 +23,32 @@ class SampleNoise(NamedTuple):
 
     @property
     def inflation(self):
-        """Variance of a mean divided by that with white noise."""
+        """Return the variance of a mean divided by its variance with white noise."""
         return (1.0 + self.correlation) / (1.0 - self.correlation)
 
 
 def noise_of_residuals(residuals, parameters):
-    """The `SampleNoise` in residuals (list of (n,)) of fits with so many parameters each."""
+    """Return the `SampleNoise` of residuals (list of (n,)), given the parameters of each fit."""
     power = sum(float(rest @ rest) for rest in residuals)
-    samples, taken = sum(map(len, residuals)), parameters * len(residuals)
+    samples, fitted = sum(map(len, residuals)), parameters * len(residuals)
     pairs = samples - len(residuals)
     products = sum(float(rest[1:] @ rest[:-1]) for rest in residuals)
-    # (a fit takes some correlation out: by its parameters over the samples, to first order)
-    correlation = products / power + taken / pairs
+    # (to first order, a fit reduces the correlation by its parameters divided by the samples)
+    correlation = products / power + fitted / pairs
     known = correlation > KNOWN / math.sqrt(pairs)
     correlation = min(correlation, MOST_CORRELATED) if known else 0.0
-    return SampleNoise(math.sqrt(power / (samples - taken)), correlation)
+    return SampleNoise(math.sqrt(power / (samples - fitted)), correlation)
 
 
 def sample_noise(values):
-    """Standard deviation of the white noise in values (n,), n > 2, on a smooth curve."""
+    """Return the standard deviation of white noise in values (n,) on a smooth curve, n > 2."""
     return float(np.median(np.abs(np.diff(values, 2)))) * OF_MEDIAN / OF_SECOND
 
 
 def resolution(values):
-    """Smallest difference between values (n,), which their digits show; 0 if all are the same.
+    """Return the smallest difference between values (n,), or 0 if all are equal.
 
-    Smaller ones than `ROUNDING` times the values are of rounding in a computer.
+    Differences below `ROUNDING` times the values are floating-point errors and are ignored.
     """
     steps = np.diff(np.unique(values))
     return float(min(steps[steps > ROUNDING * np.abs(values).max()], default=0.0))

@@ -2,10 +2,10 @@
 
 ===================== =============================================================
 ``machine_stiffness`` the function `machine_stiffness`; stress drops; ring-downs
-``slopes``            where the spring loads or unloads; friction there and its fit: creep
-                      at constant state, and healing
+``slopes``            loading and unloading of the spring, fitted with creep at constant
+                      state and healing
 ``ring_down``         free oscillations: frequency and decay; mass and damping
-``result``            the Dataset, and `summary`, it as text
+``result``            the Dataset, and `summary`, which prints it
 ===================== =============================================================
 """
 

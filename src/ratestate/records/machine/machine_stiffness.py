@@ -23,66 +23,73 @@ from .slopes import FEWEST, slopes_of
 
 #: parameters of a slider that are used here
 FRICTION = ("a", "b", "Dc")
-#: least drop over the largest one of a segment: smaller ones are of what rings
+#: least stress drop, as a fraction of the largest one of a segment; smaller ones are ringing
 DROP = 0.3
-#: fewest in a segment, and part of it after which they still go on: else it only rings down
-CYCLES, GOES_ON = 3, 0.6
+#: fewest stress drops of a segment, and fraction of it that they last; else it only rings down
+CYCLES, LASTING = 3, 0.6
 
 
 @keywords_checked
 def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
-    """Stiffness, mass and damping of a machine, per area, from its own record.
+    """Measure stiffness, mass and damping of a machine, per area, from a record.
 
-    K is the slope of stress with load-point displacement where the spring loads: after holds and
-    steps; or unloads, after a step down.  There the fault creeps, so the slope is less than K: each
-    is fitted with a curve that begins at the level before, and in which slip is that of friction at
-    constant state.  For want of these, K is the slope between stress drops.  M and the damping
-    are those of free oscillations after a step, a hold or a stress drop.
+    K follows from the slope of stress against load-point displacement while the spring loads, after
+    a hold or a step, or unloads, after a step down.  The fault creeps meanwhile, so the slope is
+    less than K.  Each slope is therefore fitted with a curve that includes the creep of friction at
+    constant state, beginning at the level before.  Without such slopes, K is the slope between
+    stress drops.  M and the damping follow from free oscillations after a step, a hold or a stress
+    drop.
 
     Parameters
     ----------
     data : xarray.Dataset
-        A record of `read_lab`; or, along ``time`` [s], ``friction`` (else ``tau`` with ``sigma``
-        [Pa]) and ``delta_lp`` [m] or ``V_load`` [m/s] of the load point.
+        A record from `read_lab`, or a Dataset along ``time`` [s] with ``friction`` (else ``tau``
+        with ``sigma`` [Pa]) and ``delta_lp`` [m] or ``V_load`` [m/s] of the load point.
     sigma : float or str, optional
-        Normal stress [Pa]; by default the median of the record's.
+        Normal stress [Pa].  By default the median of the record's normal stress is used.
     slider : SpringSlider, optional
-        Its a, b and Dc, with which friction is taken out of ring-downs while sliding; under a law
-        with one state.  Without it M is that of a machine without friction, and the damping that
-        of both.
+        Slider whose a, b and Dc remove the effect of friction from ring-downs during sliding.  Its
+        law must have one state.  Without a slider M is computed as for a machine without friction,
+        and the damping includes friction.
     loading : Loading, optional
-        The load point's history, with t = 0 at the first sample; by default as recorded.
+        The load point's history, with t = 0 at the first sample.  By default it is as recorded.
 
     Returns
     -------
     xarray.Dataset
-        ``K`` [Pa/m] with ``K_error`` and ``K_scatter``; ``M`` [kg/m^2] and ``damping`` [Pa s/m]
-        with ``_error`` and ``_scatter``; NaN for what is not found.  They are means weighted with
-        the errors (that of K of its logarithm), and where values scatter significantly more,
-        ``_scatter`` is above 1, and the errors are enlarged by it.  Along ``slope``:
-        ``slope_kind`` ("reload", "step_up", "step_down", "stick"), ``slope_start`` [s],
-        ``slope_K`` [Pa/m], ``slope_K_error``,
-        ``slope_straight`` [Pa/m], of the best straight line, ``slope_creep`` (slip rate over that
-        of the load point at the start; 0 between stress drops), ``slope_used`` (whether it is in
-        K: the curve describes it, and for "stick" there is no other).
-        Along ``ring_down``: ``ring_down_start`` [s], ``ring_down_V`` [m/s], ``ring_down_omega``
-        [rad/s] and ``ring_down_decay`` [1/s] with ``_error``, ``ring_down_M`` and
-        ``ring_down_damping`` with ``_error``.  Along ``time`` friction, and the fitted curves:
-        ``slope_friction`` and ``ring_down_friction``, NaN elsewhere.  The attribute ``remarks``
-        (a JSON list) says what must be known.
+        Scalars: ``K`` [Pa/m], ``M`` [kg/m^2] and ``damping`` [Pa s/m], each with ``_error`` and
+        ``_scatter``, or NaN if not found.  They are means weighted with the errors (for K, of
+        ln K).  If values scatter significantly more than their errors, ``_scatter`` is above 1, and
+        the errors are enlarged by it.
+
+        Along ``slope``:
+
+        - ``slope_kind``: "reload", "step_up", "step_down" or "stick".
+        - ``slope_start`` [s]; ``slope_K`` and ``slope_K_error`` [Pa/m].
+        - ``slope_straight`` [Pa/m]: slope of the best straight line.
+        - ``slope_creep``: V/V_lp at the start; 0 between stress drops.
+        - ``slope_used``: whether K includes the slope.  The curve must describe it, and "stick" is
+          used only without other slopes.
+
+        Along ``ring_down``: ``ring_down_start`` [s] and ``ring_down_V`` [m/s], and with ``_error``
+        ``ring_down_omega`` [rad/s], ``ring_down_decay`` [1/s], ``ring_down_M`` and
+        ``ring_down_damping``.  Along ``time``: ``friction`` and the fitted curves
+        ``slope_friction`` and ``ring_down_friction``, NaN elsewhere.  The attribute ``remarks`` is
+        a JSON list of remarks.
 
     Raises
     ------
     ParameterError
-        A record that cannot be used, as of `fit`, or that has no normal stress where none is given;
-        one in which neither a slope nor an oscillation is resolved; a setting out of range.
+        If the record cannot be used, no normal stress is known, neither a slope nor an oscillation
+        is resolved, or a setting is out of range.
 
     Notes
     -----
-    While the block slides, friction changes the frequency by a part of the order of
-    b sigma Dc/(K L^2), L = V/omega, and adds a damping of about a sigma/V (linear theory: eq. 4 at
-    steady sliding).  With a slider both are taken out.  A block at rest is overdamped by the direct
-    effect: ringing with the load point at rest is a mode of the machine, which ``remarks`` says.
+    While the block slides, friction changes the frequency by a fraction of the order of
+    b sigma Dc/(K L^2), with L = V/omega, and adds a damping of about a sigma/V (linear theory:
+    eq. 4 at steady sliding).  With a slider both effects are removed.  In this model the direct
+    effect overdamps a block at rest.  Ringing while the load point is at rest is thus a mode of the
+    machine, and a remark says so.
 
     Examples
     --------
@@ -99,7 +106,7 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
     _check_slider(slider)
     data = in_si(data)
     sigma = _normal_stress(data, sigma)
-    # (stress is divided by the normal stress that K is multiplied by)
+    # (stress is divided by the same normal stress by which K is multiplied)
     with_sigma = data.assign(sigma=sigma) if isinstance(data, xarray.Dataset) else data
     raw = raw_record(with_sigma, None)
     segments = segments_of(raw, loading)
@@ -107,7 +114,7 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
         drops = stress_drops(raw, sigma, segments)
         oscillations = _ring_downs(raw, segments, drops)
         slopes = slopes_of(raw.time, raw.friction, segments, drops)
-    # (a slope that is as fast as the machine's own oscillations is not quasi-static)
+    # (a slope that is as fast as the machine's oscillations is not quasi-static)
     period = max((2.0 * np.pi / one.point[0] for one in oscillations), default=0.0)
     slopes = [one for one in slopes if raw.time[one.rows[-1]] - one.start >= period]
     if not slopes and not oscillations:
@@ -120,7 +127,7 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
 
 
 def _check_slider(slider):
-    """ParameterError for what has no one a, b and Dc of a law with one state."""
+    """Raise ParameterError unless the slider has one a, b and Dc, and a law with one state."""
     if slider is None:
         return
     if not isinstance(slider, SpringSlider):
@@ -133,7 +140,7 @@ def _check_slider(slider):
 
 
 def _normal_stress(data, sigma):
-    """Normal stress [Pa], given or the record's; ParameterError for a size that nobody uses."""
+    """Return the normal stress [Pa], given or recorded, if its size is plausible."""
     if sigma is not None:
         return constant_in_si("sigma", sigma)
     if "sigma" not in getattr(data, "variables", {}):
@@ -142,20 +149,20 @@ def _normal_stress(data, sigma):
 
 
 def _ring_downs(raw, segments, drops):
-    """`RingDown`s (list) after each change of speed, or each stress drop of a segment."""
-    t, found = raw.time, []
-    for start, end, V, own in zip(segments.t, segments.ends, segments.V, drops, strict=True):
+    """Return `RingDown`s (list) after each change of speed, or each stress drop of a segment."""
+    t, ring_downs = raw.time, []
+    for start, end, V, times in zip(segments.t, segments.ends, segments.V, drops, strict=True):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
-        peaks = np.searchsorted(t[rows], own[:, 0])
+        peaks = np.searchsorted(t[rows], times[:, 0])
         parts = np.split(rows, peaks)[1:] if peaks.size else [rows]
-        found += [ring_down(t, raw.friction, part, float(V)) for part in parts if part.size]
-    return [one for one in found if one is not None]
+        ring_downs += [ring_down(t, raw.friction, part, float(V)) for part in parts if part.size]
+    return [one for one in ring_downs if one is not None]
 
 
 def stress_drops(raw, sigma, segments):
-    """For each of the `Segments` (m, 2) starts and ends [s] of the stress drops in it.
+    """Return starts and ends [s] of the stress drops (m, 2) in each of the `Segments`.
 
-    To the sample: what is fitted to begins and ends well between them.
+    They are times of samples, which is enough: the fits begin and end well between stress drops.
     """
     variables = {
         "friction": ("time", raw.friction),
@@ -169,6 +176,6 @@ def stress_drops(raw, sigma, segments):
     for begin, end in zip(segments.t, segments.ends, strict=True):
         inside = (times[:, 0] >= begin) & (times[:, 1] <= end)
         large = inside & (drops > DROP * drops[inside].max(initial=0.0))
-        goes_on = large.sum() >= CYCLES and times[large, 0][-1] > begin + GOES_ON * (end - begin)
-        chosen.append(times[large & goes_on])
+        continues = large.sum() >= CYCLES and times[large, 0][-1] > begin + LASTING * (end - begin)
+        chosen.append(times[large & continues])
     return chosen

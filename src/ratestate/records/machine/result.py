@@ -1,4 +1,4 @@
-"""The Dataset of `machine_stiffness`, and it as text."""
+"""The Dataset of `machine_stiffness`, and its summary as text."""
 
 import json
 
@@ -11,23 +11,23 @@ from ..kit.results import checked_result, labelled, lines_of
 from ..messages import machine as sentences
 from .ring_down import mass_and_damping
 
-#: what is found of a machine, and of each ring-down
+#: measured quantities of a machine, and of each ring-down
 SYMBOLS, OF_RINGS = ("K", "M", "damping"), ("omega", "decay", "M", "damping")
-#: relative error of K above which a remark warns; scatter over errors above which another does
+#: relative error of K, and scatter divided by errors, above which a remark warns
 UNCERTAIN, SCATTERED = 0.2, 2.0
 
 
 def dataset_of(raw, sigma, slider, slopes, ring_downs):
-    """The Dataset, with the attribute ``remarks``.
+    """Return the Dataset with the attribute ``remarks``.
 
     slopes, ring_downs : lists of `Slope` and `RingDown`; sigma [Pa]; slider may be None
     """
-    fits = np.array([one.fits for one in slopes], bool)
-    # (the slopes of stick phases give a lower bound of K, for want of others)
+    fits = np.array([one.is_explained for one in slopes], bool)
+    # (slopes of stick phases give only a lower bound of K)
     others = fits & np.array([one.kind != "stick" for one in slopes], bool)
     used = others if others.any() else fits
     # (the mean is of ln K, whose errors do not depend on its value)
-    columns = [(one.point[1], one.own_error, one.shared_error) for one in slopes]
+    columns = [(one.point[1], one.independent_error, one.shared_error) for one in slopes]
     mean, error, scatter = _mean(*np.array(columns).reshape(-1, 3)[used].T)
     stiffness = sigma * float(np.exp(mean))
     K = stiffness, stiffness * error, scatter
@@ -56,36 +56,37 @@ def dataset_of(raw, sigma, slider, slopes, ring_downs):
 
 
 def _inertia(K, sigma, slider, ring_downs):
-    """Variables along ``ring_down``, and M and damping: mean, error and scatter."""
-    values, own, shared = np.full((3, 2, len(ring_downs)), np.nan)
+    """Return variables along ``ring_down``, and mean, error and scatter of M and of damping."""
+    values, independent, shared = np.full((3, 2, len(ring_downs)), np.nan)
     for i, one in enumerate(ring_downs):
-        values[:, i], by = mass_and_damping(K[0], one, sigma, slider)
-        own[:, i] = np.sqrt(np.einsum("ij,jk,ik->i", by[:, :2], one.covariance, by[:, :2]))
-        shared[:, i] = by[:, 2] * K[1]
+        values[:, i], jacobian = mass_and_damping(K[0], one, sigma, slider)
+        rates = jacobian[:, :2]
+        independent[:, i] = np.sqrt(np.einsum("ij,jk,ik->i", rates, one.covariance, rates))
+        shared[:, i] = jacobian[:, 2] * K[1]
     rates = np.array([one.point for one in ring_downs]).reshape(-1, 2).T
     errors = np.sqrt([np.diag(one.covariance) for one in ring_downs]).reshape(-1, 2).T
-    pairs = zip([*rates, *values], [*errors, *np.hypot(own, shared)], strict=True)
+    pairs = zip([*rates, *values], [*errors, *np.hypot(independent, shared)], strict=True)
     variables = labelled(
         "ring_down",
         ring_down_start=np.array([one.start for one in ring_downs]),
         ring_down_V=np.array([one.V for one in ring_downs]),
         **{f"ring_down_{name}": pair for name, pair in zip(OF_RINGS, pairs, strict=True)},
     )
-    return variables, *map(_mean, values, own, shared)
+    return variables, *map(_mean, values, independent, shared)
 
 
-def _mean(values, own, shared):
-    """Mean, error and scatter of values (n,) with independent errors, and shared ones (n,)."""
+def _mean(values, independent, shared):
+    """Return mean, error and scatter of values (n,) with independent and shared errors (n,)."""
     if not values.size or not np.isfinite(values).all():
         return np.nan, np.nan, np.nan
-    mean, error, scatter = mean_with_scatter(values, own)
-    return mean, float(np.hypot(error, np.average(shared, weights=own**-2.0))), scatter
+    mean, error, scatter = mean_with_scatter(values, independent)
+    return mean, float(np.hypot(error, np.average(shared, weights=independent**-2.0))), scatter
 
 
 def _remarks(result, slider, misfits):
-    """What must be known of the result (list of str).
+    """Return remarks (list of str) on the result.
 
-    misfits : how many slopes the curve does not describe
+    misfits : number of slopes that the curve does not describe
     """
     rings, at_rest = result.sizes["ring_down"], int((result["ring_down_V"] == 0.0).sum())
     texts = [*stiffness_remarks(result)]
@@ -101,7 +102,6 @@ def _remarks(result, slider, misfits):
 
 
 def stiffness_remarks(result):
-    """What must be known of K (iterator of str)."""
     kinds = result["slope_kind"].values[result["slope_used"].values]
     if not kinds.size:
         yield sentences("about.no_K")
@@ -118,22 +118,22 @@ def stiffness_remarks(result):
 
 
 def summary(result):
-    """Stiffness, mass and damping of a machine as plain text, to print.
+    """Describe the result of `machine_stiffness` as plain text.
 
     Parameters
     ----------
     result : xarray.Dataset
-        From `machine_stiffness`.
+        Result of `machine_stiffness`.
 
     Returns
     -------
     str
-        K, M and the damping +- standard errors; tables of the slopes and ring-downs; remarks.
+        K, M and the damping +- standard errors, tables of the slopes and ring-downs, and remarks.
 
     Raises
     ------
     ParameterError
-        The result is not from `machine_stiffness`.
+        If the result is not from `machine_stiffness`.
     """
     result = checked_result(result, "machine_stiffness", "slope_K")
     lines = [estimate(result, symbol) for symbol in SYMBOLS]
@@ -156,7 +156,7 @@ def summary(result):
 
 
 def estimate(result, symbol):
-    """A line such as ``K = 20.03 +- 0.07 GPa/m``."""
+    """Return a line such as ``K = 20.03 +- 0.07 GPa/m``."""
     value, error = float(result[symbol]), float(result[f"{symbol}_error"])
     if value != value:
         return f"{symbol}: not found"
@@ -169,7 +169,7 @@ def _cells(result, name):
 
 
 def value_with_unit(value, error, unit, power=None):
-    """A value +- error in a unit that fits, or of this power of ten; "-" for NaN."""
+    """Format value +- error in a readable unit, or with this power of ten; "-" for NaN."""
     if value != value:
         return "-"
     power = power_of(unit, value) if power is None else power

@@ -2,12 +2,12 @@
 
 =================== =============================================================================
 ``events``          the function `events`
-``catalogue``       in which order all below is done; quantities, status and message of each event
-``series``          shear stress and load point of a record or a run, checked
-``detection``       which falls of the stress are events, and where they roughly are; the noise
-``falls``           peaks, troughs, times and slip rates of falls in a record, and in a run
-``extremes``        an extreme of a noisy stress, or of its slope, without bias; its window
-``between_samples`` when stress falls through a level; peaks between samples; hidden events
+``catalogue``       the sequence of steps; quantities, status and message of each event
+``series``          checked shear stress and load point of a record or a run
+``detection``       falls of the stress that are events, to the nearest sample; the noise
+``falls``           peaks, troughs, times and slip rates of falls, in a record or a run
+``extremes``        unbiased extremes of a noisy stress or of its slope, and their windows
+``between_samples`` times of falls and peaks between samples; events that samples merge or hide
 ``lines``           stiffness from the loading; stress drop against log recurrence and log V_lp
 =================== =============================================================================
 """

@@ -1,11 +1,11 @@
-"""What samples leave open: when stress falls through a level, peaks between samples, lost events.
+"""Times of falls and peaks between samples, and events that samples merge or hide.
 
-A fall is several events if it slackens and gains speed again, for one event falls fastest once.
+A fall is several events if it slows down and speeds up again: a single event has one fastest fall.
 
-Stress may overshoot at the end of a fast fall, for less than a step between samples.  The line
-through the samples beyond the fall, back to where it meets the line of the fall, tells how far it
-may be between samples.  That, or its mean over all events, is the standard error too, since stress
-may bend within a step.
+A peak or trough next to a fast fall may last less than a step between samples.  Its bound is the
+point at which the line through the samples outside the fall meets the line through the fall.
+Stress may bend within the step.  So the distance from the sample to the bound, or its mean over
+all events if that is larger, is also the standard error.
 """
 
 import math
@@ -13,37 +13,35 @@ import math
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-#: part of the drop on either side of the middle whose samples are fitted; fewest for a cubic
+#: fraction of the drop above and below the middle that is fitted; fewest samples for a cubic
 NEAR, FEWEST = 0.25, 6
 #: Newton steps to the crossing of a cubic
 NEWTON = 8
-#: standard deviation of a time that may be anywhere in a step, in steps
+#: standard deviation of a time that is uniformly distributed within a step, in steps
 ANYWHERE = 1.0 / math.sqrt(12.0)
-#: how far bounds exceed extremes by noise: their mean, and standard deviation of one, in those of
-#: a sample; standard errors of the mean excess from which it is not by noise
+#: mean and standard deviation by which bounds exceed extremes in noise, as multiples of the noise;
+#: standard errors of the mean excess beyond which noise does not explain it
 BY_NOISE, SPREAD, SURE = 1.7, 2.0, 4.0
-#: numbers of samples over which falls are compared, at most these parts of a fall
+#: numbers of samples over which rates of fall are compared; the largest, as a fraction of a fall
 LAGS, OF_FALL = (1, 2, 4, 8, 16, 32), 0.25
-#: least slackening between two falls: standard deviations beyond what noise does, part of the drop
+#: least slowing between two falls: standard deviations beyond the range of noise; fraction of drop
 MARGIN, OF_DROP = 1.5, 0.15
-#: independent falls among those over so many overlapping samples, times that number
+#: number of independent rates of fall, as a multiple of samples divided by the lag
 OVERLAP = 4.0
-#: parts of a loading phase, in samples, in which steps are looked for; numbers of samples on either
-#: side of a step; degree of the polynomial that is taken out before
+#: part of a loading phase, as fractions of its samples, that is searched for steps; numbers of
+#: samples on either side of a step; degree of the polynomial that is subtracted first
 LOADING, SIDES, SMOOTH = (0.02, 0.98), (4, 8, 16, 32, 64), 3
-#: least step down: standard errors, and part of the next event's drop
+#: least step down: in standard errors, and as a fraction of the next event's drop
 STEP, OF_NEXT = 6.0, 0.02
 
 
 def middles(t, y, peaks, troughs, high, low, level_error, noise):
-    """Times (m,) at which stress falls through the middle of two levels (m,), and their errors.
-
-    NaN where a level is unknown.
+    """Return when stress falls through the middle of two levels, and its standard error (2, m).
 
     peaks, troughs : (m,) samples
-    level_error : (m,) standard error of the middle
+    high, low, level_error : (m,) levels, or NaN, and the standard error of their middle
     """
-    found = np.full((2, peaks.size), math.nan)
+    crossings = np.full((2, peaks.size), math.nan)
     for i in np.flatnonzero(np.isfinite(high + low)):
         level, near = 0.5 * (high[i] + low[i]), NEAR * (high[i] - low[i])
         fall = y[peaks[i] : troughs[i] + 1]
@@ -53,16 +51,16 @@ def middles(t, y, peaks, troughs, high, low, level_error, noise):
         last = first + int(below[0]) if below.size else fall.size - 1
         crossing = _on_cubic if last - first >= FEWEST else _between_samples
         rows = np.arange(peaks[i] + first, peaks[i] + last + 1)
-        found[:, i] = crossing(t, y, rows, level, level_error[i], noise)
-    return found
+        crossings[:, i] = crossing(t, y, rows, level, level_error[i], noise)
+    return crossings
 
 
 def _between_samples(t, y, rows, level, level_error, noise):
-    """Time at which a line between two samples passes the level, and its error.
+    """Return when the line between two samples crosses the level, and its standard error.
 
-    A curve with a second difference d is d/8 off the line in the middle of a step.  Where the
-    difference at one end of the step is not that at the other, the fall is sharp: it may be
-    anywhere in the step where all of it is in there, with differences of -1 and 1 falls.
+    A curve with a second difference d deviates from the line by d/8 in the middle of a step.  If
+    the second differences at the two ends of the step differ, the fall is sharp.  If they are -1
+    and 1 falls, the whole fall lies within the step and may be anywhere in it.
     """
     below = np.append(y[rows[:-1]] < level, True)
     i = min(max(int(rows[np.argmax(below)]), 2), t.size - 2)
@@ -72,14 +70,14 @@ def _between_samples(t, y, rows, level, level_error, noise):
     x, around = t[i - 2 : i + 2], y[i - 2 : i + 2]
     second = np.diff(np.diff(around) / np.diff(x)) * 2.0 / (x[2:] - x[:-2]) * step**2
     bends = np.clip(second / fall, -1.0, 1.0)
-    of_line = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * ANYWHERE)
-    of_noise = min(math.hypot(noise.sd, level_error) / fall, 1.0)
+    bend_error = math.hypot(bends.mean() / 8.0, (0.5 * (bends[1] - bends[0])) ** 2 * ANYWHERE)
+    noise_error = min(math.hypot(noise.sd, level_error) / fall, 1.0)
     part = min(max((y[i - 1] - level) / fall, 0.0), 1.0)
-    return t[i - 1] + part * step, step * math.hypot(of_line, of_noise)
+    return t[i - 1] + part * step, step * math.hypot(bend_error, noise_error)
 
 
 def _on_cubic(t, y, rows, level, level_error, noise):
-    """Time at which the cubic through samples (but the last) passes the level, and its error."""
+    """Return when a cubic fitted to all rows but the last crosses the level, and its error."""
     x, values = t[rows[:-1]], y[rows[:-1]] - level
     origin, extent = x.mean(), x[-1] - x[0]
     c, covariance = np.polyfit((x - origin) / extent, values, 3, cov="unscaled")
@@ -96,11 +94,14 @@ def _on_cubic(t, y, rows, level, level_error, noise):
     return origin + at * extent, extent * min(error / steep, 1.0)
 
 
-def with_spikes(t, y, middle, found, sign, noise):
-    """Value, error, time, time error (4, m) of extremes, or of the middle of sample and bound.
+def corrected_for_spikes(t, y, middle, found, sign, noise):
+    """Return value, error, time and time error (4, m) of extremes that may be between samples.
 
-    The extremes are kept if the bounds exceed them by no more than noise in the mean of all events,
-    or if some are unknown.
+    If the bounds exceed the extremes by more than noise explains, on the mean of all events, the
+    extremes are placed halfway between sample and bound.  Otherwise `found` is returned.
+
+    middle : (m,) times of the middles of falls
+    found : (4, m) the same quantities without this correction
     """
     y = sign * y
     bounds = [_bound(t, y, int(i), -sign) for i in np.searchsorted(t, middle)]
@@ -116,9 +117,9 @@ def with_spikes(t, y, middle, found, sign, noise):
 
 
 def _bound(t, y, middle, away):
-    """Largest sample next to a fall, bound of what is beside it, time, and half of its range.
+    """Return the largest sample next to a fall, a bound of nearby maxima, time and its error.
 
-    y : (n,) of which a maximum is sought
+    y : (n,) stress, with the sign for which the extreme is a maximum
     middle : first sample after the middle of the fall
     away : -1 if the maximum is before the fall, 1 if it is after
     """
@@ -132,19 +133,19 @@ def _bound(t, y, middle, away):
 
 
 def _crossing(t, y, i, away):
-    """Where the lines on both sides of the step from sample i meet; if they do not, the far one."""
+    """Return the value at which the lines on both sides of a step meet, or a bound of it."""
     j = i + away
     near = (y[i] - y[i - away]) / (t[i] - t[i - away])
     far = (y[j + away] - y[j]) / (t[j + away] - t[j])
-    start = y[j] + far * (t[i] - t[j])  # of the line beyond, at sample i
+    start = y[j] + far * (t[i] - t[j])  # the far line at sample i
     until = (start - y[i]) / (near - far) if near != far else math.inf
     return y[i] + near * until if 0.0 <= until / (t[j] - t[i]) <= 1.0 else max(start, y[j])
 
 
 def has_several(y, span, noise):
-    """Whether stress in a fall slackens and gains speed again: more than one event.
+    """Return whether stress in a fall slows down and speeds up again: more than one event.
 
-    y : (n,) of the record
+    y : (n,) stress of the record
     span : samples of the last trough, of the fall's peak and trough, and of the next peak
     """
     last, peak, trough, following = span
@@ -161,16 +162,16 @@ def has_several(y, span, noise):
         slack = np.minimum(before, after) - fall[lag:-lag]
         sd = noise.sd * math.sqrt(2.0 * min(noise.inflation / lag, 1.0))
         many = fall.size * min(OVERLAP / lag, 1.0)
-        by_noise = (2.0 * math.sqrt(2.0 * math.log(many)) + MARGIN) * sd
-        if slack.max() > max(by_noise, OF_DROP * (y[peak] - y[trough])):
+        noise_limit = (2.0 * math.sqrt(2.0 * math.log(many)) + MARGIN) * sd
+        if slack.max() > max(noise_limit, OF_DROP * (y[peak] - y[trough])):
             return True
     return False
 
 
 def has_step_down(t, y, drop, noise):
-    """Whether stress (n,) falls by a step while it is loaded, beyond noise.
+    """Return whether stress (n,) steps down during loading, by more than noise explains.
 
-    drop : of the next event [Pa]
+    drop : stress drop of the next event [Pa]
     """
     begin, end = (round(part * t.size) for part in LOADING)
     t, y = t[begin:end], y[begin:end]
@@ -180,7 +181,7 @@ def has_step_down(t, y, drop, noise):
     for side in SIDES:
         if 2 * side > t.size:
             break
-        # the step in the middle of samples on a line, by least squares
+        # the kernel gives the least-squares step in the middle of samples on a line
         line = np.arange(2 * side) - side + 0.5
         kernel = np.linalg.pinv(np.column_stack([line > 0.0, np.ones(2 * side), line]))[0]
         step = np.convolve(y, kernel[::-1], "valid").min()

@@ -1,10 +1,10 @@
-"""All events of a series with their quantities: detection, measurement, status and message.
+"""The catalogue: detect and measure the events of a series, with status and message of each.
 
-With delta = delta_lp - tau/K slip in an event is delta_lp's way plus drop/K; the slip rate is
-V_lp - (dtau/dt)/K; the spring's work on the block, the integral of tau over slip, is that over
-delta_lp plus (tau_max^2 - tau_min^2)/(2 K), the energy that the spring loses.  Slip rate is V_lp at
-both ends, so that the kinetic energy is the same, and this work is what friction (and damping, if
-there is any) turns into heat.
+The slip is delta = delta_lp - tau/K.  So the slip in an event is the change of delta_lp plus
+drop/K, and the slip rate is V_lp - (dtau/dt)/K.  The spring's work on the block is the integral of
+tau over slip: the integral over delta_lp plus (tau_max^2 - tau_min^2)/(2 K), the energy that the
+spring loses.  At both ends of an event the slip rate is V_lp, so the kinetic energy is equal, and
+friction (with any damping) turns all of this work into heat.
 """
 
 import math
@@ -20,13 +20,13 @@ from .detection import detected, in_gaps, is_whole, loading_phases
 from .falls import measured_falls, spans_of
 from .lines import Stiffness, Trend, loading_stiffness, trend
 
-#: a drop divided by the threshold below which such drops may be lost
+#: stress drop divided by the threshold below which similar drops may be missing
 SAFE = 2.0
-#: drop of an event with few samples, as a multiple of the median one, that several events may make
+#: stress drop with few samples, as a multiple of the median, that may be several events
 LARGE = 1.5
-#: peak slip rate from which an event is fast: part of the inertial limit, or multiple of V_lp
+#: least peak slip rate of a fast event: fraction of the inertial limit, or multiple of V_lp
 INERTIAL, FAST = 0.5, 100.0
-#: most samples of the record that a catalogue carries, for its figure
+#: most samples of the record that a catalogue keeps, for its figure
 MOST = 20000
 #: status of an event -> what it means
 STATUSES = {
@@ -42,16 +42,16 @@ WHOLE, CUT_BY_START, CUT_BY_END, LOAD_CHANGES, UNDERSAMPLED, GAP, SEVERAL = STAT
 
 
 def catalogue_of(series):
-    """The Dataset of the events of a `Series`, and the `Stiffness`."""
+    """Return the Dataset of the events of a `Series`, and the `Stiffness`."""
     clean, falls, noise, threshold = detected(series)
     stiffness = Stiffness(series.K, 0.0, series.K_source)
     if series.K is None:
         phases = loading_phases(series, falls)
         stiffness = loading_stiffness(series, phases, falls[is_whole(falls)], noise)
     gaps = in_gaps(series.t, falls)
-    found = measured_falls(series, falls, gaps, noise)
-    status, lost = _status(clean, falls, gaps, found, noise)
-    values = _quantities(series, found, stiffness, status == SEVERAL)
+    measured = measured_falls(series, falls, gaps, noise)
+    status, lost = _status(clean, falls, gaps, measured, noise)
+    values = _quantities(series, measured, stiffness, status == SEVERAL)
     steps = np.diff(series.t, prepend=series.t[0])
     longest = [steps[max(i, 0) : max(i, j, 0) + 1].max() for i, j in falls]
     short = values["duration"][0] < longest
@@ -59,7 +59,7 @@ def catalogue_of(series):
     values["recurrence"], why = _recurrence(series, values["event_time"], status)
     drop = values["stress_drop"][0]
     usual = np.nanmedian(drop) if np.isfinite(drop).any() else math.inf
-    sparse, cut = found["sparse"], np.isin(status, (CUT_BY_START, CUT_BY_END))
+    sparse, cut = measured["sparse"], np.isin(status, (CUT_BY_START, CUT_BY_END))
     messages = {
         "start": status == CUT_BY_START,
         "end": status == CUT_BY_END,
@@ -83,7 +83,7 @@ def catalogue_of(series):
         "event",
         **values,
         event_kind=_kinds(values, stiffness.K, series.M),
-        samples_in_fall=found["samples"],
+        samples_in_fall=measured["samples"],
         event_status=status.astype(np.int8),
         event_message=np.array(texts, dtype=str if texts else object),
     )
@@ -106,8 +106,8 @@ def catalogue_of(series):
     return xarray.Dataset(variables, coords), stiffness
 
 
-def _status(series, falls, gaps, found, noise):
-    """Status of all falls (m,); whether the loading before each has a fall that noise hides (m,).
+def _status(series, falls, gaps, measured, noise):
+    """Return the status of falls (m,), and whether the loading before has a hidden fall (m,).
 
     gaps : (m,) whether samples are missing during a fall
     """
@@ -126,21 +126,21 @@ def _status(series, falls, gaps, found, noise):
         CUT_BY_END: falls[:, 1] < 0,
         LOAD_CHANGES: changes,
         SEVERAL: several,
-        UNDERSAMPLED: found["sparse"],
+        UNDERSAMPLED: measured["sparse"],
     }
     return np.select([*holds.values()], [*holds], WHOLE), lost
 
 
-def _quantities(series, found, stiffness, several):
-    """Return name -> (values (m,), standard errors (m,)) of all quantities of whole events.
+def _quantities(series, measured, stiffness, several):
+    """Return name -> (values (m,), standard errors (m,)) of the quantities of events.
 
-    several : (m,) whether an event is several; the errors then hold for each of them, which has at
-        least nothing and at most all of what is measured
+    several : (m,) whether an event is several events; the standard errors then cover all values
+        between zero and the measured amount
     """
     K, K_error = stiffness.K, stiffness.error
-    (high, high_error), (start, start_error) = found["tau_max"], found["event_start"]
-    (low, low_error), (end, end_error) = found["tau_min"], found["event_end"]
-    (time, time_error), (fall, fall_error) = found["event_time"], found["fall_rate"]
+    (high, high_error), (start, start_error) = measured["tau_max"], measured["event_start"]
+    (low, low_error), (end, end_error) = measured["tau_min"], measured["event_end"]
+    (time, time_error), (fall, fall_error) = measured["event_time"], measured["fall_rate"]
     V_lp, V_lp_error = (series.at(time, column) for column in (series.V_lp, series.V_lp_error))
     drop, drop_error = high - low, np.hypot(high_error, low_error)
     duration, duration_error = end - start, np.hypot(start_error, end_error)
@@ -153,7 +153,7 @@ def _quantities(series, found, stiffness, several):
     amounts["slip"] = series.moved(start, end) + drop / K, error
     error = np.hypot(np.hypot(fall_error, fall * K_error / K) / K, V_lp_error)
     amounts["peak_slip_rate"] = V_lp + fall / K, error
-    # of a whole event the place of an extreme, and its value, err independently
+    # errors of the time and of the value of an extreme are independent
     released = (high**2 - low**2) / (2.0 * K)
     error = np.hypot(np.hypot(high * high_error, low * low_error) / K, released * K_error / K)
     amounts["spring_energy"] = released, error
@@ -163,7 +163,7 @@ def _quantities(series, found, stiffness, several):
     amounts["friction_work"] = end_work - start_work + released, np.hypot(load_error, error)
     return {
         "event_time": (time, np.hypot(time_error, np.where(several, 0.5 * duration, 0.0))),
-        **{name: found[name] for name in ("event_start", "event_end", "tau_max", "tau_min")},
+        **{name: measured[name] for name in ("event_start", "event_end", "tau_max", "tau_min")},
         "V_lp": (V_lp, V_lp_error),
         **{
             name: (value, np.hypot(error, np.where(several, 0.5 * value, 0.0)))
@@ -173,10 +173,10 @@ def _quantities(series, found, stiffness, several):
 
 
 def _kinds(values, K, M):
-    """(m,) "fast", "slow", or "unknown" if neither M nor a slip rate is known.
+    """Classify events (m,) as "fast" or "slow"; "unknown" if the peak slip rate is unknown.
 
-    A block that inertia alone limits slips as half a cosine in the natural half-period
-    pi sqrt(M/K), at drop/(2 sqrt(K M)) at most (Johnson & Scholz 1976,
+    If only inertia limits a block, its slip is half a cosine and lasts half a natural period,
+    pi sqrt(M/K).  Its largest slip rate is drop/(2 sqrt(K M)) (Johnson & Scholz 1976,
     doi:10.1029/JB081i005p00881; Rice & Tse 1986, doi:10.1029/JB091iB01p00521).
     """
     rate, drop = values["peak_slip_rate"][0], values["stress_drop"][0]
@@ -188,7 +188,7 @@ def _kinds(values, K, M):
 
 
 def _recurrence(series, event_time, status):
-    """(values, errors) (m,) of times since the last event, and why one is NaN (m,), or ""."""
+    """Return (values, errors) (m,) of recurrence [s], and the message if one is NaN (m,), or ""."""
     time, error = event_time
     why = np.full(time.size, "first", object)
     for k in range(1, time.size):
@@ -203,15 +203,15 @@ def _recurrence(series, event_time, status):
 
 
 def _trends(values, status):
-    """Name of the abscissa -> `Trend`, of events that were loaded at one V_lp from the last on."""
+    """Return abscissa -> `Trend` of whole events with one V_lp since the last event."""
     whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
     drop, V_lp = np.where(whole, values["stress_drop"][0], math.nan), values["V_lp"][0]
     abscissae = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
-    return {name: trend(values[name][0], drop, V_lp, what) for name, what in abscissae.items()}
+    return {name: trend(values[name][0], drop, V_lp, label) for name, label in abscissae.items()}
 
 
 def _thinned(t, tau):
-    """A record with the largest and smallest of so many samples in turn, if it has more."""
+    """Reduce more than `MOST` samples to the largest and the smallest of each block."""
     if t.size <= MOST:
         return t, tau
     every = -(-2 * t.size // MOST)

@@ -1,14 +1,14 @@
-"""Falls of the shear stress that are stick-slip events: beyond noise, and not noise that wanders.
+"""Detection of stick-slip events: falls of the shear stress that noise does not explain.
 
-What is between a maximum of a series and the next minimum is an event, if the series moves away
-from each turning point by more than a threshold.  The threshold is the largest range that noise
-alone reaches in a series of this length, so that noise makes no event.
+An event is the part of a series between a maximum and the next minimum, if the series departs from
+each by more than a threshold.  The threshold is the largest range that noise reaches in a series of
+this length, so that noise alone has no event.
 
-Noise has no direction of time: it falls as slowly as it rises, and at any time.  Stick-slip falls
-faster than the load point loads the spring, or it is regular.
+Noise that wanders falls as slowly as it rises, and at irregular times.  Stick-slip falls faster
+than the load point loads the spring, or it is regular.
 
-A fall is a row (peak, trough) of an array of samples (m, 2); -1 stands for a peak or trough that
-the record does not have.
+A fall is a row (peak, trough) of an array of samples (m, 2).  A peak or trough that lies outside
+the record is -1.
 """
 
 import math
@@ -22,42 +22,38 @@ from ..kit.sample_noise import SampleNoise, noise_of_residuals, sample_noise
 
 #: smallest event of a run, as a multiple of the solver's error per step
 LEAST = 10.0
-#: most samples of an outlier; samples on either side of it that it stands out of
+#: most samples of an outlier; number of samples on either side with which it is compared
 LONGEST_OUTLIER, SIDE = 2, 2
-#: standard deviations of the noise by which it stands out of them
+#: least distance of an outlier from these samples, in standard deviations of the noise
 OUT = 5.0
-#: part of the rise of stress, in time, whose residuals are the noise; degree of the curve there
+#: part of a loading phase whose residuals give the noise; degree of the polynomial fitted there
 CALM, SMOOTH = (0.2, 0.6), 3
-#: fewest samples there, and most of them from which the noise is found, in all
+#: fewest samples of one such part, and number of samples that is enough in all
 FEWEST_CALM, ENOUGH = 12, 20000
-#: noise of the loading, as a multiple of the white one, from which events are detected anew
+#: noise of the loading, as a multiple of the white noise, from which events are detected again
 LARGER = 1.2
-#: range of the record over the noise from which samples are used as they are; else means of some
+#: range of the record divided by the noise, from which samples are not smoothed
 CLEAR = 40.0
-#: most samples in such a mean, over those of the record
+#: longest moving average, as a fraction of the record's samples
 LONGEST = 0.01
-#: standard deviations beyond the expected range of the noise
+#: standard deviations of the noise added to its expected range
 MARGIN = 3.0
-#: rise of stress for the load point's way, over the usual one, that is steeper than any spring's
+#: slope of stress against displacement, as a multiple of the median, that is too steep for loading
 STEEP = 3.0
-#: steps between samples on either side of a gap, and how many times as long it is
+#: number of steps on either side with which a gap is compared, and least ratio of the gap to them
 BESIDE, LONG = 20, 10.0
-#: probability of falls as short as these beside the rises, if they are noise, that is too small
+#: significance level of the test that falls are shorter than rises
 CHANCE = 0.02
-#: fewest falls for such a test; of fewer each must be this much shorter than the rise before it,
-#: as steep as its middle half is: its ends are round, or lost in the noise
+#: fewest falls for this test.  If there are fewer, each fall must last less than this fraction of
+#: the rise before it.  Its duration is twice that of its middle half, because its ends are round.
 FEWEST, SHORTER = 4, 0.1
-#: standard deviation of the times between falls, over their mean, of what is regular: of a few
-#: falls, and from `MANY` on
+#: largest standard deviation of regular intervals between falls, divided by their mean: for fewer
+#: than `MANY` falls, and for more
 REGULAR, MANY = (0.1, 0.25), 8
 
 
 def detected(series):
-    """Return a series without its outliers, its falls, its noise, and the threshold [Pa].
-
-    There are no falls if stress merely wanders.  The `SampleNoise` is that of the loading, if it is
-    larger than white noise.
-    """
+    """Return a series without outliers, its falls, their `SampleNoise`, and the threshold [Pa]."""
     if series.V is not None:
         falls, threshold = rough_falls(series.tau, SampleNoise(LEAST * series.resolution))
         return series, falls, SampleNoise(0.0), threshold
@@ -79,21 +75,21 @@ def _falls_beyond(series, noise):
 
 
 def is_whole(falls):
-    """(m,) whether the record has both the peak and the trough of falls."""
+    """Return whether the record has both the peak and the trough of each fall (m,)."""
     return (falls >= 0).all(axis=1)
 
 
 def loading_phases(series, falls):
-    """Loading phases between falls, at one V_lp: [(first, last sample)]."""
+    """Return the loading phases between falls at one V_lp: [(first, last sample)]."""
     pairs = [(i, j) for i, j in zip(falls[:-1, 1], falls[1:, 0], strict=True) if min(i, j) >= 0]
     return [(i, j) for i, j in pairs if not series.speed_varies(series.t[i], series.t[j])]
 
 
 def without_outliers(y, noise):
-    """A series (n,) with a line in place of each outlier beyond noise of this standard deviation.
+    """Replace each outlier of a series (n,) by a line; noise is the standard deviation.
 
-    An outlier stands out of the samples on both its sides, by more than these differ: after a drop
-    stress is not back where it was, and a steep loading moves on.
+    The samples on both sides of an outlier differ less from each other than from the outlier.
+    After a stress drop, or during steep loading, they differ more.
     """
     y = y.copy()
     for length in range(1, LONGEST_OUTLIER + 1):
@@ -108,7 +104,7 @@ def without_outliers(y, noise):
 
 
 def loading_noise(t, y, phases, white):
-    """`SampleNoise` about curves through phases [(first, last sample)], or the white one."""
+    """Return the `SampleNoise` in loading phases [(first, last sample)]; `white` if too short."""
     residuals: list[np.ndarray] = []
     for first, last in phases:
         rows = slice(*(round(first + part * (last - first)) for part in CALM))
@@ -121,11 +117,7 @@ def loading_noise(t, y, phases, white):
 
 
 def rough_falls(y, noise):
-    """Falls (m, 2) of a series (n,) with this `SampleNoise`, and the threshold.
-
-    One that the record's start or end cuts is among them.  Falls that are smaller than the
-    threshold are not found.
-    """
+    """Return the falls (m, 2) of a series that exceed a threshold, also cut ones; the threshold."""
     spread = float(np.subtract(*np.percentile(y, (99.0, 1.0))))
     width = 1
     if noise.sd > 0.0 and spread > 0.0:
@@ -143,27 +135,26 @@ def rough_falls(y, noise):
 
 
 def turning_points(y, threshold):
-    """Turning points [(sample, +1 for a maximum or -1)] of a series.
+    """Return the turning points [(sample, +1 for a maximum, -1 for a minimum)] of a series.
 
-    In turn maxima and minima, each more than the threshold from the next; the ends of the series
-    are none.
+    Maxima and minima alternate, and each differs from the next by more than the threshold.
     """
-    found = []
+    extremes = []
     for sign in (1, -1):
         _, shape = find_peaks(sign * y, prominence=threshold, plateau_size=1)
         first = shape["left_edges"][shape["prominences"] > threshold]
-        found += [(i, sign) for i in first.tolist()]
+        extremes += [(i, sign) for i in first.tolist()]
     turns: list[tuple[int, int]] = []
-    for i, sign in sorted(found):
-        if not turns or turns[-1][1] != sign:  # (of extremes as high as each other the first)
+    for i, sign in sorted(extremes):
+        if not turns or turns[-1][1] != sign:  # (keep the first of equal extremes)
             turns.append((i, sign))
     return turns
 
 
 def without_rebounds(y, moved, falls):
-    """Falls (m, 2) in which stress that swings back after a fall belongs to the same fall.
+    """Merge falls (m, 2) between which the stress only swings back.
 
-    Load point and spring load the block no faster than they do elsewhere.
+    A rise is a rebound if it is steeper than the spring can load the block elsewhere in the record.
 
     moved : (n,) displacement of the load point [m]
     """
@@ -185,9 +176,9 @@ def without_rebounds(y, moved, falls):
 
 
 def in_gaps(t, falls):
-    """(m,) whether samples are missing from before the peaks to after the troughs of falls.
+    """Return whether samples are missing in falls (m,), from before peak to after trough.
 
-    A step between samples is a gap if it is `LONG` times those on either side of it.
+    A step between samples is a gap if it is `LONG` times as long as the steps on either side.
     """
     steps = np.diff(t)
     long = np.flatnonzero(steps > LONG * np.median(steps))
@@ -201,28 +192,28 @@ def in_gaps(t, falls):
 
 
 def is_stick_slip(series, falls):
-    """Whether falls of a record are not noise, by how short or regular they are."""
+    """Return whether falls are so short or so regular that they are not noise."""
     whole = falls[is_whole(falls)]
     peaks, troughs = series.t[whole].T
     starts = np.concatenate([series.t[:1], troughs[:-1]])[: peaks.size]
-    # after a change of V_lp stress moves by itself
+    # a rise begins after the last change of V_lp, to which stress responds by itself
     changes = np.append(-math.inf, series.t[1:][np.diff(series.V_lp) != 0.0])
     changed = changes[np.searchsorted(changes, peaks, side="right") - 1]
-    lasting, rises = troughs - peaks, peaks - np.maximum(starts, changed)
-    if len(whole) >= FEWEST and mannwhitneyu(lasting, rises, alternative="less").pvalue < CHANCE:
+    durations, rises = troughs - peaks, peaks - np.maximum(starts, changed)
+    if len(whole) >= FEWEST and mannwhitneyu(durations, rises, alternative="less").pvalue < CHANCE:
         return True
     intervals = np.diff(0.5 * (peaks + troughs))
     regular = REGULAR[len(whole) >= MANY]
     if intervals.size > 1 and intervals.std() < regular * intervals.mean():
         return True
-    halves = np.array([_half(series, *fall) for fall in whole])
+    halves = np.array([_middle_half_duration(series, *fall) for fall in whole])
     return 0 < len(whole) < FEWEST and bool((2.0 * halves < SHORTER * rises).all())
 
 
-def _half(series, peak, trough):
-    """How long the middle half of the drop of a fall takes [s]; a step at least."""
+def _middle_half_duration(series, peak, trough):
+    """Return how long the middle half of the drop takes [s]: at least one step."""
     t, y = (x[peak : trough + 1] for x in (series.t, series.tau))
     below, quarter = 0.5 * (y[0] + y[-1]) - y, 0.25 * (y[0] - y[-1])
     middle = int(np.argmax(below > 0.0))
-    each = np.gradient(t)  # time that a sample stands for
-    return max(float(each[np.abs(below) < quarter].sum()), float(t[middle] - t[middle - 1]))
+    spacing = np.gradient(t)
+    return max(float(spacing[np.abs(below) < quarter].sum()), float(t[middle] - t[middle - 1]))

@@ -8,71 +8,78 @@ from .series import series_of
 
 @keywords_checked
 def events(data, *, K=None, M=None, sigma=None):
-    """Find the stick-slip events of a record or a run: a catalogue with errors.
+    """Find the stick-slip events of a record or a run, with standard errors.
 
-    An event is the fall of shear stress from a maximum to the next minimum, if it is larger than
-    what noise does: slip is faster than the load point from the one to the other.  A smooth
-    oscillation has one event a period.
+    An event is a fall of the shear stress, from a maximum to the next minimum, that is too large
+    for noise.  During the fall slip is faster than the load point.  A smooth oscillation has one
+    event in each period.
 
     Parameters
     ----------
     data : xarray.Dataset
-        A record of `read_lab` (``friction`` or ``tau``; ``delta_lp`` or ``V_load``; perhaps
-        ``sigma``), or a run of `simulate` of one slider, with more than its ends saved.
+        A record from `read_lab` (``friction`` or ``tau``, ``delta_lp`` or ``V_load``, and perhaps
+        ``sigma``), or a run of one slider from `simulate` with many saved times.
     K : float, str or pint.Quantity, optional
-        Stiffness per area [Pa/m]; by default the slider's, or for a record that of the loading
-        between events.
+        Stiffness per area [Pa/m].  By default the stiffness of the run's slider is used.  For a
+        record it is estimated from the loading between events.
     M : float, str or pint.Quantity, optional
-        Mass per area [kg/m^2], if it is known; by default that of the run's slider.
+        Mass per area [kg/m^2], if it is known.  By default the mass of the run's slider is used.
     sigma : float, str or pint.Quantity, optional
-        Normal stress [Pa], where the record has none or another is meant.
+        Normal stress [Pa].  It is needed if the record has friction but no normal stress, and
+        replaces a recorded normal stress.
 
     Returns
     -------
     xarray.Dataset
-        Along ``event``, in order of time, each with its standard error ``..._error``:
-        ``event_start`` and ``event_end`` [s], of the largest and smallest stress, and
-        ``event_time``, when stress is midway; ``tau_max``, ``tau_min`` and ``stress_drop`` [Pa],
-        ``friction_drop``; ``recurrence`` [s], between the event times of this and the last
-        event; ``duration`` [s]; ``slip`` [m] and ``peak_slip_rate`` [m/s]; ``friction_work``, the
-        integral of tau over slip, and ``spring_energy``, what the spring loses [J/m^2]; ``V_lp``
-        [m/s].  ``event_kind`` is "fast" where the peak slip rate is half of the inertial limit
-        stress_drop/(2 sqrt(K M)) or more, else "slow"; where M is not known, where it is 100 V_lp
-        or more.  ``samples_in_fall``; ``event_status`` (int8 with CF flags; 0 whole) and
-        ``event_message``, with a line for whatever is NaN or to be known.
+        Along ``event``, in order of time, with standard errors ``NAME_error``:
 
-        Along ``abscissa`` ("recurrence", "V_lp") the line stress_drop = A + B log10(x), x in SI, of
-        whole events loaded at one V_lp: ``trend_A``, ``trend_B`` [Pa], their errors,
-        ``trend_events`` and ``trend_message``.  ``K``, ``K_error`` [Pa/m]; ``tau_noise`` [Pa] and
-        ``tau_noise_correlation`` of neighbouring samples, as found in the loading;
-        ``detection_threshold`` [Pa], the smallest stress drop that is found; ``tau`` along
-        ``time``, thinned where it is long.
+        - ``event_start`` and ``event_end`` [s]: times of the largest and smallest stress.
+        - ``event_time`` [s]: when the stress is midway between them.
+        - ``tau_max``, ``tau_min`` and ``stress_drop`` [Pa]; ``friction_drop``.
+        - ``recurrence`` [s]: time since the ``event_time`` of the last event.
+        - ``duration`` [s], ``slip`` [m], ``peak_slip_rate`` [m/s], ``V_lp`` [m/s].
+        - ``friction_work`` [J/m^2]: the integral of tau over slip.
+        - ``spring_energy`` [J/m^2]: the energy that the spring loses.
+
+        Without errors: ``event_kind`` is "fast" if the peak slip rate is at least half the inertial
+        limit stress_drop/(2 sqrt(K M)), or at least 100 V_lp if M is unknown, and "slow" otherwise.
+        ``samples_in_fall`` is the number of samples.  ``event_status`` (int8 with CF flags) is 0
+        for a whole event.  ``event_message`` explains NaN and gives remarks.
+
+        Along ``abscissa`` ("recurrence", "V_lp"): the line stress_drop = A + B log10(x), with x in
+        SI, through whole events loaded at one V_lp: ``trend_A`` and ``trend_B`` [Pa] with errors,
+        ``trend_events`` and ``trend_message``.
+
+        Scalars: ``K`` and ``K_error`` [Pa/m]; ``tau_noise`` [Pa] and ``tau_noise_correlation`` of
+        neighbouring samples, from the loading; ``detection_threshold`` [Pa], the smallest stress
+        drop that can be found.  Along ``time``: ``tau``, thinned if it is long.
 
     Raises
     ------
     ParameterError
-        A Dataset that is neither; a value that cannot be used; a sweep; friction without a normal
-        stress.
+        If the data are not a record or a run of one slider, a value cannot be used, or the record
+        has friction but no normal stress.
 
     Notes
     -----
-    In a run peaks lie on cubics through tau and its known slope.  In a record they are those of
-    polynomials, in windows that are as wide as the noise hides what a polynomial cannot follow, and
-    without the bias of largest samples.  Errors are from the noise in the loading phases, white or
-    correlated.  Errors of slip, slip rate and energies contain that of K, which all events share.
-    The rounding of stresses and times to the record's digits is part of every error.  If the
-    samples next to a fall show that a peak or trough lies between samples, it is put halfway to
-    where the lines through these samples meet, with that distance as its error.  The duration is
-    NaN if it is less than one step between samples.
+    In a run peaks lie on cubics through tau and its known slope.  In a record they are peaks of
+    polynomials, which do not have the bias of the largest sample.  The windows are as wide as
+    possible without a misfit beyond the noise.  Errors follow from the noise in the loading phases,
+    white or correlated.  Errors of slip, slip rate and energies include the error of K, which all
+    events share.  Every error includes the rounding of stresses and times to the record's digits.
+    If the samples next to a fall show that a peak or trough lies between samples, it is placed
+    halfway to the point at which the lines through these samples meet, with that distance as its
+    error.  The duration is NaN if it is less than one step between samples.
 
     Two events are found as one fall if the loading between them raises the stress by less than the
-    detection threshold.  A fall that slackens and gains speed again is several events (status 6);
-    its errors cover any one of them.  Messages name a drop of more than 1.5 times the median one in
-    few samples, which may be several events; a smaller fall in the loading before an event; and a
-    drop of less than twice the threshold, so that similar events may be lost.
+    detection threshold.  A fall that slows down and speeds up again is several events (status 6),
+    and its errors cover the values of each of them.  Messages report a stress drop with few samples
+    of more than 1.5 times the median, which may be several events.  They report a smaller fall
+    during the loading before an event.  They report a stress drop of less than twice the threshold,
+    because similar events may then be missing.
 
-    If the middle half of a fall has fewer than 8 samples, the peak slip rate is the mean there: a
-    lower bound.
+    If the middle half of a fall has fewer than 8 samples, the peak slip rate is the mean slip rate
+    there, a lower bound.
 
     Examples
     --------

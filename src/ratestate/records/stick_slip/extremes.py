@@ -1,24 +1,25 @@
 """Extremes of a noisy series, or of its slope: values, times and their standard errors.
 
-The largest of many noisy samples is too large.  So polynomials are fitted by least squares to a
-window beside the fall of each event, or within it: one of the lowest degree with an extreme, whose
-vertex is the place, and one two degrees higher, whose value is taken there.  If noise hides the
-vertex of one event, the vertex of the mean polynomial of all events is the place.
+The largest of many noisy samples is too large.  So two polynomials are fitted by least squares to a
+window next to the fall of each event, or within it.  The first has the lowest degree that has an
+extreme, and its vertex is the place of the extreme.  The second is two degrees higher and gives the
+value at this place.  If noise hides the vertex of one event, the place is the vertex of the mean
+polynomial of all events.
 
-If that is hidden too, the extreme is at the edge of the loading, next to the fall.  Samples have
-begun to leave the polynomial before noise lets one see it: the departure grows as the square of the
-time from the extreme, where the fall begins or ends with a finite acceleration, so that it takes as
-long to pass from nothing to `LEFT` standard deviations as from there to four times as many.  If
-noise hides the fall in one event, the mean departure of all events shows it.
+If noise hides that vertex too, the extreme is at the edge of the loading, next to the fall.  Noise
+hides the first samples that leave the polynomial.  The fall begins or ends with a finite
+acceleration, so the departure grows as the square of the time from the extreme.  Its growth from
+zero to `LEFT` standard deviations then takes as long as from there to four times as many.  If noise
+hides the fall in one event, the mean departure of all events shows it.
 
-All events at one load-point velocity share a window, counted from the middles of their falls: the
-one with the least error in which the lower polynomial is not contradicted by the higher one, in
-value and slope.  (Lepskii 1991, doi:10.1137/1135065, chooses windows by such comparisons.)
+All events at one load-point velocity share a window relative to the middles of their falls.  Of the
+windows in which both polynomials agree in value and slope, it is the one with the least error
+(Lepskii 1991, doi:10.1137/1135065, chooses windows by such comparisons).
 
-    k    order of the derivative whose extreme is sought: 0 of the stress, 1 of its slope
+    k    order of the derivative whose extreme is sought: 0 for the stress, 1 for its slope
     u    time from the window's middle divided by its extent
-    c    coefficients (m, size) of polynomials of m events, from the constant on
-    C    their covariances (m, size, size)
+    c    coefficients (m, size) of polynomials of m events, in ascending order
+    C    covariances (m, size, size) of these coefficients
 """
 
 import math
@@ -26,35 +27,34 @@ from typing import NamedTuple
 
 import numpy as np
 
-#: samples in a window of which means are taken from twice as many on
+#: number of samples in a window; windows with at least twice as many are averaged in blocks
 PLENTY = 300
-#: degrees over that with an extreme
+#: degrees by which the second polynomial exceeds the first
 MORE = 2
-#: least variance of a sample [Pa^2], so that what has no noise can be divided by it
+#: least variance of a sample [Pa^2], which avoids a division by zero
 TINY = 1e-300
-#: excess of a window without a vertex that the fall does not bound: the last to be chosen
+#: excess of a window without a vertex and without a bound by the fall, so that it is chosen last
 UNBOUNDED = 1e6
-#: standard errors of a vertex that it must be from the fall, so that noise does not make it, nor
-#: a value at the vertex that is too extreme by more than a tenth of its error
+#: least distance of a vertex from the fall, in standard errors, so that noise does not create it
 SEEN = 6.0
 #: largest shift of a vertex, in u
 FARTHEST = 0.5
-#: standard deviations of a sample from a polynomial that it has left
+#: least distance of a sample that has left a polynomial, in standard deviations
 LEFT = 4.0
-#: samples from a window in which it must be left: else the fall does not bound it
+#: number of samples after a window within which samples must leave, or the fall does not bound it
 BEYOND = 4
-#: events from which a window is chosen, at most; part of them that must have samples enough
+#: most events from which a window is chosen; fraction of them that must have enough samples
 MOST, ENOUGH = 16, 0.8
-#: standard errors of the mean difference between both degrees that do not contradict
+#: largest mean difference between both degrees that agree, in standard errors
 AGREE = 1.5
-#: standard deviations of the sum of squares that a window may have too much
+#: largest allowed excess of the sum of squares, in standard deviations
 ROUGH = 4.0
-#: power of the contradiction by which an error must be smaller
+#: power of the contradiction with which the error of a window is multiplied
 PRICE = 4
 
 
 class Window(NamedTuple):
-    """A window from two times after the middle of a fall, and which side of it is the fall."""
+    """A window between two times after the middle of a fall, and the side of the fall."""
 
     start: float  # [s]
     end: float  # [s]
@@ -62,45 +62,48 @@ class Window(NamedTuple):
 
 
 class Extremes(NamedTuple):
-    """The extremes (m,) of a series, or of its slope, in a window; NaN with too few samples."""
+    """Extremes (m,) of a series or of its slope in a window; NaN if it has too few samples."""
 
     time: np.ndarray
     value: np.ndarray
     error: np.ndarray
     time_error: np.ndarray
-    difference: np.ndarray  # of the values of both degrees
-    contradiction: float  # how far the degrees are apart, and samples from them, over the allowed
+    difference: np.ndarray  # between the values of both degrees
+    contradiction: float  # largest misfit, of degrees or samples, as a multiple of the allowed one
 
     @property
     def biased_error(self):
-        """(m,) errors of the values, with the mean difference of the degrees, which all share."""
+        """Return errors (m,) of the values that include the mean difference of the degrees."""
         known = self.difference[np.isfinite(self.difference)]
         return np.hypot(self.error, abs(known.mean()) if known.size else math.nan)
 
 
 def chosen_window(t, y, middles, windows, k, sign, noise):
-    """The `Window` among these in which extremes are least uncertain and not contradicted.
+    """Choose the `Window` whose extremes have the smallest error without contradiction.
 
-    The more the degrees contradict each other, the smaller the error must be in return.  None if no
-    window has samples enough.
+    The error is multiplied by a power of the contradiction.  The result is None if no window has
+    enough samples.
     """
     some = middles[:: math.ceil(middles.size / MOST)]
     choices: list[tuple[float, Window]] = []
     for window in windows:
-        found = extremes(t, y, some, window, k, sign, noise)
-        if np.isfinite(found.value).mean() >= ENOUGH:
-            error = math.sqrt(float(np.nanmean(found.error**2)))
-            choices.append((error * max(found.contradiction, 1.0) ** PRICE, window))
+        result = extremes(t, y, some, window, k, sign, noise)
+        if np.isfinite(result.value).mean() >= ENOUGH:
+            error = math.sqrt(float(np.nanmean(result.error**2)))
+            choices.append((error * max(result.contradiction, 1.0) ** PRICE, window))
     return min(choices, default=(0.0, None))[1]
 
 
 def extremes(t, y, middles, window, k, sign, noise):
-    """The `Extremes` of the k-th derivative, of sign +1 maxima, in a window after each middle."""
-    found = np.full((5, len(middles)), math.nan)
+    """Return the `Extremes` of the k-th derivative in a window relative to each middle of a fall.
+
+    sign : 1 for maxima, -1 for minima
+    """
+    table = np.full((5, len(middles)), math.nan)
     firsts, lasts = np.searchsorted(t, middles + np.array([[window.start], [window.end]]))
     use = np.flatnonzero(lasts - firsts >= k + MORE + 4)
     if not use.size:
-        return Extremes._make((*found, math.inf))
+        return Extremes._make((*table, math.inf))
     span = firsts[use], lasts[use], np.searchsorted(t, middles[use])
     extent = window.end - window.start
     scales = middles[use] + 0.5 * (window.start + window.end), extent, y[span[0]]
@@ -114,29 +117,29 @@ def extremes(t, y, middles, window, k, sign, noise):
     (value, variance), (difference, more) = _compared((c, C), high, u, k)
     _, (turn, turn_variance) = _compared((c, C), high, u, k + 1)
     time = scales[0] + extent * u
-    if vertices is None:  # the extreme is anywhere where the curve is as extreme as can be told
+    if vertices is None:  # the place is uncertain where the curve differs by less than its error
         slope = np.abs((_derivatives(u, k + 3, k + 1) * c).sum(axis=1))
         blurred = np.minimum(np.sqrt(variance / 3.0) / (slope + TINY), 1.0)
         variance = variance + (slope * u_error) ** 2
         u_error = np.hypot(u_error, blurred)
     else:  # the mean slope of the higher degree at the vertices moves them
-        mean, by_noise = float(turn.mean()), float(turn_variance.mean()) / use.size
+        mean, noise_variance = float(turn.mean()), float(turn_variance.mean()) / use.size
         bend = abs(math.factorial(k + 2) * float(c[:, k + 2].mean()))
         shift = sign * float(np.clip(mean / bend, -FARTHEST, FARTHEST))
-        u_error = np.hypot(u_error, math.hypot(math.sqrt(by_noise) / bend, 0.5 * shift))
-        value = value + sign * 0.5 * max(mean**2 - by_noise, 0.0) / bend
+        u_error = np.hypot(u_error, math.hypot(math.sqrt(noise_variance) / bend, 0.5 * shift))
+        value = value + sign * 0.5 * max(mean**2 - noise_variance, 0.0) / bend
         time = time + shift * extent
     value = value / extent**k + (scales[2] if k == 0 else 0.0)
     error = np.sqrt(variance) / extent**k
-    found[:, use] = time, value, error, extent * u_error, difference / extent**k
+    table[:, use] = time, value, error, extent * u_error, difference / extent**k
     parts = [np.where(bounded, excess, UNBOUNDED).sum() / ROUGH / math.sqrt(use.size)]
-    for off, its_variance in ((difference, more), (turn, turn_variance)):
-        parts.append(abs(off.sum()) / AGREE / math.sqrt(max(its_variance.sum(), TINY)))
-    return Extremes._make((*found, float(max(parts))))
+    for off, off_variance in ((difference, more), (turn, turn_variance)):
+        parts.append(abs(off.sum()) / AGREE / math.sqrt(max(off_variance.sum(), TINY)))
+    return Extremes._make((*table, float(max(parts))))
 
 
 def _compared(low, high, u, k):
-    """k-th derivative of the higher degree at u, and its difference from the lower; variances."""
+    """Return the higher degree's k-th derivative, its excess over the lower's; with variances."""
     (c, C), (c_high, C_high) = low, high
     row, n = _derivatives(u, c_high.shape[1], k), c.shape[1]
     value, variance = (row * c_high).sum(axis=1), _quadratic(row, C_high)
@@ -145,11 +148,11 @@ def _compared(low, high, u, k):
 
 
 def _fits(t, y, span, scales, k, noise):
-    """c, C of both degrees by least squares of samples (or means of some) in windows.
+    """Fit both degrees to samples in windows: (c, C) of each, and the excess (m,).
 
-    And (m,) sums of squares less what is expected, in standard deviations.
+    The excess is the sum of squared residuals minus its expectation, in standard deviations.
 
-    span, scales : as of `edges`
+    span, scales : as for `edges`
     """
     (first, last, _), (centre, extent, level) = span, scales
     sizes = last - first
@@ -175,15 +178,13 @@ def _fits(t, y, span, scales, k, noise):
 
 
 def _vertices(c, C, k, sign, ends, fall):
-    """Places (m,) of the vertices of polynomials, in u, and their errors.
+    """Return the vertices of polynomials in u and their errors (m,), or None if hidden by noise.
 
-    None if noise hides the vertex of the mean polynomial too, or if it is outside the window.
-
-    ends : (2, m) of the windows, in u
+    ends : (2, m) ends of the windows, in u
     """
 
-    def seen(c, C, ends):
-        """u, its error, and whether it is in the window, and beyond noise from the fall's side."""
+    def vertex(c, C, ends):
+        """Return u, its error, and whether it is in the window and clear of the fall's side."""
         bend = math.factorial(k + 2) * c[:, k + 2]
         with np.errstate(divide="ignore", invalid="ignore"):
             u = -math.factorial(k + 1) * c[:, k + 1] / bend
@@ -195,24 +196,24 @@ def _vertices(c, C, k, sign, ends, fall):
 
     whole = np.array([[ends[0].min()], [ends[1].max()]])
     mean = c.mean(axis=0, keepdims=True), C.mean(axis=0, keepdims=True) / len(c)
-    (place,), (mean_error,), (is_seen,) = seen(*mean, whole)
-    if not is_seen:
+    (place,), (mean_error,), (is_known,) = vertex(*mean, whole)
+    if not is_known:
         return None
-    u, errors, known = seen(c, C, ends)
+    u, errors, known = vertex(c, C, ends)
     known &= known.mean() > 0.5
     spread = float(np.std(u[known])) if known.any() else 0.0
     return np.where(known, u, place), np.where(known, errors, math.hypot(mean_error, spread))
 
 
 def edges(samples, span, scales, c, fall, sign, sd):
-    """Places (m,) of the extremes of polynomials on the side of the fall, in u; their errors.
+    """Return extremes next to the fall in u, their errors, and whether the fall bounds them (m,).
 
-    And (m,) whether the fall bounds them.
-
-    c : (m, size) of the polynomials
     samples : t and y, (n,) each, of the whole record
-    span : (m,) first samples of the windows, those after their last, those after middles of falls
-    scales : times (m,) at which u = 0, time in which it grows by 1, and (m,) stress at which c = 0
+    span : (m,) first samples of the windows, first samples after them, and first samples after the
+        middles of falls
+    scales : times (m,) at which u = 0; time in which u grows by 1; stresses (m,) from which the
+        polynomials are counted
+    c : (m, size) coefficients of the polynomials
     """
     (t, y), (first, last, middle), (centre, extent, level) = samples, span, scales
     event = np.arange(len(c))
@@ -232,21 +233,21 @@ def edges(samples, span, scales, c, fall, sign, sd):
     off = np.where(inside & (index > 0), y[rows] - level[:, None] - curve, 0.0)
 
     def leaves(off, sd):
-        """Samples from the window at which it is left, 0 for none near it, and at which by far."""
+        """Return after how many samples the curve is left (0: not nearby), and clearly left."""
         near = (off > LEFT * sd) & inside & (index <= BEYOND)
         left = near.argmax(axis=1)  # (0 if there is none)
         far = (off > 4.0 * LEFT * sd) & inside & (index >= left[:, None])
         return left, np.where(far.any(axis=1), far.argmax(axis=1), inside.sum(axis=1) - 1)
 
     count = np.maximum(inside.sum(axis=0), 1)
-    own = leaves(np.abs(off), sd)
+    single = leaves(np.abs(off), sd)
     shared = leaves(np.abs(off.sum(axis=0) / count), sd / np.sqrt(count))
-    left, far = (np.where(own[0] > 0, a, b) for a, b in zip(own, shared, strict=True))
+    left, far = (np.where(single[0] > 0, a, b) for a, b in zip(single, shared, strict=True))
     bounded = left > 0
     step = np.abs(u[event, left] - u[event, np.maximum(left - 1, 0)])
     delay = np.abs(u[event, far] - u[event, left])
-    # a time between two samples is known to sqrt(1/12) of a step, the delay to sqrt(2/12); if
-    # nothing is seen to leave a window, the extreme is at its end, or up to the fall's middle
+    # a time between two samples has an error of sqrt(1/12) steps, the delay of sqrt(2/12); if no
+    # sample leaves the curve, the extreme is between the window's end and the fall's middle
     place = np.where(bounded, u[event, left] - fall * (0.5 * step + delay), u[:, 0])
     return place, np.where(bounded, np.hypot(0.5 * step, 0.5 * delay), 0.5 * delay), bounded
 
@@ -256,7 +257,7 @@ def _quadratic(row, C):
 
 
 def _derivatives(u, size, k):
-    """The k-th derivatives of 1, u, u^2, ... at u (m,): (m, size)."""
+    """Return the k-th derivatives (m, size) of 1, u, u^2, ... at u (m,)."""
     powers = np.arange(size)
     factors = np.array([math.perm(j, k) for j in powers], float)
     return factors * u[:, None] ** np.maximum(powers - k, 0)

@@ -1,12 +1,12 @@
-"""Peaks, troughs, times and slip rates of falls, in a noisy record and in a run.
+"""Peaks, troughs, times and slip rates of falls, in a noisy record or in a run.
 
-In a record everything is counted from the middle of a fall, where stress is steep and time well
-known.
+In a record times are relative to the middle of a fall.  There the stress is steep, and its time is
+well known.
 
-A run has no noise.  Between its samples tau is the cubic that has its values and slopes, dtau/dt =
-K (V_lp - V), at both: its extremes and the middle of a fall are found on that.  What a cubic
-through every second sample gives differently is taken for the error: the error of few samples does
-not yet fall as h^4.
+A run has no noise.  Between two samples tau is the cubic with the values and the slopes, dtau/dt =
+K (V_lp - V), of both.  Extremes and the middle of a fall are found on this cubic.  The error is the
+difference from a cubic through every second sample, because with few samples the error is not yet
+proportional to the fourth power of the step.
 """
 
 import itertools
@@ -16,55 +16,55 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import uniform_filter1d
 
-from .between_samples import ANYWHERE, NEAR, middles, with_spikes
+from .between_samples import ANYWHERE, NEAR, corrected_for_spikes, middles
 from .detection import is_whole
 from .extremes import Window, chosen_window, extremes
 from .lines import speed_groups
 
-#: what is measured of a fall; each has an error
+#: measured quantities of a fall; each has an error
 NAMES = ("tau_max", "event_start", "tau_min", "event_end", "event_time", "fall_rate")
 COLUMNS = 2 * len(NAMES) + 2
-#: scatter of rough drops, as a part of their median, beyond which events have windows of their own
-ALIKE = 0.1
-#: the same in standard deviations of the noise, which changes rough drops
-BY_NOISE = 3.0
-#: shortest loading beside an event, as a part of the median, of events that share windows
+#: largest deviation from the median drop of events that share windows: as a fraction, and in
+#: standard deviations of the noise
+ALIKE, BY_NOISE = 0.1, 3.0
+#: shortest loading next to an event, as a fraction of the median, of events that share windows
 CLOSE = 0.5
-#: extents of windows on the side of the loading, as parts of the time of loading; least [samples]
+#: extents of windows into the loading, as fractions of its duration; shortest window [samples]
 LOADING, SHORTEST = np.geomspace(0.02, 0.85, 9), 6.0
-#: ends of windows on the side of the fall, as parts of the time from its middle to the extreme; and
-#: in samples from the middle
+#: ends of windows next to the fall: as fractions of the time from its middle to the extreme, and in
+#: samples from the middle
 FALL, NEAREST = (0.1, 0.25, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0), (0.5, 1.0, 1.5, 2.0, 3.0)
-#: least ends of windows on the side of the fall, in samples, or as a part of the time of loading if
-#: that is less: noise can hide a sample that is still in the fall
+#: least distance of these ends from the middle, because noise can hide that a sample is in the
+#: fall: in samples, or as a fraction of the duration of loading if that is less
 LEAST, OF_LOADING = 1.0, 0.05
-#: half extents of windows for the slip rate, as parts of the time of the fall
+#: half extents of windows for the slip rate, as fractions of the duration of the fall
 STEEP = np.geomspace(0.2, 3.2, 8)
-#: samples in the middle half of a fall below which its mean slope there is taken, a lower bound
+#: fewest samples in the middle half of a fall for its steepest slope; else the mean slope is used
 SPARSE = 8
-#: fewest samples of a fall through which a line is drawn
+#: fewest samples in the middle half of a fall for a line through them
 LINE = 3
-#: standard errors of a mean of samples by which the middle of a fall is within a quarter drop
+#: a quarter of the drop, in standard errors of a moving average, for a clear middle of a fall
 CLEAR = 4.0
-#: times that windows are placed about what the last ones gave
+#: number of times that windows are placed relative to the last estimates
 ROUNDS = 2
-#: error of tau in a run, as a part of the drop, from which a fall has too few samples; and samples
+#: in a run: largest error of tau, as a fraction of the drop, and fewest samples of a resolved fall
 COARSE, SPARSE_RUN = 5e-4, 5
-#: relative error of a run's steepest fall from which they are too few
+#: largest relative error of the steepest slope of a resolved fall in a run
 ROUGH = 0.1
-#: farthest that an extreme of a run may be from a sample, as a part of the drop
+#: largest distance of an extreme of a run from a sample, as a fraction of the drop
 FAR = 0.01
 
 
 def measured_falls(series, falls, gaps, noise):
-    """Each of `NAMES` -> values (m,) and errors (m,) of falls; "samples", "sparse" -> (m,).
+    """Measure falls: each of `NAMES` -> values and errors (m,); "samples", "sparse" -> (m,).
 
-    NaN for a fall that the record cuts, but for the time it has, and if samples are missing in it.
-    ``samples`` is their number in the fall, ``sparse`` whether they are too few for the slip rate.
+    Values are NaN if samples are missing in the fall, or if the record cuts it; then only the time
+    of the recorded end is known.  ``samples`` is the number of samples in the fall.  ``sparse``
+    means that they are too few for the slip rate.
 
     gaps : (m,) whether samples are missing
     """
-    # the columns are values and errors of `NAMES` in turn, samples and sparse
+    # the columns are value and error of each of `NAMES`, then samples and sparse
     whole, table = is_whole(falls), np.full((len(falls), COLUMNS), math.nan)
     table[:, -2:] = 0.0
     for name, samples in zip(("event_start", "event_end"), falls.T, strict=True):
@@ -78,27 +78,27 @@ def measured_falls(series, falls, gaps, noise):
     else:
         for group in _groups(series, spans, rows, noise):
             table[group] = _in_record(series, spans[group], noise)
-    found: dict = {name: tuple(table[:, 2 * i : 2 * i + 2].T) for i, name in enumerate(NAMES)}
-    return found | {"samples": table[:, -2].astype(int), "sparse": table[:, -1] > 0.0}
+    columns: dict = {name: tuple(table[:, 2 * i : 2 * i + 2].T) for i, name in enumerate(NAMES)}
+    return columns | {"samples": table[:, -2].astype(int), "sparse": table[:, -1] > 0.0}
 
 
 def spans_of(series, falls):
-    """(m, 4) samples of the last trough, of a fall's peak and trough, and of the next peak."""
+    """Return samples (m, 4) of last trough, peak and trough of the fall, and next peak."""
     last = np.maximum(np.append(0, falls[:, 1])[:-1], 0)
     following = np.append(falls[:, 0], series.t.size - 1)[1:]
     return np.column_stack([last, falls, following])
 
 
 def _groups(series, spans, whole, noise):
-    """Rows of events that are alike: at one V_lp, with much the same drop; else each by itself.
+    """Group rows of whole events with one V_lp and similar drops, and each other event by itself.
 
-    spans : (m, 4) of `spans_of`; whole : rows of whole events
+    spans : (m, 4) from `spans_of`
     """
     if not whole.size:
         return []
     t, (peaks, troughs) = series.t, spans[whole, 1:3].T
     drop = series.tau[peaks] - series.tau[troughs]
-    # (loading that the record cuts does not count)
+    # (ignore loading that the record cuts)
     beside = np.diff(t[spans[whole]], axis=1)[:, ::2]
     is_end = (whole == 0) | (whole == len(spans) - 1)
     loading = np.where(is_end, beside.max(axis=1), beside.min(axis=1))
@@ -115,11 +115,11 @@ def _groups(series, spans, whole, noise):
 
 
 def _in_record(series, spans, noise):
-    """(m, COLUMNS) rows of the table of falls, for a group of them."""
+    """Return rows (m, COLUMNS) of the table of falls, for a group of falls in a record."""
     t, y = series.t, series.tau
     begins, peaks, troughs, ends = spans.T
     drop = float(np.median(y[peaks] - y[troughs]))
-    # in means of so many samples noise does not hide the middles of falls
+    # the moving average is so wide that noise does not hide the middles of falls
     width = math.ceil((CLEAR * noise.sd / (NEAR * drop)) ** 2 * noise.inflation)
     width = min(width, max(int(np.min(troughs - peaks)) // 2, 1))
     means = uniform_filter1d(y, width) if width > 1 else y
@@ -129,12 +129,12 @@ def _in_record(series, spans, noise):
     for sign, samples, edge in ((1, peaks, begins), (-1, troughs, ends)):
         loading = float(np.median(sign * (t[samples] - t[edge])))
         one = _stress_extremes(t, y, middle, t[samples], sign, loading, noise)
-        value, error, time, time_error = with_spikes(t, y, middle, one, sign, noise)
+        value, error, time, time_error = corrected_for_spikes(t, y, middle, one, sign, noise)
         error = np.hypot(error, series.resolution)
         sides.append((value, error, time, np.hypot(time_error, series.t_resolution)))
     (high, high_error, start, _), (low, low_error, end, _) = sides
     first, last = np.searchsorted(t, start), np.searchsorted(t, end)
-    if width > 1:  # (a sample far from the fall may pass its middle by noise)
+    if width > 1:  # (due to noise, a sample far from the fall may cross the middle level)
         peaks, troughs = np.maximum(peaks, first - width), np.minimum(troughs, last + width)
     level_error = 0.5 * np.hypot(high_error, low_error)
     middle, error = middles(t, y, peaks, troughs, high, low, level_error, noise)
@@ -144,9 +144,10 @@ def _in_record(series, spans, noise):
 
 
 def _stress_extremes(t, y, middle, at, sign, loading, noise):
-    """Value, error, time, time error (m,) of peaks (sign 1) or troughs (-1).
+    """Return value, error, time and time error (4, m) of peaks (sign 1) or troughs (-1).
 
-    at : (m,) rough times of these
+    middle : (m,) times of the middles of falls
+    at : (m,) rough times of the extremes
     """
     for _ in range(ROUNDS):
         offset = float(np.median(at - middle))
@@ -154,27 +155,27 @@ def _stress_extremes(t, y, middle, at, sign, loading, noise):
         window = chosen_window(t, y, middle, windows, 0, sign, noise)
         if window is None:
             return np.full((4, middle.size), math.nan)
-        found = extremes(t, y, middle, window, 0, sign, noise)
-        at = np.where(np.isfinite(found.time), found.time, middle + offset)
-    # (a peak is always before the middle of its fall; noise may place it after)
-    time = sign * np.minimum(sign * found.time, sign * middle)
-    return np.array([found.value, found.biased_error, time, found.time_error])
+        result = extremes(t, y, middle, window, 0, sign, noise)
+        at = np.where(np.isfinite(result.time), result.time, middle + offset)
+    # (a peak is before the middle of its fall, though noise may place it after)
+    time = sign * np.minimum(sign * result.time, sign * middle)
+    return np.array([result.value, result.biased_error, time, result.time_error])
 
 
 def _windows(offset, loading, spacing, sign):
-    """`Window`s that have an extreme this long after the middle of the fall (peaks: < 0)."""
+    """Generate `Window`s for an extreme at this time after the middle of the fall (peaks: < 0)."""
     reach, least = abs(offset), min(LEAST * spacing, OF_LOADING * loading)
     nears = [part * reach for part in FALL]
     nears += [j * spacing for j in NEAREST if j * spacing <= reach + spacing]
     nears = sorted({max(near, least) for near in nears})
     for extent, near in itertools.product(LOADING * loading, nears):
         far = max(reach + extent, near + SHORTEST * spacing)
-        if far < reach + loading:  # (beyond is the next fall)
+        if far < reach + loading:  # (the next fall lies beyond)
             yield Window(-far, -near, 1) if sign > 0 else Window(near, far, -1)
 
 
 def _slopes(t, y, middle, peaks, troughs, noise):
-    """Steepest fall (m,) [Pa/s], its error, and whether samples are too few for it."""
+    """Return the steepest slopes (m,) [Pa/s], their errors, and whether samples are too few."""
     spacing = np.median(np.diff(t))
     fall = max(float(np.median(t[troughs] - t[peaks])), spacing)
     halves = [_middle_half(t, y, i, j) for i, j in zip(peaks, troughs, strict=True)]
@@ -186,18 +187,19 @@ def _slopes(t, y, middle, peaks, troughs, noise):
         window = chosen_window(t, y, middle, windows, 1, -1, noise)
         if window is None:
             break
-        found = extremes(t, y, middle, window, 1, -1, noise)
-        time = float(np.nanmedian(found.time - middle))
+        result = extremes(t, y, middle, window, 1, -1, noise)
+        time = float(np.nanmedian(result.time - middle))
     if window is None:
         return means, np.full(means.size, math.nan), np.ones(means.size, bool)
-    slope = np.where(few, means, -found.value)
-    return slope, np.where(few, math.nan, found.biased_error), few | ~np.isfinite(slope)
+    slope = np.where(few, means, -result.value)
+    return slope, np.where(few, math.nan, result.biased_error), few | ~np.isfinite(slope)
 
 
 def _middle_half(t, y, peak, trough):
-    """Time, mean fall [Pa/s], and time taken of the middle half of a fall.
+    """Return mean time, slope [Pa/s] and duration of the middle half of a fall.
 
-    By the line through its samples; through those on both sides of the middle if they are few.
+    The slope is that of a line through its samples, or through the two samples next to the middle
+    if there are too few.
     """
     drop, level = y[peak] - y[trough], 0.5 * (y[peak] + y[trough])
     rows = peak + np.flatnonzero(np.abs(y[peak : trough + 1] - level) < 0.25 * drop)
@@ -210,10 +212,7 @@ def _middle_half(t, y, peak, trough):
 
 
 def _in_run(series, rate, peak, trough):
-    """(COLUMNS,) row of the table of falls, for one of a run.
-
-    rate : (n,) dtau/dt [Pa/s]
-    """
+    """Return the row (COLUMNS,) of the table for a fall in a run with this dtau/dt (n,)."""
     t, tau, K, drop = series.t, series.tau, series.K, series.tau[peak] - series.tau[trough]
     high, low = (_extreme(series, rate, i, sign, drop) for i, sign in ((peak, 1), (trough, -1)))
     level = 0.5 * (high[0] + low[0])
@@ -241,13 +240,13 @@ def _in_run(series, rate, peak, trough):
 
 
 def _extreme(series, rate, i, sign, drop):
-    """Value, error, time and time error of the extreme next to sample i of a run.
+    """Return value, error, time and time error of the extreme next to sample i of a run.
 
-    Far from the sample a cubic misses a bend, and the extreme is half a sample on at the slower of
-    the slopes.
+    If the cubic's extreme is far from the sample, the cubic misses a bend.  The value then follows
+    from the smallest slope nearby, over half a step.
     """
     t, tau = series.t, series.tau
-    found = []
+    estimates = []
     for step in (1, 2):
         rows = np.unique(np.clip([i - step, i, i + step], 0, t.size - 1))
         curve = CubicHermiteSpline(
@@ -256,8 +255,8 @@ def _extreme(series, rate, i, sign, drop):
         turns = curve.derivative().roots(extrapolate=False)
         at = np.concatenate([curve.x, turns[np.isfinite(turns)]])
         best = int(np.argmax(sign * curve(at)))
-        found.append(np.array([curve(at[best]), at[best]]))
-    (value, time), (other, other_time) = found
+        estimates.append(np.array([curve(at[best]), at[best]]))
+    (value, time), (other, other_time) = estimates
     error, time_error = abs(value - other), abs(time - other_time)
     if abs(value) > FAR * drop:
         around = slice(max(i - 1, 0), i + 2)

@@ -1,4 +1,4 @@
-"""Shear stress and load point of a record or a run, checked and in SI."""
+"""Checked shear stress and load point of a record or a run, in SI."""
 
 from typing import NamedTuple
 
@@ -19,80 +19,80 @@ from ..messages import stick_slip as sentences
 from ..raw_record import FEWEST, checked_time, column, variable_names
 from ..reading.sizes import constant_in_si, typical_stress
 
-#: largest difference of tau from K (delta_lp - delta) of a run's stress without noise, over tau
+#: largest relative difference between tau and K (delta_lp - delta) in a run without added noise
 SAME = 1e-9
-#: variables that make a run: with others alone it is the record that somebody has made of one
+#: variables of a run; a Dataset without some of them is treated as a record
 RUN = {"tau", "V", "V_load", "delta", "delta_lp"}
-#: samples in a mean of the normal stress
+#: samples in the moving average of the normal stress
 SMOOTH = 25
-#: part by which V_lp may vary during an event, and between events whose recurrence counts
+#: largest relative variation of V_lp during an event, and during a recurrence interval
 CHANGES = 0.02
 
 
 class Series(NamedTuple):
-    """A record or run of n samples.  Between samples all columns are straight lines."""
+    """A record or run of n samples.  Columns are interpolated linearly between samples."""
 
     t: np.ndarray  # (n,) [s], increasing
     tau: np.ndarray  # (n,) [Pa]
-    sigma: np.ndarray | None  # (n,) [Pa]; None if it is not known
+    sigma: np.ndarray | None  # (n,) [Pa]; None if it is unknown
     V_lp: np.ndarray  # (n,) [m/s]
     V_lp_error: np.ndarray  # (n,) [m/s]
     delta_lp: np.ndarray  # (n,) [m]
-    K: float | None  # [Pa/m]; None if it is not known
-    K_source: str  # sentence of the table `stiffness`
-    M: float | None  # [kg/m^2]
-    V: np.ndarray | None  # (n,) [m/s], of a run without noise
-    resolution: float  # error of tau in a run without noise, or by a record's digits [Pa]
-    t_resolution: float = 0.0  # error of times by a record's digits [s]
+    K: float | None  # [Pa/m]; None if it is unknown
+    K_source: str  # name of a message in the table `stiffness`
+    M: float | None  # [kg/m^2]; None if it is unknown
+    V: np.ndarray | None  # (n,) [m/s]; None for a record, and for a run with added noise
+    resolution: float  # error of tau [Pa]: the solver's, or the rounding of a record
+    t_resolution: float = 0.0  # error of times by the rounding of a record [s]
 
     def at(self, t, values):
-        """A column at times t."""
+        """Interpolate a column at times t."""
         return np.interp(t, self.t, values)
 
     def moved(self, start, end):
-        """Displacement of the load point between two times [m]."""
+        """Return the displacement of the load point between two times [m]."""
         return self.at(end, self.delta_lp) - self.at(start, self.delta_lp)
 
     def speed_varies(self, start, end):
-        """Whether V_lp varies by more than `CHANGES` of the largest between two times."""
+        """Return whether V_lp varies by more than `CHANGES` of its maximum between two times."""
         inside = slice(*np.searchsorted(self.t, (start, end)))
         V = np.append(self.V_lp[inside], self.at([start, end], self.V_lp))
         return bool(np.ptp(V) > CHANGES * np.abs(V).max())
 
 
 def series_of(data, K=None, M=None, sigma=None):
-    """The `Series` of a Dataset of `read_lab` or `simulate`; ParameterError for anything else."""
+    """Return the `Series` of a Dataset from `read_lab` or `simulate`, or raise ParameterError."""
     if not isinstance(data, xarray.Dataset):
         raise sentences.refusal("data.type", type=type(data).__name__)
     data = in_si(data)
-    own = {
+    given = {
         symbol: None if value is None else one_in_si(symbol, value)
         for symbol, value in (("K", K), ("M", M), ("sigma", sigma))
     }
     if data.attrs.get("title") == "ratestate simulate" and {*data.variables} >= RUN:
-        return _of_run(data, own)
-    return _of_record(data, own)
+        return _series_of_run(data, given)
+    return _series_of_record(data, given)
 
 
-def _of_run(run, own):
-    """The `Series` of a run: without noise, if tau is that of the spring."""
+def _series_of_run(run, given):
+    """Return the `Series` of a run, with V unless tau differs from the spring's stress."""
     for dim in run["tau"].dims:
         if dim != "time":
             raise sentences.refusal("data.several", dim=dim)
     if run.sizes.get("time", 1) < FEWEST:
         raise sentences.refusal("data.end_only", times=run.sizes.get("time", 1))
-    # (the solver's last step may end where the run does, to the last digit)
+    # (the solver's last step may end at the run's last saved time, which is then repeated)
     run = run.isel(time=np.append(True, np.diff(run["time"].values) != 0.0))
     t = checked_time(run)
     slider = {symbol: one_in_si(symbol, parameter(run, symbol)) for symbol in ("K", "M", "a")}
-    K = slider["K"] if own["K"] is None else own["K"]
+    K = slider["K"] if given["K"] is None else given["K"]
     if not np.isfinite(K):
         raise sentences.refusal("data.rigid")
     tau, delta_lp = column(run, "tau"), column(run, "delta_lp")
     if "sigma" in run.data_vars:
         sigma = column(run, "sigma")
     else:
-        sigma = np.full(t.size, own["sigma"] or one_in_si("sigma", parameter(run, "sigma")))
+        sigma = np.full(t.size, given["sigma"] or one_in_si("sigma", parameter(run, "sigma")))
     spring = slider["K"] * (delta_lp - column(run, "delta"))
     allowed = SAME * np.abs(tau).max() + 1e-15 * slider["K"] * np.abs(delta_lp).max()
     return Series(
@@ -103,17 +103,16 @@ def _of_run(run, own):
         V_lp_error=np.zeros(t.size),
         delta_lp=delta_lp,
         K=K,
-        K_source="run" if own["K"] is None else "given",
-        M=slider["M"] if own["M"] is None else own["M"],
+        K_source="run" if given["K"] is None else "given",
+        M=slider["M"] if given["M"] is None else given["M"],
         V=column(run, "V") if np.abs(tau - spring).max() <= allowed else None,
         resolution=float(run.attrs.get("rtol", 1e-6)) * slider["a"] * float(sigma.max()),
     )
 
 
-def _of_record(data, own):
-    """The `Series` of a laboratory's record."""
+def _series_of_record(data, given):
     t = checked_time(data)
-    sigma, smooth = _normal_stress(data, own["sigma"], t.size)
+    sigma, smooth = _normal_stress(data, given["sigma"], t.size)
     if "tau" in data.variables:
         tau = column(data, "tau")
         resolution = rounding(tau)
@@ -132,18 +131,18 @@ def _of_record(data, own):
         V_lp=V_lp,
         V_lp_error=V_lp_error,
         delta_lp=delta_lp,
-        K=own["K"],
+        K=given["K"],
         K_source="given",
-        M=own["M"],
+        M=given["M"],
         V=None,
         resolution=resolution,
-        # (times of even samples are even to their last digit)
+        # (differences, because evenly spaced times show no rounding)
         t_resolution=rounding(np.diff(t)),
     )
 
 
 def _normal_stress(data, given, samples):
-    """Normal stress [Pa] of the samples, and smoothed; None and None if it is not known."""
+    """Return the normal stress [Pa] of the samples, and smoothed; (None, None) if unknown."""
     if given is not None:
         return (np.full(samples, constant_in_si("sigma", given)),) * 2
     if "sigma" not in data.variables:
@@ -155,15 +154,15 @@ def _normal_stress(data, given, samples):
 
 
 def _recorded_load(data, t):
-    """Speed [m/s], its error, and displacement [m] of a record's load point at times t."""
+    """Return speed [m/s], its error, and displacement [m] of the load point at times t."""
     if (stored := stored_segments(data)) is not None:
         starts, V = stored
         error = data["segment_V_error"].values if "segment_V_error" in data else 0.0 * V
     elif "delta_lp" in data.variables or "V_load" in data.variables:
         name = "delta_lp" if "delta_lp" in data.variables else "V_load"
         find = segments_from_displacement if name == "delta_lp" else segments_from_velocity
-        found = find(t, column(data, name))
-        starts, V, error = found.t, found.V, found.V_error
+        segments = find(t, column(data, name))
+        starts, V, error = segments.t, segments.V, segments.V_error
     else:
         raise sentences.refusal("data.no_load", variables=variable_names(data))
     ends = np.append(starts, max(t[-1], starts[-1]))

@@ -54,9 +54,9 @@ def chance_of_transients(solution, D):
         return np.nan
     chances = []
     for one in shapes:
-        root = one.root[:count]  # of the covariance of the transients
-        square = one.shift[:count] @ np.linalg.solve(root @ root.T, one.shift[:count])
-        chances.append(fdtrc(count, likelihood.degrees, square / count))
+        # root @ root.T is the covariance of the transients, which may be singular
+        scaled = np.linalg.lstsq(one.root[:count], one.shift[:count])[0]
+        chances.append(fdtrc(count, likelihood.degrees, scaled @ scaled / count))
     return float(weight @ np.array(chances))
 
 
