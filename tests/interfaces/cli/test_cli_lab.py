@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from ratestate import files
 from ratestate.interfaces.cli import command, main
 from ratestate.records.reading import describe
-from ratestate.records.reading.rows import MOST
+from ratestate.records.reading.rows import MAX_ROWS
 
 
 def call(*arguments):
@@ -104,7 +104,7 @@ def test_most_rows_are_an_option(lab):
     assert done.exit_code == 2
     assert "rows = 0 must be the most rows that are kept" in done.stderr
     tables = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text("utf-8"))
-    assert tables["shared"]["rows"]["show_default"] == str(MOST)
+    assert tables["shared"]["rows"]["show_default"] == str(MAX_ROWS)
 
 
 def test_a_format_that_is_wrong_is_refused_in_one_line(lab):

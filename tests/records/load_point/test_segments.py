@@ -219,7 +219,7 @@ def test_refused():
 
 
 def test_no_constant_speeds(monkeypatch):
-    monkeypatch.setattr(splits, "MOST", 20)
+    monkeypatch.setattr(splits, "MAX_RUNS", 20)
     t = np.arange(8000.0)
     x = 1e-6 * np.cumsum(1.5 + np.sign(np.sin(np.pi * t / 200 + 0.1)))
     with pytest.raises(ParameterError, match="no constant speeds from 0 s to 7999 s: more than 20"):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import ratestate as rs
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.cells import clock_of, number_in
+from ratestate.records.reading.cells import detect_clock, parse_number
 from ratestate.records.reading.text import read_text
 
 #: decimal mark, what stands between groups of three digits
@@ -66,7 +66,9 @@ def test_numbers_come_back(tmp_path, style, delimiter, minus, numbers, quotes):
     ],
 )
 def test_a_number_with_either_decimal_mark(cell, point, comma):
-    np.testing.assert_array_equal([number_in(cell, "."), number_in(cell, ",")], [point, comma])
+    np.testing.assert_array_equal(
+        [parse_number(cell, "."), parse_number(cell, ",")], [point, comma]
+    )
 
 
 @pytest.mark.parametrize("mark", [",", "."])
@@ -103,7 +105,7 @@ DATED = [
 
 
 def seconds(cells, unit=""):
-    clock = clock_of(cells[0], unit)
+    clock = detect_clock(cells[0], unit)
     return clock.continuous(clock.seconds(cells))
 
 
@@ -140,7 +142,7 @@ def test_times_of_other_forms(cells, unit, expected):
 
 @pytest.mark.parametrize("cell", ["12:30", "0.25", "", "run 3", "2019-05-14", "a:b:c", "1:2:3"])
 def test_what_is_not_a_clock_time(cell):
-    assert clock_of(cell) is None
+    assert detect_clock(cell) is None
 
 
 @pytest.mark.parametrize("title", ["Time", "Time (s)", "Time (hh:mm:ss)", "Uhrzeit", "Date/Time"])

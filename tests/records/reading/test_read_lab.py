@@ -418,9 +418,9 @@ def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
             read_lab(path)
     check(read_lab(write_rows(path, cells(COLUMNS), above=["#" + "x" * 19_999, *["#"] * 1000])))
     size = path.stat().st_size
-    monkeypatch.setattr("ratestate.records.reading.text.LARGEST", size)
+    monkeypatch.setattr("ratestate.records.reading.text.MAX_BYTES", size)
     check(read_lab(path))
-    monkeypatch.setattr("ratestate.records.reading.text.LARGEST", size - 1)
+    monkeypatch.setattr("ratestate.records.reading.text.MAX_BYTES", size - 1)
     with pytest.raises(rs.ParameterError, match="that are read as text; save it as HDF5"):
         read_lab(path)
 

@@ -13,7 +13,13 @@ from ratestate.errors import RecordWarning
 from ratestate.records.reading import describe, read_lab
 from ratestate.records.reading.columns import Column, unit_of
 from ratestate.records.reading.sizes import in_si
-from ratestate.records.reading.titles import CERTAIN, LIKE, match_rank, name_and_units, split
+from ratestate.records.reading.titles import (
+    CERTAIN,
+    EXAMPLE_UNIT,
+    match_rank,
+    name_and_units,
+    split_title,
+)
 
 BASE = {
     "Time (s)": T,
@@ -68,7 +74,11 @@ SPELLINGS = {
 @pytest.mark.parametrize("symbol", SPELLINGS)
 def test_spellings(symbol):
     for title in SPELLINGS[symbol].split(";"):
-        known = [symbol for symbol in LIKE if match_rank(split(title)[0], symbol) is not None]
+        known = [
+            symbol
+            for symbol in EXAMPLE_UNIT
+            if match_rank(split_title(title)[0], symbol) is not None
+        ]
         assert known == [symbol], title
 
 

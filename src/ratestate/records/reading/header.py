@@ -9,9 +9,17 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..messages import reading as sentences
-from .cells import COMMENTS, is_comment, number_in
+from .cells import COMMENTS, is_comment, parse_number
 from .columns import quoted
-from .titles import WORDS, is_known, is_unit, letters, name_and_units, plain, spaced
+from .titles import (
+    WORDS,
+    is_recognized,
+    is_unit,
+    letters,
+    name_and_units,
+    plain_unit,
+    spaced,
+)
 
 #: a line of xlook below names and units: how many records each column has
 _RECORDS = re.compile(r"\s*(?:\d+\s*recs?\s*)+", re.IGNORECASE)
@@ -27,18 +35,19 @@ class Header(NamedTuple):
     times: tuple[float, float] | None = None  # first time and step [s], if no column has them
     lines: tuple[str, ...] = ()  # as they are written
 
-    def described(self):
+    def split_units(self):
         """Name, unit and contradicting unit of each column."""
         return [name_and_units(*one) for one in zip(self.names, self.units, strict=True)]
 
-    def meaning(self):
+    def normalized(self):
         """The same, however it is spelled."""
         return [
-            (letters(name), plain(unit), plain(other)) for name, unit, other in self.described()
+            (letters(name), plain_unit(unit), plain_unit(other))
+            for name, unit, other in self.split_units()
         ]
 
 
-def header_of(lines, delimiter, width, written=None):
+def parse_header(lines, delimiter, width, written=None):
     """The `Header` of so many columns, from the last two lines above the numbers.
 
     written : number of cells in a row, those at its end that are always empty among them
@@ -46,12 +55,12 @@ def header_of(lines, delimiter, width, written=None):
     ParameterError: the last line is not a remark, and has another number of names.
     """
     if lines and lines[0].startswith(LABVIEW):
-        return _labview(lines, width)
+        return _parse_labview(lines, width)
     kept = [line for line in lines if line.strip(" \t\n" + COMMENTS)]
     records = next((line for line in kept if _RECORDS.fullmatch(line)), None)
     kept = [line for line in kept if not _RECORDS.fullmatch(line)][-2:]
     if records is None:
-        of_lines = [_names(line, delimiter, width, written) for line in kept]
+        of_lines = [_split_names(line, delimiter, width, written) for line in kept]
     else:
         of_lines = _xlook_names(kept, records, width)
     above, names = [None, None, *of_lines][-2:]
@@ -59,11 +68,11 @@ def header_of(lines, delimiter, width, written=None):
     if names is None:
         if kept and not is_comment(kept[-1]):
             values = {"header": quoted(kept[-1].strip()), "width": width, "line": len(lines) + 1}
-            count = len(_cells(kept[-1].strip(" \n"), delimiter))
+            count = len(_split_line(kept[-1].strip(" \n"), delimiter))
             raise sentences.refusal("text.header", count=count, **values)
         return Header(nothing, nothing)
     texts = tuple(line.strip() for line in kept)
-    if above and any(names) and all(not plain(name) or is_unit(name) for name in names):
+    if above and any(names) and all(not plain_unit(name) or is_unit(name) for name in names):
         return Header(above, names, lines=texts)
     return Header(names, nothing, lines=texts)
 
@@ -82,7 +91,10 @@ def check_headers(lines, rows, layout, above, header, name):
         if not line or line in header.lines or not _is_header(line, layout, header.names):
             continue
         try:
-            same = header_of([line], layout.delimiter, layout.width).meaning() == header.meaning()
+            same = (
+                parse_header([line], layout.delimiter, layout.width).normalized()
+                == header.normalized()
+            )
         except ParameterError:
             same = False
         if not same:
@@ -92,15 +104,15 @@ def check_headers(lines, rows, layout, above, header, name):
 
 def _is_header(line, layout, first):
     """Whether a line has names or units of two columns or more, or names of the first header."""
-    ways = [_names(line, layout.delimiter, layout.width) or []]
-    for names in ways if is_comment(line) else [*ways, _cells(line, layout.delimiter)]:
-        numbers = any(not math.isnan(number_in(name)) for name in names)
-        if not numbers and sum(name in first or is_known(name) for name in names if name) > 1:
+    ways = [_split_names(line, layout.delimiter, layout.width) or []]
+    for names in ways if is_comment(line) else [*ways, _split_line(line, layout.delimiter)]:
+        numbers = any(not math.isnan(parse_number(name)) for name in names)
+        if not numbers and sum(name in first or is_recognized(name) for name in names if name) > 1:
             return True
     return False
 
 
-def end_of_labview(lines):
+def labview_header_end(lines):
     """How many lines a header of LabVIEW has, without that of the names; 0 for another file."""
     if not lines or not lines[0].startswith(LABVIEW):
         return 0
@@ -108,7 +120,7 @@ def end_of_labview(lines):
     return ends[-1] + 1 if ends else 0
 
 
-def _labview(lines, width):
+def _parse_labview(lines, width):
     """The `Header` of a file of LabVIEW (.lvm): lines of a key and of a value for each channel."""
     delimiter = "\t" if "\t" in "".join(lines) else ","
     rows = [[cell.strip() for cell in line.split(delimiter)] for line in lines if line.strip()]
@@ -117,7 +129,7 @@ def _labview(lines, width):
     units = ["s", *keys.get("Y_Unit_Label", []), *[""] * width][:width]
     if keys.get("X_Columns") != ["No"]:
         return Header(names, units)
-    first, step = (number_in(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
+    first, step = (parse_number(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
     return Header(names, units, (first, step))
 
 
@@ -136,11 +148,11 @@ def _xlook_names(lines, records, width):
     return [unnamed + [line[i : i + wide].strip() for i in starts] for line in lines]
 
 
-def _names(line, delimiter, width, written=None):
+def _split_names(line, delimiter, width, written=None):
     """The names in a line above the numbers, or None if they are not as many as columns."""
     line = line.strip(" \n").lstrip(COMMENTS).strip(" ")
-    ways = [_cells(line, delimiter), re.split(r"\s{2,}|\t", line)]
-    ways += [_cells(line, ","), _cells(line, "\t"), line.split()]
+    ways = [_split_line(line, delimiter), re.split(r"\s{2,}|\t", line)]
+    ways += [_split_line(line, ","), _split_line(line, "\t"), line.split()]
     for cells in ways:
         if len(cells) == written:
             cells = cells[:width]
@@ -152,7 +164,7 @@ def _names(line, delimiter, width, written=None):
     return None
 
 
-def _cells(line, delimiter):
+def _split_line(line, delimiter):
     if delimiter is not None:
         return next(csv.reader([line], delimiter=delimiter), [])
     names: list[str] = []

@@ -13,22 +13,22 @@ from ...model.quantities import QUANTITIES
 from ...model.units import has_unit, to_si
 from ..messages import reading as sentences
 from .columns import check_requests, choose_columns
-from .open_table import file_of, open_table
-from .record import record_of
+from .open_table import as_file, open_table
+from .record import build_record
 from .text import DELIMITERS
-from .titles import LIKE, plain
+from .titles import EXAMPLE_UNIT, plain_unit
 
-LARGEST = 100_000  # bytes
+MAX_BYTES = 100_000  # bytes
 #: as the file has it -> as the reader of text takes it
 DELIMITER_NAMES = {"tab": "\t", ";": ";", ",": ",", "space": None}
 DECIMALS = (".", ",")
 #: table -> keys it may have
 TABLES: dict[str, tuple[str, ...]] = {
     "text": ("delimiter", "decimal"),
-    "columns": tuple(LIKE),
-    "units": tuple(LIKE),
+    "columns": tuple(EXAMPLE_UNIT),
+    "units": tuple(EXAMPLE_UNIT),
     "constants": ("sigma",),
-    "signs": tuple(symbol for symbol in LIKE if symbol != "time"),
+    "signs": tuple(symbol for symbol in EXAMPLE_UNIT if symbol != "time"),
     "machine": ("K", "M"),
 }
 HEAD = """\
@@ -72,7 +72,7 @@ class LabFormat:
     signs: dict[str, int] = dataclasses.field(default_factory=dict)
     machine: dict[str, Any] = dataclasses.field(default_factory=dict)
 
-    def with_call(self, columns, units, sigma=None):
+    def with_arguments(self, columns, units, sigma=None):
         """The format with what is given in a call, which goes first; ParameterError if it is wrong.
 
         columns, units, sigma : as of `read_lab`
@@ -103,14 +103,14 @@ def lab_format(path):
     try:
         path = Path(path).expanduser()
         with path.open("rb") as file:
-            contents = file.read(LARGEST + 1)
+            contents = file.read(MAX_BYTES + 1)
     except TypeError:
         raise sentences.refusal("format.path", path=path) from None
     except (OSError, ValueError) as error:  # (ValueError: a null character in the path)
         what = getattr(error, "strerror", None) or error
         raise sentences.refusal("format.unreadable", path=path, error=what) from None
-    if len(contents) > LARGEST:
-        raise sentences.refusal("format.large", name=path.name, most=LARGEST)
+    if len(contents) > MAX_BYTES:
+        raise sentences.refusal("format.large", name=path.name, most=MAX_BYTES)
     try:
         tables = tomllib.loads(contents.decode("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
@@ -134,11 +134,11 @@ def _problems(name, table):
             where = {"table": name, "key": key, "value": value}
             if key not in TABLES[name]:
                 yield sentences("format.key", wanted=one_of(TABLES[name], key), **where)
-            elif (wanted := _wanted(name, key, value)) is not None:
+            elif (wanted := _expected(name, key, value)) is not None:
                 yield sentences("format.value", wanted=wanted, **where)
 
 
-def _wanted(table, key, value):
+def _expected(table, key, value):
     """What is expected in place of a value; None if it is right."""
     if table == "text":
         known = [*DELIMITER_NAMES] if key == "delimiter" else [*DECIMALS]
@@ -150,8 +150,8 @@ def _wanted(table, key, value):
         sound = type(value) is int and abs(value) == 1
         return None if sound else "1, as in the file, or -1, the opposite"
     if table == "units":
-        sound = isinstance(value, str) and has_unit(key, plain(value))
-        return None if sound else f"a unit such as {LIKE[key]!r}"
+        sound = isinstance(value, str) and has_unit(key, plain_unit(value))
+        return None if sound else f"a unit such as {EXAMPLE_UNIT[key]!r}"
     quantity = quantity_of(key, value)
     try:
         to_si(key if quantity in WHOLE_CONTACT else quantity, value)
@@ -209,17 +209,19 @@ def describe(
     """
     machine = {symbol: value for symbol, value in {"K": K, "M": M}.items() if value is not None}
     for symbol, value in machine.items():
-        if (wanted := _wanted("machine", symbol, value)) is not None:
+        if (wanted := _expected("machine", symbol, value)) is not None:
             raise sentences.refusal("format.machine", symbol=symbol, value=value, wanted=wanted)
-    lab = lab_format(format).with_call(columns, units, sigma)
-    table = lab.open(file_of(path))
-    data, _ = record_of([table], lab, time=time, displacement=displacement)
+    lab = lab_format(format).with_arguments(columns, units, sigma)
+    table = lab.open(as_file(path))
+    data, _ = build_record([table], lab, time=time, displacement=displacement)
     sources = json.loads(data.attrs["columns"])
     places = choose_columns(table, lab.columns, lab.constants)
     turned = {s: -1 for s, source in sources.items() if source.get("sign") == -1}
     if "friction" in sources.keys() - places.keys():  # a ratio of forces
         del sources["friction"]
-        sources |= {s: {"unit": plain(table.columns[places[s]].unit)} for s in ("tau", "sigma")}
+        sources |= {
+            s: {"unit": plain_unit(table.columns[places[s]].unit)} for s in ("tau", "sigma")
+        }
     units = {s: source["unit"] for s, source in sources.items()}
     parts = [
         HEAD.format(source=_one_line(table.name)),

@@ -19,7 +19,7 @@ from .titles import name_and_units
 #: how files begin, HDF5 maybe after 512 bytes
 HDF5, MAT = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0"
 #: how files begin that hold tables of another kind
-FOREIGN = {
+OTHER_FORMATS = {
     b"PK\x03\x04": "a spreadsheet or an archive",
     b"\xd0\xcf\x11\xe0": "a spreadsheet of an old kind",
     b"CDF": "NetCDF 3",
@@ -27,11 +27,11 @@ FOREIGN = {
     b"\x1f\x8b": "compressed",
 }
 #: attributes in which units, and names of columns of an array, are kept
-UNITS = ("units", "unit", "Units", "Unit", "UNITS")
-NAMES = ("columns", "column_names", "names", "labels", "header", "fields")
-SMALLEST = 2  # rows
+UNIT_KEYS = ("units", "unit", "Units", "Unit", "UNITS")
+NAME_KEYS = ("columns", "column_names", "names", "labels", "header", "fields")
+MIN_ROWS = 2  # rows
 #: bytes that a byte of a file can hold: deflate packs 1,032 of them into one at most
-UNPACKED = 1100
+MAX_EXPANSION = 1100
 
 
 class MemoryFile(NamedTuple):
@@ -52,7 +52,7 @@ class MemoryFile(NamedTuple):
         return io.BytesIO(self.contents)
 
 
-def file_of(file):
+def as_file(file):
     """A path, or an open binary file, as a Path or a `MemoryFile`; ParameterError for others.
 
     A binary file is read from where it stands to its end, and is called "the file" if it has no
@@ -89,7 +89,7 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
             return read_isolated(read_hdf5, path, "HDF5")
         if head.startswith(MAT) or PurePath(path.name).suffix.lower() == ".mat":
             return read_isolated(read_mat, path, "a MAT file")
-        for begin, what in FOREIGN.items():
+        for begin, what in OTHER_FORMATS.items():
             if head.startswith(begin):
                 raise sentences.refusal("file.foreign", name=path.name, what=what)
         return read_text(path, delimiters, decimal)
@@ -108,7 +108,7 @@ def read_hdf5(path):
     columns: list[Column] = []
     texts: list[str] = []
     size = path.stat().st_size
-    remaining = UNPACKED * size
+    remaining = MAX_EXPANSION * size
 
     def visit(title, item):
         nonlocal remaining
@@ -123,12 +123,12 @@ def read_hdf5(path):
         if remaining < 0:
             values = {"name": path.name, "title": quoted(title), "bytes": item.nbytes}
             raise sentences.refusal("file.damaged", size=size, **values)
-        columns.extend(_columns(title, item[()], item.attrs))
+        columns.extend(_array_columns(title, item[()], item.attrs))
 
     with path.open("rb") as stored, h5py.File(stored, "r") as file:
         refuse_other_files(file, path.name)
         file.visititems(visit)
-    return _table(path, columns, texts)
+    return _make_table(path, columns, texts)
 
 
 def refuse_other_files(file, name):
@@ -164,46 +164,48 @@ def read_mat(path):
     from scipy.io import loadmat
 
     with path.open("rb") as stored:
-        return _table(path, list(_in_struct("", loadmat(stored, simplify_cells=True))))
+        return _make_table(path, list(_struct_columns("", loadmat(stored, simplify_cells=True))))
 
 
-def _in_struct(group, struct):
+def _struct_columns(group, struct):
     """The columns of a struct, whose field ``units`` may have a unit for each."""
-    units: dict = next((struct[key] for key in UNITS if isinstance(struct.get(key), dict)), {})
+    units: dict = next((struct[key] for key in UNIT_KEYS if isinstance(struct.get(key), dict)), {})
     for name, value in struct.items():
         if name.startswith("__"):
             continue
         title = f"{group}/{name}" if group else name
         if isinstance(value, dict):
-            yield from _in_struct(title, value)
+            yield from _struct_columns(title, value)
         elif isinstance(value, np.ndarray):
             unit = units.get(name)
-            yield from _columns(title, value, {"units": unit} if isinstance(unit, str) else {})
+            yield from _array_columns(
+                title, value, {"units": unit} if isinstance(unit, str) else {}
+            )
 
 
-def _columns(title, values, attrs):
+def _array_columns(title, values, attrs):
     """The columns that an array is: one, the fields of a table, or those of a matrix."""
-    if not isinstance(values, np.ndarray) or values.size < SMALLEST:
+    if not isinstance(values, np.ndarray) or values.size < MIN_ROWS:
         return
     parts = []  # titles, names and values
     if values.dtype.names:
         names = [name for name in values.dtype.names if values.dtype[name].kind in "iuf"]
         parts = [(f"{title}/{name}", name, values[name].ravel()) for name in names]
     elif values.dtype.kind in "iuf":
-        values = _unpacked(np.squeeze(values), attrs)
+        values = _unpack(np.squeeze(values), attrs)
         if values.ndim == 1:
             parts = [(title, title.rpartition("/")[2], values)]
         elif values.ndim == 2:
             rows = values if values.shape[0] > values.shape[1] else values.T
-            for i, name in enumerate(_texts(_first(attrs, NAMES), rows.shape[1])):
+            for i, name in enumerate(_texts(_first_of(attrs, NAME_KEYS), rows.shape[1])):
                 parts.append((f"{title}/{name}" if name else f"{title}[{i + 1}]", name, rows[:, i]))
-    units = _texts(_first(attrs, UNITS), len(parts))
+    units = _texts(_first_of(attrs, UNIT_KEYS), len(parts))
     for (own_title, name, column), unit in zip(parts, units, strict=True):
         name, unit, other = name_and_units(name, unit)
         yield Column(own_title, name, unit, column.astype(float), other)
 
 
-def _first(attrs, keys):
+def _first_of(attrs, keys):
     return next((attrs[key] for key in keys if key in attrs), "")
 
 
@@ -220,7 +222,7 @@ def _texts(value, count):
     return texts * count if len(texts) == 1 and "," not in texts[0] else [""] * count
 
 
-def _unpacked(values, attrs):
+def _unpack(values, attrs):
     """Values with the scale, offset and mark for missing ones that NetCDF knows."""
     if not {"scale_factor", "add_offset", "_FillValue"} & set(attrs):
         return values
@@ -230,7 +232,7 @@ def _unpacked(values, attrs):
     return numbers * attrs.get("scale_factor", 1.0) + attrs.get("add_offset", 0.0)
 
 
-def _table(path, columns, texts=()):
+def _make_table(path, columns, texts=()):
     table = Table(columns, unread=tuple(texts), name=path.name)
     if not columns:
         raise sentences.refusal("file.no_columns", name=path.name, unread=table.unread_text())

@@ -9,9 +9,9 @@ from ..kit.processes import read_isolated
 from ..messages import reading as sentences
 from .columns import choose_columns
 from .lab_format import LabFormat, lab_format
-from .open_table import file_of, open_table
-from .record import record_of
-from .rows import MOST
+from .open_table import as_file, open_table
+from .record import build_record
+from .rows import MAX_ROWS
 
 
 @keywords_checked
@@ -23,7 +23,7 @@ def read_lab(
     time=None,
     displacement=None,
     sigma=None,
-    rows=MOST,
+    rows=MAX_ROWS,
     join="auto",
     format=None,  # noqa: A002 (as --format is called)
 ):
@@ -96,13 +96,13 @@ def read_lab(
     >>> data.attrs["found"]  # doctest: +SKIP
     'velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)'
     """
-    lab = lab_format(format).with_call(columns, units, sigma)
+    lab = lab_format(format).with_arguments(columns, units, sigma)
     paths = path if isinstance(path, list | tuple) else [path]
     if not paths:
         raise sentences.refusal("join.none")
-    tables = [lab.open(file_of(one)) for one in paths]
+    tables = [lab.open(as_file(one)) for one in paths]
     windows = {"time": time, "displacement": displacement}
-    data, messages = record_of(tables, lab, **windows, rows=rows, join=join)
+    data, messages = build_record(tables, lab, **windows, rows=rows, join=join)
     for text in messages:
         warnings.warn(f"{data.attrs['source']}: {text}", RecordWarning, stacklevel=3)
     return data
@@ -117,26 +117,26 @@ class Attempt(NamedTuple):
     error: ParameterError | None  # why there is no record
 
 
-def attempt(file, choices, seconds, stop):
+def try_reading(file, choices, seconds, stop):
     """The `Attempt` at a `MemoryFile`, in a process of its own, of which no file is written.
 
     choices : dict, keyword arguments of `read_lab`
     seconds, stop : as of `read_isolated`
     """
     try:
-        return read_isolated(_attempt, file, "a record", choices, seconds=seconds, stop=stop)
+        return read_isolated(_try_reading, file, "a record", choices, seconds=seconds, stop=stop)
     except ParameterError as error:
         return Attempt([], {}, None, error)
 
 
-def _attempt(file, choices):
+def _try_reading(file, choices):
     columns, chosen = [], {}
     try:
         table = open_table(file)
         columns = [(column.title, column.unit) for column in table.columns]
-        lab = LabFormat().with_call(choices.pop("columns", None), choices.pop("units", None))
+        lab = LabFormat().with_arguments(choices.pop("columns", None), choices.pop("units", None))
         chosen = {s: i + 1 for s, i in choose_columns(table, lab.columns).items()}
-        record, _ = record_of([table], lab, **choices)
+        record, _ = build_record([table], lab, **choices)
     except ParameterError as error:
         return Attempt(columns, chosen, None, error)
     return Attempt(columns, chosen, record, None)

@@ -11,7 +11,7 @@ from ..load_point.segments import segments_from_displacement, segments_from_velo
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
 from .columns import (
-    NEEDS,
+    REQUIRED,
     Column,
     choose_columns,
     column_by_name,
@@ -20,11 +20,19 @@ from .columns import (
     title_warnings,
     unit_of,
 )
-from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
-from .sizes import check_sizes, constant_in_si, in_si, unusual
+from .rows import (
+    MAX_ROWS,
+    Rows,
+    block_means,
+    block_starts,
+    check_max_rows,
+    downsample,
+    parse_window,
+)
+from .sizes import check_sizes, constant_in_si, in_si, size_warnings
 from .values import (
     coarse_resolution,
-    disagreements,
+    contradictions,
     drop_codes,
     drop_dropouts,
     drop_impossible,
@@ -39,37 +47,37 @@ NEAR_ZERO = 1.5
 ZEROED = 3.0
 
 
-def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="auto"):
+def build_record(tables, lab, *, time=None, displacement=None, rows=MAX_ROWS, join="auto"):
     """The Dataset that `read_lab` makes of tables, and a list of what it warns of.
 
     tables : list of `Table`
     lab : `LabFormat`, with what a call gives; other arguments, and what is raised, as of `read_lab`
     """
-    most = checked_most(rows)
+    most = check_max_rows(rows)
     if join not in JOINS:
         raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
-    windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    parts = [_rows_of(table, lab, constants) for table in tables]
-    kept, of_joining = _joined([part for part, _ in parts], join, constants)
-    of_files = [note for _, notes in parts for note in notes] + of_joining
+    windows = {s: parse_window(s, *one) for s, one in given.items() if one[0] is not None}
+    parts = [_read_rows(table, lab, constants) for table in tables]
+    kept, join_notes = _join_files([part for part, _ in parts], join, constants)
+    file_notes = [note for _, notes in parts for note in notes] + join_notes
     sources = {s: {"title": kept.columns[s].title, "unit": kept.units[s]} for s in kept.record}
     turned, minor = _prepare(kept, windows, lab, constants)
     downsample(kept, most)
     record = kept.record
-    segments = _segments(record, kept.gaps)
+    segments = _find_segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
     is_fine = "sigma" in record and not coarse
     stress = stress_steps(record["time"], record["sigma"]) if is_fine else []
     if segments.V.size == 1 and not stress:
         minor.append(sentences("notes.no_step"))
-    messages = kept.warnings + of_files + unusual(record, segments.V)
-    messages += disagreements(kept, coarse)
+    messages = kept.warnings + file_notes + size_warnings(record, segments.V)
+    messages += contradictions(kept, coarse)
     data = _dataset(record, segments)
     data.attrs = {
         "title": "ratestate read_lab",
-        "found": coarse or segments.history(record["time"], record.get("delta_lp"), stress),
+        "found": coarse or segments.describe(record["time"], record.get("delta_lp"), stress),
         "source": ", ".join(table.name for table in tables),
         "columns": json.dumps(
             {
@@ -87,10 +95,10 @@ def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="aut
 
 def _prepare(kept, windows, lab, constants):
     """Leave out `Rows` that cannot be used, and turn signs: the symbols turned, and notes."""
-    kept.cut(windows)
+    kept.apply_windows(windows)
     kept.drop_unreadable()
     drop_codes(kept)
-    kept.order()
+    kept.check_order()
     kept.check_enough()
     for symbol in kept.record:
         check_sizes(symbol, kept.record[symbol], kept.columns[symbol], kept.units[symbol])
@@ -106,7 +114,7 @@ def _prepare(kept, windows, lab, constants):
     return turned, notes
 
 
-def _rows_of(table, lab, constants):
+def _read_rows(table, lab, constants):
     """All `Rows` of the chosen columns of a table, in SI, and notes.
 
     constants : symbol -> constant [SI] in place of a column
@@ -160,13 +168,13 @@ def _ratio_of_forces(chosen, units):
     return Column(title, title, "1", values)
 
 
-def _segments(record, gaps):
+def _find_segments(record, gaps):
     """The `FoundSegments` of a record; of a very long one from means over blocks of rows."""
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     t, x = record["time"], record[symbol]
-    if t.size > MOST:
-        starts, _ = blocks(t.size, gaps, MOST)
-        t, x = means(t, starts), means(x, starts)
+    if t.size > MAX_ROWS:
+        starts, _ = block_starts(t.size, gaps, MAX_ROWS)
+        t, x = block_means(t, starts), block_means(x, starts)
     if symbol == "delta_lp":
         return segments_from_displacement(t, x)
     return segments_from_velocity(t, x)
@@ -184,7 +192,7 @@ def _dataset(record, segments):
     return xarray.Dataset(variables, coords={"time": ("time", record["time"], attrs("time"))})
 
 
-def _joined(parts, join, constants):
+def _join_files(parts, join, constants):
     """The `Rows` of all files, and notes (list of str).
 
     parts : list of the `Rows` of each file, with nothing left out
@@ -198,15 +206,15 @@ def _joined(parts, join, constants):
     symbols, notes = _common_symbols(parts, constants)
     pieces = {s: [part.record[s] for part in parts] for s in symbols}
     times = pieces["time"]
-    from_zero = all(0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t) for t in times)
+    from_zero = all(0.0 <= _end_values(t)[0] <= NEAR_ZERO * _typical_step(t) for t in times)
     for i, (one, other) in enumerate(itertools.pairwise(parts)):
-        end, begin = _ends(times[i])[1], _ends(times[i + 1])[0]
+        end, begin = _end_values(times[i])[1], _end_values(times[i + 1])[0]
         names = {"before": one.name, "after": other.name}
         if join == "restart" or (join == "auto" and from_zero):
-            added = end + _usual_step(times[i + 1]) - begin
+            added = end + _typical_step(times[i + 1]) - begin
             times[i + 1] = times[i + 1] + added
             notes.append(sentences("notes.restart", added=added, **names))
-            if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i : i + 2])):
+            if "delta_lp" in pieces and (added := _zeroing_offset(*pieces["delta_lp"][i : i + 2])):
                 pieces["delta_lp"][i + 1] = pieces["delta_lp"][i + 1] + added
                 notes.append(sentences("notes.zeroed", added=added, **names))
         elif begin < end:
@@ -231,27 +239,27 @@ def _common_symbols(parts, constants):
         name = next(part.name for part in parts if symbol in part.record)
         lacking = next(part.name for part in parts if symbol not in part.record)
         values = {"symbol": symbol, "name": name, "lacking": lacking}
-        if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
+        if not all({*ways} & {*symbols, *constants} for ways in REQUIRED.values()):
             raise sentences.refusal("join.columns", **values)
         notes.append(sentences("notes.not_in_all", **values))
     return symbols, notes
 
 
-def _ends(values):
+def _end_values(values):
     """The first and the last finite value."""
     finite = values[np.isfinite(values)]
     return float(finite[0]), float(finite[-1])
 
 
-def _usual_step(t):
+def _typical_step(t):
     """The usual time between rows; 0 if there is none."""
     steps = np.diff(t[np.isfinite(t)])
     return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
 
 
-def _zeroed_by(before, after):
+def _zeroing_offset(before, after):
     """What to add to a displacement that was set to 0 again; 0 if it was not."""
-    (begin, end), (next_, last) = _ends(before), _ends(after)
+    (begin, end), (next_, last) = _end_values(before), _end_values(after)
     steps = np.concatenate([np.abs(np.diff(x[np.isfinite(x)])) for x in (before, after)])
     back = (end - next_) * np.sign(end - begin + last - next_)
     return end - next_ if back > ZEROED * steps.max(initial=0.0) else 0.0

@@ -17,12 +17,12 @@ from .cells import LIKE_CLOCK
 from .columns import Column, quoted
 
 #: most rows that are kept, by default: `fit` takes a fifth of that, and one of many steps less
-MOST = 1_000_000
-FEWEST_MOST = 1_000  # that may be asked for
-FEWEST = 10  # rows
-LISTED = 5  # rows of each kind in a message
+MAX_ROWS = 1_000_000
+MIN_LIMIT = 1_000  # that may be asked for
+MIN_ROWS = 10  # rows
+ROWS_LISTED = 5  # rows of each kind in a message
 #: a step of time this short, over the usual one, counts as 0: it gives no speed
-SAME = 1e-9
+REPEATED_TIME = 1e-9
 
 
 class Rows:
@@ -91,23 +91,23 @@ class Rows:
         why, shown : the reason; function of a place along `kept`, what the warning shows of it
         """
         if bad.any():
-            rows = self.listed(np.flatnonzero(bad), shown)
-            self.warnings.append(f"{_count(bad.sum())} left out {why}: {rows}")
+            rows = self.list_rows(np.flatnonzero(bad), shown)
+            self.warnings.append(f"{_count_rows(bad.sum())} left out {why}: {rows}")
             self.keep(~bad)
 
-    def listed(self, places, shown=None):
+    def list_rows(self, places, shown=None):
         """Some rows as a message lists them: "line 17 ('x' in 'Time(s)'), line 20 and 3 more"."""
         texts = [
             self.row_label(self.kept[i]) + (f" ({shown(i)})" if shown else "")
-            for i in places[:LISTED]
+            for i in places[:ROWS_LISTED]
         ]
-        more = f" and {len(places) - LISTED} more" if len(places) > LISTED else ""
+        more = f" and {len(places) - ROWS_LISTED} more" if len(places) > ROWS_LISTED else ""
         return ", ".join(texts) + more
 
-    def cut(self, windows):
+    def apply_windows(self, windows):
         """Keep only the rows in the windows, from the first one inside to the last.
 
-        windows : symbol -> (name, from, to) as by `window`; may be empty
+        windows : symbol -> (name, from, to) as by `parse_window`; may be empty
 
         ParameterError: no row is inside, too few are, or there is no displacement for a window.
         """
@@ -154,7 +154,7 @@ class Rows:
 
         self.leave_out(~whole, "for want of a number", bad_cell)
 
-    def order(self):
+    def check_order(self):
         """Leave out rows that repeat a time; ParameterError for times that run backwards."""
         t = self.record["time"]
         steps = np.diff(t)
@@ -162,10 +162,10 @@ class Rows:
             back = np.flatnonzero(steps < 0.0) + 1
             first, next_ = t[back[0] - 1 : back[0] + 1]
             raise sentences.refusal(
-                "rows.backwards", rows=self.listed(back), first=first, next=next_
+                "rows.backwards", rows=self.list_rows(back), first=first, next=next_
             )
         usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-        repeated = np.append(False, steps <= SAME * usual)
+        repeated = np.append(False, steps <= REPEATED_TIME * usual)
         self.leave_out(repeated, "with the time of the row before", lambda i: f"{t[i]:.10g} s")
         if 10 * repeated.sum() > t.size:
             self.warnings[-1] += "; the times have too few digits"
@@ -176,28 +176,28 @@ class Rows:
         gaps = gaps_in(t)
         self.gaps = np.array(gaps, int)
         if gaps:
-            rows = self.listed(gaps, lambda i: f"{t[i] - t[i - 1]:.3g} s")
+            rows = self.list_rows(gaps, lambda i: f"{t[i] - t[i - 1]:.3g} s")
             count = "a gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
             self.warnings.append(f"{count} in time before {rows}")
 
     def check_enough(self, where=""):
-        """ParameterError if fewer than `FEWEST` rows are kept.
+        """ParameterError if fewer than `MIN_ROWS` rows are kept.
 
         where : what follows "are left" in the messages, such as " in the window"
         """
-        if self.kept.size < FEWEST:
+        if self.kept.size < MIN_ROWS:
             warnings = "; ".join(self.warnings) or "give a longer record or a wider window"
-            count = _count(self.kept.size)
+            count = _count_rows(self.kept.size)
             raise sentences.refusal(
-                "rows.few", count=count, where=where, fewest=FEWEST, warnings=warnings
+                "rows.few", count=count, where=where, fewest=MIN_ROWS, warnings=warnings
             )
 
 
-def _count(rows):
+def _count_rows(rows):
     return "1 row is" if rows == 1 else f"{rows} rows are"
 
 
-def window(symbol, ends, name):
+def parse_window(symbol, ends, name):
     """(name, from, to) of a window [SI], infinite where None is given.
 
     ParameterError for what is no pair, for ends of another unit, and unless from < to.
@@ -216,10 +216,10 @@ def window(symbol, ends, name):
     return name, low, high
 
 
-def checked_most(rows):
+def check_max_rows(rows):
     """The most rows to keep, as given, None for all; ParameterError for what is no such number."""
-    if rows is not None and not (is_integer(rows) and rows >= FEWEST_MOST):
-        raise sentences.refusal("rows.most", rows=rows, fewest=FEWEST_MOST, most=MOST)
+    if rows is not None and not (is_integer(rows) and rows >= MIN_LIMIT):
+        raise sentences.refusal("rows.most", rows=rows, fewest=MIN_LIMIT, most=MAX_ROWS)
     return rows
 
 
@@ -232,17 +232,17 @@ def downsample(rows, most):
     if most is None or n <= most:
         return
     before = float(np.median(np.diff(rows.record["time"])))
-    starts, factor = blocks(n, rows.gaps, most)
+    starts, factor = block_starts(n, rows.gaps, most)
     rows.kept = rows.kept[starts + factor // 2]
     for symbol, values in rows.record.items():
-        rows.record[symbol] = means(values, starts)
+        rows.record[symbol] = block_means(values, starts)
     after = float(np.median(np.diff(rows.record["time"])))
     rows.gaps = np.searchsorted(starts, rows.gaps)
     values = {"n": n, "kept": starts.size, "factor": factor, "before": before, "after": after}
     rows.warnings.append(sentences("notes.means", **values))
 
 
-def blocks(n, gaps, most):
+def block_starts(n, gaps, most):
     """First row of each block of n rows, and how many rows are in each; no block has a gap inside.
 
     gaps : (gaps,) rows before which there is one
@@ -258,6 +258,6 @@ def blocks(n, gaps, most):
     return np.concatenate(parts), factor
 
 
-def means(values, starts):
+def block_means(values, starts):
     """Mean of values (n,) over each block (starts,)."""
     return np.add.reduceat(values, starts) / np.diff(np.append(starts, values.size))

@@ -6,13 +6,13 @@ from ...model.quantities import QUANTITIES
 from ...model.units import one_in_si, scaled, unit_factor
 from ..messages import reading as sentences
 from .columns import quoted
-from .titles import USUAL
+from .titles import TYPICAL_RANGES
 
 #: friction of rocks and gouges, which only a few minerals are below and nothing is far above; the
 #: normal stress of most machines; how far [m] and how fast [m/s] all but rotary machines go
 COMMON_FRICTION = (0.1, 1.2)
 COMMON_STRESS = (1e3, 1e9)  # Pa
-FAR, FAST = 1.0, 0.1
+COMMON_DISTANCE, COMMON_SPEED = 1.0, 0.1
 
 
 def in_si(symbol, values, unit):
@@ -22,7 +22,7 @@ def in_si(symbol, values, unit):
     return converted if finite.all() else np.where(finite, converted, np.nan)
 
 
-def unusual(record, speeds):
+def size_warnings(record, speeds):
     """Warnings (list of str) of sizes that few experiments have, but wrong titles and units often.
 
     record : symbol -> (n,) [SI]; speeds : of the load point's segments [m/s]
@@ -37,16 +37,16 @@ def unusual(record, speeds):
         notes.append(sentences("notes.stress", stress=stress))
     far = float(np.ptp(record["delta_lp"])) if "delta_lp" in record else 0.0
     fastest = float(np.max(speeds))
-    if far > FAR or fastest > FAST:
-        sizes = {"far": far, "most": FAR, "V": fastest, "fast": FAST}
-        notes.append(sentences("notes.far" if far > FAR else "notes.fast", **sizes))
+    if far > COMMON_DISTANCE or fastest > COMMON_SPEED:
+        sizes = {"far": far, "most": COMMON_DISTANCE, "V": fastest, "fast": COMMON_SPEED}
+        notes.append(sentences("notes.far" if far > COMMON_DISTANCE else "notes.fast", **sizes))
     return notes
 
 
 def constant_in_si(symbol, value):
     """A constant in SI; ParameterError for one of a size that nobody has measured friction with."""
     number = one_in_si(symbol, value)
-    low, high = USUAL[symbol]
+    low, high = TYPICAL_RANGES[symbol]
     if not low <= number <= high:
         si = QUANTITIES[symbol].unit
         raise sentences.refusal(
@@ -70,7 +70,7 @@ def typical_stress(values):
     values = np.atleast_1d(np.asarray(values, float))
     check_stress(~(np.isfinite(values) & (values > 0.0)), values)
     median = float(np.median(values))
-    low, high = USUAL["sigma"]
+    low, high = TYPICAL_RANGES["sigma"]
     if not low <= median <= high:
         raise sentences.refusal("column.stress_size", median=median, low=low, high=high)
     return median
@@ -95,7 +95,7 @@ def check_sizes(symbol, values, column, unit):
     size = float(np.ptp(values) if span else np.median(np.abs(values)))
     if symbol == "friction":
         size = max(size, float(np.quantile(np.abs(values), 0.9)))
-    low, high = USUAL[symbol]
+    low, high = TYPICAL_RANGES[symbol]
     if size > 0.0 and not low <= size <= high:
         sentence = "friction" if symbol == "friction" else "span" if span else "size"
         si = QUANTITIES[symbol].unit

@@ -12,36 +12,39 @@ from ...model.quantities import readable
 from ..messages import reading as sentences
 from .columns import column_by_name, quoted, unit_of
 from .sizes import in_si
-from .titles import USUAL
+from .titles import TYPICAL_RANGES
 
 #: what loggers write where they have no value
-MISSING = (-999.0, -999.25, -9999.0, -99999.0)
+MISSING_CODES = (-999.0, -999.25, -9999.0, -99999.0)
 #: least size of a jump into or out of a dropout, as a multiple of the largest other step and, for
 #: friction, of its typical size.  The peak of a direct effect and the end of a slip are smaller.
-FAR, LEAST = 10.0, 0.1
+JUMP_RATIO, MIN_JUMP = 10.0, 0.1
 #: one dropout in so many samples, and three more, are looked for
-PART = 100
+SAMPLES_PER_DROPOUT = 100
 #: largest relative difference of friction and tau/sigma of one file
-AGREE = 0.05
+RATIO_TOLERANCE = 0.05
 #: and of a velocity and a displacement: speeds are often nominal
-MOVED = 0.25
+MOVE_TOLERANCE = 0.25
 #: fewest rows at one displacement, on average, if its last digit can be found; largest move in a
 #: hold, in digits (one, and noise)
-REPEATED, DIGITS = 5, 1.5
+MIN_REPEATS, MAX_DIGITS = 5, 1.5
 #: fewest rows of constant friction that are noted, largest probability that they are by chance, and
 #: least part of other rows at which friction has an extremum if it has noise
-CONSTANT, CHANCE, NOISY = 20, 1e-6, 0.25
+MIN_CONSTANT_ROWS, MAX_CHANCE, NOISE_FRACTION = 20, 1e-6, 0.25
 
 
 def drop_codes(rows):
     """Leave out rows with a code for a missing value far off from all else in its column."""
     for symbol in rows.record:
-        for code in MISSING:
+        for code in MISSING_CODES:
             values = rows.record[symbol]
             number = in_si(symbol, np.array(code), rows.units[symbol])
             bad = values == number
             others = values[~bad] if bad.any() else values[:0]
-            if others.size > 1 and others.min() - number > FAR * np.abs(np.diff(others)).max():
+            if (
+                others.size > 1
+                and others.min() - number > JUMP_RATIO * np.abs(np.diff(others)).max()
+            ):
                 title = quoted(rows.columns[symbol].title)
                 rows.leave_out(bad, f"with {code:g} in {title}, a code for no value")
 
@@ -55,7 +58,7 @@ def drop_impossible(rows):
     notes = []
     record = rows.record
     if "sigma" in record:
-        low, high = USUAL["sigma"]
+        low, high = TYPICAL_RANGES["sigma"]
         bad = (record["sigma"] < low) | (record["sigma"] > high)
         if "friction" in record and bad.all():
             size = float(np.median(record.pop("sigma")))
@@ -65,7 +68,7 @@ def drop_impossible(rows):
             _drop(rows, "sigma", bad, f"with normal stress outside {low:g} to {high:g} Pa")
     if "friction" not in rows.record:
         rows.record["friction"] = rows.record["tau"] / rows.record["sigma"]
-    high = USUAL["friction"][1]
+    high = TYPICAL_RANGES["friction"][1]
     bad = np.abs(rows.record["friction"]) > high
     _drop(rows, "friction", bad, f"with friction that no rock has (more than {high:g})")
     drop_dropouts(rows, "friction", "tau")
@@ -77,7 +80,7 @@ def drop_dropouts(rows, *symbols):
     for symbol in [s for s in symbols if s in rows.record]:
         values = rows.record[symbol]
         stress = symbol in ("friction", "tau")
-        least = LEAST * float(np.median(np.abs(values))) if stress else 0.0
+        least = MIN_JUMP * float(np.median(np.abs(values))) if stress else 0.0
         # the speed is off for longer in every hold
         bad = dropouts(values, least, 1 if symbol == "V_load" else values.size // 2)
         _drop(rows, symbol, bad, "as a dropout, far off from the rows before and after")
@@ -99,20 +102,20 @@ def dropouts(values, least, longest):
 
     Notes
     -----
-    Jumps are steps larger than `least`, and than `FAR` times the largest of all other steps.
+    Jumps are steps larger than `least`, and than `JUMP_RATIO` times the largest of all other steps.
     """
     bad = np.zeros(values.size, bool)
     while True:  # where one is left out, the next may come to light
         kept = np.flatnonzero(~bad)
-        more = kept[_dropouts(values[kept], least, longest)]
+        more = kept[_find_dropouts(values[kept], least, longest)]
         if not more.size or bad.sum() + more.size > values.size // 2:
             return bad
         bad[more] = True
 
 
-def _dropouts(values, least, longest):
+def _find_dropouts(values, least, longest):
     """(n,) mask of `dropouts`, no two of them next to each other."""
-    jumps, other = _jumps(values, least)
+    jumps, other = _find_jumps(values, least)
     starts = [0, *(jumps + 1).tolist(), values.size]
     bad = np.zeros(values.size, bool)
     for start, end in itertools.pairwise(starts if jumps.size else []):
@@ -121,8 +124,8 @@ def _dropouts(values, least, longest):
         if start == 0 or end == values.size:
             part, rest = values[start:end], np.delete(values, np.s_[start:end])
             jump = abs(values[end] - part[-1] if start == 0 else part[0] - values[start - 1])
-            stuck = part.size > 1 and np.ptp(part) == 0.0 and jump > np.ptp(rest)
-            bad[start:end] = other > 0.0 and (stuck or not part.any())
+            is_constant = part.size > 1 and np.ptp(part) == 0.0 and jump > np.ptp(rest)
+            bad[start:end] = other > 0.0 and (is_constant or not part.any())
         else:
             into, out = values[start] - values[start - 1], values[end] - values[end - 1]
             net = abs(values[end] - values[start - 1])
@@ -130,19 +133,19 @@ def _dropouts(values, least, longest):
     return bad
 
 
-def _jumps(values, least):
+def _find_jumps(values, least):
     """Indices of the samples before the jumps of `dropouts`, and the largest of the other steps.
 
     There are none in fewer than 10 samples.
     """
     steps = np.abs(np.diff(values))
-    most = 2 * (3 + values.size // PART)
-    if values.size >= PART // 10 and steps.size > most:
+    most = 2 * (3 + values.size // SAMPLES_PER_DROPOUT)
+    if values.size >= SAMPLES_PER_DROPOUT // 10 and steps.size > most:
         largest = np.sort(np.partition(steps, -most - 1)[-most - 1 :])[::-1]
-        counts = np.flatnonzero(largest[:-1] > np.maximum(FAR * largest[1:], least))
+        counts = np.flatnonzero(largest[:-1] > np.maximum(JUMP_RATIO * largest[1:], least))
         if counts.size:
             other = largest[counts[-1] + 1]
-            return np.flatnonzero(steps > np.maximum(FAR * other, least)), other
+            return np.flatnonzero(steps > np.maximum(JUMP_RATIO * other, least)), other
     return np.zeros(0, int), 0.0
 
 
@@ -176,7 +179,7 @@ def flip_signs(record, signs):
     return flipped, [notes[symbol] for symbol in flipped]
 
 
-def disagreements(rows, coarse):
+def contradictions(rows, coarse):
     """Notes (list of str) on columns that contradict each other; empty if none do.
 
     coarse : text of `coarse_resolution`, which becomes a note as well; "" for none
@@ -199,7 +202,7 @@ def _friction_disagreement(record):
     if recorded == 0.0:
         return ""
     ratio = float(np.median(record["tau"][good] / record["sigma"][good]) / recorded)
-    return sentences("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > AGREE else ""
+    return sentences("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > RATIO_TOLERANCE else ""
 
 
 def _constant_friction(record):
@@ -216,9 +219,9 @@ def _constant_friction(record):
     repeats, others = last - first, t.size - 1 - (last - first)
     steps = np.delete(np.diff(friction), np.s_[first:last])
     moves = steps[steps != 0.0]
-    noisy = moves.size > 1 and np.mean(moves[1:] * moves[:-1] < 0.0) > NOISY
+    noisy = moves.size > 1 and np.mean(moves[1:] * moves[:-1] < 0.0) > NOISE_FRACTION
     p = (others - moves.size + 1) / (others + 2)
-    if repeats + 1 < CONSTANT or not noisy or t.size * p**repeats > CHANCE:
+    if repeats + 1 < MIN_CONSTANT_ROWS or not noisy or t.size * p**repeats > MAX_CHANCE:
         return ""
     span = {"first": t[first], "last": t[last], "rows": repeats + 1}
     return sentences("notes.constant", friction=friction[first], **span)
@@ -230,14 +233,14 @@ def coarse_resolution(record, segments):
         return ""
     t, x = record["time"], record["delta_lp"]
     values = np.unique(x)
-    if REPEATED * values.size > x.size:
+    if MIN_REPEATS * values.size > x.size:
         return ""
     digit = float(np.median(np.diff(values)))
     starts = np.searchsorted(t, segments.t)
     for i, j, V in zip(starts, [*starts[1:], t.size], segments.V, strict=True):
         part = max(1, (j - i) // 10)
         moved = abs(np.median(x[j - part : j]) - np.median(x[i : i + part]))
-        if V == 0.0 and moved > DIGITS * digit:
+        if V == 0.0 and moved > MAX_DIGITS * digit:
             return sentences("notes.coarse", digit=digit)
     return ""
 
@@ -262,7 +265,7 @@ def _velocity_disagreement(rows):
     if t.size < 2:
         return ""
     by_V, by_x = abs(float(np.trapezoid(V[good], t))), abs(float(x[-1] - x[0]))
-    if abs(by_V - by_x) <= MOVED * max(by_V, by_x):
+    if abs(by_V - by_x) <= MOVE_TOLERANCE * max(by_V, by_x):
         return ""
     title = quoted(column.title)
     return sentences("notes.speeds", title=title, by_V=by_V, by_x=by_x, first=t[0], last=t[-1])

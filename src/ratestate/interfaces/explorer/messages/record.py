@@ -6,8 +6,8 @@ import numpy as np
 
 from ....model.quantities import QUANTITIES
 from ....records.reading.open_table import MemoryFile
-from ....records.reading.read import attempt
-from ....records.reading.titles import LIKE
+from ....records.reading.read import try_reading
+from ....records.reading.titles import EXAMPLE_UNIT
 from ..computation.decimation import decimated
 from . import wire
 
@@ -45,7 +45,7 @@ def answer_record(name, contents, choices, stop):
     stop : threading.Event that ends the reading
     """
     file = MemoryFile(name[-LONGEST:] or "the file", contents)
-    found = attempt(file, choices, SECONDS, stop)
+    found = try_reading(file, choices, SECONDS, stop)
     header = {"name": file.name, "columns": found.columns, "chosen": found.chosen}
     header["quantities"] = quantities()
     if found.error is not None:
@@ -58,7 +58,10 @@ def answer_record(name, contents, choices, stop):
 
 def quantities():
     """list of dicts, of each quantity that a column can be: symbol, name, and a unit to suggest."""
-    return [{"symbol": s, "name": QUANTITIES[s].long_name, "unit": LIKE[s]} for s in LIKE]
+    return [
+        {"symbol": s, "name": QUANTITIES[s].long_name, "unit": EXAMPLE_UNIT[s]}
+        for s in EXAMPLE_UNIT
+    ]
 
 
 def _problem(found):
