@@ -56,14 +56,12 @@ class Column(NamedTuple):
 
 
 class Table(NamedTuple):
-    """The contents of a file before they are interpreted: columns, maybe of different lengths."""
+    """The contents of a file before they are interpreted."""
 
-    columns: list[Column]
-    lines: np.ndarray | None = None  # number of the line of each row of a text, from 1 on
-    unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
-    cell_text: Callable[[int, int], str] | None = (
-        None  # of a cell, by the numbers of line and column
-    )
+    columns: list[Column]  # their lengths may differ
+    lines: np.ndarray | None = None  # line number of each row of a text file, from 1
+    unread: tuple[str, ...] = ()  # titles of arrays that do not hold real numbers
+    cell_text: Callable[[int, int], str] | None = None  # (line number, column index) -> cell
     name: str = ""  # of the file
 
     @property
@@ -151,10 +149,11 @@ def _is_effective(table, chosen):
 
 
 def title_warnings(table, chosen, requested, constants=()):
-    """Notes (list of str) on columns whose titles leave open whether they are what was looked for.
+    """Return notes (list of str) on columns with ambiguous titles, and on pore pressures.
 
-    chosen, constants : as of `choose_columns`
+    chosen : dict symbol -> index, from `choose_columns`
     requested : symbols of the columns that the caller named
+    constants : symbols that need no column
     """
     notes = []
     for symbol, index in chosen.items():

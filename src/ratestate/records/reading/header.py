@@ -1,4 +1,4 @@
-"""Names and units of columns out of the lines above the numbers."""
+"""Read the names and units of columns from the lines above the numbers."""
 
 import csv
 import math
@@ -21,26 +21,26 @@ from .titles import (
     spaced,
 )
 
-#: a line of xlook below names and units: how many records each column has
+#: in files of xlook, the line below names and units: the number of records of each column
 _RECORDS = re.compile(r"\s*(?:\d+\s*recs?\s*)+", re.IGNORECASE)
-#: how files of LabVIEW begin, and how each of the two parts of their headers ends
+#: first line of LabVIEW files, and the line that ends each of the two parts of their headers
 LABVIEW, LABVIEW_END = "LabVIEW Measurement", "***End_of_Header***"
 
 
 class Header(NamedTuple):
-    """What stands above the numbers."""
+    """The header above the numbers."""
 
-    names: list[str]  # of the columns, "" for none
-    units: list[str]
-    times: tuple[float, float] | None = None  # first time and step [s], if no column has them
-    lines: tuple[str, ...] = ()  # as they are written
+    names: list[str]  # of the columns, "" if missing
+    units: list[str]  # of the columns, "" if missing
+    times: tuple[float, float] | None = None  # first time and time step [s], if not a column
+    lines: tuple[str, ...] = ()  # the lines as written
 
     def split_units(self):
-        """Name, unit and contradicting unit of each column."""
+        """Return the name, unit and contradicting unit of each column (list of tuples)."""
         return [name_and_units(*one) for one in zip(self.names, self.units, strict=True)]
 
     def normalized(self):
-        """The same, however it is spelled."""
+        """Return `split_units` without differences of spelling."""
         return [
             (letters(name), plain_unit(unit), plain_unit(other))
             for name, unit, other in self.split_units()
@@ -48,11 +48,11 @@ class Header(NamedTuple):
 
 
 def parse_header(lines, delimiter, width, written=None):
-    """The `Header` of so many columns, from the last two lines above the numbers.
+    """Return the `Header` of `width` columns, from the last two lines above the numbers.
 
-    written : number of cells in a row, those at its end that are always empty among them
+    written : number of cells in a row, including cells at its end that are always empty
 
-    ParameterError: the last line is not a remark, and has another number of names.
+    ParameterError if the last line is not a comment and has another number of names.
     """
     if lines and lines[0].startswith(LABVIEW):
         return _parse_labview(lines, width)
@@ -60,10 +60,10 @@ def parse_header(lines, delimiter, width, written=None):
     records = next((line for line in kept if _RECORDS.fullmatch(line)), None)
     kept = [line for line in kept if not _RECORDS.fullmatch(line)][-2:]
     if records is None:
-        of_lines = [_split_names(line, delimiter, width, written) for line in kept]
+        name_rows = [_split_names(line, delimiter, width, written) for line in kept]
     else:
-        of_lines = _xlook_names(kept, records, width)
-    above, names = [None, None, *of_lines][-2:]
+        name_rows = _xlook_names(kept, records, width)
+    above, names = [None, None, *name_rows][-2:]
     nothing = [""] * width
     if names is None:
         if kept and not is_comment(kept[-1]):
@@ -78,11 +78,11 @@ def parse_header(lines, delimiter, width, written=None):
 
 
 def check_headers(lines, rows, layout, above, header, name):
-    """ParameterError if there is another header than the first among the rows of some lines.
+    """Raise ParameterError if a block of lines has a header that differs from the first one.
 
-    rows, layout : which lines have numbers, and their `Layout`
-    above : how many lines are above these
-    header, name : the first header, and of which file
+    rows, layout : indices of lines with numbers, and their `Layout`
+    above : number of lines above the block
+    header, name : the first header, and the name of the file
     """
     texts = np.ones(len(lines), bool)
     texts[rows] = False
@@ -103,7 +103,7 @@ def check_headers(lines, rows, layout, above, header, name):
 
 
 def _is_header(line, layout, first):
-    """Whether a line has names or units of two columns or more, or names of the first header."""
+    """Return whether a line has at least two names or units, known or from the first header."""
     ways = [_split_names(line, layout.delimiter, layout.width) or []]
     for names in ways if is_comment(line) else [*ways, _split_line(line, layout.delimiter)]:
         numbers = any(not math.isnan(parse_number(name)) for name in names)
@@ -113,7 +113,7 @@ def _is_header(line, layout, first):
 
 
 def labview_header_end(lines):
-    """How many lines a header of LabVIEW has, without that of the names; 0 for another file."""
+    """Return the number of header lines above LabVIEW's line of names; 0 for other files."""
     if not lines or not lines[0].startswith(LABVIEW):
         return 0
     ends = [i for i, line in enumerate(lines) if line.startswith(LABVIEW_END)][:2]
@@ -121,7 +121,7 @@ def labview_header_end(lines):
 
 
 def _parse_labview(lines, width):
-    """The `Header` of a file of LabVIEW (.lvm): lines of a key and of a value for each channel."""
+    """Return the `Header` of a LabVIEW file (.lvm): lines of a key and a value per channel."""
     delimiter = "\t" if "\t" in "".join(lines) else ","
     rows = [[cell.strip() for cell in line.split(delimiter)] for line in lines if line.strip()]
     keys = {row[0]: [cell for cell in row[1:] if cell] for row in rows}
@@ -134,9 +134,10 @@ def _parse_labview(lines, width):
 
 
 def _xlook_names(lines, records, width):
-    """The names in each line of a header of xlook: of one width, to the right, touching perhaps.
+    """Return the names in each line of xlook's header.
 
-    The first column, numbers of rows, has no name.
+    The names have one width, end at the right margin, and may touch.  The first column, with row
+    numbers, has no name.
     """
     ends = [match.end() for match in re.finditer(r"\d+\s*recs?", records, re.IGNORECASE)]
     if len(ends) not in (width - 1, width):
@@ -149,14 +150,14 @@ def _xlook_names(lines, records, width):
 
 
 def _split_names(line, delimiter, width, written=None):
-    """The names in a line above the numbers, or None if they are not as many as columns."""
+    """Return the names in a line above the numbers; None unless there is one for each column."""
     line = line.strip(" \n").lstrip(COMMENTS).strip(" ")
     ways = [_split_line(line, delimiter), re.split(r"\s{2,}|\t", line)]
     ways += [_split_line(line, ","), _split_line(line, "\t"), line.split()]
     for cells in ways:
         if len(cells) == written:
             cells = cells[:width]
-        # there may be a column of remarks, of which most rows have none
+        # there may be a column of remarks that is empty in most rows
         if len(cells) == width + 1 and (not cells[-1] or WORDS["remark"].search(spaced(cells[-1]))):
             cells = cells[:-1]
         if len(cells) == width > 1:
@@ -168,7 +169,7 @@ def _split_line(line, delimiter):
     if delimiter is not None:
         return next(csv.reader([line], delimiter=delimiter), [])
     names: list[str] = []
-    for word in line.split():  # "Time (s)" is one
+    for word in line.split():  # "Time (s)" is one name
         if names and (word[0] in "([{" or names[-1].count("(") > names[-1].count(")")):
             names[-1] += f" {word}"
         else:

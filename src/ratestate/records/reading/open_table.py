@@ -1,6 +1,6 @@
-"""Opens a file, on disk or in memory, as a table: which format it has; HDF5 and MAT files.
+"""Open a file, on disk or in memory, as a table: detect its format; read HDF5 and MAT files.
 
-HDF5 has NetCDF 4 and MATLAB 7.3 among it; MAT files here are older ones.
+NetCDF 4 and MATLAB 7.3 files are HDF5; "MAT" here means the older MATLAB format.
 """
 
 import io
@@ -16,9 +16,9 @@ from .columns import Column, Table, quoted
 from .text import DELIMITERS, read_text
 from .titles import name_and_units
 
-#: how files begin, HDF5 maybe after 512 bytes
+#: first bytes of files; in HDF5, 512 other bytes may precede them
 HDF5, MAT = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0"
-#: how files begin that hold tables of another kind
+#: first bytes of files that are refused -> what they are
 OTHER_FORMATS = {
     b"PK\x03\x04": "a spreadsheet or an archive",
     b"\xd0\xcf\x11\xe0": "a spreadsheet of an old kind",
@@ -26,37 +26,37 @@ OTHER_FORMATS = {
     b"%PDF": "a PDF",
     b"\x1f\x8b": "compressed",
 }
-#: attributes in which units, and names of columns of an array, are kept
+#: attributes that may hold the units, and the column names, of an array
 UNIT_KEYS = ("units", "unit", "Units", "Unit", "UNITS")
 NAME_KEYS = ("columns", "column_names", "names", "labels", "header", "fields")
-MIN_ROWS = 2  # rows
-#: bytes that a byte of a file can hold: deflate packs 1,032 of them into one at most
+MIN_ROWS = 2
+#: most bytes of data for each byte of a file: deflate compresses by 1,032 times at most
 MAX_EXPANSION = 1100
 
 
 class MemoryFile(NamedTuple):
-    """The contents of a file, with what readers use of a path: its name, size and bytes."""
+    """The contents of a file, with the part of the interface of a Path that readers use."""
 
-    name: str  # the ending decides the format, and messages have it
+    name: str  # for messages; a .mat ending decides the format
     contents: bytes
 
     def __str__(self):
         return self.name
 
     def stat(self):
-        """The size, as ``st_size``."""
+        """Return an object with the size as ``st_size``."""
         return SimpleNamespace(st_size=len(self.contents))
 
     def open(self, mode="rb"):
-        """The contents as a binary file, to be read."""
+        """Return the contents as a binary file."""
         return io.BytesIO(self.contents)
 
 
 def as_file(file):
-    """A path, or an open binary file, as a Path or a `MemoryFile`; ParameterError for others.
+    """Return a Path for a path, or a `MemoryFile` for an open binary file or a `MemoryFile`.
 
-    A binary file is read from where it stands to its end, and is called "the file" if it has no
-    name.  A `MemoryFile` is returned as it is.
+    A binary file is read from its current position to its end.  Without a name, it is called "the
+    file".  ParameterError for any other object.
     """
     if isinstance(file, MemoryFile):
         return file
@@ -65,7 +65,7 @@ def as_file(file):
             return Path(file).expanduser()
         contents = file.read()
         if isinstance(contents, bytes):
-            name = getattr(file, "name", None)  # maybe a number, or nothing
+            name = getattr(file, "name", None)  # it may be a number or missing
             return MemoryFile(
                 PurePath(name).name if isinstance(name, str) else "the file", contents
             )
@@ -75,12 +75,12 @@ def as_file(file):
 
 
 def open_table(path, delimiters=DELIMITERS, decimal=None):
-    """The `Table` in a file, a Path or `MemoryFile`; ParameterError if it is of no known format.
+    """Return the `Table` in a Path or `MemoryFile`; ParameterError if its format is unknown.
 
-    delimiters, decimal : as of `read_text`
+    delimiters, decimal : as for `read_text`
     """
     try:
-        if isinstance(path, Path) and not path.is_file():  # a pipe would be waited for
+        if isinstance(path, Path) and not path.is_file():  # opening a pipe would block
             kind = "folder" if path.is_dir() else "special" if path.exists() else "missing"
             raise sentences.refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
@@ -98,10 +98,10 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
 
 
 def read_hdf5(path):
-    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it.
+    """Return the `Table` of all columns of numbers in an HDF5 file, in any group.
 
-    ParameterError if there are none, or more bytes than a file of its size can hold; h5py's OSError
-    if it is no HDF5.
+    ParameterError if there are none, or if they have more bytes than a file of this size can hold.
+    h5py's OSError if it is not an HDF5 file.
     """
     import h5py
 
@@ -112,7 +112,7 @@ def read_hdf5(path):
 
     def visit(title, item):
         nonlocal remaining
-        # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
+        # MATLAB stores text as numbers, and the contents of cell arrays in a group "#refs#"
         hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
         if hidden or not isinstance(item, h5py.Dataset):
             return
@@ -132,12 +132,13 @@ def read_hdf5(path):
 
 
 def refuse_other_files(file, name):
-    """Raise ParameterError if an open HDF5 file takes data from other files: it may name any.
+    """Raise ParameterError if an open HDF5 file takes data from other files.
 
-    By an external link, external storage or a virtual dataset.
+    It may do so by an external link, external storage or a virtual dataset, and may then name any
+    file of this machine.
 
     file : h5py.File
-    name : of the file, for the message
+    name : file name, for the message
     """
     import h5py
 
@@ -151,15 +152,15 @@ def refuse_other_files(file, name):
     def other_of_link(title, link):
         return (title, link.filename) if isinstance(link, h5py.ExternalLink) else None
 
-    if found := file.visititems_links(other_of_link) or file.visititems(other_of_data):
-        title, other = map(quoted, found)
+    if reference := file.visititems_links(other_of_link) or file.visititems(other_of_data):
+        title, other = map(quoted, reference)
         raise sentences.refusal("file.elsewhere", name=name, title=title, other=other)
 
 
 def read_mat(path):
-    """The `Table` of all columns of numbers in a MAT file, those in structs among them.
+    """Return the `Table` of all columns of numbers in a MAT file, including those in structs.
 
-    ParameterError if there are none; SciPy's own errors for a file that it cannot read.
+    ParameterError if there are none; SciPy's errors if it cannot read the file.
     """
     from scipy.io import loadmat
 
@@ -168,7 +169,7 @@ def read_mat(path):
 
 
 def _struct_columns(group, struct):
-    """The columns of a struct, whose field ``units`` may have a unit for each."""
+    """Yield the columns of a struct; its field ``units`` may have their units."""
     units: dict = next((struct[key] for key in UNIT_KEYS if isinstance(struct.get(key), dict)), {})
     for name, value in struct.items():
         if name.startswith("__"):
@@ -184,7 +185,7 @@ def _struct_columns(group, struct):
 
 
 def _array_columns(title, values, attrs):
-    """The columns that an array is: one, the fields of a table, or those of a matrix."""
+    """Yield the columns of an array: a vector, the fields of a table, or a matrix."""
     if not isinstance(values, np.ndarray) or values.size < MIN_ROWS:
         return
     parts = []  # titles, names and values
@@ -200,9 +201,9 @@ def _array_columns(title, values, attrs):
             for i, name in enumerate(_texts(_first_of(attrs, NAME_KEYS), rows.shape[1])):
                 parts.append((f"{title}/{name}" if name else f"{title}[{i + 1}]", name, rows[:, i]))
     units = _texts(_first_of(attrs, UNIT_KEYS), len(parts))
-    for (own_title, name, column), unit in zip(parts, units, strict=True):
+    for (full_title, name, column), unit in zip(parts, units, strict=True):
         name, unit, other = name_and_units(name, unit)
-        yield Column(own_title, name, unit, column.astype(float), other)
+        yield Column(full_title, name, unit, column.astype(float), other)
 
 
 def _first_of(attrs, keys):
@@ -210,7 +211,7 @@ def _first_of(attrs, keys):
 
 
 def _texts(value, count):
-    """An attribute as so many texts: one each, or the same (or nothing) for all."""
+    """Return an attribute as `count` texts; a single text, or "", is repeated."""
     texts = [
         item.decode("utf-8", "replace") if isinstance(item, bytes) else str(item)
         for item in np.atleast_1d(value).tolist()
@@ -223,7 +224,7 @@ def _texts(value, count):
 
 
 def _unpack(values, attrs):
-    """Values with the scale, offset and mark for missing ones that NetCDF knows."""
+    """Apply NetCDF's scale factor, offset and fill value to an array."""
     if not {"scale_factor", "add_offset", "_FillValue"} & set(attrs):
         return values
     numbers = values.astype(float)

@@ -1,7 +1,8 @@
-"""Tables of text: tabs, commas, semicolons or spaces between cells; in blocks of lines.
+"""Read tables of text in blocks of lines; tabs, commas, semicolons or spaces separate cells.
 
-NumPy's `loadtxt` reads the numbers, rounded as Python does.  pandas' parser would read a clean file
-faster, but keeps no lines: remarks, other headers and messages need them.
+NumPy's `loadtxt` parses the numbers and rounds them as Python does.  pandas' parser would read a
+clean file faster, but it does not keep the lines, which comments, further headers and messages
+need.
 """
 
 import codecs
@@ -29,16 +30,16 @@ from .columns import Column, Table, quoted
 from .header import check_headers, labview_header_end, parse_header
 from .titles import TABLE, match_rank
 
-DELIMITERS = ("\t", ";", ",", None)  # None: spaces, as many as there are
-LAYOUT_LINES = 200  # lines from which the layout is found
-MAX_BYTES = 10**9  # bytes; a number of ten characters takes eight of memory
-MAX_LINE = 20_000  # characters of a line
+DELIMITERS = ("\t", ";", ",", None)  # None: any number of spaces
+LAYOUT_LINES = 200  # lines from which the layout is detected
+MAX_BYTES = 10**9  # a number of ten characters takes eight bytes of memory
+MAX_LINE = 20_000  # characters in a line
 MAX_HEADER_LINES = 2_000  # lines above the numbers
 BLOCK = 1 << 20  # characters read at once
-ENCODING_BLOCK = 1 << 24  # read at once to find the encoding
-ENCODING_HEAD = 1 << 16  # bytes in which words are looked for
+ENCODING_BLOCK = 1 << 24  # bytes read at once to detect the encoding
+ENCODING_HEAD = 1 << 16  # bytes in which Japanese and Chinese words are searched
 CLOCK_NAME = "clock time"  # a name of times that ranks below names of seconds
-#: minus signs and blanks that numbers are printed with -> what they mean
+#: typographic minus signs, and separators between groups of digits -> their replacement
 _TYPOGRAPHIC = [
     (re.compile(r"(?:[\u2212\ufe63\uff0d]|(?<![^\s;,])\u2013)(?=[\d.,])"), "-"),
     (re.compile(r"(?<=\d)['\u2019\u00a0\u202f\u2009\u2007](?=\d{3}(?!\d))"), ""),
@@ -46,29 +47,29 @@ _TYPOGRAPHIC = [
 
 
 def read_text(path, delimiters=DELIMITERS, decimal=None):
-    """The `Table` in a text file.
+    """Return the `Table` in a text file.
 
-    delimiters : one of which is between the cells
-    decimal : "." or ","; None: as the numbers look
+    delimiters : delimiters to try
+    decimal : "." or ","; None: detected from the numbers
 
-    ParameterError: too large, binary, a line too long, no rows of numbers, or above them a header
-    of another number of names.
+    ParameterError if the file is too large or binary, if a line is too long, if there are no rows
+    of numbers, or if the header above them has another number of names.
     """
     if (size := path.stat().st_size) > MAX_BYTES:
         raise sentences.refusal("text.large", name=path.name, size=size / 1e9, most=MAX_BYTES / 1e9)
     encoding, most = _detect_encoding(path)
     with path.open("rb") as binary, io.TextIOWrapper(binary, encoding) as file:
         blocks = _line_blocks(file, path.name)
-        head: list[str] = []  # in which the layout is found
+        head: list[str] = []  # the layout is detected from these lines
         while len(head) < MAX_HEADER_LINES + LAYOUT_LINES and (lines := next(blocks, None)):
             head += lines
         above = labview_header_end(head)
         full = [i for i, line in enumerate(head) if has_content(line) and i >= above]
         start, delimiter = _find_first_row(path, head, full, delimiters)
         rows = [i for i in full[full.index(start) :] if i < start + LAYOUT_LINES]
-        look = [split_cells(head[i], delimiter) for i in rows]
-        written = Counter(map(len, look)).most_common(1)[0][0]
-        whole = [drop_empty_end(cells) for cells in look if len(cells) == written]
+        samples = [split_cells(head[i], delimiter) for i in rows]
+        written = Counter(map(len, samples)).most_common(1)[0][0]
+        whole = [drop_empty_end(cells) for cells in samples if len(cells) == written]
         width = max(map(len, whole))
         header = parse_header(head[:start], delimiter, width, written)
         decimal = _decimal_mark(path, whole) if decimal is None else decimal
@@ -82,7 +83,7 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
         column = values[j]
         if clock := layout.clocks.get(j):
             column, unit, other = clock.continuous(column), "s", ""
-            # a column of seconds beside it is finer, or as fine
+            # a column of seconds beside it is preferred: its resolution is at least as fine
             name = CLOCK_NAME if match_rank(name, "time") is not None else name
         title = header.names[j] or f"column {j + 1}"
         columns.append(Column(title, name, unit, column, other))
@@ -97,10 +98,11 @@ def read_text(path, delimiters=DELIMITERS, decimal=None):
 
 
 def _detect_encoding(path):
-    """(encoding, most lines) of a text file; ParameterError if it is binary.
+    """Return (encoding, upper bound of lines) of a text file; ParameterError if it is binary.
 
-    UTF-16 by its first bytes, and UTF-8 if it is; else, if words of titles appear in it, an
-    encoding of Japanese or Chinese; else the encoding of Windows in western Europe.
+    The first bytes mark UTF-16.  Otherwise the first encoding that decodes the whole file counts:
+    UTF-8, an encoding of Japanese or Chinese if words of titles appear in it, or the encoding of
+    Windows in western Europe.
     """
     with path.open("rb") as file:
         head = file.read(ENCODING_HEAD)
@@ -130,21 +132,21 @@ def _byte_blocks(path):
 
 
 def _detect_clocks(rows, header):
-    """Column -> `Clock` of the first clock time in these rows of cells."""
+    """Return column -> `Clock` of the first clock time in these rows of cells."""
     clocks = {}
     for j, (_, unit, _) in enumerate(header.split_units()):
-        found = (detect_clock(row[j], unit) for row in rows if len(row) > j)
-        if clock := next((one for one in found if one is not None), None):
+        detected = (detect_clock(row[j], unit) for row in rows if len(row) > j)
+        if clock := next((one for one in detected if one is not None), None):
             clocks[j] = clock
     return clocks
 
 
 def _line_blocks(file, name):
-    """Lists of lines, one after the other; ParameterError for a line that is too long."""
+    """Yield lists of lines; ParameterError if a line is too long."""
     before = 0
     while lines := file.readlines(BLOCK):
         for number, line in enumerate(lines if max(map(len, lines)) > MAX_LINE else [], before + 1):
-            if (length := len(line.rstrip("\n"))) > MAX_LINE:  # would take for ever
+            if (length := len(line.rstrip("\n"))) > MAX_LINE:  # parsing it would take too long
                 values = {"line": number, "length": length, "most": MAX_LINE}
                 raise sentences.refusal("text.long", name=name, **values)
         before += len(lines)
@@ -157,40 +159,40 @@ def _line_blocks(file, name):
 
 
 def _normalize_line(line):
-    """A line whose numbers have the signs of a keyboard, and nothing between groups of digits."""
-    for pattern, typed in _TYPOGRAPHIC:
-        line = pattern.sub(typed, line)
+    """Replace typographic minus signs, and remove separators between groups of digits."""
+    for pattern, replacement in _TYPOGRAPHIC:
+        line = pattern.sub(replacement, line)
     return line
 
 
 def _parse_blocks(blocks, layout, start, most, header, name):
-    """(columns, rows) numbers in blocks of lines, and the line of each row, from 1 on.
+    """Return the numbers (columns, rows) in blocks of lines, and each row's line number from 1.
 
-    start : lines above the first block
-    most : lines there can be
-    header, name : the `Header`, and of which file
+    start : number of lines above the first block
+    most : upper bound of the number of lines
+    header, name : the `Header`, and the name of the file
 
-    ParameterError: another header among the rows.
+    ParameterError if there is another header among the rows.
     """
-    values = np.empty((layout.width, most))  # takes memory only where it is filled
+    values = np.empty((layout.width, most))  # unused elements take no memory
     numbers = np.empty(most, np.int32)
     count = 0
     for lines in blocks:
-        found, places = parse_rows(lines, layout)
-        check_headers(lines, places[np.isfinite(found).any(axis=1)], layout, start, header, name)
-        here = slice(count, count + places.size)
-        values[:, here], numbers[here] = found.T, places + (start + 1)
+        parsed, indices = parse_rows(lines, layout)
+        check_headers(lines, indices[np.isfinite(parsed).any(axis=1)], layout, start, header, name)
+        here = slice(count, count + indices.size)
+        values[:, here], numbers[here] = parsed.T, indices + (start + 1)
         start += len(lines)
-        count += places.size
+        count += indices.size
     return values[:, :count], numbers[:count]
 
 
 def _is_data_row(cells, dense=True):
-    """Whether these look like a row of a record: two cells or more, hardly one without a number.
+    """Return whether the cells look like a row of a record: at least two, most with numbers.
 
-    Dates and clock times do not count.
+    Dates and clock times are ignored.
 
-    dense : whether empty cells count as being without a number
+    dense : whether empty cells count as cells without a number
     """
     good = [cell for cell in cells if cell.lower() == "nan" or _is_number(cell)]
     several = any(
@@ -207,12 +209,12 @@ def _is_number(cell):
 
 
 def _find_first_row(path, lines, full, delimiters):
-    """Index of the first line of numbers, and the delimiter of its cells."""
+    """Return the index of the first line of numbers, and the delimiter of its cells."""
     for start, after in itertools.pairwise(full[: MAX_HEADER_LINES + 1]):
         for delimiter in delimiters:
             both = [split_cells(lines[i], delimiter) for i in (start, after)]
             sparse = all(_is_data_row(cells, dense=False) for cells in both)
-            # a date above the table is numbers as well
+            # the next line must have as many cells: a date above the table is numbers as well
             if (_is_data_row(both[0]) or sparse) and len(both[0]) == len(both[1]):
                 return start, delimiter
     begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
@@ -222,13 +224,15 @@ def _find_first_row(path, lines, full, delimiters):
 
 
 def _decimal_mark(path, rows):
-    """The decimal mark of numbers in these rows, "." or ","; ParameterError if either may be."""
+    """Return the decimal mark of numbers in these rows; ParameterError if it is ambiguous."""
     cells = [cell for row in rows for cell in row if "," in cell or "." in cell]
     marks = [[mark for mark in ".," if not np.isnan(parse_number(cell, mark))] for cell in cells]
-    certain = Counter(found[0] for found in marks if len(found) == 1)
+    certain = Counter(possible[0] for possible in marks if len(possible) == 1)
     if certain:
         return certain.most_common(1)[0][0]
-    grouped = [cell for cell, found in zip(cells, marks, strict=True) if found and "," in cell]
+    grouped = [
+        cell for cell, possible in zip(cells, marks, strict=True) if possible and "," in cell
+    ]
     if grouped and not any("." in cell for cell in cells):
         raise sentences.refusal("text.decimal", name=path.name, cell=quoted(grouped[0]))
     return "."
