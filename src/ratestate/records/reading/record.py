@@ -1,4 +1,4 @@
-"""From the tables of one or several files to a record with the load point's history."""
+"""Build a record, with the load point's history, from the tables of one or several files."""
 
 import itertools
 import json
@@ -39,19 +39,21 @@ from .values import (
     flip_signs,
 )
 
-#: how the times of files may follow each other
+#: options of `join`: how the times of files follow each other
 JOINS = ("auto", "absolute", "restart")
-#: steps of time from 0 within which a clock begins that starts anew
+#: latest first time, in time steps, of a clock that restarts at 0
 NEAR_ZERO = 1.5
-#: least move against the load point's direction, over the largest step, of a sensor set to 0 again
+#: least backward move of a displacement that was set to 0 again, as a multiple of the largest step
 ZEROED = 3.0
 
 
 def build_record(tables, lab, *, time=None, displacement=None, rows=MAX_ROWS, join="auto"):
-    """The Dataset that `read_lab` makes of tables, and a list of what it warns of.
+    """Build the Dataset that `read_lab` returns from tables; return it and warnings (list).
 
     tables : list of `Table`
-    lab : `LabFormat`, with what a call gives; other arguments, and what is raised, as of `read_lab`
+    lab : `LabFormat`, combined with the arguments of the call
+
+    Other arguments and errors are as for `read_lab`.
     """
     most = check_max_rows(rows)
     if join not in JOINS:
@@ -94,7 +96,7 @@ def build_record(tables, lab, *, time=None, displacement=None, rows=MAX_ROWS, jo
 
 
 def _prepare(kept, windows, lab, constants):
-    """Leave out `Rows` that cannot be used, and turn signs: the symbols turned, and notes."""
+    """Leave out unusable `Rows`, and turn signs; return the turned symbols and notes (lists)."""
     kept.apply_windows(windows)
     kept.drop_unreadable()
     drop_codes(kept)
@@ -102,7 +104,7 @@ def _prepare(kept, windows, lab, constants):
     kept.check_enough()
     for symbol in kept.record:
         check_sizes(symbol, kept.record[symbol], kept.columns[symbol], kept.units[symbol])
-    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
+    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a backward motion
     turned, notes = flip_signs(kept.record, lab.signs)
     for symbol, value in constants.items():
         kept.record[symbol] = np.full(kept.kept.size, value)
@@ -115,9 +117,9 @@ def _prepare(kept, windows, lab, constants):
 
 
 def _read_rows(table, lab, constants):
-    """All `Rows` of the chosen columns of a table, in SI, and notes.
+    """Return all `Rows` of the chosen columns of a table, in SI, and notes (list of str).
 
-    constants : symbol -> constant [SI] in place of a column
+    constants : symbol -> constant [SI] that replaces a column
     """
     places = choose_columns(table, lab.columns, constants)
     chosen, units = {symbol: table.columns[i] for symbol, i in places.items()}, lab.units
@@ -155,7 +157,7 @@ def _read_rows(table, lab, constants):
 
 
 def _ratio_of_forces(chosen, units):
-    """Friction as a `Column`, if it is needed and both stresses are forces; else None."""
+    """Return friction as a `Column` if it is missing and both stresses are forces; else None."""
     if "friction" in chosen or not {"tau", "sigma"} <= chosen.keys() or "pore_pressure" in chosen:
         return None
     shear, normal = chosen["tau"], chosen["sigma"]
@@ -169,7 +171,7 @@ def _ratio_of_forces(chosen, units):
 
 
 def _find_segments(record, gaps):
-    """The `FoundSegments` of a record; of a very long one from means over blocks of rows."""
+    """Return the `FoundSegments` of a record, from block means if the record is very long."""
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     t, x = record["time"], record[symbol]
     if t.size > MAX_ROWS:
@@ -181,7 +183,7 @@ def _find_segments(record, gaps):
 
 
 def _dataset(record, segments):
-    """The variables, with the load point's history."""
+    """Return the Dataset of a record and its segments."""
     import xarray
 
     order = [s for s in ("friction", "delta_lp", "V_load", "tau", "sigma") if s in record]
@@ -193,13 +195,13 @@ def _dataset(record, segments):
 
 
 def _join_files(parts, join, constants):
-    """The `Rows` of all files, and notes (list of str).
+    """Join the `Rows` of all files; return them and notes (list of str).
 
-    parts : list of the `Rows` of each file, with nothing left out
-    join : as of `read_lab`
-    constants : symbols that are given, and need no column
+    parts : list of the complete `Rows` of each file
+    join : as for `read_lab`
+    constants : symbols that need no column
 
-    ParameterError: a column that another file lacks, or times that overlap.
+    ParameterError if a file lacks a required column, or if times overlap.
     """
     if len(parts) == 1:
         return parts[0], []
@@ -231,11 +233,11 @@ def _join_files(parts, join, constants):
 
 
 def _common_symbols(parts, constants):
-    """Symbols that all files have, and notes on others; ParameterError if these are needed."""
-    known = dict.fromkeys(symbol for part in parts for symbol in part.record)
-    symbols = [s for s in known if all(s in part.record for part in parts)]
+    """Return the symbols of all files, and notes on others; ParameterError if one is required."""
+    present = dict.fromkeys(symbol for part in parts for symbol in part.record)
+    symbols = [s for s in present if all(s in part.record for part in parts)]
     notes = []
-    for symbol in [s for s in known if s not in symbols]:
+    for symbol in [s for s in present if s not in symbols]:
         name = next(part.name for part in parts if symbol in part.record)
         lacking = next(part.name for part in parts if symbol not in part.record)
         values = {"symbol": symbol, "name": name, "lacking": lacking}
@@ -246,19 +248,19 @@ def _common_symbols(parts, constants):
 
 
 def _end_values(values):
-    """The first and the last finite value."""
+    """Return the first and the last finite value."""
     finite = values[np.isfinite(values)]
     return float(finite[0]), float(finite[-1])
 
 
 def _typical_step(t):
-    """The usual time between rows; 0 if there is none."""
+    """Return the median of the positive time steps; 0 if there is none."""
     steps = np.diff(t[np.isfinite(t)])
     return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
 
 
 def _zeroing_offset(before, after):
-    """What to add to a displacement that was set to 0 again; 0 if it was not."""
+    """Return the offset of a displacement that was set to 0 between files; 0 if it was not."""
     (begin, end), (next_, last) = _end_values(before), _end_values(after)
     steps = np.concatenate([np.abs(np.diff(x[np.isfinite(x)])) for x in (before, after)])
     back = (end - next_) * np.sign(end - begin + last - next_)
