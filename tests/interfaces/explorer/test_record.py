@@ -101,12 +101,12 @@ def test_what_is_missing_can_be_chosen(without_child):
 @pytest.mark.parametrize(
     ("name", "contents", "problem"),
     [
-        ("r.png", b"\x89PNG\r\n\x1a\n" + bytes(99), "r.png is neither text nor HDF5 nor MAT; save"),
-        ("", b"", "the file is empty; expected rows such as"),
+        ("r.png", b"\x89PNG\r\n\x1a\n" + bytes(99), "r.png is neither text nor HDF5 nor MAT. Save"),
+        ("", b"", "the file is empty. A record has rows such as"),
         (
             "r" * 300 + ".csv",
             b"PK\x03\x04",
-            "r" * 251 + ".csv is a spreadsheet or an archive; save",
+            "r" * 251 + ".csv is a spreadsheet or an archive. Save",
         ),
     ],
 )

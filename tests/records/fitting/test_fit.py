@@ -351,7 +351,7 @@ def test_a_loading_that_is_not_the_recorded_one_is_refused(noisy):
         rs.Loading.steps("1 mm/s", (40.0, "10 mm/s")),
         rs.Loading.steps("1 um/s", (20.0, "10 um/s")),
     ):
-        with pytest.raises(rs.ParameterError, match="check units and times"):
+        with pytest.raises(rs.ParameterError, match="Check units and times"):
             rs.fit(noisy, START, loading=loading)
 
 

@@ -139,7 +139,7 @@ def test_columns_with_few_numbers(tmp_path):
     sparse = [[*row[:3], row[3] if i % 10 == 0 else ""] for i, row in enumerate(rows)]
     path = tmp_path / "r.csv"
     path.write_text("\n".join([",".join(TITLES), *map(",".join, sparse)]))
-    match = r"'Normal stress \(MPa\)' \(sigma\) has a number in 12 of 120 rows only, .* in line 3"
+    match = r"'Normal stress \(MPa\)' \(sigma\) has a number in only 12 of 120 rows, .* in line 3"
     with pytest.raises(rs.ParameterError, match=match):
         read_lab(path)
     titles = [*TITLES[:2], "Friction", TITLES[3]]

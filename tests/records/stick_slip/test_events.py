@@ -341,7 +341,7 @@ def test_stiffness_that_cannot_be_known_is_not_made_up():
         (lambda data: data.isel(time=slice(None, None, -1)), "times must increase"),
         (lambda data: data.assign(friction=data.friction.where(data.time != 1.0)), "row 50"),
         (lambda data: data.to_dataarray(), "not DataArray"),
-        (lambda data: data.expand_dims(K=2), "pick one case"),
+        (lambda data: data.expand_dims(K=2), "Pick one case"),
     ],
 )
 def test_other_records_are_refused(experiment, change, text):

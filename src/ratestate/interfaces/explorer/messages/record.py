@@ -1,6 +1,7 @@
 """A laboratory record dropped on the page: what is drawn of it, and what there is to choose."""
 
 import json
+import re
 
 import numpy as np
 
@@ -67,9 +68,9 @@ def quantities():
 def _problem(found):
     """What is wrong, with a remedy that the page has."""
     table = found.error.sentence.partition(".")[0]
-    what, _, remedy = str(found.error).partition("; ")
     own = REMEDIES.get(table) if found.columns else None
-    return f"{what}; {own or remedy}" if own or remedy else what
+    what = re.split(r"; |\. (?=[A-Z])", str(found.error), maxsplit=1)[0]
+    return f"{what}; {own}" if own else str(found.error)
 
 
 def _arrays(record):
