@@ -169,7 +169,7 @@ def test_a_ramp_is_a_step():
     assert abs(found.t[1] - 50.2) < 0.01  # in the middle of the ramp: the same displacement after
     assert len(found.notes) == 1
     assert re.search(
-        r"changes over some 0.[34]\d? s from 50.0\d* s on, which is taken", found.notes[0]
+        r"changes over about 0.[34]\d? s from 50.0\d* s on, which is taken", found.notes[0]
     )
 
 

@@ -32,7 +32,7 @@ def record(path, noise=0.0, lost=(), step=100.003):
 def test_means_over_blocks(tmp_path):
     path, t, x, mu = record(tmp_path / "r.csv", noise=1e-3)
     with pytest.warns(RecordWarning, match=r"20,000 rows are averaged in blocks of 10: 2,000 are "
-                      r"left, one in 100 ms instead of 10 ms; .*rows=None"):  # fmt: skip
+                      r"left, one in 100 ms instead of 10 ms\. .*rows=None"):  # fmt: skip
         data = read_lab(path, rows=2000)
     assert "20,000 rows are averaged" in json.loads(data.attrs["notes"])[0]
     for name, values in (("time", t), ("delta_lp", 1e-6 * x), ("friction", mu)):

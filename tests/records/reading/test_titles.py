@@ -292,7 +292,7 @@ def test_a_title_and_a_row_of_units_that_contradict_each_other(tmp_path):
     match = r"'LP disp \(mm\)' \(delta_lp\) as um and as mm"
     with pytest.raises(rs.ParameterError, match=match):
         read_lab(path)
-    with pytest.raises(rs.ParameterError, match=r"'Normal stress \(bar\)' \(sigma\) is in MPa"):
+    with pytest.raises(rs.ParameterError, match=r"'Normal stress \(bar\)' \(sigma\) as MPa"):
         read_lab(path, units={"delta_lp": "um"})
     data = read_lab(path, units={"delta_lp": "um", "sigma": "MPa"})  # MPa is N/mm2
     np.testing.assert_allclose(data.friction, MU)
