@@ -121,7 +121,7 @@ def test_a_small_file_that_unpacks_to_a_large_one():
     with h5py.File(stored, "w") as file:
         file.create_dataset("time_s", shape=(10**10,), dtype="f8", chunks=(10**6,))
     header, _ = answered(stored.getvalue(), "r.h5")
-    assert "r.h5 is damaged: 'time_s' would fill 8e+10 bytes" in header["problem"]
+    assert "r.h5 is damaged: 'time_s' would take 8e+10 bytes" in header["problem"]
 
 
 @pytest.mark.parametrize("text", ["[]", "{", '{"path": "/etc/passwd"}', '{"time": NaN}'])

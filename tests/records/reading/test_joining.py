@@ -61,7 +61,7 @@ def test_other_columns_and_units_in_each_file(tmp_path, whole):
         data = rs.read_lab([a, b, tmp_path / "c.h5"])
     same(data, whole.drop_vars("sigma"))
     v = write(tmp_path / "v.txt", [T, 1 + T, MU], ("Time(s)", "V_load (um/s)", "mu"))
-    match = r"c.h5 has a column of delta_lp but v.txt has none"
+    match = r"c.h5 has a column of delta_lp, but v.txt has none"
     with pytest.raises(rs.ParameterError, match=match):
         rs.read_lab([tmp_path / "c.h5", v])
 
