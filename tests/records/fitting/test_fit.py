@@ -258,8 +258,8 @@ REFUSED = {
     "no Dataset": (lambda d: d.friction, {}, "data is of type DataArray"),
     "no friction": (lambda d: d.drop_vars("friction"), {}, "has no friction"),
     "no load point": (lambda d: d.drop_vars("delta_lp"), {}, "neither delta_lp nor V_load"),
-    "empty": (lambda d: d.isel(time=slice(0, 0)), {}, "0 samples, and 30 or more"),
-    "too short": (lambda d: d.isel(time=slice(0, 20)), {}, "20 samples, and 30 or more"),
+    "empty": (lambda d: d.isel(time=slice(0, 0)), {}, "0 samples, but at least 30"),
+    "too short": (lambda d: d.isel(time=slice(0, 20)), {}, "20 samples, but at least 30"),
     "no step": (lambda d: d.sel(time=slice(0, 35)), {}, "without a velocity step"),
     "step at the end": (
         lambda d: d.sel(time=slice(0, 40.2)),
