@@ -21,14 +21,14 @@ def group(tmp_path, monkeypatch):
             file = tmp_path / "sys" / name.replace("__", "/").replace("_in_", ".")
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text)
-        machine._quotas.cache_clear()
+        machine._cpu_quotas.cache_clear()
 
-    monkeypatch.setattr(machine, "GROUPS", tmp_path / "own")
-    monkeypatch.setattr(machine, "MOUNTED", tmp_path / "sys")
+    monkeypatch.setattr(machine, "CGROUP_FILE", tmp_path / "own")
+    monkeypatch.setattr(machine, "CGROUP_ROOT", tmp_path / "sys")
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(12)))
     monkeypatch.delenv("NUMBA_NUM_THREADS", raising=False)
     yield write
-    machine._quotas.cache_clear()
+    machine._cpu_quotas.cache_clear()
 
 
 V1 = "5:memory:/job\n4:cpu,cpuacct:/job/step\n3:name=systemd:/user\n"

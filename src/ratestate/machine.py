@@ -1,12 +1,13 @@
-"""What of the machine this process may use: cores, memory and child processes.
+"""Resources of this process: cores, memory and child processes.
 
-A container, or a job of a scheduler, sees all cores and all memory of its machine, and is held to
-the limits of its control group (cgroup; version 2, or 1, which has a tree for each resource).
+A process in a container or in a scheduler's job sees all cores and all memory of its machine, but
+its control group (cgroup) limits it.  Version 1 of cgroups has a tree of folders for each resource;
+version 2 has one tree.
 
 A child process computes one item after the other, for records, files and sweeps.  It is a new
-interpreter that imports the function's module and nothing else (0.3 s): no fork, for other threads
-may run, and no import of ``__main__``, which therefore needs no guard.  It gets pickled items
-through its stdin, and sends a pickled result or exception for each.
+interpreter that imports only the function's module (0.3 s).  It is not a fork, because other
+threads may run.  It does not import ``__main__``, so scripts need no guard.  It reads pickled items
+from its stdin, and returns a pickled result or exception for each.
 """
 
 import contextlib
@@ -24,17 +25,17 @@ from typing import Any
 from .errors import ParameterError
 
 is_child = False  # whether this process is such a child
-GROUPS, MOUNTED = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
+CGROUP_FILE, CGROUP_ROOT = Path("/proc/self/cgroup"), Path("/sys/fs/cgroup")
 
 
 def cores():
-    """How many cores this process may use, an int >= 1.
+    """Return the number of cores that this process may use, an int >= 1.
 
-    The least of those that it may run on, of its control group's quota of their time, rounded up,
-    and of NUMBA_NUM_THREADS in the environment.
+    It is the smallest of three limits: the cores that the process may run on, the CPU quotas of its
+    control groups (rounded up), and NUMBA_NUM_THREADS in the environment.
     """
     here = os.sched_getaffinity(0) if hasattr(os, "sched_getaffinity") else ()
-    limits = [len(here) or os.cpu_count() or 1, *_quotas()]
+    limits = [len(here) or os.cpu_count() or 1, *_cpu_quotas()]
     wanted = os.environ.get("NUMBA_NUM_THREADS", "")
     if wanted.isdecimal() and int(wanted) > 0:
         limits.append(int(wanted))
@@ -42,78 +43,88 @@ def cores():
 
 
 @functools.cache
-def _quotas():
-    """Cores whose time this process's control groups may take, rounded up, for each that says."""
-    found = []
-    for folder in _folders("cpu"):
-        share = _numbers(folder / "cpu.max")  # quota and period, of version 2, and of 1
-        share += _numbers(folder / "cpu.cfs_quota_us") + _numbers(folder / "cpu.cfs_period_us")
-        if len(share) == 2 and 0.0 < share[0] < math.inf:  # (-1 or "max": none)
-            found.append(math.ceil(share[0] / share[1]))
-    return found
+def _cpu_quotas():
+    """Return the CPU quotas of this process's control groups, in cores, rounded up (list)."""
+    quotas = []
+    for folder in _cgroup_folders("cpu"):
+        # the quota and its period are in one file in version 2, and in two files in version 1
+        share = [
+            number
+            for name in ("cpu.max", "cpu.cfs_quota_us", "cpu.cfs_period_us")
+            for number in _read_limits(folder / name)
+        ]
+        if len(share) == 2 and 0.0 < share[0] < math.inf:  # -1 and "max" mean no quota
+            quotas.append(math.ceil(share[0] / share[1]))
+    return quotas
 
 
-#: bytes that any process has, so that for less the system need not be asked
-AMPLE = 1e3
+#: bytes that any process has: for smaller sizes, `check_fits` does not query the system
+ALWAYS_AVAILABLE = 1e3
 
 
 def memory():
-    """Bytes of memory that this process may have; inf where the system does not say."""
+    """Return the bytes of memory that this process may have; inf if they are unknown."""
     limits = [math.inf]
     if hasattr(os, "sysconf"):
         limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    for folder in _folders("memory"):
-        limits += _numbers(folder / "memory.max") + _numbers(folder / "memory.limit_in_bytes")
+    for folder in _cgroup_folders("memory"):
+        for name in ("memory.max", "memory.limit_in_bytes"):
+            limits += _read_limits(folder / name)
     return min(limits)
 
 
 def check_fits(size, what, remedy):
-    """Raise ParameterError if so many bytes are more than this process may have.
+    """Raise ParameterError if an array of `size` bytes exceeds the memory of this process.
 
-    what, remedy : str, the subject of the message, in the plural, and how to get by with less
+    what : str, subject of the message, in the plural
+    remedy : str, how to need less memory
     """
-    if size > AMPLE and size > (most := memory()):
+    if size > ALWAYS_AVAILABLE and size > (most := memory()):
         raise ParameterError(
             f"{what} take {size / 1e9:,.3g} GB of memory, and {most / 1e9:,.3g} GB are there; "
             f"{remedy}"
         )
 
 
-def _folders(resource):
-    """Folders with the limits of this process's group and those around it."""
+def _cgroup_folders(resource):
+    """Return the folders that limit this process: its control group and all parents (list)."""
     try:
-        lines = GROUPS.read_text().splitlines()
-    except OSError:  # no Linux
+        lines = CGROUP_FILE.read_text().splitlines()
+    except OSError:  # not Linux
         return []
-    found = []
+    folders = []
     for line in lines:
         _, names, path = line.split(":", 2)
         if not names or resource in names.split(","):
-            top = MOUNTED / names
+            top = CGROUP_ROOT / names
             inside = top / path.lstrip("/")
-            found += [f for f in (inside, *inside.parents) if f.is_relative_to(top)]
-    return found
+            folders += [f for f in (inside, *inside.parents) if f.is_relative_to(top)]
+    return folders
 
 
-def _numbers(file):
-    """The numbers in a file of limits; none where there is no such file."""
+def _read_limits(file):
+    """Return the numbers in a file of limits; [] if the file does not exist."""
     try:
         return [math.inf if word == "max" else float(word) for word in file.read_text().split()]
     except (OSError, ValueError):
         return []
 
 
+#: longest time that a child takes to end after it has closed its pipe [s]
+ENDING = 1.0
+
+
 class ChildDied(Exception):
-    """The child has ended, or could not be started."""
+    """Raised if the child has ended or could not be started."""
 
 
 class Child:
-    """A child process, which ends with the context.
+    """A child process that computes a function; a context manager that ends the process.
 
-    function : of a module, not of ``__main__``; items and results can be pickled
-    stderr : as of `subprocess.Popen`
+    function : defined in a module, not in ``__main__``; its items and results can be pickled
+    stderr : passed on to `subprocess.Popen`
 
-    `ready` is whether it has imported the function.
+    `ready` is True once the child has imported the function.
     """
 
     def __init__(self, function, stderr=None):
@@ -122,15 +133,15 @@ class Child:
         self.ready = False
 
     def __enter__(self):
-        places = os.pathsep.join(place or str(Path.cwd()) for place in sys.path)
-        alone = {"PYTHONPATH": places, "OPENBLAS_NUM_THREADS": "1"}
-        with contextlib.suppress(OSError):  # then `call` says so
+        with contextlib.suppress(OSError):  # `call` reports a process that did not start
+            folders = os.pathsep.join(folder or str(Path.cwd()) for folder in sys.path)
+            variables = {"PYTHONPATH": folders, "OPENBLAS_NUM_THREADS": "1"}
             self.process = subprocess.Popen(
                 [sys.executable, "-P", "-c", f"from {__name__} import serve; serve()"],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=self.stderr,
-                env=os.environ | alone,
+                env=os.environ | variables,
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
             self._send(pickle.dumps(self.name))
@@ -143,7 +154,7 @@ class Child:
                 self.process.communicate()
 
     def kill(self):
-        """End the process."""
+        """Kill the process."""
         if self.process is not None:
             self.process.kill()
 
@@ -156,7 +167,10 @@ class Child:
             self.ready = self.ready or pickle.load(self.process.stdout)
             self._send(task)
             result, error = pickle.load(self.process.stdout)
-        except Exception:  # it died before it had read all, or while it sent; or its answer is odd
+        except Exception as failure:  # it died, or its answer cannot be unpickled
+            if isinstance(failure, EOFError | BrokenPipeError):  # the process ends by itself
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self.process.wait(ENDING)
             self.kill()
             raise ChildDied from None
         if error is not None:
@@ -164,7 +178,7 @@ class Child:
         return result
 
     def ending(self):
-        """Wait for the end of a process that died; return its signal or exit code in words."""
+        """Wait until a process that died has ended; return its signal or exit code as text."""
         if self.process is None:
             return "it did not start"
         code = self.process.wait()
@@ -178,16 +192,16 @@ class Child:
 
 
 def serve():
-    """Compute items from stdin until there are no more: the main loop of a child."""
+    """Run the main loop of a child: compute items from stdin until stdin ends."""
     global is_child
     is_child = True
-    for number in (signal.SIGINT, signal.SIGTERM):  # the parent gets these too, and ends this
+    for number in (signal.SIGINT, signal.SIGTERM):  # the parent also gets them and kills the child
         signal.signal(number, signal.SIG_IGN)
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # whatever is printed must not mix with the answers
+    os.dup2(2, 1)  # printed text must not mix with the answers
     module, name = pickle.load(sys.stdin.buffer)
     function = getattr(importlib.import_module(module), name)
-    answer: Any = True  # it is ready
+    answer: Any = True  # sent first: the child is ready
     with contextlib.suppress(EOFError, BrokenPipeError):
         while True:
             pickle.dump(answer, answers, 5)
@@ -195,5 +209,14 @@ def serve():
             item = pickle.load(sys.stdin.buffer)
             try:
                 answer = function(item), None
-            except Exception as error:  # raised in the parent
-                answer = None, error
+            except Exception as error:  # the parent raises it
+                answer = None, _picklable(error)
+
+
+def _picklable(error):
+    """Return the exception, or a RuntimeError with its text if pickle cannot rebuild it."""
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return RuntimeError(f"{type(error).__name__}: {error}")
+    return error

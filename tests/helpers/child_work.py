@@ -33,3 +33,18 @@ def prints(item):
     sys.stdout.write("printed")
     time.sleep(0.05)
     return item
+
+
+class TwoTexts(Exception):
+    """An exception that pickle cannot build again from its arguments."""
+
+    def __init__(self, first, second):
+        super().__init__(first)
+        self.second = second
+
+
+def ends_oddly(way):
+    """End this process with an exit code, or raise `TwoTexts`."""
+    if way == "exit":
+        sys.exit(5)
+    raise TwoTexts("first", "second")

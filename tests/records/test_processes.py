@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from child_work import dies_elsewhere, prints, refuses, squared
+from child_work import dies_elsewhere, ends_oddly, prints, refuses, squared
 
 from ratestate import machine
 from ratestate.records.kit import processes
@@ -68,3 +68,16 @@ def test_no_child_is_left(monkeypatch):
         mapped(refuses, range(10))
     assert len(children) == 2
     assert all(child.poll() is not None for child in children)
+
+
+def test_how_a_child_ended_is_reported():
+    with machine.Child(ends_oddly) as child:
+        with pytest.raises(machine.ChildDied):
+            child.call("exit")
+        assert child.ending() == "exit code 5"
+
+
+def test_an_exception_that_pickle_cannot_rebuild_keeps_its_text():
+    with machine.Child(ends_oddly) as child:
+        with pytest.raises(RuntimeError, match="TwoTexts: first"):
+            child.call("raise")

@@ -1,4 +1,4 @@
-"""The loading of a record: speeds of its load point and normal stress, given or as recorded."""
+"""The loading of a record: load-point speeds and normal stress, as given or as recorded."""
 
 import dataclasses
 from typing import NamedTuple
@@ -14,49 +14,50 @@ from .load_point.stress_steps import VARIABLE, stress_range
 from .messages import raw_record as sentences
 from .raw_record import column, displacement_of, variable_names
 
-#: largest difference of a given loading from the recorded displacement, over the distance moved
-DIFFERENCE = 0.1
-#: of the noise, by which lines of normal stress may miss samples; of the mean, if there is no noise
-NOISES, LEAST = 4.0, 1e-6
-#: tolerances by which a change from one sample to the next is a jump
+#: largest difference of a given loading from the recorded displacement, as a fraction of its range
+MAX_DIFFERENCE = 0.1
+#: tolerance of the lines through normal stress: as a multiple of its noise, and at least this
+#: fraction of its mean
+NOISE_MULTIPLE, MIN_TOLERANCE = 4.0, 1e-6
+#: least jump from one sample to the next, as a multiple of that tolerance
 JUMP = 5.0
-#: most lines: each is a break at which all sliders stop
-MOST = 5000
+#: most lines; the solver stops at each of their ends
+MAX_LINES = 5000
 
 
 class Segments(NamedTuple):
-    """Starts [s] and speeds [m/s] of n segments without overshoots, and of all m with them."""
+    """The n segments of constant speed without overshoots, and all m segments."""
 
-    t: np.ndarray  # (n,)
-    V: np.ndarray  # (n,)
-    end: float  # when the last one ends [s]
-    t_error: np.ndarray  # (n,) of the starts [s]; 0 of those that are given
-    all_t: np.ndarray  # (m,)
-    all_V: np.ndarray  # (m,)
+    t: np.ndarray  # (n,) starts [s]
+    V: np.ndarray  # (n,) speeds [m/s]
+    end: float  # end of the last segment [s]
+    t_error: np.ndarray  # (n,) standard errors of t [s]; 0 for a given loading
+    all_t: np.ndarray  # (m,) starts of all segments, overshoots included [s]
+    all_V: np.ndarray  # (m,) their speeds [m/s]
 
     @property
     def ends(self):
-        """(n,) when each ends [s]."""
+        """(n,) end of each segment [s]."""
         return np.append(self.t[1:], self.end)
 
     def displacement(self, t):
-        """Load-point displacement [m] at times t, from the first segment's start on."""
+        """Return the load-point displacement [m] at times t since the first segment began."""
         ends = np.append(self.all_t, self.end)
         moved = np.concatenate([[0.0], np.cumsum(self.all_V * np.diff(ends))])
         return np.interp(t, ends, moved)
 
 
 def loading_of(raw, loading=None, sigma=None):
-    """The `Loading` from the record's first sample on: the one given, or as recorded.
+    """Return the `Loading` of a record, with t = 0 at the first sample: as given or as recorded.
 
-    With the normal stress that was recorded, if it varies and the sigma of the slider [Pa] is
-    given.
+    sigma : normal stress of the slider [Pa]; with it, a recorded normal stress that varies is added
 
-    ParameterError: none is recorded; it begins at rest; the one given is many, is too short, or is
-    off the recorded displacement by more than `DIFFERENCE`.
+    ParameterError if no motion is recorded, the record begins at rest, or the given loading has
+    several cases, is too short, or differs from the recorded displacement by more than
+    `MAX_DIFFERENCE`.
     """
     if loading is None:
-        loading = _recorded(raw)
+        loading = _recorded_loading(raw)
     else:
         _check_given(loading, raw)
     if sigma is None or loading.normal_stress is not None:
@@ -65,7 +66,7 @@ def loading_of(raw, loading=None, sigma=None):
 
 
 def constant_speeds_of(raw, loading=None):
-    """Return the `Loading` as of `loading_of`; ParameterError if the load point accelerates."""
+    """Return `loading_of` the record; ParameterError if the load point accelerates."""
     loading = loading_of(raw, loading)
     if np.any(loading.rate):
         raise sentences.refusal("load_point.accelerates")
@@ -73,11 +74,11 @@ def constant_speeds_of(raw, loading=None):
 
 
 def recorded_segments(data, time):
-    """Starts (n,) [s], the first at or before the first sample, and speeds (n,) [m/s] of segments.
+    """Return the starts [s] and speeds [m/s] of the recorded segments: (n,) each.
 
-    time : (m,) of the record [s]
+    time : (m,) times of the record [s]; the first segment starts at or before time[0]
 
-    ParameterError where the load point's motion is not recorded, or has no constant speeds.
+    ParameterError if the load point's motion is not recorded or has no constant speeds.
     """
     segments = stored_segments(data)
     if segments is None:
@@ -93,8 +94,7 @@ def recorded_segments(data, time):
     return starts[inside][first:], speeds[inside][first:]
 
 
-def _recorded(raw):
-    """The steps and holds of the load point."""
+def _recorded_loading(raw):
     time = raw.time
     starts, speeds = recorded_segments(raw.data, time)
     if not speeds[0] > 0.0:
@@ -104,7 +104,7 @@ def _recorded(raw):
 
 
 def _check_given(loading, raw):
-    """Refuse a loading that does not suit a fit, or differs from the record in units or times."""
+    """Raise ParameterError if a loading cannot be fitted or disagrees with the record."""
     if not isinstance(loading, Loading) or np.ndim(loading.V) != 1:
         raise sentences.refusal("load_point.no_loading")
     loading.covers(raw.time[-1] - raw.time[0])
@@ -114,14 +114,14 @@ def _check_given(loading, raw):
         return
     given = np.asarray(loading.delta_lp(raw.t))
     worst, far = float(np.ptp(raw.displacement - given)), float(np.ptp(raw.displacement))
-    if worst > DIFFERENCE * far:
+    if worst > MAX_DIFFERENCE * far:
         raise sentences.refusal("load_point.differs", given=float(given[-1]), far=far, worst=worst)
 
 
 def segments_of(raw, loading=None):
-    """The `Segments` of a `RawRecord`, as recorded or of a loading (t = 0 at the first sample).
+    """Return the `Segments` of a `RawRecord`: as recorded, or of a loading.
 
-    A loading that is given has no overshoots.
+    In a given loading, t = 0 is the first sample, and no segment counts as an overshoot.
     """
     end = float(raw.time[-1])
     if loading is None:
@@ -138,37 +138,39 @@ def segments_of(raw, loading=None):
 
 
 def recorded_stress(data, t, sigma):
-    """`NormalStress` of a record with a normal stress that varies, else None.
+    """Return the recorded `NormalStress`, scaled to begin at sigma; None if it is constant.
 
-    In proportion, from the slider's sigma on.  ParameterError where it has too many lines.
+    data : Dataset, with or without ``sigma`` along time
+    t : (m,) times since the first sample [s]
+    sigma : normal stress of the slider [Pa]
 
-    data : the Dataset, with ``sigma`` along time or not; t : (m,) times from its first sample on
-    sigma : of the slider [Pa]
+    ParameterError if it needs more than `MAX_LINES` straight lines.
     """
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return None
     recorded = np.asarray(data["sigma"].values, float)
     if not np.isfinite(recorded).all() or stress_range(data) <= VARIABLE:
         return None
-    tolerance = max(NOISES * sample_noise(recorded), LEAST * recorded.mean())
-    knots = corners(t, recorded, tolerance)
-    if knots.size > MOST:
-        raise sentences.refusal("record.stress_lines", lines=knots.size, most=MOST)
+    tolerance = max(NOISE_MULTIPLE * sample_noise(recorded), MIN_TOLERANCE * recorded.mean())
+    knots = polyline_corners(t, recorded, tolerance)
+    if knots.size > MAX_LINES:
+        raise sentences.refusal("record.stress_lines", lines=knots.size, most=MAX_LINES)
     at = t[knots]
     values = make_lsq_spline(t, recorded, [at[0], *at, at[-1]], 1).c
     values *= sigma / values[0]
     end = np.append(values[1:], values[-1])
-    # from one sample to the next it jumps, and the later one is after it
+    # a steep line from one sample to the next is a jump at the later sample
     jumps = np.diff(knots, append=t.size) == 1
     jumps &= np.abs(end - values) > JUMP * tolerance
     end[jumps] = values[jumps]
     return NormalStress(at, values, end)
 
 
-def corners(t, values, tolerance):
-    """Rows (k,) between which straight lines pass all values within the tolerance.
+def polyline_corners(t, values, tolerance):
+    """Return the corners (rows) of a polyline that follows the values within the tolerance.
 
-    By Douglas & Peucker: the row farthest from a line between two others becomes a corner.
+    Douglas & Peucker's algorithm: the row farthest from the line between two corners becomes a
+    corner.
     """
     kept = np.zeros(t.size, bool)
     kept[[0, -1]] = True

@@ -1,6 +1,6 @@
-"""A record as it is given to `fit`: the columns of its Dataset, each checked.
+"""The columns of a record's Dataset, each checked.
 
-What a fit makes of it is a `record.Record`, or the segments of a fit of cycles.
+`fit` turns them into a `record.Record`, or into the segments of a fit of cycles.
 """
 
 from typing import NamedTuple
@@ -11,10 +11,10 @@ import xarray
 from .messages import raw_record as sentences
 from .reading.sizes import check_stress, constant_in_si
 
-#: least samples
+#: fewest samples
 FEWEST = 30
-#: bounds of friction, which may be a change from some level; farthest that a load point moves [m]
-LOW, HIGH, FARTHEST = -0.1, 3.0, 10.0
+#: bounds of friction, which may be a change from some level; longest load-point displacement [m]
+MIN_MU, MAX_MU, MAX_DISTANCE = -0.1, 3.0, 10.0
 
 
 class RawRecord(NamedTuple):
@@ -22,9 +22,9 @@ class RawRecord(NamedTuple):
 
     data: xarray.Dataset
     time: np.ndarray  # (m,) [s], increasing
-    kind: str  # "tau": friction is that of the spring; "mu": of the interface
+    kind: str  # "tau": friction is the spring force over sigma; "mu": friction of the interface
     friction: np.ndarray  # (m,)
-    displacement: np.ndarray | None  # (m,) of the load point [m]
+    displacement: np.ndarray | None  # (m,) load-point displacement [m]
 
     @property
     def t(self):
@@ -33,27 +33,27 @@ class RawRecord(NamedTuple):
 
 
 def raw_record(data, slider):
-    """The `RawRecord` in a Dataset of `read_lab`, or of `simulate`.
+    """Return the `RawRecord` in a Dataset of `read_lab` or `simulate`.
 
-    ParameterError: no Dataset; fewer than `FEWEST` samples; times that do not increase; a variable
-    that is absent, not along time alone, or not finite; friction, a displacement, or the slider's
-    normal stress, of a size that means other units.
+    ParameterError if data is not a Dataset, has fewer than `FEWEST` samples, or has times that do
+    not increase; if a variable is absent, not along time alone, or not finite; or if the size of
+    friction, displacement or the slider's normal stress shows that its unit is wrong.
     """
     if slider is not None:
         constant_in_si("sigma", slider.sigma)
     time = checked_time(data)
     kind, friction = _friction(data, slider)
     typical = float(np.median(friction))
-    if not LOW < typical < HIGH:
-        hint = "turn its sign" if -HIGH < typical < 0.0 else "is it a stress, or in per cent?"
-        raise sentences.refusal("columns.size", typical=typical, high=HIGH, advice=hint)
+    if not MIN_MU < typical < MAX_MU:
+        hint = "turn its sign" if -MAX_MU < typical < 0.0 else "is it a stress, or in per cent?"
+        raise sentences.refusal("columns.size", typical=typical, high=MAX_MU, advice=hint)
     return RawRecord(data, time, kind, friction, displacement_of(data, time))
 
 
 def checked_time(data):
-    """(m,) times of a record [s], once its type, number, times and normal stress are checked.
+    """Check the type, size, times and normal stress of a record; return its times (m,) [s].
 
-    ParameterError as of `raw_record`.
+    ParameterError as for `raw_record`.
     """
     if not isinstance(data, xarray.Dataset):
         raise sentences.refusal("record.type", type=type(data).__name__)
@@ -67,12 +67,12 @@ def checked_time(data):
         )
     if "sigma" in data.variables and data["sigma"].dims == ("time",):
         sigma = np.asarray(data["sigma"].values, float)
-        check_stress(sigma <= 0.0, sigma)  # with gaps, of which a warning tells, it serves
+        check_stress(sigma <= 0.0, sigma)  # NaN is allowed; another function warns of it
     return time
 
 
 def column(data, name):
-    """(m,) values of a variable along time [SI]; refuses values that are not finite, by row."""
+    """Return the values (m,) of a variable along time [SI]; ParameterError if one is not finite."""
     if name not in data.variables:
         raise sentences.refusal("columns.absent", name=name, variables=variable_names(data))
     variable = data[name]
@@ -86,12 +86,12 @@ def column(data, name):
 
 
 def variable_names(data):
-    """The names of all variables, as a message lists them."""
+    """Return the names of all variables as text for a message."""
     return ", ".join(map(str, data.variables)) or "no variable at all"
 
 
 def _friction(data, slider):
-    """The friction that was recorded: of "tau", the spring, or "mu", the interface; its values."""
+    """Return the kind of friction that was recorded ("tau" or "mu") and its values (m,)."""
     if "friction" in data.variables:
         return "tau", column(data, "friction")
     names = [name for name in ("tau", "mu") if name in data.variables]
@@ -108,11 +108,11 @@ def _friction(data, slider):
 
 
 def displacement_of(data, time):
-    """(m,) load-point displacement [m], from the speed where only that was recorded; or None."""
+    """Return the load-point displacement (m,) [m], integrated from V_load if need be, or None."""
     if "delta_lp" in data.variables:
         displacement = column(data, "delta_lp")
-        if (far := float(np.ptp(displacement))) > FARTHEST:
-            raise sentences.refusal("columns.far", far=far, farthest=FARTHEST)
+        if (far := float(np.ptp(displacement))) > MAX_DISTANCE:
+            raise sentences.refusal("columns.far", far=far, farthest=MAX_DISTANCE)
         return displacement
     if "V_load" in data.variables:
         V, t = column(data, "V_load"), time - time[0]

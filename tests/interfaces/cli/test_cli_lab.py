@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from ratestate import files
 from ratestate.interfaces.cli import command, main
 from ratestate.records.reading import describe
-from ratestate.records.reading.rows import MOST
+from ratestate.records.reading.rows import MAX_ROWS
 
 
 def call(*arguments):
@@ -102,9 +102,9 @@ def test_the_report_names_all_files(lab):
 def test_most_rows_are_an_option(lab):
     done = call("fit", "r.txt", "--format", "mylab.toml", "--rows", "0")
     assert done.exit_code == 2
-    assert "rows = 0 must be the most rows that are kept" in done.stderr
+    assert "rows = 0 must be a whole number" in done.stderr
     tables = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text("utf-8"))
-    assert tables["shared"]["rows"]["show_default"] == str(MOST)
+    assert tables["shared"]["rows"]["show_default"] == str(MAX_ROWS)
 
 
 def test_a_format_that_is_wrong_is_refused_in_one_line(lab):

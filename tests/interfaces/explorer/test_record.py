@@ -101,12 +101,12 @@ def test_what_is_missing_can_be_chosen(without_child):
 @pytest.mark.parametrize(
     ("name", "contents", "problem"),
     [
-        ("r.png", b"\x89PNG\r\n\x1a\n" + bytes(99), "r.png is neither text nor HDF5 nor MAT; save"),
-        ("", b"", "the file is empty; expected rows such as"),
+        ("r.png", b"\x89PNG\r\n\x1a\n" + bytes(99), "r.png is neither text nor HDF5 nor MAT. Save"),
+        ("", b"", "the file is empty. A record has rows such as"),
         (
             "r" * 300 + ".csv",
             b"PK\x03\x04",
-            "r" * 251 + ".csv is a spreadsheet or an archive; save",
+            "r" * 251 + ".csv is a spreadsheet or an archive. Save",
         ),
     ],
 )
@@ -121,7 +121,7 @@ def test_a_small_file_that_unpacks_to_a_large_one():
     with h5py.File(stored, "w") as file:
         file.create_dataset("time_s", shape=(10**10,), dtype="f8", chunks=(10**6,))
     header, _ = answered(stored.getvalue(), "r.h5")
-    assert "r.h5 is damaged: 'time_s' would fill 8e+10 bytes" in header["problem"]
+    assert "r.h5 is damaged: 'time_s' would take 8e+10 bytes" in header["problem"]
 
 
 @pytest.mark.parametrize("text", ["[]", "{", '{"path": "/etc/passwd"}', '{"time": NaN}'])

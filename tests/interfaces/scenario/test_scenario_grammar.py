@@ -143,9 +143,13 @@ def test_records(read, folder, name, content, more):
 
 
 NO_RECORD = [
-    (CSV, 'columns = ["tiem", "V_lp"]', "columns[0]: 'tiem' is no column, expected one of * did"),
+    (
+        CSV,
+        'columns = ["tiem", "V_lp"]',
+        "columns[0]: 'tiem' is not a column, expected one of * did",
+    ),
     (CSV, 'columns = ["time", "no unit"]', "columns[1]: 'no unit' has no unit, expected units"),
-    (CSV, "columns = [1, 4]", "columns[1]: 4 is no column, expected a number from 1 to 3"),
+    (CSV, "columns = [1, 4]", "columns[1]: 4 is not a column, expected a number from 1 to 3"),
     (CSV, "columns = [0, true]", "columns: a list of 2 is no pair, expected a pair, of times"),
     (CSV, "columns = [1]", "columns: a list of 1 is no pair, expected a pair"),
     (CSV, "", "columns: is missing, expected a pair"),
@@ -171,7 +175,7 @@ NO_RECORD = [
     (
         "1,2,3\n2,3,4\n",
         'columns = ["a", 2]',
-        "columns[0]: 'a' is no column, expected one of 'column 1', 'column 2', 'column 3'",
+        "columns[0]: 'a' is not a column, expected one of 'column 1', 'column 2', 'column 3'",
     ),
     (
         "a [s],a [um/s]\n1,2\n2,2",
@@ -181,8 +185,8 @@ NO_RECORD = [
     (
         "time [s]; V [um/s]\n",
         "columns = [1, 2]",
-        "file: x.csv has no line of numbers (it begins 'time [s]; V [um/s]') above another of as"
-        " many, expected a file",
+        "file: x.csv has no line of numbers (it begins 'time [s]; V [um/s]') followed by another"
+        " line of as many, expected a file",
     ),
     ("", "columns = [1, 2]", "file: x.csv is empty, expected a file with rows of times and speeds"),
     (
@@ -210,7 +214,7 @@ def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
     table = '[loading]\nfile = "si.csv"\n{}\n' + RUN
     (line,) = told(table.format('columns = ["t [s]", "lp"]'))
     assert line.startswith(
-        "[loading] columns[0]: 't [s]' is no column, "
+        "[loading] columns[0]: 't [s]' is not a column, "
         "expected one of 'time [s]', 'V [m/s]', 'lp [um/s]'"
     )
     (line,) = told(table.format(""))

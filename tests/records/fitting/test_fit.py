@@ -258,8 +258,8 @@ REFUSED = {
     "no Dataset": (lambda d: d.friction, {}, "data is of type DataArray"),
     "no friction": (lambda d: d.drop_vars("friction"), {}, "has no friction"),
     "no load point": (lambda d: d.drop_vars("delta_lp"), {}, "neither delta_lp nor V_load"),
-    "empty": (lambda d: d.isel(time=slice(0, 0)), {}, "0 samples, and 30 or more"),
-    "too short": (lambda d: d.isel(time=slice(0, 20)), {}, "20 samples, and 30 or more"),
+    "empty": (lambda d: d.isel(time=slice(0, 0)), {}, "0 samples, but at least 30"),
+    "too short": (lambda d: d.isel(time=slice(0, 20)), {}, "20 samples, but at least 30"),
     "no step": (lambda d: d.sel(time=slice(0, 35)), {}, "without a velocity step"),
     "step at the end": (
         lambda d: d.sel(time=slice(0, 40.2)),
@@ -351,7 +351,7 @@ def test_a_loading_that_is_not_the_recorded_one_is_refused(noisy):
         rs.Loading.steps("1 mm/s", (40.0, "10 mm/s")),
         rs.Loading.steps("1 um/s", (20.0, "10 um/s")),
     ):
-        with pytest.raises(rs.ParameterError, match="check units and times"):
+        with pytest.raises(rs.ParameterError, match="Check units and times"):
             rs.fit(noisy, START, loading=loading)
 
 

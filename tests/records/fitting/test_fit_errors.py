@@ -55,7 +55,7 @@ def solution_of(data, slider, free=FREE, noise=None):
 
 @pytest.mark.parametrize("sigma", ["99 Pa", "1.01e11 Pa"])
 def test_a_normal_stress_that_nobody_uses(good, sigma):
-    with pytest.raises(ParameterError, match=r"sigma = .* is given, and no record is of such"):
+    with pytest.raises(ParameterError, match=r"sigma = .* is impossible in a record"):
         raw_record(good, SLIDER.replace(sigma=sigma))
     for usual in ("100 Pa", "1e11 Pa"):
         assert raw_record(good, SLIDER.replace(sigma=usual)).friction.size == T.size
@@ -144,6 +144,20 @@ def test_a_stiff_machine_bounds_K_from_below_alone(stiff):
     absent = np.isnan(result.profile_value).all("profile_point")
     np.testing.assert_array_equal(absent, result.interval_kind == "covariance")
     np.testing.assert_array_equal(np.isnan(result.profile_value), np.isnan(result.profile_deviance))
+
+
+def test_an_interval_of_a_parameter_far_below_its_guess_is_closed():
+    """The range of Nagata's c is a thousand guesses wide: values below one are not at its end."""
+    truth = SLIDER.replace(law="nagata", c=2.0)
+    loading = rs.Loading.steps("1 um/s", (30.0, "10 um/s"), (45.0, "1 um/s"))
+    data = record(truth, loading, np.arange(0.0, 100.0, 0.1), noise=1e-3, seed=1)
+    result = rs.fit(data, truth.replace(c=5.0), ("a", "b", "Dc", "c"), errors="profile")
+    low, high = result.interval.sel(parameter="c", level=0.95).values
+    error = float(result.standard_error.sel(parameter="c"))
+    assert result.interval_kind.sel(parameter="c") == "profile"
+    assert 1.0 * error < float(result.c) - low < 3.0 * error
+    assert 1.0 * error < high - float(result.c) < 4.0 * error
+    assert low < 2.0 < high
 
 
 def test_no_inertia_bounds_M_from_above_alone(good):

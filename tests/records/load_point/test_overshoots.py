@@ -54,7 +54,7 @@ def test_the_history_counts_the_step_once():
     noise = 5e-8 * np.random.default_rng(1).standard_normal(t.size)
     found = segments_from_displacement(t, x + noise)
     np.testing.assert_allclose(found.V, [SLOW, 1.06 * FAST, FAST], rtol=0.02)
-    assert found.history(t).count("velocity step") == 1
-    assert "velocity step 10.0 -> 100 um/s" in found.history(t)
+    assert found.describe(t).count("velocity step") == 1
+    assert "velocity step 10.0 -> 100 um/s" in found.describe(t)
     (note,) = found.notes
     assert "overshoots to 10" in note

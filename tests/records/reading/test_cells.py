@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import ratestate as rs
 from ratestate.records.reading import read_lab
-from ratestate.records.reading.cells import clock_of, number_in
+from ratestate.records.reading.cells import detect_clock, parse_number
 from ratestate.records.reading.text import read_text
 
 #: decimal mark, what stands between groups of three digits
@@ -66,7 +66,9 @@ def test_numbers_come_back(tmp_path, style, delimiter, minus, numbers, quotes):
     ],
 )
 def test_a_number_with_either_decimal_mark(cell, point, comma):
-    np.testing.assert_array_equal([number_in(cell, "."), number_in(cell, ",")], [point, comma])
+    np.testing.assert_array_equal(
+        [parse_number(cell, "."), parse_number(cell, ",")], [point, comma]
+    )
 
 
 @pytest.mark.parametrize("mark", [",", "."])
@@ -103,7 +105,7 @@ DATED = [
 
 
 def seconds(cells, unit=""):
-    clock = clock_of(cells[0], unit)
+    clock = detect_clock(cells[0], unit)
     return clock.continuous(clock.seconds(cells))
 
 
@@ -132,6 +134,8 @@ def test_times_come_back_from_any_form(start, form, steps):
         (["1 23:59:59.5", "2 00:00:00.5"], "", [86399.5, 86400.5]),
         (["11:59:59 PM", "12:00:01 AM"], "", [86399.0, 86401.0]),
         (["12:00:00", "--:--:--", "12:00:02"], "", [43200.0, np.nan, 43202.0]),
+        # years come first: not 1 May and 1 June, or a day apart
+        (["2024-01-05 12:00:00", "2024-02-05 12:00:00"], "", [43200.0, 43200.0 + 31 * 86400.0]),
     ],
 )
 def test_times_of_other_forms(cells, unit, expected):
@@ -140,7 +144,7 @@ def test_times_of_other_forms(cells, unit, expected):
 
 @pytest.mark.parametrize("cell", ["12:30", "0.25", "", "run 3", "2019-05-14", "a:b:c", "1:2:3"])
 def test_what_is_not_a_clock_time(cell):
-    assert clock_of(cell) is None
+    assert detect_clock(cell) is None
 
 
 @pytest.mark.parametrize("title", ["Time", "Time (s)", "Time (hh:mm:ss)", "Uhrzeit", "Date/Time"])

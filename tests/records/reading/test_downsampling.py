@@ -11,7 +11,7 @@ import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
 from ratestate.records.reading import text as text_files
-from ratestate.records.reading.rows import MOST, blocks, downsample, means
+from ratestate.records.reading.rows import MAX_ROWS, block_means, block_starts, downsample
 
 DT, FACTOR = 0.01, 10
 N = 20_000
@@ -32,7 +32,7 @@ def record(path, noise=0.0, lost=(), step=100.003):
 def test_means_over_blocks(tmp_path):
     path, t, x, mu = record(tmp_path / "r.csv", noise=1e-3)
     with pytest.warns(RecordWarning, match=r"20,000 rows are averaged in blocks of 10: 2,000 are "
-                      r"left, one in 100 ms instead of 10 ms; .*rows=None"):  # fmt: skip
+                      r"left, one in 100 ms instead of 10 ms\. .*rows=None"):  # fmt: skip
         data = read_lab(path, rows=2000)
     assert "20,000 rows are averaged" in json.loads(data.attrs["notes"])[0]
     for name, values in (("time", t), ("delta_lp", 1e-6 * x), ("friction", mu)):
@@ -49,7 +49,7 @@ def test_means_over_blocks(tmp_path):
 
 def test_nothing_is_averaged_of_as_many_rows_as_are_allowed(tmp_path):
     path, *_ = record(tmp_path / "r.csv")
-    for rows in (N, None, MOST, np.int64(N)):
+    for rows in (N, None, MAX_ROWS, np.int64(N)):
         data = read_lab(path, rows=rows)  # warnings are errors
         assert data.sizes["time"] == N
     with pytest.warns(RecordWarning, match="in blocks of 2: 10,000 are left"):
@@ -77,9 +77,9 @@ def test_an_oscillation_is_weakened_as_stated():
     for period, most in ((0.4, 0.91), (0.1, 1e-6)):
         t = np.arange(N) * DT
         angle = 2 * np.pi * t / period
-        starts, factor = blocks(N, np.zeros(0, int), N // FACTOR)
+        starts, factor = block_starts(N, np.zeros(0, int), N // FACTOR)
         assert factor == FACTOR
-        after = np.hypot(means(np.sin(angle), starts), means(np.cos(angle), starts))
+        after = np.hypot(block_means(np.sin(angle), starts), block_means(np.cos(angle), starts))
         exact = np.sin(np.pi * 0.1 / period) / (FACTOR * np.sin(np.pi * DT / period))
         np.testing.assert_allclose(after, abs(exact), atol=1e-10)
         assert after.max() < most
@@ -105,7 +105,7 @@ def test_blocks_cover_all_rows_once():
     for _ in range(50):
         n = int(rng.integers(1000, 5000))
         gaps = np.unique(rng.integers(1, n, rng.integers(0, 6)))
-        starts, factor = blocks(n, gaps, int(rng.integers(100, 1000)))
+        starts, factor = block_starts(n, gaps, int(rng.integers(100, 1000)))
         lengths = np.diff(np.append(starts, n))
         assert starts[0] == 0
         assert {*gaps} <= {*starts}
@@ -117,7 +117,7 @@ def test_blocks_cover_all_rows_once():
 
 def test_segments_of_very_long_records_are_found_in_means(tmp_path, monkeypatch):
     path, *_ = record(tmp_path / "r.csv")
-    monkeypatch.setattr("ratestate.records.reading.record.MOST", 1000)
+    monkeypatch.setattr("ratestate.records.reading.record.MAX_ROWS", 1000)
     data = read_lab(path, rows=None)
     assert data.sizes["time"] == N
     np.testing.assert_allclose(data.segment_t[1], 100.003, atol=5e-3)
@@ -136,7 +136,7 @@ def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):
     path.write_text("\n".join(lines))
     whole = text_files.read_text(path)
     monkeypatch.setattr(text_files, "BLOCK", 1000)
-    monkeypatch.setattr(text_files, "MOST_ABOVE", 5)
+    monkeypatch.setattr(text_files, "MAX_HEADER_LINES", 5)
     parts = text_files.read_text(path)
     assert parts.titles == whole.titles
     np.testing.assert_array_equal(parts.lines, whole.lines)

@@ -139,7 +139,7 @@ def test_columns_with_few_numbers(tmp_path):
     sparse = [[*row[:3], row[3] if i % 10 == 0 else ""] for i, row in enumerate(rows)]
     path = tmp_path / "r.csv"
     path.write_text("\n".join([",".join(TITLES), *map(",".join, sparse)]))
-    match = r"'Normal stress \(MPa\)' \(sigma\) has a number in 12 of 120 rows only, .* in line 3"
+    match = r"'Normal stress \(MPa\)' \(sigma\) has a number in only 12 of 120 rows, .* in line 3"
     with pytest.raises(rs.ParameterError, match=match):
         read_lab(path)
     titles = [*TITLES[:2], "Friction", TITLES[3]]
@@ -151,7 +151,7 @@ def test_columns_with_few_numbers(tmp_path):
         [row[0], *(["", row[2]] if i % 2 else [row[1], ""]), row[3]] for i, row in enumerate(rows)
     ]
     path.write_text("\n".join([",".join(TITLES), *map(",".join, half)]))
-    with pytest.raises(rs.ParameterError, match=r"60 of 120 rows only, .* only 0 rows have"):
+    with pytest.raises(rs.ParameterError, match=r"only 60 of 120 rows, .* only 0 rows have"):
         read_lab(path)
     most = [[*row[:3], row[3] if i % 2 or i > 100 else ""] for i, row in enumerate(rows)]
     path.write_text("\n".join([",".join(TITLES), *map(",".join, most)]))

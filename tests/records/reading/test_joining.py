@@ -57,11 +57,11 @@ def test_other_columns_and_units_in_each_file(tmp_path, whole):
             file[name] = column[90:]
             file[name].attrs["units"] = unit
     same(rs.read_lab([a, b]), whole.isel(time=slice(0, 90)))
-    with pytest.warns(RecordWarning, match=r"sigma is left out: a.txt has it, and c.h5 has not"):
+    with pytest.warns(RecordWarning, match=r"sigma is left out: a.txt has it, but c.h5 does not"):
         data = rs.read_lab([a, b, tmp_path / "c.h5"])
     same(data, whole.drop_vars("sigma"))
     v = write(tmp_path / "v.txt", [T, 1 + T, MU], ("Time(s)", "V_load (um/s)", "mu"))
-    match = r"c.h5 has a column of delta_lp and v.txt has none"
+    match = r"c.h5 has a column of delta_lp, but v.txt has none"
     with pytest.raises(rs.ParameterError, match=match):
         rs.read_lab([tmp_path / "c.h5", v])
 
@@ -91,7 +91,7 @@ def test_clocks_that_begin_anew(tmp_path, whole, first):
         write(tmp_path / name, [T[part] - T[part][0] + first, X[part], MU[part], 20 + 0 * T[part]])
         for name, part in zip(("a.txt", "b.txt"), parts, strict=True)
     )
-    with pytest.warns(RecordWarning, match=r"times of b.txt begin anew: 12.5 s are added"):
+    with pytest.warns(RecordWarning, match=r"times of b.txt restart: 12.5 s are added"):
         data = rs.read_lab([a, b])
     same(data.assign_coords(time=data.time - first, segment_t=data.segment_t - first), whole)
     with pytest.raises(rs.ParameterError, match=r"join='restart' .*if the clock"):
@@ -104,7 +104,7 @@ def test_a_clock_is_not_taken_to_begin_anew_unless_all_begin_at_0(tmp_path, whol
     b = write(tmp_path / "b.txt", [T[CUT:] - T[CUT], *(c[CUT:] for c in columns[1:])])
     with pytest.raises(rs.ParameterError, match=r"b\.txt begins at 0 s"):
         rs.read_lab([a, b])
-    with pytest.warns(RecordWarning, match="begin anew: 112.5 s are added"):
+    with pytest.warns(RecordWarning, match="restart: 112.5 s are added"):
         data = rs.read_lab([a, b], join="restart")
     np.testing.assert_allclose(data.delta_lp, whole.delta_lp, rtol=1e-12)
     np.testing.assert_allclose(data.segment_t, [100, 115], rtol=1e-9)
@@ -141,7 +141,7 @@ def test_a_gap_and_bad_rows_are_named_by_file(tmp_path):
     ("files", "keywords", "match"),
     [
         ([], {}, "no file is given"),
-        (None, {"join": "first"}, "join = 'first' is no way to join"),
+        (None, {"join": "first"}, "join = 'first' is unknown"),
         (["no.txt", "no.txt"], {}, "no.txt does not exist"),
         (None, {"joint": "auto"}, "read_lab has no parameter joint; .* mean join"),
     ],

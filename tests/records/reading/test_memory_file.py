@@ -14,7 +14,7 @@ import ratestate as rs
 from ratestate import ParameterError
 from ratestate.records.kit.processes import read_isolated
 from ratestate.records.reading.open_table import MemoryFile
-from ratestate.records.reading.read import attempt
+from ratestate.records.reading.read import try_reading
 
 COLUMNS = {"Time_s": T, "disp_um": X, "mu": MU}
 
@@ -36,7 +36,7 @@ CONTENTS = {"r.csv": text().encode(), "r.h5": hdf5()}
 
 
 def tried(name, contents, **choices):
-    return attempt(MemoryFile(name, contents), choices, 60.0, threading.Event())
+    return try_reading(MemoryFile(name, contents), choices, 60.0, threading.Event())
 
 
 @pytest.mark.parametrize("name", ["r.csv", "r.h5"])

@@ -14,7 +14,7 @@ from ...model.quantities import QUANTITIES
 from ...model.units import to_si
 from ...records.reading.columns import Column, Table, requested_column
 from ...records.reading.open_table import open_table
-from ...records.reading.titles import plain
+from ...records.reading.titles import plain_unit
 from .known_keys import LIKE
 from .problems import Place, error_line, expected, message, refusal
 from .values import unusual
@@ -54,7 +54,9 @@ def read_record(table: dict[str, Any], folder: Path, place: Place, area: dict[st
         index = functools.partial(requested_column, found, symbol, request)
         if (k := at.noting(index, f"columns: {symbol}", like="1")) is not None:
             own = found.columns[k]
-            unit, where = (units[i], place.at("units").at(i)) if units else (plain(own.unit), at)
+            unit, where = (
+                (units[i], place.at("units").at(i)) if units else (plain_unit(own.unit), at)
+            )
             columns.append(own._replace(unit=unit))
             _check_unit(symbol, columns[-1], where, area)
     if len(place.problems) == before:

@@ -1,10 +1,10 @@
-"""Segments of constant speed, holds and steps of normal stress, found in a record.
+"""Find segments of constant speed, holds and steps of normal stress in a record.
 
 =================== ==========================================================================
-``segments``        `find_segments`: constant speeds, their errors; steps in words
-``steps``           which cuts are steps; what is a hold, a jump, a ramp
+``segments``        `find_segments`: constant speeds and their errors; steps in words
+``steps``           decides which cuts are steps, holds, jumps or ramps
 ``stress_steps``    steps of normal stress
-``splits``          where rows are cut into runs
-``runs``            lines through runs, and where they meet
+``splits``          cuts the rows into runs
+``runs``            lines through runs, and their intersections
 =================== ==========================================================================
 """

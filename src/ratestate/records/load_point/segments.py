@@ -1,4 +1,4 @@
-"""The history of the load point: speeds that are constant between breaks, without overshoots."""
+"""Find the segments of constant load-point speed in a record; recognize overshoots."""
 
 from typing import NamedTuple
 
@@ -7,88 +7,89 @@ import numpy as np
 from ...model.quantities import power_of, prefixed_unit, readable, readable_change
 from ..messages import load_point as sentences
 from .runs import breakpoints, is_gap, noise_variances
-from .splits import RowSums, cut, drop_weak_cuts
-from .steps import HOLD_ERRORS, ROUNDED, STEP, find_runs
+from .splits import RowSums, drop_weak_cuts, find_cuts
+from .steps import HOLD_ERRORS, MIN_SPEED_RATIO, MIN_STEP, find_runs
 
-#: variance of the position of a jump by k standard deviations, from least squares: so many samples
-#: squared, over k^4 (Yao, Annals of Statistics 15, 1987, for small k)
-POSITION = 26.0
-#: error of a time by rounding, over the last time of a record
-ROUNDING = 1e-14
-#: longest overshoot, over the shorter of the times at the speeds before and after it
-BRIEF = 0.05
-#: largest deviation from the speed after, over the change of speed
-BEYOND = 0.5
-#: largest deviation of the displacement, over that at either speed.  A laboratory slides 10 Dc or
-#: more at each speed: friction does not notice so small a part of Dc.
-EXCESS = 0.005
+#: the least-squares position of a jump by k standard deviations has a variance of this number
+#: divided by k^4, in samples squared (Yao, Annals of Statistics 15, 1987, for small k)
+POSITION_FACTOR = 26.0
+#: rounding error of a time, as a fraction of the largest time of a record
+TIME_ROUNDING = 1e-14
+#: longest overshoot, as a fraction of the shorter of the two segments before and after it
+MAX_OVERSHOOT_TIME = 0.05
+#: largest deviation from the speed after the step, as a fraction of the change of speed
+MAX_OVERSHOOT_SPEED = 0.5
+#: largest deviation of the displacement, as a fraction of the displacement at either speed.  If an
+#: experiment slides 10 Dc at each speed, this is 5 % of Dc.
+MAX_OVERSHOOT_SLIP = 0.005
 
 
 class FoundSegments(NamedTuple):
-    """Starts and speeds of n segments as found in a record, with standard errors, and notes."""
+    """Starts and speeds of the n segments of a record, their standard errors, and notes."""
 
-    t: np.ndarray  # (n,) [s]; the first is that of the record
-    V: np.ndarray  # (n,) [m/s]; exactly 0 in a hold, never negative
-    t_error: np.ndarray  # (n,) [s]; 0 of the first
-    V_error: np.ndarray  # (n,) [m/s]; 0 of a hold
-    notes: list[str]  # from a velocity none
+    t: np.ndarray  # (n,) starts [s]; the first equals the start of the record
+    V: np.ndarray  # (n,) speeds [m/s]; exactly 0 in a hold, never negative
+    t_error: np.ndarray  # (n,) [s]; 0 for the first start
+    V_error: np.ndarray  # (n,) [m/s]; 0 in a hold
+    notes: list[str]  # empty for segments from a velocity
 
-    def history(self, t, displacement=None, stress_steps=()):
-        """Steps and holds, such as "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
+    def describe(self, t, displacement=None, stress_steps=()):
+        """Describe steps and holds: "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
 
-        t, displacement : (m,) of the record; without the latter none is mentioned
+        t, displacement : (m,) of the record; displacements are omitted if `displacement` is None
         stress_steps : `StressStep`s of the record
         """
         texts = self._of_load_point(t, displacement)
         for step in stress_steps:
             change = readable_change("sigma", step.before, step.after)
-            moved = _moved(step.t, t, displacement)
-            what = f"step of normal stress {change} at {_time(step.t)}"
+            moved = _format_position(step.t, t, displacement)
+            begin, end = _format_time(step.t), _format_time(step.end)
+            what = f"step of normal stress {change} at {begin}"
             if step.end > step.t:
-                what = f"ramp of normal stress {change} from {_time(step.t)} to {_time(step.end)}"
+                what = f"ramp of normal stress {change} from {begin} to {end}"
             texts.append((step.t, what + moved))
         return "; ".join(text for _, text in sorted(texts, key=lambda one: one[0]))
 
     def _of_load_point(self, t, displacement):
-        """Pairs of a time [s] and what the load point does then."""
+        """Return (time [s], description) of each step and hold of the load point."""
         starts, speeds, _ = without_overshoots(self.t, self.V, t[-1])
         if speeds.size == 1:
             V = speeds[0]
-            what = "a hold" if V == 0.0 else f"steady at {_speed(V)}"
+            what = "a hold" if V == 0.0 else f"steady at {_format_speed(V)}"
             return [(starts[0], f"no step: {what} throughout")]
         ends = np.append(starts[1:], t[-1])
         texts = []
         for i, (start, V) in enumerate(zip(starts, speeds, strict=True)):
-            at, moved = _time(start), _moved(start, t, displacement)
+            at, moved = _format_time(start), _format_position(start, t, displacement)
             before = speeds[i - 1] if i else None
             if V == 0.0:
                 since = f"{at}{moved if i else ''}"
                 texts.append((start, f"hold of {readable('t', ends[i] - start, 4)} from {since}"))
             elif before == 0.0:
-                texts.append((start, f"slide at {_speed(V)} from {at}"))
+                texts.append((start, f"slide at {_format_speed(V)} from {at}"))
             elif before is not None:
-                texts.append((start, f"velocity step {_speeds(before, V)} at {at}{moved}"))
+                texts.append((start, f"velocity step {_format_speeds(before, V)} at {at}{moved}"))
         return texts
 
 
 def stored_segments(data):
-    """(n,) starts [s] and speeds [m/s] of the segments that a record already has; None if none.
+    """Return starts [s] and speeds [m/s], (n,) each, of stored segments; None if none.
 
-    ParameterError for an altered record, whose segments are incomplete, empty or out of order.
+    ParameterError if the stored segments are incomplete, empty or out of order.
     """
     names = ("segment_t", "segment_V")
     if not any(name in data.variables for name in names):
         return None
-    found = [data[name].values for name in names if name in data.variables]
-    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in found)
-    usable = usable and len(found) == 2 and bool(np.isfinite(found).all())
-    if not usable or (np.diff(found[0]) <= 0.0).any():
+    stored = [data[name].values for name in names if name in data.variables]
+    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in stored)
+    usable = usable and len(stored) == 2 and bool(np.isfinite(stored).all())
+    if not usable or (np.diff(stored[0]) <= 0.0).any():
         raise sentences.refusal("segments.altered")
-    return tuple(one.astype(float) for one in found)
+    return tuple(one.astype(float) for one in stored)
 
 
 def find_segments(t, delta_lp):
-    """Constant speeds that a load point had one after the other, from its displacement.
+    """Find the successive constant speeds of a load point from its displacement.
 
     Parameters
     ----------
@@ -100,23 +101,24 @@ def find_segments(t, delta_lp):
     Returns
     -------
     segment_t : ndarray, shape (segments,)
-        Start of each [s]; the first is ``t[0]``.
+        Start of each segment [s]; the first is ``t[0]``.
     segment_V : ndarray, shape (segments,)
         Speed [m/s]; exactly 0 in a hold.
 
     Raises
     ------
     ParameterError
-        Times that do not increase; values that are not finite; fewer than 4; a load point that
-        moves backwards, or one with no constant speeds.
+        If the times do not increase, a value is not finite, there are fewer than 4 values, or the
+        load point moves backwards or has no constant speeds.
 
     Notes
     -----
-    Breaks are placed by least squares of all times and speeds together, between rows as well.  A
-    step is a change of speed by 5 % or more that bends the displacement by three times its noise.
-    The noise is estimated for each sampling rate, and where it is larger than usual at that rate.
-    The displacement may jump at one speed (a sensor that slips, samples that were lost): that is
-    no step, and does not move those beside it.
+    The times and speeds of all steps are fitted together by least squares; a step may lie between
+    two rows.  A step is a change of speed by 5 % or more that deflects the displacement by at least
+    three times its noise.  The noise is estimated for each sampling rate, and locally if it is
+    larger than usual at that rate.  The displacement may jump while the speed is constant, for
+    example if a sensor slips or samples are lost.  Such a jump is not a step, and does not shift
+    the steps beside it.
 
     Examples
     --------
@@ -130,8 +132,8 @@ def find_segments(t, delta_lp):
 
 
 def segments_from_displacement(t, x):
-    """`FoundSegments` of a displacement; ParameterError as of `find_segments`."""
-    t, x = _checked(t, x, "delta_lp")
+    """Return the `FoundSegments` of a displacement; raise ParameterError as `find_segments`."""
+    t, x = _check_arrays(t, x, "delta_lp")
     runs, notes = find_runs(t, x)
     for run in runs:
         if run.V < 0.0:
@@ -144,31 +146,31 @@ def segments_from_displacement(t, x):
     variance = [0.0]  # of the starts
     for i, (tau, span) in enumerate(zip(at, spans, strict=True)):
         one, other = runs[i : i + 2]
-        of_lines = noise[i] * one.variance(tau, -1) + noise[i + 1] * other.variance(tau, 0)
-        # in a jump or a gap the step may be anywhere
+        of_lines = noise[i] * one.x_variance(tau, -1) + noise[i + 1] * other.x_variance(tau, 0)
+        # a step in a jump or a gap is uniformly distributed over the span
         variance.append(span**2 / 12.0 if span else of_lines / (one.V - other.V) ** 2)
         if span and is_gap(one, other):
             ends = {"first": tau - 0.5 * span, "last": tau + 0.5 * span}
             notes.append(sentences("notes.step_in_gap", **ends))
-    # (a row at a break, to rounding, is before it: nothing has changed there)
-    rounding = ROUNDING * np.abs(t[[0, -1]]).max()
+    # a row at a breakpoint, to rounding, belongs to the segment before it
+    rounding = TIME_ROUNDING * np.abs(t[[0, -1]]).max()
     near = t[np.searchsorted(t, at - rounding)]
     at = np.where(np.abs(at - near) <= rounding, near + rounding, at)
     starts, V = np.append(t[0], at), np.array([run.V for run in runs])
     _, _, kept = without_overshoots(starts, V, t[-1])
     for i in sorted({*range(V.size)} - {*kept.tolist()}):
-        lasts = np.append(starts, t[-1])[i + 1] - starts[i]
-        notes.append(sentences("notes.overshoot", V=V[i], lasts=lasts, first=starts[i]))
+        duration = np.append(starts, t[-1])[i + 1] - starts[i]
+        notes.append(sentences("notes.overshoot", V=V[i], duration=duration, first=starts[i]))
     V_error = [0.0 if r.hold else (s / r.spread) ** 0.5 for r, s in zip(runs, noise, strict=True)]
     return FoundSegments(starts, V, np.sqrt(variance), np.array(V_error), notes)
 
 
 def segments_from_velocity(t, V):
-    """`FoundSegments` from recorded speeds [m/s]; steps lie midway between two rows.
+    """Return the `FoundSegments` of recorded speeds [m/s]; steps lie midway between two rows.
 
-    ParameterError as of `find_segments`, and for a mean speed below 0.
+    ParameterError as for `find_segments`.
     """
-    t, V = _checked(t, V, "V_load")
+    t, V = _check_arrays(t, V, "V_load")
     rows = RowSums(t, V, degree=0)
 
     def levels(at):
@@ -177,7 +179,7 @@ def segments_from_velocity(t, V):
         off = (V - np.repeat(first, np.diff(at))) / rows.noise
         means = first + np.add.reduceat(off, at[:-1]) / weights
         errors = weights**-0.5
-        least = np.maximum(HOLD_ERRORS * errors, ROUNDED * np.abs(means).max())
+        least = np.maximum(HOLD_ERRORS * errors, MIN_SPEED_RATIO * np.abs(means).max())
         return np.where(np.abs(means) <= least, 0.0, means), errors
 
     def sizes(at):
@@ -185,14 +187,16 @@ def segments_from_velocity(t, V):
         largest = np.maximum(np.abs(means[1:]), np.abs(means[:-1]))
         return np.abs(np.diff(means)) / np.maximum(largest, 1e-300)
 
-    at = drop_weak_cuts(rows, cut(rows), sizes, STEP)
+    at = drop_weak_cuts(rows, find_cuts(rows), sizes, MIN_STEP)
     means, errors = levels(at)
     if means.min() < 0.0:
         i = int(np.argmin(means))
         raise sentences.refusal("segments.negative", V=means[i], first=t[at[i]])
     edges = np.array(at[1:-1], int)
     before, after = t[edges - 1], t[edges]
-    relative = np.sqrt(1.0 / 12.0 + POSITION * (rows.noise[edges] / np.diff(means) ** 2) ** 2)
+    relative = np.sqrt(
+        1.0 / 12.0 + POSITION_FACTOR * (rows.noise[edges] / np.diff(means) ** 2) ** 2
+    )
     return FoundSegments(
         np.append(t[0], 0.5 * (before + after)),
         means,
@@ -202,7 +206,7 @@ def segments_from_velocity(t, V):
     )
 
 
-def _checked(t, x, symbol):
+def _check_arrays(t, x, symbol):
     t, x = np.asarray(t, float), np.asarray(x, float)
     if t.ndim != 1 or t.shape != x.shape or t.size < 4:
         raise sentences.refusal("segments.shape", t=t.shape, x=x.shape, symbol=symbol)
@@ -213,24 +217,24 @@ def _checked(t, x, symbol):
     return t, x
 
 
-def _time(t):
+def _format_time(t):
     return f"{t:.1f} s" if abs(t) >= 100.0 else f"{t:.4g} s"
 
 
-def _speed(V):
+def _format_speed(V):
     return readable("V_lp", V, 3)
 
 
-def _speeds(before, V):
-    """Two speeds, in one unit if they are not too far apart."""
+def _format_speeds(before, V):
+    """Format a change of speed, in one unit if the speeds differ by less than 100 times."""
     if max(before, V) >= 100.0 * min(before, V):
-        return f"{_speed(before)} -> {_speed(V)}"
+        return f"{_format_speed(before)} -> {_format_speed(V)}"
     power = power_of("m/s", max(before, V))
     one, other = (f"{x / 10.0**power:#.3g}".rstrip(".") for x in (before, V))
     return f"{one} -> {other} {prefixed_unit('m/s', power)}"
 
 
-def _moved(at, t, displacement):
+def _format_position(at, t, displacement):
     if displacement is None:
         return ""
     x = np.interp(at, t, displacement)
@@ -238,18 +242,19 @@ def _moved(at, t, displacement):
 
 
 def without_overshoots(t, V, end):
-    """Return starts [s] and speeds [m/s] of the segments without overshoots, and their numbers.
+    """Return starts [s], speeds [m/s] and indices of the segments that are not overshoots.
 
-    t, V : (n,) of all segments; end : of the last one [s]
+    t, V : (n,) starts and speeds of all segments
+    end : end of the last segment [s]
 
-    A step with an overshoot begins where the overshoot begins.
+    A step with an overshoot begins when the overshoot begins.
     """
-    lasts = np.diff(np.append(t, end))
+    durations = np.diff(np.append(t, end))
     starts, kept = [0], [0]
     while kept[-1] < V.size - 1:
         before = kept[-1]
         after = next(
-            (k for k in range(V.size - 1, before + 1, -1) if _overshoots(V, lasts, before, k)),
+            (k for k in range(V.size - 1, before + 1, -1) if _overshoots(V, durations, before, k)),
             before + 1,
         )
         starts.append(before + 1)
@@ -257,13 +262,13 @@ def without_overshoots(t, V, end):
     return t[starts], V[kept], np.array(kept)
 
 
-def _overshoots(V, lasts, before, after):
-    """Whether all segments between two are overshoots of a step from the one to the other."""
+def _overshoots(V, durations, before, after):
+    """Return whether all segments between two others are overshoots of the step between them."""
     brief, ends = slice(before + 1, after), [before, after]
     off = np.abs(V[brief] - V[after])
-    moved = (V * lasts)[ends]
+    moved = (V * durations)[ends]
     return bool(
-        lasts[brief].sum() <= BRIEF * lasts[ends].min()
-        and off.max() <= BEYOND * abs(V[after] - V[before])
-        and off @ lasts[brief] <= EXCESS * moved[moved > 0.0].min(initial=np.inf)
+        durations[brief].sum() <= MAX_OVERSHOOT_TIME * durations[ends].min()
+        and off.max() <= MAX_OVERSHOOT_SPEED * abs(V[after] - V[before])
+        and off @ durations[brief] <= MAX_OVERSHOOT_SLIP * moved[moved > 0.0].min(initial=np.inf)
     )

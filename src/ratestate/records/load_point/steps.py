@@ -1,4 +1,4 @@
-"""Runs between cuts, joined where there is no step: speeds, holds, jumps and ramps."""
+"""Classify the runs of a record: steps, holds, jumps and ramps of the load point."""
 
 import functools
 import itertools
@@ -7,50 +7,56 @@ import numpy as np
 
 from ..kit.sample_noise import sample_noise
 from ..messages import load_point as sentences
-from .runs import JUMP, Run, jump_between, jump_size, noise_variances, refine_breakpoints
-from .splits import SHORTEST, RowSums, cut, drop_weak_cuts
+from .runs import JUMP_SIGMAS, Run, jump_between, jump_size, noise_variances, refine_breakpoints
+from .splits import MIN_RUN_ROWS, RowSums, drop_weak_cuts, find_cuts
 
-#: least change of speed, over the larger one, that is a step.  Motors keep to a few per cent.
-STEP = 0.05
-#: least deflection of the displacement by a step, over its noise: machines wander by as much
-DEFLECTION = 3.0
-#: standard errors of a speed up to which it is that of a hold, and of the noise that it moves
+#: least change of speed in a step, as a fraction of the larger speed.  Motors hold a speed to a few
+#: per cent.
+MIN_STEP = 0.05
+#: least deflection of the displacement by a step, as a multiple of its noise: machines wander by
+#: smaller amounts
+MIN_DEFLECTION = 3.0
+#: a run is a hold if its speed is below so many standard errors, or if the load point moves by less
+#: than this multiple of the scatter
 HOLD_ERRORS, HOLD_SCATTER = 3.0, 1.5
-#: a hold's speed backwards, or its error, over the speed beside it: machines give a little
-BACK = 0.01
-#: longest ramp between two speeds, over the shorter of the times at these, that is no segment
-RAMP = 0.05
-#: lowest speed but 0, over the largest there is: what rounding leaves of a hold
-ROUNDED = 1e-9
-#: scatter about the lines, over that from row to row, from which on it is no noise
-WANDER = 10.0
-#: most decimal places that a file has; distance from one, over its size, that is none
-PLACES, ON_GRID = 9, 1e-3
-#: rows in which noise is looked for by a second search, and by how much it must lessen the scatter
-SHORT, SUCCESS = 16, 5.0
+#: largest backward speed, or error of the speed, in a hold, as a fraction of the speed beside it:
+#: machines relax a little
+MAX_BACKWARD = 0.01
+#: longest ramp that counts as a step, as a fraction of the shorter run beside it
+MAX_RAMP = 0.05
+#: lowest nonzero speed, as a fraction of the largest; below it, rounding in a hold
+MIN_SPEED_RATIO = 1e-9
+#: least scatter about the lines of a wandering load point, as a multiple of the scatter from row to
+#: row
+WANDER_RATIO = 10.0
+#: most decimal places of a file; largest distance from a rounded value, in units of its last place
+MAX_PLACES, GRID_TOLERANCE = 9, 1e-3
+#: rows of the runs that give the noise in a second search; least ratio of the first scatter to the
+#: second
+SHORT_ROWS, MIN_IMPROVEMENT = 16, 5.0
 
 
 def find_runs(t, x):
-    """`Run`s (list) of the load point from break to break, and notes on them (list of str).
+    """Return the `Run`s (list) of the load point at constant speeds, and notes (list of str).
 
     t, x : (n,) [s], increasing, and [m]; not checked here
 
-    ParameterError where there are no constant speeds.  V < 0 is not refused here.
+    ParameterError if there are no constant speeds.  Runs with V < 0 are returned.
     """
     runs = _steps_and_jumps(RowSums(t, x))
     scatter, steps = _scatter_of(runs)
-    # steps in quick succession may be taken for a load point that wanders
-    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x)):
-        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT))
-        if SUCCESS * _scatter_of(closer)[0] < scatter:
+    # the noise may be too large because steps in quick succession looked like wandering
+    if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x)):
+        closer = _steps_and_jumps(RowSums(t, x, longest=SHORT_ROWS))
+        if MIN_IMPROVEMENT * _scatter_of(closer)[0] < scatter:
             runs = closer
     runs, holds = _mark_holds(runs)
-    runs, ramps = _without_ramps(runs)
-    return runs, holds + ramps + _oddities(runs)
+    runs, ramps = _remove_ramps(runs)
+    return runs, holds + ramps + _anomaly_notes(runs)
 
 
 def _steps_and_jumps(rows):
-    """Runs between steps; where a displacement jumps, lines of one run."""
+    """Return the runs (list) between steps; a jump at one speed separates lines of one run."""
 
     @functools.cache
     def run_of(i, j):
@@ -58,28 +64,28 @@ def _steps_and_jumps(rows):
 
     def least_change(one, other):
         error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5
-        return max(STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
+        return max(MIN_STEP * max(abs(one.V), abs(other.V)), HOLD_ERRORS * error)
 
     @functools.cache
     def change(i, j, k):
-        """Of the speed at row j, over the least that is a step; inf where x jumps at one speed."""
+        """Return the change at row j as a multiple of the least step; inf for a jump of x."""
         one, other = run_of(i, j), run_of(j, k)
         dV = abs(one.V - other.V)
         T = [run.end - run.start for run in (one, other)]
         least = least_change(one, other)
-        deflection = dV * T[0] * T[1] / sum(T) / (DEFLECTION * rows.noise[j] ** 0.5)
+        deflection = dV * T[0] * T[1] / sum(T) / (MIN_DEFLECTION * rows.noise[j] ** 0.5)
         size = min(dV / least if least else 0.0, deflection)
         jumps = size < 1.0 and jump_size(rows, j, 0.5 * (one.V + other.V)) != 0.0
         return np.inf if jumps else size
 
     @functools.cache
     def jumps_within(i, j, k, m):
-        """Whether rows j to k are those beside a jump, one at most between the lines beside it."""
-        if k - j >= 2 * SHORTEST:
+        """Return whether rows j to k only surround a jump: at most one is off both lines."""
+        if k - j >= 2 * MIN_RUN_ROWS:
             return False
         one, other = run_of(i, j), run_of(k, m)
-        t, x, least = rows.t[j:k], rows.x[j:k], JUMP * rows.noise[j:k] ** 0.5
-        off = np.minimum(abs(x - one.at(t, -1)), abs(x - other.at(t, 0))) > least
+        t, x, least = rows.t[j:k], rows.x[j:k], JUMP_SIGMAS * rows.noise[j:k] ** 0.5
+        off = np.minimum(abs(x - one.x_at(t, -1)), abs(x - other.x_at(t, 0))) > least
         return bool(off.sum() <= 1 and abs(one.V - other.V) < least_change(one, other))
 
     def changes(at):
@@ -89,44 +95,44 @@ def _steps_and_jumps(rows):
                 sizes[n] = 0.0
         return sizes
 
-    at = drop_weak_cuts(rows, cut(rows), changes, 1.0)
+    at = drop_weak_cuts(rows, find_cuts(rows), changes, 1.0)
     first, *runs = [run_of(*two) for two in itertools.pairwise(at)]
     joined = [first]
     for run, size in zip(runs, changes(at), strict=True):
         if size == np.inf:
-            joined[-1] = joined[-1].joined(run)
+            joined[-1] = joined[-1].join(run)
         else:
             joined.append(run)
     return refine_breakpoints(joined)
 
 
 def _mark_holds(runs):
-    """Runs with V = 0 where it cannot be distinguished from 0 (holds), and notes."""
-    scatter = float(np.concatenate([run.whitened() for run in runs]).std())
+    """Set V = 0 in runs whose speed cannot be distinguished from 0; return runs and notes."""
+    scatter = float(np.concatenate([run.whitened_residuals() for run in runs]).std())
     largest = max(abs(run.V) for run in runs)
     marked: list[Run] = []
     notes = []
     for m, (run, own) in enumerate(zip(runs, noise_variances(runs), strict=True)):
-        lasts = run.end - run.start
+        duration = run.end - run.start
         error = (max(1.0, own) / run.spread) ** 0.5
-        moves = scatter * float(run.of_rows(run.samples.noise).mean()) ** 0.5
-        least = max(HOLD_ERRORS * error, HOLD_SCATTER * moves / lasts, ROUNDED * largest)
+        moves = scatter * float(run.select_rows(run.samples.noise).mean()) ** 0.5
+        least = max(HOLD_ERRORS * error, HOLD_SCATTER * moves / duration, MIN_SPEED_RATIO * largest)
         hold = abs(run.V) <= least
         beside = max((abs(r.V) for r in runs[max(0, m - 1) : m + 2] if r is not run), default=0.0)
-        if hold and least > BACK * beside > 0.0:
+        if hold and least > MAX_BACKWARD * beside > 0.0:
             notes.append(sentences("notes.short_hold", first=run.start, last=run.end, V=least))
-        if not hold and -BACK * beside <= run.V < 0.0:
+        if not hold and -MAX_BACKWARD * beside <= run.V < 0.0:
             hold = True
-            notes.append(sentences("notes.runs_back", by=-run.V * lasts, first=run.start))
+            notes.append(sentences("notes.runs_back", by=-run.V * duration, first=run.start))
         if hold and marked and marked[-1].hold:
-            marked[-1] = marked[-1].joined(run, hold=True)
+            marked[-1] = marked[-1].join(run, hold=True)
         else:
             marked.append(Run(run.samples, run.rows, hold))
     return refine_breakpoints(marked), notes
 
 
-def _without_ramps(runs):
-    """Short runs whose speeds lead from one speed to another left out: a step, with a note."""
+def _remove_ramps(runs):
+    """Remove short runs of monotonic speeds between two others; return runs and notes."""
     notes, m = [], 1
     while m < len(runs) - 1:
         for last in range(len(runs) - 1, m, -1):
@@ -134,7 +140,7 @@ def _without_ramps(runs):
             changes = np.diff([run.V for run in span])
             ramp = span[-1].start - span[0].end
             around = min(run.end - run.start for run in (span[0], span[-1]))
-            if ramp < RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
+            if ramp < MAX_RAMP * around and ((changes > 0.0).all() or (changes < 0.0).all()):
                 notes.append(sentences("notes.ramp", ramp=ramp, first=span[0].t[span[0].last]))
                 del runs[m:last]
                 break
@@ -143,30 +149,30 @@ def _without_ramps(runs):
 
 
 def _scatter_of(runs):
-    """Standard deviation of a displacement about its lines, and that from row to row [m].
+    """Return the standard deviations [m] about the lines and from row to row.
 
-    At the median of the noise, where it differs along the record.
+    If the noise varies along the record, they are scaled to its median.
     """
-    left = np.concatenate([run.whitened() for run in runs])
-    left *= np.median(runs[0].samples.noise) ** 0.5
-    return float(left.std()), sample_noise(left)
+    residuals = np.concatenate([run.whitened_residuals() for run in runs])
+    residuals *= np.median(runs[0].samples.noise) ** 0.5
+    return float(residuals.std()), sample_noise(residuals)
 
 
-def _digit(x):
-    """The decimal place to which half of the values (n,) are rounded, as a size; 0 for none."""
-    x = np.abs(x[1:][np.diff(x) != 0.0])  # of a load point at rest one value says all
+def _rounding_step(x):
+    """Return the power of 10 to which at least half of the values (n,) are rounded; 0 if none."""
+    x = np.abs(x[1:][np.diff(x) != 0.0])  # count the value of a load point at rest once
     if not x.any():
         return 0.0
     largest = 10.0 ** np.floor(np.log10(x.max()))
-    for place in range(1, PLACES):
+    for place in range(1, MAX_PLACES):
         digit = largest / 10.0**place
-        if np.median(np.abs(x / digit - np.round(x / digit))) < ON_GRID:
+        if np.median(np.abs(x / digit - np.round(x / digit))) < GRID_TOLERANCE:
             return float(digit)
     return 0.0
 
 
-def _oddities(runs):
-    """Notes on jumps of the displacement at one speed, and on a load point that wanders."""
+def _anomaly_notes(runs):
+    """Return notes on jumps of the displacement, and on a load point that wanders."""
     notes, t, x = [], runs[0].samples.t, runs[0].samples.x
     for run in runs:
         for first, _ in run.rows[1:]:
@@ -177,6 +183,6 @@ def _oddities(runs):
         if gap := jump_between(one, other):
             notes.append(sentences("notes.jump_at_step", gap=gap, t=t[other.first]))
     scatter, steps = _scatter_of(runs)
-    if scatter > max(WANDER * steps, ROUNDED * np.ptp(x), _digit(x)):
+    if scatter > max(WANDER_RATIO * steps, MIN_SPEED_RATIO * np.ptp(x), _rounding_step(x)):
         notes.append(sentences("notes.wanders", scatter=scatter, steps=steps))
     return notes

@@ -1,24 +1,23 @@
-"""Records of laboratories: a file as a Dataset, and the load point's history in it.
+"""Read a laboratory's files as a Dataset that includes the history of the load point.
 
 =============================== =================================================================
-``read``                        the function `read_lab`; an attempt for a page, which asks back
-``record``                      from tables to a record: in which order all below is done, and how
-                                files of one experiment are joined
+``read``                        the function `read_lab`; `try_reading` for the explorer's page
+``record``                      builds the record from tables, in the order of all steps below;
+                                joins the files of one experiment
 ``lab_format``                  a laboratory's format, saved as TOML; the function `describe`
-``open_table``                  which format a file has, by its first bytes; a file in memory;
-                                which arrays of an HDF5 or MAT file are columns
-``text``                        a text file in blocks: encoding, delimiter, decimal comma
+``open_table``                  detects the format of a file; files in memory; arrays of HDF5 and
+                                MAT files that are columns
+``text``                        reads text files in blocks: encoding, delimiter, decimal mark
 ``header``                      names and units in the lines above the numbers
 ``cells``                       numbers and clock times in lines
-``titles``                      name and unit in a title; which names mean which quantity
-``column_names.toml``           these names, units, and the usual sizes of quantities
-``columns``                     what a file holds, and how messages quote it; which column is which
-                                quantity; their units
-``sizes``                       sizes that nobody can have measured, or few
-``rows``                        which rows are kept: windows, cells without number, times, gaps;
-                                means over blocks of rows, of a very long record
+``titles``                      splits a title into name and unit; matches names to quantities
+``column_names.toml``           these names, the units, and typical sizes of quantities
+``columns``                     columns and tables; which column is which quantity; units
+``sizes``                       impossible and unusual sizes
+``rows``                        selects rows: windows, cells without numbers, times, gaps; block
+                                means of very long records
 ``values``                      rows with codes, impossible values or dropouts; signs to turn;
-                                columns that contradict each other, or are too coarse
+                                columns that contradict each other or are too coarse
 =============================== =================================================================
 """
 

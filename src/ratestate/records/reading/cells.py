@@ -1,4 +1,4 @@
-"""Numbers and clock times out of lines of text, fast if all cells are numbers."""
+"""Parse numbers and clock times in lines of text; fast if all cells are numbers."""
 
 import csv
 import itertools
@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 COMMENTS = "#%"
-PART = 500  # lines of which one without a number lets all be read cell by cell
-#: decimal mark -> numbers with blanks or other marks between groups of three digits: 1,234.5
+CHUNK = 500  # lines; if a cell in a chunk is not a number, its lines are read cell by cell
+#: decimal mark -> pattern of numbers with separators between groups of three digits: 1,234.5
 _GROUPED = {
     mark: re.compile(
         rf"[-+]?[1-9]\d{{0,2}}(?P<gap>[ '{other}])\d{{3}}(?:(?P=gap)\d{{3}})*(?:[{mark}]\d*)?"
@@ -28,22 +28,22 @@ _TIME = re.compile(
 )
 #: 2019-05-14, 14.05.2019, 5/14/2019
 DATE = re.compile(r"(\d{1,4})([-./])(\d{1,2})\2(\d{1,4})")
-#: a time or a date in a cell that is no number
+#: a time or a date in a cell that is not a number
 LIKE_CLOCK = re.compile(r"\d:\d\d|\d{4}-\d\d-\d\d|\d/\d+/\d")
 
 
 class Clock:
-    """A column of clock times, which is read cell by cell, and then as a whole.
+    """Reader of a column of clock times: first cell by cell, then the column as a whole.
 
     minutes : whether the first number of a time is minutes
     """
 
     def __init__(self, minutes):
         self.minutes = minutes
-        self.numbers: dict[str, int] = {}  # date as written, "" for none -> its number
+        self.date_numbers: dict[str, int] = {}  # date as written ("" if missing) -> its number
 
     def seconds(self, cells):
-        """(cells,) seconds of the day, and `DAY` times the number of the date; NaN for others."""
+        """Return seconds of the day plus `DAY` times the date's number; NaN if not a time."""
         return np.array([self._seconds(cell) for cell in cells])
 
     def _seconds(self, cell):
@@ -55,18 +55,19 @@ class Clock:
             hours = hours % 12.0 + 12.0 * (half == "p")
         of_day = (60.0 * hours + float(match["second"])) * (1.0 if self.minutes else 60.0)
         rest = match["third"] or "0" + (match["part"] or "")
-        number = self.numbers.setdefault(match["date"] or "", len(self.numbers))
+        number = self.date_numbers.setdefault(match["date"] or "", len(self.date_numbers))
         return of_day + float(rest.replace(",", ".").replace(":", ".")) + DAY * number
 
     def continuous(self, seconds):
-        """(n,) seconds from the beginning of the first day, out of those of a whole column.
+        """Return seconds since the first day began, from the `seconds` of a whole column.
 
-        If no cell has a date, a fall by half a day or more is midnight, or the full hour.
+        If no cell has a date, a decrease by more than half a day counts as midnight.  If times are
+        minutes and seconds, a decrease by more than half an hour counts as the full hour.
         """
         seconds, good = seconds.copy(), np.isfinite(seconds)
-        dates = [*self.numbers]
+        dates = [*self.date_numbers]
         if dates != [""]:
-            days = _days(dates)
+            days = _day_numbers(dates)
             numbers = np.clip((seconds[good] // DAY).astype(int), 0, len(dates) - 1)
             seconds[good] += DAY * (days[numbers] - numbers)
             return seconds
@@ -76,8 +77,8 @@ class Clock:
         return seconds
 
 
-def clock_of(cell, unit=""):
-    """The `Clock` of a column, by a cell and its unit; None if the cell is not a clock time."""
+def detect_clock(cell, unit=""):
+    """Return the `Clock` for a cell and its column's unit; None if it is not a clock time."""
     match = _TIME.fullmatch(cell)
     if match is None:
         return None
@@ -85,79 +86,81 @@ def clock_of(cell, unit=""):
     written = re.sub(r"\W", "", unit.lower())
     in_minutes = written in ("mmss", "mss", "ms")
     if alone and not in_minutes and written not in ("hhmm", "hmm", "hm"):
-        return None  # hours and minutes, or minutes and seconds
+        return None  # it may be hours and minutes, or minutes and seconds
     return Clock(bool(match["part"]) or (alone and in_minutes))
 
 
-def _days(dates):
-    """(dates,) numbers of days, the first 0: with the day before the month, or after it.
+def _day_numbers(dates):
+    """Return the day number of each date; 0 for the first date and for "", NaN if not a date.
 
-    Whichever leaves the dates closest together; 0 for "", NaN for what is not a date.
+    The day is written before or after the month.  The order that leaves the dates closest together
+    counts.
     """
 
-    def oddness(days):
+    def implausibility(days):
         known = days[np.isfinite(days)]
         span = np.ptp(known) if known.size else 0.0
         return np.isnan(days).sum(), span, (np.diff(known) < 0.0).any()
 
-    readings = [np.array([_day(date, first) for date in dates]) for first in (True, False)]
-    days = min(readings, key=oddness)
+    readings = [np.array([_day_number(date, first) for date in dates]) for first in (True, False)]
+    days = min(readings, key=implausibility)
     days = days - next(iter(days[np.isfinite(days)]), 0.0)
     return np.where([date == "" for date in dates], 0.0, days)
 
 
-def _day(date, day_first):
+def _day_number(date, day_first):
     import pandas
 
     if count := re.fullmatch(r"(\d+)\s*(?:d|days?)?", date):
         return float(count[1])
+    # years come first in an order of their own, and dots are written after days
+    day_first = "." in date or (day_first and not re.match(r"\d{3,}", date))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # that it is written in the other order
-        found = pandas.to_datetime(date, errors="coerce", dayfirst=day_first or "." in date)
-    return np.nan if pandas.isna(found) else float(found.toordinal())
+        warnings.simplefilter("ignore")  # pandas warns if the day and month are in the other order
+        parsed = pandas.to_datetime(date, errors="coerce", dayfirst=day_first)
+    return np.nan if pandas.isna(parsed) else float(parsed.toordinal())
 
 
 class Layout(NamedTuple):
-    """How a line of numbers is written."""
+    """Layout of a line of numbers."""
 
-    delimiter: str | None  # None: spaces, as many as there are
+    delimiter: str | None  # None: any number of spaces
     decimal: str  # "." or ","
-    width: int  # cells
-    clocks: dict[int, Clock]  # of the columns of clock times
+    width: int  # number of cells
+    clocks: dict[int, Clock]  # index of each column of clock times -> its Clock
 
 
 def is_comment(line):
-    """Whether a line is a remark."""
     return line.lstrip().startswith(tuple(COMMENTS))
 
 
-def is_full(line):
-    """Whether a line is neither blank nor a remark."""
+def has_content(line):
+    """Return whether a line is neither blank nor a comment."""
     return bool(line.strip()) and not is_comment(line)
 
 
-def cells_of(line, delimiter):
-    """The cells of a line of numbers, those at its end that are empty as well."""
+def split_cells(line, delimiter):
+    """Return the cells of a line of numbers, including empty cells at its end."""
     line = line.rstrip("\n")
     line = line.strip(" ") if delimiter == "\t" else line.strip()
-    if '"' in line and delimiter is not None:  # which may stand within quotes too
+    if '"' in line and delimiter is not None:  # quotes may contain the delimiter
         cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
     else:
         cells = line.split(delimiter)
     return [cell.strip(" \"'") for cell in cells]
 
 
-def trimmed(cells, least=0):
-    """Cells without the empty ones at their end, but `least` in any case."""
+def drop_empty_end(cells, least=0):
+    """Return the cells without the empty ones at their end, but at least `least` cells."""
     end = len(cells)
     while end > least and not cells[end - 1]:
         end -= 1
     return cells[:end]
 
 
-def number_in(cell, decimal="."):
-    """A number out of a cell, NaN if it is none."""
-    if ":" in cell or "_" in cell:  # a clock time; there may be one in each row
+def parse_number(cell, decimal="."):
+    """Return the number in a cell; NaN if the cell is not a number."""
+    if ":" in cell or "_" in cell:  # quick exit, because every row may have a clock time
         return np.nan
     if _GROUPED[decimal].fullmatch(cell):
         cell = re.sub(rf"[^\d{decimal}+-]", "", cell)
@@ -170,34 +173,35 @@ def number_in(cell, decimal="."):
         return float("e".join(match.groups())) if match else np.nan
 
 
-def rows_in(lines, layout):
-    """Numbers in lines (rows, columns), NaN for cells without, and which line is each row (rows,).
+def parse_rows(lines, layout):
+    """Return the numbers (rows, columns) in lines of text, and the line index of each row (rows,).
 
-    Blank lines and remarks are not rows.  A row with more cells than columns has no numbers.
+    Blank lines and comments are not rows.  Cells without a number are NaN.  A row with more cells
+    than columns has only NaN.
     """
-    if (values := _all_numbers(lines, layout)) is not None:
+    if (values := _parse_numbers(lines, layout)) is not None:
         return values, np.arange(len(lines))
-    if len(lines) > PART:
-        starts = range(0, len(lines), PART)
-        parts = [rows_in(lines[i : i + PART], layout) for i in starts]
+    if len(lines) > CHUNK:
+        starts = range(0, len(lines), CHUNK)
+        parts = [parse_rows(lines[i : i + CHUNK], layout) for i in starts]
         places = [start + own for start, (_, own) in zip(starts, parts, strict=True)]
         return np.concatenate([values for values, _ in parts]), np.concatenate(places)
     width = layout.width
-    full = [i for i, line in enumerate(lines) if is_full(line)]
-    rows = [trimmed(cells_of(lines[i], layout.delimiter), width) for i in full]
+    full = [i for i, line in enumerate(lines) if has_content(line)]
+    rows = [drop_empty_end(split_cells(lines[i], layout.delimiter), width) for i in full]
     rows = [cells if len(cells) <= width else [] for cells in rows]
     values = np.empty((len(rows), width))
     for j, cells in enumerate(itertools.zip_longest(*rows, [""] * width, fillvalue="")):
-        values[:, j] = _column(cells[:-1], j, layout)
+        values[:, j] = _parse_column(cells[:-1], j, layout)
     return values, np.array(full, int)
 
 
-def _all_numbers(lines, layout):
-    """(lines, columns) numbers; None unless each line is a row of them, as Python reads numbers."""
+def _parse_numbers(lines, layout):
+    """Return the numbers (lines, columns); None if any cell is not a plain Python number."""
     if not any(line.strip() for line in lines):
         return None
     if layout.decimal == ",":
-        if any("." in line for line in lines):  # between groups of digits perhaps
+        if any("." in line for line in lines):  # points may separate groups of digits
             return None
         lines = [line.replace(",", ".") for line in lines]
     try:
@@ -207,8 +211,7 @@ def _all_numbers(lines, layout):
     return values if values.shape == (len(lines), layout.width) else None
 
 
-def _column(cells, j, layout):
-    """(cells,) the numbers or clock times in a column."""
+def _parse_column(cells, j, layout):
     if j in layout.clocks:
         return layout.clocks[j].seconds(cells)
     if layout.decimal == "." and "_" not in "".join(cells):
@@ -216,4 +219,4 @@ def _column(cells, j, layout):
             return np.array(cells, float)
         except ValueError:
             pass
-    return np.array([number_in(cell, layout.decimal) for cell in cells])
+    return np.array([parse_number(cell, layout.decimal) for cell in cells])

@@ -1,4 +1,4 @@
-"""Columns of a file, and which quantity each is, by its name."""
+"""Columns of a file, and which quantity each column is, by its name."""
 
 import contextlib
 from collections.abc import Callable
@@ -13,92 +13,92 @@ from ...model.units import OF_WHOLE_CONTACT, to_si, unit_factor
 from ..messages import reading as sentences
 from .titles import (
     CERTAIN,
-    LIKE,
+    EXAMPLE_UNIT,
     PATTERNS,
     TABLE,
     WEIGHTS,
     WORDS,
     letters,
     match_rank,
-    plain,
+    plain_unit,
     spaced,
 )
 
-#: characters of a text, and names of a list, in a message
-LONGEST, MOST = 60, 20
-#: what a record needs -> columns one of which gives it; a message suggests the first
-NEEDS = {
+#: most characters of a text, and most names in a list, in a message
+MAX_TEXT, MAX_NAMES = 60, 20
+#: required quantity -> symbols of columns that provide it; a message suggests the first
+REQUIRED = {
     "time": ["time"],
     "delta_lp or V_load (of the load point)": ["delta_lp", "V_load"],
     "friction, or tau and sigma": ["tau", "friction"],
     "sigma, to go with tau": ["sigma", "friction"],
 }
-#: symbol -> what replaces it
-INSTEAD = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
+#: symbol -> symbols that replace it together
+REPLACED_BY = {"delta_lp": {"V_load"}, "V_load": {"delta_lp"}, "friction": {"tau", "sigma"}}
 
 
 class Column(NamedTuple):
-    """A column as it stands in a file."""
+    """A column of a file, before it is interpreted."""
 
-    title: str  # its whole name in the file; "column 3" in a file without header
-    name: str  # the title without unit and group; "" if there is none
-    unit: str  # the unit beside it in the file, as written; "" if there is none
+    title: str  # full title in the file; "column 3" in a file without header
+    name: str  # the title without unit and group; "" if missing
+    unit: str  # the unit in the header, as written; "" if missing
     values: np.ndarray  # of float, NaN if a cell is not a number
-    other_unit: str = ""  # one elsewhere in the header that contradicts it
+    other_unit: str = ""  # a unit elsewhere in the header that contradicts `unit`
 
     def rank(self, symbol):
-        """How surely it is one of a quantity, as of `match_rank`."""
+        """Return the `match_rank` of its name for a quantity."""
         return match_rank(self.name, symbol)
 
-    def has(self, word):
-        """Whether its name has one of the `WORDS`."""
+    def has_word(self, word):
+        """Return whether a pattern of `WORDS` matches its name."""
         return bool(WORDS[word].search(spaced(self.name)))
 
 
 class Table(NamedTuple):
-    """The contents of a file before they are interpreted: columns, maybe of different lengths."""
+    """The contents of a file before they are interpreted."""
 
-    columns: list[Column]
-    lines: np.ndarray | None = None  # number of the line of each row of a text, from 1 on
-    unread: tuple[str, ...] = ()  # titles of arrays that hold no real numbers
-    text_of: Callable[[int, int], str] | None = None  # of a cell, by the numbers of line and column
+    columns: list[Column]  # their lengths may differ
+    lines: np.ndarray | None = None  # line number of each row of a text file, from 1
+    unread: tuple[str, ...] = ()  # titles of arrays that do not hold real numbers
+    cell_text: Callable[[int, int], str] | None = None  # (line number, column index) -> cell
     name: str = ""  # of the file
 
     @property
     def titles(self):
-        """list of the columns' titles, which may repeat."""
+        """Titles of the columns (list); they may repeat."""
         return [column.title for column in self.columns]
 
     def unread_text(self):
-        """The end of a sentence on what the file has beside columns of numbers; "" for nothing."""
+        """Return the end of a sentence that lists arrays without numbers; "" if none."""
         return f" (no real numbers, so not read: {name_list(self.unread)})" if self.unread else ""
 
     def row_label(self, row):
-        """How a person finds a row (counted from 0 on) in the file: "line 17"."""
+        """Return the label of a row (counted from 0) for a message: "line 17" or "row 18"."""
         return f"row {row + 1}" if self.lines is None else f"line {self.lines[row]}"
 
     def cell(self, row, column):
-        """A cell that is not a number as a message shows it, in quotes; "nothing" if empty."""
-        place = next((i for i, one in enumerate(self.columns) if one.values is column.values), None)
-        if self.text_of is None or self.lines is None or place is None:
+        """Return a cell that is not a number for a message: in quotes, or "nothing" if empty."""
+        index = next((i for i, one in enumerate(self.columns) if one.values is column.values), None)
+        if self.cell_text is None or self.lines is None or index is None:
             return quoted(str(column.values[row]))
-        text = self.text_of(int(self.lines[row]), place)
+        text = self.cell_text(int(self.lines[row]), index)
         return quoted(text) if text else "nothing"
 
 
 def quoted(text):
-    """A text out of a file, as a message shows it: in quotes, on one line, `LONGEST` at most."""
-    return repr(text if len(text) <= LONGEST else text[: LONGEST - 3] + "...")
+    """Return a text from a file for a message: in quotes, on one line, `MAX_TEXT` at most."""
+    return repr(text if len(text) <= MAX_TEXT else text[: MAX_TEXT - 3] + "...")
 
 
 def name_list(names):
-    """Names, quoted, as a message lists them: the first `MOST`, and how many more there are."""
-    more = [f"{len(names) - MOST} more"] if len(names) > MOST else []
-    return ", ".join([*map(quoted, names[:MOST]), *more])
+    """List names for a message: the first `MAX_NAMES`, quoted, and the number of others."""
+    more = [f"{len(names) - MAX_NAMES} more"] if len(names) > MAX_NAMES else []
+    return ", ".join([*map(quoted, names[:MAX_NAMES]), *more])
 
 
 def check_requests(columns, units):
-    """ParameterError unless these are dicts of columns and of units (not read yet) by symbol."""
+    """Raise ParameterError unless columns and units are dicts by symbol; do not parse units."""
     symbols = ", ".join(PATTERNS)
     if not isinstance(columns, dict) or not columns.keys() <= PATTERNS.keys():
         given = f" (given {name_list([*map(str, columns)])})" if isinstance(columns, dict) else ""
@@ -109,36 +109,36 @@ def check_requests(columns, units):
 
 
 def choose_columns(table, columns, constants=()):
-    """dict symbol -> index of its column, from 0: as requested, and of others by their names.
+    """Return dict symbol -> index of its column, from 0: as requested, or found by its name.
 
-    columns : dict symbol -> title or number from 1 on; one column may be requested twice
-    constants : symbols for which no column is looked for
+    columns : dict symbol -> title or number from 1; a column may be requested for two symbols
+    constants : symbols that need no column
 
-    A symbol of `PATTERNS` that is not needed may be absent.  ParameterError: a request that fits no
-    column or several, a needed column that is missing or ambiguous.
+    Optional symbols of `PATTERNS` may be absent.  ParameterError if a request fits no column or
+    several, or if a required column is missing or ambiguous.
     """
     chosen = {
         symbol: requested_column(table, symbol, request) for symbol, request in columns.items()
     }
     for symbol in PATTERNS:
-        replaced = symbol in INSTEAD and INSTEAD[symbol] <= chosen.keys()
+        replaced = symbol in REPLACED_BY and REPLACED_BY[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:
             continue
         pore_pressure = symbol == "pore_pressure"
-        # it is to be subtracted from a total stress whose column was not requested
-        of_total = "sigma" in chosen and "sigma" not in columns and not _is_effective(table, chosen)
-        if pore_pressure and not of_total:
+        # it is only subtracted from a total stress whose column was not requested
+        is_total = "sigma" in chosen and "sigma" not in columns and not _is_effective(table, chosen)
+        if pore_pressure and not is_total:
             continue
-        # stresses are optional where friction is recorded
+        # stresses are optional if friction is recorded
         needed = symbol not in ("tau", "sigma") or "friction" not in chosen
         index = column_by_name(table, symbol, chosen.values(), needed)
-        if index is not None and not (pore_pressure and table.columns[index].has("excess")):
+        if index is not None and not (pore_pressure and table.columns[index].has_word("excess")):
             chosen[symbol] = index
-    for need, ways in NEEDS.items():
+    for need, ways in REQUIRED.items():
         if not {*chosen, *constants} & set(ways):
             values = {"need": need, "symbol": ways[0]}
             values["columns"] = name_list(table.titles) + table.unread_text()
-            column = _column_of_unit(table, ways[0], chosen.values())
+            column = _column_by_unit(table, ways[0], chosen.values())
             such = "such as" if column else "in"
             raise sentences.refusal("columns.missing", such=such, column=column or "...", **values)
     return chosen
@@ -149,10 +149,11 @@ def _is_effective(table, chosen):
 
 
 def title_warnings(table, chosen, requested, constants=()):
-    """Notes (list of str) on columns whose titles leave open whether they are what was looked for.
+    """Return notes (list of str) on columns with ambiguous titles, and on pore pressures.
 
-    chosen, constants : as of `choose_columns`
+    chosen : dict symbol -> index, from `choose_columns`
     requested : symbols of the columns that the caller named
+    constants : symbols that need no column
     """
     notes = []
     for symbol, index in chosen.items():
@@ -168,16 +169,16 @@ def title_warnings(table, chosen, requested, constants=()):
     total = "sigma" in {*chosen, *constants} and not _is_effective(table, chosen)
     if total and "pore_pressure" not in chosen:
         for i, column in enumerate(table.columns):
-            known = column.rank("pore_pressure") is not None or column.has("pressure")
-            if known and i not in chosen.values():
-                excess = column.has("excess")
+            pressure = column.rank("pore_pressure") is not None or column.has_word("pressure")
+            if pressure and i not in chosen.values():
+                excess = column.has_word("excess")
                 name = "notes.excess_pressure" if excess else "notes.pore_pressure"
                 notes.append(sentences(name, title=quoted(column.title)))
     return notes
 
 
 def requested_column(table, symbol, request):
-    """Index of the column that was requested by title or number."""
+    """Return the index of the column that was requested by title or number."""
     titles = table.titles
     values = {"symbol": symbol, "request": request, "titles": name_list(titles)}
     if isinstance(request, int) and not isinstance(request, bool):
@@ -203,9 +204,9 @@ def requested_column(table, symbol, request):
 
 
 def column_by_name(table, symbol, taken, needed=False):
-    """Index of the one column, not in `taken`, whose name fits best; None if no name fits.
+    """Return the index of the column, not in `taken`, whose name fits best; None if none fits.
 
-    Several that fit equally well: None, or a ParameterError if the column is needed.
+    If several fit equally well, return None, or raise ParameterError if the column is needed.
     """
     ranks = {
         i: rank
@@ -214,16 +215,19 @@ def column_by_name(table, symbol, taken, needed=False):
     }
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
-        titles, first = name_list([table.titles[i] for i in same]), _reference(table, same[0])
+        titles, first = (
+            name_list([table.titles[i] for i in same]),
+            _reference(table, same[0]),
+        )
         raise sentences.refusal("columns.ambiguous", symbol=symbol, titles=titles, column=first)
     return same[0] if len(same) == 1 else None
 
 
-def _column_of_unit(table, symbol, taken):
-    """The one free column with a unit of this quantity, as a call names it; else ""."""
+def _column_by_unit(table, symbol, taken):
+    """Return a reference to the only free column with a unit of this quantity; else ""."""
     same = []
     for i, column in enumerate(table.columns):
-        other = TABLE["quantities"][symbol].get("moves") and column.has("elsewhere")
+        other = TABLE["quantities"][symbol].get("moves") and column.has_word("elsewhere")
         if i not in taken and not other:
             with contextlib.suppress(ParameterError):
                 unit_of(column, symbol, {})
@@ -232,25 +236,26 @@ def _column_of_unit(table, symbol, taken):
 
 
 def _reference(table, index):
-    """A column as a call names it: by its title, or by number if the title is not unique."""
+    """Return how a call names a column: by title, or by number if the title is not unique."""
     title = table.titles[index]
     return quoted(title) if table.titles.count(title) == 1 else str(index + 1)
 
 
 def unit_of(column, symbol, units):
-    """The unit of a column as `to_si` reads it: that in `units`, else that beside it in the file.
+    """Return the unit of a column for `to_si`: from `units`, or else from the file.
 
-    Friction without any has "1".  ParameterError: there is none, or it is no unit of the symbol.
+    Friction without a unit has "1".  ParameterError if there is no unit, if it is not a unit of the
+    symbol, or if the header contradicts it.
     """
-    unit = plain(units.get(symbol, column.unit))
+    unit = plain_unit(units.get(symbol, column.unit))
     if not unit and symbol == "friction" and symbol not in units:
         return "1"
-    names = {"title": quoted(column.title), "symbol": symbol, "like": LIKE[symbol]}
+    names = {"title": quoted(column.title), "symbol": symbol, "like": EXAMPLE_UNIT[symbol]}
     if not unit:
         raise sentences.refusal("units.none", **names)
     if column.other_unit and symbol not in units and not _is_same(unit, column.other_unit, symbol):
         raise sentences.refusal(
-            "units.contradiction", unit=unit, other=plain(column.other_unit), **names
+            "units.contradiction", unit=unit, other=plain_unit(column.other_unit), **names
         )
     try:
         to_si(symbol, f"1 {unit}", bound="")
@@ -267,13 +272,13 @@ def unit_of(column, symbol, units):
 def _is_same(unit, other, symbol):
     si = QUANTITIES[symbol].unit
     with contextlib.suppress(ValueError):
-        return unit_factor(si, unit) == unit_factor(si, plain(other))
+        return unit_factor(si, unit) == unit_factor(si, plain_unit(other))
     return False
 
 
 def newtons(column, symbol, units):
-    """How many newtons the unit of a column is, None if it is not a unit of force."""
+    """Return the unit of a column in newtons; None if it is not a unit of force."""
     with contextlib.suppress(ValueError):
-        unit = plain(units.get(symbol, column.unit))
+        unit = plain_unit(units.get(symbol, column.unit))
         return float(unit_factor("N", WEIGHTS.get(unit, unit)))
     return None

@@ -1,4 +1,4 @@
-"""Names and units of columns out of the lines above the numbers."""
+"""Read the names and units of columns from the lines above the numbers."""
 
 import csv
 import math
@@ -9,71 +9,80 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..messages import reading as sentences
-from .cells import COMMENTS, is_comment, number_in
+from .cells import COMMENTS, is_comment, parse_number
 from .columns import quoted
-from .titles import WORDS, is_known, is_unit, letters, name_and_units, plain, spaced
+from .titles import (
+    WORDS,
+    is_recognized,
+    is_unit,
+    letters,
+    name_and_units,
+    plain_unit,
+    spaced,
+)
 
-#: a line of xlook below names and units: how many records each column has
+#: in files of xlook, the line below names and units: the number of records of each column
 _RECORDS = re.compile(r"\s*(?:\d+\s*recs?\s*)+", re.IGNORECASE)
-#: how files of LabVIEW begin, and how each of the two parts of their headers ends
+#: first line of LabVIEW files, and the line that ends each of the two parts of their headers
 LABVIEW, LABVIEW_END = "LabVIEW Measurement", "***End_of_Header***"
 
 
 class Header(NamedTuple):
-    """What stands above the numbers."""
+    """The header above the numbers."""
 
-    names: list[str]  # of the columns, "" for none
-    units: list[str]
-    times: tuple[float, float] | None = None  # first time and step [s], if no column has them
-    lines: tuple[str, ...] = ()  # as they are written
+    names: list[str]  # of the columns, "" if missing
+    units: list[str]  # of the columns, "" if missing
+    times: tuple[float, float] | None = None  # first time and time step [s], if not a column
+    lines: tuple[str, ...] = ()  # the lines as written
 
-    def described(self):
-        """Name, unit and contradicting unit of each column."""
+    def split_units(self):
+        """Return the name, unit and contradicting unit of each column (list of tuples)."""
         return [name_and_units(*one) for one in zip(self.names, self.units, strict=True)]
 
-    def meaning(self):
-        """The same, however it is spelled."""
+    def normalized(self):
+        """Return `split_units` without differences of spelling."""
         return [
-            (letters(name), plain(unit), plain(other)) for name, unit, other in self.described()
+            (letters(name), plain_unit(unit), plain_unit(other))
+            for name, unit, other in self.split_units()
         ]
 
 
-def header_of(lines, delimiter, width, written=None):
-    """The `Header` of so many columns, from the last two lines above the numbers.
+def parse_header(lines, delimiter, width, written=None):
+    """Return the `Header` of `width` columns, from the last two lines above the numbers.
 
-    written : number of cells in a row, those at its end that are always empty among them
+    written : number of cells in a row, including cells at its end that are always empty
 
-    ParameterError: the last line is not a remark, and has another number of names.
+    ParameterError if the last line is not a comment and has another number of names.
     """
     if lines and lines[0].startswith(LABVIEW):
-        return _labview(lines, width)
+        return _parse_labview(lines, width)
     kept = [line for line in lines if line.strip(" \t\n" + COMMENTS)]
     records = next((line for line in kept if _RECORDS.fullmatch(line)), None)
     kept = [line for line in kept if not _RECORDS.fullmatch(line)][-2:]
     if records is None:
-        of_lines = [_names(line, delimiter, width, written) for line in kept]
+        name_rows = [_split_names(line, delimiter, width, written) for line in kept]
     else:
-        of_lines = _xlook_names(kept, records, width)
-    above, names = [None, None, *of_lines][-2:]
+        name_rows = _xlook_names(kept, records, width)
+    above, names = [None, None, *name_rows][-2:]
     nothing = [""] * width
     if names is None:
         if kept and not is_comment(kept[-1]):
             values = {"header": quoted(kept[-1].strip()), "width": width, "line": len(lines) + 1}
-            count = len(_cells(kept[-1].strip(" \n"), delimiter))
+            count = len(_split_line(kept[-1].strip(" \n"), delimiter))
             raise sentences.refusal("text.header", count=count, **values)
         return Header(nothing, nothing)
     texts = tuple(line.strip() for line in kept)
-    if above and any(names) and all(not plain(name) or is_unit(name) for name in names):
+    if above and any(names) and all(not plain_unit(name) or is_unit(name) for name in names):
         return Header(above, names, lines=texts)
     return Header(names, nothing, lines=texts)
 
 
 def check_headers(lines, rows, layout, above, header, name):
-    """ParameterError if there is another header than the first among the rows of some lines.
+    """Raise ParameterError if a block of lines has a header that differs from the first one.
 
-    rows, layout : which lines have numbers, and their `Layout`
-    above : how many lines are above these
-    header, name : the first header, and of which file
+    rows, layout : indices of lines with numbers, and their `Layout`
+    above : number of lines above the block
+    header, name : the first header, and the name of the file
     """
     texts = np.ones(len(lines), bool)
     texts[rows] = False
@@ -82,7 +91,10 @@ def check_headers(lines, rows, layout, above, header, name):
         if not line or line in header.lines or not _is_header(line, layout, header.names):
             continue
         try:
-            same = header_of([line], layout.delimiter, layout.width).meaning() == header.meaning()
+            same = (
+                parse_header([line], layout.delimiter, layout.width).normalized()
+                == header.normalized()
+            )
         except ParameterError:
             same = False
         if not same:
@@ -91,25 +103,25 @@ def check_headers(lines, rows, layout, above, header, name):
 
 
 def _is_header(line, layout, first):
-    """Whether a line has names or units of two columns or more, or names of the first header."""
-    ways = [_names(line, layout.delimiter, layout.width) or []]
-    for names in ways if is_comment(line) else [*ways, _cells(line, layout.delimiter)]:
-        numbers = any(not math.isnan(number_in(name)) for name in names)
-        if not numbers and sum(name in first or is_known(name) for name in names if name) > 1:
+    """Return whether a line has at least two names or units, known or from the first header."""
+    ways = [_split_names(line, layout.delimiter, layout.width) or []]
+    for names in ways if is_comment(line) else [*ways, _split_line(line, layout.delimiter)]:
+        numbers = any(not math.isnan(parse_number(name)) for name in names)
+        if not numbers and sum(name in first or is_recognized(name) for name in names if name) > 1:
             return True
     return False
 
 
-def end_of_labview(lines):
-    """How many lines a header of LabVIEW has, without that of the names; 0 for another file."""
+def labview_header_end(lines):
+    """Return the number of header lines above LabVIEW's line of names; 0 for other files."""
     if not lines or not lines[0].startswith(LABVIEW):
         return 0
     ends = [i for i, line in enumerate(lines) if line.startswith(LABVIEW_END)][:2]
     return ends[-1] + 1 if ends else 0
 
 
-def _labview(lines, width):
-    """The `Header` of a file of LabVIEW (.lvm): lines of a key and of a value for each channel."""
+def _parse_labview(lines, width):
+    """Return the `Header` of a LabVIEW file (.lvm): lines of a key and a value per channel."""
     delimiter = "\t" if "\t" in "".join(lines) else ","
     rows = [[cell.strip() for cell in line.split(delimiter)] for line in lines if line.strip()]
     keys = {row[0]: [cell for cell in row[1:] if cell] for row in rows}
@@ -117,14 +129,15 @@ def _labview(lines, width):
     units = ["s", *keys.get("Y_Unit_Label", []), *[""] * width][:width]
     if keys.get("X_Columns") != ["No"]:
         return Header(names, units)
-    first, step = (number_in(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
+    first, step = (parse_number(keys[key][0].replace(",", ".")) for key in ("X0", "Delta_X"))
     return Header(names, units, (first, step))
 
 
 def _xlook_names(lines, records, width):
-    """The names in each line of a header of xlook: of one width, to the right, touching perhaps.
+    """Return the names in each line of xlook's header.
 
-    The first column, numbers of rows, has no name.
+    The names have one width, end at the right margin, and may touch.  The first column, with row
+    numbers, has no name.
     """
     ends = [match.end() for match in re.finditer(r"\d+\s*recs?", records, re.IGNORECASE)]
     if len(ends) not in (width - 1, width):
@@ -136,15 +149,15 @@ def _xlook_names(lines, records, width):
     return [unnamed + [line[i : i + wide].strip() for i in starts] for line in lines]
 
 
-def _names(line, delimiter, width, written=None):
-    """The names in a line above the numbers, or None if they are not as many as columns."""
+def _split_names(line, delimiter, width, written=None):
+    """Return the names in a line above the numbers; None unless there is one for each column."""
     line = line.strip(" \n").lstrip(COMMENTS).strip(" ")
-    ways = [_cells(line, delimiter), re.split(r"\s{2,}|\t", line)]
-    ways += [_cells(line, ","), _cells(line, "\t"), line.split()]
+    ways = [_split_line(line, delimiter), re.split(r"\s{2,}|\t", line)]
+    ways += [_split_line(line, ","), _split_line(line, "\t"), line.split()]
     for cells in ways:
         if len(cells) == written:
             cells = cells[:width]
-        # there may be a column of remarks, of which most rows have none
+        # there may be a column of remarks that is empty in most rows
         if len(cells) == width + 1 and (not cells[-1] or WORDS["remark"].search(spaced(cells[-1]))):
             cells = cells[:-1]
         if len(cells) == width > 1:
@@ -152,11 +165,11 @@ def _names(line, delimiter, width, written=None):
     return None
 
 
-def _cells(line, delimiter):
+def _split_line(line, delimiter):
     if delimiter is not None:
         return next(csv.reader([line], delimiter=delimiter), [])
     names: list[str] = []
-    for word in line.split():  # "Time (s)" is one
+    for word in line.split():  # "Time (s)" is one name
         if names and (word[0] in "([{" or names[-1].count("(") > names[-1].count(")")):
             names[-1] += f" {word}"
         else:

@@ -1,4 +1,4 @@
-"""A laboratory's format, saved as TOML: what `read_lab` cannot know of its files by itself."""
+"""A laboratory's format, saved as TOML: what `read_lab` cannot detect in its files."""
 
 import dataclasses
 import json
@@ -13,44 +13,43 @@ from ...model.quantities import QUANTITIES
 from ...model.units import has_unit, to_si
 from ..messages import reading as sentences
 from .columns import check_requests, choose_columns
-from .open_table import file_of, open_table
-from .record import record_of
+from .open_table import as_file, open_table
+from .record import build_record
 from .text import DELIMITERS
-from .titles import LIKE, plain
+from .titles import EXAMPLE_UNIT, plain_unit
 
-LARGEST = 100_000  # bytes
-#: as the file has it -> as the reader of text takes it
+MAX_BYTES = 100_000  # bytes
+#: delimiter in a description -> delimiter for `read_text`
 DELIMITER_NAMES = {"tab": "\t", ";": ";", ",": ",", "space": None}
 DECIMALS = (".", ",")
-#: table -> keys it may have
+#: table -> its keys
 TABLES: dict[str, tuple[str, ...]] = {
     "text": ("delimiter", "decimal"),
-    "columns": tuple(LIKE),
-    "units": tuple(LIKE),
+    "columns": tuple(EXAMPLE_UNIT),
+    "units": tuple(EXAMPLE_UNIT),
     "constants": ("sigma",),
-    "signs": tuple(symbol for symbol in LIKE if symbol != "time"),
+    "signs": tuple(symbol for symbol in EXAMPLE_UNIT if symbol != "time"),
     "machine": ("K", "M"),
 }
 HEAD = """\
 # How the files of a laboratory are read, found in {source}:
 #     ratestate fit FILE --format THIS_FILE
 #     ratestate.read_lab(file, format="THIS_FILE")
-# What is given in a call goes before what is written here.
+# Arguments of a call have precedence over the values here.
 """
-#: table -> what it means, and lines in a description that has none
+#: table -> its comment, and example lines for a description without values
 COMMENTS: dict[str, tuple[str, dict[str, Any]]] = {
     "text": (
-        'Only if it is not found in the file: what stands between cells ("tab", ",", ";" or "space"'
-        '),\n# and the decimal mark ("." or ",").',
+        'Only if it is not detected: the delimiter ("tab", ",", ";" or "space") and the decimal '
+        'mark\n# ("." or ",").',
         {"delimiter": ";", "decimal": ","},
     ),
-    "columns": ("The title of each column that is read, or its number from 1 on.", {}),
-    "units": ("Units of columns that have none in the file, or another there.", {}),
+    "columns": ("The title of each column that is read, or its number, counted from 1.", {}),
+    "units": ("Units of columns whose unit in the file is missing or wrong.", {}),
     "constants": ("Normal stress if it is not recorded.", {"sigma": "20 MPa"}),
     "signs": (
-        "-1: the sign in the file is turned; 1: it is right.  Of columns that are not here it is "
-        "turned if\n# stress or friction is negative throughout, or if the load point runs "
-        "downwards.",
+        "-1: the sign in the file is turned; 1: it is right.  The sign of other columns is turned "
+        "if stress\n# or friction is negative throughout, or if the load point moves backwards.",
         {"delta_lp": -1},
     ),
     "machine": (
@@ -63,7 +62,7 @@ COMMENTS: dict[str, tuple[str, dict[str, Any]]] = {
 
 @dataclasses.dataclass(frozen=True)
 class LabFormat:
-    """What the files of a laboratory have in common: the tables of a description."""
+    """The tables of a description of a laboratory's files."""
 
     text: dict[str, str] = dataclasses.field(default_factory=dict)
     columns: dict[str, Any] = dataclasses.field(default_factory=dict)
@@ -72,45 +71,45 @@ class LabFormat:
     signs: dict[str, int] = dataclasses.field(default_factory=dict)
     machine: dict[str, Any] = dataclasses.field(default_factory=dict)
 
-    def with_call(self, columns, units, sigma=None):
-        """The format with what is given in a call, which goes first; ParameterError if it is wrong.
+    def with_arguments(self, columns, units, sigma=None):
+        """Combine the format with the arguments of a call, which have precedence.
 
-        columns, units, sigma : as of `read_lab`
+        columns, units, sigma : as for `read_lab`; ParameterError if they are not valid
         """
         columns, units = {} if columns is None else columns, {} if units is None else units
         check_requests(columns, units)
         sigma = self.constants.get("sigma") if sigma is None else sigma
-        own, constants = [self.columns, self.units], {}
+        saved, constants = [self.columns, self.units], {}
         if sigma is not None:
             if "sigma" in columns:
                 raise sentences.refusal("columns.sigma_twice", sigma=sigma, column=columns["sigma"])
-            own = [{s: x for s, x in one.items() if s != "sigma"} for one in own]
+            saved = [{s: x for s, x in one.items() if s != "sigma"} for one in saved]
             constants = {"sigma": sigma}
-        columns, units = own[0] | columns, own[1] | units
+        columns, units = saved[0] | columns, saved[1] | units
         return dataclasses.replace(self, columns=columns, units=units, constants=constants)
 
     def open(self, file):
-        """The `Table` in a file, as by `open_table`."""
+        """Return the `Table` in a file, from `open_table`."""
         name = self.text.get("delimiter")
         delimiters = DELIMITERS if name is None else (DELIMITER_NAMES[name],)
         return open_table(file, delimiters, self.text.get("decimal"))
 
 
 def lab_format(path):
-    """The `LabFormat` in a file, an empty one for None; all that is wrong is one ParameterError."""
+    """Return the `LabFormat` in a file, empty for None; one ParameterError lists all problems."""
     if path is None:
         return LabFormat()
     try:
         path = Path(path).expanduser()
         with path.open("rb") as file:
-            contents = file.read(LARGEST + 1)
+            contents = file.read(MAX_BYTES + 1)
     except TypeError:
         raise sentences.refusal("format.path", path=path) from None
     except (OSError, ValueError) as error:  # (ValueError: a null character in the path)
         what = getattr(error, "strerror", None) or error
         raise sentences.refusal("format.unreadable", path=path, error=what) from None
-    if len(contents) > LARGEST:
-        raise sentences.refusal("format.large", name=path.name, most=LARGEST)
+    if len(contents) > MAX_BYTES:
+        raise sentences.refusal("format.large", name=path.name, most=MAX_BYTES)
     try:
         tables = tomllib.loads(contents.decode("utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
@@ -124,7 +123,7 @@ def lab_format(path):
 
 
 def _problems(name, table):
-    """What is wrong with a table: texts that name key, value and remedy."""
+    """Yield the problems of a table: messages with key, value and remedy."""
     if name not in TABLES:
         yield sentences("format.table", table=name, wanted=one_of(TABLES, name))
     elif not isinstance(table, dict):
@@ -134,15 +133,15 @@ def _problems(name, table):
             where = {"table": name, "key": key, "value": value}
             if key not in TABLES[name]:
                 yield sentences("format.key", wanted=one_of(TABLES[name], key), **where)
-            elif (wanted := _wanted(name, key, value)) is not None:
+            elif (wanted := _expected(name, key, value)) is not None:
                 yield sentences("format.value", wanted=wanted, **where)
 
 
-def _wanted(table, key, value):
-    """What is expected in place of a value; None if it is right."""
+def _expected(table, key, value):
+    """Return a description of the expected value; None if the value is valid."""
     if table == "text":
-        known = [*DELIMITER_NAMES] if key == "delimiter" else [*DECIMALS]
-        return None if value in known else f"one of {', '.join(map(repr, known))}"
+        valid = [*DELIMITER_NAMES] if key == "delimiter" else [*DECIMALS]
+        return None if value in valid else f"one of {', '.join(map(repr, valid))}"
     if table == "columns":
         sound = isinstance(value, str) or (type(value) is int and value > 0)
         return None if sound else "the title of a column, or its number from 1 on"
@@ -150,8 +149,8 @@ def _wanted(table, key, value):
         sound = type(value) is int and abs(value) == 1
         return None if sound else "1, as in the file, or -1, the opposite"
     if table == "units":
-        sound = isinstance(value, str) and has_unit(key, plain(value))
-        return None if sound else f"a unit such as {LIKE[key]!r}"
+        sound = isinstance(value, str) and has_unit(key, plain_unit(value))
+        return None if sound else f"a unit such as {EXAMPLE_UNIT[key]!r}"
     quantity = quantity_of(key, value)
     try:
         to_si(key if quantity in WHOLE_CONTACT else quantity, value)
@@ -171,36 +170,36 @@ def describe(
     M=None,
     time=None,
     displacement=None,
-    format=None,  # noqa: A002 (as of read_lab)
+    format=None,  # noqa: A002 (as in read_lab)
 ):
-    """A description of a laboratory's files, as text for ``read_lab(..., format=...)``.
+    """Describe a laboratory's files, as text for ``read_lab(..., format=...)``.
 
     Parameters
     ----------
     path : str, pathlib.Path or binary file
-        One file of the laboratory, which is read.
+        One file of the laboratory, to be read.
     columns, units : dict, optional
-        As of `read_lab`.
+        As for `read_lab`.
     sigma : float, str or pint.Quantity, optional
         Normal stress [Pa] if it was constant and not recorded.
     K : float, str or pint.Quantity, optional
         Stiffness of the machine [Pa/m], or friction per length, as in ``"3000 1/m"``.
     M : float, str or pint.Quantity, optional
-        Mass per area of what it moves [kg/m^2].
+        Mass of the moving parts per area of the contact [kg/m^2].
     time, displacement : pair, optional
-        Window in which the file is read, as of `read_lab`; the description does not have it.
+        Window in which the file is read, as for `read_lab`.  The description does not include it.
     format : str or pathlib.Path, optional
-        Another description, which this one begins with.
+        Another description, whose values are the defaults.
 
     Returns
     -------
     str
-        TOML, with comments: write it to a file such as ``mylab.toml``.
+        TOML with comments.  Write it to a file such as ``mylab.toml``.
 
     Raises
     ------
     ParameterError
-        As of `read_lab`; and a stiffness or a mass of another kind.
+        As for `read_lab`, and if K or M has a wrong unit or size.
 
     Examples
     --------
@@ -209,17 +208,19 @@ def describe(
     """
     machine = {symbol: value for symbol, value in {"K": K, "M": M}.items() if value is not None}
     for symbol, value in machine.items():
-        if (wanted := _wanted("machine", symbol, value)) is not None:
+        if (wanted := _expected("machine", symbol, value)) is not None:
             raise sentences.refusal("format.machine", symbol=symbol, value=value, wanted=wanted)
-    lab = lab_format(format).with_call(columns, units, sigma)
-    table = lab.open(file_of(path))
-    data, _ = record_of([table], lab, time=time, displacement=displacement)
+    lab = lab_format(format).with_arguments(columns, units, sigma)
+    table = lab.open(as_file(path))
+    data, _ = build_record([table], lab, time=time, displacement=displacement)
     sources = json.loads(data.attrs["columns"])
     places = choose_columns(table, lab.columns, lab.constants)
     turned = {s: -1 for s, source in sources.items() if source.get("sign") == -1}
     if "friction" in sources.keys() - places.keys():  # a ratio of forces
         del sources["friction"]
-        sources |= {s: {"unit": plain(table.columns[places[s]].unit)} for s in ("tau", "sigma")}
+        sources |= {
+            s: {"unit": plain_unit(table.columns[places[s]].unit)} for s in ("tau", "sigma")
+        }
     units = {s: source["unit"] for s, source in sources.items()}
     parts = [
         HEAD.format(source=_one_line(table.name)),
@@ -237,7 +238,7 @@ def describe(
 
 
 def _table(name, values, others=None, remark=""):
-    """A table with these values; the others, or examples, are comments, with a remark."""
+    """Return a TOML table of the values; `others`, or else examples, become comments."""
     comment, examples = COMMENTS[name]
     others = examples if others is None else others
     lines = {key: f"# {key} = {_toml(value)}{remark}\n" for key, value in others.items()}
@@ -247,7 +248,7 @@ def _table(name, values, others=None, remark=""):
 
 
 def _column(symbol, index, table):
-    """A line with the title of a column, or its number if the title is not the name of it alone."""
+    """Return a line with the title of a column, or its number if the title is not unique."""
     title = table.titles[index]
     unique = table.titles.count(title) == 1 and bool(table.columns[index].name)
     named = unique and title != f"column {index + 1}"
@@ -260,7 +261,7 @@ def _one_line(text):
 
 
 def _as_text(symbol, value):
-    """A value of a quantity as text with its unit."""
+    """Return the value of a quantity as text with its unit."""
     if isinstance(value, str):
         return value
     quantity = quantity_of(symbol, value)

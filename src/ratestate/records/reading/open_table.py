@@ -1,6 +1,6 @@
-"""Opens a file, on disk or in memory, as a table: which format it has; HDF5 and MAT files.
+"""Open a file, on disk or in memory, as a table: detect its format; read HDF5 and MAT files.
 
-HDF5 has NetCDF 4 and MATLAB 7.3 among it; MAT files here are older ones.
+NetCDF 4 and MATLAB 7.3 files are HDF5; "MAT" here means the older MATLAB format.
 """
 
 import io
@@ -16,47 +16,47 @@ from .columns import Column, Table, quoted
 from .text import DELIMITERS, read_text
 from .titles import name_and_units
 
-#: how files begin, HDF5 maybe after 512 bytes
+#: first bytes of files; in HDF5, 512 other bytes may precede them
 HDF5, MAT = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0"
-#: how files begin that hold tables of another kind
-FOREIGN = {
+#: first bytes of files that are refused -> what they are
+OTHER_FORMATS = {
     b"PK\x03\x04": "a spreadsheet or an archive",
     b"\xd0\xcf\x11\xe0": "a spreadsheet of an old kind",
     b"CDF": "NetCDF 3",
     b"%PDF": "a PDF",
     b"\x1f\x8b": "compressed",
 }
-#: attributes in which units, and names of columns of an array, are kept
-UNITS = ("units", "unit", "Units", "Unit", "UNITS")
-NAMES = ("columns", "column_names", "names", "labels", "header", "fields")
-SMALLEST = 2  # rows
-#: bytes that a byte of a file can hold: deflate packs 1,032 of them into one at most
-UNPACKED = 1100
+#: attributes that may hold the units, and the column names, of an array
+UNIT_KEYS = ("units", "unit", "Units", "Unit", "UNITS")
+NAME_KEYS = ("columns", "column_names", "names", "labels", "header", "fields")
+MIN_ROWS = 2
+#: most bytes of data for each byte of a file: deflate compresses by 1,032 times at most
+MAX_EXPANSION = 1100
 
 
 class MemoryFile(NamedTuple):
-    """The contents of a file, with what readers use of a path: its name, size and bytes."""
+    """The contents of a file, with the part of the interface of a Path that readers use."""
 
-    name: str  # the ending decides the format, and messages have it
+    name: str  # for messages; a .mat ending decides the format
     contents: bytes
 
     def __str__(self):
         return self.name
 
     def stat(self):
-        """The size, as ``st_size``."""
+        """Return an object with the size as ``st_size``."""
         return SimpleNamespace(st_size=len(self.contents))
 
     def open(self, mode="rb"):
-        """The contents as a binary file, to be read."""
+        """Return the contents as a binary file."""
         return io.BytesIO(self.contents)
 
 
-def file_of(file):
-    """A path, or an open binary file, as a Path or a `MemoryFile`; ParameterError for others.
+def as_file(file):
+    """Return a Path for a path, or a `MemoryFile` for an open binary file or a `MemoryFile`.
 
-    A binary file is read from where it stands to its end, and is called "the file" if it has no
-    name.  A `MemoryFile` is returned as it is.
+    A binary file is read from its current position to its end.  Without a name, it is called "the
+    file".  ParameterError for any other object.
     """
     if isinstance(file, MemoryFile):
         return file
@@ -65,7 +65,7 @@ def file_of(file):
             return Path(file).expanduser()
         contents = file.read()
         if isinstance(contents, bytes):
-            name = getattr(file, "name", None)  # maybe a number, or nothing
+            name = getattr(file, "name", None)  # it may be a number or missing
             return MemoryFile(
                 PurePath(name).name if isinstance(name, str) else "the file", contents
             )
@@ -75,12 +75,12 @@ def file_of(file):
 
 
 def open_table(path, delimiters=DELIMITERS, decimal=None):
-    """The `Table` in a file, a Path or `MemoryFile`; ParameterError if it is of no known format.
+    """Return the `Table` in a Path or `MemoryFile`; ParameterError if its format is unknown.
 
-    delimiters, decimal : as of `read_text`
+    delimiters, decimal : as for `read_text`
     """
     try:
-        if isinstance(path, Path) and not path.is_file():  # a pipe would be waited for
+        if isinstance(path, Path) and not path.is_file():  # opening a pipe would block
             kind = "folder" if path.is_dir() else "special" if path.exists() else "missing"
             raise sentences.refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
@@ -89,7 +89,7 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
             return read_isolated(read_hdf5, path, "HDF5")
         if head.startswith(MAT) or PurePath(path.name).suffix.lower() == ".mat":
             return read_isolated(read_mat, path, "a MAT file")
-        for begin, what in FOREIGN.items():
+        for begin, what in OTHER_FORMATS.items():
             if head.startswith(begin):
                 raise sentences.refusal("file.foreign", name=path.name, what=what)
         return read_text(path, delimiters, decimal)
@@ -98,21 +98,21 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
 
 
 def read_hdf5(path):
-    """The `Table` of all columns of numbers in an HDF5 file, wherever they are in it.
+    """Return the `Table` of all columns of numbers in an HDF5 file, in any group.
 
-    ParameterError if there are none, or more bytes than a file of its size can hold; h5py's OSError
-    if it is no HDF5.
+    ParameterError if there are none, or if they have more bytes than a file of this size can hold.
+    h5py's OSError if it is not an HDF5 file.
     """
     import h5py
 
     columns: list[Column] = []
     texts: list[str] = []
     size = path.stat().st_size
-    remaining = UNPACKED * size
+    remaining = MAX_EXPANSION * size
 
     def visit(title, item):
         nonlocal remaining
-        # MATLAB keeps texts as numbers, and what cells refer to in a group of its own
+        # MATLAB stores text as numbers, and the contents of cell arrays in a group "#refs#"
         hidden = title.startswith("#") or item.attrs.get("MATLAB_class") == b"char"
         if hidden or not isinstance(item, h5py.Dataset):
             return
@@ -123,21 +123,22 @@ def read_hdf5(path):
         if remaining < 0:
             values = {"name": path.name, "title": quoted(title), "bytes": item.nbytes}
             raise sentences.refusal("file.damaged", size=size, **values)
-        columns.extend(_columns(title, item[()], item.attrs))
+        columns.extend(_array_columns(title, item[()], item.attrs))
 
     with path.open("rb") as stored, h5py.File(stored, "r") as file:
         refuse_other_files(file, path.name)
         file.visititems(visit)
-    return _table(path, columns, texts)
+    return _make_table(path, columns, texts)
 
 
 def refuse_other_files(file, name):
-    """Raise ParameterError if an open HDF5 file takes data from other files: it may name any.
+    """Raise ParameterError if an open HDF5 file takes data from other files.
 
-    By an external link, external storage or a virtual dataset.
+    It may do so by an external link, external storage or a virtual dataset, and may then name any
+    file of this machine.
 
     file : h5py.File
-    name : of the file, for the message
+    name : file name, for the message
     """
     import h5py
 
@@ -151,64 +152,66 @@ def refuse_other_files(file, name):
     def other_of_link(title, link):
         return (title, link.filename) if isinstance(link, h5py.ExternalLink) else None
 
-    if found := file.visititems_links(other_of_link) or file.visititems(other_of_data):
-        title, other = map(quoted, found)
+    if reference := file.visititems_links(other_of_link) or file.visititems(other_of_data):
+        title, other = map(quoted, reference)
         raise sentences.refusal("file.elsewhere", name=name, title=title, other=other)
 
 
 def read_mat(path):
-    """The `Table` of all columns of numbers in a MAT file, those in structs among them.
+    """Return the `Table` of all columns of numbers in a MAT file, including those in structs.
 
-    ParameterError if there are none; SciPy's own errors for a file that it cannot read.
+    ParameterError if there are none; SciPy's errors if it cannot read the file.
     """
     from scipy.io import loadmat
 
     with path.open("rb") as stored:
-        return _table(path, list(_in_struct("", loadmat(stored, simplify_cells=True))))
+        return _make_table(path, list(_struct_columns("", loadmat(stored, simplify_cells=True))))
 
 
-def _in_struct(group, struct):
-    """The columns of a struct, whose field ``units`` may have a unit for each."""
-    units: dict = next((struct[key] for key in UNITS if isinstance(struct.get(key), dict)), {})
+def _struct_columns(group, struct):
+    """Yield the columns of a struct; its field ``units`` may have their units."""
+    units: dict = next((struct[key] for key in UNIT_KEYS if isinstance(struct.get(key), dict)), {})
     for name, value in struct.items():
         if name.startswith("__"):
             continue
         title = f"{group}/{name}" if group else name
         if isinstance(value, dict):
-            yield from _in_struct(title, value)
+            yield from _struct_columns(title, value)
         elif isinstance(value, np.ndarray):
             unit = units.get(name)
-            yield from _columns(title, value, {"units": unit} if isinstance(unit, str) else {})
+            yield from _array_columns(
+                title, value, {"units": unit} if isinstance(unit, str) else {}
+            )
 
 
-def _columns(title, values, attrs):
-    """The columns that an array is: one, the fields of a table, or those of a matrix."""
-    if not isinstance(values, np.ndarray) or values.size < SMALLEST:
+def _array_columns(title, values, attrs):
+    """Yield the columns of an array: a vector, the fields of a table, or a matrix."""
+    if not isinstance(values, np.ndarray) or values.size < MIN_ROWS:
         return
     parts = []  # titles, names and values
     if values.dtype.names:
         names = [name for name in values.dtype.names if values.dtype[name].kind in "iuf"]
         parts = [(f"{title}/{name}", name, values[name].ravel()) for name in names]
     elif values.dtype.kind in "iuf":
-        values = _unpacked(np.squeeze(values), attrs)
+        values = _unpack(np.squeeze(values), attrs)
         if values.ndim == 1:
             parts = [(title, title.rpartition("/")[2], values)]
         elif values.ndim == 2:
             rows = values if values.shape[0] > values.shape[1] else values.T
-            for i, name in enumerate(_texts(_first(attrs, NAMES), rows.shape[1])):
+            for i, name in enumerate(_texts(_first_of(attrs, NAME_KEYS), rows.shape[1])):
                 parts.append((f"{title}/{name}" if name else f"{title}[{i + 1}]", name, rows[:, i]))
-    units = _texts(_first(attrs, UNITS), len(parts))
-    for (own_title, name, column), unit in zip(parts, units, strict=True):
+    units = _texts(_first_of(attrs, UNIT_KEYS), len(parts))
+    for (full_title, name, column), unit in zip(parts, units, strict=True):
         name, unit, other = name_and_units(name, unit)
-        yield Column(own_title, name, unit, column.astype(float), other)
+        yield Column(full_title, name, unit, column.astype(float), other)
 
 
-def _first(attrs, keys):
+def _first_of(attrs, keys):
     return next((attrs[key] for key in keys if key in attrs), "")
 
 
 def _texts(value, count):
-    """An attribute as so many texts: one each, or the same (or nothing) for all."""
+    """Return an attribute as `count` texts; a single text, or "", is repeated."""
     texts = [
         item.decode("utf-8", "replace") if isinstance(item, bytes) else str(item)
         for item in np.atleast_1d(value).tolist()
@@ -220,8 +223,8 @@ def _texts(value, count):
     return texts * count if len(texts) == 1 and "," not in texts[0] else [""] * count
 
 
-def _unpacked(values, attrs):
-    """Values with the scale, offset and mark for missing ones that NetCDF knows."""
+def _unpack(values, attrs):
+    """Apply NetCDF's scale factor, offset and fill value to an array."""
     if not {"scale_factor", "add_offset", "_FillValue"} & set(attrs):
         return values
     numbers = values.astype(float)
@@ -230,7 +233,7 @@ def _unpacked(values, attrs):
     return numbers * attrs.get("scale_factor", 1.0) + attrs.get("add_offset", 0.0)
 
 
-def _table(path, columns, texts=()):
+def _make_table(path, columns, texts=()):
     table = Table(columns, unread=tuple(texts), name=path.name)
     if not columns:
         raise sentences.refusal("file.no_columns", name=path.name, unread=table.unread_text())

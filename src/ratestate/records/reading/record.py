@@ -1,4 +1,4 @@
-"""From the tables of one or several files to a record with the load point's history."""
+"""Build a record, with the load point's history, from the tables of one or several files."""
 
 import itertools
 import json
@@ -11,7 +11,7 @@ from ..load_point.segments import segments_from_displacement, segments_from_velo
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
 from .columns import (
-    NEEDS,
+    REQUIRED,
     Column,
     choose_columns,
     column_by_name,
@@ -20,56 +20,66 @@ from .columns import (
     title_warnings,
     unit_of,
 )
-from .rows import MOST, Rows, blocks, checked_most, downsample, means, window
-from .sizes import check_sizes, constant_in_si, in_si, unusual
+from .rows import (
+    MAX_ROWS,
+    Rows,
+    block_means,
+    block_starts,
+    check_max_rows,
+    downsample,
+    parse_window,
+)
+from .sizes import check_sizes, constant_in_si, in_si, size_warnings
 from .values import (
     coarse_resolution,
-    disagreements,
+    contradictions,
     drop_codes,
     drop_dropouts,
     drop_impossible,
     flip_signs,
 )
 
-#: how the times of files may follow each other
+#: options of `join`: how the times of files follow each other
 JOINS = ("auto", "absolute", "restart")
-#: steps of time from 0 within which a clock begins that starts anew
+#: latest first time, in time steps, of a clock that restarts at 0
 NEAR_ZERO = 1.5
-#: least move against the load point's direction, over the largest step, of a sensor set to 0 again
+#: least backward move of a displacement that was set to 0 again, as a multiple of the largest step
 ZEROED = 3.0
 
 
-def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="auto"):
-    """The Dataset that `read_lab` makes of tables, and a list of what it warns of.
+def build_record(tables, lab, *, time=None, displacement=None, rows=MAX_ROWS, join="auto"):
+    """Build the Dataset that `read_lab` returns from tables; return it and warnings (list).
 
     tables : list of `Table`
-    lab : `LabFormat`, with what a call gives; other arguments, and what is raised, as of `read_lab`
+    lab : `LabFormat`, combined with the arguments of the call
+
+    Other arguments and errors are as for `read_lab`.
     """
-    most = checked_most(rows)
+    most = check_max_rows(rows)
     if join not in JOINS:
         raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
     given = {"time": (time, "time"), "delta_lp": (displacement, "displacement")}
-    windows = {s: window(s, *one) for s, one in given.items() if one[0] is not None}
-    parts = [_rows_of(table, lab, constants) for table in tables]
-    kept, of_joining = _joined([part for part, _ in parts], join, constants)
-    of_files = [note for _, notes in parts for note in notes] + of_joining
+    windows = {s: parse_window(s, *one) for s, one in given.items() if one[0] is not None}
+    parts = [_read_rows(table, lab, constants) for table in tables]
+    kept, join_notes = _join_files([part for part, _ in parts], join, constants)
+    file_notes = [note for _, notes in parts for note in notes] + join_notes
     sources = {s: {"title": kept.columns[s].title, "unit": kept.units[s]} for s in kept.record}
     turned, minor = _prepare(kept, windows, lab, constants)
     downsample(kept, most)
     record = kept.record
-    segments = _segments(record, kept.gaps)
+    segments = _find_segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)
     is_fine = "sigma" in record and not coarse
     stress = stress_steps(record["time"], record["sigma"]) if is_fine else []
     if segments.V.size == 1 and not stress:
         minor.append(sentences("notes.no_step"))
-    messages = kept.warnings + of_files + unusual(record, segments.V)
-    messages += disagreements(kept, coarse)
+    messages = kept.warnings + file_notes + size_warnings(record, segments.V)
+    messages += contradictions(kept, coarse)
     data = _dataset(record, segments)
     data.attrs = {
         "title": "ratestate read_lab",
-        "found": coarse or segments.history(record["time"], record.get("delta_lp"), stress),
+        "found": coarse or segments.describe(record["time"], record.get("delta_lp"), stress),
         "source": ", ".join(table.name for table in tables),
         "columns": json.dumps(
             {
@@ -86,15 +96,15 @@ def record_of(tables, lab, *, time=None, displacement=None, rows=MOST, join="aut
 
 
 def _prepare(kept, windows, lab, constants):
-    """Leave out `Rows` that cannot be used, and turn signs: the symbols turned, and notes."""
-    kept.cut(windows)
+    """Leave out unusable `Rows`, and turn signs; return the turned symbols and notes (lists)."""
+    kept.apply_windows(windows)
     kept.drop_unreadable()
     drop_codes(kept)
-    kept.order()
+    kept.check_order()
     kept.check_enough()
     for symbol in kept.record:
         check_sizes(symbol, kept.record[symbol], kept.columns[symbol], kept.units[symbol])
-    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a way back
+    drop_dropouts(kept, "delta_lp", "V_load")  # else zeros at the end look like a backward motion
     turned, notes = flip_signs(kept.record, lab.signs)
     for symbol, value in constants.items():
         kept.record[symbol] = np.full(kept.kept.size, value)
@@ -106,10 +116,10 @@ def _prepare(kept, windows, lab, constants):
     return turned, notes
 
 
-def _rows_of(table, lab, constants):
-    """All `Rows` of the chosen columns of a table, in SI, and notes.
+def _read_rows(table, lab, constants):
+    """Return all `Rows` of the chosen columns of a table, in SI, and notes (list of str).
 
-    constants : symbol -> constant [SI] in place of a column
+    constants : symbol -> constant [SI] that replaces a column
     """
     places = choose_columns(table, lab.columns, constants)
     chosen, units = {symbol: table.columns[i] for symbol, i in places.items()}, lab.units
@@ -147,7 +157,7 @@ def _rows_of(table, lab, constants):
 
 
 def _ratio_of_forces(chosen, units):
-    """Friction as a `Column`, if it is needed and both stresses are forces; else None."""
+    """Return friction as a `Column` if it is missing and both stresses are forces; else None."""
     if "friction" in chosen or not {"tau", "sigma"} <= chosen.keys() or "pore_pressure" in chosen:
         return None
     shear, normal = chosen["tau"], chosen["sigma"]
@@ -160,20 +170,20 @@ def _ratio_of_forces(chosen, units):
     return Column(title, title, "1", values)
 
 
-def _segments(record, gaps):
-    """The `FoundSegments` of a record; of a very long one from means over blocks of rows."""
+def _find_segments(record, gaps):
+    """Return the `FoundSegments` of a record, from block means if the record is very long."""
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     t, x = record["time"], record[symbol]
-    if t.size > MOST:
-        starts, _ = blocks(t.size, gaps, MOST)
-        t, x = means(t, starts), means(x, starts)
+    if t.size > MAX_ROWS:
+        starts, _ = block_starts(t.size, gaps, MAX_ROWS)
+        t, x = block_means(t, starts), block_means(x, starts)
     if symbol == "delta_lp":
         return segments_from_displacement(t, x)
     return segments_from_velocity(t, x)
 
 
 def _dataset(record, segments):
-    """The variables, with the load point's history."""
+    """Return the Dataset of a record and its segments."""
     import xarray
 
     order = [s for s in ("friction", "delta_lp", "V_load", "tau", "sigma") if s in record]
@@ -184,29 +194,29 @@ def _dataset(record, segments):
     return xarray.Dataset(variables, coords={"time": ("time", record["time"], attrs("time"))})
 
 
-def _joined(parts, join, constants):
-    """The `Rows` of all files, and notes (list of str).
+def _join_files(parts, join, constants):
+    """Join the `Rows` of all files; return them and notes (list of str).
 
-    parts : list of the `Rows` of each file, with nothing left out
-    join : as of `read_lab`
-    constants : symbols that are given, and need no column
+    parts : list of the complete `Rows` of each file
+    join : as for `read_lab`
+    constants : symbols that need no column
 
-    ParameterError: a column that another file lacks, or times that overlap.
+    ParameterError if a file lacks a required column, or if times overlap.
     """
     if len(parts) == 1:
         return parts[0], []
     symbols, notes = _common_symbols(parts, constants)
     pieces = {s: [part.record[s] for part in parts] for s in symbols}
     times = pieces["time"]
-    from_zero = all(0.0 <= _ends(t)[0] <= NEAR_ZERO * _usual_step(t) for t in times)
+    from_zero = all(0.0 <= _end_values(t)[0] <= NEAR_ZERO * _typical_step(t) for t in times)
     for i, (one, other) in enumerate(itertools.pairwise(parts)):
-        end, begin = _ends(times[i])[1], _ends(times[i + 1])[0]
+        end, begin = _end_values(times[i])[1], _end_values(times[i + 1])[0]
         names = {"before": one.name, "after": other.name}
         if join == "restart" or (join == "auto" and from_zero):
-            added = end + _usual_step(times[i + 1]) - begin
+            added = end + _typical_step(times[i + 1]) - begin
             times[i + 1] = times[i + 1] + added
             notes.append(sentences("notes.restart", added=added, **names))
-            if "delta_lp" in pieces and (added := _zeroed_by(*pieces["delta_lp"][i : i + 2])):
+            if "delta_lp" in pieces and (added := _zeroing_offset(*pieces["delta_lp"][i : i + 2])):
                 pieces["delta_lp"][i + 1] = pieces["delta_lp"][i + 1] + added
                 notes.append(sentences("notes.zeroed", added=added, **names))
         elif begin < end:
@@ -223,35 +233,35 @@ def _joined(parts, join, constants):
 
 
 def _common_symbols(parts, constants):
-    """Symbols that all files have, and notes on others; ParameterError if these are needed."""
-    known = dict.fromkeys(symbol for part in parts for symbol in part.record)
-    symbols = [s for s in known if all(s in part.record for part in parts)]
+    """Return the symbols of all files, and notes on others; ParameterError if one is required."""
+    present = dict.fromkeys(symbol for part in parts for symbol in part.record)
+    symbols = [s for s in present if all(s in part.record for part in parts)]
     notes = []
-    for symbol in [s for s in known if s not in symbols]:
+    for symbol in [s for s in present if s not in symbols]:
         name = next(part.name for part in parts if symbol in part.record)
         lacking = next(part.name for part in parts if symbol not in part.record)
         values = {"symbol": symbol, "name": name, "lacking": lacking}
-        if not all({*ways} & {*symbols, *constants} for ways in NEEDS.values()):
+        if not all({*ways} & {*symbols, *constants} for ways in REQUIRED.values()):
             raise sentences.refusal("join.columns", **values)
         notes.append(sentences("notes.not_in_all", **values))
     return symbols, notes
 
 
-def _ends(values):
-    """The first and the last finite value."""
+def _end_values(values):
+    """Return the first and the last finite value."""
     finite = values[np.isfinite(values)]
     return float(finite[0]), float(finite[-1])
 
 
-def _usual_step(t):
-    """The usual time between rows; 0 if there is none."""
+def _typical_step(t):
+    """Return the median of the positive time steps; 0 if there is none."""
     steps = np.diff(t[np.isfinite(t)])
     return float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
 
 
-def _zeroed_by(before, after):
-    """What to add to a displacement that was set to 0 again; 0 if it was not."""
-    (begin, end), (next_, last) = _ends(before), _ends(after)
+def _zeroing_offset(before, after):
+    """Return the offset of a displacement that was set to 0 between files; 0 if it was not."""
+    (begin, end), (next_, last) = _end_values(before), _end_values(after)
     steps = np.concatenate([np.abs(np.diff(x[np.isfinite(x)])) for x in (before, after)])
     back = (end - next_) * np.sign(end - begin + last - next_)
     return end - next_ if back > ZEROED * steps.max(initial=0.0) else 0.0

@@ -1,9 +1,9 @@
-"""Rows of a record: those left out and reported by number, and means over blocks of the others.
+"""Select the rows of a record, report rows that are left out, and average very long records.
 
-A mean over k rows is the anti-alias filter whose effects are exactly known: white noise of
-variance s^2 has s^2/k after it, a straight line is a straight line, a step stays within one block
-(no ringing before or after it), and an oscillation of period P, over blocks that last B, is
-weakened by the factor sin(pi B/P)/(pi B/P), which is 0 at the rate of the new samples.
+A mean over k rows is an anti-alias filter with exactly known effects.  It reduces the variance of
+white noise k times, leaves a straight line straight, and keeps a step within one block, without
+ringing.  It weakens an oscillation of period P, over blocks of duration B, by the factor
+sin(pi B/P)/(pi B/P), which is 0 at the rate of the new samples.
 """
 
 import itertools
@@ -16,24 +16,24 @@ from ..messages import reading as sentences
 from .cells import LIKE_CLOCK
 from .columns import Column, quoted
 
-#: most rows that are kept, by default: `fit` takes a fifth of that, and one of many steps less
-MOST = 1_000_000
-FEWEST_MOST = 1_000  # that may be asked for
-FEWEST = 10  # rows
-LISTED = 5  # rows of each kind in a message
-#: a step of time this short, over the usual one, counts as 0: it gives no speed
-SAME = 1e-9
+#: default of the most rows that are kept: `fit` uses a fifth of them or fewer
+MAX_ROWS = 1_000_000
+MIN_LIMIT = 1_000  # least value of that limit
+MIN_ROWS = 10  # fewest rows of a record
+ROWS_LISTED = 5  # rows of each kind in a message
+#: longest time step that counts as 0, as a fraction of the usual time step
+REPEATED_TIME = 1e-9
 
 
 class Rows:
-    """The rows of one or several files that are `kept`, and their `record`.
+    """The rows of one or several files that are kept, and their values.
 
     files : list of (first row, `Table`, symbol -> `Column`), the first row counted over all files
     record : symbol -> values, in the unit of the file until they are converted to SI
 
-    `columns` (those of the first file) and `units` (symbol -> unit) are for messages.  `kept` has
-    indices over all files, from 0; `gaps` the places along `kept` before which there is a gap in
-    time, once `find_gaps` has looked.
+    `columns` (of the first file) and `units` (symbol -> unit) are for messages.  `kept` has the
+    indices of the kept rows, counted over all files from 0.  `gaps`, set by `find_gaps`, has the
+    positions along `kept` before which there is a gap in time.
     """
 
     def __init__(self, files, record):
@@ -50,13 +50,13 @@ class Rows:
         return self.files[0][1].name
 
     def row_label(self, row):
-        """How a person finds a row: "line 17", or "line 17 of b.txt" if there are several files."""
+        """Return the label of a row for messages: "line 17", or "line 17 of b.txt"."""
         first, table, _ = self._file(row)
         label = table.row_label(row - first)
         return f"{label} of {table.name}" if len(self.files) > 1 else label
 
     def cell(self, row, symbol):
-        """A cell that is not a number, as a message shows it."""
+        """Return a cell that is not a number, for a message."""
         first, table, columns = self._file(row)
         return table.cell(row - first, columns[symbol])
 
@@ -64,7 +64,7 @@ class Rows:
         return next(file for file in reversed(self.files) if file[0] <= row)
 
     def check_numbers(self):
-        """ParameterError for a column without any finite number in the rows that are kept."""
+        """Raise ParameterError if a column has no finite number in the kept rows."""
         for symbol, values in self.record.items():
             if np.isfinite(values).any():
                 continue
@@ -80,36 +80,38 @@ class Rows:
             )
 
     def keep(self, which):
-        """Keep only these of the rows: a mask or slice along `kept`."""
+        """Keep only the rows that a mask or slice along `kept` selects."""
         self.kept = self.kept[which]
-        for symbol, values in self.record.items():  # one after the other: they may be large
+        for symbol, values in self.record.items():  # one by one to save memory
             self.record[symbol] = values[which]
 
     def leave_out(self, bad, why, shown=None):
-        """Leave out the rows of a mask along `kept`, with a warning; nothing if it is all False.
+        """Leave out the rows of a mask along `kept`; add a warning if there are any.
 
-        why, shown : the reason; function of a place along `kept`, what the warning shows of it
+        why : the reason, for the warning
+        shown : function of a position along `kept` that returns the value to show, or None
         """
         if bad.any():
-            rows = self.listed(np.flatnonzero(bad), shown)
-            self.warnings.append(f"{_count(bad.sum())} left out {why}: {rows}")
+            rows = self.list_rows(np.flatnonzero(bad), shown)
+            self.warnings.append(f"{_count_rows(bad.sum())} left out {why}: {rows}")
             self.keep(~bad)
 
-    def listed(self, places, shown=None):
-        """Some rows as a message lists them: "line 17 ('x' in 'Time(s)'), line 20 and 3 more"."""
+    def list_rows(self, places, shown=None):
+        """List rows for a message: "line 17 ('x' in 'Time(s)'), line 20 and 3 more"."""
         texts = [
             self.row_label(self.kept[i]) + (f" ({shown(i)})" if shown else "")
-            for i in places[:LISTED]
+            for i in places[:ROWS_LISTED]
         ]
-        more = f" and {len(places) - LISTED} more" if len(places) > LISTED else ""
+        more = f" and {len(places) - ROWS_LISTED} more" if len(places) > ROWS_LISTED else ""
         return ", ".join(texts) + more
 
-    def cut(self, windows):
-        """Keep only the rows in the windows, from the first one inside to the last.
+    def apply_windows(self, windows):
+        """Keep only the rows from the first to the last one inside the windows.
 
-        windows : symbol -> (name, from, to) as by `window`; may be empty
+        windows : symbol -> (name, from, to) from `parse_window`; may be empty
 
-        ParameterError: no row is inside, too few are, or there is no displacement for a window.
+        ParameterError if too few rows are inside, or if a window needs a displacement that the
+        record lacks.
         """
         for symbol, (name, low, high) in windows.items():
             if symbol not in self.record:
@@ -123,10 +125,11 @@ class Rows:
         self.check_enough(" in the window" if windows else "")
 
     def drop_unreadable(self):
-        """Leave out rows without a finite number in any column.
+        """Leave out rows that lack a finite number in some column.
 
-        ParameterError if a column has none, or if most rows lack a number in a column that is
-        needed; stresses are left out beside friction.  Rows without any number do not count.
+        If most rows lack one, the emptiest column is left out if it is a stress and friction is
+        recorded; otherwise ParameterError.  Rows without any number do not count.  ParameterError
+        also if a column has no number at all.
         """
         self.check_numbers()
         while True:
@@ -154,57 +157,57 @@ class Rows:
 
         self.leave_out(~whole, "for want of a number", bad_cell)
 
-    def order(self):
-        """Leave out rows that repeat a time; ParameterError for times that run backwards."""
+    def check_order(self):
+        """Leave out rows that repeat a time; ParameterError if times run backwards."""
         t = self.record["time"]
         steps = np.diff(t)
         if (steps < 0.0).any():
             back = np.flatnonzero(steps < 0.0) + 1
             first, next_ = t[back[0] - 1 : back[0] + 1]
             raise sentences.refusal(
-                "rows.backwards", rows=self.listed(back), first=first, next=next_
+                "rows.backwards", rows=self.list_rows(back), first=first, next=next_
             )
         usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-        repeated = np.append(False, steps <= SAME * usual)
+        repeated = np.append(False, steps <= REPEATED_TIME * usual)
         self.leave_out(repeated, "with the time of the row before", lambda i: f"{t[i]:.10g} s")
         if 10 * repeated.sum() > t.size:
             self.warnings[-1] += "; the times have too few digits"
 
     def find_gaps(self):
-        """Warn of steps of time that are much longer than those before and after."""
+        """Set `gaps`, and add a warning if there are any."""
         t = self.record["time"]
         gaps = gaps_in(t)
         self.gaps = np.array(gaps, int)
         if gaps:
-            rows = self.listed(gaps, lambda i: f"{t[i] - t[i - 1]:.3g} s")
+            rows = self.list_rows(gaps, lambda i: f"{t[i] - t[i - 1]:.3g} s")
             count = "a gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
             self.warnings.append(f"{count} in time before {rows}")
 
     def check_enough(self, where=""):
-        """ParameterError if fewer than `FEWEST` rows are kept.
+        """Raise ParameterError if fewer than `MIN_ROWS` rows are kept.
 
-        where : what follows "are left" in the messages, such as " in the window"
+        where : text after "are left" in the message, such as " in the window"
         """
-        if self.kept.size < FEWEST:
+        if self.kept.size < MIN_ROWS:
             warnings = "; ".join(self.warnings) or "give a longer record or a wider window"
-            count = _count(self.kept.size)
+            count = _count_rows(self.kept.size)
             raise sentences.refusal(
-                "rows.few", count=count, where=where, fewest=FEWEST, warnings=warnings
+                "rows.few", count=count, where=where, fewest=MIN_ROWS, warnings=warnings
             )
 
 
-def _count(rows):
+def _count_rows(rows):
     return "1 row is" if rows == 1 else f"{rows} rows are"
 
 
-def window(symbol, ends, name):
-    """(name, from, to) of a window [SI], infinite where None is given.
+def parse_window(symbol, ends, name):
+    """Return (name, from, to) of a window in SI; None becomes infinity.
 
-    ParameterError for what is no pair, for ends of another unit, and unless from < to.
+    ParameterError if it is not a pair, if an end has a wrong unit, or unless from < to.
     """
     try:
         pair = [] if isinstance(ends, str) else ends
-        # as plain numbers: a message shows them
+        # plain numbers look better in a message than NumPy's
         first, last = (x.item() if isinstance(x, np.generic) else x for x in pair)
     except (TypeError, ValueError):
         example = "('11640 s', '11720 s')" if symbol == "time" else "('8600 um', '8900 um')"
@@ -216,38 +219,35 @@ def window(symbol, ends, name):
     return name, low, high
 
 
-def checked_most(rows):
-    """The most rows to keep, as given, None for all; ParameterError for what is no such number."""
-    if rows is not None and not (is_integer(rows) and rows >= FEWEST_MOST):
-        raise sentences.refusal("rows.most", rows=rows, fewest=FEWEST_MOST, most=MOST)
+def check_max_rows(rows):
+    """Return the limit of rows, None for no limit; ParameterError if it is not a valid number."""
+    if rows is not None and not (is_integer(rows) and rows >= MIN_LIMIT):
+        raise sentences.refusal("rows.most", rows=rows, fewest=MIN_LIMIT, most=MAX_ROWS)
     return rows
 
 
 def downsample(rows, most):
-    """Let each of the `Rows` be the mean over a block, with a warning, if they are more than most.
-
-    most : int, or None for any number
-    """
+    """Average the `Rows` in blocks, with a warning, if there are more than `most` (int or None)."""
     n = rows.kept.size
     if most is None or n <= most:
         return
     before = float(np.median(np.diff(rows.record["time"])))
-    starts, factor = blocks(n, rows.gaps, most)
+    starts, factor = block_starts(n, rows.gaps, most)
     rows.kept = rows.kept[starts + factor // 2]
     for symbol, values in rows.record.items():
-        rows.record[symbol] = means(values, starts)
+        rows.record[symbol] = block_means(values, starts)
     after = float(np.median(np.diff(rows.record["time"])))
     rows.gaps = np.searchsorted(starts, rows.gaps)
     values = {"n": n, "kept": starts.size, "factor": factor, "before": before, "after": after}
     rows.warnings.append(sentences("notes.means", **values))
 
 
-def blocks(n, gaps, most):
-    """First row of each block of n rows, and how many rows are in each; no block has a gap inside.
+def block_starts(n, gaps, most):
+    """Return the first row of each block of n rows, and the usual number of rows in a block.
 
-    gaps : (gaps,) rows before which there is one
+    gaps : rows before which there is a gap; no block contains a gap
 
-    The last block before a gap has the rows that are left over as well, or it has fewer.
+    The last block before a gap may have more rows or fewer.
     """
     factor = -(-n // most)
     edges = [0, *gaps, n]
@@ -258,6 +258,6 @@ def blocks(n, gaps, most):
     return np.concatenate(parts), factor
 
 
-def means(values, starts):
-    """Mean of values (n,) over each block (starts,)."""
+def block_means(values, starts):
+    """Return the mean of values (n,) over each block: (starts,)."""
     return np.add.reduceat(values, starts) / np.diff(np.append(starts, values.size))

@@ -1,4 +1,4 @@
-"""Sizes of quantities in SI: those that nobody can have measured, and those that are rare."""
+"""Convert columns to SI; refuse impossible sizes and warn of unusual ones."""
 
 import numpy as np
 
@@ -6,26 +6,27 @@ from ...model.quantities import QUANTITIES
 from ...model.units import one_in_si, scaled, unit_factor
 from ..messages import reading as sentences
 from .columns import quoted
-from .titles import USUAL
+from .titles import TYPICAL_RANGES
 
-#: friction of rocks and gouges, which only a few minerals are below and nothing is far above; the
-#: normal stress of most machines; how far [m] and how fast [m/s] all but rotary machines go
+#: friction of rocks and gouges: only a few minerals are below, and nothing is far above
 COMMON_FRICTION = (0.1, 1.2)
-COMMON_STRESS = (1e3, 1e9)  # Pa
-FAR, FAST = 1.0, 0.1
+COMMON_STRESS = (1e3, 1e9)  # normal stress of most machines [Pa]
+#: longest displacement [m] and highest speed [m/s] of machines that are not rotary
+COMMON_DISTANCE, COMMON_SPEED = 1.0, 0.1
 
 
 def in_si(symbol, values, unit):
-    """(n,) values of a column in SI, of any sign; NaN for those that are not finite."""
+    """Convert the values (n,) of a column to SI; values that are not finite become NaN."""
     converted = scaled(values, unit_factor(QUANTITIES[symbol].unit, unit))
     finite = np.isfinite(values)
     return converted if finite.all() else np.where(finite, converted, np.nan)
 
 
-def unusual(record, speeds):
-    """Warnings (list of str) of sizes that few experiments have, but wrong titles and units often.
+def size_warnings(record, speeds):
+    """Return warnings (list of str) of sizes that are more often errors than measurements.
 
-    record : symbol -> (n,) [SI]; speeds : of the load point's segments [m/s]
+    record : symbol -> (n,) [SI]
+    speeds : speeds of the load point's segments [m/s]
     """
     notes = []
     friction = float(np.median(np.abs(record["friction"])))
@@ -37,16 +38,16 @@ def unusual(record, speeds):
         notes.append(sentences("notes.stress", stress=stress))
     far = float(np.ptp(record["delta_lp"])) if "delta_lp" in record else 0.0
     fastest = float(np.max(speeds))
-    if far > FAR or fastest > FAST:
-        sizes = {"far": far, "most": FAR, "V": fastest, "fast": FAST}
-        notes.append(sentences("notes.far" if far > FAR else "notes.fast", **sizes))
+    if far > COMMON_DISTANCE or fastest > COMMON_SPEED:
+        sizes = {"far": far, "most": COMMON_DISTANCE, "V": fastest, "fast": COMMON_SPEED}
+        notes.append(sentences("notes.far" if far > COMMON_DISTANCE else "notes.fast", **sizes))
     return notes
 
 
 def constant_in_si(symbol, value):
-    """A constant in SI; ParameterError for one of a size that nobody has measured friction with."""
+    """Return a constant in SI; ParameterError if its size is impossible."""
     number = one_in_si(symbol, value)
-    low, high = USUAL[symbol]
+    low, high = TYPICAL_RANGES[symbol]
     if not low <= number <= high:
         si = QUANTITIES[symbol].unit
         raise sentences.refusal(
@@ -56,36 +57,34 @@ def constant_in_si(symbol, value):
 
 
 def check_stress(wrong, values):
-    """ParameterError, by row, where a recorded normal stress (n,) is wrong, a mask (n,)."""
+    """Raise ParameterError for the first row of a normal stress (n,) in a mask `wrong` (n,)."""
     if wrong.any():
         row = int(np.argmax(wrong))
         raise sentences.refusal("column.stress", value=values[row], row=row)
 
 
 def typical_stress(values):
-    """Median [Pa] of a recorded normal stress, one number or (n,), finite and > 0.
+    """Return the median [Pa] of a recorded normal stress, one number or (n,).
 
-    ParameterError, by row, where it is not, and for a size that nobody uses.
+    ParameterError if a value is not finite and > 0, or if the size is impossible.
     """
     values = np.atleast_1d(np.asarray(values, float))
     check_stress(~(np.isfinite(values) & (values > 0.0)), values)
     median = float(np.median(values))
-    low, high = USUAL["sigma"]
+    low, high = TYPICAL_RANGES["sigma"]
     if not low <= median <= high:
         raise sentences.refusal("column.stress_size", median=median, low=low, high=high)
     return median
 
 
 def check_sizes(symbol, values, column, unit):
-    """ParameterError for a column that is constant, or of a size that nobody can have measured.
-
-    sigma, pore_pressure and V_load may be constant.
+    """Raise ParameterError if a column is constant, or if its size is impossible.
 
     values : (n,), n > 0, in SI and finite
     column, unit : for the message
     """
     names = {"title": quoted(column.title), "symbol": symbol, "unit": unit}
-    # sigma and pore_pressure may be constant, and V_load in a record without a step
+    # sigma and pore_pressure may be constant, and V_load may be in a record without a step
     if symbol not in ("sigma", "V_load", "pore_pressure") and not np.ptp(values) > 0.0:
         what = "tau, and so friction perhaps," if symbol == "tau" else symbol
         raise sentences.refusal(
@@ -95,7 +94,7 @@ def check_sizes(symbol, values, column, unit):
     size = float(np.ptp(values) if span else np.median(np.abs(values)))
     if symbol == "friction":
         size = max(size, float(np.quantile(np.abs(values), 0.9)))
-    low, high = USUAL[symbol]
+    low, high = TYPICAL_RANGES[symbol]
     if size > 0.0 and not low <= size <= high:
         sentence = "friction" if symbol == "friction" else "span" if span else "size"
         si = QUANTITIES[symbol].unit

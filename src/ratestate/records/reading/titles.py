@@ -1,4 +1,4 @@
-"""Titles of columns: the name and the unit in them, and the quantities that names stand for."""
+"""Split titles of columns into name and unit; recognize the quantity that a name stands for."""
 
 import re
 import tomllib
@@ -9,53 +9,53 @@ from ...model.units import has_unit
 
 #: the tables of column_names.toml
 TABLE = tomllib.loads(Path(__file__).with_name("column_names.toml").read_text("utf-8"))
-#: symbol -> least and largest typical size [SI], and a unit to suggest
-USUAL = {symbol: tuple(of["usual"]) for symbol, of in TABLE["quantities"].items()}
-LIKE = {symbol: of["unit"] for symbol, of in TABLE["quantities"].items()}
-#: what words of a title tell -> pattern of `spaced` names
+#: symbol -> least and largest typical size [SI]; symbol -> unit to suggest
+TYPICAL_RANGES = {symbol: tuple(of["usual"]) for symbol, of in TABLE["quantities"].items()}
+EXAMPLE_UNIT = {symbol: of["unit"] for symbol, of in TABLE["quantities"].items()}
+#: kind of word in a title -> pattern to search in `spaced` names
 WORDS = {name: re.compile(pattern) for name, pattern in TABLE["words"].items()}
 _UNITS = {name: of.split() for name, of in TABLE["units"].items() if name != "words"}
-_NAMES = {unit.lower() for unit in _UNITS["names"]}
-_SMALL: dict[str, str] = {unit.lower(): unit for unit in _UNITS["names"]}
-#: mass -> the weight that it stands for
+_UNIT_NAMES = {unit.lower() for unit in _UNITS["names"]}
+_BY_LOWERCASE: dict[str, str] = {unit.lower(): unit for unit in _UNITS["names"]}
+#: unit of mass -> unit of the weight that it stands for
 WEIGHTS: dict[str, str] = TABLE["weights"]
 #: a mass per area, which is a pressure: "kg/cm2"
-_WEIGHT = re.compile(rf"\b(?:{'|'.join(WEIGHTS)})(?=/(?:mm|cm|m|in|inch|ft)(?:\^|\*\*)?2)")
-_WORDS = {word: unit for unit, of in TABLE["units"]["words"].items() for word in of.split()}
-_OPEN, _CLOSE = r"\[({<\uff08\uff3b\u3010", r"\])}>\uff09\uff3d\u3011"  # also in full width
+_MASS_PER_AREA = re.compile(rf"\b(?:{'|'.join(WEIGHTS)})(?=/(?:mm|cm|m|in|inch|ft)(?:\^|\*\*)?2)")
+_UNIT_WORDS = {word: unit for unit, of in TABLE["units"]["words"].items() for word in of.split()}
+_OPEN, _CLOSE = r"\[({<\uff08\uff3b\u3010", r"\])}>\uff09\uff3d\u3011"  # also full-width brackets
 _BRACKET = re.compile(rf"[{_OPEN}]\s*([^{_OPEN}{_CLOSE}]*)[{_CLOSE}]")
 #: a prime at a symbol of normal stress, the mark of an effective stress: "sigma_n'"
 _PRIME = re.compile(r"(?i)(?<![^\W_])((?:\u03c3|sigma|s)[ _]?n?)['\u2019\u2032]")
-#: name, what parts it from the unit, unit: "disp_um" before "t/s", for "speed um/s" is the former
-_AFTER = [re.compile(rf"(.*[^\W_].*?){gap}([^\s_,;:]+)") for gap in (r"[\s_,;:]+", r"\s*/\s*")]
+#: patterns of a name, a separator and a unit: "disp_um"; then "t/s", since "speed um/s" is no "t/s"
+_UNIT_AFTER = [re.compile(rf"(.*[^\W_].*?){gap}([^\s_,;:]+)") for gap in (r"[\s_,;:]+", r"\s*/\s*")]
 
 
-def _pattern(ways):
-    """One pattern out of several, which may name parts."""
+def _join_patterns(ways):
+    """Join several patterns into one, and replace the names of parts in them."""
     pattern = "|".join(ways)
     for part, meaning in TABLE["parts"].items():
         pattern = pattern.replace(part, meaning)
     return pattern
 
 
-#: symbol -> patterns of the letters of a name, the most certain first; how many of them are certain
+#: symbol -> patterns of `letters` of a name, the most certain first; number of the certain ones
 PATTERNS, CERTAIN = {}, {}
 for _symbol, _of in TABLE["quantities"].items():
-    _perhaps = [_pattern(_of["perhaps"])] if "perhaps" in _of else []
-    _forces = [_pattern(_of["forces"])] if "forces" in _of else []
-    PATTERNS[_symbol] = [*map(_pattern, _of["names"]), *_forces, *_perhaps]
+    _perhaps = [_join_patterns(_of["perhaps"])] if "perhaps" in _of else []
+    _forces = [_join_patterns(_of["forces"])] if "forces" in _of else []
+    PATTERNS[_symbol] = [*map(_join_patterns, _of["names"]), *_forces, *_perhaps]
     CERTAIN[_symbol] = len(PATTERNS[_symbol]) - len(_perhaps)
 
 
-def split(title):
-    """(name, unit) of a title such as "time [s]", "Stress, MPa" or "disp_um"; "" for no unit."""
+def split_title(title):
+    """Return (name, unit) of a title: "time [s]", "Stress, MPa", "disp_um"; "" if no unit."""
     title = " ".join(title.split()).strip('"')
     title = title.strip("'") if title.startswith("'") else title
     if matches := [*_BRACKET.finditer(title)]:
         of_unit = next((one for one in matches if is_unit(one[1])), matches[-1])
         name = f"{title[: of_unit.start()].rstrip(' _,:')} {title[of_unit.end() :].strip()}"
         return name.strip(), of_unit[1].strip()
-    for pattern in _AFTER:
+    for pattern in _UNIT_AFTER:
         match = pattern.fullmatch(title)
         if match and is_unit(match[2]) and match[2].lower() not in _UNITS["short"]:
             return match[1], match[2]
@@ -63,78 +63,82 @@ def split(title):
 
 
 def name_and_units(title, unit=""):
-    """(name, unit, another unit) of a column: the other one contradicts, or is "".
+    """Return (name, unit, contradicting unit) of a column; missing units are "".
 
-    unit : what stands apart from the title, in a row of units or an attribute
+    unit : unit apart from the title, in a row of units or an attribute
     """
-    name, own = split(title)
+    name, own = split_title(title)
     in_words = any(pattern.search(spaced(own)) for pattern in WORDS.values())
-    if own and (unit or in_words) and not is_unit(own) and not _is_of_any(own):
+    if own and (unit or in_words) and not is_unit(own) and not _is_quantity_unit(own):
         return title, unit, ""
-    within, inner = split(name)
+    within, inner = split_title(name)
     if not is_unit(inner):
         within, inner = name, ""
     first, *others = [one for one in (unit, own, inner) if one] or [""]
-    return within, first, next((one for one in others if plain(one) != plain(first)), "")
+    return (
+        within,
+        first,
+        next((one for one in others if plain_unit(one) != plain_unit(first)), ""),
+    )
 
 
-def is_known(title):
-    """Whether a title is a unit, has one, or names a quantity."""
-    name, unit = split(title)
-    named = any(match_rank(name, symbol) is not None for symbol in LIKE)
+def is_recognized(title):
+    """Return whether a title is a unit, has a unit, or names a quantity."""
+    name, unit = split_title(title)
+    named = any(match_rank(name, symbol) is not None for symbol in EXAMPLE_UNIT)
     return named or is_unit(title) or is_unit(unit)
 
 
-def _is_of_any(unit):
-    return bool(unit) and any(has_unit(symbol, plain(unit)) for symbol in LIKE)
+def _is_quantity_unit(unit):
+    return bool(unit) and any(has_unit(symbol, plain_unit(unit)) for symbol in EXAMPLE_UNIT)
 
 
 def is_unit(text):
-    """Whether a text can only be a unit (or "-" for none)."""
-    return plain(text).lower() in _NAMES
+    """Return whether a text is one of the units (or "-" for none) in column_names.toml."""
+    return plain_unit(text).lower() in _UNIT_NAMES
 
 
-def plain(unit):
-    """A unit as files write it, as `ratestate.model.units` may read it; "1" where it says none."""
+def plain_unit(unit):
+    """Convert a unit from a file to the spelling of `ratestate.model.units`; "1" for "none"."""
     unit = unicodedata.normalize("NFKC", unit).strip().strip("[](){}<>").strip()
-    unit = unit.replace("\u03bc", "u")  # what all letters mu are, once normalized
+    unit = unit.replace("\u03bc", "u")  # normalization turned every letter mu into this one
     if unit.lower() in _UNITS["none"]:
         return "1"
     words = re.split(r"([\W\d_]+)", unit.partition(" since ")[0])
-    text = "".join(_unit_word(word) for word in words)
-    return _WEIGHT.sub(lambda mass: WEIGHTS[mass[0]], text)
+    text = "".join(_translate_unit(word) for word in words)
+    return _MASS_PER_AREA.sub(lambda mass: WEIGHTS[mass[0]], text)
 
 
-def _unit_word(word):
-    """A word of a unit, in whatever language, as the unit it means."""
+def _translate_unit(word):
+    """Return the unit that a word in any language means."""
     if word in _UNITS["names"]:
         return word
     alike = word.islower() or word.isupper() or word.istitle() or word.startswith("K")
-    known = _SMALL.get(word.lower(), word) if alike else word
-    return _WORDS.get(_plain_letters(word), known)
+    known = _BY_LOWERCASE.get(word.lower(), word) if alike else word
+    return _UNIT_WORDS.get(_without_accents(word), known)
 
 
 def letters(name):
-    """A name as it is compared: small letters and digits, nothing else."""
+    """Reduce a name to its lower-case letters and digits, for comparison."""
     return re.sub(r"[\W_]+", "", spaced(name))
 
 
 def spaced(name):
-    """A name in small letters, with a blank between words: "LPDisp_um" is "lp disp um"."""
+    """Split a name into lower-case words with blanks between: "LPDisp_um" -> "lp disp um"."""
     name = _PRIME.sub(r"\1 eff ", name).translate(str.maketrans(TABLE["letters"]))
     name = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", name)
-    return re.sub(r"[\W_]+", " ", _plain_letters(name)).strip()
+    return re.sub(r"[\W_]+", " ", _without_accents(name)).strip()
 
 
-def _plain_letters(text):
+def _without_accents(text):
     apart = unicodedata.normalize("NFKD", text.lower())
     return unicodedata.normalize("NFKC", re.sub("[\u0300-\u036f]", "", apart))
 
 
 def match_rank(name, symbol):
-    """How surely a name is one of this quantity: 0 is the surest, None if it is none of it.
+    """Return how well a name fits a quantity: 0 is the best rank, None means it does not fit.
 
-    Ranks from `CERTAIN` on are of names that may mean something else.
+    Names with a rank of `CERTAIN` or more may mean something else.
     """
     of, words = TABLE["quantities"][symbol], spaced(name)
     if WORDS["statistic"].search(words) or (of.get("moves") and WORDS["elsewhere"].search(words)):
@@ -146,6 +150,6 @@ def match_rank(name, symbol):
     for word in ("setpoint", "raw", "variant"):
         words = WORDS[word].sub("", words)
     patterns = PATTERNS[symbol]
-    found = (i for i, pattern in enumerate(patterns) if re.fullmatch(pattern, letters(words)))
-    rank = next(found, None)
+    ranks = (i for i, pattern in enumerate(patterns) if re.fullmatch(pattern, letters(words)))
+    rank = next(ranks, None)
     return rank + len(patterns) if rank is not None and doubtful else rank

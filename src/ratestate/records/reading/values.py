@@ -1,7 +1,4 @@
-"""Values that nobody can have measured, and columns that contradict each other.
-
-Rows with impossible values are left out, and reported by number.
-"""
+"""Leave out rows with impossible values; turn signs; compare columns with each other."""
 
 import itertools
 
@@ -12,50 +9,54 @@ from ...model.quantities import readable
 from ..messages import reading as sentences
 from .columns import column_by_name, quoted, unit_of
 from .sizes import in_si
-from .titles import USUAL
+from .titles import TYPICAL_RANGES
 
-#: what loggers write where they have no value
-MISSING = (-999.0, -999.25, -9999.0, -99999.0)
-#: least size of a jump into or out of a dropout, as a multiple of the largest other step and, for
-#: friction, of its typical size.  The peak of a direct effect and the end of a slip are smaller.
-FAR, LEAST = 10.0, 0.1
-#: one dropout in so many samples, and three more, are looked for
-PART = 100
-#: largest relative difference of friction and tau/sigma of one file
-AGREE = 0.05
-#: and of a velocity and a displacement: speeds are often nominal
-MOVED = 0.25
-#: fewest rows at one displacement, on average, if its last digit can be found; largest move in a
-#: hold, in digits (one, and noise)
-REPEATED, DIGITS = 5, 1.5
-#: fewest rows of constant friction that are noted, largest probability that they are by chance, and
-#: least part of other rows at which friction has an extremum if it has noise
-CONSTANT, CHANCE, NOISY = 20, 1e-6, 0.25
+#: numbers that loggers write for missing values
+MISSING_CODES = (-999.0, -999.25, -9999.0, -99999.0)
+#: least jump into or out of a dropout, as a multiple of the largest other step and, for friction,
+#: of its typical size.  The peak of a direct effect and the end of a slip are smaller.
+JUMP_RATIO, MIN_JUMP = 10.0, 0.1
+#: at most one dropout in so many samples, plus three, can be found
+SAMPLES_PER_DROPOUT = 100
+#: largest relative difference of friction and tau/sigma in one file
+RATIO_TOLERANCE = 0.05
+#: largest relative difference of an integrated velocity and a displacement (speeds are often
+#: nominal)
+MOVE_TOLERANCE = 0.25
+#: fewest rows per distinct displacement, on average, from which its resolution can be found;
+#: largest displacement in a hold, as a multiple of the resolution
+MIN_REPEATS, MAX_DIGITS = 5, 1.5
+#: fewest rows of constant friction that are noted, their largest probability by chance, and the
+#: least fraction of other rows with an extremum from which friction counts as noisy
+MIN_CONSTANT_ROWS, MAX_CHANCE, NOISE_FRACTION = 20, 1e-6, 0.25
 
 
 def drop_codes(rows):
-    """Leave out rows with a code for a missing value far off from all else in its column."""
+    """Leave out rows with a code for a missing value that is far from all other values."""
     for symbol in rows.record:
-        for code in MISSING:
+        for code in MISSING_CODES:
             values = rows.record[symbol]
             number = in_si(symbol, np.array(code), rows.units[symbol])
             bad = values == number
             others = values[~bad] if bad.any() else values[:0]
-            if others.size > 1 and others.min() - number > FAR * np.abs(np.diff(others)).max():
+            if (
+                others.size > 1
+                and others.min() - number > JUMP_RATIO * np.abs(np.diff(others)).max()
+            ):
                 title = quoted(rows.columns[symbol].title)
                 rows.leave_out(bad, f"with {code:g} in {title}, a code for no value")
 
 
 def drop_impossible(rows):
-    """Leave out rows whose values cannot be; friction out of the stresses if need be.
+    """Leave out rows with impossible values; compute friction if need be; return notes (list).
 
-    A column of sigma that is dead throughout is left out whole beside friction, for which it is not
-    needed: the note (list of str) says so.  ParameterError where hardly any row is left.
+    If friction is recorded and every sigma is impossible, the column of sigma is left out, with a
+    note.  ParameterError if too few rows are left.
     """
     notes = []
     record = rows.record
     if "sigma" in record:
-        low, high = USUAL["sigma"]
+        low, high = TYPICAL_RANGES["sigma"]
         bad = (record["sigma"] < low) | (record["sigma"] > high)
         if "friction" in record and bad.all():
             size = float(np.median(record.pop("sigma")))
@@ -65,7 +66,7 @@ def drop_impossible(rows):
             _drop(rows, "sigma", bad, f"with normal stress outside {low:g} to {high:g} Pa")
     if "friction" not in rows.record:
         rows.record["friction"] = rows.record["tau"] / rows.record["sigma"]
-    high = USUAL["friction"][1]
+    high = TYPICAL_RANGES["friction"][1]
     bad = np.abs(rows.record["friction"]) > high
     _drop(rows, "friction", bad, f"with friction that no rock has (more than {high:g})")
     drop_dropouts(rows, "friction", "tau")
@@ -73,12 +74,12 @@ def drop_impossible(rows):
 
 
 def drop_dropouts(rows, *symbols):
-    """Leave out rows that are `dropouts` of any of these symbols."""
+    """Leave out rows that are `dropouts` of any of the symbols."""
     for symbol in [s for s in symbols if s in rows.record]:
         values = rows.record[symbol]
         stress = symbol in ("friction", "tau")
-        least = LEAST * float(np.median(np.abs(values))) if stress else 0.0
-        # the speed is off for longer in every hold
+        least = MIN_JUMP * float(np.median(np.abs(values))) if stress else 0.0
+        # a longer stretch of zero speed is a hold
         bad = dropouts(values, least, 1 if symbol == "V_load" else values.size // 2)
         _drop(rows, symbol, bad, "as a dropout, far off from the rows before and after")
 
@@ -90,29 +91,30 @@ def _drop(rows, symbol, bad, why):
 
 
 def dropouts(values, least, longest):
-    """(n,) mask of stretches that begin and end with jumps, away from the others and back.
+    """Return a mask (n,) of dropouts: stretches between a jump away and a jump back.
 
-    A stretch at either end of the record is one if the rest moves, and it is 0 throughout, or
-    constant and farther from the rest than that spans.
+    A stretch at either end of the record is a dropout if the rest varies, and if the stretch is 0
+    throughout, or constant and farther from the rest than the range of the rest.
 
-    least, longest : least size of a jump; most samples of a stretch
+    least : least size of a jump
+    longest : most samples of a dropout
 
     Notes
     -----
-    Jumps are steps larger than `least`, and than `FAR` times the largest of all other steps.
+    Jumps are steps larger than `least` and than `JUMP_RATIO` times the largest of all other steps.
     """
     bad = np.zeros(values.size, bool)
-    while True:  # where one is left out, the next may come to light
+    while True:  # without one dropout, the next may be recognized
         kept = np.flatnonzero(~bad)
-        more = kept[_dropouts(values[kept], least, longest)]
+        more = kept[_find_dropouts(values[kept], least, longest)]
         if not more.size or bad.sum() + more.size > values.size // 2:
             return bad
         bad[more] = True
 
 
-def _dropouts(values, least, longest):
-    """(n,) mask of `dropouts`, no two of them next to each other."""
-    jumps, other = _jumps(values, least)
+def _find_dropouts(values, least, longest):
+    """Return a mask (n,) of `dropouts`, no two of them next to each other."""
+    jumps, other = _find_jumps(values, least)
     starts = [0, *(jumps + 1).tolist(), values.size]
     bad = np.zeros(values.size, bool)
     for start, end in itertools.pairwise(starts if jumps.size else []):
@@ -121,8 +123,8 @@ def _dropouts(values, least, longest):
         if start == 0 or end == values.size:
             part, rest = values[start:end], np.delete(values, np.s_[start:end])
             jump = abs(values[end] - part[-1] if start == 0 else part[0] - values[start - 1])
-            stuck = part.size > 1 and np.ptp(part) == 0.0 and jump > np.ptp(rest)
-            bad[start:end] = other > 0.0 and (stuck or not part.any())
+            is_constant = part.size > 1 and np.ptp(part) == 0.0 and jump > np.ptp(rest)
+            bad[start:end] = other > 0.0 and (is_constant or not part.any())
         else:
             into, out = values[start] - values[start - 1], values[end] - values[end - 1]
             net = abs(values[end] - values[start - 1])
@@ -130,32 +132,32 @@ def _dropouts(values, least, longest):
     return bad
 
 
-def _jumps(values, least):
-    """Indices of the samples before the jumps of `dropouts`, and the largest of the other steps.
+def _find_jumps(values, least):
+    """Return the samples before the jumps of `dropouts` (indices), and the largest other step.
 
-    There are none in fewer than 10 samples.
+    Fewer than 10 samples have no jumps.
     """
     steps = np.abs(np.diff(values))
-    most = 2 * (3 + values.size // PART)
-    if values.size >= PART // 10 and steps.size > most:
+    most = 2 * (3 + values.size // SAMPLES_PER_DROPOUT)
+    if values.size >= SAMPLES_PER_DROPOUT // 10 and steps.size > most:
         largest = np.sort(np.partition(steps, -most - 1)[-most - 1 :])[::-1]
-        counts = np.flatnonzero(largest[:-1] > np.maximum(FAR * largest[1:], least))
+        counts = np.flatnonzero(largest[:-1] > np.maximum(JUMP_RATIO * largest[1:], least))
         if counts.size:
             other = largest[counts[-1] + 1]
-            return np.flatnonzero(steps > np.maximum(FAR * other, least)), other
+            return np.flatnonzero(steps > np.maximum(JUMP_RATIO * other, least)), other
     return np.zeros(0, int), 0.0
 
 
 def flip_signs(record, signs):
-    """Turn what is negative throughout, and a load point that moves down: symbols, notes (lists).
+    """Turn the sign of negative columns; return the turned symbols and notes (lists).
 
     Friction, tau or sigma is negative if its 90 % quantile is below 0.  The pore pressure is turned
-    too if both its quantile and the quantile of sigma are below 0.  The load point moves down if
-    the median of delta_lp in the last twentieth is below the median in the first twentieth or,
+    too if both its quantile and the quantile of sigma are below 0.  The load point moves backwards
+    if the median of delta_lp in the last twentieth is below the median in the first twentieth or,
     without delta_lp, if the median of V_load is below 0.
 
-    record : symbol -> array, with delta_lp or V_load; entries are replaced, arrays left as they are
-    signs : symbol -> 1 or -1, for those that are known
+    record : symbol -> array, with delta_lp or V_load; entries are replaced, arrays do not change
+    signs : symbol -> 1 or -1, for known signs
     """
     notes = {s: f"the sign of {s} is turned, as the format says" for s in signs if signs[s] < 0}
     for symbol in ("friction", "tau", "sigma", "pore_pressure"):
@@ -176,10 +178,10 @@ def flip_signs(record, signs):
     return flipped, [notes[symbol] for symbol in flipped]
 
 
-def disagreements(rows, coarse):
-    """Notes (list of str) on columns that contradict each other; empty if none do.
+def contradictions(rows, coarse):
+    """Return notes (list of str) on columns that contradict each other.
 
-    coarse : text of `coarse_resolution`, which becomes a note as well; "" for none
+    coarse : text of `coarse_resolution`, which becomes another note; "" if the resolution is fine
     """
     notes = [
         _friction_disagreement(rows.record),
@@ -191,7 +193,7 @@ def disagreements(rows, coarse):
 
 
 def _friction_disagreement(record):
-    """A note if friction is not tau/sigma, else ""."""
+    """Return a note if friction is not tau/sigma, else ""."""
     if not record.keys() >= {"friction", "tau", "sigma"}:
         return ""
     good = record["sigma"] != 0.0
@@ -199,54 +201,54 @@ def _friction_disagreement(record):
     if recorded == 0.0:
         return ""
     ratio = float(np.median(record["tau"][good] / record["sigma"][good]) / recorded)
-    return sentences("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > AGREE else ""
+    return sentences("notes.ratio", ratio=ratio) if abs(ratio - 1.0) > RATIO_TOLERANCE else ""
 
 
 def _constant_friction(record):
-    """A note on the longest stretch of one value, if noise would not have left it, else "".
+    """Return a note on the longest stretch of constant friction if it is not by chance, else "".
 
-    Rounded values repeat: with a probability p from row to row, n rows have a stretch of m repeats
-    by chance with one of n p^m.
+    Rounded values repeat.  If a value repeats from row to row with probability p, the probability
+    of m successive repeats in n rows is about n p^m.
     """
     t, friction = record["time"], record["friction"]
-    ends = np.flatnonzero(np.diff(friction))  # of stretches, but the last
+    ends = np.flatnonzero(np.diff(friction))  # last row of each stretch except the last one
     ends = np.concatenate([[-1], ends, [t.size - 1]])
     longest = int(np.argmax(np.diff(ends)))
     first, last = int(ends[longest]) + 1, int(ends[longest + 1])
     repeats, others = last - first, t.size - 1 - (last - first)
     steps = np.delete(np.diff(friction), np.s_[first:last])
     moves = steps[steps != 0.0]
-    noisy = moves.size > 1 and np.mean(moves[1:] * moves[:-1] < 0.0) > NOISY
+    noisy = moves.size > 1 and np.mean(moves[1:] * moves[:-1] < 0.0) > NOISE_FRACTION
     p = (others - moves.size + 1) / (others + 2)
-    if repeats + 1 < CONSTANT or not noisy or t.size * p**repeats > CHANCE:
+    if repeats + 1 < MIN_CONSTANT_ROWS or not noisy or t.size * p**repeats > MAX_CHANCE:
         return ""
     span = {"first": t[first], "last": t[last], "rows": repeats + 1}
     return sentences("notes.constant", friction=friction[first], **span)
 
 
 def coarse_resolution(record, segments):
-    """A text if the displacement has so few digits that it moves by them in a hold; else ""."""
+    """Return a text if the displacement changes by its own resolution in a hold; else ""."""
     if "delta_lp" not in record:
         return ""
     t, x = record["time"], record["delta_lp"]
     values = np.unique(x)
-    if REPEATED * values.size > x.size:
+    if MIN_REPEATS * values.size > x.size:
         return ""
     digit = float(np.median(np.diff(values)))
     starts = np.searchsorted(t, segments.t)
     for i, j, V in zip(starts, [*starts[1:], t.size], segments.V, strict=True):
         part = max(1, (j - i) // 10)
         moved = abs(np.median(x[j - part : j]) - np.median(x[i : i + part]))
-        if V == 0.0 and moved > DIGITS * digit:
+        if V == 0.0 and moved > MAX_DIGITS * digit:
             return sentences("notes.coarse", digit=digit)
     return ""
 
 
 def _velocity_disagreement(rows):
-    """A note if a velocity beside the displacement leads elsewhere, else ""."""
+    """Return a note if a recorded velocity contradicts the displacement, else ""."""
     record, (_, table, chosen) = rows.record, rows.files[0]
-    own = [id(column.values) for column in chosen.values()]
-    taken = [i for i, column in enumerate(table.columns) if id(column.values) in own]
+    used = [id(column.values) for column in chosen.values()]
+    taken = [i for i, column in enumerate(table.columns) if id(column.values) in used]
     index = None if "V_load" in record else column_by_name(table, "V_load", taken)
     if index is None or len(rows.files) > 1:
         return ""
@@ -262,7 +264,7 @@ def _velocity_disagreement(rows):
     if t.size < 2:
         return ""
     by_V, by_x = abs(float(np.trapezoid(V[good], t))), abs(float(x[-1] - x[0]))
-    if abs(by_V - by_x) <= MOVED * max(by_V, by_x):
+    if abs(by_V - by_x) <= MOVE_TOLERANCE * max(by_V, by_x):
         return ""
     title = quoted(column.title)
     return sentences("notes.speeds", title=title, by_V=by_V, by_x=by_x, first=t[0], last=t[-1])

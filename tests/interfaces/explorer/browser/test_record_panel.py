@@ -189,7 +189,7 @@ def test_a_record_is_shifted_and_stays_until_there_is_another(show, text):
     # what is no record changes nothing
     for name, content, said in (
         ("r.png", "\x89PNG\0\0", "r.png is neither text nor HDF5 nor MAT"),
-        ("empty.txt", 0, "empty.txt is empty; expected rows such as"),
+        ("empty.txt", 0, "empty.txt is empty. A record has rows such as"),
         ("large.txt", 50_000_001, "the file is larger than the 50 MB that the page takes"),
     ):
         drop(shown, name, content)

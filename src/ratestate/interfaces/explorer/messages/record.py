@@ -1,13 +1,14 @@
 """A laboratory record dropped on the page: what is drawn of it, and what there is to choose."""
 
 import json
+import re
 
 import numpy as np
 
 from ....model.quantities import QUANTITIES
 from ....records.reading.open_table import MemoryFile
-from ....records.reading.read import attempt
-from ....records.reading.titles import LIKE
+from ....records.reading.read import try_reading
+from ....records.reading.titles import EXAMPLE_UNIT
 from ..computation.decimation import decimated
 from . import wire
 
@@ -45,7 +46,7 @@ def answer_record(name, contents, choices, stop):
     stop : threading.Event that ends the reading
     """
     file = MemoryFile(name[-LONGEST:] or "the file", contents)
-    found = attempt(file, choices, SECONDS, stop)
+    found = try_reading(file, choices, SECONDS, stop)
     header = {"name": file.name, "columns": found.columns, "chosen": found.chosen}
     header["quantities"] = quantities()
     if found.error is not None:
@@ -58,15 +59,18 @@ def answer_record(name, contents, choices, stop):
 
 def quantities():
     """list of dicts, of each quantity that a column can be: symbol, name, and a unit to suggest."""
-    return [{"symbol": s, "name": QUANTITIES[s].long_name, "unit": LIKE[s]} for s in LIKE]
+    return [
+        {"symbol": s, "name": QUANTITIES[s].long_name, "unit": EXAMPLE_UNIT[s]}
+        for s in EXAMPLE_UNIT
+    ]
 
 
 def _problem(found):
     """What is wrong, with a remedy that the page has."""
     table = found.error.sentence.partition(".")[0]
-    what, _, remedy = str(found.error).partition("; ")
     own = REMEDIES.get(table) if found.columns else None
-    return f"{what}; {own or remedy}" if own or remedy else what
+    what = re.split(r"; |\. (?=[A-Z])", str(found.error), maxsplit=1)[0]
+    return f"{what}; {own}" if own else str(found.error)
 
 
 def _arrays(record):

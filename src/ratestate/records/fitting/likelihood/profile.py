@@ -36,6 +36,8 @@ WEIGHT = 4.0
 ENOUGH = 1e-3
 #: relative difference of the deviance's root from a Gaussian's that counts as Gaussian
 TOLERANCE = 0.1
+#: distance from a bound, as a part of the distance between both bounds, that counts as none
+BOUND = 1e-9
 #: most rounds in which profiles that others contradict are computed again
 ROUNDS = 2
 
@@ -112,6 +114,7 @@ class _Side:
         moved = np.maximum(np.abs(self.lead), 1e-300)
         self.shortest = LEAST**2 * variance**0.5
         self.step = min(STRIDE * variance**0.5, float((LONGEST * (high - low) / moved).min()))
+        self._coordinate = quantity.name if quantity.function is None else ""
         self.values, self.deviance = [quantity.value(solution.point)], [0.0]
         self.points = [solution.point]
         valued = [(quantity.value(point), point, deviance) for point, deviance in fits]
@@ -152,16 +155,25 @@ class _Side:
         far = self.sign * (self.quantity.value(point) - self.values[0]) > FARTHEST
         if far and self.quantity.irrelevant == self.sign:
             return True
-        if self.solution.unknowns.sides(point).get(self.quantity.name) == self.sign:
+        if self._sides(point).get(self._coordinate) == self.sign:
             return True
         return self.solution.problem.is_open_at_bounds and self._others_at_bounds(point)
 
     def _others_at_bounds(self, point):
         """Whether another coordinate has come to a bound at which it still matters."""
-        before = self.solution.unknowns.sides(self.solution.point)
-        sides = self.solution.unknowns.sides(point)
-        new = [name for name, side in sides.items() if side and side != before[name]]
-        return any(parameter(name).irrelevant != sides[name] for name in new)
+        sides = self._sides(point).items()
+        return any(
+            side and parameter(name).irrelevant != side
+            for name, side in sides
+            if name != self._coordinate
+        )
+
+    def _sides(self, point):
+        """Name -> -1 or 1 of each coordinate that is at its lower or upper bound, else 0."""
+        names, low, high = self.solution.unknowns
+        near = BOUND * np.where(np.isfinite(high - low), high - low, 0.0)
+        sides = np.where(point <= low + near, -1, np.where(point >= high - near, 1, 0))
+        return dict(zip(names, sides.tolist(), strict=True))
 
     def _add_point(self, value, point, deviance):
         """Add a point, and choose the step to the next."""

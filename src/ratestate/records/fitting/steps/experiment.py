@@ -78,13 +78,17 @@ def _with_errors_of(inference, held, covariance):
     white, _ = solution.noise.whiten(problem.record.t, np.nan_to_num(jacobian))
     by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
     slopes = by_held[names.index("alpha")]
-    i = estimates.names.index("alpha")
+    i, least = estimates.names.index("alpha"), to_value("alpha", -np.inf)
     errors, intervals = estimates.errors.copy(), estimates.intervals.copy()
-    errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)
-    # (added, which is right at a bound, too, where the interval is not about the estimate)
-    more = (errors[i] - estimates.errors[i]) * ROOTS[:, None] * np.array([-1.0, 1.0])
-    is_open = intervals[i] == to_value("alpha", -np.inf)
-    intervals[i] += np.where(is_open, 0.0, more)
+    if not np.isfinite(errors[i]):
+        return inference
+    if not np.isfinite(jacobian).all():  # no motion beside the held values
+        errors[i], intervals[i] = np.inf, (least, np.inf)
+    else:
+        errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)
+        # (added, which is right at a bound, too, where the interval is not about the estimate)
+        more = (errors[i] - estimates.errors[i]) * ROOTS[:, None] * np.array([-1.0, 1.0])
+        intervals[i] = np.maximum(intervals[i] + more, least)
     return inference._replace(estimates=estimates._replace(errors=errors, intervals=intervals))
 
 
