@@ -78,6 +78,5 @@ def test_how_a_child_ended_is_reported():
 
 
 def test_an_exception_that_pickle_cannot_rebuild_keeps_its_text():
-    with machine.Child(ends_oddly) as child:
-        with pytest.raises(RuntimeError, match="TwoTexts: first"):
-            child.call("raise")
+    with machine.Child(ends_oddly) as child, pytest.raises(RuntimeError, match="TwoTexts: first"):
+        child.call("raise")

@@ -117,7 +117,7 @@ def test_blocks_cover_all_rows_once():
 
 def test_segments_of_very_long_records_are_found_in_means(tmp_path, monkeypatch):
     path, *_ = record(tmp_path / "r.csv")
-    monkeypatch.setattr("ratestate.records.reading.record.MAX_ROWS", 1000)
+    monkeypatch.setattr("ratestate.records.reading.assembly.MAX_ROWS", 1000)
     data = read_lab(path, rows=None)
     assert data.sizes["time"] == N
     np.testing.assert_allclose(data.segment_t[1], 100.003, atol=5e-3)

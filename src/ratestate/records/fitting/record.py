@@ -17,7 +17,10 @@ BESIDE = 8
 
 
 class Record(NamedTuple):
-    """The samples that are fitted.  Times are from the record's first sample on."""
+    """The samples that are fitted.  Times are from the record's first sample on.
+
+    The displacement of the load point is in it as the `loading` alone, the speeds between steps.
+    """
 
     t: np.ndarray  # (m,) [s], increasing
     friction: np.ndarray  # (m,)

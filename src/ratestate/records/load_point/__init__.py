@@ -2,7 +2,7 @@
 
 =================== ==========================================================================
 ``segments``        `find_segments`: constant speeds and their errors; steps in words
-``steps``           decides which cuts are steps, holds, jumps or ramps
+``classification``  decides which cuts are steps, holds, jumps or ramps
 ``stress_steps``    steps of normal stress
 ``splits``          cuts the rows into runs
 ``runs``            lines through runs, and their intersections

@@ -6,9 +6,9 @@ import numpy as np
 
 from ...model.quantities import power_of, prefixed_unit, readable, readable_change
 from ..messages import load_point as sentences
+from .classification import HOLD_ERRORS, MIN_SPEED_RATIO, MIN_STEP, find_runs
 from .runs import breakpoints, is_gap, noise_variances
 from .splits import RowSums, drop_weak_cuts, find_cuts
-from .steps import HOLD_ERRORS, MIN_SPEED_RATIO, MIN_STEP, find_runs
 
 #: the least-squares position of a jump by k standard deviations has a variance of this number
 #: divided by k^4, in samples squared (Yao, Annals of Statistics 15, 1987, for small k)

@@ -2,7 +2,7 @@
 
 =============================== =================================================================
 ``read``                        the function `read_lab`; `try_reading` for the explorer's page
-``record``                      builds the record from tables, in the order of all steps below;
+``assembly``                    builds the record from tables, in the order of all steps below;
                                 joins the files of one experiment
 ``lab_format``                  a laboratory's format, saved as TOML; the function `describe`
 ``open_table``                  detects the format of a file; files in memory; arrays of HDF5 and

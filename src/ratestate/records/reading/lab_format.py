@@ -12,9 +12,9 @@ from ...model.parameters import WHOLE_CONTACT, quantity_of
 from ...model.quantities import QUANTITIES
 from ...model.units import has_unit, to_si
 from ..messages import reading as sentences
+from .assembly import build_record
 from .columns import check_requests, choose_columns
 from .open_table import as_file, open_table
-from .record import build_record
 from .text import DELIMITERS
 from .titles import EXAMPLE_UNIT, plain_unit
 

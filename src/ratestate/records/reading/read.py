@@ -7,10 +7,10 @@ from ...errors import ParameterError, RecordWarning
 from ...model.names import keywords_checked
 from ..kit.processes import read_isolated
 from ..messages import reading as sentences
+from .assembly import build_record
 from .columns import choose_columns
 from .lab_format import LabFormat, lab_format
 from .open_table import as_file, open_table
-from .record import build_record
 from .rows import MAX_ROWS
 
 

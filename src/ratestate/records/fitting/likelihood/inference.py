@@ -1,7 +1,8 @@
 """Estimates with errors and intervals from the best fit.
 
-Errors and intervals are those of the solution's covariance, from profiles of the likelihood where
-these do not do, and from a posterior on request.
+The best fit under each law, and its noise, are found in generalized_least_squares.py.  Errors and
+intervals follow from its covariance, from profiles of the likelihood if that is not Gaussian, and
+from a posterior on request.
 """
 
 from typing import NamedTuple
