@@ -348,7 +348,7 @@ def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
     assert found["growth_rate"].values[0, 0] == pytest.approx(
         solve(call, specs)["growth_rate"].values[0, 0], rel=1e-14
     )
-    assert slept == [1.0]
+    assert slept.count(subprocesses.GRACE) == 1
 
 
 def test_a_case_is_blamed_for_an_error_that_no_solver_has(monkeypatch):

@@ -96,7 +96,7 @@ def test_the_report_names_all_files(lab):
     text = Path("joined/report.md").read_text("utf-8")
     assert text.startswith("# Fit of a.txt, b.txt")
     assert "read_lab(['a.txt', 'b.txt'], format='mylab.toml')" in text
-    assert "the times of b.txt begin anew" in text
+    assert "the times of b.txt restart" in text
 
 
 def test_most_rows_are_an_option(lab):

@@ -194,7 +194,7 @@ NO_RECORD = [
         "columns = [1, 2]",
         "file: x.csv is neither text nor HDF5 nor MAT, expected a file",
     ),
-    ("a [s],b [m/s]\n1,2\n", "columns = [1, 2]", "file: x.csv has no line of numbers"),
+    ("a [s],b [m/s]\n1,2\n", "columns = [1, 2]", "file: x.csv has a single row of numbers"),
 ]
 
 

@@ -289,7 +289,7 @@ def test_the_page_shows_the_slopes_that_weigh_most():
     ("sigma", "settings", "text"),
     [
         ("1e300 MPa", {}, r"sigma = 1e\+297 GPa is impossible .* such as '20 MPa'"),
-        ("1.01e11 Pa", {}, "sigma = 101 GPa is given"),
+        ("1.01e11 Pa", {}, "sigma = 101 GPa is impossible"),
         (None, {}, "no normal stress"),
         ("10 um", {}, "sigma"),
         ("10 MPa", {"slider": 3}, "slider is of the type int"),
