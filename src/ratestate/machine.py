@@ -217,6 +217,6 @@ def _picklable(error):
     """Return the exception, or a RuntimeError with its text if pickle cannot rebuild it."""
     try:
         pickle.loads(pickle.dumps(error))
-    except Exception:
+    except Exception:  # an exception's class may define how it is pickled, and fail in any way
         return RuntimeError(f"{type(error).__name__}: {error}")
     return error

@@ -74,7 +74,7 @@ class _Process:
                 raise SolverError(sentence("cluster.subprocess", ending=ending)) from None
             self.failure = f"its process died, {ending}"
             self.close()
-        except Exception as error:
+        except Exception as error:  # a case that no solver foresees must not end the sweep
             self.failure = f"it failed, {type(error).__name__}: {error}"
         return None
 

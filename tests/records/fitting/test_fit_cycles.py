@@ -18,10 +18,11 @@ from ratestate.records.fitting.cycles import folding
 from ratestate.records.fitting.cycles.features import FEATURES
 from ratestate.records.fitting.cycles.fit import cycles_dataset, diagnose, fit_cycles
 from ratestate.records.fitting.cycles.folding import Segment, cut_cycles, main_period, regular_cuts
-from ratestate.records.fitting.cycles.measured import Noise, corrected, measure
+from ratestate.records.fitting.cycles.measured import corrected, measure
 from ratestate.records.fitting.cycles.model import GRID, CycleModel, limit_waves, wave_at
 from ratestate.records.fitting.cycles.problem import CyclesForward, CyclesProblem
 from ratestate.records.fitting.generalized_least_squares import solution_from
+from ratestate.records.kit.sample_noise import SampleNoise
 
 VIBRATION = rs.SpringSlider(**FIG2)  # the paper's Fig. 2, 1 % below K_c
 STICK_SLIP = rs.SpringSlider(
@@ -53,7 +54,7 @@ def segment(slider, V_lp, *, cycles=12, samples=60, noise=0.02, correlation=0.0,
     phase = np.interp(t, cuts, np.arange(cuts.size))
     size = 1.0 + odd.get("spread", 0.0) * rng.standard_normal(cuts.size)
     y = wave.mean() + (wave_at(wave)(phase) - wave.mean()) * size[phase.astype(int)]
-    y += Noise(noise * np.ptp(wave), correlation).draw(t.size, rng)
+    y += SampleNoise(noise * np.ptp(wave), correlation).draw(t.size, rng)
     y += odd.get("trend", 0.0) * np.ptp(wave) * (t / t[-1] - 0.5)
     return Segment(t * period, y, V_lp)
 
@@ -220,7 +221,7 @@ def test_vibration_gives_back_its_slider():
     start = VIBRATION.replace(a=0.002, b=0.0055)
     found = fit_cycles(data, start, ("a", "b"))
     check_estimates(found, VIBRATION, 1e-2)
-    assert found.dof == 3
+    assert found.problem.dof == 3
     # of the features as they are corrected in the end
     (one,) = found.problem.measured
     off, used = (found.cycles()[0][0] - one.values)[one.used], np.ix_(one.used, one.used)

@@ -158,13 +158,16 @@ class Unknowns(NamedTuple):
     low: np.ndarray  # (k,)
     high: np.ndarray  # (k,)
 
-    def sides(self, point):
-        """name -> -1 or 1 where a point (k,) is at the lower or upper bound, else 0."""
+    def sides(self, point, near=NEAR):
+        """Return name -> -1 or 1 if a point (k,) is at the lower or upper bound, else 0.
+
+        near : distance from a bound that counts as none, as a fraction of the range
+        """
         width = self.high - self.low
         bounded = np.isfinite(width)
         part = np.full(len(self.names), 0.5)
         part[bounded] = (point[bounded] - self.low[bounded]) / width[bounded]
-        sides = np.where(part < NEAR, -1, np.where(part > 1.0 - NEAR, 1, 0))
+        sides = np.where(part < near, -1, np.where(part > 1.0 - near, 1, 0))
         return dict(zip(self.names, sides.tolist(), strict=True))
 
 

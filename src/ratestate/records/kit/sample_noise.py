@@ -26,6 +26,16 @@ class SampleNoise(NamedTuple):
         """Return the variance of a mean divided by its variance with white noise."""
         return (1.0 + self.correlation) / (1.0 - self.correlation)
 
+    def draw(self, n, rng):
+        """Return n random samples of this noise."""
+        white = rng.standard_normal(n) * self.sd
+        if self.correlation == 0.0:
+            return white
+        from scipy.signal import lfilter  # slow to import
+
+        white[1:] *= np.sqrt(1.0 - self.correlation**2)
+        return lfilter([1.0], [1.0, -self.correlation], white)
+
 
 def noise_of_residuals(residuals, parameters):
     """Return the `SampleNoise` of residuals (list of (n,)), given the parameters of each fit."""

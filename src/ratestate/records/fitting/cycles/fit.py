@@ -47,11 +47,6 @@ class CyclesFit(NamedTuple):
         """The `CyclesProblem`."""
         return self.inference.solution.problem
 
-    @property
-    def dof(self):
-        """Number of features less that of estimates."""
-        return self.problem.observed.size - len(self.problem.unknowns.names)
-
     def cycles(self):
         """Features (s, 6) and waves (s, q) of the fitted cycles."""
         features, waves = self.problem.forward.cycles(self.inference.solution.point[None])
@@ -74,7 +69,7 @@ def fit_cycles(record, slider, free, loading=None):
     measured = tuple(map(corrected, measured, map(wave_at, waves[0]), features[0]))
     problem = _checked_problem(slider, free, measured)
     runs = _searched(problem, [run.point for run in runs])
-    best, dof = runs[0], problem.observed.size - len(problem.unknowns.names)
+    best, dof = runs[0], problem.dof
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
     noise = problem.noise.times(enlarged)
@@ -240,7 +235,7 @@ def _misfit(fit):
             by = difference[i]
             size = f"{by:.2g}" if i == LEVEL else f"{100 * np.expm1(by):.2g} %"
             off.append(f"{FEATURES[i]} by {size}")
-    values = {"law": fit.problem.law.name, "chi2": fit.chi2, "dof": fit.dof}
+    values = {"law": fit.problem.law.name, "chi2": fit.chi2, "dof": fit.problem.dof}
     listed = f"; off: {', '.join(off)}" if off else ""
     yield sentences("cycles.misfit", **values, off=listed, enlarged=fit.enlarged)
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
+from ...kit.sample_noise import SampleNoise
 from ...messages import fitting as sentences
 from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 from .folding import (
@@ -39,29 +40,12 @@ RESOLVED, UNCERTAIN = 1.5, 0.3
 DRIFT = 0.1
 
 
-class Noise(NamedTuple):
-    """Noise of first-order correlation from sample to sample."""
-
-    sd: float  # of tau/sigma
-    correlation: float  # of neighbouring samples, 0 to 0.99
-
-    def draw(self, n, rng):
-        """(n,) values."""
-        white = rng.standard_normal(n) * self.sd
-        if self.correlation == 0.0:
-            return white
-        from scipy.signal import lfilter
-
-        white[1:] *= np.sqrt(1.0 - self.correlation**2)
-        return lfilter([1.0], [1.0, -self.correlation], white)
-
-
 class Measured(NamedTuple):
     """Features of a segment; logarithms, but for the level."""
 
     segment: Segment  # without the cycles left out
     cycles: Cycles
-    noise: Noise
+    noise: SampleNoise  # of tau/sigma
     raw: np.ndarray  # (6,) as measured, shifted by noise
     left_out: tuple  # notes on cycles left out
     # by `corrected`
@@ -190,7 +174,7 @@ def _excess(scatter, typical, n):
 
 
 def _residual_noise(segment, cycles):
-    """`Noise` of a record about its folded cycle; robust against a few outliers."""
+    """`SampleNoise` of a record about its folded cycle; robust against a few outliers."""
     inside = cycles.inside
     residual = segment.y[inside] - cycles.at(segment.t[inside])
     residual -= np.interp(cycles.phase[inside], np.arange(cycles.n) + 0.5, cycles.means)
@@ -201,4 +185,4 @@ def _residual_noise(segment, cycles):
     correlation = float(residual[1:] @ residual[:-1]) / power if power > 0.0 else 0.0
     # white noise has 0 within 3 standard errors
     correlation = 0.0 if abs(correlation) < 3.0 / np.sqrt(residual.size) else correlation
-    return Noise(sd, float(np.clip(correlation, 0.0, 0.99)))
+    return SampleNoise(sd, float(np.clip(correlation, 0.0, 0.99)))

@@ -177,6 +177,11 @@ class CyclesProblem(LeastSquares):
         blocks = [one.covariance[np.ix_(one.used, one.used)] for one in measured]
         self.noise = FeatureNoise(np.linalg.cholesky(block_diag(*blocks)))
 
+    @property
+    def dof(self):
+        """Number of features less the number of unknowns."""
+        return self.observed.size - len(self.unknowns.names)
+
     def about(self, point):
         """The problem within bounds about a point (k,)."""
         other = copy.copy(self)

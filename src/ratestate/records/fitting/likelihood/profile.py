@@ -155,25 +155,19 @@ class _Side:
         far = self.sign * (self.quantity.value(point) - self.values[0]) > FARTHEST
         if far and self.quantity.irrelevant == self.sign:
             return True
-        if self._sides(point).get(self._coordinate) == self.sign:
+        sides = self.solution.unknowns.sides(point, BOUND)
+        if sides.get(self._coordinate) == self.sign:
             return True
         return self.solution.problem.is_open_at_bounds and self._others_at_bounds(point)
 
     def _others_at_bounds(self, point):
         """Whether another coordinate has come to a bound at which it still matters."""
-        sides = self._sides(point).items()
+        sides = self.solution.unknowns.sides(point, BOUND)
         return any(
             side and parameter(name).irrelevant != side
-            for name, side in sides
+            for name, side in sides.items()
             if name != self._coordinate
         )
-
-    def _sides(self, point):
-        """Name -> -1 or 1 of each coordinate that is at its lower or upper bound, else 0."""
-        names, low, high = self.solution.unknowns
-        near = BOUND * np.where(np.isfinite(high - low), high - low, 0.0)
-        sides = np.where(point <= low + near, -1, np.where(point >= high - near, 1, 0))
-        return dict(zip(names, sides.tolist(), strict=True))
 
     def _add_point(self, value, point, deviance):
         """Add a point, and choose the step to the next."""

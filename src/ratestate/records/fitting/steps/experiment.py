@@ -71,20 +71,20 @@ def fit_stress_step(step, others, shared):
 def _with_errors_of(inference, held, covariance):
     """The `Inference` with errors (h, h) of held parameters (h names) propagated to alpha."""
     solution, estimates = inference.solution, inference.estimates
-    problem, names = solution.problem, solution.unknowns.names
-    point = [to_coordinate(name, getattr(problem.slider, name)) for name in held]
-    forward = Forward(problem.record, problem.slider, (*held, *names))
-    jacobian = forward.jacobian(np.concatenate([point, solution.point]))[1]
-    white, _ = solution.noise.whiten(problem.record.t, np.nan_to_num(jacobian))
-    by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
-    slopes = by_held[names.index("alpha")]
     i, least = estimates.names.index("alpha"), to_value("alpha", -np.inf)
     errors, intervals = estimates.errors.copy(), estimates.intervals.copy()
     if not np.isfinite(errors[i]):
         return inference
-    if not np.isfinite(jacobian).all():  # no motion beside the held values
+    problem, names = solution.problem, solution.unknowns.names
+    point = [to_coordinate(name, getattr(problem.slider, name)) for name in held]
+    forward = Forward(problem.record, problem.slider, (*held, *names))
+    jacobian = forward.jacobian(np.concatenate([point, solution.point]))[1]
+    if not np.isfinite(jacobian).all():  # no motion next to the held values
         errors[i], intervals[i] = np.inf, (least, np.inf)
     else:
+        white, _ = solution.noise.whiten(problem.record.t, jacobian)
+        by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
+        slopes = by_held[names.index("alpha")]
         errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)
         # (added, which is right at a bound, too, where the interval is not about the estimate)
         more = (errors[i] - estimates.errors[i]) * ROOTS[:, None] * np.array([-1.0, 1.0])
