@@ -4,6 +4,7 @@
 
     RateStateError
     |-- ParameterError   (also a ValueError)    a value, unit or name that cannot be used
+    |   `-- MissingFileError (also a FileNotFoundError)  a file that does not exist
     |-- StoreError       (also an OSError)      a store that cannot be made, read or written
     |-- CompilationError (also a RuntimeError)  kernels that cannot be compiled on this machine
     `-- SolverError      (also a RuntimeError)  a run that ended without an answer
@@ -24,13 +25,51 @@ class RateStateError(Exception):
 class ParameterError(RateStateError, ValueError):
     """A parameter has a value, unit, shape or name that cannot be used.
 
+    `str` joins the attributes to "symbol = value unit problem. remedy."
+
     Attributes
     ----------
+    problem : str
+        What is wrong.  It begins with a verb if there is a symbol: "must be > 0".
+    remedy : str
+        What to do, one or more sentences, or "".
+    symbol : str
+        Name of the parameter, or "" if the problem does not concern one parameter.
+    value : str
+        The value, as it was given, or "".
+    unit : str
+        Unit of the value if its text has none, or "".
     sentence : str
-        The name of its sentence, ``table.sentence``, where that is kept in a file; else "".
+        Name of the message, ``table.sentence``, if it is kept in a file; otherwise "".
     """
 
-    sentence = ""
+    def __init__(self, problem, remedy="", *, symbol="", value="", unit=""):
+        super().__init__(problem, remedy)
+        self.problem, self.remedy = problem, remedy
+        self.symbol, self.value, self.unit = symbol, value, unit
+        self.sentence = ""
+
+    def __str__(self):
+        return self.text(self.symbol)
+
+    def text(self, symbol):
+        """Return the message with another name of the parameter; with "" it has no name."""
+        given = " ".join(filter(None, (self.value, self.unit)))
+        name = f"{symbol} =" if symbol and given else symbol
+        problem = " ".join(filter(None, (name, given, self.problem)))
+        return " ".join(_ended(text) for text in (problem, self.remedy) if text)
+
+
+def _ended(text):
+    """Return a text with a full stop, unless it has an end or a list below it."""
+    return text if text.endswith((".", "?")) or "\n" in text else f"{text}."
+
+
+class MissingFileError(ParameterError, FileNotFoundError):
+    """A file that is to be read does not exist."""
+
+    def __new__(cls, *_, **__):
+        return FileNotFoundError.__new__(cls)  # would take the two texts for errno and strerror
 
 
 class StoreError(RateStateError, OSError):

@@ -81,8 +81,8 @@ def check_fits(size, what, remedy):
     """
     if size > ALWAYS_AVAILABLE and size > (most := memory()):
         raise ParameterError(
-            f"{what} take {size / 1e9:,.3g} GB of memory, and {most / 1e9:,.3g} GB are there; "
-            f"{remedy}"
+            f"{what} take {size / 1e9:,.3g} GB of memory, but {most / 1e9:,.3g} GB are there",
+            remedy,
         )
 
 

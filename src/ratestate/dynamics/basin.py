@@ -80,7 +80,7 @@ def escape(slider, V_lp):
     """
     V_lp = to_si("V_lp", V_lp)
     batch = Batch({**check_slider(slider).values, "V_lp": V_lp}, reserved=VARIABLES)
-    batch.check_fits(len(VARIABLES), "ask for fewer at a time")
+    batch.check_fits(len(VARIABLES), "Ask for fewer at a time.")
     system = system_of(slider.friction_law.name, **batch.columns)
     alone = batch.shape == ()
     with bar("escape") as progress:

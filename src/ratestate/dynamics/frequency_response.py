@@ -78,7 +78,7 @@ def frequency_response(slider, V_lp, frequency=None):
     (48.72, array([ 1.06, 24.04]))
     """
     call = frequency_response_call(slider, V_lp, frequency)
-    call.batch.check_fits(4 * len(TRANSFER), "ask for fewer frequencies at a time")
+    call.batch.check_fits(4 * len(TRANSFER), "Ask for fewer frequencies at a time.")
     if call.sliders.is_single and not call.resonances["stable"][0]:
         raise refusal("response.unstable", V_lp=call.V_lp, K=slider.K)
     return call.dataset(call.run())

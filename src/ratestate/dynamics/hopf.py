@@ -87,7 +87,7 @@ def hopf(slider, V_lp=None):
     other = {"K": values["K"]} if V_lp is None else {"V_lp": to_si("V_lp", V_lp)}
     symbols = (*law.symbols, "sigma", "M")
     batch = Batch({s: values[s] for s in symbols} | other, reserved=VARIABLES)
-    batch.check_fits(len(VARIABLES), "ask for fewer at a time")
+    batch.check_fits(len(VARIABLES), "Ask for fewer at a time.")
     columns = _bifurcation(law, parameter, batch.columns)
     coords = batch.coordinates(VARIABLES)
     result = xarray.Dataset({s: batch.variable(columns[s], s) for s in VARIABLES}, coords)

@@ -85,8 +85,11 @@ def with_labels(result, recorded):
     for dim, size in recorded.sizes.items():
         if dim != "segment" and result.sizes.get(dim) != size:
             raise ParameterError(
-                f"the result holds {result.sizes.get(dim, 1)} of {size} cases along {dim!r}, and "
-                f"does not say which; give all of them"
+                (
+                    f"the result holds {result.sizes.get(dim, 1)} of {size} cases along {dim!r}, "
+                    "and does not say which"
+                ),
+                "Give all of them.",
             )
     coords = {
         name: c.variable

@@ -48,7 +48,7 @@ def stability(slider, V_lp):
         V_lp is not a speed > 0, or its coordinates clash with those of the slider.
     """
     call = stability_call(slider, V_lp)
-    into_store = "sweep into a store: sweep(stability, ..., store='x.zarr')"
+    into_store = "Sweep into a store, sweep(stability, ..., store='x.zarr')."
     call.batch.check_fits(len(VARIABLES), into_store)
     return call.dataset(call.run())
 

@@ -85,8 +85,10 @@ def check():
         cuda_driver.device()
     except (OSError, cuda_driver.CudaError) as error:
         raise ParameterError(
-            f"device = 'cuda' needs an NVIDIA GPU with its driver, which was not found ({error})."
-            " Leave device out to run on the CPU."
+            f"needs an NVIDIA GPU with its driver, which was not found ({error})",
+            "Leave device out to run on the CPU.",
+            symbol="device",
+            value="'cuda'",
         ) from error
 
 

@@ -9,7 +9,7 @@
 
 from pathlib import Path
 
-from ..errors import ParameterError, RateStateError
+from ..errors import MissingFileError, ParameterError, RateStateError
 from .place import PICTURES, checked_path, listed, replace, writing
 from .stored import joined, read_netcdf, read_zarr, split, write_netcdf, write_zarr
 from .tables import csv_text, laboratory_csv
@@ -85,13 +85,14 @@ def read(path):
     ending = path.suffix.lower()
     _, reader = FORMATS.get(ending, (None, None))
     if reader is None:
+        why = " (a .csv file lacks the parameters)" if ending == ".csv" else ""
         raise ParameterError(
-            f"{path}: a result is read from a name that ends in {listed(READABLE)}"
-            + (" (a .csv file lacks the parameters)" if ending == ".csv" else "")
+            f"the name of the result {path} has another ending{why}",
+            f"A result is read from a name that ends in {listed(READABLE)}.",
         )
     try:
         if not path.exists():
-            raise ParameterError(f"{path} does not exist")
+            raise MissingFileError(f"{path} does not exist", "Give the path of a result.")
         return reader(path)
     except RateStateError:
         raise

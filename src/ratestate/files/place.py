@@ -26,15 +26,20 @@ def checked_path(path, endings):
     path = Path(path).expanduser()
     ending = path.suffix.lower()
     if ending not in endings:
-        raise ParameterError(f"{str(path)!r}: expected a name that ends in {listed(endings)}")
+        raise ParameterError(
+            f"the name {str(path)!r} has another ending",
+            f"Give a name that ends in {listed(endings)}.",
+        )
     if path.is_dir() and not (ending == ".zarr" and _is_replaceable(path)):
         what = "holds files that are not of one result" if ending == ".zarr" else "is a folder"
-        raise ParameterError(f"{path} {what}, and is not replaced. Give another name.")
+        raise ParameterError(f"{path} {what}, and is not replaced", "Give another name.")
     if ending == ".zarr" and path.is_file():
-        raise ParameterError(f"{path} is a file and not a folder. Remove it, or give another name.")
+        raise ParameterError(
+            f"{path} is a file and not a folder", "Remove it, or give another name."
+        )
     folder = _real(path).parent
     if not folder.is_dir():
-        raise ParameterError(f"{path}: there is no folder {folder}; make it first")
+        raise ParameterError(f"the folder of {path} does not exist", f"Make {folder} first.")
     with writing(path), tempfile.TemporaryFile(dir=folder):
         pass
     return path

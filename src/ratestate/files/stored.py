@@ -58,8 +58,8 @@ def _parts(file, path):
             yield name, (variable.dimensions, variable[...], _attributes(variable))
         except OSError as error:
             raise ParameterError(
-                f"{path} is damaged: variable {name} cannot be read ({error}). Put it back from a "
-                f"copy."
+                f"{path} is damaged: variable {name} cannot be read ({error})",
+                "Put it back from a copy.",
             ) from error
     own = _attributes(file)
     own.pop(DIGESTS, None)
@@ -86,8 +86,11 @@ def _check_digests(path, recorded, found):
     if names:
         where = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
         raise ParameterError(
-            f"{path} is damaged, or another program has changed it, in {where}. Put it back from a "
-            f"copy. If the change is meant, delete the attribute {DIGESTS} of the file."
+            f"{path} is damaged, or another program has changed it, in {where}",
+            (
+                "Put it back from a copy. If the change is meant, delete the attribute "
+                f"{DIGESTS} of the file."
+            ),
         )
 
 
@@ -121,7 +124,7 @@ def write_zarr(data, path):
 
     if CHECKSUMS in data.variables:
         raise ParameterError(
-            f"a variable called {CHECKSUMS!r} clashes with those of the files; rename it"
+            f"a variable called {CHECKSUMS!r} clashes with those of the files", "Rename it."
         )
     with zarr_3_warnings_ignored():
         data = python_text(data).drop_encoding()
@@ -184,8 +187,8 @@ def joined(data):
         real, imag = data[name], data[f"{whole}_imag"]
         if real.dims != imag.dims:
             raise ParameterError(
-                f"{name} lies along {real.dims}, but {whole}_imag along {imag.dims}: they are not "
-                f"the parts of one variable"
+                f"{name} lies along {real.dims}, but {whole}_imag along {imag.dims}: they are "
+                "not the parts of one variable"
             )
         values = np.empty(real.shape, complex)
         values.real, values.imag = real.values, imag.values  # infinite parts stay what they are

@@ -105,10 +105,12 @@ def laboratory_csv(data, dim, units=None):
     data, units = in_si(data), dict(units or {})
     names = [name for name, one in data.variables.items() if one.dims == (dim,)]
     if not names:
-        raise ParameterError(f"there is no variable along {dim!r}; {one_of(data.sizes)}")
+        raise ParameterError(f"there is no variable along {dim!r}", one_of(data.sizes))
     for name in units:
         if name not in names:
-            raise ParameterError(f"units: no variable {name} along {dim!r}; {one_of(names, name)}")
+            raise ParameterError(
+                f"units: there is no variable {name} along {dim!r}", one_of(names, name)
+            )
     columns: dict = {}
     for name in sorted(names, key=lambda name: name != dim):
         if name.removesuffix("_error") in names and name.endswith("_error"):
@@ -136,7 +138,9 @@ def _column(name, variable, units):
     try:
         unit, size = laboratory_unit(name, si, units.get(name))
     except ValueError as error:
-        raise ParameterError(f"{name}: {units[name]!r} {error}") from None
+        raise ParameterError(
+            str(error), f"Give a unit of {si}.", symbol=name, value=repr(units[name])
+        ) from None
     return heading, variable.values / size, unit, size
 
 

@@ -86,22 +86,24 @@ class FlashHeatingLaw(FrictionLaw):
         import numpy as np
 
         if np.any(slider.b <= 0.0):
-            return "b must be > 0, as theta is counted by it; give another b"
+            return "needs b > 0, since theta is counted by b", "Give another b."
         slow = slider.mu0 - (slider.b - slider.a) * np.log(slider.V_w / slider.V0)
         if np.any(slow <= 0.0):
             return (
-                f"steady friction mu0 - (b - a) ln(V/V0) would be {float(np.min(slow)):.3g} at "
-                "V_w, without any heat; give a larger mu0, or a smaller b or V_w"
+                f"gives a steady friction mu0 - (b - a) ln(V/V0) of {float(np.min(slow)):.3g} at "
+                "V_w, without any heat",
+                "Give a larger mu0, or a smaller b or V_w.",
             )
         excess = slider.mu_w - slider.mu0
         if np.any(excess > 0.0):
             i = np.argmax(np.ravel(excess))
             mu_w, mu0 = (np.ravel(x + 0.0 * excess)[i] for x in (slider.mu_w, slider.mu0))
             return (
-                f"mu_w = {mu_w:.6g} must be <= mu0 = {mu0:.6g}, for it is the friction of contacts "
-                "that heat has weakened; give a smaller mu_w, or a larger mu0"
+                f"has mu_w = {mu_w:.6g} > mu0 = {mu0:.6g}, but mu_w is the friction of contacts "
+                "that heat has weakened",
+                "Give a smaller mu_w, or a larger mu0.",
             )
-        return ""
+        return None
 
 
 class KatoTullisLaw(FrictionLaw):
@@ -158,7 +160,7 @@ class NagataLaw(FrictionLaw):
         """Return a problem if b = 0 and c > 0, because the law divides c by b."""
         divides = (slider.b == 0.0) * (slider.c > 0.0)
         divides = divides.any() if hasattr(divides, "any") else divides
-        return "b = 0 where c > 0; give another b, or c = 0" if divides else ""
+        return ("has b = 0 where c > 0", "Give another b, or c = 0.") if divides else None
 
     def jumps_with_normal_stress(self, mu, alpha, slider):
         """Return d phi/d ln sigma; the stress on the contacts changes by mu d sigma."""

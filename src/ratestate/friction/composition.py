@@ -117,13 +117,17 @@ def composed(law, form=None, damped=False):
     if form != law.form:
         if law.form != LOG:
             raise ParameterError(
-                f"friction = {form!r} does not go with law = {law.name!r}, which needs friction = "
-                f"{law.form!r}; leave friction out, or choose another law"
+                f"does not go with law = {law.name!r}, which needs friction = {law.form!r}",
+                "Leave friction out, or choose another law.",
+                symbol="friction",
+                value=repr(form),
             )
         if not takes_forms(law):
             raise ParameterError(
-                f"friction = {form!r} does not go with law = {law.name!r}, which has a friction of "
-                f"its own; leave friction out, or choose another law"
+                f"does not go with law = {law.name!r}, which has a friction of its own",
+                "Leave friction out, or choose another law.",
+                symbol="friction",
+                value=repr(form),
             )
     if form != LOG:
         law = _add_part(law, form)

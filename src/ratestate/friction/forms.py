@@ -159,7 +159,7 @@ def form_name(form):
     name = form.lower() if isinstance(form, str) else None
     if name not in (LOG, *FORMS):
         names = " or ".join(map(repr, (LOG, *FORMS)))
-        raise ParameterError(f"friction = {form!r} is unknown; choose {names}")
+        raise ParameterError("is unknown", f"Choose {names}.", symbol="friction", value=repr(form))
     return name
 
 

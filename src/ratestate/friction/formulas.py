@@ -132,7 +132,9 @@ def _one_length(law):
     """Return the law with this name; ParameterError unless it is of one length."""
     if not (instance := friction_law(law)).one_length:
         names = " and ".join(map(repr, one_length_laws()))
-        raise ParameterError(f"law = {law!r} has other parameters than Dc. Choose {names}.")
+        raise ParameterError(
+            "has other parameters than Dc", f"Choose {names}.", symbol="law", value=repr(law)
+        )
     return instance
 
 

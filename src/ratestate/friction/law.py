@@ -242,7 +242,9 @@ class FrictionLaw(LawFormula):
 
         at = steady_point(self, p, v)
         if problem := steady_problem(at):
-            raise ParameterError(f"law = {self.name!r}: {problem}. Give other parameters.")
+            raise ParameterError(
+                problem, "Give other parameters.", symbol="law", value=repr(self.name)
+            )
         return at
 
     def reference_friction(self, V, values):

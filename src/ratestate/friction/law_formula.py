@@ -96,8 +96,8 @@ class LawFormula:
     # Methods that take arrays
 
     def complaint(self, slider):
-        """Return the problem of its parameters together and the remedy, "" if none."""
-        return ""
+        """Return what is wrong with the parameters together and the remedy, or None."""
+        return None
 
     def jumps_with_normal_stress(self, mu, alpha, slider):
         """Return d psi_k/d ln sigma of each variable in a jump of sigma, a tuple.

@@ -50,8 +50,15 @@ def law_name(law):
     if isinstance(law, str) and HASH_MARK in law:
         own = law.partition(HASH_MARK)[0]
         raise ParameterError(
-            f"law = {law!r} is a user's law that is not registered. Register its file, "
-            f"ratestate.register('{own}.py'). The part after {HASH_MARK} is a hash of its formula."
+            "is a user's law that is not registered",
+            (
+                f"Register its file, ratestate.register('{own}.py'). The part after "
+                f"{HASH_MARK} is a hash of its formula."
+            ),
+            symbol="law",
+            value=repr(law),
         )
     names, others = " or ".join(map(repr, LAWS)), ", ".join(sorted(LAW_NAMES.keys() - LAWS.keys()))
-    raise ParameterError(f"law = {law!r} is unknown; choose {names} (or {others})")
+    raise ParameterError(
+        "is unknown", f"Choose {names} (or {others}).", symbol="law", value=repr(law)
+    )

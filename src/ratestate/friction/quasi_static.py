@@ -88,7 +88,9 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     if name == "aging":
         return kappa * convex(-psi) + convex(-(v + psi))
     if name != "slip":
-        raise ParameterError(f"law = {law!r} has no excursion. Give 'slip' or 'aging'.")
+        raise ParameterError(
+            "has no excursion", "Give 'slip' or 'aging'.", symbol="law", value=repr(law)
+        )
     x = v + b / a * psi
     with np.errstate(divide="ignore"):
         return -x - np.log1p(-np.minimum(x + kappa * convex(v), 1.0))

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import ParameterError
+from ..errors import MissingFileError, ParameterError
 from .expressions import FormulaError
 from .law import FrictionLaw
 from .law_formula import EXAMPLE, HASH_MARK
@@ -47,6 +47,8 @@ def class_from_file(path):
         if Path(path).exists() and not Path(path).is_file():  # a folder, or an endless device
             raise OSError(0, "it is not a file")
         text = Path(path).read_text("utf-8")
+    except FileNotFoundError:
+        raise MissingFileError(f"law file {path} does not exist", "Give its path.") from None
     except (OSError, ValueError) as error:  # ValueError: encoding, or a null character in the path
         reason = getattr(error, "strerror", None) or error
         raise ParameterError(f"law file {path} cannot be read: {reason}") from None
@@ -70,12 +72,13 @@ def class_from_text(text, path):
         lines = [frame.lineno for frame in frames if frame.filename == str(path)]
         line = getattr(error, "lineno", None) or (lines[-1] if lines else 1)
         raise ParameterError(
-            f"law file {path} cannot be loaded, line {line}: {reason_of(error)}. Correct that line."
+            f"law file {path} cannot be loaded, line {line}: {reason_of(error)}",
+            "Correct that line.",
         ) from None
     if len(laws) != 1:
         raise ParameterError(
-            f"law file {path} must hold one class that derives from ratestate.FrictionLaw. It "
-            f"holds {names}."
+            f"law file {path} holds {names}",
+            "It must hold one class that derives from ratestate.FrictionLaw.",
         )
     laws[0].file_text = text
     return laws[0]
@@ -96,12 +99,16 @@ def make_user_law(kind):
     ParameterError if it is not such a class, its name is not valid, or its formula cannot be run.
     """
     if not _is_law(kind):
-        raise ParameterError(f"{kind!r} must be a class that derives from ratestate.FrictionLaw")
+        raise ParameterError(
+            f"{kind!r} is not a law", "Give a class that derives from ratestate.FrictionLaw."
+        )
     name = getattr(kind, "name", None)
     if not (isinstance(name, str) and NAME.fullmatch(name)):
         raise ParameterError(
-            f"{kind.__name__}.name = {name!r} must be a name in small letters, digits and -, such "
-            f"as name = 'mine'"
+            "is not a name in small letters, digits and -",
+            "Give for example name = 'mine'.",
+            symbol=f"{kind.__name__}.name",
+            value=repr(name),
         )
     law = kind()
     if not isinstance(getattr(kind, "label", None), str):
@@ -110,18 +117,24 @@ def make_user_law(kind):
     own = {name for base in bases for name in vars(base)}
     if "rates" in own:
         raise ParameterError(
-            f"law {name!r} has the method rates, an old form of laws. Replace it, and its "
-            f"derivatives, by evolution(self, V, theta, p), which returns d theta/dt."
+            f"law {name!r} has the method rates, an old form of laws",
+            (
+                "Replace it, and its derivatives, by evolution(self, V, theta, p), which "
+                "returns d theta/dt."
+            ),
         )
     if derived := sorted(x for x in own if hasattr(FrictionLaw, x) and x not in REPLACEABLE):
         raise ParameterError(
-            f"law {name!r} has {derived[0]} of its own. Rename or remove it: this name belongs "
-            f"to a quantity that is derived from the formula."
+            (
+                f"law {name!r} has {derived[0]} of its own, the name of a quantity that is "
+                "derived from the formula"
+            ),
+            "Rename or remove it.",
         )
     if "evolution" not in own:
         raise ParameterError(
-            f"law {name!r} has no method evolution. Add evolution(self, V, theta, p), which "
-            f"returns d theta/dt."
+            f"law {name!r} has no method evolution",
+            "Add evolution(self, V, theta, p), which returns d theta/dt.",
         )
     try:
         _check_states(law)

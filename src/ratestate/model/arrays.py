@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..machine import check_fits
-from .quantities import QUANTITIES, attrs, expected
+from .quantities import QUANTITIES, attrs, remedy
 from .units import RESERVED, is_array, is_pint, to_si, unit_of
 
 #: dimension of the rows of swept columns; no dimension of a sweep has this name
@@ -45,8 +45,11 @@ def check_aligned(values):
                     first[dim] = (symbol, size, index)
                 continue
             raise ParameterError(
-                f"{other} and {symbol} {clash} along the dimension {dim!r}; give both the same "
-                f"coordinate, or rename one dimension to sweep over all combinations"
+                f"{other} and {symbol} {clash} along the dimension {dim!r}",
+                (
+                    "Give both the same coordinate, or rename one dimension to sweep over all "
+                    "combinations."
+                ),
             )
 
 
@@ -85,15 +88,21 @@ def column_to_si(symbol, values):
     unit = unit_of(values)
     values = values.magnitude if is_pint(values) else values
     if not hasattr(values, "__len__") or isinstance(values, str | Mapping):
-        raise ParameterError(f"{symbol} = {values!r} is not a column of values; give an array")
+        raise ParameterError(
+            "is not a column of values", "Give an array.", symbol=symbol, value=repr(values)
+        )
     if hasattr(values, "dtype") or all(
         isinstance(value, int | float) and not isinstance(value, bool) for value in values
     ):
         numbers = np.asarray(values)
         if numbers.ndim != 1:
-            raise ParameterError(f"{symbol} has {numbers.ndim} dimensions; a column has 1")
+            raise ParameterError(
+                f"has {numbers.ndim} dimensions, but a column has one",
+                "Give a 1-D array.",
+                symbol=symbol,
+            )
         if not numbers.size:
-            raise ParameterError(f"{symbol} has no values; {expected(symbol)} in each row")
+            raise ParameterError("has no values", remedy(symbol), symbol=symbol)
         rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
@@ -171,7 +180,8 @@ class Batch:
             sizes |= value.sizes if is_array(value) else {}
         if clash := [dim for dim in sizes if dim in reserved]:
             raise ParameterError(
-                f"a dimension called {clash[0]!r} clashes with the result of that name; rename it"
+                f"the dimension {clash[0]!r} clashes with the result of that name",
+                "Rename the dimension.",
             )
         _check_products(values)
         self.values, self.tables, self.sizes = values, tables, sizes
@@ -260,8 +270,10 @@ def _check_products(values):
         exponent = sum(_largest_exponent(values[s], power) for s, power in powers.items())
         if exponent > LARGEST_EXPONENT:
             raise ParameterError(
-                f"{name} = 10^{exponent:.4g} is beyond double precision. Check the sizes and units "
-                f"of {', '.join(powers)}."
+                "is beyond double precision",
+                f"Check the sizes and units of {', '.join(powers)}.",
+                symbol=name,
+                value=f"10^{exponent:.4g}",
             )
 
 

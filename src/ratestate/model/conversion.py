@@ -2,7 +2,7 @@
 
 from ..errors import ParameterError
 from .names import one_of
-from .quantities import QUANTITIES, expected
+from .quantities import QUANTITIES, remedy
 from .units import has_unit, scaled, unit_factor
 
 
@@ -43,16 +43,20 @@ def in_units(result, /, **units):
     import xarray
 
     if not isinstance(result, xarray.Dataset):
-        raise ParameterError(f"{type(result).__name__} is no result; give an xarray.Dataset")
+        raise ParameterError(
+            f"a {type(result).__name__} is not a result", "Give an xarray.Dataset."
+        )
     converted = {}
     for given, unit in units.items():
         if not isinstance(unit, str):
-            raise ParameterError(f"{given} = {unit!r}: a unit is a str, such as 'um/s'")
+            raise ParameterError(
+                "is not a str", "Give a unit such as 'um/s'.", symbol=given, value=repr(unit)
+            )
         name = find_variable(result, given)
         if name is None:
             quantities = (str(known) for known in result.variables if known in QUANTITIES)
             names = [known for known in quantities if QUANTITIES[known].unit != "1"]
-            raise ParameterError(f"the result has no variable {given}; {one_of(names, given)}")
+            raise ParameterError(f"the result has no variable {given}", one_of(names, given))
         converted[name] = _convert_variable(name, result.variables[name], unit)
     return result.assign(converted)
 
@@ -84,7 +88,7 @@ def _convert_variable(name, variable, unit):
     old_unit = variable.attrs.get("units")
     is_number = variable.dtype.kind in "iufc" and "flag_values" not in variable.attrs
     if name not in QUANTITIES or old_unit is None or not is_number:
-        raise ParameterError(f"{name} is no quantity with a unit; leave it out")
+        raise ParameterError("is not a quantity with a unit", "Leave it out.", symbol=name)
     old, new = (_si_factor(name, str(one)) for one in (old_unit, unit))
     converted = variable.copy(data=scaled(variable.values, old / new))
     converted.attrs["units"] = unit
@@ -96,4 +100,4 @@ def _si_factor(name, unit):
     try:
         return unit_factor(QUANTITIES[name].unit, unit)
     except ValueError as error:
-        raise ParameterError(f"{name}: {unit!r} {error}; {expected(name)}") from None
+        raise ParameterError(str(error), remedy(name), symbol=name, value=repr(unit)) from None

@@ -74,8 +74,11 @@ class History:
             return last
         if t <= last:
             raise ParameterError(
-                f"t = {t!r} s must come after t = {last!r} s, up to which {what} is given; "
-                f"give the steps in order of time"
+                f"must come after t = {last!r} s, up to which {what} is given",
+                "Give the steps in order of time.",
+                symbol="t",
+                value=repr(t),
+                unit="s",
             )
         return t
 
@@ -158,16 +161,23 @@ class NormalStress(History):
         first = self.start[..., 0]
         if np.any(np.abs(first - sigma) > SIGMA_TOLERANCE * sigma):
             raise ParameterError(
-                f"the series begins at sigma = {float(np.max(first)):.9g} Pa, and the slider has "
-                f"sigma = {float(np.max(sigma)):.9g} Pa; give the slider that of the series"
+                (
+                    f"the series begins at sigma = {float(np.max(first)):.9g} Pa, and the slider "
+                    f"has sigma = {float(np.max(sigma)):.9g} Pa"
+                ),
+                "Give the slider the sigma at which the series begins.",
             )
         if not self.oscillates:
             return  # values of steps, ramps and records have been checked when they were given
         lowest, begin, end = self._lowest(sigma, t_end)
         if lowest <= 0.0:
             raise ParameterError(
-                f"sigma would fall to {lowest:.6g} Pa between t = {begin:.6g} s and t = "
-                f"{end:.6g} s; it must stay > 0: give a smaller amplitude, or a larger sigma"
+                (
+                    f"would fall to {lowest:.6g} Pa between t = {begin:.6g} s and t = {end:.6g} "
+                    "s, and must stay > 0"
+                ),
+                "Give a smaller amplitude, or a larger sigma.",
+                symbol="sigma",
             )
 
     def _lowest(self, sigma, t_end):

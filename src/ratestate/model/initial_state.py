@@ -24,8 +24,13 @@ def initial_values(initial, law):
     symbols = ("V", *law.states, "tau")
     if not isinstance(initial, dict) or not set(initial) <= set(symbols):
         raise ParameterError(
-            f"initial = {initial!r} must be a dict with any of the keys "
-            f"{', '.join(symbols[:-1])} and tau, for example {{'theta': '10 s'}}"
+            "is not a dict of initial values",
+            (
+                f"Give a dict with any of the keys {', '.join(symbols[:-1])} and tau, such as "
+                f"{{'theta': '10 s'}}."
+            ),
+            symbol="initial",
+            value=repr(initial),
         )
     bound = {"V": ""} if law.reverses else {}  # V may then be 0 or negative
     return {
@@ -77,8 +82,11 @@ def initial_state(law, batch, V_load):
     if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > TOLERANCE).any():
         others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not missing else ""
         raise ParameterError(
-            "initial V: where K = inf the slider moves at the load point's speed from t = 0 on; "
-            f"leave V out{others}"
+            (
+                "initial V is given, but where K = inf the slider moves at the load point's "
+                "speed from t = 0 on"
+            ),
+            f"Leave V out{others}.",
         )
     fixed = in_balance if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
     differs = fixed & (np.abs(x - stress(law, v, states, p)) > TOLERANCE)
@@ -133,8 +141,8 @@ def _state_from_stress(law, x, w, states, p, k, where):
     if not np.isfinite(solution[where]).all():
         name = list(law.states)[k]
         raise ParameterError(
-            f"initial V and tau do not fix {name}, on which friction does not depend (b = 0); give "
-            f"{name} and tau"
+            f"initial V and tau do not fix {name}, on which friction does not depend (b = 0)",
+            f"Give {name} and tau.",
         )
     return with_state(np.where(where, solution, states[k]))
 
@@ -148,9 +156,14 @@ def check_speed_ratio(law, label, V, reference, V_ref):
         beyond = np.abs(np.log(np.abs(V) / V_ref)) > LIMIT
     if not law.reverses and beyond.any():
         raise ParameterError(
-            f"{label} = {V[beyond][0]:.6g} m/s is out of range: the solver follows speeds from "
-            f"1e-260 to 1e260 times {reference} = {V_ref[beyond][0]:.6g} m/s. "
-            f"Give another {label} or {reference}."
+            (
+                "is out of range: the solver follows speeds from 1e-260 to 1e260 times "
+                f"{reference} = {V_ref[beyond][0]:.6g} m/s"
+            ),
+            f"Give another {label} or {reference}.",
+            symbol=label,
+            value=f"{V[beyond][0]:.6g}",
+            unit="m/s",
         )
 
 
@@ -158,13 +171,13 @@ def _check_start_speed(log_V, names):
     given = f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they"
     if np.isnan(log_V).any():
         raise ParameterError(
-            f"{given} must fix V, and friction equals the stress at no speed; give V in place of "
-            f"tau"
+            f"{given} must fix V, but friction equals the stress at no speed",
+            "Give V instead of tau.",
         )
     if (log_V > np.log(MAX_V)).any():
         raise ParameterError(
-            f"{given} fix V, at 10^{log_V.max() / np.log(10.0):.6g} m/s, beyond double precision; "
-            f"give values that agree with a lower speed"
+            f"{given} fix V, at 10^{log_V.max() / np.log(10.0):.6g} m/s, beyond double precision",
+            "Give values that agree with a lower speed.",
         )
 
 
@@ -174,10 +187,10 @@ def _raise_disagreement(law, batch, i, v, states, p, given):
     tau = sigma * (mu_ref + a * stress(law, v, states, p)[i])
     names = " and ".join(law.states)
     balance = "sigma mu + damping V" if "damping" in law.parameters else "sigma mu"
-    where, remedy = "without inertia (M = 0)", "leave one of them out, or give M > 0"
+    where, remedy = "without inertia (M = 0)", "Leave one of them out, or give M > 0."
     if np.isinf(K):
-        where, remedy = "where K = inf", f"leave {names.replace('and', 'or')} or tau out"
+        where, remedy = "where K = inf", f"Leave {names.replace('and', 'or')} or tau out."
     which = f"V, {names} and tau" if "V" in given else f"{names} and tau"
     raise ParameterError(
-        f"initial {which} do not agree: {where} tau must be {balance} = {tau:.6g} Pa; {remedy}"
+        f"initial {which} do not agree: {where} tau must be {balance} = {tau:.6g} Pa", remedy
     )

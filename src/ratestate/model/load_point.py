@@ -89,8 +89,11 @@ class LoadPoint:
         """
         if (last := float(np.max(t_end))) > self.t_last:
             raise ParameterError(
-                f"t_end = {last!r} s is beyond the end of the loading series, {self.t_last!r} s; "
-                f"shorten t_end or extend the series"
+                f"is beyond the end of the loading series, {self.t_last!r} s",
+                "Shorten t_end or extend the series.",
+                symbol="t_end",
+                value=repr(last),
+                unit="s",
             )
 
     def V_load(self, t):
@@ -193,7 +196,11 @@ class LoadPoint:
         outside = ~((seconds >= 0) & (seconds <= self.t_last))
         if outside.any():
             raise ParameterError(
-                f"t = {seconds[outside].flat[0]} s is outside the loading, 0 to {self.t_last!r} s"
+                "is outside the loading",
+                f"Give times from 0 to {self.t_last!r} s.",
+                symbol="t",
+                value=str(seconds[outside].flat[0]),
+                unit="s",
             )
         return t if is_array(t) else seconds
 

@@ -81,7 +81,9 @@ class Loading(LoadPoint):
         loading = cls.constant(to_si("V_lp", V_start, label="V_start", bound=">= 0"))
         for step in steps:
             if not isinstance(step, tuple | list) or len(step) != 2:
-                raise ParameterError(f"step {step!r} is not a pair (t, V) such as (1.0, 3.2e-3)")
+                raise ParameterError(
+                    f"the step {step!r} is not a pair (t, V)", "Give pairs such as (1.0, 3.2e-3)."
+                )
             loading = loading.step(*step)
         return loading
 
@@ -208,7 +210,12 @@ class Loading(LoadPoint):
         longer = self._append(call, (t, before, V), (t + seconds, V, V))
         with np.errstate(over="ignore"):
             if not np.isfinite(longer.rate).all():
-                raise ParameterError(f"ramp = {duration!r} is too short; for a jump leave it out")
+                raise ParameterError(
+                    "is too short",
+                    "For a jump leave the ramp out.",
+                    symbol="ramp",
+                    value=repr(duration),
+                )
         return longer
 
     def sigma_step(self, t, sigma):
@@ -282,7 +289,7 @@ class Loading(LoadPoint):
         """
         before = self._extendable_stress()
         if not np.all(np.isinf(before.period)):
-            raise ParameterError("the normal stress has a sinusoid already, and can have only one")
+            raise ParameterError("the normal stress has a sinusoid already", "Give only one.")
         wave = {
             "amplitude": to_si("sigma", amplitude, label="amplitude", bound=">= 0"),
             "period": period_of("a sinusoid of sigma", period, frequency),
@@ -303,8 +310,8 @@ class Loading(LoadPoint):
     def _check_speed_time(self, t):
         if np.isfinite(self.t_last):
             raise ParameterError(
-                f"the history ends at t = {self.t_last!r} s, and nothing can follow; "
-                f"give steps to a constant speed, or put them into the rows of the series"
+                f"the history ends at t = {self.t_last!r} s, and nothing can follow",
+                "Give steps to a constant speed, or put them into the rows of the series.",
             )
         return self.speed.check_time(one_in_si("t", t, bound="> 0"), "the history")
 
@@ -312,7 +319,7 @@ class Loading(LoadPoint):
         stress = self._stress_history
         if not np.isnan(np.asarray(stress.start)[..., 0]).all():
             raise ParameterError(
-                "the series has a normal stress of its own; put the change into its rows"
+                "the series has a normal stress of its own", "Put the change into its rows."
             )
         return stress
 
@@ -320,7 +327,11 @@ class Loading(LoadPoint):
         stress, t = self._extendable_stress(), one_in_si("t", t, bound="> 0")
         if t >= self.t_last:
             raise ParameterError(
-                f"t = {t!r} s is not before the end of the history, {self.t_last!r} s"
+                f"is not before the end of the history, {self.t_last!r} s",
+                "Give an earlier time.",
+                symbol="t",
+                value=repr(t),
+                unit="s",
             )
         return stress.check_time(t, "normal stress")
 
@@ -338,5 +349,10 @@ def _value_after(symbol, t, value, bound):
 def _duration(t, duration, label):
     seconds = one_in_si("t", duration, label=label, bound="> 0")
     if not t < t + seconds < np.inf:
-        raise ParameterError(f"{label} = {duration!r} is too short or too long after t = {t!r} s")
+        raise ParameterError(
+            f"is too short or too long after t = {t!r} s",
+            "Give another duration.",
+            symbol=label,
+            value=repr(duration),
+        )
     return seconds

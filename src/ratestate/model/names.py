@@ -29,17 +29,17 @@ def nearest(given, names):
 
 
 def one_of(names, given=None, like=""):
-    """Return the end of a message: the valid names, and the one probably meant.
+    """Return the remedy for an unknown name: the valid names, and the one probably meant.
 
     like : an example, such as ``a = 0.003``
     """
     if isinstance(given, str) and given in REPLACEMENTS:
-        return f"expected a call such as {REPLACEMENTS[given]}"
+        return f"Call {REPLACEMENTS[given]}."
     names = list(names)
     near = nearest(given, names)
-    meant = f"; did you mean {near}?" if near else ""
-    such = f" such as {like}" if like else ""
-    return f"expected {'one of ' if len(names) > 1 else ''}{', '.join(names)}{such}{meant}"
+    meant = f" Did you mean {near}?" if near else ""
+    such = f", such as {like}" if like else ""
+    return f"Give {'one of ' if len(names) > 1 else ''}{', '.join(names)}{such}.{meant}"
 
 
 def check_keywords(caller, given, names):
@@ -49,7 +49,7 @@ def check_keywords(caller, given, names):
     """
     for name in given:
         if name not in names:
-            raise ParameterError(f"{caller} has no parameter {name}; {one_of(names, name)}")
+            raise ParameterError(f"{caller} has no parameter {name}", one_of(names, name))
 
 
 def keywords_checked(function):
@@ -88,9 +88,19 @@ class Sentences(string.Formatter):
         table, sentence = name.split(".")
         return self.vformat(self.tables[table][sentence], (), values)
 
-    def refusal(self, name, /, **values):
-        """Return a `ParameterError` with the sentence of this name, to be raised."""
-        error = ParameterError(self(name, **values))
+    def refusal(self, name, /, kind=ParameterError, **values):
+        """Return the error of this name, to be raised.
+
+        In the file it is a string, the problem; or a list of problem and remedy; or a table of
+        the fields of `ParameterError`.
+        """
+        table, sentence = name.split(".")
+        entry = self.tables[table][sentence]
+        if isinstance(entry, str):
+            entry = [entry]
+        if isinstance(entry, list):
+            entry = dict(zip(("problem", "remedy"), entry, strict=False))
+        error = kind(**{key: self.vformat(text, (), values) for key, text in entry.items()})
         error.sentence = name
         return error
 

@@ -66,9 +66,9 @@ def parameter_to_si(symbol, value, given, *, quantity=None, label=None):
         try:
             to_si(symbol, value, label=label)
         except ParameterError as error:
-            example = "; give the area too, such as area = '20 cm^2' (in [slider] of a file)"
-            message = str(error).replace(OF_WHOLE_CONTACT, OF_WHOLE_CONTACT + example)
-            raise ParameterError(message) from None
+            if error.problem == OF_WHOLE_CONTACT:
+                error.remedy += " Or give the area too, such as area = '20 cm^2'."
+            raise
     x, factor = to_si(quantity, value, label=label), given[second]
     check_aligned({label: x, second: factor})
     coords = {}
@@ -125,16 +125,27 @@ def logspace(name, start, stop, n):
     import xarray
 
     if not isinstance(name, str):
-        raise ParameterError(f"name = {name!r} must be a symbol in quotes, for example 'M'")
+        raise ParameterError(
+            "is not a symbol in quotes", "Give a name such as 'M'.", symbol="name", value=repr(name)
+        )
     symbol = quantity_of(name, start) if name in QUANTITIES else "number"
     ends = [
         to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
         for which, value in (("start", start), ("stop", stop))
     ]
     if any(is_array(end) or np.isinf(end) for end in ends):
-        raise ParameterError(f"{name}: start and stop must be finite numbers, not arrays")
+        raise ParameterError(
+            "needs single, finite values of start and stop",
+            "Give for example logspace('M', 100, 1e5, 12).",
+            symbol=name,
+        )
     if not is_integer(n) or not 2 <= n <= MAX_VALUES:
-        raise ParameterError(f"n = {n!r} must be an integer from 2 to {MAX_VALUES:,}, such as 12")
+        raise ParameterError(
+            "is not a usable number of values",
+            f"Give an integer from 2 to {MAX_VALUES:,}, such as 12.",
+            symbol="n",
+            value=repr(n),
+        )
     values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
     values[[0, -1]] = ends
     labels = attrs(symbol) if name in QUANTITIES else {}

@@ -61,12 +61,15 @@ def attrs(symbol):
     return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
 
 
-def expected(symbol, unit=True):
-    """Return the end of an error message: kind, SI unit and example of a quantity."""
+def remedy(symbol):
+    """Return the remedy for an unusable value of a quantity: its kind, and an example.
+
+    >>> remedy("Dc")
+    "Give a length such as '10 um'."
+    """
     quantity = QUANTITIES[symbol]
     kind, example = KINDS[quantity.unit]
-    si = f" [{quantity.unit}]" if unit and quantity.unit != "1" else ""
-    return f"expected {kind}{si} such as {quantity.example or example}"
+    return f"Give {kind} such as {quantity.example or example}."
 
 
 def power_of(unit, value):

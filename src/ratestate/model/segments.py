@@ -33,21 +33,32 @@ def sinusoid_history(V_lp, amplitude, period, t_end):
     the sine, so that the lines stay within V_lp +- amplitude, and the speed is never negative.
     """
     if is_array(period):
-        raise ParameterError("the period of a sinusoid is one number, common to all cases")
+        raise ParameterError(
+            "the period of a sinusoid is an array, but all cases share one period",
+            "Give one number.",
+        )
     check_aligned({"V_lp": V_lp, "amplitude": amplitude})
     if np.any(np.greater(amplitude, V_lp)):
         raise ParameterError(
-            f"amplitude = {float(np.max(amplitude)):.6g} m/s is more than V_lp = "
-            f"{float(np.min(V_lp)):.6g} m/s: the load point would move back; "
-            f"give an amplitude up to V_lp"
+            f"is more than V_lp = {float(np.min(V_lp)):.6g} m/s: the load point would move back",
+            "Give an amplitude up to V_lp.",
+            symbol="amplitude",
+            value=f"{float(np.max(amplitude)):.6g}",
+            unit="m/s",
         )
     needed = t_end / period * LINES_PER_PERIOD
     cases = np.size(V_lp + amplitude)
     if not (needed <= MAX_LINES and needed * cases <= MAX_SPEEDS):
         raise ParameterError(
-            f"{t_end:.6g} s are {t_end / period:.6g} periods, and {needed:.6g} lines for "
-            f"each of {cases} cases; no more than {MAX_LINES:.0e} lines, and "
-            f"{MAX_SPEEDS:.0e} in all cases: shorten t_end, or lengthen the period"
+            (
+                f"holds {t_end / period:.6g} periods, which need {needed:.6g} lines for each "
+                f"of {cases} cases (at most {MAX_LINES:.0e} lines, and {MAX_SPEEDS:.0e} in "
+                "all cases)"
+            ),
+            "Shorten t_end, or lengthen the period.",
+            symbol="t_end",
+            value=f"{t_end:.6g}",
+            unit="s",
         )
     n = LINES_PER_PERIOD
     odd = np.arange(1, 2 * n, 2)
@@ -67,7 +78,9 @@ def sinusoid_history(V_lp, amplitude, period, t_end):
     history = History(t[:keep], V[..., :keep], V[..., 1 : keep + 1], float(t[keep]))
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         if not (np.diff(t[: keep + 1]) > 0).all() or not np.isfinite(history.rate).all():
-            raise ParameterError(f"period = {period!r} s is too short; give a longer one")
+            raise ParameterError(
+                "is too short", "Give a longer one.", symbol="period", value=repr(period), unit="s"
+            )
     return history
 
 
@@ -75,7 +88,7 @@ def period_of(what, period, frequency):
     """Return the period [s] of `what` from its period or frequency."""
     if (period is None) == (frequency is None):
         raise ParameterError(
-            f"{what} needs either its period or its frequency, such as period='2 s'"
+            f"{what} needs either its period or its frequency", "Give for example period='2 s'."
         )
     if frequency is None:
         return to_si("period", period, bound="> 0")
@@ -83,7 +96,10 @@ def period_of(what, period, frequency):
         period = 1.0 / to_si("frequency", frequency, bound="> 0")
     if not np.all((period > 0.0) & (period < np.inf)):
         raise ParameterError(
-            f"frequency = {frequency!r} is beyond any size; give one such as '0.5 Hz'"
+            "is beyond any size",
+            "Give a frequency such as '0.5 Hz'.",
+            symbol="frequency",
+            value=repr(frequency),
         )
     return period
 
@@ -95,31 +111,45 @@ def histories_from_rows(times, V, sigma=None):
     """
     if is_array(times) or times.size < 2 or V.shape[-1] != times.size:
         raise ParameterError(
-            f"t has {times.size} and V_lp {V.shape[-1]} values; "
-            f"a series needs as many times as speeds, and at least 2"
+            f"t has {times.size} and V_lp {V.shape[-1]} values",
+            "Give as many times as speeds, at least 2.",
         )
     dt = np.diff(times)
     if times[0] != 0:
-        raise ParameterError(f"t[0] = {times[0]:.6g} s must be 0: subtract it from all times")
+        raise ParameterError(
+            "must be 0",
+            "Subtract it from all times.",
+            symbol="t[0]",
+            value=f"{times[0]:.6g}",
+            unit="s",
+        )
     if (dt < 0).any():
         i = int(np.argmax(dt < 0))
         raise ParameterError(
-            f"t[{i + 1}] = {times[i + 1]} s is less than t[{i}] = {times[i]} s: times must not "
-            f"decrease; mend the record"
+            f"is less than t[{i}] = {times[i]} s, but times must not decrease",
+            "Correct the record.",
+            symbol=f"t[{i + 1}]",
+            value=str(times[i + 1]),
+            unit="s",
         )
     jump = np.concatenate([[True], dt == 0, [True]])  # a jump at either end is an error too
     if (jump[1:] & jump[:-1]).any():
         i = int(np.argmax(jump[1:] & jump[:-1]))
         where = "at an end of the series" if i in (0, times.size - 1) else "a third time"
         raise ParameterError(
-            f"t[{i}] = {times[i]} s is repeated {where}: a jump is one time in two rows "
-            f"between others; drop a row (V_start of `simulate` gives a start at another speed)"
+            f"is repeated {where}: a jump is one time in two rows between others",
+            "Drop a row (V_start of `simulate` gives a start at another speed).",
+            symbol=f"t[{i}]",
+            value=str(times[i]),
+            unit="s",
         )
     keep = np.flatnonzero(dt > 0)
     speed = History(times[keep], V[..., keep], V[..., keep + 1], float(times[-1]))
     with np.errstate(over="ignore"):
         if not np.isfinite(speed.rate).all():
-            raise ParameterError("two times are too close for a ramp; for a jump repeat the time")
+            raise ParameterError(
+                "two times are too close for a ramp", "For a jump repeat the time."
+            )
     return speed, None if sigma is None else _stress_from_rows(times, keep, sigma)
 
 
@@ -127,13 +157,16 @@ def _stress_from_rows(times, keep, sigma):
     """Return the `NormalStress` of a record; `keep` are the rows that start segments."""
     if sigma.shape[-1] != times.size:
         raise ParameterError(
-            f"sigma has {sigma.shape[-1]} values for {times.size} times; give one at each time"
+            f"sigma has {sigma.shape[-1]} values for {times.size} times", "Give one at each time."
         )
     if not np.all(np.greater(sigma, 0.0)):
         i = int(np.argmin(np.asarray(sigma).min(axis=tuple(range(sigma.ndim - 1)))))
         raise ParameterError(
-            f"sigma[{i}] = {float(np.min(sigma)):.6g} Pa: normal stress must stay > 0; mend "
-            f"the record"
+            "must be > 0, as a normal stress",
+            "Correct the record.",
+            symbol=f"sigma[{i}]",
+            value=f"{float(np.min(sigma)):.6g}",
+            unit="Pa",
         )
     rows = np.append(keep, times.size - 1)  # constant from the last time on
     return NormalStress(times[rows], sigma[..., rows], sigma[..., np.append(keep + 1, -1)])

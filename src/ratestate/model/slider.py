@@ -18,7 +18,7 @@ from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
 from .names import check_keywords
 from .parameters import parameter_to_si
-from .quantities import QUANTITIES, exact_text, expected, readable, readable_together
+from .quantities import QUANTITIES, exact_text, readable, readable_together, remedy
 from .units import is_array, named, to_si
 from .user_laws import register, register_source, source_of_law
 
@@ -158,10 +158,12 @@ class SpringSlider:
             object.__setattr__(self, name, value)
         check_aligned(self.parameters)
         if complaint := base_law.complaint(self):
-            raise ParameterError(f"law = {base_law.name!r}: {complaint}")
+            raise ParameterError(*complaint, symbol="law", value=repr(base_law.name))
         if self.has_alpha and np.any(np.equal(self.b, 0.0)):
             raise ParameterError(
-                "alpha needs b: theta falls by alpha/b; give another b, or alpha = 0"
+                "needs b, since theta falls by alpha/b",
+                "Give another b, or alpha = 0.",
+                symbol="alpha",
             )
 
     @classmethod
@@ -286,8 +288,8 @@ class SpringSlider:
             parts = self.friction_law.name.split(PART_MARK)[1:]
             cause = f"with {' and '.join(parts)}" if parts else f"under the law {self.law!r}"
             raise ParameterError(
-                f"{cause} K_c_qs depends on the speed; "
-                f"stability(slider, V_lp).K_c_qs is that at V_lp"
+                f"{cause} K_c_qs depends on the speed",
+                "Use stability(slider, V_lp).K_c_qs, which is that at V_lp.",
             )
         return self._evaluate("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
 
@@ -423,8 +425,10 @@ def _check_names(law, form, given):
     for name in law.parameters:
         if name in COMMON or hasattr(SpringSlider, name):
             raise ParameterError(
-                f"law = {law.name!r} has a parameter {name}, which sliders have of their own; "
-                f"rename it"
+                f"has a parameter {name}, but every slider has one of this name",
+                "Rename it.",
+                symbol="law",
+                value=repr(law.name),
             )
     for name in given:
         for kind, chosen, owners in (
@@ -432,16 +436,19 @@ def _check_names(law, form, given):
             ("friction", form, forms_with(name)),
         ):
             if owners and name not in extra:
+                of = " and ".join(map(repr, owners))
                 raise ParameterError(
-                    f"{kind} = {chosen!r} has no parameter {name}, which belongs to "
-                    f"{' and '.join(map(repr, owners))}; leave {name} out, or choose such a {kind}"
+                    f"has no parameter {name}, which belongs to {of}",
+                    f"Leave {name} out, or choose such a {kind}.",
+                    symbol=kind,
+                    value=repr(chosen),
                 )
     check_keywords("SpringSlider", given, (*COMMON, *extra))
     for name in extra:
         if name not in given:
             needing = f"law = {law.name!r}" if name in law.parameters else f"friction = {form!r}"
             raise ParameterError(
-                f"{needing} needs {name}, {QUANTITIES[name].long_name}; {expected(name)}"
+                f"{needing} needs {name}, {QUANTITIES[name].long_name}", remedy(name)
             )
 
 
@@ -471,5 +478,10 @@ def _rebuild(slider_class, law_source, parameters):
 def check_slider(slider):
     """Return the slider; ParameterError if it is not a `SpringSlider`."""
     if not isinstance(slider, SpringSlider):
-        raise ParameterError(f"slider = {slider!r} is not a SpringSlider")
+        raise ParameterError(
+            "is not a SpringSlider",
+            "Give a ratestate.SpringSlider(a=..., ...).",
+            symbol="slider",
+            value=repr(slider),
+        )
     return slider

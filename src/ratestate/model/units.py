@@ -15,7 +15,7 @@ from decimal import Decimal
 import numpy as np
 
 from ..errors import ParameterError
-from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, expected, prefixed_unit
+from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, prefixed_unit, remedy
 
 #: names of dimensions that only results may have
 RESERVED = {"time", "mode", "segment"}
@@ -23,7 +23,7 @@ _PREFIXES = {prefix: power for power, prefix in PREFIXES.items()} | {"µ": -6, "
 #: units of quantities that data sheets give for the whole contact, in N/m, kg, N or N s/m
 _PER_AREA = ("Pa/m", "kg/m^2", "Pa", "Pa s/m")
 #: the problem of such a value
-OF_WHOLE_CONTACT = "is of the whole contact, and to be divided by its area"
+OF_WHOLE_CONTACT = "is of the whole contact, and must be divided by its area"
 # The number is as long as possible, and no part of another number may follow it ("1e1e1 um").
 _NUMBER = re.compile(
     r"\s*((?>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf|nan)))(?![eE]?[-+]?[\d.])"
@@ -94,25 +94,25 @@ def to_si(symbol, value, *, label=None, bound=None):
     label = label or symbol
     if is_array(value):
         return _array_to_si(symbol, value, label, bound)
-    given = repr(value) if isinstance(value, str) else str(value)
+    given, si = repr(value) if isinstance(value, str) else str(value), ""
     if is_pint(value):
         number = _to_float(symbol, value.magnitude, label)
-        x = _convert(symbol, repr(number), str(value.units), f"{label} = {given}")
+        x = _convert(symbol, repr(number), str(value.units), label, given)
     elif isinstance(value, str):
         match = _NUMBER.fullmatch(value)
         if match is None:
             raise ParameterError(
-                f"{label} = {given} is not a number with a unit; {expected(symbol)}"
+                "is not a number with a unit", remedy(symbol), symbol=label, value=given
             )
         if match[2] or Decimal(match[1]).is_finite():
-            x = _convert(symbol, match[1], match[2], f"{label} = {given}")
+            x = _convert(symbol, match[1], match[2], label, given)
         else:
             x = float(match[1])  # "inf" is the same in all units
     else:
         x = _to_float(symbol, value, label)
-        given = _text(symbol, x)
+        given, si = f"{x:.6g}", _shown_unit(symbol)
     if problem := _problem(symbol, x, bound):
-        raise ParameterError(f"{label} = {given} {problem}; {expected(symbol)}")
+        raise ParameterError(problem, remedy(symbol), symbol=label, value=given, unit=si)
     return x
 
 
@@ -120,14 +120,15 @@ def one_in_si(symbol, value, *, label=None, bound=None):
     """Convert a single number to SI by `to_si`; ParameterError for array or list."""
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0:
         raise ParameterError(
-            f"{label or symbol} is an array and not one number; {expected(symbol)}"
+            "is an array and not one number", remedy(symbol), symbol=label or symbol
         )
     return float(to_si(symbol, value, label=label, bound=bound))
 
 
-def _text(symbol, x):
+def _shown_unit(symbol):
+    """Return the SI unit of a quantity, "" for a pure number."""
     unit = QUANTITIES[symbol].unit
-    return f"{x:.6g}" + ("" if unit == "1" else f" {unit}")
+    return "" if unit == "1" else unit
 
 
 def _problem(symbol, x, bound):
@@ -150,14 +151,18 @@ def _to_float(symbol, value, label):
             return float(value)
         except OverflowError:  # an int beyond 1e308
             return np.inf if value > 0 else -np.inf
-    many = hasattr(value, "__len__") and not isinstance(value, str | bytes)
+    many = ""
+    if hasattr(value, "__len__") and not isinstance(value, str | bytes):
+        many = f" For many values give xarray.DataArray(values, dims='{symbol}')."
     raise ParameterError(
-        f"{label} = {reprlib.repr(value)} is of type {type(value).__name__}; {expected(symbol)}"
-        + (f", or for many values xarray.DataArray(values, dims='{symbol}')" if many else "")
+        f"is of type {type(value).__name__}",
+        remedy(symbol) + many,
+        symbol=label,
+        value=reprlib.repr(value),
     )
 
 
-def _convert(symbol, number, unit, given):
+def _convert(symbol, number, unit, label, given):
     """Convert a number and a unit, both texts, to a correctly rounded float in SI."""
     try:
         exact = Decimal(number) * unit_factor(QUANTITIES[symbol].unit, unit)
@@ -166,18 +171,19 @@ def _convert(symbol, number, unit, given):
             raise OverflowError
         return value
     except ArithmeticError:  # beyond the exponents of Decimal, or beyond a float
-        raise ParameterError(f"{given} is beyond any size; {expected(symbol)}") from None
+        problem, hint = "is beyond any size", ""
     except ValueError as error:
-        raise ParameterError(f"{given} {error}; {expected(symbol)}{_hint(symbol, unit)}") from None
+        problem, hint = str(error), _hint(symbol, unit)
+    raise ParameterError(problem, remedy(symbol) + hint, symbol=label, value=given)
 
 
 def _hint(symbol, unit):
-    """Return the end of a message: the usual unit that differs only in its case."""
+    """Return a question after the remedy: the usual unit that differs only in its case."""
     si = QUANTITIES[symbol].unit
     usual = (prefixed_unit(si, power) for power in POWERS.get(si, (0,)))
     plain = unit.replace("^", "").lower()
     near = [one for one in usual if si != "1" and one.replace("^", "").lower() == plain]
-    return f"; did you mean {near[0]!r}?" if near else ""
+    return f" Did you mean {near[0]!r}?" if near else ""
 
 
 @functools.lru_cache(maxsize=1000)
@@ -205,7 +211,7 @@ def unit_factor(si, unit):
         raise ValueError(f"has an unknown unit {unit!r}") from None
     if si in _PER_AREA and one.is_compatible_with(f"({si}) * m**2"):
         raise ValueError(OF_WHOLE_CONTACT)
-    kinds = [f"{KINDS[known][0]} [{known}]" for known in KINDS if one.is_compatible_with(known)]
+    kinds = [KINDS[known][0] for known in KINDS if one.is_compatible_with(known)]
     raise ValueError(f"is {kinds[0] if kinds else f'of dimension {dimension}'}")
 
 
@@ -228,13 +234,14 @@ def _array_to_si(symbol, array, label, bound):
         unit, array = str(array.data.units), array.copy(data=array.data.magnitude)
     if array.dtype.kind not in "iuf" or array.size == 0:
         what = f"of dtype {array.dtype}" if array.size else "without values"
-        raise ParameterError(f"{label} is a DataArray {what}; {expected(symbol)}")
+        raise ParameterError(f"is a DataArray {what}", remedy(symbol), symbol=label)
     reserved = RESERVED - {"time"} if symbol in ("t", "time", "times") else RESERVED
     for dim in array.dims:
         if dim in reserved or not re.match(r"(?!dim_\d)[^\W\d]", str(dim)):
             raise ParameterError(
-                f"{label} has a dimension called {dim!r}, which cannot name a sweep; "
-                f"rename it, for example xarray.DataArray(values, dims='{symbol}')"
+                f"has a dimension called {dim!r}, which cannot name a sweep",
+                f"Rename it, for example xarray.DataArray(values, dims='{symbol}').",
+                symbol=label,
             )
     si = array.astype(float, keep_attrs=False)
     if any(coordinate.attrs for coordinate in si.coords.values()):
@@ -245,8 +252,10 @@ def _array_to_si(symbol, array, label, bound):
             factor = unit_factor(QUANTITIES[symbol].unit, str(unit))
         except ValueError as error:
             raise ParameterError(
-                f"{label} has the attribute units = {unit!r}, which {error}; {expected(symbol)} "
-                f"(xarray's arithmetic keeps attributes: .drop_attrs() for values already in SI)"
+                f"has the attribute units = {unit!r}, which {error}",
+                f"{remedy(symbol)} If the values are in SI already, drop the attribute, which "
+                "xarray's arithmetic keeps, with .drop_attrs().",
+                symbol=label,
             ) from None
         si.data = scaled(si.data, factor)
     if si.ndim == 0:
@@ -258,8 +267,13 @@ def _array_to_si(symbol, array, label, bound):
             f"{dim}[{i}]" + (f" = {si[dim].values[i]}" if dim in si.indexes else "")
             for dim, i in zip(si.dims, index, strict=True)
         )
-        given, problem = _text(symbol, values[index]), _problem(symbol, values[index], bound)
-        raise ParameterError(f"{label} = {given} at {where} {problem}; {expected(symbol)}")
+        raise ParameterError(
+            f"at {where} {_problem(symbol, values[index], bound)}",
+            remedy(symbol),
+            symbol=label,
+            value=f"{values[index]:.6g}",
+            unit=_shown_unit(symbol),
+        )
     # the coordinate of an axis is in SI like its values
     if si.dims == (symbol,) and (
         symbol not in si.indexes or np.array_equal(si.indexes[symbol], array.values)

@@ -75,7 +75,9 @@ def register(law):
         _check_names(new, base_name)
         check_formulas(new, {symbol: _example(symbol, new) for symbol in new.parameters})
     except ParameterError as error:
-        raise ParameterError(f"law {base_name!r}{_origin(law)}: {error}") from None
+        raise ParameterError(
+            f"law {base_name!r}{_origin(law)}: {error.problem}", error.remedy
+        ) from None
     except FormulaError as error:
         raise ParameterError(describe_error(base_name, new, error)) from None
     except USER_ERRORS as error:
@@ -97,25 +99,32 @@ def _check_names(law, base_name):
     for name in (base_name, *law.synonyms):
         known = laws.find_law_name(name)
         if known and HASH_MARK not in known:
-            raise ParameterError(f"the name {name!r} is that of a built-in law; choose another")
+            raise ParameterError(f"the name {name!r} is that of a built-in law", "Choose another.")
     for symbol, parameter in law.parameters.items():
         quantity = Quantity(*parameter)
         if not _is_allowed_name(symbol) or _is_other_quantity(symbol, quantity, base_name):
-            raise ParameterError(f"its parameter {symbol!r} is another quantity; rename it")
+            raise ParameterError(f"its parameter {symbol!r} is another quantity", "Rename it.")
         if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
             units = ", ".join(KINDS)
             raise ParameterError(
-                f"its parameter {symbol} has the unit {quantity.unit!r} and the bound "
-                f"{quantity.bound!r}; units are {units}; bounds '', '> 0' and '>= 0'"
+                (
+                    f"its parameter {symbol} has the unit {quantity.unit!r} and the bound "
+                    f"{quantity.bound!r}"
+                ),
+                f"Units are {units}. Bounds are '', '> 0' and '>= 0'.",
             )
     known = {state for one in laws.LAWS.values() for state in one.states}
     for state, (_, distance) in law.states.items():
         if not _is_allowed_name(state) or (state in QUANTITIES and state not in known):
             raise ParameterError(
-                f"its state {state!r} is another quantity, or no name; rename it, as to theta2"
+                f"its state {state!r} is another quantity, or not a name",
+                "Rename it, for example theta2.",
             )
         if distance != "Dc" and getattr(law.parameters.get(distance), "unit", "") != "m":
-            raise ParameterError(f"its state {state} evolves over {distance!r}, which is no length")
+            raise ParameterError(
+                f"its state {state} evolves over {distance!r}, which is not a length",
+                "Declare it as a parameter in m.",
+            )
 
 
 def _is_allowed_name(text):
@@ -142,7 +151,9 @@ def _example(symbol, law):
     try:
         return to_si(symbol, quantity.example.strip("'\""))
     except ParameterError as error:
-        raise ParameterError(f"the example of its parameter {symbol} is wrong: {error}") from None
+        raise ParameterError(
+            f"the example of its parameter {symbol} is wrong: {error.problem}", error.remedy
+        ) from None
     finally:
         del QUANTITIES[symbol]
         if before is not None:

@@ -99,12 +99,12 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     t_end, dt = to_si("t_end", t_end), to_si("dt", dt)
     V_start = loading.V_first if V_start is None else to_si("V_start", V_start)
     if any(map(is_array, (*slider.values.values(), loading.V, t_end, dt, V_start))):
-        raise ParameterError("im2017 is for one slider under one loading. Call it for each case.")
+        raise ParameterError("im2017 is for one slider under one loading", "Call it for each case.")
     if V_start == 0.0:
         raise refusal("simulate.at_rest")
     loading.covers(t_end)
     _check(slider, loading, dt, euler)
-    check_fits(BYTES * t_end / dt, f"{t_end / dt:.3g} steps", "give a larger dt")
+    check_fits(BYTES * t_end / dt, f"{t_end / dt:.3g} steps", "Give a larger dt.")
     t, states = _run(state_of(slider, euler), slider, loading, t_end, dt, V_start)
     settings = {"t_end": t_end, "dt": dt, "V_start": V_start, "euler": int(euler)}
     attributes = provenance("paper.im2017", slider, **settings)
@@ -127,12 +127,15 @@ def _check(slider, loading, dt, euler):
     for what, is_given in needs.items():
         if not is_given:
             raise ParameterError(
-                f"The paper's scheme needs {what}. Use ratestate.simulate for others."
+                f"the paper's scheme needs {what}", "Use ratestate.simulate for others."
             )
     if (angle := dt * math.sqrt(slider.K / slider.M)) > math.pi:
         raise ParameterError(
-            f"dt = {dt:g} s is {angle:.3g}/omega with omega = sqrt(K/M), more than half a natural "
-            "period. Give dt = 0.1/omega or less."
+            f"is {angle:.3g}/omega with omega = sqrt(K/M), more than half a natural period",
+            "Give dt = 0.1/omega or less.",
+            symbol="dt",
+            value=f"{dt:g}",
+            unit="s",
         )
 
 

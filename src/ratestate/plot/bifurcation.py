@@ -52,7 +52,10 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
         Another result, or a branch of one point.
     """
     if not {"parameter", "rtol"} <= set(getattr(data, "attrs", ())):
-        raise ParameterError("branch wants the Dataset that continue_cycle gives")
+        raise ParameterError(
+            "branch draws the Dataset of continue_cycle, and this is not one",
+            "Give the result of continue_cycle.",
+        )
     data = in_si(data)
     if ax is None:
         from matplotlib import pyplot
@@ -91,7 +94,10 @@ def branch_page(data):
 def _diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
     """Draw a `branch` over the parameter times a factor, which is in this unit."""
     if data.sizes["point"] < 2:
-        raise ParameterError(f"a branch is drawn from 2 points on, and has {data.sizes['point']}")
+        raise ParameterError(
+            f"the branch has {data.sizes['point']} points, too few to draw",
+            "Give 2 points or more.",
+        )
     symbol = branch_parameter(data)
     x, amplitude, special = (data[name].values for name in (symbol, "amplitude", "special"))
     at = np.geomspace(x.min() / 1.05, x.max() * 1.05, 2001)

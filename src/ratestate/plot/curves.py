@@ -76,13 +76,20 @@ def record_of(result, x=None):
     displacement.
     """
     if x is not None and x not in ABSCISSAE:
-        raise ParameterError(f"x = {x!r} is unknown; choose 'delta_lp' or 'time'")
+        raise ParameterError(
+            "is unknown", "Choose 'delta_lp' or 'time'.", symbol="x", value=repr(x)
+        )
     laws = results_by_law(result)
     part = next(iter(laws.values()))  # (all have the same record)
     segments = _segments(part)
     of_time = "delta_lp" not in result
     if of_time and x == "delta_lp":
-        raise ParameterError("a fit of cycles has times alone; leave x out, or give x='time'")
+        raise ParameterError(
+            "is not in a fit of cycles, which has times alone",
+            "Leave x out, or give x='time'.",
+            symbol="x",
+            value=repr(x),
+        )
     x = x or ("time" if of_time or any(V == 0.0 for _, V in segments) else "delta_lp")
     t = part["time"].values - part["time"].values[0]
     values = t if x == "time" else part["delta_lp"].values

@@ -46,7 +46,7 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
         No run of `simulate`, or runs over more than one dimension; another abscissa.
     """
     if x not in ALONG:
-        raise ParameterError(f"x = {x!r}: {one_of(ALONG, x)}")
+        raise ParameterError("is unknown", one_of(ALONG, x), symbol="x", value=repr(x))
     runs = named_runs(run)
 
     def along(run):

@@ -37,11 +37,13 @@ def named_runs(runs):
     else:
         names, parts = _along_a_dimension(_checked(runs))
     if not parts:
-        raise ParameterError("there are no runs to draw; give at least one result of simulate")
+        raise ParameterError("there are no runs to draw", "Give at least one result of simulate.")
     parts = [_with_own_time(_checked(run)) for run in parts]
     for run in parts:
         if dims := _sweep_dims(run):
-            raise ParameterError(f"a run has the dimension {dims[0]!r}; pick one case with .isel")
+            raise ParameterError(
+                f"a run has the dimension {dims[0]!r}", "Pick one case with .isel."
+            )
     if len(parts) == 1:
         return [NamedRun(parts[0], "", {})]
     names = [
@@ -66,7 +68,10 @@ def common(runs, symbols):
 def _checked(run):
     """The argument in SI; ParameterError if it is no motion in time."""
     if not isinstance(run, xarray.Dataset) or not {"time", "tau", "mu"} <= {*run.sizes, *run}:
-        raise ParameterError("a run must be a Dataset as simulate gives it, with its attributes")
+        raise ParameterError(
+            "a run is not a Dataset as simulate returns it, with its attributes",
+            "Give such a result.",
+        )
     return in_si(run)
 
 
@@ -81,8 +86,11 @@ def _along_a_dimension(runs):
         return [""], [runs]
     if len(dims) > 1:
         raise ParameterError(
-            f"the runs have {len(dims)} dimensions ({', '.join(map(str, dims))}), and lines are "
-            f"drawn along one; pick values of the others with .isel"
+            (
+                f"the runs have {len(dims)} dimensions ({', '.join(map(str, dims))}), but "
+                "lines are drawn along one"
+            ),
+            "Pick values of the others with .isel.",
         )
     (dim,) = dims
     return axis_of(runs, dim).each(dim), [runs.isel({dim: i}) for i in range(runs.sizes[dim])]

@@ -149,7 +149,7 @@ def sweep(
 def _check_fits(request):
     """Raise ParameterError if the result takes more memory than there is."""
     cases, own = request.call.batch.n, _own(request)
-    check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "give a store")
+    check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "Give a store.")
 
 
 def _own(request):

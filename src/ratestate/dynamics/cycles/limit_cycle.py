@@ -105,7 +105,7 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
     0.9706
     """
     call = limit_cycle_call(slider, V_lp, V_start=V_start, rtol=rtol)
-    into_store = "sweep into a store: sweep(limit_cycle, ..., store='x.zarr')"
+    into_store = "Sweep into a store, sweep(limit_cycle, ..., store='x.zarr')."
     call.batch.check_fits(len(VARIABLES), into_store)
     with bar("limit_cycle") as progress:
         result = call.dataset(call.run(progress))

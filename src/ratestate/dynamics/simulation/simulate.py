@@ -214,7 +214,7 @@ class SimulateCall:
         check_fits(
             each * self.batch.n * times,
             f"the results of {self.batch.n:,} cases at {times:,} times",
-            "save fewer times, or sweep into a store: sweep(simulate, ..., store='x.zarr')",
+            "Save fewer times, or sweep into a store, sweep(simulate, ..., store='x.zarr').",
         )
 
     def result(self, progress=None):

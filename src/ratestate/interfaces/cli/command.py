@@ -60,7 +60,8 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def wrapped(*, context: typer.Context, debug: bool, **values: Any) -> None:
-        with exit_on_error(debug or bool(context.obj)), warnings_as_lines():
+        options = {str(one.name): one.opts[0] for one in context.command.params}
+        with exit_on_error(debug or bool(context.obj), options), warnings_as_lines():
             function(**{parameter.name: _argument(parameter, values) for parameter in own})
 
     kind = inspect.Parameter.KEYWORD_ONLY

@@ -9,11 +9,11 @@ import os
 import signal
 import threading
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import typer
 
-from ...errors import RateStateError
+from ...errors import ParameterError, RateStateError
 from .output import print_line
 
 BUG, FAILED, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
@@ -24,10 +24,12 @@ EXIT_CODES = (
 
 
 @contextlib.contextmanager
-def exit_on_error(debug: bool) -> Iterator[None]:
+def exit_on_error(debug: bool, options: Mapping[str, str] | None = None) -> Iterator[None]:
     """Turn every error into a message on stderr and an exit code; if `debug`, with a traceback.
 
     Raises `typer.Exit` with the code in its place; typer's own exceptions pass.
+
+    options : name of a parameter -> the command's option, which a message names instead
     """
     try:
         with _second_interrupt_exits():
@@ -40,7 +42,7 @@ def exit_on_error(debug: bool) -> Iterator[None]:
     except Exception as error:
         if debug:
             print_line(traceback.format_exc().rstrip("\n"), err=True)
-        message, code = _message_and_status(error)
+        message, code = _message_and_status(error, options or {})
         print_line(message, err=True)
         raise typer.Exit(code) from error
 
@@ -72,9 +74,11 @@ def _second_interrupt_exits() -> Iterator[None]:
             signal.signal(signal.SIGINT, default)
 
 
-def _message_and_status(error: Exception) -> tuple[str, int]:
+def _message_and_status(error: Exception, options: Mapping[str, str]) -> tuple[str, int]:
     """The message for an error, and the exit code."""
     match error:
+        case ParameterError():
+            return f"error: {error.text(options.get(error.symbol, error.symbol))}", FAILED
         case RateStateError():
             return f"error: {error}", FAILED
         case OSError(filename=str(name), strerror=str(why)):

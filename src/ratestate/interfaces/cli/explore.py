@@ -35,8 +35,8 @@ def explore(
         if port is not None or no_browser:
             given = "--port" if port is not None else "--no-browser"
             raise ParameterError(
-                f"{given} is for serving the page, and --save writes it to a file instead; leave "
-                f"out one of them"
+                f"{given} is for serving the page, and --save writes it to a file instead",
+                "Leave out one of them.",
             )
         print_line(f"wrote {_saved(save, opened)}", err=True)
         return
@@ -57,8 +57,11 @@ def _opened(file, law_file):
     scenario = load_scenario(file, "stability", law_file)
     if swept := swept_dims(scenario):
         raise ParameterError(
-            f"[sweep]: the file has a sweep over {', '.join(swept)}, and the explorer shows "
-            f"one slider; expected a file without [sweep], or run it: ratestate run {file}"
+            (
+                f"[sweep]: the file has a sweep over {', '.join(swept)}, but the explorer "
+                "shows one slider"
+            ),
+            f"Give a file without [sweep], or run it with ratestate run {file}.",
         )
     return scenario.slider, scenario.settings["V_lp"]
 

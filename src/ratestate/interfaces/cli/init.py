@@ -45,7 +45,7 @@ def _write(texts: dict[Path, str]) -> None:
     for path in texts:
         if os.path.lexists(path):
             other = "name" if path.suffix.lower() == ".toml" else "folder"
-            raise ParameterError(f"{path} exists; give another {other} with --out")
+            raise ParameterError(f"{path} exists", f"Give another {other} with --out.")
     places = {checked_path(path, (path.suffix.lower(),)): text for path, text in texts.items()}
     made = list[Path]()
     try:

@@ -44,8 +44,8 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     """
     if out and (report := out / REPORT).is_file() and not _is_own(report):
         raise ParameterError(
-            f"{report} exists and is no report of ratestate fit; it is not replaced: give "
-            f"another folder with --out"
+            f"{report} exists, is not a report of ratestate fit, and is not replaced",
+            "Give another folder with --out.",
         )
     what = f"fit of {request.names}, {law_names(request.laws)}"
     with folder(out), reporting_files(what) as files:
@@ -91,8 +91,8 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
             notes = json.loads(record.attrs["notes"])
             why = "".join(f" ({note})" for note in notes if note.startswith("sigma is left out"))
             raise ParameterError(
-                f"the record has no normal stress{why}, and none is given; add --sigma '20 MPa', "
-                f"or say which column it is: --columns sigma=TITLE"
+                f"the record has no normal stress{why}, and none is given",
+                "Add --sigma '20 MPa', or say which column it is with --columns sigma=TITLE.",
             )
         given["sigma"] = float(record["sigma"].median())
         default = f"sigma = {readable('sigma', given['sigma'])} is the median of the record's"
@@ -109,6 +109,8 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
         if symbol not in given and symbol not in free:
             option = f"--set {symbol}=" if symbol in law.parameters else f"--{symbol} "
             raise ParameterError(
-                f"{symbol} is neither free nor given; add {option}VALUE, or name it in --free"
+                "is neither free nor given",
+                f"Add {option}VALUE, or name it in --free.",
+                symbol=symbol,
             )
     return slider

@@ -81,8 +81,11 @@ def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Out
     file, picture = out or scenario.output.file, plot or scenario.output.plot
     if picture and len(dims := swept_dims(scenario)) > 2:
         raise ParameterError(
-            f"a picture shows a sweep over one or two axes, and this one has {len(dims)} "
-            f"({', '.join(dims)}); leave the plot out"
+            (
+                f"a picture shows a sweep over one or two axes, and this one has {len(dims)} "
+                f"({', '.join(dims)})"
+            ),
+            "Leave the plot out.",
         )
     return Output(file and checked_path(file, NUMBERS), picture and checked_path(picture, PICTURES))
 
@@ -117,8 +120,11 @@ def compute(scenario: Scenario) -> xarray.Dataset:
     dims = swept_dims(scenario)
     if dims and scenario.verb == "continue_cycle":
         raise ParameterError(
-            f"{' and '.join(dims)}: many values, and a branch follows the cycles of one slider; "
-            f"give one value of each"
+            (
+                f"{' and '.join(dims)} have many values, but a branch follows the cycles of "
+                "one slider"
+            ),
+            "Give one value of each.",
         )
     if not dims:
         try:
@@ -138,9 +144,11 @@ def compute(scenario: Scenario) -> xarray.Dataset:
     size = cases * bytes_per_case(form_of(call).specs)
     if size > MOST_BYTES:
         raise ParameterError(
-            f"the results of {cases:,} cases take {size / 1e9:.3g} GB, and no more than "
-            f"{MOST_BYTES / 1e9:.3g} GB are kept in memory; use ratestate sweep FILE --store "
-            f"x.zarr, or fewer cases"
+            (
+                f"the results of {cases:,} cases take {size / 1e9:.3g} GB, but at most "
+                f"{MOST_BYTES / 1e9:.3g} GB are kept in memory"
+            ),
+            "Use ratestate sweep FILE --store x.zarr, or fewer cases.",
         )
     return sweep(scenario.verb, scenario.slider, progress=on_terminal(), **scenario.settings)
 
@@ -150,7 +158,7 @@ def wanted_units(texts: list[str] | None) -> dict[str, str]:
     units = pairs_of(texts, "--units", separator=",")
     for symbol, unit in units.items():
         if symbol not in QUANTITIES:
-            raise ParameterError(f"--units: {symbol} is no quantity; {one_of(QUANTITIES, symbol)}")
+            raise ParameterError(f"--units: {symbol} is not a quantity", one_of(QUANTITIES, symbol))
         to_si(symbol, f"1 {unit}", label=f"--units {symbol}", bound="")
     return units
 

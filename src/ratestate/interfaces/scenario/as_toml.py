@@ -114,7 +114,10 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
     else:
         speeds = [call.arguments["V"] for call in (first, *events) if "V" in call.arguments]
         if any(map(is_array, speeds[:-1])):
-            raise ParameterError("a scenario file can sweep none but the last speed of a loading")
+            raise ParameterError(
+                "a scenario file can sweep no speed of a loading but the last one",
+                "Write this scenario as Python, with ratestate.scenario.python(scenario).",
+            )
         steps = [_table(call, {"t": "t", "V": "V_lp", "duration": call.method}) for call in events]
         more = {"steps": _lines(steps)} if steps else {}
     if not is_array(speeds[0]):
@@ -156,8 +159,8 @@ def _refuse_arrays(what: str, *values: Any) -> None:
     """Raise ParameterError for values that are swept."""
     if any(map(is_array, values)):
         raise ParameterError(
-            f"{what} cannot be swept in a scenario file; "
-            f"ratestate.scenario.python(scenario) writes this one as Python"
+            f"{what} cannot be swept in a scenario file",
+            "Write this scenario as Python, with ratestate.scenario.python(scenario).",
         )
 
 
@@ -168,9 +171,11 @@ def _axis(symbol: str, value: Any) -> str:
         made_of = [f"{quantity} and {by}" for quantity, (_, by) in ways if by in value.dims]
         why = f", as it does if made of {' or of '.join(made_of)}" if made_of else ""
         raise ParameterError(
-            f"{symbol} lies along {', '.join(map(str, value.dims))}{why}: a scenario file can "
-            f"sweep a parameter along a dimension of its own only; "
-            f"ratestate.scenario.python(scenario) writes this one as Python"
+            (
+                f"{symbol} lies along {', '.join(map(str, value.dims))}{why}, but a scenario "
+                "file can sweep a parameter along a dimension of its own only"
+            ),
+            "Write this scenario as Python, with ratestate.scenario.python(scenario).",
         )
     return _literal(symbol, value.values)
 

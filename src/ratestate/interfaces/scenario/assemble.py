@@ -7,13 +7,14 @@ import numpy as np
 
 from ...dynamics.continuation.branch import checked_family
 from ...model.parameters import OTHER_QUANTITIES, parameter_to_si
+from ...model.quantities import remedy
 from ...model.slider import SpringSlider
 from .checks import check_rtol, check_run
 from .known_keys import NEEDED, example, parameter_keys
 from .loading_table import LoadingTable
 from .model import FUNCTIONS, Output, Scenario
-from .problems import Place, expected, message
-from .tables import BRANCH, Sweep
+from .problems import Place
+from .tables import Sweep
 
 
 class Tables(NamedTuple):
@@ -56,7 +57,7 @@ def assemble(tables: Tables) -> Scenario | None:
     if verb == "simulate":
         V_last = settings.pop("V_lp", None)
         if "t_end" not in settings:
-            tables.place("t_end").add("key.missing", wanted=expected("t_end"))
+            tables.place("t_end").add("key.missing", wanted=remedy("t_end"))
         loading = tables.loading.build(V_last, settings.get("t_end"))
         check_run(slider, settings, loading, tables.place)
         settings = {"loading": loading} | settings
@@ -71,7 +72,7 @@ def assemble(tables: Tables) -> Scenario | None:
         arguments = {"V_lp": None, "rtol": 1e-8} | settings
         check = functools.partial(checked_family, slider, **arguments)
         place = tables.table("sweep").at(branch["parameter"])
-        place.noting(check, wanted=message("branch.wanted"), like=BRANCH)
+        place.noting(check)
     if tables.problems or slider is None:
         return None
     return Scenario(verb, slider, settings, Output(**tables.output))
@@ -105,12 +106,12 @@ def _slider(tables: Tables) -> SpringSlider | None:
     for key in [key for key in ("area", *OTHER_QUANTITIES) if key in values]:
         where = tables.table("sweep" if key in tables.sweep.values else "slider").at(key)
         read = functools.partial(parameter_to_si, key, values[key], given)
-        if (value := where.noting(read, key)) is not None:
+        if (value := where.noting(read)) is not None:
             given[key] = value
     if len(tables.problems) > before:
         return None
     make = functools.partial(SpringSlider, **values | given)
-    return place.noting(make, wanted=f"expected values such as {example('a')}")
+    return place.noting(make)
 
 
 def _note_missing_speed(tables: Tables) -> None:
@@ -129,5 +130,5 @@ def _last_speed(tables: Tables) -> Any:
     if "V_lp" in swept:
         place, last = tables.place("V_lp"), swept["V_lp"]
     if last is not None and not np.all(np.greater(last, 0.0)):
-        place.add("loading.at_rest", verb=tables.sweep.verb, wanted=expected("V_lp"))
+        place.add("loading.at_rest", verb=tables.sweep.verb, wanted=remedy("V_lp"))
     return last

@@ -10,11 +10,11 @@ from ...dynamics.simulation.settings import check_normal_stress, saved_times
 from ...model.arrays import Batch
 from ...model.initial_state import initial_state, initial_values
 from ...model.loading import Loading
+from ...model.quantities import remedy
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from .known_keys import INITIAL_LIKE
 from .model import FUNCTIONS
-from .problems import Place, expected, message
+from .problems import Place
 
 FEW = 10**5  # cases that are checked one by one
 
@@ -23,7 +23,7 @@ def check_rtol(verb: str, rtol: float | None, place: Place) -> None:
     """Note an rtol that the function would refuse."""
     check = FUNCTIONS[verb].check_rtol
     if check and rtol is not None:
-        place.noting(lambda: check(rtol), "rtol", expected("rtol"))
+        place.noting(lambda: check(rtol))
 
 
 def check_run(
@@ -36,26 +36,20 @@ def check_run(
     t_end, times = values.get("t_end"), values.get("times")
     check_rtol("simulate", values.get("rtol"), place("rtol"))
     if loading is not None and t_end is not None:
-        place("t_end").noting(lambda: loading.covers(t_end), "t_end", expected("t_end"))
+        place("t_end").noting(lambda: loading.covers(t_end))
     stressed = loading is not None and loading.normal_stress is not None
     if stressed and slider is not None and t_end is not None:
         check = functools.partial(check_normal_stress, loading, slider, t_end)
         where = Place("[loading] sigma", place("K").problems)
-        where.noting(check, "sigma", message("loading.stress_wanted"))
+        where.noting(check)
     if times is not None and t_end is not None:
-        place("times").noting(
-            lambda: saved_times(times, t_end), "times", message("run.times_wanted")
-        )
+        place("times").noting(lambda: saved_times(times, t_end))
     if slider is not None and values.get("initial"):
-        place("initial").noting(
-            lambda: _check_initial(slider, values, loading),
-            wanted=message("run.initial_wanted"),
-            like=INITIAL_LIKE,
-        )
+        place("initial").noting(lambda: _check_initial(slider, values, loading))
     if loading is None or slider is None or t_end is None:
         return
     if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
-        place("V_start").add("run.no_start", wanted=expected("V_start"))
+        place("V_start").add("run.no_start", wanted=remedy("V_start"))
     if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
         Place("[slider] K", place("K").problems).add("run.rigid_rest")
 

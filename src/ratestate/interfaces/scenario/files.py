@@ -5,6 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from ...errors import MissingFileError
 from ...model.names import one_of
 from .assemble import Tables, assemble
 from .known_keys import TABLES, composed_law_of, example, tables_with
@@ -152,6 +153,8 @@ def _bytes(path: Path) -> bytes:
             what = message("file.too_large", size=size, most=LARGEST)
         else:
             return path.read_bytes()
+    except FileNotFoundError:
+        raise refusal("file.missing", kind=MissingFileError, name=repr(str(path))[1:-1]) from None
     except OSError as error:
         what = str(error.strerror)
     except ValueError:  # a null character in the path
@@ -184,7 +187,7 @@ def _tables(parsed: dict[str, Any], problems: list[str]) -> dict[str, dict[str, 
             place.add("table.unknown", wanted=one_of(known, place.name))
         else:  # a key
             homes = tables_with(name)
-            wanted = f"expected in {homes} such as {example(name)}" if homes else one_of(known)
+            wanted = f"Write it in {homes}, such as {example(name)}." if homes else one_of(known)
             Place(toml_key(name), problems).add("table.loose_key", wanted=wanted)
     if len(parsed) > MOST_TABLES:
         Place("the file", problems).add("table.too_many", n=len(parsed), wanted=one_of(known))

@@ -185,7 +185,7 @@ def _note_unknown(table: str, key: str, place: Place, verb: str) -> None:
     keys = keys_of(table)
     own = nearest(key, keys)
     near = None if own else nearest(key, {k for t in TABLES for k in keys_of(t)})
-    meant = f"; did you mean {near} in {tables_with(near, table)}?" if near else ""
+    meant = f" Did you mean {near} in {tables_with(near, table)}?" if near else ""
     wanted = one_of(keys, key, example(own or keys[0], table)) + meant
     place.add("key.no_parameter" if verb else "key.unknown", verb=verb, wanted=wanted)
 

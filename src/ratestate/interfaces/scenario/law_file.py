@@ -32,8 +32,8 @@ def take_law_file(
     if given is not None:
         _settle(tables, register(given), str(given), problems)
     elif named is not None and not _names_known_source(slider.get("law")):
-        place, wanted = Place(f"[slider] {KEY}", problems), message("law_file.wanted")
-        name = place.noting(lambda: _registered(named, folder), wanted=wanted, like=example(KEY))
+        place = Place(f"[slider] {KEY}", problems)
+        name = place.noting(lambda: _registered(named, folder))
         if name is None:
             _take_out_unknown(tables)
         else:
@@ -43,7 +43,8 @@ def take_law_file(
 def _registered(named: Any, folder: Path | None) -> str:
     """The name of the law in the file that a scenario names; ParameterError if it has none."""
     if not isinstance(named, str) or not named.isprintable() or len(named) > LONGEST_NAME:
-        raise refusal("law_file.no_name", given=named)
+        wanted = message("law_file.wanted", like=example(KEY))
+        raise refusal("law_file.no_name", given=named, wanted=wanted)
     if folder is None:
         raise refusal("law_file.of_text", given=named)
     return register(folder / named)

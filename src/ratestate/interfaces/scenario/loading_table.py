@@ -8,7 +8,7 @@ from typing import Any
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.parameters import parameter_to_si
-from ...model.quantities import QUANTITIES
+from ...model.quantities import QUANTITIES, remedy
 from .known_keys import (
     LIKE,
     SINUSOID,
@@ -19,7 +19,7 @@ from .known_keys import (
     example,
     known_items,
 )
-from .problems import Place, expected, message
+from .problems import Place, message
 from .record import Record, column_per_area, read_record
 from .values import InlineTable, as_array, read_number, read_values
 
@@ -67,11 +67,11 @@ class LoadingTable:
         before = len(self.place.problems)
         loading = self._of_speeds(V_last, t_end)
         if loading is not None:
-            loading = _applied(self.stress_events, loading, STRESS_STEP.like)
+            loading = _applied(self.stress_events, loading)
         if loading is not None and self.stress_wave:
             make = functools.partial(loading.sigma_sinusoid, **self.stress_wave)
             place = self.place.at("sigma_sinusoid")
-            loading = place.noting(make, "", "expected one", STRESS_SINUSOID.like)
+            loading = place.noting(make)
         return loading if len(self.place.problems) == before else None
 
     def _of_speeds(self, V_last: Any, t_end: float | None) -> Loading | None:
@@ -90,17 +90,17 @@ class LoadingTable:
                 return None
             make = functools.partial(Loading.sinusoid, start, **self.wave, t_end=t_end)
             place = self.place.at("sinusoid")
-            return place.noting(make, wanted="expected a sinusoid", like=SINUSOID.like)
+            return place.noting(make)
         loading = Loading.constant(1.0 if start is None else start)
-        loading = _applied(later, loading, STEP.like)
+        loading = _applied(later, loading)
         return loading if sound else None
 
 
-def _applied(events: list[tuple[Place, Call]], loading: Loading, like: str) -> Loading:
+def _applied(events: list[tuple[Place, Call]], loading: Loading) -> Loading:
     """The loading with these events; those with a problem, noted, are left out."""
     for place, call in events:
         make = functools.partial(call.apply_to, loading)
-        loading = place.noting(make, "t", "expected steps", like) or loading
+        loading = place.noting(make) or loading
     return loading
 
 
@@ -173,11 +173,10 @@ def _rows(given: dict[str, Any], place: Place, area: dict[str, Any]) -> Record:
             columns[key] = as_array(key, many)
             if unit := QUANTITIES[many.quantity].unit if many.quantity else "":
                 divide = functools.partial(column_per_area, columns[key], unit, area)
-                columns[key] = place.at(key).noting(divide, key)
+                columns[key] = place.at(key).noting(divide)
     if columns.keys() != wanted.keys() or any(column is None for column in columns.values()):
         return Record()
-    like = f"expected times such as {LIKE['t']}"
-    loading = place.at("t").noting(lambda: Loading.series(**columns), "t", like)
+    loading = place.at("t").noting(lambda: Loading.series(**columns))
     return Record(loading, float(columns["V_lp"][-1]) if loading else None)
 
 
@@ -208,7 +207,7 @@ def _event(
         for key in {"V_lp", "ramp"} & values.keys():
             place.at(key).add("steps.beside_hold", like=known.like)
     elif symbol not in values:
-        of_speed = message("steps.speed_wanted", wanted=expected("V_lp"))
+        of_speed = message("steps.speed_wanted", wanted=remedy("V_lp"))
         place.missing(symbol, of_speed if symbol == "V_lp" else "")
     _per_area(values, "sigma", place, area)
     if len(place.problems) > before:
@@ -222,7 +221,7 @@ def _per_area(values: dict[str, Any], key: str, place: Place, area: dict[str, An
     """Divide a value by the area where it is a force, and so is text still; None if that fails."""
     if isinstance(force := values.get(key), str):
         divide = functools.partial(parameter_to_si, "sigma", force, area)
-        values[key] = place.at(key).noting(divide, "sigma")
+        values[key] = place.at(key).noting(divide)
 
 
 def _wave(known: InlineTable, table: Any, place: Place) -> dict[str, Any]:
@@ -232,7 +231,7 @@ def _wave(known: InlineTable, table: Any, place: Place) -> dict[str, Any]:
         return {}
     for key, (symbol, _) in known.keys.items():
         if key not in (*values, "period", "frequency"):
-            place.missing(key, expected(symbol))
+            place.missing(key, remedy(symbol))
     if ("period" in values) == ("frequency" in values):
         twice = "period" in values
         place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")

@@ -1,6 +1,5 @@
 """The problems of a scenario file, which are reported together: one line for each problem."""
 
-import functools
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -8,13 +7,10 @@ from typing import Any, NamedTuple, TypeVar
 
 from ...errors import ParameterError
 from ...model.names import Sentences, one_of
-from ...model.quantities import KINDS
-from ...model.quantities import expected as _expected
+from ...model.quantities import remedy
 
 LONGEST_SHOWN = 60  # characters
 MOST_LINES = 100  # problems
-#: the end of a line; since brackets mean tables and keys there, units appear in examples only
-expected = functools.partial(_expected, unit=False)
 T = TypeVar("T")
 
 
@@ -43,38 +39,25 @@ class Place(NamedTuple):
 
     def add(self, name: str, /, **values: Any) -> None:
         """Note a problem, by the name of its message."""
-        self.problems.append(f"{self.name}: {message(name, **values)}")
+        self.note(refusal(name, **values))
 
     def missing(self, key: str, wanted: str = "") -> None:
-        """Note that a key of this table is missing, and what is expected if not its quantity."""
-        self.at(key).add("key.missing", wanted=wanted or expected(key))
+        """Note that a key of this table is missing, and what to give if not its quantity."""
+        self.at(key).add("key.missing", wanted=wanted or remedy(key))
 
-    def noting(
-        self, make: Callable[[], T], symbol: str = "", wanted: str = "", like: str = ""
-    ) -> T | None:
-        """What `make` returns; None where it raises a ParameterError, noted as by `note`."""
+    def noting(self, make: Callable[[], T]) -> T | None:
+        """What `make` returns; None where it raises a ParameterError, which is noted."""
         try:
             return make()
         except ParameterError as error:
-            self.note(error, symbol, wanted, like)
+            self.note(error)
             return None
 
-    def note(
-        self, error: ParameterError, symbol: str = "", wanted: str = "", like: str = ""
-    ) -> None:
-        """Note an error, without its start `symbol`; `wanted` and `like` say what is expected.
-
-        Where no symbol is given, or an example, what the error itself says to give goes first.  A
-        message in sentences has its own remedy.
-        """
-        what = error_line(error).removeprefix(f"{symbol} = ").removeprefix(f"{symbol} ")
-        what = what.removeprefix("[s] ")  # (of times)
-        if ", expected " not in what and not what.endswith("."):
-            wrong, own, remedy = what.rpartition("; give ")
-            if own and (like or not symbol):
-                what, wanted = wrong, f"expected {remedy}"
-            what = f"{what}, {wanted}" + (f" such as {like}" if like else "")
-        self.problems.append(f"{self.name}: {what}")
+    def note(self, error: ParameterError) -> None:
+        """Note an error, without its symbol if that is a key of this place."""
+        is_key = error.symbol in re.split(r"[] .[]+", self.name)
+        text = error.text("" if is_key else error.symbol)
+        self.problems.append(f"{self.name}: {text}".replace("\n", " "))
 
 
 def report(problems: list[str], tables: Iterable[str]) -> str:
@@ -83,23 +66,6 @@ def report(problems: list[str], tables: Iterable[str]) -> str:
     lines = sorted(problems[:MOST_LINES], key=lambda line: order.get(line.split("]")[0] + "]", -1))
     omitted = len(problems) - MOST_LINES
     return "\n".join([*lines, f"and {omitted} problems more"] if omitted > 0 else lines)
-
-
-def error_line(error: ParameterError) -> str:
-    """The message of an error in the form of a line: "..., expected ...", no units in brackets.
-
-    Only the words of ratestate itself are changed, and nothing that the message quotes.
-    """
-    what = str(error).replace("\n", " ")
-    wrong, own, wanted = what.rpartition("; expected ")
-    if not own or ", expected " in wanted:
-        return what
-    for unit, (kind, _) in KINDS.items():
-        if wrong.endswith(f" is {kind} [{unit}]"):
-            wrong = wrong.removesuffix(f" [{unit}]")
-        if wanted.startswith(f"{kind} [{unit}]"):
-            wanted = kind + wanted.removeprefix(f"{kind} [{unit}]")
-    return f"{wrong}, expected {wanted}"
 
 
 def shown(value: Any) -> str:

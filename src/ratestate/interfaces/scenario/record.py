@@ -1,7 +1,6 @@
 """A loading from two or three columns of a file, which the reader of laboratory records opens."""
 
 import functools
-import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -10,19 +9,17 @@ import numpy as np
 from ...errors import ParameterError
 from ...model.loading import Loading
 from ...model.parameters import parameter_to_si, quantity_of
-from ...model.quantities import QUANTITIES
+from ...model.quantities import QUANTITIES, remedy
 from ...model.units import to_si
 from ...records.reading.columns import Column, Table, requested_column
 from ...records.reading.open_table import open_table
 from ...records.reading.titles import plain_unit
 from .known_keys import LIKE
-from .problems import Place, error_line, expected, message, refusal
+from .problems import Place, message, refusal
 from .values import unusual
 
 LONGEST = 10**6  # rows
 BAD_LISTED = 5  # cells
-#: what parts an error from its remedy, outside of quotes
-END = re.compile(r"(?:; |[.] )(?=(?:[^']*'[^']*')*[^']*$)")
 #: of columns, the last if there are three
 SYMBOLS = ("t", "V_lp", "sigma")
 
@@ -52,7 +49,7 @@ def read_record(table: dict[str, Any], folder: Path, place: Place, area: dict[st
     for i, (symbol, request) in enumerate(zip(SYMBOLS, wanted, strict=False)):
         at = place.at("columns").at(i)
         index = functools.partial(requested_column, found, symbol, request)
-        if (k := at.noting(index, f"columns: {symbol}", like="1")) is not None:
+        if (k := at.noting(index)) is not None:
             own = found.columns[k]
             unit, where = (
                 (units[i], place.at("units").at(i)) if units else (plain_unit(own.unit), at)
@@ -61,8 +58,7 @@ def read_record(table: dict[str, Any], folder: Path, place: Place, area: dict[st
             _check_unit(symbol, columns[-1], where, area)
     if len(place.problems) == before:
         make = functools.partial(_history, found, columns, place.at("file"), area)
-        rows = message("record.history_wanted")
-        return place.at("file").noting(make, wanted=rows, like="0,1 and 2.5,1") or Record()
+        return place.at("file").noting(make) or Record()
     return Record()
 
 
@@ -89,16 +85,10 @@ def _table_of(file: Any, folder: Path) -> Table:
     try:
         table: Table = open_table(folder / file)
     except ParameterError as error:
-        raise refusal("record.unreadable", problem=_without_remedy(error, file)) from None
+        raise refusal("record.unreadable", problem=error.problem) from None
     if max(column.values.size for column in table.columns) > LONGEST:
         raise refusal("record.too_many_rows", given=file, most=LONGEST)
     return table
-
-
-def _without_remedy(error: ParameterError, file: str) -> str:
-    """An error of the reader without what it says to do: that is for records of friction."""
-    before, name, after = str(error).partition(Path(file).name)
-    return before + name + END.split(after)[0]
 
 
 def _check_unit(symbol: str, column: Column, place: Place, area: dict[str, Any]) -> None:
@@ -107,12 +97,7 @@ def _check_unit(symbol: str, column: Column, place: Place, area: dict[str, Any])
     if not unit:
         place.add("columns.no_unit", given=column.title)
         return
-    try:
-        parameter_to_si(symbol, f"1 {unit}", area)
-    except ParameterError as error:
-        what = error_line(error).removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
-        what = what.replace(f"has an unknown unit {unit!r}", "is unknown", 1)
-        place.add("columns.bad_unit", given=unit, what=what)
+    place.noting(functools.partial(parameter_to_si, symbol, f"1 {unit}", area))
 
 
 def _history(found: Table, columns: list[Column], place: Place, area: dict[str, Any]) -> Record:
@@ -133,11 +118,15 @@ def _history(found: Table, columns: list[Column], place: Place, area: dict[str, 
         largest = float(np.abs(to_si(quantity, array, bound="")).max())
         if sizes := unusual(quantity, max(largest, 1.0)):
             value = f"{quantity} = {largest:.6g} {QUANTITIES[quantity].unit}"
-            raise refusal("value.unusual", x=value, sizes=sizes, wanted=expected(quantity))
+            raise refusal("value.unusual", x=value, sizes=sizes, wanted=remedy(quantity))
     t, V, *stress = arrays
     if "normal_force" in quantities:
         stress = [column_per_area(stress[0].values, columns[2].unit, area)]
-    loading = Loading.series(t, V, sigma=stress[0] if stress else None)
+    try:
+        loading = Loading.series(t, V, sigma=stress[0] if stress else None)
+    except ParameterError as error:
+        error.problem += " (rows are counted from 0, without the header)"
+        raise
     return Record(loading, float(to_si("V_lp", V[-1:], bound=">= 0")[0]))
 
 

@@ -15,9 +15,9 @@ import numpy as np
 
 from ...model.names import one_of
 from ...model.parameters import logspace, quantity_of
-from ...model.quantities import KINDS, QUANTITIES, attrs
+from ...model.quantities import KINDS, QUANTITIES, attrs, remedy
 from ...model.units import to_si
-from .problems import Place, choice, expected, refusal, shown
+from .problems import Place, choice, refusal, shown
 
 #: largest number of values along one axis, and of saved times
 LONGEST = 10**6
@@ -119,23 +119,23 @@ def number(symbol: str, value: Any, bound: str | None = None) -> float | str:
     bound : range in place of the quantity's own, as of `to_si`
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise refusal("value.no_number", given=value, wanted=expected(symbol))
+        raise refusal("value.no_number", given=value, wanted=remedy(symbol))
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
-        raise refusal("value.too_long", given=value, wanted=expected(symbol))
+        raise refusal("value.too_long", given=value, wanted=remedy(symbol))
     quantity = quantity_of(symbol, value)
     try:  # (an integer may have more digits than Python writes into a message)
         given = float(value) if isinstance(value, int) else value
         x = to_si(quantity, given, label=symbol, bound=bound)
     except ArithmeticError:
-        raise refusal("value.overflow", given=value, wanted=expected(symbol)) from None
+        raise refusal("value.overflow", given=value, wanted=remedy(symbol)) from None
     if sizes := unusual(quantity, x):
-        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=expected(quantity))
+        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=remedy(quantity))
     return x if quantity == symbol else str(value)
 
 
 def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
     """One value as by `number`; None if it has a problem, which is noted."""
-    return place.noting(lambda: number(symbol, value, bound), symbol)
+    return place.noting(lambda: number(symbol, value, bound))
 
 
 def read_values(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
@@ -161,7 +161,7 @@ def _of_one_quantity(symbol: str, values: list[Any]) -> tuple[tuple[float, ...],
     quantity, *others = dict.fromkeys(quantity_of(symbol, value) for value in values)
     if others:
         first, other = (KINDS[QUANTITIES[name].unit][0] for name in (quantity, others[0]))
-        raise refusal("axis.quantities", first=first, other=other, wanted=expected(symbol))
+        raise refusal("axis.quantities", first=first, other=other, wanted=remedy(symbol))
     numbers = (x if isinstance(x, float) else to_si(quantity, x) for x in values)
     return tuple(numbers), "" if quantity == symbol else quantity
 
@@ -192,9 +192,9 @@ def read_ends(
     for key in ("from", "to"):
         x = read_number(symbol, table[key], place.at(key), bound) if key in table else None
         if key not in table:
-            place.missing(key, expected(symbol))
+            place.missing(key, remedy(symbol))
         elif x is not None and math.isinf(to_si(quantity_of(symbol, x), x, bound="")):
-            place.at(key).add("axis.infinite_end", given=x, wanted=expected(symbol))
+            place.at(key).add("axis.infinite_end", given=x, wanted=remedy(symbol))
             x = None
         ends.append(x)
     return ends
@@ -212,7 +212,7 @@ class InlineTable(NamedTuple):
         one : word before the example in that message
         """
         if not isinstance(table, dict):
-            place.add("table.none", given=table, wanted=f"expected {one}such as {self.like}")
+            place.add("table.none", given=table, wanted=f"Give {one}such as {self.like}.")
             return None
         note_unknown_keys(table, self.keys, self.like, place)
         return {

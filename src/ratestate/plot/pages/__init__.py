@@ -78,18 +78,25 @@ def page(result):
     function = title.removeprefix("ratestate ")
     if function not in SINGLE:
         raise ParameterError(
-            "page wants a Dataset as a function of ratestate gives it, with its attributes"
+            (
+                "page draws a Dataset that a function of ratestate returned, with its "
+                "attributes, and this is not one"
+            ),
+            "Give such a result.",
         )
     result = in_si(result)
     axes = [] if function in OF_RECORDS else [dim for dim in result.sizes if dim not in OWN]
     if axes and function in ONE:
         raise ParameterError(
-            f"a page shows one {ONE[function]}; pick one along {axes[0]!r} with .isel"
+            f"a page shows one {ONE[function]}", f"Pick one along {axes[0]!r} with .isel."
         )
     if len(axes) > 2:
         raise ParameterError(
-            f"a page shows a sweep over one or two axes, and this one has {len(axes)} "
-            f"({', '.join(map(str, axes))}); pick values of the others with .sel"
+            (
+                f"a page shows a sweep over one or two axes, and this one has {len(axes)} "
+                f"({', '.join(map(str, axes))})"
+            ),
+            "Pick values of the others with .sel.",
         )
     few = len(axes) == 1 and result.sizes[axes[0]] <= FEW
     if few and result.sizes.get("time", 1) > 1 and bool(result["V"].notnull().any()):

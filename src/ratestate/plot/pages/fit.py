@@ -54,7 +54,9 @@ def fit(result, ax=None, *, x=None):
     """
     if is_of_steps(result):
         if ax is not None:
-            raise ParameterError("fits of steps are a page; leave ax out, or pick one with .isel")
+            raise ParameterError(
+                "fits of steps fill a page", "Leave ax out, or pick one with .isel."
+            )
         return fit_page(in_si(result))
     checked_by_law(result, "plot.fit")
     result = in_si(result)

@@ -18,8 +18,8 @@ def response_page(result):
     """Page (Figure) of one slider's response to oscillations of many frequencies."""
     if result.sizes.get("frequency", 1) < 2:
         raise ParameterError(
-            "a page of a frequency response shows several frequencies; give frequency a list, such "
-            "as numpy.geomspace(1, 1000, 400)"
+            "a page of a frequency response shows several frequencies",
+            "Give frequency a list, such as numpy.geomspace(1, 1000, 400).",
         )
     V_lp, law = float(result.V_lp), LAWS[parameter(result, "law")].name
     fig = figure(result, 4.4, title=f"Response of sliding at {value_text('V_lp', V_lp)}; {law}")

@@ -38,7 +38,9 @@ def runs_page(runs):
     named = named_runs(runs)
     parts = [one.run for one in named]
     if any(run.attrs.get("title") != "ratestate simulate" for run in parts):
-        raise ParameterError("a page of several runs wants results of simulate")
+        raise ParameterError(
+            "a page of several runs shows results of simulate alone", "Give only such results."
+        )
     if len(parts) == 1:
         return run_page(parts[0])
     laws = {LAWS[parameter(run, "law")].name for run in parts}

@@ -199,7 +199,7 @@ def requested_column(table, symbol, request):
                     "columns.several", count=len(same), numbers=numbers, **values
                 )
     near = nearest(request, titles) or nearest(request, [column.name for column in table.columns])
-    meant = f"; did you mean {quoted(near)}?" if near else ""
+    meant = f" Did you mean {quoted(near)}?" if near else ""
     raise sentences.refusal("columns.unknown", meant=meant, **values)
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...errors import MissingFileError
 from ..kit.processes import read_isolated
 from ..messages import reading as sentences
 from .columns import Column, Table, quoted
@@ -79,10 +80,11 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
 
     delimiters, decimal : as for `read_text`
     """
+    if isinstance(path, Path) and not path.is_file():  # opening a pipe would block
+        if not path.exists():
+            raise sentences.refusal("file.missing", kind=MissingFileError, path=path)
+        raise sentences.refusal("file.folder" if path.is_dir() else "file.special", path=path)
     try:
-        if isinstance(path, Path) and not path.is_file():  # opening a pipe would block
-            kind = "folder" if path.is_dir() else "special" if path.exists() else "missing"
-            raise sentences.refusal(f"file.{kind}", path=path)
         with path.open("rb") as file:
             head = file.read(1024)
         if HDF5 in (head[: len(HDF5)], head[512 : 512 + len(HDF5)]):

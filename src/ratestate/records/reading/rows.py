@@ -189,7 +189,7 @@ class Rows:
         where : text after "are left" in the message, such as " in the window"
         """
         if self.kept.size < MIN_ROWS:
-            warnings = "; ".join(self.warnings) or "give a longer record or a wider window"
+            warnings = "; ".join(self.warnings) or "Give a longer record or a wider window."
             count = _count_rows(self.kept.size)
             raise sentences.refusal(
                 "rows.few", count=count, where=where, fewest=MIN_ROWS, warnings=warnings

@@ -1,10 +1,10 @@
 """A laboratory record dropped on the page: what is drawn of it, and what there is to choose."""
 
 import json
-import re
 
 import numpy as np
 
+from ....errors import ParameterError
 from ....model.quantities import QUANTITIES
 from ....records.reading.open_table import MemoryFile
 from ....records.reading.read import try_reading
@@ -19,12 +19,12 @@ CHOICES = ("columns", "units", "time")
 LONGEST = 255  # characters of a file's name
 #: table of an error's sentence -> what helps on the page, in place of an argument of `read_lab`
 REMEDIES = {
-    "columns": "choose the column below",
-    "units": "choose its unit, or another column, below",
-    "column": "choose another column, or its unit, below",
-    "window": "give other times below",
-    "rows": "give the times from which and to which it is read, below, or mend the file",
-    "segments": "give the times from which and to which it is read, below",
+    "columns": "Choose the column below.",
+    "units": "Choose its unit, or another column, below.",
+    "column": "Choose another column, or its unit, below.",
+    "window": "Give other times below.",
+    "rows": "Give the times from which and to which it is read, below, or mend the file.",
+    "segments": "Give the times from which and to which it is read, below.",
 }
 
 
@@ -69,8 +69,7 @@ def _problem(found):
     """What is wrong, with a remedy that the page has."""
     table = found.error.sentence.partition(".")[0]
     own = REMEDIES.get(table) if found.columns else None
-    what = re.split(r"; |\. (?=[A-Z])", str(found.error), maxsplit=1)[0]
-    return f"{what}; {own}" if own else str(found.error)
+    return str(ParameterError(found.error.problem, own)) if own else str(found.error)
 
 
 def _arrays(record):

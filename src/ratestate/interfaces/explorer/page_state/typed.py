@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from ....errors import ParameterError
-from ....model.quantities import QUANTITIES, expected
+from ....model.quantities import QUANTITIES, remedy
 from ....model.units import to_si
 
 LONGEST = 64  # characters of a value
@@ -34,7 +34,7 @@ def value(symbol, text, label, bound=None):
         if exact or SMALLEST <= abs(found) <= LARGEST:
             return found
         problem = f"= {text!r} is beyond any size"
-    raise ParameterError(f"{label} {problem}; {expected(symbol)}")
+    raise ParameterError(f"{label} {problem}", remedy(symbol))
 
 
 def factor(text, label):
