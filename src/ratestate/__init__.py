@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from .records.machine.machine_stiffness import machine_stiffness
     from .records.reading import read_lab
     from .records.stick_slip import events
+    from .report import summary
     from .sweeps.sweep import sweep
 
 __all__ = [
@@ -66,6 +67,7 @@ __all__ = [
     "register",
     "simulate",
     "stability",
+    "summary",
     "sweep",
 ]
 
@@ -100,6 +102,7 @@ _HOMES = {
     "register": "model.user_laws",
     "simulate": "dynamics.simulation.simulate",
     "stability": "dynamics.steady_sliding",
+    "summary": "report",
     "sweep": "sweeps.sweep",
 }
 #: packages that are where they are documented

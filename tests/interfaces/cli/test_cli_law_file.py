@@ -14,7 +14,7 @@ from ratestate import files
 from ratestate.friction.laws import LAW_NAMES, LAWS
 from ratestate.interfaces import explorer
 from ratestate.interfaces.cli import main, run_fit
-from ratestate.interfaces.cli.report.markdown import _python
+from ratestate.interfaces.cli.fit_report import _python
 from ratestate.model.quantities import QUANTITIES
 from ratestate.paper import atlas, figures
 

@@ -11,9 +11,8 @@ from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate.interfaces.cli.report import report
-from ratestate.interfaces.cli.report.fit import parts
 from ratestate.interfaces.cli.summary_csv import summary_csv
+from ratestate.report.fit import parts
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -49,7 +48,7 @@ def result(folder):
 def printed(result, width):
     console = Console(width=width, legacy_windows=False)
     with console.capture() as text:
-        console.print(*report(result, None), sep="\n")
+        console.print(*rs.summary(result), sep="\n")
     return text.get().splitlines()
 
 

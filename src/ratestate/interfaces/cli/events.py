@@ -24,10 +24,10 @@ def events(
     Example: ratestate events record.txt --out catalogue
     """
     from ...records.stick_slip import events as find_events
+    from ...report import summary
     from .document import document
     from .evaluate_record import reported, write_all
     from .output import print_json, print_rich
-    from .report.events import tables
 
     given = {"K": K, "M": M, "sigma": sigma}
     given = {name: value for name, value in given.items() if value is not None}
@@ -38,4 +38,4 @@ def events(
     if json:
         print_json(document(catalogue, None))
     else:
-        print_rich(*tables(catalogue))
+        print_rich(*summary(catalogue))

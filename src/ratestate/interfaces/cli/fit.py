@@ -60,7 +60,7 @@ def fit(
         "errors": errors,
         "noise": noise_of(noise),
     }
-    from .report.markdown import FitRequest
+    from .fit_report import FitRequest
     from .run_fit import fit_and_report
 
     values |= own_values(of_law, own_parameters(map(friction_law, laws)))

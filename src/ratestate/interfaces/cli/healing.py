@@ -30,11 +30,11 @@ def healing(
     Example: ratestate healing holds.txt --out healed
     """
     from ...files import read
-    from ...records.healing import summary
     from ...records.healing.healing import healing as evaluate
+    from ...report import summary
     from .document import document
     from .evaluate_record import reported, write_all
-    from .output import print_json, print_line
+    from .output import print_json, print_rich
 
     settings: dict[str, Any] = {
         "trend": None if trend == "none" else trend,
@@ -47,6 +47,6 @@ def healing(
     if json:
         print_json(document(result, None))
     else:
-        print_line(summary(result))
+        print_rich(*summary(result))
     if bool((result["hold_status"] != 0).any()):
         raise typer.Exit(SOME_FAILED)

@@ -22,8 +22,8 @@ from ...records.reading import read_lab
 from ...records.reading.sizes import constant_in_si
 from .document import document
 from .evaluate_record import write_text
+from .fit_report import HEADING, FitRequest, markdown
 from .output import folder, print_json, reporting_files
-from .report.markdown import HEADING, FitRequest, markdown
 from .run_scenario import print_report
 from .summary_csv import summary_csv
 

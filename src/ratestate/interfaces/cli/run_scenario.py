@@ -190,9 +190,16 @@ def print_report(
     units: dict[str, str] | None = None,
 ) -> None:
     """Print the result and the verdict as tables."""
-    from .report import report
+    from rich.text import Text
 
-    print_rich(*report(result, verdict, units))
+    from ...report import summary
+
+    blocks = [*summary(result, units)]
+    if verdict and result.attrs["title"] == "ratestate simulate":
+        blocks += [Text(), Text(f"{verdict.about}:", style="bold"), Text(verdict.text)]
+    elif verdict:
+        blocks = [Text(verdict.text), Text(), *blocks]
+    print_rich(*blocks)
 
 
 def draw_plot(result: xarray.Dataset, output: Output) -> None:

@@ -20,11 +20,11 @@ def stiffness(
 
     Example: ratestate stiffness holds.txt --sigma '10 MPa'
     """
-    from ...records.machine import summary
     from ...records.machine.machine_stiffness import machine_stiffness
+    from ...report import summary
     from .document import document
     from .evaluate_record import reported, write_all
-    from .output import print_json, print_line
+    from .output import print_json, print_rich
 
     with reported(NAME, files, reading, out) as (record, made):
         result = machine_stiffness(record, sigma)
@@ -32,4 +32,4 @@ def stiffness(
     if json:
         print_json(document(result, None))
     else:
-        print_line(summary(result))
+        print_rich(*summary(result))

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     """Print how a sweep into a store ended; return the number of failed cases."""
+    from ...report.domain import outside_lines
+    from ...report.sweep import failed_lines
     from ...sweeps.status import failures, store_status
-    from .report.domain import outside_lines
-    from .report.sweep import failed_lines
 
     status = store_status(store)
     if json:

@@ -6,10 +6,6 @@
 ``steady``     steady friction of each slide, with a drift, after its transient
 ``measured``   healing and relaxation of one hold, with errors and status
 ``prediction`` predictions for a hold, by a slider or a fit
-``result``     the Dataset, and `summary`, which prints it
+``result``     the Dataset
 ============== ==================================================================
 """
-
-from .result import summary
-
-__all__ = ["summary"]

@@ -1,13 +1,12 @@
-"""The Dataset of `healing`, and its summary as text."""
+"""The Dataset of `healing`."""
 
 import numpy as np
 import xarray
 
-from ...dynamics import attributes
 from ...dynamics.results import flags
-from ...model.quantities import readable, with_error
+from ...model.quantities import with_error
 from ..kit.regression import Line, weighted_line
-from ..kit.results import checked_result, labelled, lines_of
+from ..kit.results import labelled
 from ..load_point.stress_steps import VARIABLE, stress_range
 from ..messages import healing as sentences
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
@@ -139,62 +138,11 @@ def _line(t_hold, values, errors):
     return weighted_line(x, values[known], errors[known])
 
 
-def summary(result):
-    """Describe the result of `healing` as plain text.
-
-    Parameters
-    ----------
-    result : xarray.Dataset
-        Result of `healing`.
-
-    Returns
-    -------
-    str
-        A table of the holds: start, duration, speeds before and after the hold, healing and
-        relaxation +- standard error [1e-3], and predictions.  Below it are the rates per decade and
-        the messages on holds.
-
-    Raises
-    ------
-    ParameterError
-        If the result is not from `healing`.
-    """
-    result = checked_result(result, "healing", "delta_mu")
-    source, laws = attributes.text(result, "source", ""), result.get("law", [])
-    holds, evaluated = result.sizes["hold"], int((result["hold_status"] == 0).sum())
-    columns = {
-        "start": [readable("t", value, 6) for value in result["hold_start"].values],
-        "hold": [readable("t", value) for value in result["t_hold"].values],
-    }
-    for side in ("before", "after"):
-        speeds = result[f"V_{side}"].values
-        columns[side] = ["-" if V != V else readable("V_lp", V, 3) for V in speeds]
-    rates = []
-    for name, heading in HEADINGS.items():
-        columns[f"{heading} [1e-3]"] = _cells(result, name)
-        rates.append(_rate(result, name))
-        for law in laws:
-            part = result.sel(law=law)
-            columns[f"{law.item()} law: {heading}"] = _cells(part, f"{name}_predicted")
-            if part[RATES[name]].notnull():
-                (rate,) = _cells(part, f"{RATES[name]}_predicted", 1.0)
-                rates.append(f"  {law.item()} law predicts {rate}")
-    head = f"Healing{f' in {source}' if source else ''}: {evaluated} of {holds} holds evaluated"
-    texts = enumerate(result["hold_message"].values.tolist(), start=1)
-    messages = [f"hold {number}: {text}" for number, text in texts if text]
-    return "\n".join([head, *lines_of(columns), "", *rates, *messages])
-
-
-def _cells(result, name, factor=1e3):
-    """Return texts of values +- errors, multiplied by a factor; "-" for NaN."""
-    pairs = factor * np.column_stack([result[name], result[f"{name}_error"]])
-    return ["-" if value != value else with_error(value, error) for value, error in pairs]
-
-
-def _rate(result, name):
+def rate_text(result, name):
     """Return a sentence on the measured rate per decade."""
-    if np.isnan(result[RATES[name]]):
+    value, error = (float(result[RATES[name] + end]) for end in ("", "_error"))
+    if np.isnan(value):
         return sentences("rate.few", name=name)
-    (rate,), scatter = _cells(result, RATES[name], 1.0), float(result[f"{RATES[name]}_scatter"])
-    text = f"{HEADINGS[name]} per decade of hold time: {rate}"
+    scatter = float(result[f"{RATES[name]}_scatter"])
+    text = f"{HEADINGS[name]} per decade of hold time: {with_error(value, error)}"
     return text + (sentences("rate.scatter", scatter=scatter) if scatter > SCATTER else "")

@@ -1,4 +1,4 @@
-"""Variables of results, and their tables as text."""
+"""Variables and attributes of results."""
 
 from ...model.conversion import in_si
 from ...model.quantities import attrs
@@ -33,12 +33,3 @@ def labelled(dims, **values):
         else:
             columns[name] = value
     return {name: (dims, value, attrs(name)) for name, value in columns.items()}
-
-
-def lines_of(columns):
-    """Format name -> texts as a table (list of lines) with numbered rows and headings."""
-    first, *_ = columns.values()
-    table = [["", *map(str, range(1, len(first) + 1))]]
-    table += [[name, *texts] for name, texts in columns.items()]
-    widths = [max(map(len, column)) for column in table]
-    return ["   ".join(map(str.ljust, row, widths)).rstrip() for row in zip(*table, strict=True)]

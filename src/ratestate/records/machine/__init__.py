@@ -5,10 +5,6 @@
 ``slopes``            loading and unloading of the spring, fitted with creep at constant
                       state and healing
 ``ring_down``         free oscillations: frequency and decay; mass and damping
-``result``            the Dataset, and `summary`, which prints it
+``result``            the Dataset
 ===================== =============================================================
 """
-
-from .result import summary
-
-__all__ = ["summary"]

@@ -1,13 +1,13 @@
-"""The Dataset of `machine_stiffness`, and its summary as text."""
+"""The Dataset of `machine_stiffness`."""
 
 import json
 
 import numpy as np
 import xarray
 
-from ...model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
+from ...model.quantities import power_of, prefixed_unit, with_error
 from ..kit.regression import mean_with_scatter
-from ..kit.results import checked_result, labelled, lines_of
+from ..kit.results import labelled
 from ..messages import machine as sentences
 from .ring_down import mass_and_damping
 
@@ -117,55 +117,12 @@ def stiffness_remarks(result):
         yield sentences("about.stick")
 
 
-def summary(result):
-    """Describe the result of `machine_stiffness` as plain text.
-
-    Parameters
-    ----------
-    result : xarray.Dataset
-        Result of `machine_stiffness`.
-
-    Returns
-    -------
-    str
-        K, M and the damping +- standard errors, tables of the slopes and ring-downs, and remarks.
-
-    Raises
-    ------
-    ParameterError
-        If the result is not from `machine_stiffness`.
-    """
-    result = checked_result(result, "machine_stiffness", "slope_K")
-    lines = [estimate(result, symbol) for symbol in SYMBOLS]
-    slopes = {
-        "kind": result["slope_kind"].values.astype(str),
-        "start": [readable("t", value, 6) for value in result["slope_start"].values],
-        "K": _cells(result, "slope_K"),
-        "straight line": [readable("K", value) for value in result["slope_straight"].values],
-        "used": ["yes" if used else "no" for used in result["slope_used"].values],
-    }
-    ring_downs = {
-        "start": [readable("t", value, 6) for value in result["ring_down_start"].values],
-        "V_lp": [readable("V_lp", value, 3) for value in result["ring_down_V"].values],
-        **{name: _cells(result, f"ring_down_{name}") for name in OF_RINGS},
-    }
-    for columns in (slopes, ring_downs):
-        lines += ["", *lines_of(columns)] if len(columns["start"]) else []
-    remarks = json.loads(result.attrs["remarks"])
-    return "\n".join([*lines, *([""] if remarks else []), *remarks])
-
-
 def estimate(result, symbol):
     """Return a line such as ``K = 20.03 +- 0.07 GPa/m``."""
     value, error = float(result[symbol]), float(result[f"{symbol}_error"])
     if value != value:
         return f"{symbol}: not found"
     return f"{symbol} = {value_with_unit(value, error, result[symbol].attrs['units'])}"
-
-
-def _cells(result, name):
-    pairs = zip(result[name].values, result[f"{name}_error"].values, strict=True)
-    return [value_with_unit(value, error, QUANTITIES[name].unit) for value, error in pairs]
 
 
 def value_with_unit(value, error, unit, power=None):

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 import xarray
 
-from ....model.names import Sentences
-from ....model.quantities import readable, short, with_error
-from ....model.slider import SpringSlider
-from ....records.fitting.by_law import is_of_steps, results_by_law
-from ....records.fitting.fit import fit
-from ....records.fitting.steps.text import (
+from ...model.names import Sentences
+from ...model.quantities import readable, short, with_error
+from ...model.slider import SpringSlider
+from ...records.fitting.by_law import is_of_steps, results_by_law
+from ...records.fitting.fit import fit
+from ...records.fitting.steps.text import (
     HEADS,
     NOTATION,
     heading_of_steps,
@@ -21,14 +21,14 @@ from ....records.fitting.steps.text import (
     table_of,
     warnings_by_text,
 )
-from ....records.fitting.table import estimate_rows, noise_text, short_name
-from ....records.fitting.text import (
+from ...records.fitting.table import estimate_rows, noise_text, short_name
+from ...records.fitting.text import (
     fixed_parameters,
     identifiability_by_law,
     labelled_warnings,
 )
-from ...scenario.as_python import registration
-from ..output import names_of
+from ..scenario.as_python import registration
+from .output import names_of
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 #: how each report begins

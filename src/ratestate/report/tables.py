@@ -8,8 +8,8 @@ from rich import box
 from rich.table import Column, Table
 from rich.text import Text
 
-from ....model.quantities import QUANTITIES, readable, readable_time
-from ....model.units import unit_factor
+from ..model.quantities import QUANTITIES, readable, readable_time
+from ..model.units import unit_factor
 
 #: significant digits of numbers in tables, and in one that would be too wide with these
 DIGITS, FEW_DIGITS = 6, 4

@@ -7,10 +7,10 @@ import xarray
 from rich.table import Column
 from rich.text import Text
 
-from ....engine.model import FINISHED, STATUSES, STEADY_SLIDING
-from ....model.quantities import QUANTITIES, readable
+from ..engine.model import FINISHED, STATUSES, STEADY_SLIDING
+from ..model.quantities import QUANTITIES, readable
 from .domain import outside_lines
-from .rows import ANY_SPEED, FirstThatFits, Units, place, plain_table, shown
+from .tables import ANY_SPEED, FirstThatFits, Units, place, plain_table, shown
 
 LISTED = 20  # failed cases, at most
 #: function -> variables whose range is printed
@@ -22,8 +22,9 @@ RANGES = {
 }
 
 
-def cases(result: xarray.Dataset, verb: str, units: Units) -> list[Any]:
+def cases(result: xarray.Dataset, units: Units) -> list[Any]:
     """All about a sweep: its axes, how cases ended, ranges of finite values, failed cases."""
+    verb = result.attrs["title"].removeprefix("ratestate ")
     status = result["status"]
     axes = [str(dim) for dim in status.dims]
     over = ", ".join(_axis(result, dim) for dim in axes)
@@ -83,7 +84,7 @@ def _cells(values: xarray.DataArray, index: dict[Any, Any], units: Units) -> tup
 
 def failed_lines(result: xarray.Dataset) -> list[str]:
     """The first `LISTED` failed cases, a line each, and how many more there are; may be empty."""
-    from ....sweeps.status import failures
+    from ..sweeps.status import failures
 
     first, number = failures(result, most=LISTED)
     lines = [f"  {place(where)}: {name}: {message}" for where, name, message in first]

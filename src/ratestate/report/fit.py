@@ -6,17 +6,17 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ....records.fitting.by_law import is_of_steps, results_by_law
-from ....records.fitting.steps.text import HEADS, table_of
-from ....records.fitting.table import estimate_cells
-from ....records.fitting.text import sentences_of
-from .rows import GAP, FirstThatFits, plain_table
+from ..records.fitting.by_law import is_of_steps, results_by_law
+from ..records.fitting.steps.text import HEADS, table_of
+from ..records.fitting.table import estimate_cells
+from ..records.fitting.text import sentences_of
+from .tables import GAP, FirstThatFits, plain_table
 
 #: where all warnings on steps are
 WHERE = "in report.md and steps.csv, which --out FOLDER writes"
 
 
-def fit(result: xarray.Dataset) -> list[Any]:
+def fit(result: xarray.Dataset, _: Any = None) -> list[Any]:
     """The estimates under each law, of one fit or of each step, remarks and warnings."""
     laws = results_by_law(result)
     (first, *more), below, warnings = sentences_of(result, laws, WHERE)

@@ -7,8 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 import ratestate as rs
-from ratestate.interfaces.cli.report import report
-from ratestate.interfaces.cli.report.rows import FirstThatFits
+from ratestate.report.tables import FirstThatFits
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3)
 
@@ -34,7 +33,7 @@ def cycle():
 
 @pytest.mark.parametrize("width", [80, 100, 140])
 def test_a_sweep_s_places_are_never_wrapped(sweep, width):
-    lines = printed(report(sweep, None), width)
+    lines = printed(rs.summary(sweep), width)
     table = lines[next(i for i, line in enumerate(lines) if "─" in line) + 1 :]
     beside = width == 140
     assert len(table) == (7 if beside else 14)
@@ -51,7 +50,7 @@ def test_a_critical_velocity_of_zero_is_told_in_words():
     K_c = float(rs.stability(SLIDER.replace(M=0.0), 1e-2).K_c_qs)
     slider = SLIDER.replace(K=xr.DataArray([0.5 * K_c, 1.5 * K_c], dims="K"))
     result = rs.sweep("stability", slider, V_lp=1e-2, progress=False)
-    lines = printed(report(result, None, {"V_c": "mm/s"}), 140)
+    lines = printed(rs.summary(result, {"V_c": "mm/s"}), 140)
     row = next(line for line in lines if line.startswith("V_c "))
     finite = f"{1e3 * float(result.V_c[1]):.6g} mm/s"
     assert result.V_c[0] == 0.0 < result.V_c[1]
@@ -61,7 +60,7 @@ def test_a_critical_velocity_of_zero_is_told_in_words():
 
 @pytest.mark.parametrize("width", [80, 100])
 def test_text_beside_errors_has_room(cycle, width):
-    lines = printed(report(cycle, None), width)
+    lines = printed(rs.summary(cycle), width)
     head, value = (next(line for line in lines if name in line) for name in ("relative", "value"))
     assert head.split() + value.split() == ["relative", "value", "error"]
     period = next(line for line in lines if line.startswith("period"))
@@ -72,7 +71,7 @@ def test_text_beside_errors_has_room(cycle, width):
 @pytest.mark.parametrize(("width", "digits"), [(80, 4), (100, 6)])
 def test_points_of_a_branch_are_on_a_line_each(width, digits):
     branch = rs.continue_cycle(SLIDER, "V_lp", 5e-3, 3e-3, rtol=1e-6)
-    lines = printed(report(branch, None), width)
+    lines = printed(rs.summary(branch), width)
     hopf = next(line for line in lines if line.startswith("hopf"))
     assert hopf.split()[1:3] == [f"{1e3 * SLIDER.V_c:.{digits}g}", "mm/s"]
     assert len(lines) - lines.index(hopf) == 1
@@ -93,7 +92,7 @@ def test_of_nothing_there_is_no_range():
     slider = SLIDER.replace(M=0.0, K=xr.DataArray([5e8, 5.5e8], dims="K"))
     found = rs.sweep("limit_cycle", slider, V_lp=1e-3, progress=False)
     assert np.isnan(found.amplitude).all()
-    assert not any(line.startswith("amplitude") for line in printed(report(found, None), 80))
+    assert not any(line.startswith("amplitude") for line in printed(rs.summary(found), 80))
 
 
 OUTSIDE = "leave the domain of the friction law, which knows forward slip only: "
@@ -104,7 +103,7 @@ def test_cases_outside_the_domain_are_counted_and_listed():
     found = rs.sweep("limit_cycle", SLIDER.replace(K=K), V_lp=V_lp, progress=False)
     code = found.outside_domain.transpose("K", "V_lp").values
     assert 0 < (code > 0).sum() < code.size
-    lines = printed(report(found, None), 300)
+    lines = printed(rs.summary(found), 300)
     (at,) = (i for i, line in enumerate(lines) if OUTSIDE in line)
     mu, spring = (int((code & bit > 0).sum()) for bit in (1, 2))
     assert lines[at].rstrip() == (
@@ -113,14 +112,14 @@ def test_cases_outside_the_domain_are_counted_and_listed():
     )
     assert lines[at + 1].strip() == ""  # there are too many to list
     one = found.isel(K=[0])
-    lines = printed(report(one, None), 300)
+    lines = printed(rs.summary(one), 300)
     (at,) = (i for i, line in enumerate(lines) if OUTSIDE in line)
     places = [f"K = 40 MPa/m, V_lp = {V:.6g} m/s" for V in one.V_lp.values[code[0] > 0]]
     assert [line.strip() for line in lines[at + 1 : at + 1 + len(places)]] == places
     inside = found.where(found.V_lp < 2.0, drop=True).assign(
         {name: found[name].isel(V_lp=[0]) for name in ("status", "outside_domain", "message")}
     )
-    assert not any(OUTSIDE in line for line in printed(report(inside, None), 300))
+    assert not any(OUTSIDE in line for line in printed(rs.summary(inside), 300))
 
 
 @pytest.mark.parametrize("hopf", [False, True])
@@ -128,7 +127,7 @@ def test_cycles_of_a_branch_are_counted_and_those_outside_the_domain(hopf):
     ends = (5e-3, 3e-3) if hopf else (5.0, 10.0)
     slider = SLIDER if hopf else SLIDER.replace(K=4e7)
     branch = rs.continue_cycle(slider, "V_lp", *ends, rtol=1e-6)
-    title, *lines = printed(report(branch, None), 300)
+    title, *lines = printed(rs.summary(branch), 300)
     cycles = branch.sizes["point"] - hopf
     assert title.startswith(f"A branch of {cycles} limit cycles, V_lp from ")
     assert "all of them stable" in title
@@ -138,3 +137,20 @@ def test_cycles_of_a_branch_are_counted_and_those_outside_the_domain(hopf):
         assert lines[0].startswith(f"{outside.sum()} of {cycles} cycles {OUTSIDE}")
         first = float(branch.V_lp[outside.argmax()])
         assert lines[1].strip() == f"V_lp = {first:.6g} m/s to 10 m/s"
+
+
+def test_a_report_is_text_a_page_and_rich(cycle):
+    report = rs.summary(cycle)
+    text = str(report)
+    assert text.startswith("The limit cycle at V_lp = 10 mm/s, slip law\n")
+    assert f"{1e3 * float(cycle.period):.6g} ms" in text
+    assert not any(line.endswith(" ") for line in text.splitlines())
+    assert "<pre>" in report._repr_html_()
+    in_seconds = str(rs.summary(cycle, {"period": "s"}))
+    assert f"{float(cycle.period):.6g} s" in in_seconds
+
+
+@pytest.mark.parametrize("other", [3, xr.Dataset(), xr.Dataset(attrs={"title": "ratestate hopf"})])
+def test_only_results_have_a_report(other):
+    with pytest.raises(rs.ParameterError, match=r"result|title"):
+        rs.summary(other)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray
 
-from .rows import place
+from .tables import place
 
 #: places listed, at most
 LISTED = 5

@@ -1,0 +1,197 @@
+"""Tables of evaluations of records: events, healing, and the stiffness of a machine."""
+
+import json
+from typing import Any
+
+import numpy as np
+import xarray
+from rich.table import Column, Table
+from rich.text import Text
+
+from ..dynamics import attributes
+from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
+from ..records.healing.result import HEADINGS, RATES, rate_text
+from ..records.kit.results import checked_result
+from ..records.machine.result import OF_RINGS, SYMBOLS, estimate, value_with_unit
+from .tables import plain_table
+
+#: relative error that is not shown
+EXACT = 1e-6
+#: numbers of events that a message lists
+MOST = 12
+#: quantities in the table -> their headings
+SHOWN = {
+    "event_time": "time",
+    "V_lp": "V_lp",
+    "stress_drop": "stress drop",
+    "recurrence": "recurrence",
+    "duration": "duration",
+    "slip": "slip",
+    "peak_slip_rate": "peak slip rate",
+}
+
+
+def events(catalogue: xarray.Dataset, _: Any = None) -> list[Any]:
+    """The events, the stiffness, and the lines of stress drop, in tables and sentences."""
+    units = {name: _unit_of(name, catalogue[name].values) for name in SHOWN}
+    heads = [f"{text} [{units[name][1]}]" for name, text in SHOWN.items()]
+    made = plain_table("", *(Column(Text(head), justify="right") for head in heads), "kind")
+    for i in range(catalogue.sizes["event"]):
+        one = catalogue.isel(event=i)
+        cells = [_with_error(one, name, units[name][0]) for name in SHOWN]
+        made.add_row(str(int(one.event)), *cells, str(one.event_kind.item()))
+    count = catalogue.sizes["event"]
+    if not count:
+        text = (
+            "no stick-slip: no falls of the stress are beyond its noise, and regular or much "
+            "faster than its rises"
+        )
+        return [Text(text, style="bold")]
+    title = Text(f"{count} event{'' if count == 1 else 's'}", style="bold")
+    below = [
+        *_messages(catalogue),
+        _threshold(catalogue),
+        _stiffness(catalogue),
+        *_trends(catalogue),
+    ]
+    return [title, made, *below]
+
+
+def _messages(catalogue: xarray.Dataset) -> list[Text]:
+    """A text for each thing to be known of events, with their numbers."""
+    numbers: dict[str, list[str]] = {}
+    for number, message in zip(catalogue.event.values, catalogue.event_message.values, strict=True):
+        for part in filter(None, str(message).split("; ")):
+            numbers.setdefault(part, []).append(str(number))
+    return [
+        Text(f"event{'s' if len(of) > 1 else ''} {_listed(of)}: {text}")
+        for text, of in numbers.items()
+    ]
+
+
+def _listed(numbers: list[str]) -> str:
+    """Numbers, the first few if they are many."""
+    more = f" and {len(numbers) - MOST} more" if len(numbers) > MOST else ""
+    return ", ".join(numbers[:MOST]) + more
+
+
+def _unit_of(name: str, values: np.ndarray) -> tuple[float, str]:
+    """Size in SI, and text, of the unit that fits the median of values."""
+    unit, finite = QUANTITIES[name].unit, np.abs(values[np.isfinite(values)])
+    power = power_of(unit, float(np.median(finite))) if finite.size else 0
+    return 10.0**power, prefixed_unit(unit, power)
+
+
+def _with_error(one: xarray.Dataset, name: str, size: float) -> str:
+    """A value with its error, "-" where there is none."""
+    value, error = float(one[name]), float(one[f"{name}_error"])
+    if not np.isfinite(value):
+        return "-"
+    return with_error(value / size, error / size if error > EXACT * abs(value) else 0.0)
+
+
+def _threshold(catalogue: xarray.Dataset) -> Text:
+    """The smallest stress drop that is found."""
+    threshold = float(catalogue.detection_threshold)
+    text = f"Stress drops below {readable('stress_drop', threshold)} are not found."
+    return Text(f"{text} Events between which the stress rises by less are one fall.")
+
+
+def _stiffness(catalogue: xarray.Dataset) -> Text:
+    """The stiffness, and where it comes from."""
+    K, error = float(catalogue["K"]), float(catalogue["K_error"])
+    if not np.isfinite(K):
+        return Text(f"K: {catalogue.attrs['stiffness']}")
+    size, unit = _unit_of("K", np.array([K]))
+    return Text(f"K = {with_error(K / size, error / size)} {unit}, {catalogue.attrs['stiffness']}")
+
+
+def _trends(catalogue: xarray.Dataset) -> list[Text]:
+    """A text for each line of stress drop against a logarithm."""
+    texts = []
+    for abscissa in catalogue.abscissa.values:
+        line = catalogue.sel(abscissa=abscissa)
+        message = str(line.trend_message.item())
+        text = f"stress drop against log10 {abscissa}: "
+        if np.isfinite(line.trend_B):
+            size, unit = _unit_of("stress_drop", catalogue.stress_drop.values)
+            B = with_error(float(line.trend_B) / size, float(line.trend_B_error) / size)
+            text += f"{B} {unit} a decade, {int(line.trend_events)} events"
+            message = f" ({message})" if message else ""
+        texts.append(Text(text + message))
+    return texts
+
+
+def healing(result: xarray.Dataset, _: Any = None) -> list[Any]:
+    """The holds with healing, relaxation and predictions [1e-3]; the rates; messages on holds."""
+    result = checked_result(result, "healing", "delta_mu")
+    source = attributes.text(result, "source", "")
+    laws: Any = result.get("law", [])
+    holds, evaluated = result.sizes["hold"], int((result["hold_status"] == 0).sum())
+    columns: dict[str, list[str]] = {
+        "start": [readable("t", value, 6) for value in result["hold_start"].values],
+        "hold": [readable("t", value) for value in result["t_hold"].values],
+    }
+    for side in ("before", "after"):
+        speeds = result[f"V_{side}"].values
+        columns[side] = ["-" if V != V else readable("V_lp", V, 3) for V in speeds]
+    rates = []
+    for name, heading in HEADINGS.items():
+        columns[f"{heading} [1e-3]"] = _pairs(result, name, 1e3)
+        rates.append(rate_text(result, name))
+        for law in laws:
+            part = result.sel(law=law)
+            columns[f"{law.item()} law: {heading}"] = _pairs(part, f"{name}_predicted", 1e3)
+            if part[RATES[name]].notnull():
+                (rate,) = _pairs(part, f"{RATES[name]}_predicted")
+                rates.append(f"  {law.item()} law predicts {rate}")
+    title = f"Healing{f' in {source}' if source else ''}: {evaluated} of {holds} holds evaluated"
+    texts = enumerate(result["hold_message"].values.tolist(), start=1)
+    messages = [f"hold {number}: {text}" for number, text in texts if text]
+    return [Text(title, style="bold"), _numbered(columns), Text(), *map(Text, rates + messages)]
+
+
+def machine(result: xarray.Dataset, _: Any = None) -> list[Any]:
+    """K, M and the damping; tables of the slopes and ring-downs; remarks."""
+    result = checked_result(result, "machine_stiffness", "slope_K")
+    slopes: dict[str, list[str]] = {
+        "kind": result["slope_kind"].values.astype(str).tolist(),
+        "start": [readable("t", value, 6) for value in result["slope_start"].values],
+        "K": _in_units(result, "slope_K"),
+        "straight line": [readable("K", value) for value in result["slope_straight"].values],
+        "used": ["yes" if used else "no" for used in result["slope_used"].values],
+    }
+    ring_downs = {
+        "start": [readable("t", value, 6) for value in result["ring_down_start"].values],
+        "V_lp": [readable("V_lp", value, 3) for value in result["ring_down_V"].values],
+        **{name: _in_units(result, f"ring_down_{name}") for name in OF_RINGS},
+    }
+    blocks: list[Any] = [Text(estimate(result, symbol), style="bold") for symbol in SYMBOLS]
+    for columns in (slopes, ring_downs):
+        blocks += [Text(), _numbered(columns)] if len(columns["start"]) else []
+    remarks = json.loads(result.attrs["remarks"])
+    return [*blocks, *([Text()] if remarks else []), *map(Text, remarks)]
+
+
+def _numbered(columns: dict[str, list[str]]) -> Table:
+    """A table with numbered rows of the columns, heading -> texts."""
+    made = plain_table("", *(Column(Text(heading)) for heading in columns))
+    for number, cells in enumerate(zip(*columns.values(), strict=True), 1):
+        made.add_row(str(number), *map(Text, cells))
+    return made
+
+
+def _pairs(result: xarray.Dataset, name: str, factor: float = 1.0) -> list[str]:
+    """Values with errors, times a factor; "-" for NaN."""
+    pairs = factor * np.column_stack([result[name], result[f"{name}_error"]])
+    return ["-" if value != value else with_error(value, error) for value, error in pairs]
+
+
+def _in_units(result: xarray.Dataset, name: str) -> list[str]:
+    """Values with errors, each in a unit that fits."""
+    pairs = zip(result[name].values, result[f"{name}_error"].values, strict=True)
+    return [value_with_unit(value, error, QUANTITIES[name].unit) for value, error in pairs]
+
+
+#: function -> the table of its result
+TABLES = {"events": events, "healing": healing, "machine_stiffness": machine}

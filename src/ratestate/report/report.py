@@ -1,0 +1,104 @@
+"""`Report`, and `summary`, which makes it of any result."""
+
+import io
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+import xarray
+from rich.console import Console, Group
+
+from ..dynamics.attributes import text
+from ..errors import ParameterError
+
+#: width of a report as plain text [characters]
+WIDTH = 110
+
+
+class Report:
+    """Tables and sentences on a result.
+
+    `print` writes it as plain text, a notebook shows it, and rich prints it in the width and with
+    the colours of a terminal.
+
+    blocks : rich's `Text` and `Table`, or others that rich prints
+    """
+
+    def __init__(self, blocks: Iterable[Any]) -> None:
+        self.blocks = list(blocks)
+
+    def __rich__(self) -> Group:
+        return Group(*self.blocks)
+
+    def __str__(self) -> str:
+        return "\n".join(line.rstrip() for line in self._printed().export_text().splitlines())
+
+    def _repr_html_(self) -> str:
+        return self._printed().export_html(code_format="<pre>{code}</pre>", inline_styles=True)
+
+    def _printed(self) -> Console:
+        console = Console(
+            file=io.StringIO(), record=True, width=WIDTH, highlight=False, emoji=False
+        )
+        console.print(self)
+        return console
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.blocks)
+
+
+def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> Report:
+    """Describe the result of any function of ratestate, to print.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Result of `simulate`, `stability`, `limit_cycle`, `continue_cycle`, `frequency_response`,
+        `sweep`, `fit`, `events`, `healing` or `machine_stiffness`, with its attributes.
+    units : dict, optional
+        Symbol -> unit of its values in tables, such as ``{"V_lp": "mm/s"}``, for results of the
+        first six.  By default each value has a unit that fits.
+
+    Returns
+    -------
+    Report
+        Its `str` is plain text.
+
+    Raises
+    ------
+    ParameterError
+        If it is not such a result, or lacks its attributes.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="1 GPa/m")
+    >>> print(str(rs.summary(rs.stability(slider, "1 um/s"))).splitlines()[0])
+    Steady sliding at 1 um/s is stable
+    """
+    if not isinstance(result, xarray.Dataset):
+        raise ParameterError(
+            f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
+        )
+    name = text(result, "title").removeprefix("ratestate ")
+    tables = _tables_of(name, result)
+    if tables is None:
+        raise ParameterError(
+            f"the title of the Dataset, {name!r}, is not that of a result",
+            "Give a Dataset as ratestate returns it.",
+        )
+    return Report(tables(result, units or {}))
+
+
+def _tables_of(name: str, result: xarray.Dataset) -> Callable[..., list[Any]] | None:
+    """The function that makes the blocks of a result of the function with this name."""
+    if name == "fit":
+        from .fit import fit
+
+        return fit
+    from . import evaluations, single, sweep
+
+    if name in evaluations.TABLES:
+        return evaluations.TABLES[name]
+    if name in single.TABLES and "message" in result:
+        return sweep.cases
+    return single.TABLES.get(name)
