@@ -20,7 +20,10 @@ class Report:
     `print` writes it as plain text, a notebook shows it, and rich prints it in the width and with
     the colours of a terminal.
 
-    blocks : rich's `Text` and `Table`, or others that rich prints
+    Parameters
+    ----------
+    blocks : iterable
+        rich's ``Text`` and ``Table``, or others that rich prints.
     """
 
     def __init__(self, blocks: Iterable[Any]) -> None:

@@ -13,14 +13,14 @@ from .checks import check_rtol, check_run
 from .known_keys import NEEDED, example, parameter_keys
 from .loading_table import LoadingTable
 from .model import FUNCTIONS, Output, Scenario
-from .problems import Place
+from .problems import Place, Problem
 from .tables import Sweep
 
 
 class Tables(NamedTuple):
     """The values in the tables of a file; None stands for a value with a problem."""
 
-    problems: list[str]
+    problems: list[Problem]
     names: frozenset[str]  # of the tables that the file has
     slider: dict[str, Any]
     loading: LoadingTable
@@ -30,7 +30,7 @@ class Tables(NamedTuple):
 
     def table(self, name: str) -> Place:
         """A table, for messages."""
-        return Place(f"[{name}]", self.problems)
+        return Place((name,), self.problems)
 
     def place(self, key: str) -> Place:
         """The key, for messages, where it is or should be: in [sweep] before [run]."""

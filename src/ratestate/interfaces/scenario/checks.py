@@ -40,7 +40,7 @@ def check_run(
     stressed = loading is not None and loading.normal_stress is not None
     if stressed and slider is not None and t_end is not None:
         check = functools.partial(check_normal_stress, loading, slider, t_end)
-        where = Place("[loading] sigma", place("K").problems)
+        where = Place(("loading", "sigma"), place("K").problems)
         where.noting(check)
     if times is not None and t_end is not None:
         place("times").noting(lambda: saved_times(times, t_end))
@@ -51,7 +51,7 @@ def check_run(
     if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
         place("V_start").add("run.no_start", wanted=remedy("V_start"))
     if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
-        Place("[slider] K", place("K").problems).add("run.rigid_rest")
+        Place(("slider", "K"), place("K").problems).add("run.rigid_rest")
 
 
 def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loading | None) -> None:

@@ -12,7 +12,7 @@ from .known_keys import TABLES, composed_law_of, example, tables_with
 from .law_file import take_law_file
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
-from .problems import Place, choice, message, refusal, report, toml_key
+from .problems import Place, Problem, choice, message, refusal, report
 from .tables import plain_table, sweep_table
 
 LARGEST = 10**7  # bytes
@@ -46,7 +46,7 @@ def load(
     ------
     ParameterError
         The file cannot be read or used.  Every problem in it is a line of the message:
-        ``[table] key: what is wrong, expected what, such as an example``.  Or the law file given
+        ``line 4, [table] key: the problem. The remedy, such as an example.``  Or the law file given
         cannot be used.
     """
     path = Path(path)
@@ -88,7 +88,7 @@ def loads(
         As for `load`.
     """
     verb = None if verb is None else choice(verb, FUNCTIONS)
-    problems: list[str] = []
+    problems: list[Problem] = []
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     parsed = _tables(_parse(data, name), problems)
     take_law_file(parsed, law_file, folder, problems)
@@ -115,7 +115,8 @@ def loads(
     )
     scenario = assemble(tables)
     if scenario is None:
-        raise refusal("file.unusable", name=name, lines=report(problems, TABLES))
+        lines = report(problems, TABLES, data.decode("utf-8-sig"))
+        raise refusal("file.unusable", name=name, lines=lines)
     return scenario
 
 
@@ -173,22 +174,22 @@ def _line_of_deep_key(text: bytes) -> int:
     return 0
 
 
-def _tables(parsed: dict[str, Any], problems: list[str]) -> dict[str, dict[str, Any]]:
+def _tables(parsed: dict[str, Any], problems: list[Problem]) -> dict[str, dict[str, Any]]:
     """The known tables of the file; one that is not a table is replaced by an empty one."""
     tables: dict[str, dict[str, Any]] = {}
     known = [f"[{name}]" for name in TABLES]
     for name, table in list(parsed.items())[:MOST_TABLES]:
-        place = Place(f"[{toml_key(name)}]", problems)
+        place = Place((name,), problems)
         if name in TABLES:
             tables[name] = table if isinstance(table, dict) else {}
             if not isinstance(table, dict):
                 place.add("table.none", given=table, wanted=one_of(known))
         elif isinstance(table, dict):
-            place.add("table.unknown", wanted=one_of(known, place.name))
+            place.add("table.unknown", wanted=one_of(known, written(place.path)))
         else:  # a key
             homes = tables_with(name)
             wanted = f"Write it in {homes}, such as {example(name)}." if homes else one_of(known)
-            Place(toml_key(name), problems).add("table.loose_key", wanted=wanted)
+            Place(("", name), problems).add("table.loose_key", wanted=wanted)
     if len(parsed) > MOST_TABLES:
-        Place("the file", problems).add("table.too_many", n=len(parsed), wanted=one_of(known))
+        Place(("",), problems).add("table.too_many", n=len(parsed), wanted=one_of(known))
     return tables

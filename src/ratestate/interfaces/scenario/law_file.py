@@ -7,7 +7,7 @@ from ...friction.law_formula import HASH_MARK
 from ...friction.laws import find_law_name, friction_law
 from ...model.user_laws import register
 from .known_keys import example, keys_of, tables_with
-from .problems import Place, message, refusal
+from .problems import Place, Problem, message, refusal
 
 KEY = "law_file"
 LONGEST_NAME = 1000  # characters
@@ -17,7 +17,7 @@ def take_law_file(
     tables: dict[str, dict[str, Any]],
     given: str | Path | None,
     folder: Path | None,
-    problems: list[str],
+    problems: list[Problem],
 ) -> None:
     """Make the law of a law file the law of the slider, in tables as they are parsed.
 
@@ -32,7 +32,7 @@ def take_law_file(
     if given is not None:
         _settle(tables, register(given), str(given), problems)
     elif named is not None and not _names_known_source(slider.get("law")):
-        place = Place(f"[slider] {KEY}", problems)
+        place = Place(("slider", KEY), problems)
         name = place.noting(lambda: _registered(named, folder))
         if name is None:
             _take_out_unknown(tables)
@@ -55,7 +55,9 @@ def _names_known_source(law: Any) -> bool:
     return HASH_MARK in (find_law_name(law) or "") and HASH_MARK in law
 
 
-def _settle(tables: dict[str, dict[str, Any]], name: str, file: str, problems: list[str]) -> None:
+def _settle(
+    tables: dict[str, dict[str, Any]], name: str, file: str, problems: list[Problem]
+) -> None:
     """Make the law of this name that of the slider; a key law that names another one is noted."""
     law, own = friction_law(name), name.partition(HASH_MARK)[0]
     for table in ("slider", "sweep"):
@@ -64,7 +66,7 @@ def _settle(tables: dict[str, dict[str, Any]], name: str, file: str, problems: l
         if text not in (name, own, *law.synonyms):
             is_edited = text.partition(HASH_MARK)[0] == own
             kind = "law_file.edited" if is_edited else "law_file.other"
-            Place(f"[{table}] law", problems).add(kind, given=given, file=file, name=name, own=own)
+            Place((table, "law"), problems).add(kind, given=given, file=file, name=name, own=own)
     tables["slider"]["law"] = name
 
 

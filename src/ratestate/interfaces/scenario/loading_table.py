@@ -19,7 +19,7 @@ from .known_keys import (
     example,
     known_items,
 )
-from .problems import Place, message
+from .problems import Place, Problem, message
 from .record import Record, column_per_area, read_record
 from .values import InlineTable, as_array, read_number, read_values
 
@@ -105,13 +105,13 @@ def _applied(events: list[tuple[Place, Call]], loading: Loading) -> Loading:
 
 
 def loading_table(
-    table: dict[str, Any], folder: Path, problems: list[str], area: dict[str, Any]
+    table: dict[str, Any], folder: Path, problems: list[Problem], area: dict[str, Any]
 ) -> LoadingTable:
     """Read the table [loading]; file names in it are relative to a folder.  Problems are noted.
 
     area : {"area": of the contact [m^2]}, by which its normal forces are divided; {} if not known
     """
-    place, before = Place("[loading]", problems), len(problems)
+    place, before = Place(("loading",), problems), len(problems)
     given = dict(known_items("loading", table, place))
     loading = LoadingTable(place, given, [])
     shapes = [key for key in ONE_OF if key in given]

@@ -11,6 +11,8 @@ from ...model.quantities import remedy
 
 LONGEST_SHOWN = 60  # characters
 MOST_LINES = 100  # problems
+#: a key of TOML, bare or in quotes
+_KEY = r"""([A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
 T = TypeVar("T")
 
 
@@ -25,17 +27,22 @@ message = _Messages(Path(__file__).with_name("messages.toml"))
 refusal = message.refusal
 
 
-class Place(NamedTuple):
-    """A table or key of the file, such as ``[sweep] M.from``; the problems of all of the file."""
+class Problem(NamedTuple):
+    """A problem of a scenario file: its table and key, and the text with its remedy."""
 
-    name: str
-    problems: list[str]
+    path: tuple[str | int, ...]  # table, key, and what follows in an inline table or list
+    text: str
+
+
+class Place(NamedTuple):
+    """A table or key of the file, such as ``[sweep] M.from``; the problems of the whole file."""
+
+    path: tuple[str | int, ...]
+    problems: list[Problem]
 
     def at(self, part: str | int) -> "Place":
         """A key of this table, or an element of this list."""
-        joint = "." if " " in self.name else " "
-        inner = f"[{part}]" if isinstance(part, int) else joint + toml_key(part)
-        return Place(self.name + inner, self.problems)
+        return Place((*self.path, part), self.problems)
 
     def add(self, name: str, /, **values: Any) -> None:
         """Note a problem, by the name of its message."""
@@ -55,17 +62,48 @@ class Place(NamedTuple):
 
     def note(self, error: ParameterError) -> None:
         """Note an error, without its symbol if that is a key of this place."""
-        is_key = error.symbol in re.split(r"[] .[]+", self.name)
-        text = error.text("" if is_key else error.symbol)
-        self.problems.append(f"{self.name}: {text}".replace("\n", " "))
+        text = error.text("" if error.symbol in self.path else error.symbol)
+        self.problems.append(Problem(self.path, text.replace("\n", " ")))
 
 
-def report(problems: list[str], tables: Iterable[str]) -> str:
-    """Lines of the first `MOST_LINES` problems, in the order of the tables; how many more."""
-    order = {f"[{table}]": i for i, table in enumerate(tables)}
-    lines = sorted(problems[:MOST_LINES], key=lambda line: order.get(line.split("]")[0] + "]", -1))
+def report(problems: list[Problem], tables: Iterable[str], text: str) -> str:
+    """Lines of the first `MOST_LINES` problems, in the order of the tables; how many more.
+
+    text : the file, for the numbers of its lines
+    """
+    order = {table: i for i, table in enumerate(tables)}
+    numbers = key_lines(text)
+    lines = []
+    for path, problem in problems[:MOST_LINES]:
+        number = numbers.get(path[:2], numbers.get(path[:1], 0))
+        where = f"line {number}, " if number else ""
+        lines.append((order.get(str(path[0]), -1), number, f"{where}{written(path)}: {problem}"))
     omitted = len(problems) - MOST_LINES
-    return "\n".join([*lines, f"and {omitted} problems more"] if omitted > 0 else lines)
+    more = [f"and {omitted} problems more"] if omitted > 0 else []
+    return "\n".join([*(line for *_, line in sorted(lines, key=lambda x: x[:2])), *more])
+
+
+def written(path: tuple[str | int, ...]) -> str:
+    """A table or key as messages name it: ``[loading] steps[0].V_lp``."""
+    table, *parts = path
+    name = f"[{toml_key(str(table))}]" if table else ""
+    for i, part in enumerate(parts):
+        joint = "." if i else " " if table else ""
+        name += f"[{part}]" if isinstance(part, int) else joint + toml_key(part)
+    return name or "the file"
+
+
+def key_lines(text: str) -> dict[tuple[str | int, ...], int]:
+    """The number of the line, from 1 on, of each table (name,) and of its keys (name, key)."""
+    numbers: dict[tuple[str | int, ...], int] = {}
+    table = ""
+    for number, line in enumerate(text.split("\n"), 1):
+        if header := re.match(rf"\s*\[\s*{_KEY}\s*\]\s*(?:#.*)?$", line):
+            table = header[1].strip("\"'")
+            numbers.setdefault((table,), number)
+        elif key := re.match(rf"\s*{_KEY}\s*[.=]", line):
+            numbers.setdefault((table, key[1].strip("\"'")), number)
+    return numbers
 
 
 def shown(value: Any) -> str:

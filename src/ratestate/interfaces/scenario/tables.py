@@ -24,7 +24,7 @@ from .known_keys import (
     slider_keys,
 )
 from .model import FUNCTIONS
-from .problems import Place, choice, message, refusal, shown
+from .problems import Place, Problem, choice, message, refusal, shown
 from .values import AXIS, Many, as_array, as_axis, read_ends, read_number, read_values
 
 LONGEST_PATH = 255  # characters
@@ -34,13 +34,13 @@ BRANCH = 'K = { from = "700 MPa/m", to = "300 MPa/m" }'
 
 
 def plain_table(
-    name: str, table: dict[str, Any], problems: list[str], law: FrictionLaw | None = None
+    name: str, table: dict[str, Any], problems: list[Problem], law: FrictionLaw | None = None
 ) -> dict[str, Any]:
     """The values of such a table: key -> value, or None for one with a problem.
 
     law : the slider's, for its values at t = 0; None where it is not known
     """
-    place = Place(f"[{name}]", problems)
+    place = Place((name,), problems)
     items = known_items(name, table, place)
     values = {key: read_value(key, value, place.at(key), law) for key, value in items}
     return _per_area(values, place)
@@ -120,7 +120,7 @@ def sweep_table(
     table: dict[str, Any] | None,
     requested: str | None,
     of_run: str | None,
-    problems: list[str],
+    problems: list[Problem],
     law: FrictionLaw | None,
 ) -> Sweep:
     """Read the table [sweep], if any; `requested` replaces its verb, which may be that of [run].
@@ -129,7 +129,7 @@ def sweep_table(
 
     law : the slider's, along whose own parameters a branch may go; None where it is not known
     """
-    place = Place("[sweep]", problems)
+    place = Place(("sweep",), problems)
     if table is None:
         own = of_run or "simulate"
         verb = requested or own
