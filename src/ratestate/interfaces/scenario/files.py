@@ -12,7 +12,7 @@ from .known_keys import TABLES, composed_law_of, example, tables_with
 from .law_file import take_law_file
 from .loading_table import loading_table
 from .model import FUNCTIONS, Scenario
-from .problems import Place, Problem, choice, message, refusal, report
+from .problems import Place, Problem, choice, message, refusal, report, written
 from .tables import plain_table, sweep_table
 
 LARGEST = 10**7  # bytes
