@@ -5,12 +5,10 @@
 ``init``, ``explore``, ``paper``        commands of these names; ``figures`` and ``atlas``
 ``analyses``                            ``run``, ``stability``, ``cycle`` and ``branch``
 ``run_scenario``                        what these do: outputs checked, computed, printed, written
-``fit``, ``run_fit``                    its options; initial guesses, and which files are written
-``lab``                                 ``lab describe``
-``events``, ``healing``, ``stiffness``  events and holds of a record; the machine that made it
-``reading``, ``evaluate_record``        options about a record; reading it, and writing files
+``fit``, ``run_fit``, ``fit_report``    its options; initial guesses and files; report.md
+``laboratory``                          ``events``, ``healing``, ``stiffness``, ``lab describe``
+``reading``                             options about a record
 ``sweep``, ``store_report``             its options; what is said of a store
-``report``                              results as tables, and report.md
 ``document``                            results as JSON
 ``verdict_text``, ``verdict_text.toml`` which verdict stands beside a result
 ``output``                              how lines, tables and messages are printed

@@ -81,6 +81,13 @@ def make_writable(out: Path) -> None:
         tempfile.TemporaryFile(dir=out).close()
 
 
+def write_text(path: Path, text: str) -> Path:
+    """Write a text to a file, whole or not at all; the file."""
+    from ...files import replace
+
+    return replace(path, lambda partial: partial.write_text(text, "utf-8"))
+
+
 def names_of(files: Iterable[Path]) -> str:
     """The names of files as a message lists them."""
     return ", ".join(file.name or str(file) for file in files)

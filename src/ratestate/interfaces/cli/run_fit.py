@@ -21,9 +21,8 @@ from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
 from ...records.reading.sizes import constant_in_si
 from .document import document
-from .evaluate_record import write_text
 from .fit_report import HEADING, FitRequest, markdown
-from .output import folder, print_json, reporting_files
+from .output import folder, print_json, reporting_files, write_text
 from .run_scenario import print_report
 from .summary_csv import summary_csv
 

@@ -1,0 +1,181 @@
+"""Commands on a laboratory's record: ``events``, ``healing``, ``stiffness``, ``lab describe``."""
+
+import contextlib
+import json as json_texts
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Literal
+
+import typer
+import xarray
+
+from ...errors import RecordWarning
+from .exits import SOME_FAILED
+from .output import folder, names_of, print_line, reporting_files, write_text
+from .reading import FileReading, Reading, noise_of
+
+Trend = Literal["slip", "time", "none"]
+
+
+def events(
+    files: list[Path],
+    *,
+    K: str | None = None,
+    M: str | None = None,
+    sigma: str | None = None,
+    reading: Reading,
+    out: Path | None = None,
+    json: bool = False,
+) -> None:
+    """Find the stick-slip events of a laboratory record: stress drops, recurrence, slip, errors.
+
+    Example: ratestate events record.txt --out catalogue
+    """
+    from ...records.stick_slip import events as find_events
+
+    given = {"K": K, "M": M, "sigma": sigma}
+    given = {name: value for name, value in given.items() if value is not None}
+
+    def evaluate(record: xarray.Dataset) -> xarray.Dataset:
+        # what the format says of the machine holds where nothing else is given
+        return find_events(record, **json_texts.loads(record.attrs.get("machine", "{}")) | given)
+
+    _evaluate("events", evaluate, "event", files, reading, out, json)
+
+
+def healing(
+    files: list[Path],
+    *,
+    slider: Path | None = None,
+    reading: Reading,
+    trend: Trend = "slip",
+    noise: str | None = None,
+    out: Path | None = None,
+    json: bool = False,
+) -> None:
+    """Evaluate slide-hold-slide tests: healing and relaxation of each hold, and their rates.
+
+    It ends with code 3 where a hold cannot be evaluated; the reasons are printed.
+
+    Example: ratestate healing holds.txt --out healed
+    """
+    from ...files import read
+    from ...records.healing.healing import healing as find_healing
+
+    settings = {"trend": None if trend == "none" else trend, "noise": noise_of(noise)}
+    fitted = read(slider) if slider else None
+
+    def evaluate(record: xarray.Dataset) -> xarray.Dataset:
+        return find_healing(record, fitted, **settings)
+
+    result = _evaluate("healing", evaluate, "hold", files, reading, out, json)
+    if bool((result["hold_status"] != 0).any()):
+        raise typer.Exit(SOME_FAILED)
+
+
+def stiffness(
+    files: list[Path],
+    *,
+    sigma: str | None = None,
+    reading: Reading,
+    out: Path | None = None,
+    json: bool = False,
+) -> None:
+    """Find stiffness, mass and damping of a machine in its record: slopes of loading, ring-downs.
+
+    Example: ratestate stiffness holds.txt --sigma '10 MPa'
+    """
+    from ...records.machine.machine_stiffness import machine_stiffness
+
+    def evaluate(record: xarray.Dataset) -> xarray.Dataset:
+        return machine_stiffness(record, sigma)
+
+    _evaluate("stiffness", evaluate, "slope", files, reading, out, json)
+
+
+def describe(
+    file: Path,
+    *,
+    sigma: str | None = None,
+    K: str | None = None,
+    M: str | None = None,
+    reading: FileReading,
+) -> None:
+    """Print how a laboratory's files are read, as a file for --format of other commands.
+
+    Example: ratestate lab describe record.txt
+    """
+    from ...records.reading import describe as described
+
+    print_line(described(file, sigma=sigma, K=K, M=M, **reading.keywords()).rstrip("\n"))
+
+
+def _evaluate(
+    name: str,
+    evaluate: Callable[[xarray.Dataset], xarray.Dataset],
+    dim: str,
+    files: list[Path],
+    reading: Reading,
+    out: Path | None,
+    json: bool,
+) -> xarray.Dataset:
+    """Read a record, evaluate it, write the files into the folder, if any, and print the result."""
+    from ...report import summary
+    from .document import document
+    from .output import print_json, print_rich
+
+    with _reported(name, files, reading, out) as (record, made):
+        result = evaluate(record)
+        made += _write_all(result, out, name, dim)
+    if json:
+        print_json(document(result, None))
+    else:
+        print_rich(*summary(result))
+    return result
+
+
+@contextlib.contextmanager
+def _reported(
+    what: str, files: list[Path], reading: Reading, out: Path | None
+) -> Iterator[tuple[xarray.Dataset, list[Path]]]:
+    """The record in these files, and a list that takes the files made; both reported on stderr."""
+    from ...records.reading import read_lab
+
+    keywords = reading.keywords()
+    with folder(out), reporting_files(f"{what} of {names_of(files)}") as made:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", RecordWarning)
+            record = read_lab(files if len(files) > 1 else files[0], **keywords)
+        yield record, made
+
+
+def _write_all(result: xarray.Dataset, out: Path | None, name: str, dim: str) -> list[Path]:
+    """Write a result as NAME.nc and NAME.png, and its tables; the paths.
+
+    NAME.csv has a row for each value along a dimension, NAME_summary.csv one for each quantity of
+    the whole record.
+    """
+    if not out:
+        return []
+    from ... import plot
+    from ...files import laboratory_csv, write
+    from .summary_csv import summary_csv
+
+    table = laboratory_csv(_by_law(result, dim), dim)
+    return [
+        write(result, out / f"{name}.nc"),
+        plot.save(plot.page(result), out / f"{name}.png"),
+        write_text(out / f"{name}.csv", table),
+        write_text(out / f"{name}_summary.csv", summary_csv(result)),
+    ]
+
+
+def _by_law(result: xarray.Dataset, dim: str) -> xarray.Dataset:
+    """A result with a variable along the dimension alone for each law, where it has several."""
+    table = result.copy()
+    for name, variable in result.data_vars.items():
+        if set(variable.dims) == {"law", dim}:
+            for law in result["law"].values.tolist():
+                table[f"{name}_{law}"] = variable.sel(law=law, drop=True)
+    return table
