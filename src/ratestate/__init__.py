@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .dynamics.frequency_response import frequency_response
     from .dynamics.hopf import bautin, hopf
     from .dynamics.simulation.simulate import simulate
+    from .dynamics.stabilize import stabilize
     from .dynamics.steady_sliding import stability
     from .errors import (
         NotConverged,
@@ -67,6 +68,7 @@ __all__ = [
     "register",
     "simulate",
     "stability",
+    "stabilize",
     "summary",
     "sweep",
 ]
@@ -102,6 +104,7 @@ _HOMES = {
     "register": "model.user_laws",
     "simulate": "dynamics.simulation.simulate",
     "stability": "dynamics.steady_sliding",
+    "stabilize": "dynamics.stabilize",
     "summary": "report",
     "sweep": "sweeps.sweep",
 }

@@ -9,11 +9,13 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from ..dynamics.attributes import branch_parameter
-from ..dynamics.results import law_of_result, normal_stress, parameter
+from ..dynamics.results import law_of_result, normal_stress, parameter, slider_parameters
+from ..dynamics.stabilize import stabilize
 from ..dynamics.verdict_sentences import on_edge
 from ..dynamics.whole_contact import whole_contact
 from ..engine.model import STEADY_SLIDING
 from ..model.quantities import readable, readable_multiplier, readable_time
+from ..model.slider import SpringSlider
 from .domain import outside_lines
 from .tables import (
     ANY_SPEED,
@@ -28,6 +30,8 @@ from .tables import (
     table,
 )
 
+#: ratio to V_lp of the speed at which remedies make steady sliding stable
+MARGIN = 1.1
 #: frequencies of a table, at most
 MOST_FREQUENCIES = 16
 
@@ -112,7 +116,36 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
         change = "lowered" if K_c < K else "raised"
         remark = f"{hopf}, if K were {change} to K_c at this speed"
         rows.append(row("omega_c", result.omega_c, remark))
-    return table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows, units)
+    blocks = table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows, units)
+    return blocks if bool(result.stable) else [*blocks, Text(), *_remedies(result, units)]
+
+
+def _remedies(result: xarray.Dataset, units: Units) -> list[Any]:
+    """What makes steady sliding stable, each alone, with the critical velocity that it gives."""
+    known = {symbol: parameter(result, symbol) for symbol in slider_parameters(result)}
+    V = float(result.V_lp)
+    found = stabilize(SpringSlider(**known), V, MARGIN)
+    area = known.get("area")
+    made = plain_table("", Column("value", justify="right", no_wrap=True), "", "")
+    for symbol, of_contact, sign, remark in (
+        ("K", "stiffness", ">=", ""),
+        ("M", "mass", "<=", ""),
+        ("damping", "dashpot", ">=", "damping ratio {:.3g}"),
+    ):
+        x = float(found[f"{symbol}_stable"])
+        V_c = float(found[f"V_c_with_{symbol}"])
+        if math.isnan(x):
+            made.add_row(symbol, "none", "", "no mass is small enough")
+            continue
+        name, value = (of_contact, x * float(area)) if area else (symbol, x)
+        text = f"{sign} {shown(name, value, units, FEW_DIGITS)}"
+        ratio = remark.format(float(found.damping_ratio_stable))
+        speed = f"V_c = {shown('V_c', V_c, units, FEW_DIGITS)}"
+        if V_c in ANY_SPEED:
+            speed = ANY_SPEED[V_c] if V_c else "but unstable at all lower speeds"
+        made.add_row(name, Text(text), speed, ratio if "nan" not in ratio else "")
+    title = f"Each alone makes it stable at {MARGIN:g} V_lp = {readable('V_lp', MARGIN * V)}"
+    return [Text(title, style="bold"), made]
 
 
 def _critical(symbol: str, K: float, remark: str) -> Row:

@@ -1,0 +1,133 @@
+"""The function `stabilize`: stiffness, mass or damping that makes steady sliding stable."""
+
+import functools
+
+import numpy as np
+import xarray
+
+from ..friction.composition import composed
+from ..friction.critical_speeds import V_c
+from ..friction.laws import friction_law
+from ..friction.linear_stability import K_c, is_stable
+from ..friction.stability import call_elementwise
+from ..model.arrays import Batch
+from ..model.names import keywords_checked
+from ..model.quantities import attrs
+from ..model.slider import check_slider
+from ..model.units import is_array, to_si
+from .results import provenance
+
+VARIABLES = (
+    *("K_stable", "M_stable", "damping_stable", "damping_ratio_stable"),
+    *("V_c_with_K", "V_c_with_M", "V_c_with_damping"),
+)
+#: natural logarithms of eta, and of damping V/(a sigma), between which M and damping are sought
+SMALLEST, LARGEST = np.log(1e-15), np.log(1e15)
+#: bisections, until the interval is below one rounding error
+BISECTIONS = 64
+
+
+@keywords_checked
+def stabilize(slider, V_lp, margin=1.1):
+    """Find what makes steady sliding stable: more stiffness, less mass, or more damping.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters may be named DataArrays.
+    V_lp : float, str, pint.Quantity or xarray.DataArray
+        Working speed [m/s], > 0.
+    margin : float
+        Each remedy alone makes steady sliding at margin times V_lp just stable.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``K_stable`` [Pa/m], the least stiffness, which is K_c at that speed, 0 if any stiffness
+        will do; ``M_stable`` [kg/m^2], the largest mass per area, inf if any mass will do, and NaN
+        if no mass will; ``damping_stable`` [Pa s/m], the least damping, 0 if none is needed, with
+        its ratio ``damping_ratio_stable`` to critical damping 2 sqrt(K M), NaN if M = 0.  For each
+        remedy the critical velocity of the slider that has it, ``V_c_with_K``, ``V_c_with_M`` and
+        ``V_c_with_damping`` [m/s]: with damping it may be 0, because damping stabilizes high speeds
+        only.
+
+    Raises
+    ------
+    ParameterError
+        V_lp is not a speed > 0, margin is not a number > 0, or coordinates clash.
+
+    Notes
+    -----
+    Stiffness is that of `stability`, K_c (eq. 6 with damping and any law).  Mass and damping are
+    found by bisection of the stability at this speed.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="1 GPa/m", M=3000)
+    >>> found = stabilize(slider, "10 mm/s", margin=1.0)
+    >>> float(found.K_stable), round(float(found.M_stable), 9), float(found.V_c_with_K)
+    (3600000000.0, 400.0, 0.01)
+    """
+    slider = check_slider(slider)
+    V_lp, margin = to_si("V_lp", V_lp), to_si("number", margin, label="margin", bound="> 0")
+    batch = Batch({**slider.values, "V_lp": V_lp}, reserved=VARIABLES)
+    damped = composed(friction_law(slider.law), slider.friction, damped=True)
+    values = {"damping": 0.0} | batch.values
+    given = {symbol: values[symbol] for symbol in (*damped.symbols, "sigma", "K", "M")}
+    found = call_elementwise(
+        functools.partial(_remedies, slider.friction_law, damped),
+        {"V": margin * V_lp, **given},
+        "remedy",
+    )
+    variables = {}
+    for i, symbol in enumerate(VARIABLES):
+        value = found[..., i]
+        one = value.variable if is_array(value) else xarray.Variable((), value)
+        one = one.transpose(*batch.dims, missing_dims="ignore")
+        variables[symbol] = xarray.Variable(one.dims, one.values, attrs(symbol))
+    attributes = provenance("stabilize", slider, V_lp=V_lp, margin=margin)
+    return xarray.Dataset(variables, batch.coordinates(VARIABLES), attributes)
+
+
+def _remedies(law, damped, *, V, K, M, **values):
+    """Return the variables of `stabilize`, stacked along the last axis, from arrays (...)."""
+    own = {symbol: values[symbol] for symbol in (*law.symbols, "sigma")}
+    K_stable = np.maximum(K_c(law, V, M=M, **own), 0.0)
+    unit = values["a"] * values["sigma"]
+
+    def stable_with_mass(M):
+        return is_stable(law, V, K=K, M=M, **own)
+
+    M_stable = unit * values["Dc"] / V**2 * _edge(stable_with_mass, unit * values["Dc"] / V**2)
+    M_stable = np.where(stable_with_mass(np.zeros_like(M)), M_stable, np.nan)
+    others = {symbol: x for symbol, x in values.items() if symbol != "damping"}
+
+    def unstable_with_damping(damping):
+        return ~is_stable(damped, V, K=K, M=M, damping=damping, **others)
+
+    damping = unit / V * _edge(unstable_with_damping, unit / V)
+    damping = np.where(is_stable(law, V, K=K, M=M, **own), 0.0, damping)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        ratio = np.where(M > 0.0, damping / (2.0 * np.sqrt(K * M)), np.nan)
+    with_M = np.where(np.isfinite(M_stable), M_stable, 0.0)
+    speeds = [
+        V_c(law, K=K_stable, M=M, **own).V_c,
+        np.where(np.isnan(M_stable), np.nan, V_c(law, K=K, M=with_M, **own).V_c),
+        V_c(damped, K=K, M=M, damping=damping, **others).V_c,
+    ]
+    return np.stack([K_stable, M_stable, damping, ratio, *speeds], axis=-1)
+
+
+def _edge(holds, unit):
+    """Return the ratio to a unit up to which a condition holds: inf if it holds everywhere.
+
+    holds : function of an array like `unit`, True below the edge and False above
+    """
+    low, high = (np.full(np.shape(unit), x) for x in (SMALLEST, LARGEST))
+    everywhere = holds(unit * np.exp(high))
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        below = holds(unit * np.exp(middle))
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return np.where(everywhere, np.inf, np.exp(low))
