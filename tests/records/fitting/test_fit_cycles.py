@@ -127,7 +127,7 @@ def forward_of(slider, free, V_lp):
 
 def test_the_search_differentiates_in_its_own_coordinates():
     forward = forward_of(BRAKE, ("a", "b", "Dc"), 3.2e-3)
-    point = forward.own()[0] + [0.0, 0.0, 0.0, 0.6]
+    point = forward.slider_coordinates()[0] + [0.0, 0.0, 0.0, 0.6]
     _, jacobian = forward.jacobian(point)
     for i, step in enumerate(5e-3 * np.eye(4)):  # five times the step of the search
         up, down = forward.friction(np.stack([point + step, point - step]))
@@ -137,10 +137,10 @@ def test_the_search_differentiates_in_its_own_coordinates():
 @pytest.mark.parametrize("free", [("a", "b"), ("a",), ("b", "K"), ("Dc", "K", "M"), SYMBOLS])
 def test_coordinates_lead_there_and_back(free):
     forward = forward_of(STICK_SLIP, free, 1e-5)
-    q = forward.own() + np.append(np.linspace(-0.2, 0.3, len(free)), 0.0)
+    q = forward.slider_coordinates() + np.append(np.linspace(-0.2, 0.3, len(free)), 0.0)
     values = forward.values(q)
     np.testing.assert_allclose(forward.coordinates(values), q, rtol=1e-9)
-    own = forward.values(forward.own())
+    own = forward.values(forward.slider_coordinates())
     for symbol in SYMBOLS:
         assert own[symbol][0] == pytest.approx(getattr(STICK_SLIP, symbol), rel=1e-9)
         if symbol not in free:
@@ -298,7 +298,7 @@ def test_intervals_end_where_no_fit_is_likely():
         for part in (1.0, ratio):
             near = at | {"Dc": at["Dc"] * ratio, "a": at["a"] * part, "b": at["b"] * part}
             starts.append(problem.forward.coordinates(near)[0] + [0.0, 0.0, solution.point[-1]])
-        best, *_ = fitting._searched(problem, starts)
+        best, *_ = fitting._solutions_from(problem, starts)
         assert np.sqrt(best.chi2 - found.chi2) == pytest.approx(1.96, rel=0.12)
 
 
@@ -312,8 +312,8 @@ def test_intervals_cover():
         known = truth(slider, 3.2e-3, found.bins)
         found = corrected(found, wave_at(cycle(slider, 3.2e-3)[1]), known)
         problem = CyclesProblem(slider, ("a", "Dc"), (found,))
-        own = problem.forward.own()[0] + [0.0, 0.0, slider.mu0]
-        solution = solution_from(problem.about(own), own, problem.noise)
+        own = problem.forward.slider_coordinates()[0] + [0.0, 0.0, slider.mu0]
+        solution = solution_from(problem.bounded_about(own), own, problem.noise)
         assert solution.converged
         z = ((solution.point - own) / np.sqrt(np.diag(solution.covariance)))[:-1]
         hits.append(np.abs(z) < 1.96)
@@ -408,7 +408,7 @@ def test_points_far_from_all_sliders_have_no_cycle_and_no_warning():
     far = [[0.0, 0.0, 700.0, 0.0], [0.0, 700.0, 700.0, 0.0], [700.0, 0.0, 0.0, 0.0]]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        features = forward.friction(forward.own() + np.array([[0.0] * 4, *far]))
+        features = forward.friction(forward.slider_coordinates() + np.array([[0.0] * 4, *far]))
     assert np.isfinite(features[0]).all()
     assert np.isnan(features[1:]).all()
 

@@ -34,10 +34,10 @@ from ratestate.records.fitting.likelihood.profile import (
     compute_profiles,
 )
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
-from ratestate.records.fitting.likelihood.transients import _transients, chance_of_transients
+from ratestate.records.fitting.likelihood.transients import _transients, transients_p_value
 from ratestate.records.fitting.record import Record, record_of
 from ratestate.records.fitting.result import compare_laws
-from ratestate.records.fitting.unknowns import Unknowns, starts_of, unknowns_of
+from ratestate.records.fitting.unknowns import NEAR, Unknowns, start_names, unknowns_of
 from ratestate.records.kit.noise import Noise
 from ratestate.records.raw_record import raw_record
 
@@ -491,7 +491,7 @@ def test_a_probability_of_misfit_is_uniform_under_the_right_law():
         red = 2e-4 * correlated(T, 0.5, np.random.default_rng(seed))
         data = clean.assign(friction=clean.friction + red)
         solution = solution_of(data, SLIDER, ("a",))
-        found.append(chance_of_transients(solution, SLIDER.Dc))
+        found.append(transients_p_value(solution, SLIDER.Dc))
     assert 0.35 < np.mean(found) < 0.7
     assert np.mean(np.array(found) < 0.05) < 0.12
 
@@ -499,19 +499,19 @@ def test_a_probability_of_misfit_is_uniform_under_the_right_law():
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_law_that_could_not_be_tested_does_not_pass(good, monkeypatch):
     """One march of several may fail; if all fail, the probability is NaN and a warning says so."""
-    effect, calls = transients._effect, []
+    effect, calls = transients._effect_of_fall, []
 
     def one_fails(*args):
         calls.append(args)
         return effect(*args) * (np.nan if len(calls) == 1 else 1.0)
 
     told = "was not tested against transients"
-    monkeypatch.setattr(transients, "_effect", one_fails)
+    monkeypatch.setattr(transients, "_effect_of_fall", one_fails)
     tested = rs.fit(good, SLIDER, errors="covariance")
     assert len(calls) == len(transients.LENGTHS)
     assert 0.01 < float(tested.misfit_p_value) < 1.0
     assert told not in tested.warnings.item()
-    monkeypatch.setattr(transients, "_effect", lambda *args: effect(*args) * np.nan)
+    monkeypatch.setattr(transients, "_effect_of_fall", lambda *args: effect(*args) * np.nan)
     untested = rs.fit(good, SLIDER, errors="covariance")
     assert np.isnan(untested.misfit_p_value)
     assert told in untested.warnings.item()
@@ -686,7 +686,8 @@ def test_which_bound_an_estimate_has_run_to():
     low, high = np.array([0.0, 0.0, 0.0, 0.0, 0.0]), np.array([10.0, 10.0, 10.0, 10.0, np.inf])
     point = np.array([0.011, 9.989, 0.009, 9.991, 0.0])
     sides = dict(zip(names, [0, 0, -1, 1, 0], strict=True))
-    assert Unknowns(names, low, high).sides(point) == sides
+    unknowns = Unknowns(names, low, high)
+    assert unknowns.sides(point, NEAR * unknowns.ranges) == sides
 
 
 def test_a_start_at_its_bound_is_told_in_words(good):
@@ -694,7 +695,7 @@ def test_a_start_at_its_bound_is_told_in_words(good):
     checked = record_of(good, SLIDER, loading=None, trend="slip", against="time")
     found = infer(least_squares_fit(checked, SLIDER, ("a",), None, "free"), None, "covariance")
     assert not [*search_warnings(found)]
-    at = [found.solution.unknowns.names.index(name) for name in starts_of(SLIDER.friction_law)]
+    at = [found.solution.unknowns.names.index(name) for name in start_names(SLIDER.friction_law)]
     point = found.solution.point.copy()
     point[at] = 20.0, -20.0
     found = found._replace(solution=found.solution._replace(point=point))

@@ -19,7 +19,12 @@ from ratestate.records.fitting.generalized_least_squares import least_squares_fi
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.problem import Problem
 from ratestate.records.fitting.record import record_of
-from ratestate.records.fitting.unknowns import checked_free, of_slider, parameter, unknowns_of
+from ratestate.records.fitting.unknowns import (
+    checked_free,
+    motion_parameters,
+    parameter,
+    unknowns_of,
+)
 
 STEP = rs.Loading.steps("1 um/s", (60.0, "10 um/s"))
 T = np.concatenate([np.linspace(0.0, 59.0, 60), np.linspace(60.1, 160.0, 600)])
@@ -305,7 +310,7 @@ def test_a_law_with_a_name_of_the_fit_s_own_is_refused(name, noisy, monkeypatch)
 
 
 def test_what_may_be_free_under_laws():
-    assert of_slider(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
+    assert motion_parameters(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
     both = [SLIDER, TWO]
     assert checked_free(["K", "b2", "a", "mu0"], both) == ("a", "b2", "K")
 

@@ -10,7 +10,7 @@ from ..messages import fitting as sentences
 from .diagnostics.checks import diagnose, is_misfit, without_trend
 from .estimates import LEVELS, ROOTS, SIDES
 from .likelihood.posterior import prior_text
-from .unknowns import SUMS, free_under, starts_of
+from .unknowns import DERIVED, free_under, start_names
 
 #: a difference of ln(likelihood) or ln(evidence) below the first decides nothing, above the second
 #: it is clear
@@ -61,7 +61,7 @@ def names_of(results, laws):
     """Names (list) of all that was estimated in any of the results, in the order of a result."""
     of_any = {name for result in results for name in result["parameter"].values.tolist()}
     free = free_under([friction_law(law) for law in laws])
-    return [name for name in (*free, *SUMS) if name in of_any]
+    return [name for name in (*free, *DERIVED) if name in of_any]
 
 
 def joined(results, dim, names):
@@ -231,7 +231,7 @@ def _statistics(inference):
         "noise_red": noise.red,
         "noise_time": noise.time if noise.red else 0.0,
         "noise_exponent": noise.exponent or 0.0,
-        "misfit_p_value": inference.chance,
+        "misfit_p_value": inference.p_value,
         "chi2_white": np.mean(residual**2) / successive,
         "log_likelihood": solution.log_likelihood,
         "aic": 2.0 * k - 2.0 * solution.log_likelihood,
@@ -240,7 +240,7 @@ def _statistics(inference):
         "evaluations": solution.evaluations,
     }
     law, forward = solution.problem.law, solution.problem.forward
-    V_start, *states = starts_of(law)
+    V_start, *states = start_names(law)
     if V_start in solution.unknowns.names:
         at = forward.values(solution.point[None])
         v, logs = forward.start(at, forward.coefficients(at))

@@ -38,7 +38,7 @@ class Row(NamedTuple):
 def estimate_rows(laws: Laws) -> list[Row]:
     """Rows of all estimates, of K/sigma if K is one, and of K/K_c_qs if any law has a text."""
     rows = []
-    for symbol in estimated(laws):
+    for symbol in estimated_symbols(laws):
         unit, meaning, *_ = QUANTITIES[symbol]
         power = power_of(unit, largest(laws, symbol))
         label = short_name(symbol, laws)
@@ -64,7 +64,7 @@ def estimate_cells(laws: Laws, meaning: bool) -> list[list[str]]:
     ]
 
 
-def estimated(laws: Laws) -> list[str]:
+def estimated_symbols(laws: Laws) -> list[str]:
     """Symbols of what was estimated under any of these laws, in the order of the result."""
     parts = sorted(laws.values(), key=lambda part: -part.sizes["parameter"])
     return [*dict.fromkeys(str(name) for part in parts for name in part["parameter"].values)]

@@ -5,7 +5,7 @@ import textwrap
 
 from ...dynamics import attributes
 from ...model.quantities import readable
-from .by_law import checked_by_law, is_of_steps, law_of, value_of, warnings_of
+from .by_law import checked_by_law, has_steps, law_of, value_of, warnings_of
 from .steps.text import (
     HEADS,
     NOTATION,
@@ -15,7 +15,7 @@ from .steps.text import (
     warnings_on_steps,
 )
 from .table import estimate_cells, law_names, quality_text
-from .unknowns import of_slider
+from .unknowns import motion_parameters
 
 #: columns of the text
 WIDTH = 96
@@ -47,7 +47,7 @@ def summary(result):
     """
     laws = checked_by_law(result, "summary")
     above, *others = sentences_of(result, laws, "in the variable warnings of the result")
-    if is_of_steps(result):
+    if has_steps(result):
         tables = []
         for law in laws:
             tables += [f"{law} law", *_aligned(table_of(result, law), range(len(HEADS))), ""]
@@ -67,7 +67,7 @@ def sentences_of(result, laws, where):
     """
     notes = attributes.from_json(result, "notes", list) if "notes" in result.attrs else []
     notes = [f"note: {note}" for note in notes]
-    if is_of_steps(result):
+    if has_steps(result):
         remarks = [NOTATION, *remarks_on_steps(result), *notes]
         return [heading_of_steps(result)], remarks, warnings_on_steps(result, where)
     source = attributes.text(result, "source", "")
@@ -86,7 +86,7 @@ def fixed_parameters(laws):
     """A sentence with the parameters that were given, under any of the laws, and their values."""
     values: dict[str, float] = {}
     for part in laws.values():
-        symbols = of_slider(law_of(part))
+        symbols = motion_parameters(law_of(part))
         if "normal_stress" in part.attrs:
             symbols = (*symbols, "alpha")  # which has a part where normal stress varies
         given = [s for s in symbols if s not in part.data_vars]

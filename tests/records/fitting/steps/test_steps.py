@@ -387,8 +387,8 @@ def test_a_window_that_begins_soon_after_a_step_has_a_free_start():
     speeds = (SLOW, FAST, SLOW, FAST)
     soon = experiment(SLIDER, speeds, 120e-6, 500, seed=3, noise=1e-4)
     windows = windows_of(soon)
-    assert windows[0].slid == np.inf
-    assert windows[1].slid == pytest.approx(60e-6, rel=0.02)
+    assert windows[0].slip_since_change == np.inf
+    assert windows[1].slip_since_change == pytest.approx(60e-6, rel=0.02)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
         result = rs.fit(soon, SLIDER, each="step", errors="covariance")

@@ -61,20 +61,20 @@ def fit_cycles(record, slider, free, loading=None):
     """
     segments = segments_of(record, slider, loading)
     check_slider(slider, free)
-    measured, left_out = _measured(segments)
+    measured, left_out = _measured_segments(segments)
     problem = _checked_problem(slider, free, measured)
-    runs = _searched(problem, starting_points(problem))
+    runs = _solutions_from(problem, starting_points(problem))
     # The shift by noise is found about the model's cycle, which has none.
     features, waves = runs[0].problem.forward.cycles(runs[0].point[None])
     measured = tuple(map(corrected, measured, map(wave_at, waves[0]), features[0]))
     problem = _checked_problem(slider, free, measured)
-    runs = _searched(problem, [run.point for run in runs])
+    runs = _solutions_from(problem, [run.point for run in runs])
     best, dof = runs[0], problem.dof
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
     noise = problem.noise.times(enlarged)
     solution = best._replace(
-        problem=best.problem.about(best.point),
+        problem=best.problem.bounded_about(best.point),
         noise=noise,
         covariance=enlarged**2 * best.covariance,
         chi2=best.chi2 / enlarged**2,
@@ -85,7 +85,7 @@ def fit_cycles(record, slider, free, loading=None):
     return CyclesFit(inference, runs, chi2, enlarged, left_out)
 
 
-def _measured(segments):
+def _measured_segments(segments):
     """`Measured` of the segments that have cycles, and warnings on the others."""
     measured, refused = [], []
     for segment in segments:
@@ -113,12 +113,12 @@ def _checked_problem(slider, free, measured):
     raise sentences.refusal("cycles.few_features", **names, features=features, listed=listed)
 
 
-def _searched(problem, starts):
+def _solutions_from(problem, starts):
     """`Solution`s (list) from these points, the best first; ParameterError if none has a cycle."""
     runs = []
     for start in starts:
         try:
-            runs.append(solution_from(problem.about(start), start, problem.noise))
+            runs.append(solution_from(problem.bounded_about(start), start, problem.noise))
         except ParameterError:
             continue  # no cycle there
     if not runs:
@@ -173,7 +173,7 @@ def _start_variables(runs):
     names = runs[0].unknowns.names[:-1]
     values = [_end_of(run) for run in runs]
     status = [
-        "at a bound" if run.at_bound.any() else "converged" if run.converged else "not converged"
+        "at a bound" if run.at_bound else "converged" if run.converged else "not converged"
         for run in runs
     ]
     chi2 = np.array([run.chi2 for run in runs])

@@ -106,7 +106,7 @@ def main_period(t, y):
 
     ParameterError for mere noise, and for too few cycles, or samples in one.
     """
-    grid, even = _even(t, y)
+    grid, even = _resampled(t, y)
     power = np.abs(np.fft.rfft(even * np.hanning(even.size))[1:-1]) ** 2
     best = int(np.argmax(power))
     span = grid[-1] - grid[0]
@@ -145,9 +145,9 @@ def cut_cycles(t, y, period):
     The record less its mean over a period, smoothed over a twelfth of one, must pass from well
     above to well below: noise in between makes no cut.  There may be no cut at all.
     """
-    grid, even = _even(t, y)
+    grid, even = _resampled(t, y)
     step = grid[1] - grid[0]
-    smooth = _mean_over(even, period / SMOOTH / step) - _mean_over(even, period / step)
+    smooth = _moving_average(even, period / SMOOTH / step) - _moving_average(even, period / step)
     low, high = np.percentile(smooth, (2.0, 98.0))
     middle, excursion = 0.5 * (high + low), EXCURSION * (high - low)
     side = np.where(smooth > middle + excursion, 1, np.where(smooth < middle - excursion, -1, 0))
@@ -220,7 +220,7 @@ def fold(t, y, cuts, bins):
     return Cycles(cuts, phase, profile, leave_one_out, means, slope)
 
 
-def _even(t, y):
+def _resampled(t, y):
     """A record less its line of regression, interpolated to even times of its usual spacing."""
     flat = y - _slope(t, y) * (t - t[0])
     step = float(np.median(np.diff(t)))
@@ -234,7 +234,7 @@ def _slope(t, y):
     return float(u @ y / (u @ u))
 
 
-def _mean_over(y, width):
+def _moving_average(y, width):
     """Means over a window of this width [samples] about each sample; edge values near the ends."""
     half = min(round(width) // 2, (y.size - 1) // 2)
     if half < 1:

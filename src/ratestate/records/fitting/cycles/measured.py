@@ -69,7 +69,7 @@ def measure(segment):
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
     cuts, left_out = regular_cuts(segment, period)
-    bins = _bins(segment, fold(segment.t, segment.y, cuts, BINS[0]))
+    bins = _number_of_bins(segment, fold(segment.t, segment.y, cuts, BINS[0]))
     cycles = fold(segment.t, segment.y, cuts, bins)
     raw = _features(cycles)
     measured = Measured(segment, cycles, _residual_noise(segment, cycles), raw, left_out)
@@ -138,7 +138,7 @@ def _notes(measured, excess, used):
     return tuple(notes), tuple(warnings)
 
 
-def _bins(segment, rough):
+def _number_of_bins(segment, rough):
     """Number of bins such that noise is small beside the amplitude and all bins have samples."""
     inside = int(np.sum(rough.inside))
     noise = _residual_noise(segment, rough).sd

@@ -17,8 +17,8 @@ from .features import FEATURES, profile_features, wave_profiles
 
 # Phases of a wave, from where it falls through its middle: even, and geometric sequences on both
 # sides of the fall, which may take any part of the period.
-_BESIDE = np.geomspace(1e-7, 0.25, 110)
-GRID = np.unique(np.concatenate([np.linspace(0.0, 1.0, 513), _BESIDE, 1.0 - _BESIDE]))
+_NEAR_FALL = np.geomspace(1e-7, 0.25, 110)
+GRID = np.unique(np.concatenate([np.linspace(0.0, 1.0, 513), _NEAR_FALL, 1.0 - _NEAR_FALL]))
 # Phases among which the fall is searched for, and then again between two of them; rounds.
 COARSE, FINER, ROUNDS = 513, 129, 2
 # b/a between which cycles are searched for: beyond, they converge slowly.  The upper end is ten
@@ -55,7 +55,7 @@ def limit_waves(law, values, V_lp, near=None):
     good = (cycle["error"] <= WORST) & (np.abs(cycle["multipliers"][:, 0]) < 1.0)
     which = which[good]
     u, period = cycle["u"][good], cycle["period"][good]
-    cycles.x[which] = _from_fall(system.at(which), u, period)
+    cycles.x[which] = _waves_from_fall(system.at(which), u, period)
     cycles.period[which] = period * values["Dc"][which] / V_lp[which]
     cycles.u[which] = u
     return cycles
@@ -66,14 +66,14 @@ def wave_at(wave):
     return lambda phase: np.interp(phase % 1.0, GRID, wave)
 
 
-def _from_fall(system, u, period):
+def _waves_from_fall(system, u, period):
     """(n, q) x on the cycles through u, of periods (n,) [Dc/V_lp], at the phases `GRID`."""
     low, high = np.zeros(period.size), np.ones(period.size)
     row, count = np.arange(period.size), COARSE
     middle = None
     for _ in range(ROUNDS):
         phases = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, count)
-        x = _saved(system, u, period, phases)
+        x = _x_at_phases(system, u, period, phases)
         if middle is None:
             middle = 0.5 * (x.max(axis=1) + x.min(axis=1))
         i = np.maximum(np.argmax(x < middle[:, None], axis=1), 1)
@@ -81,13 +81,13 @@ def _from_fall(system, u, period):
     phases = (0.5 * (low + high)[:, None] + GRID[:-1]) % 1.0
     order = np.argsort(phases, axis=1)
     x = np.empty((period.size, GRID.size))
-    saved = _saved(system, u, period, np.take_along_axis(phases, order, axis=1))
+    saved = _x_at_phases(system, u, period, np.take_along_axis(phases, order, axis=1))
     np.put_along_axis(x, order, saved, axis=1)
     x[:, -1] = x[:, 0]
     return x
 
 
-def _saved(system, u, period, phases):
+def _x_at_phases(system, u, period, phases):
     """(n, m) x at phases (n, m) in increasing order; NaN where a run fails."""
     cases = cases_of(
         kappa=system.kappa,

@@ -4,7 +4,7 @@ Coordinates are logarithms of the free parameters, and mu0, which only moves the
 amplitude of a cycle follows from how far below K_c the spring's stiffness is, and near K_c it
 changes hundredfold where parameters change by a few percent.  So b, or else a, moves as
 
-    ln(K_c/K - STRIP)
+    ln(K_c/K - LOWEST_RATIO)
 
 at the record's lowest speed: this coordinate changes the amplitude, the others change the shape of
 the cycle, and least squares need not follow a curved valley.
@@ -22,23 +22,23 @@ from ...messages import fitting as sentences
 from ..forward import ForwardModel
 from ..likelihood.quantities import ReportedQuantity
 from ..problem import LeastSquares
-from ..unknowns import Unknowns, distinct, of_slider, parameter
+from ..unknowns import Unknowns, distinct, motion_parameters, parameter
 from .features import FEATURES, LEVEL
 from .model import CycleModel
 
 # Largest distance of a coordinate from where a search starts.
-FAR = np.log(1e3)
+REACH = np.log(1e3)
 # K_c/K below which no cycle exists: some coexist with steady sliding, a little above K_c.
-STRIP = 0.98
+LOWEST_RATIO = 0.98
 # Step of a difference in a coordinate.
 STEP = 1e-3
 # Ranges from which starts are drawn.
-DIRECT = (3e-4, 0.03)  # a
-WEAKER = (0.01, 20.0)  # K_c/K - STRIP
-SLIPS = (2.0, 200.0)  # slip in a cycle, over Dc
-STIFFER = (0.9, 60.0)  # K over amplitude sigma/(V_lp period), that of a sawtooth
-LIGHTER = (1e-10, 1.0)  # (natural period/period)^2
-NEAR = 1.1  # half width of the range about the slider's own values, as a logarithm
+A_RANGE = (3e-4, 0.03)  # a
+EXCESS_RANGE = (0.01, 20.0)  # K_c/K - LOWEST_RATIO
+SLIP_RANGE = (2.0, 200.0)  # slip in a cycle, over Dc
+STIFFNESS_RANGE = (0.9, 60.0)  # K over amplitude sigma/(V_lp period), that of a sawtooth
+PERIOD_RANGE = (1e-10, 1.0)  # (natural period/period)^2
+OWN_RANGE = 1.1  # half width of the range about the slider's own values, as a logarithm
 # Points of the cloud, most starts among them, and least distance between two starts.
 CLOUD, STARTS, DISTANCE, SEED = 512, 4, 0.3, 20190117
 # Least relative error of features in the choice of starts: the shape matters there, not digits.
@@ -51,7 +51,7 @@ def check_slider(slider, free):
     It has none if M = 0, K = inf, or b <= a where both are given.
     """
     for name in free:
-        if what := parameter(name).no_part_in_cycles:
+        if what := parameter(name).unused_in_cycles:
             raise sentences.refusal("cycles.no_part", name=name, what=what)
     if slider.M == 0.0:
         raise sentences.refusal("cycles.massless")
@@ -69,7 +69,7 @@ class CyclesForward(ForwardModel):
 
     def __init__(self, slider, free, measured):
         super().__init__((*free, "level"), dict.fromkeys(free, STEP))
-        symbols = of_slider(slider.friction_law)
+        symbols = motion_parameters(slider.friction_law)
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
         self.sigma, self.used = float(slider.sigma), np.array([one.used for one in measured])
         # the parameter in place of which the distance from steady sliding is a coordinate
@@ -89,10 +89,10 @@ class CyclesForward(ForwardModel):
         moved = np.exp(np.clip(points[:, :-1].T, -700.0, 700.0))
         values |= zip(self.names[:-1], moved, strict=True)
         if self.replaced:
-            excess = values[self.replaced]  # K_c/K - STRIP
+            excess = values[self.replaced]  # K_c/K - LOWEST_RATIO
             rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.replaced}
             solve = b_of_K_c if self.replaced == "b" else a_of_K_c
-            critical = (excess + STRIP) * values["K"]
+            critical = (excess + LOWEST_RATIO) * values["K"]
             values[self.replaced] = solve(self.V_lp.min(), critical, sigma=self.sigma, **rest)
         return values | {"level": points[:, -1]}
 
@@ -102,11 +102,11 @@ class CyclesForward(ForwardModel):
         if self.replaced:
             of_K_c = {s: values[s] for s in ("a", "b", "Dc", "M")}
             ratio = K_c(self.V_lp.min(), sigma=self.sigma, **of_K_c) / values["K"]
-            columns[self.replaced] = np.log(np.maximum(ratio - STRIP, WEAKER[0]))
+            columns[self.replaced] = np.log(np.maximum(ratio - LOWEST_RATIO, EXCESS_RANGE[0]))
         columns["level"] = np.zeros_like(values["a"])
         return np.stack([columns[name] for name in self.names], axis=1)
 
-    def own(self):
+    def slider_coordinates(self):
         """(1, k) coordinates of the slider's own values, moved to where cycles exist."""
         return self.coordinates({symbol: np.array([v]) for symbol, v in self.fixed.items()})
 
@@ -122,7 +122,7 @@ class CyclesForward(ForwardModel):
         self.evaluations += len(points)
         return features + level * (np.arange(len(FEATURES)) == LEVEL), waves + level
 
-    def parts(self, points):
+    def friction_and_regressors(self, points):
         """Features (n, m) that are compared, and the derivative of these by the level."""
         features, _ = self.cycles(points)
         is_level = np.broadcast_to(np.arange(len(FEATURES)) == LEVEL, self.used.shape)[self.used]
@@ -182,11 +182,11 @@ class CyclesProblem(LeastSquares):
         """Number of features less the number of unknowns."""
         return self.observed.size - len(self.unknowns.names)
 
-    def about(self, point):
+    def bounded_about(self, point):
         """The problem within bounds about a point (k,)."""
         other = copy.copy(self)
         other.forward = copy.copy(self.forward)
-        reach = np.append(np.full(point.size - 1, FAR), np.inf)
+        reach = np.append(np.full(point.size - 1, REACH), np.inf)
         other.unknowns = Unknowns(self.unknowns.names, point - reach, point + reach)
         return other
 
@@ -195,7 +195,7 @@ def starting_points(problem):
     """(n, k) points to search from, the best of a cloud, all distinct; n <= `STARTS`, or 0."""
     forward = copy.copy(problem.forward)
     points = _cloud(forward, problem.measured[0])
-    features, lines = forward.parts(points)
+    features, lines = forward.friction_and_regressors(points)
     is_level = lines["level"][0] > 0.0
     residual = problem.observed - features
     points[:, -1] = residual[:, is_level].mean(axis=1)
@@ -213,8 +213,8 @@ def _cloud(forward, first):
     amplitude, period = np.exp(first.values[:2])
     V_lp = first.segment.V_lp
     drawn = qmc.Sobol(2 * len(names), rng=SEED).random(n)
-    about = forward.own() + np.zeros((n, 1))
-    about[1:, :-1] += NEAR * (2.0 * drawn[1:, : len(names)] - 1.0)
+    about = forward.slider_coordinates() + np.zeros((n, 1))
+    about[1:, :-1] += OWN_RANGE * (2.0 * drawn[1:, : len(names)] - 1.0)
     parts = dict(zip(names, drawn[:, len(names) :].T, strict=True))
     values = {symbol: np.full(n, value) for symbol, value in forward.fixed.items()}
 
@@ -223,15 +223,15 @@ def _cloud(forward, first):
 
     a = forward.fixed["a"]
     if "Dc" in parts:
-        values["Dc"] = V_lp * period / within("Dc", *SLIPS[::-1])
+        values["Dc"] = V_lp * period / within("Dc", *SLIP_RANGE[::-1])
     if "K" in parts:
-        values["K"] = amplitude * forward.sigma / (V_lp * period) * within("K", *STIFFER)
+        values["K"] = amplitude * forward.sigma / (V_lp * period) * within("K", *STIFFNESS_RANGE)
     if "M" in parts:
-        values["M"] = values["K"] * (period / (2.0 * np.pi)) ** 2 * within("M", *LIGHTER)
+        values["M"] = values["K"] * (period / (2.0 * np.pi)) ** 2 * within("M", *PERIOD_RANGE)
     if "a" in parts:
-        values["a"] = within("a", min(DIRECT[0], a / 3.0), max(DIRECT[1], 3.0 * a))
+        values["a"] = within("a", min(A_RANGE[0], a / 3.0), max(A_RANGE[1], 3.0 * a))
     from_features = forward.coordinates(values)
     if forward.replaced:
-        excess = within(forward.replaced, *WEAKER)
+        excess = within(forward.replaced, *EXCESS_RANGE)
         from_features[:, names.index(forward.replaced)] = np.log(excess)
     return np.concatenate([about, from_features])

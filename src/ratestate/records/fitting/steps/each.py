@@ -17,14 +17,14 @@ from ..generalized_least_squares import responds
 from ..likelihood.inference import inferences_of, inflation_of
 from ..result import dataset_of
 from ..settings import Settings
-from ..unknowns import OF_MACHINE
+from ..unknowns import MACHINE_PARAMETERS
 from . import FAILED, FITTED, STICK_SLIP
-from .windows import Window, stick_slip_about, stick_slip_slides, windows_of
+from .windows import Window, stick_slip_in, stick_slip_slides, windows_of
 
 #: most samples of a window that are fitted: a step is resolved as well as with ten times as many
 MOST = 20_000
 #: slip since the change before, in Dc, from which sliding may be steady when a window begins
-SLID = 5.0
+STEADY_SLIP = 5.0
 
 
 class Step(NamedTuple):
@@ -58,13 +58,13 @@ class Step(NamedTuple):
     @property
     def shared(self):
         """Coordinates (list of int) that the steps share: those of the law's parameters."""
-        shared = set(self.settings.free).difference(OF_MACHINE)
+        shared = set(self.settings.free).difference(MACHINE_PARAMETERS)
         return [i for i, name in enumerate(self.solution.unknowns.names) if name in shared]
 
     @property
     def caveats(self):
         """Sentences (list) on why the estimates from all steps leave out this fit."""
-        names = [*itertools.compress(self.solution.unknowns.names, self.solution.at_bound)]
+        names = self.solution.at_bound
         found = [sentences("each.at_bound", names=" and ".join(names))] if names else []
         if self.window.kind != "normal stress" and stress_range(self.data) > VARIABLE:
             found.insert(0, sentences("each.stress_varies"))
@@ -98,7 +98,7 @@ def steps_of(data, settings):
     slides = stick_slip_slides(data, settings.sliders[0].sigma)
     windows = [_steps_of(window, data, settings, slides) for window in windows]
     if all(steps[0].status == STICK_SLIP for steps in windows):
-        slide = stick_slip_about(windows[-1][0].window, slides)
+        slide = stick_slip_in(windows[-1][0].window, slides)
         count = {"count": len(windows), "events": slide.events}
         raise sentences.refusal("each.all_stick_slip", V_lp=slide.V, **count)
     return windows
@@ -114,7 +114,7 @@ def _steps_of(window, data, settings, slides):
         part = part.coarsen(time=each, boundary="trim").mean()
     sigma, free = {}, tuple(name for name in settings.free if name != "alpha")
     if window.kind == "normal stress":
-        sigma, free = {"sigma": window.stresses(part)[0]}, ("alpha",)
+        sigma, free = {"sigma": window.stress_levels(part)[0]}, ("alpha",)
     elif "sigma" in part.data_vars and np.isfinite(part["sigma"]).all():
         sigma = {"sigma": float(part["sigma"].median())}
     each_law = [
@@ -122,7 +122,7 @@ def _steps_of(window, data, settings, slides):
         for slider in settings.sliders
     ]
     status, message = FAILED, ""
-    if slide := stick_slip_about(window, slides):
+    if slide := stick_slip_in(window, slides):
         status = STICK_SLIP
         message = sentences("each.stick_slip", events=slide.events, V_lp=slide.V)
     return [Step(window, part, max(each, 1), one, status, message) for one in each_law]
@@ -141,11 +141,11 @@ def fit_each(windows):
             fitted, windows = fitted + pilot, windows[1:]
         if windows:
             by_law = {step.law: step for step in pilot}
-            fitted += _fit_all([_nearer(steps, by_law) for steps in windows], show)
+            fitted += _fit_all([_start_from(steps, by_law) for steps in windows], show)
     return fitted
 
 
-def _nearer(steps, pilot):
+def _start_from(steps, pilot):
     """The `Step`s of a window with the estimates of a pilot (law -> `Step`) as initial guess.
 
     The start is free if the change before is not over when the window begins.
@@ -157,7 +157,7 @@ def _nearer(steps, pilot):
         sliders.append(step.slider.replace(**{name: float(result[name]) for name in names}))
     longest = max(float(getattr(one, D)) for one in sliders for D in one.friction_law.lengths)
     start = steps[0].settings.start
-    if start == "auto" and steps[0].window.slid < SLID * longest:
+    if start == "auto" and steps[0].window.slip_since_change < STEADY_SLIP * longest:
         start = "free"
     return [
         step._replace(settings=step.settings._replace(sliders=[slider], start=start))
@@ -174,20 +174,20 @@ def _fit_all(windows, report=None):
     return [*itertools.chain.from_iterable(mapped(fit_window, windows, show))]
 
 
-def fit_window(steps, adjusted=lambda inference: inference):
+def fit_window(steps, adjust=lambda inference: inference):
     """The `Step`s (list) of one window with their fits; a law that fails leaves the others.
 
-    adjusted : function of an `Inference`, gives the one that is reported
+    adjust : function of an `Inference`, gives the one that is reported
     """
     settings = steps[0].settings._replace(sliders=[step.slider for step in steps])
     try:
         with single_blas():
             inferences = inferences_of(steps[0].data, settings)
-            pairs = zip(steps, map(adjusted, inferences), strict=True)
+            pairs = zip(steps, map(adjust, inferences), strict=True)
             return [step.with_fit(inference) for step, inference in pairs]
     except RateStateError as error:
         if len(steps) == 1:
             return [steps[0]._replace(message=str(error))]
     alone = settings._replace(errors="auto")  # without a prior that the laws share
     steps = [step._replace(settings=alone._replace(sliders=[step.slider])) for step in steps]
-    return [fit_window([step], adjusted)[0] for step in steps]
+    return [fit_window([step], adjust)[0] for step in steps]

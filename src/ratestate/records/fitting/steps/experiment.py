@@ -63,12 +63,12 @@ def fit_stress_step(step, others, shared):
     settings = step.settings._replace(sliders=[step.slider.replace(**values)])
     (step,) = fit_window(
         [step._replace(settings=settings)],
-        lambda inference: _with_errors_of(inference, tuple(held), covariance),
+        lambda inference: _with_held_errors(inference, tuple(held), covariance),
     )
     return step
 
 
-def _with_errors_of(inference, held, covariance):
+def _with_held_errors(inference, held, covariance):
     """The `Inference` with errors (h, h) of held parameters (h names) propagated to alpha."""
     solution, estimates = inference.solution, inference.estimates
     i, least = estimates.names.index("alpha"), to_value("alpha", -np.inf)

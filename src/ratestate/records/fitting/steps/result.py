@@ -33,20 +33,20 @@ def dataset_of_steps(steps, shared):
     fitted = [one for of_law in steps.values() for one in of_law if one.status == FITTED]
     names = names_of([step.result for step in fitted], laws)
     size = min(SAMPLES, max(step.data.sizes["time"] for step in first))
-    tables = [_of_law(steps[law], shared[law], names, size) for law in laws]
+    tables = [_law_table(steps[law], shared[law], names, size) for law in laws]
     result, several = tables[0], len(laws) > 1
     if several:
         result = joined(tables, "law", names).transpose("step", "law", ...).drop_vars("sample")
         result["friction_fit"] = result["friction_fit"].transpose("law", ...)
     empty = [name for name in SCALARS if name in result and result[name].isnull().all()]
-    result = result.drop_vars(empty).assign(_of_windows(first, size))
+    result = result.drop_vars(empty).assign(_window_variables(first, size))
     result["status"].attrs |= flags({FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"})
     numbers = ("step", np.arange(1, len(first) + 1), {"long_name": "step or hold"})
     result = result.assign_coords(law=laws if several else laws[0], step=numbers)
     return _with_comparison(result, steps) if several else result
 
 
-def _of_law(steps, shared, names, size):
+def _law_table(steps, shared, names, size):
     """What is kept of each fit under a law, NaN and "" without one, and what all tell together."""
     nothing = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
     rows, warnings, curves = [], [], []
@@ -67,10 +67,10 @@ def _of_law(steps, shared, names, size):
         "message": [step.message for step in steps],
     }
     variables = labelled("step", **columns) | labelled(("step", "sample"), friction_fit=curves)
-    return joined(rows, "step", names).assign(variables | _together(steps, shared, names))
+    return joined(rows, "step", names).assign(variables | _joint_variables(steps, shared, names))
 
 
-def _of_windows(steps, size):
+def _window_variables(steps, size):
     """Variables: what the load point does in each window, normal stress, and some samples."""
     rows = []
     for step in steps:
@@ -81,7 +81,7 @@ def _of_windows(steps, size):
                 "step_t": window.t,
                 "step_delta_lp": np.interp(window.t, step.column("time"), step.column("delta_lp")),
                 "sigma": step.slider.sigma,
-                "sigma_after": window.stresses(step.data)[1] if is_of_stress else np.nan,
+                "sigma_after": window.stress_levels(step.data)[1] if is_of_stress else np.nan,
                 "samples": step.data.sizes["time"],
                 "rows_per_sample": step.rows_per_sample,
             }
@@ -104,7 +104,7 @@ def _sampled(values, size):
     return np.append(values[rows], np.full(size - rows.size, np.nan))
 
 
-def _together(steps, shared, names):
+def _joint_variables(steps, shared, names):
     """Variables on what all steps under a law tell together of each parameter."""
     rises, rows = np.array([step.window.rise for step in steps]), []
     for name in names:

@@ -18,7 +18,7 @@ from scipy.special import fdtrc, stdtr
 
 from ...kit.least_squares import minimum
 from ...kit.regression import weighted_mean
-from ..unknowns import SUMS, parameter
+from ..unknowns import DERIVED, parameter
 
 #: most evaluations of the search
 MOST = 60
@@ -157,7 +157,7 @@ def denominator(k, parts, spreads):
 
 def moves_as_log(name):
     """Whether estimates of a parameter are compared by their logarithms."""
-    return name not in SUMS and parameter(name).is_log
+    return name not in DERIVED and parameter(name).is_log
 
 
 def estimates_of(steps, name):

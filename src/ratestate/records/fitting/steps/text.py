@@ -16,7 +16,7 @@ from ....model.quantities import (
 )
 from ..by_law import law_of, results_by_law, warnings_of
 from ..table import law_names, rate_dependence_text
-from ..unknowns import SUMS, TRENDS, to_value
+from ..unknowns import DERIVED, TRENDS, to_value
 from . import FAILED, STICK_SLIP
 
 #: columns on what happens, which are the first
@@ -102,7 +102,7 @@ def _cell(step, symbol, factor):
     here = step.sel(parameter=symbol)
     infinite = np.array([-np.inf, np.inf])
     ends = here["interval"].values[-1]
-    is_open = ends == (infinite if symbol in SUMS else to_value(symbol, infinite))
+    is_open = ends == (infinite if symbol in DERIVED else to_value(symbol, infinite))
     if is_open.sum() == 1:  # such as "< 0.16"
         return f"{'>' if is_open[1] else '<'} {short(factor * ends[~is_open][0])}"
     return _concise(here[symbol], here["standard_error"], factor)

@@ -36,7 +36,7 @@ class Window(NamedTuple):
     V_before: float  # of the load point [m/s]
     V_after: float
     t_hold: float  # how long the load point rests [s]; NaN unless it is a hold
-    slid: float  # how far it moves from the change before to the window's begin [m]
+    slip_since_change: float  # how far it moves from the change before to the window's begin [m]
 
     @property
     def rise(self):
@@ -48,7 +48,7 @@ class Window(NamedTuple):
         time = data["time"].values
         return data.isel(time=slice(*np.searchsorted(time, (self.begin, self.end)).tolist()))
 
-    def stresses(self, part):
+    def stress_levels(self, part):
         """Normal stress [Pa] before a step of it, and after; part : the rows of the window."""
         time, sigma = part["time"], part["sigma"]
         return tuple(float(sigma.where(side).median()) for side in (time < self.t, time > self.t))
@@ -80,7 +80,7 @@ def windows_of(data):
         is_hold = change.V == 0.0
         if is_hold and i + 2 < len(changes):
             after = changes[i + 2]
-        begin = _begin(time, before, change, after)
+        begin = _window_begin(time, before, change, after)
         windows.append(
             Window(
                 "normal stress" if change.is_of_stress else "hold" if is_hold else "step",
@@ -90,7 +90,7 @@ def windows_of(data):
                 before.V,
                 changes[i + 1].V if is_hold else change.V,
                 changes[i + 1].t - change.t if is_hold else np.nan,
-                np.inf if i == 1 else before.V * (begin - _over(before, change)),
+                np.inf if i == 1 else before.V * (begin - _end_of_change(before, change)),
             )
         )
     if not windows:
@@ -115,18 +115,18 @@ def _changes(data):
     return [first, *sorted(changes), last]
 
 
-def _over(before, change):
+def _end_of_change(before, change):
     """When the change before another is over [s]; when it begins, if that comes too late."""
     return before.end if before.end < change.t else before.t
 
 
-def _begin(time, before, change, after):
+def _window_begin(time, before, change, after):
     """Where the window of a change begins [s].
 
     It has no more sliding before the change than after it, in displacement, but `ROWS` rows of it.
     """
     moved = max(change.V, before.V) * (after.t - change.t)
-    over = _over(before, change)
+    over = _end_of_change(before, change)
     lead = min(LEAD * (change.t - over), moved / before.V)
     rows = np.searchsorted(time, change.t) - np.searchsorted(time, change.t - lead)
     if rows < ROWS:
@@ -171,7 +171,7 @@ def _events_in(part, sigma):
     return len(rough) if np.median(drops) > DROP * (high - low) else 0
 
 
-def stick_slip_about(window, slides):
+def stick_slip_in(window, slides):
     """The stick-slip `Slide` with most events that overlaps a `Window`, or None."""
     about = [one for one in slides if one.begin < window.end and window.begin < one.end]
     return max(about, key=lambda one: one.events, default=None)
