@@ -40,7 +40,7 @@ class Parameter(NamedTuple):
     #: step of a finite difference, from the record and the size (1 if `is_log`)
     step: Callable[[Any, float], float] = lambda record, size: STEP * size
     no_effect: int = 0  # -1 or 1: small or large values all give the same friction
-    unused_in_cycles: str = ""  # why it has no effect on cycles
+    unused_in_cycles: str = ""  # its cause that has no effect on cycles
 
     @property
     def least(self):
@@ -59,7 +59,7 @@ PARAMETERS = {
         "slider",
         bounds=(0.0, 1e2),
         starts=(0.0, 1.0),
-        unused_in_cycles="a normal stress that is constant",
+        unused_in_cycles="normal stress that is constant",
     ),
     "lag": Parameter(
         "record",

@@ -133,7 +133,7 @@ def correlated_groups(estimates, names):
 def tradeoff_text(estimates, which, rate="a - b"):
     """Return a text on the best-constrained combination; whether another is loose.
 
-    Combinations are principal axes of the covariance of logarithms.  `rate` is a name of "a_minus_b".
+    Combinations are principal axes of the covariance of logarithms.  "a_minus_b" is called `rate`.
     """
     group = [estimates.of(name) for name in which]
     errors = np.array([one.relative_error for one in group])

@@ -1,8 +1,8 @@
-"""Windows of a record: each step and hold with the sliding before it and after.
+"""Windows of a record: each step and hold with the sliding before it and after it.
 
-No step can be fitted in a slide that is stick-slip.  The events and the test of their significance
-are those of `events`.  Of noise that wanders, that test accepts some: here a slide needs several
-events, which make up much of the range of friction.
+No step can be fitted during stick-slip.  Events are detected, and tested for significance, as by
+`events`.  That test accepts some events of wandering noise.  So here a slide needs several
+events, with drops that are a large fraction of the range of friction.
 """
 
 from typing import NamedTuple
@@ -17,39 +17,40 @@ from ...messages import fitting as sentences
 from ...raw_record import checked_time
 from ...stick_slip.detection import detected
 from ...stick_slip.series import series_of
+from . import HOLD, NORMAL_STRESS, STEP
 
-#: part of the sliding before a change that belongs to its window: the change before it is over
+#: fraction of the sliding before a change that its window has, so that the change before is over
 LEAD = 0.5
-#: fewest rows there, as far as there are as many
+#: fewest rows of this sliding, if the record has as many
 ROWS = 50
-#: fewest events at one speed, and least drop of a typical one, over the range of friction there
+#: fewest events at one speed; least median drop, as a fraction of the range of friction there
 FEWEST, DROP = 4, 1.0 / 3.0
 
 
 class Window(NamedTuple):
     """A step or hold, and the part of the record in which it is fitted."""
 
-    kind: str  # "step" and "hold" of the load point, or "normal stress"
+    kind: str  # `STEP` or `HOLD` of the load point, or `NORMAL_STRESS`
     t: float  # when it begins [s]
     begin: float  # of the window [s]
     end: float  # [s]; the first time that is not in it
     V_before: float  # of the load point [m/s]
     V_after: float
-    t_hold: float  # how long the load point rests [s]; NaN unless it is a hold
-    slip_since_change: float  # how far it moves from the change before to the window's begin [m]
+    t_hold: float  # duration of a hold [s], else NaN
+    slip_since_change: float  # load-point displacement from the change before to `begin` [m]
 
     @property
     def rise(self):
-        """How much the speed of the load point rises at a step [m/s]; 0 if it is none of speed."""
-        return self.V_after - self.V_before if self.kind == "step" else 0.0
+        """Rise of the load-point speed at a step [m/s]; 0 at other kinds."""
+        return self.V_after - self.V_before if self.kind == STEP else 0.0
 
     def part(self, data):
-        """The rows of a record (Dataset) in the window."""
+        """Return the rows of a record (Dataset) in the window."""
         time = data["time"].values
         return data.isel(time=slice(*np.searchsorted(time, (self.begin, self.end)).tolist()))
 
     def stress_levels(self, part):
-        """Normal stress [Pa] before a step of it, and after; part : the rows of the window."""
+        """Return normal stress [Pa] before and after t; part : rows of the window."""
         time, sigma = part["time"], part["sigma"]
         return tuple(float(sigma.where(side).median()) for side in (time < self.t, time > self.t))
 
@@ -58,17 +59,17 @@ class _Change(NamedTuple):
     """A change of speed or normal stress."""
 
     t: float
-    V: float  # of the load point from there on
+    V: float  # load-point speed after the change
     is_of_stress: bool
-    end: float  # when it is over: a ramp of normal stress lasts
+    end: float  # end of a ramp of normal stress, else t
 
 
 def windows_of(data):
-    """The `Window`s (list) of a record, a Dataset in SI, in order of time.
+    """Return the `Window`s (list) of a record, a Dataset in SI, in order of time.
 
     A hold lasts until the end of the sliding after it.  Steps and ramps of normal stress are those
-    of `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
-    or hold that follows on sliding.
+    of `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and if no step
+    or hold follows on sliding.
     """
     time = checked_time(data)
     changes = _changes(data)
@@ -83,7 +84,7 @@ def windows_of(data):
         begin = _window_begin(time, before, change, after)
         windows.append(
             Window(
-                "normal stress" if change.is_of_stress else "hold" if is_hold else "step",
+                NORMAL_STRESS if change.is_of_stress else HOLD if is_hold else STEP,
                 change.t,
                 begin,
                 after.t,
@@ -99,7 +100,7 @@ def windows_of(data):
 
 
 def _changes(data):
-    """`_Change`s (list), the first at the record's start, the last at its end."""
+    """Return `_Change`s (list), the first at the record's start, the last at its end."""
     time = data["time"].values
     found, of_each = recorded_segments(data, time)
     starts, speeds, _ = without_overshoots(found, of_each, time[-1])
@@ -116,14 +117,15 @@ def _changes(data):
 
 
 def _end_of_change(before, change):
-    """When the change before another is over [s]; when it begins, if that comes too late."""
+    """Return when the change before is over [s], or began, if it ends too late."""
     return before.end if before.end < change.t else before.t
 
 
 def _window_begin(time, before, change, after):
-    """Where the window of a change begins [s].
+    """Return when the window of a change begins [s].
 
-    It has no more sliding before the change than after it, in displacement, but `ROWS` rows of it.
+    The sliding before the change is not longer in displacement than the sliding after it.  It has
+    at least `ROWS` rows, if there are as many.
     """
     moved = max(change.V, before.V) * (after.t - change.t)
     over = _end_of_change(before, change)
@@ -145,7 +147,10 @@ class Slide(NamedTuple):
 
 
 def stick_slip_slides(data, sigma):
-    """list of `Slide` of a record (Dataset in SI); sigma [Pa] where none is recorded."""
+    """Return the `Slide`s (list) of a record, a Dataset in SI.
+
+    sigma : normal stress [Pa], used if none is recorded
+    """
     time = data["time"].values
     starts, speeds = recorded_segments(data, time)
     found = []
@@ -157,10 +162,10 @@ def stick_slip_slides(data, sigma):
 
 
 def _events_in(part, sigma):
-    """Number of stick-slip events in a slide; 0 where there is no stick-slip."""
+    """Return the number of stick-slip events in a slide; 0 without stick-slip."""
     try:
         series = series_of(part, sigma=None if "sigma" in part.variables else sigma)
-    except RateStateError:  # such as of missing values: the fit of the slide says so
+    except RateStateError:  # such as missing values, on which the fit has a message
         return 0
     series, rough, *_ = detected(series)
     if len(rough) < FEWEST:
@@ -172,6 +177,6 @@ def _events_in(part, sigma):
 
 
 def stick_slip_in(window, slides):
-    """The stick-slip `Slide` with most events that overlaps a `Window`, or None."""
+    """Return the stick-slip `Slide` with most events that overlaps a window, or None."""
     about = [one for one in slides if one.begin < window.end and window.begin < one.end]
     return max(about, key=lambda one: one.events, default=None)
