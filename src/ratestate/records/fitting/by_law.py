@@ -41,10 +41,7 @@ def _trimmed(part):
 
 
 def checked_by_law(result, caller):
-    """Return `results_by_law`; raise a ParameterError if the result is not of `fit`.
-
-    caller : name of the function that the message names
-    """
+    """Return `results_by_law`; the caller's ParameterError if it is not of `fit`."""
     title = result.attrs.get("title") if isinstance(result, xarray.Dataset) else None
     if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
         raise sentences.refusal("result.not_of_fit", caller=caller)
@@ -141,9 +138,8 @@ def _combine_steps(result):
 def slider_of(result, law=None):
     """Return the slider that a fit estimated.
 
-    Free parameters and mu0 have their estimates, the others the values that were given.  If each
-    step was fitted, parameters have the estimates shared by all steps.  Parameters without a shared
-    estimate have the median over the steps.
+    Free parameters and mu0 have their estimates, others the values that were given.  If each step
+    was fitted, parameters have the shared estimate, or else the median over the steps.
 
     Parameters
     ----------

@@ -110,7 +110,6 @@ class Forward(ForwardModel):
         self.v_limit = np.log(V_LIMIT / self.V0) if may_run_away else np.inf
 
     def friction_and_regressors(self, points):
-        """Return `friction`, and name -> its derivative (n, m) by level and trend."""
         values = self.values(points)
         p = self.coefficients(values)
         saved = self._motion(values, p)
@@ -140,7 +139,7 @@ class Forward(ForwardModel):
         """Return name -> (n,) values [SI] of the slider, and of lag, level and trend.
 
         Values of `start_names` are logarithms of ratios.  V0 is the record's first speed.  mu0 is
-        included if motion depends on friction itself: the record's level is steady friction at V0.
+        included if motion depends on friction itself: the level is steady friction at V0.
         """
         fixed = dict.fromkeys((*start_names(self.law), "lag", *LINEAR), 0.0) | self.fixed
         fixed["V0"] = self.V0
@@ -159,16 +158,16 @@ class Forward(ForwardModel):
         level : friction of the record in steady sliding at its first speed
         """
         shown = self.law.steady_friction if self.record.kind == "mu" else self.law.steady_tau
-        mu0, found = level, np.zeros(np.shape(level), bool)
+        mu0, is_known = level, np.zeros(np.shape(level), bool)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             for _ in range(NEWTON_STEPS):
                 here = shown(self.V0, values | {"mu0": mu0})
-                found |= np.abs(here - level) <= 1e-15 * np.abs(level)
-                if found.all():
+                is_known |= np.abs(here - level) <= 1e-15 * np.abs(level)
+                if is_known.all():
                     break
                 above = shown(self.V0, values | {"mu0": mu0 + LINEAR_STEP})
                 step = (level - here) * LINEAR_STEP / (above - here)
-                mu0 = np.where(found, mu0, mu0 + step)
+                mu0 = np.where(is_known, mu0, mu0 + step)
         return mu0
 
     def start(self, values, p):

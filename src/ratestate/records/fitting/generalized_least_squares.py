@@ -68,9 +68,8 @@ class Solution(NamedTuple):
 
 
 def solutions_of(data, settings, loading=None):
-    """Return a `Solution` for each law (list) of a record, given checked `Settings`.
+    """Return a `Solution` for each law (list) of a record (in SI), given `Settings`.
 
-    data : Dataset in SI
     loading : as for `fit`, whose errors are raised
     """
     record = record_of(
@@ -109,16 +108,14 @@ def least_squares_fit(record, slider, free, noise, start):
     return unsteady if min(gain, early_gain) > 0.5 * FALL else solution
 
 
-def _best_start(problem, *first):
+def _best_start(problem, *more_starts):
     """Return the best point that searches on a thinned record reach.
-
-    first : points from which searches start before those of `starting_points`
 
     Among equally good points, one with distances in the slider's order is preferred.
     """
     thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
     thin_problem = Problem(thin, problem.slider, problem.unknowns)
-    points = [*first, *starting_points(thin_problem, STARTS)]
+    points = [*more_starts, *starting_points(thin_problem, STARTS)]
     noise = thin_problem.white_noise(points[0]) if points else None
     best, distances = None, problem.distances()
     searches: list = []
@@ -215,8 +212,7 @@ def _may_start_unsteady(solution):
 def _early_log_likelihood(solution):
     """Return ln(likelihood) of the samples before the first step.
 
-    Later samples do not count, because there a free start would only make up for a missing mass
-    or a wrong law.
+    Later samples do not count: there a free start would make up for a missing mass or wrong law.
     """
     record = solution.problem.record
     early = before_first_change(record.loading, record.t)

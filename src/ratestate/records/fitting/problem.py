@@ -56,9 +56,7 @@ class Problem(LeastSquares):
         super().__init__(slider, forward, unknowns, record.t, record.friction)
         self.record = record
 
-    def __reduce__(
-        self,
-    ):  # forward.moving_law may be composed at run time, and then cannot be pickled
+    def __reduce__(self):  # forward.moving_law, made at run time, cannot be pickled
         return Problem, (self.record, self.slider, self.unknowns)
 
     def distances(self):
@@ -76,21 +74,14 @@ class Problem(LeastSquares):
 
 
 def search(problem, start, noise, most=None):
-    """Return the `Minimum` reached from a point, or None without a motion there.
-
-    problem : a `LeastSquares`
-    start : (k,) the point, which is clipped to the bounds
-    """
+    """Return the `Minimum` of a `LeastSquares` from a point; None without a motion."""
     _, low, high = problem.unknowns
     most = problem.most if most is None else most
     return minimum(lambda x: problem.whitened(x, noise), start, low, high, most, problem.enough)
 
 
 def starting_points(problem, most):
-    """Return distinct points (n, k) to start from, n <= most, the best first.
-
-    n = 0 if no slider of the cloud moves through the whole record.
-    """
+    """Return distinct points (n, k), n <= most, best first; n = 0 without a motion."""
     unknowns, sizes = problem.unknowns, sizes_of(problem.record, problem.slider)
     rng = np.random.default_rng(SEED)
     cloud = np.zeros((CLOUD + 1, len(unknowns.names)))
@@ -119,9 +110,9 @@ def with_best_level(problem, points):
     columns = np.array([*record.regressors().values()]).T.copy()
     scale = np.abs(columns).max(axis=0)
     residuals = (record.friction - problem.forward.friction(points)).T
-    sound = np.isfinite(residuals).all(axis=0)
-    best = np.linalg.lstsq(columns / scale, residuals[:, sound], rcond=None)[0]
-    points[np.ix_(sound, linear)] = (best / scale[:, None]).T
+    moves = np.isfinite(residuals).all(axis=0)
+    best = np.linalg.lstsq(columns / scale, residuals[:, moves], rcond=None)[0]
+    points[np.ix_(moves, linear)] = (best / scale[:, None]).T
     misfits = np.full(len(points), np.inf)
-    misfits[sound] = ((residuals[:, sound] - columns / scale @ best) ** 2).sum(axis=0)
+    misfits[moves] = ((residuals[:, moves] - columns / scale @ best) ** 2).sum(axis=0)
     return points, misfits

@@ -99,10 +99,7 @@ def change_times(loading):
 
 
 def before_first_change(loading, t):
-    """Return which times t (m,) precede the first change of speed or normal stress.
-
-    All are, if fewer than `FEWEST` would be.
-    """
+    """Return which times (m,) precede the first change; all, if under `FEWEST`."""
     events = change_times(loading)
     early = t < (events[0] if events.size else np.inf)
     return early if early.sum() >= FEWEST else np.ones(t.size, bool)

@@ -86,15 +86,15 @@ def sliders_under(slider, law):
     ParameterError for an unknown law, a law given twice, a law with parameters that the slider
     lacks, and a law with a parameter whose name fits use for another quantity.
     """
-    one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
-    laws = [resolve_law(name) for name in ([slider.law if law is None else law] if one else law)]
+    is_one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
+    laws = [resolve_law(name) for name in ([slider.law if law is None else law] if is_one else law)]
     if not laws or len(set(laws)) < len(laws):
         raise sentences.refusal("settings.laws", law=law)
-    for known in laws:
-        names = ", ".join(symbol for symbol in known.parameters if symbol not in slider.values)
+    for one in laws:
+        names = ", ".join(symbol for symbol in one.parameters if symbol not in slider.values)
         if names:
-            raise sentences.refusal("settings.lacks", law=known.name, names=names, of=slider.law)
-        for symbol in known.parameters:
-            if symbol in (*PARAMETERS, *LINEAR, *DERIVED, *start_names(known)):
-                raise sentences.refusal("settings.name_taken", law=known.name, symbol=symbol)
-    return [slider.replace(law=known.name) for known in laws]
+            raise sentences.refusal("settings.lacks", law=one.name, names=names, of=slider.law)
+        for symbol in one.parameters:
+            if symbol in (*PARAMETERS, *LINEAR, *DERIVED, *start_names(one)):
+                raise sentences.refusal("settings.name_taken", law=one.name, symbol=symbol)
+    return [slider.replace(law=one.name) for one in laws]

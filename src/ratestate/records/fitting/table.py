@@ -109,9 +109,9 @@ def _plus_minus(value: float, error: float, digits: float) -> str:
 
 def stiffness_ratio_text(part: xarray.Dataset) -> str:
     """Return K/K_c_qs, with a finite error; `STABLE_AT_ANY_K` if K_c_qs <= 0; or ""."""
-    if (found := stiffness_over_critical(part)) is None:
+    if (pair := stiffness_over_critical(part)) is None:
         return ""
-    ratio, error = found
+    ratio, error = pair
     if np.isinf(ratio):
         return STABLE_AT_ANY_K
     return _plus_minus(ratio, error, error if np.isfinite(error) else ERROR_FOR_DIGITS * ratio)
@@ -119,10 +119,10 @@ def stiffness_ratio_text(part: xarray.Dataset) -> str:
 
 def _stability(laws: Laws) -> str:
     """Return what K/K_c_qs means, for the side of 1 if all ratios are clearly on it."""
-    found = [stiffness_over_critical(part) for part in laws.values()]
+    ratios = [stiffness_over_critical(part) for part in laws.values()]
     sides = {
         np.sign(ratio - 1.0) if abs(ratio - 1.0) > TWO_ERRORS * error else 0.0
-        for ratio, error in filter(None, found)
+        for ratio, error in filter(None, ratios)
     }
     if sides == {-1.0}:
         return "below 1: steady sliding is unstable"

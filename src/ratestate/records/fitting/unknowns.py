@@ -40,7 +40,6 @@ class Parameter(NamedTuple):
     #: step of a finite difference, from the record and the size (1 if `is_log`)
     step: Callable[[Any, float], float] = lambda record, size: STEP * size
     no_effect: int = 0  # -1 or 1: small or large values all give the same friction
-    unused_in_cycles: str = ""  # its cause that has no effect on cycles
 
     @property
     def least(self):
@@ -55,18 +54,8 @@ PARAMETERS = {
     "Dc": Parameter("slider", is_log=True, bounds=(1e-3, 1e3), starts=(-1.5, 0.7)),
     "K": Parameter("slider", is_log=True, bounds=(1e-4, 1e6), starts=(-0.5, 1.5), no_effect=1),
     "M": Parameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), no_effect=-1),
-    "alpha": Parameter(
-        "slider",
-        bounds=(0.0, 1e2),
-        starts=(0.0, 1.0),
-        unused_in_cycles="normal stress that is constant",
-    ),
-    "lag": Parameter(
-        "record",
-        bounds=(-0.1, 0.1),
-        step=lambda record, size: 0.1 * record.spacing,
-        unused_in_cycles="a delay of a load point that moves steadily",
-    ),
+    "alpha": Parameter("slider", bounds=(0.0, 1e2), starts=(0.0, 1.0)),
+    "lag": Parameter("record", bounds=(-0.1, 0.1), step=lambda record, _: 0.1 * record.spacing),
     # ln(V/V1), if the record does not begin in steady sliding at its first speed V1
     "V_start": Parameter("start", bounds=(-20.0, 20.0)),
     "level": Parameter("linear"),
@@ -151,8 +140,8 @@ def sizes_of(record, slider):
     }
     for name, own in slider.friction_law.parameters.items():
         value = abs(getattr(slider, name))
-        known = {"m": sizes["Dc"], "m/s": slow, "1": value if own.bound else max(scale, value)}
-        sizes[name] = known.get(own.unit, value) or 1.0
+        usual = {"m": sizes["Dc"], "m/s": slow, "1": value if own.bound else max(scale, value)}
+        sizes[name] = usual.get(own.unit, value) or 1.0
     return sizes | dict.fromkeys((*start_names(slider.friction_law), *LINEAR), 1.0)
 
 
@@ -207,8 +196,8 @@ def checked_free(free, sliders):
 
     sliders : one for each law; a free parameter must belong to at least one of them
 
-    ParameterError for a parameter that cannot be free, a name given twice, and a law under which no
-    parameter but mu0 is free.
+    ParameterError for a parameter that cannot be free, a name given twice, and a law under which
+    only mu0 is free.
     """
     laws = [slider.friction_law for slider in sliders]
     allowed = (*free_under(laws), "mu0")
@@ -224,9 +213,9 @@ def checked_free(free, sliders):
             raise sentences.refusal("free.undamped")
         if not laws_with(name):
             raise sentences.refusal("free.unknown", name=name, allowed=listed)
-        known = {"laws": [law.name for law in laws], "owners": laws_with(name)}
-        known = {key: " and ".join(map(repr, some)) for key, some in known.items()}
-        raise sentences.refusal("free.of_other_law", name=name, **known)
+        under = " and ".join(repr(law.name) for law in laws)
+        owners = " and ".join(map(repr, laws_with(name)))
+        raise sentences.refusal("free.of_other_law", name=name, laws=under, owners=owners)
     if len(set(names)) < len(names):
         raise sentences.refusal("free.twice", names=names)
     if "K" in names and math.isinf(sliders[0].K):
@@ -235,9 +224,8 @@ def checked_free(free, sliders):
         raise sentences.refusal("free.massless")
     for law in laws:
         if not set(names) & set(free_under([law])):
-            raise sentences.refusal(
-                "free.only_mu0", law=law.name, slider=", ".join(motion_parameters(law))
-            )
+            listed = ", ".join(motion_parameters(law))
+            raise sentences.refusal("free.only_mu0", law=law.name, slider=listed)
     return tuple(name for name in allowed[:-1] if name in names)
 
 

@@ -40,7 +40,7 @@ class Segment(NamedTuple):
 class Cycles(NamedTuple):
     """The cycles of a segment, averaged into one cycle of m bins."""
 
-    cuts: np.ndarray  # (n + 1,) [s] where tau falls through its middle
+    cuts: np.ndarray  # (n + 1,) times at which tau falls through its middle [s]
     phase: np.ndarray  # (samples,) cycles since the first cut; < 0 or >= n outside
     profile: np.ndarray  # (m,) mean tau/sigma in each bin, trend removed
     leave_one_out: np.ndarray  # (n, m) profiles without one of the cycles

@@ -22,10 +22,15 @@ from ...messages import fitting as sentences
 from ..forward import ForwardModel
 from ..likelihood.quantities import ReportedQuantity
 from ..problem import LeastSquares
-from ..unknowns import Unknowns, distinct, motion_parameters, parameter
+from ..unknowns import Unknowns, distinct, motion_parameters
 from .features import FEATURES, LEVEL
 from .model import CycleModel
 
+# Parameters that have no effect on cycles, and why.
+WITHOUT_EFFECT = {
+    "alpha": "a change of normal stress, which is constant here,",
+    "lag": "a delay of a load point that moves steadily",
+}
 # Largest distance of a coordinate from the start of a search.
 REACH = np.log(1e3)
 # K_c/K below which no cycle exists: a little above K_c, cycles coexist with steady sliding.
@@ -51,8 +56,8 @@ def check_slider(slider, free):
     A slider has no cycles if M = 0, K = inf, or b <= a and neither is free.
     """
     for name in free:
-        if what := parameter(name).unused_in_cycles:
-            raise sentences.refusal("cycles.no_part", name=name, what=what)
+        if name in WITHOUT_EFFECT:
+            raise sentences.refusal("cycles.no_part", name=name, what=WITHOUT_EFFECT[name])
     if slider.M == 0.0:
         raise sentences.refusal("cycles.massless")
     if np.isinf(slider.K):
@@ -77,7 +82,7 @@ class CyclesForward(ForwardModel):
         self.V_lp = np.array([one.segment.V_lp for one in measured])
         bins = [one.bins for one in measured]
         self.model = CycleModel(slider.law, self.V_lp, bins, self.sigma, slider.V0)
-        #: (segments, 2) last cycles found.  Starting from them keeps the search on a cycle if
+        #: (segments, 2) last cycles.  Starting from them keeps the search on a cycle if
         #: cycles coexist with steady sliding.
         self.near = None
 
@@ -131,16 +136,16 @@ class CyclesForward(ForwardModel):
 
     def quantities(self):
         """Return `ReportedQuantity`s: free parameters, mu0, a - b if a or b is free."""
-        found = [
+        quantities = [
             ReportedQuantity(name, self, self._log_of_replaced, is_log=True)
             if name == self.replaced
             else ReportedQuantity(name, self, is_log=True)
             for name in self.names[:-1]
         ]
-        found.append(ReportedQuantity("mu0", self, operator.itemgetter("level")))
+        quantities.append(ReportedQuantity("mu0", self, operator.itemgetter("level")))
         if self.replaced:
-            found.append(ReportedQuantity("a_minus_b", self, lambda x: x["a"] - x["b"]))
-        return tuple(found)
+            quantities.append(ReportedQuantity("a_minus_b", self, lambda x: x["a"] - x["b"]))
+        return tuple(quantities)
 
     def _log_of_replaced(self, values):
         return np.log(values[self.replaced])

@@ -70,10 +70,7 @@ def _determination(inference, quantity):
 
 
 def bounds_of(inference, quantity):
-    """Return the ends [SI] of the 95 % interval by a profile, None for an open end.
-
-    Both are NaN if there is no profile.
-    """
+    """Return ends [SI] of a profile's 95 % interval; None: open, NaN: no profile."""
     if quantity.name not in inference.profiles:
         return np.nan, np.nan
     estimate = inference.estimates.of(quantity.name)

@@ -71,10 +71,7 @@ def _gains_of_lags(solution):
 
 
 def _gain(solution, friction):
-    """Return the fall of chi-square by part of a change to this friction.
-
-    It is 0 if friction is NaN, or if the opposite change fits better.
-    """
+    """Return the fall of chi-square by part of this change; 0 if NaN or negative."""
     if not np.isfinite(friction).all():  # a spring too soft to slide through the record
         return 0.0
     gain, (part,) = chi2_gain(solution, (friction - solution.fitted_friction)[:, None])

@@ -86,8 +86,8 @@ class LikelyNoise(NamedTuple):
             return Inflation()
         others = [i for i in seen if i not in chosen]
         columns = self.solution.jacobian[:, chosen + others]
-        left = project_out(self.solution, columns, len(chosen))
-        information, rows = left.T @ left, np.ix_(chosen, chosen)
+        remainder = project_out(self.solution, columns, len(chosen))
+        information, rows = remainder.T @ remainder, np.ix_(chosen, chosen)
         squares = [one.root @ one.root.T + np.outer(one.shift, one.shift) for one in self.shapes]
         factors = np.array([np.sum(information * one[rows]) for one in squares]) / len(chosen)
         factor = float(self.weight @ factors)
@@ -112,9 +112,9 @@ def likely_shapes(likelihood, near=None):
     """
     shapes, priors = [likelihood.at()], [1.0]
     for family in families(likelihood):
-        kept, part = _grid_shapes(likelihood, family, near)
-        shapes += kept
-        priors += [part] * len(kept)
+        likely, part = _grid_shapes(likelihood, family, near)
+        shapes += likely
+        priors += [part] * len(likely)
     log_weight = np.array([one.log_likelihood for one in shapes])
     if not np.isfinite(log_weight).any():
         return [], log_weight
@@ -136,13 +136,13 @@ def _quantile(weight, means, spreads, part):
 def _grid_shapes(likelihood, family, near):
     """Return `Conditional`s (list) for likely shapes of a grid, and their prior."""
     low, high = family.bounds.T
-    found = modes(likelihood, family, near)
-    best = max(found, key=lambda mode: mode.log_likelihood)
+    peaks = modes(likelihood, family, near)
+    best = max(peaks, key=lambda mode: mode.log_likelihood)
     axes = _principal_axes(likelihood, family, best.point)
     # grid points have integer coordinates along the axes, relative to the best mode
     seen: set[tuple] = set()
-    kept = []
-    first = [np.linalg.solve(axes, mode.point - best.point).round().astype(int) for mode in found]
+    likely = []
+    first = [np.linalg.solve(axes, mode.point - best.point).round().astype(int) for mode in peaks]
     queue = [tuple(place.tolist()) for place in first]
     while queue and len(seen) < MOST:
         place = queue.pop(0)
@@ -152,10 +152,10 @@ def _grid_shapes(likelihood, family, near):
         conditional = likelihood.at(family.shape(point))
         seen.add(place)
         if conditional.log_likelihood > best.log_likelihood - NEGLIGIBLE:
-            kept.append(conditional)
+            likely.append(conditional)
             i, j = place
             queue += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
-    return kept, abs(np.linalg.det(axes)) / np.prod(high - low)
+    return likely, abs(np.linalg.det(axes)) / np.prod(high - low)
 
 
 def _principal_axes(likelihood, family, point):

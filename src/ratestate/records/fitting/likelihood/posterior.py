@@ -53,10 +53,7 @@ class Posterior(NamedTuple):
         return np.quantile(quantity.values(self.points), ends)
 
     def truncated_side(self, quantity):
-        """Return -1 or 1 if samples gather at the prior's lower or upper end, else 0.
-
-        Only free parameters have a prior.
-        """
+        """Return -1, 0 or 1: the end of a free parameter's prior where samples gather."""
         if not quantity.is_free:
             return 0
         low, high = self.prior[quantity.name]

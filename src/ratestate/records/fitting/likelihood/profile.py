@@ -110,13 +110,12 @@ class _Side:
         self.beyond, self.least_gain = beyond, least_gain
         along = solution.covariance @ quantity.gradient(solution.point)
         variance = float(quantity.gradient(solution.point) @ along)
-        self.direction = (
-            sign * along / variance
-        )  # change of all coordinates per unit of the quantity
+        self.direction = sign * along / variance  # d(coordinates)/d(quantity)
         _, low, high = solution.unknowns
         moved = np.maximum(np.abs(self.direction), 1e-300)
         self.shortest = LEAST**2 * variance**0.5
         self.step = min(STRIDE * variance**0.5, float((LONGEST * (high - low) / moved).min()))
+        self.near_bound = BOUND * solution.unknowns.ranges
         self._coordinate = quantity.name if quantity.function is None else ""
         self.values, self.deviance = [quantity.value(solution.point)], [0.0]
         self.points = [solution.point]
@@ -157,14 +156,14 @@ class _Side:
         far = self.sign * (self.quantity.value(point) - self.values[0]) > FARTHEST
         if far and self.quantity.no_effect == self.sign:
             return True
-        sides = self.solution.unknowns.sides(point, BOUND * self.solution.unknowns.ranges)
+        sides = self.solution.unknowns.sides(point, self.near_bound)
         if sides.get(self._coordinate) == self.sign:
             return True
         return self.solution.problem.is_open_at_bounds and self._others_at_bounds(point)
 
     def _others_at_bounds(self, point):
         """Return whether another coordinate is at a bound and still has an effect."""
-        sides = self.solution.unknowns.sides(point, BOUND * self.solution.unknowns.ranges)
+        sides = self.solution.unknowns.sides(point, self.near_bound)
         return any(
             side and parameter(name).no_effect != side
             for name, side in sides.items()
@@ -257,11 +256,11 @@ def are_gaussian(solution, quantities):
     errors = [quantity.standard_error(point, spread) for quantity in quantities]
     steps = [2.0 * u / error for u, error in zip(along, errors, strict=True)]
     points = np.array([point + sign * step for step in steps for sign in (-1.0, 1.0)])
-    sound = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
-    points[~sound] = point
+    is_valid = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
+    points[~is_valid] = point
     residuals = problem.difference(points)
-    sound &= np.isfinite(residuals).all(axis=1)
-    residuals[~sound] = 0.0
+    is_valid &= np.isfinite(residuals).all(axis=1)
+    residuals[~is_valid] = 0.0
     columns = np.column_stack([residuals.T, solution.jacobian])
     white, _ = solution.noise.whiten(problem.t, columns)
     whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
@@ -275,7 +274,7 @@ def are_gaussian(solution, quantities):
             deviance = whitened[:, p] @ whitened[:, p] - gain_of_others - solution.chi2
             moved = (quantity.value(points[p]) - quantity.value(point)) / error
             root[p] = np.sqrt(max(deviance, 0.0)) / max(abs(moved), 1e-9)
-    close = sound & (np.abs(root - 1.0) < TOLERANCE)
+    close = is_valid & (np.abs(root - 1.0) < TOLERANCE)
     return [bool(both) for both in close.reshape(-1, 2).all(axis=1)]
 
 

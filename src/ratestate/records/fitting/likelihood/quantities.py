@@ -85,19 +85,19 @@ def reported_quantities(problem):
 
     free = [name for name in names if parameter(name).group in ("slider", "record")]
     rows = {name: parameter(name) for name in free}
-    found = [
+    quantities = [
         ReportedQuantity(name, forward, is_log=row.is_log, no_effect=row.no_effect)
         for name, row in rows.items()
     ]
-    found.append(ReportedQuantity("mu0", forward, mu0))
+    quantities.append(ReportedQuantity("mu0", forward, mu0))
     rate = ReportedQuantity("a_minus_b", forward, rate_dependence)
-    own = {
+    given = {
         name: to_coordinate(name, getattr(problem.slider, name)) for name in free if name != "lag"
     }
-    begin = np.array([own.get(name, 0.0) for name in names])
-    if (np.abs(rate.gradient(begin)[: len(free)]) > ROUNDING).any():
-        found.append(rate)
+    start = np.array([given.get(name, 0.0) for name in names])
+    if (np.abs(rate.gradient(start)[: len(free)]) > ROUNDING).any():
+        quantities.append(rate)
     if "trend" in names:
         symbol = f"trend_{problem.record.trend}"
-        found.append(ReportedQuantity(symbol, forward, operator.itemgetter("trend")))
-    return tuple(found)
+        quantities.append(ReportedQuantity(symbol, forward, operator.itemgetter("trend")))
+    return tuple(quantities)

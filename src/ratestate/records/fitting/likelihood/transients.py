@@ -69,14 +69,12 @@ def _transients(solution, D):
     loading, end = record.loading, record.t[-1]
     times = change_times(loading)
     times = times[times < end]
-    some = np.unique(np.linspace(0, times.size - 1, min(STEPS, times.size)).round().astype(int))
-    speeds = np.maximum(loading.V_load(times[some]), HOLD * loading.V.max())
+    chosen = np.unique(np.linspace(0, times.size - 1, min(STEPS, times.size)).round().astype(int))
+    speeds = np.maximum(loading.V_load(times[chosen]), HOLD * loading.V.max())
     # the longest change ends with the record at the latest
-    once = np.minimum(D / speeds, (end - times[some]) / LENGTHS[-1])
-    steps = zip(times[some].tolist(), once.tolist(), strict=True)
-    effects = [
-        _effect_of_fall(solution, t, length * unit) for t, unit in steps for length in LENGTHS
-    ]
+    once = np.minimum(D / speeds, (end - times[chosen]) / LENGTHS[-1])
+    steps = zip(times[chosen].tolist(), once.tolist(), strict=True)
+    effects = [_effect_of_fall(solution, t, x * unit) for t, unit in steps for x in LENGTHS]
     columns = np.reshape(effects, (-1, record.t.size)).T
     columns = columns[:, np.isfinite(columns).all(axis=0)]
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
@@ -119,13 +117,13 @@ def longest_distance(estimates, slider):
 
     The limit is the upper end of the 95 % interval.  A distance that is not free has its value.
     """
-    found = []
+    distances = []
     for symbol in slider.friction_law.lengths:
         given = float(getattr(slider, symbol))
         if symbol in estimates.names:
             estimate = estimates.of(symbol)
-            found.append((estimate.value, float(estimate.interval[-1, 1]), symbol))
+            distances.append((estimate.value, float(estimate.interval[-1, 1]), symbol))
         else:
-            found.append((given, given, symbol))
-    value, high, symbol = max(found)
+            distances.append((given, given, symbol))
+    value, high, symbol = max(distances)
     return symbol, value, high

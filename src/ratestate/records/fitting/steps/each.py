@@ -65,11 +65,11 @@ class Step(NamedTuple):
     @property
     def caveats(self):
         """Sentences (list) on why the estimates from all steps leave out this fit."""
-        names = self.solution.at_bound
-        found = [sentences("each.at_bound", names=" and ".join(names))] if names else []
+        names = " and ".join(self.solution.at_bound)
+        caveats = [sentences("each.at_bound", names=names)] if names else []
         if self.window.kind != NORMAL_STRESS and stress_range(self.data) > VARIABLE:
-            found.insert(0, sentences("each.stress_varies"))
-        return found
+            caveats.insert(0, sentences("each.stress_varies"))
+        return caveats
 
     @property
     def is_usable(self):
@@ -130,9 +130,7 @@ def _steps_of(window, data, settings, slides):
 
 
 def fit_each(windows):
-    """Return all `Step`s (list) with their fits.
-
-    windows : lists of `Step`, one for each law
+    """Return all `Step`s (list) with their fits; windows : as of `steps_of`.
 
     Windows are fitted one by one, until one is fitted under all laws.  The searches in all later
     windows start from its estimates.
@@ -179,11 +177,9 @@ def _fit_all(windows, report=None):
 
 
 def fit_window(steps, adjust=lambda inference: inference):
-    """Return the `Step`s (list) of a window with their fits.
+    """Return the `Step`s (list) of a window with their fits, those that succeed.
 
     adjust : function from an `Inference` to the one that is reported
-
-    If one law fails, each law is fitted alone.
     """
     settings = steps[0].settings._replace(sliders=[step.slider for step in steps])
     try:

@@ -102,8 +102,8 @@ def windows_of(data):
 def _changes(data):
     """Return `_Change`s (list), the first at the record's start, the last at its end."""
     time = data["time"].values
-    found, of_each = recorded_segments(data, time)
-    starts, speeds, _ = without_overshoots(found, of_each, time[-1])
+    starts, speeds = recorded_segments(data, time)
+    starts, speeds, _ = without_overshoots(starts, speeds, time[-1])
     pairs = zip(starts.tolist(), speeds.tolist(), strict=True)
     changes = [_Change(t, V, False, t) for t, V in pairs][1:]
     has_stress = "sigma" in data.variables and data["sigma"].dims == ("time",)
@@ -147,18 +147,15 @@ class Slide(NamedTuple):
 
 
 def stick_slip_slides(data, sigma):
-    """Return the `Slide`s (list) of a record, a Dataset in SI.
-
-    sigma : normal stress [Pa], used if none is recorded
-    """
+    """Return the `Slide`s (list) of a record; sigma [Pa] is used if none is recorded."""
     time = data["time"].values
     starts, speeds = recorded_segments(data, time)
-    found = []
+    slides = []
     for begin, end, V in zip(starts, [*starts[1:], np.inf], speeds, strict=True):
         part = data.isel(time=slice(*np.searchsorted(time, (begin, end)).tolist()))
         if V > 0.0 and (count := _events_in(part, sigma)):
-            found.append(Slide(float(begin), float(end), float(V), count))
-    return found
+            slides.append(Slide(float(begin), float(end), float(V), count))
+    return slides
 
 
 def _events_in(part, sigma):
