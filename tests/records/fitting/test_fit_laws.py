@@ -21,7 +21,7 @@ from ratestate.records.fitting.problem import Problem
 from ratestate.records.fitting.record import record_of
 from ratestate.records.fitting.unknowns import (
     checked_free,
-    motion_parameters,
+    motion_symbols,
     parameter,
     unknowns_of,
 )
@@ -310,7 +310,7 @@ def test_a_law_with_a_reserved_parameter_name_is_refused(name, noisy, monkeypatc
 
 
 def test_free_parameters_under_several_laws():
-    assert motion_parameters(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
+    assert motion_symbols(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
     both = [SLIDER, TWO]
     assert checked_free(["K", "b2", "a", "mu0"], both) == ("a", "b2", "K")
 

@@ -15,7 +15,7 @@ from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
 from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
 from ...model.arrays import Batch
-from .unknowns import LINEAR, motion_parameters, parameter, sizes_of, start_names
+from .unknowns import LINEAR, motion_symbols, parameter, sizes_of, start_names
 
 RTOL = 1e-8
 #: most steps of a march: 100 times those of a slider that fits, so that vibration is rejected
@@ -90,7 +90,7 @@ class Forward(ForwardModel):
         sizes = sizes_of(record, slider)
         super().__init__(names, {n: _step(n, record, sizes[n]) for n in names if n not in LINEAR})
         self.record, self.law = record, slider.friction_law
-        symbols = (*motion_parameters(self.law), "sigma", "alpha")
+        symbols = (*motion_symbols(self.law), "sigma", "alpha")
         self.fixed = {symbol: getattr(slider, symbol) for symbol in symbols}
         self.sigma = slider.sigma
         loading = record.loading

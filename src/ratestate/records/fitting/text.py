@@ -15,7 +15,7 @@ from .steps.text import (
     warnings_on_steps,
 )
 from .table import estimate_cells, law_names, quality_text
-from .unknowns import motion_parameters
+from .unknowns import motion_symbols
 
 #: width of the text in characters
 WIDTH = 96
@@ -86,7 +86,7 @@ def fixed_parameters(laws):
     """Return a sentence with the given parameters, under any of the laws."""
     values: dict[str, float] = {}
     for part in laws.values():
-        symbols = motion_parameters(law_of(part))
+        symbols = motion_symbols(law_of(part))
         if "normal_stress" in part.attrs:
             symbols = (*symbols, "alpha")  # which matters only if normal stress varies
         given = [s for s in symbols if s not in part.data_vars]

@@ -96,8 +96,8 @@ def _parameter_of_law(own):
     return PARAMETERS["Dc" if own.bound else "b"]
 
 
-def motion_parameters(*laws):
-    """Return the slider's parameters, except sigma, that motion depends on."""
+def motion_symbols(*laws):
+    """Return symbols of the slider's parameters, except sigma, that affect motion."""
     return ("a", "b", "Dc", *own_parameters(laws), "K", "M")
 
 
@@ -108,7 +108,7 @@ def start_names(law):
 
 def free_under(laws):
     """Return the parameters, except mu0, that may be free under any of these laws."""
-    return (*motion_parameters(*laws), "alpha", "lag")
+    return (*motion_symbols(*laws), "alpha", "lag")
 
 
 def sizes_of(record, slider):
@@ -224,7 +224,7 @@ def checked_free(free, sliders):
         raise sentences.refusal("free.massless")
     for law in laws:
         if not set(names) & set(free_under([law])):
-            listed = ", ".join(motion_parameters(law))
+            listed = ", ".join(motion_symbols(law))
             raise sentences.refusal("free.only_mu0", law=law.name, slider=listed)
     return tuple(name for name in allowed[:-1] if name in names)
 

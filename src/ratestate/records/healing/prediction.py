@@ -15,7 +15,7 @@ from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
 from ..fitting.by_law import checked_by_law, error_of, has_steps, slider_of
-from ..fitting.unknowns import MACHINE_PARAMETERS, motion_parameters
+from ..fitting.unknowns import MACHINE_PARAMETERS, motion_symbols
 from ..messages import healing as sentences
 
 #: relative step of a difference; start of the hold in the run, as a fraction of its duration
@@ -84,7 +84,7 @@ def sliders_of(slider):
 def _fitted(result, law, part, errors):
     """`Fitted` of one law's part of a fit; errors : function of the part and names, as below."""
     slider = slider_of(result, law)
-    own = motion_parameters(slider.friction_law)
+    own = motion_symbols(slider.friction_law)
     names = [name for name in part["parameter"].values.tolist() if name in own]
     sizes, correlation = errors(part, names)
     # (correlations of logarithms equal those of the parameters to first order)

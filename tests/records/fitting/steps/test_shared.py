@@ -1,7 +1,5 @@
 """The test whether one set of parameters serves all steps: its rate of errors."""
 
-import warnings
-
 import numpy as np
 import pytest
 from scipy.stats import chi2
@@ -63,6 +61,7 @@ def test_a_scatter_between_steps_is_found():
     assert np.mean(p_values(FEW, 3, 1000, scatter=1.5)[0] < 0.05) > 0.9
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.statistics
 def test_badly_estimated_noise_of_one_step_does_not_refute_one_set():
     """The estimated noise of the last step is a third of the true noise.
@@ -70,8 +69,6 @@ def test_badly_estimated_noise_of_one_step_does_not_refute_one_set():
     With the mean inflation of all steps the p-value is below 1e-5.
     """
     case = drawn_experiment(508)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        result = rs.fit(case.data, case.start, case.free, each="step", errors="covariance")
+    result = rs.fit(case.data, case.start, case.free, each="step", errors="covariance")
     assert 0.01 < float(result.shared_p_value) < 0.5
     assert (result.shared_error / result.shared).sel(parameter=["a", "Dc"]).max() < 0.1

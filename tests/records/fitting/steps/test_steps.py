@@ -181,28 +181,26 @@ def test_steps_in_stick_slip_are_not_fitted(data, under_slip):
     assert "stick-slip" in next(row for row in table_of(result, "slip") if row[0] == "4")
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip):
     begin, t = float(under_slip.step_t[3]), data.time.values
     at = begin + 0.45 * (t[-1] - begin)
     sigma = np.where(t < at, 8e6, 8.8e6)
     record = sawtooth(data, 6, begin).assign(sigma=("time", sigma))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        result = rs.fit(record, START, each="step", errors="covariance")
+    result = rs.fit(record, START, each="step", errors="covariance")
     of_stress = result.isel(step=result.kind.values == "normal stress")
     assert of_stress.status.values.tolist() == [2]
     assert float(of_stress.sigma[0]) == pytest.approx(8e6)
     assert float(of_stress.sigma_after[0]) == pytest.approx(8.8e6)
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_one_number_of_normal_stress_holds_for_all_steps(data):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        first = data.isel(time=slice(0, 2 * ROWS))
-        found, expected = (
-            rs.fit(one, START, each="step", errors="covariance")
-            for one in (first.assign(sigma=8e6), first)
-        )
+    first = data.isel(time=slice(0, 2 * ROWS))
+    found, expected = (
+        rs.fit(one, START, each="step", errors="covariance")
+        for one in (first.assign(sigma=8e6), first)
+    )
     np.testing.assert_allclose(found.a, expected.a, rtol=1e-6)
 
 
@@ -382,6 +380,7 @@ def test_data_that_are_not_a_record_are_refused(data, spoil, match):
         rs.fit(spoil(data), START, each="step")
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_window_that_begins_soon_after_a_step_has_a_free_start():
     """The change before is not over: a start in steady sliding would bias the fit."""
     speeds = (SLOW, FAST, SLOW, FAST)
@@ -389,9 +388,7 @@ def test_a_window_that_begins_soon_after_a_step_has_a_free_start():
     windows = windows_of(soon)
     assert windows[0].slip_since_change == np.inf
     assert windows[1].slip_since_change == pytest.approx(60e-6, rel=0.02)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        result = rs.fit(soon, SLIDER, each="step", errors="covariance")
+    result = rs.fit(soon, SLIDER, each="step", errors="covariance")
     deviation = [
         (result[name][1:] - getattr(SLIDER, name)) / result.standard_error.sel(parameter=name)[1:]
         for name in FREE

@@ -22,7 +22,7 @@ from ...messages import fitting as sentences
 from ..forward import ForwardModel
 from ..likelihood.quantities import ReportedQuantity
 from ..problem import LeastSquares
-from ..unknowns import Unknowns, distinct, motion_parameters
+from ..unknowns import Unknowns, distinct, motion_symbols
 from .features import FEATURES, LEVEL
 from .model import CycleModel
 
@@ -74,7 +74,7 @@ class CyclesForward(ForwardModel):
 
     def __init__(self, slider, free, measured):
         super().__init__((*free, "level"), dict.fromkeys(free, STEP))
-        symbols = motion_parameters(slider.friction_law)
+        symbols = motion_symbols(slider.friction_law)
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
         self.sigma, self.used = float(slider.sigma), np.array([one.used for one in measured])
         # the parameter whose coordinate is ln(K_c/K - LOWEST_RATIO)

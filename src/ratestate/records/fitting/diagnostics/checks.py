@@ -10,7 +10,7 @@ from ..generalized_least_squares import responds, response
 from ..likelihood.transients import longest_distance
 from ..record import before_first_change, change_times
 from ..table import rate_dependence_text
-from ..unknowns import NEAR, motion_parameters, parameter
+from ..unknowns import NEAR, motion_symbols, parameter
 from .identifiability import bounds_of, identifiability
 from .left_out import left_out, rigid_machine
 
@@ -52,7 +52,7 @@ def _no_response(solution):
     gain, free = response(solution)
     slider = solution.problem.slider
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
-    given = [s for s in motion_parameters(slider.friction_law) if s not in solution.unknowns.names]
+    given = [s for s in motion_symbols(slider.friction_law) if s not in solution.unknowns.names]
     given = [s for s in given if s != "M" or slider.M > 0.0]
     return sentences(
         f"response.{'unsuited' if given else 'noise'}",

@@ -177,7 +177,7 @@ def _fit_all(windows, report=None):
 
 
 def fit_window(steps, adjust=lambda inference: inference):
-    """Return the `Step`s (list) of a window with their fits, those that succeed.
+    """Return the `Step`s (list) of a window with their fits; each law may fail alone.
 
     adjust : function from an `Inference` to the one that is reported
     """

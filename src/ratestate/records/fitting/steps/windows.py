@@ -81,17 +81,19 @@ def windows_of(data):
         is_hold = change.V == 0.0
         if is_hold and i + 2 < len(changes):
             after = changes[i + 2]
-        begin = _window_begin(time, before, change, after)
+        # a change that would end after the next one begins counts as over from its start
+        over = before.end if before.end < change.t else before.t
+        begin = _window_begin(time, over, before.V, change, after.t)
         windows.append(
             Window(
-                NORMAL_STRESS if change.is_of_stress else HOLD if is_hold else STEP,
-                change.t,
-                begin,
-                after.t,
-                before.V,
-                changes[i + 1].V if is_hold else change.V,
-                changes[i + 1].t - change.t if is_hold else np.nan,
-                np.inf if i == 1 else before.V * (begin - _end_of_change(before, change)),
+                kind=NORMAL_STRESS if change.is_of_stress else HOLD if is_hold else STEP,
+                t=change.t,
+                begin=begin,
+                end=after.t,
+                V_before=before.V,
+                V_after=changes[i + 1].V if is_hold else change.V,
+                t_hold=changes[i + 1].t - change.t if is_hold else np.nan,
+                slip_since_change=np.inf if i == 1 else before.V * (begin - over),
             )
         )
     if not windows:
@@ -116,24 +118,20 @@ def _changes(data):
     return [first, *sorted(changes), last]
 
 
-def _end_of_change(before, change):
-    """Return when the change before is over [s], or began, if it ends too late."""
-    return before.end if before.end < change.t else before.t
-
-
-def _window_begin(time, before, change, after):
+def _window_begin(time, over, V, change, end):
     """Return when the window of a change begins [s].
+
+    over : when the change before is over [s]; V : load-point speed before the change
+    end : of the window
 
     The sliding before the change is not longer in displacement than the sliding after it.  It has
     at least `ROWS` rows, if there are as many.
     """
-    moved = max(change.V, before.V) * (after.t - change.t)
-    over = _end_of_change(before, change)
-    lead = min(LEAD * (change.t - over), moved / before.V)
-    rows = np.searchsorted(time, change.t) - np.searchsorted(time, change.t - lead)
-    if rows < ROWS:
-        at = max(int(np.searchsorted(time, change.t)) - ROWS, 0)
-        lead = max(lead, change.t - max(float(time[at]), over))
+    moved = max(change.V, V) * (end - change.t)
+    lead = min(LEAD * (change.t - over), moved / V)
+    row, first = np.searchsorted(time, (change.t, change.t - lead)).tolist()
+    if row - first < ROWS:
+        lead = max(lead, change.t - max(float(time[max(row - ROWS, 0)]), over))
     return change.t - lead
 
 
