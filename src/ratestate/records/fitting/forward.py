@@ -231,10 +231,7 @@ def _step(name, record, size):
 
 
 def _difference(above, centre, below, up, down):
-    """Return a derivative from values above and below, at distances up and down.
-
-    It is one-sided if there is a motion on one side only, and NaN without any.
-    """
+    """Return a derivative, one-sided if only one side has a motion, or NaN."""
     if not np.isfinite(above[-1]):
         above, up = centre, 0.0
     if not np.isfinite(below[-1]):

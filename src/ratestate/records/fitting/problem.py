@@ -60,10 +60,7 @@ class Problem(LeastSquares):
         return Problem, (self.record, self.slider, self.unknowns)
 
     def distances(self):
-        """Return the coordinates (list of int) of the free distances of the states.
-
-        They are sorted by the slider's values, the longest last.
-        """
+        """Return coordinates (list of int) of free distances, by the slider's values."""
         free = [D for D in dict.fromkeys(self.law.lengths) if D in self.unknowns.names]
         by_length = sorted(free, key=lambda D: getattr(self.slider, D))
         return [self.unknowns.names.index(D) for D in by_length]

@@ -85,10 +85,7 @@ def parameter(name):
 
 
 def _parameter_of_law(own):
-    """Return the `Parameter` of a law's additional parameter, by its unit and bound.
-
-    A length moves as Dc does, and a parameter of either sign as b does.
-    """
+    """Return the `Parameter` of a law's additional parameter, by unit and bound."""
     if own.bound == ">= 0":
         return Parameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
     if own.bound == "> 0" and own.unit != "m":

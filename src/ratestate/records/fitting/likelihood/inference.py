@@ -55,14 +55,12 @@ def infer(solution, noise, errors):
 
 
 def infer_quantities(solution, quantities, noise, with_profiles=True, all_profiles=False):
-    """Return the `Inference` on `ReportedQuantity`s.
+    """Return the `Inference` on `ReportedQuantity`s; the noise is estimated if None.
 
-    noise : `Noise`, or None to estimate it
     with_profiles : whether to compute profiles of quantities with a likelihood that is not Gaussian
     all_profiles : whether to compute profiles of all quantities
 
-    If a point of a profile fits better than the solution, it becomes the solution, at most `REFITS`
-    times.
+    A better point on a profile becomes the solution, at most `REFITS` times.
     """
     profiles, still_improving = {}, False
     likely, widened = _noise_and_widening(solution, quantities, noise)

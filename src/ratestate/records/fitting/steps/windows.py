@@ -121,8 +121,7 @@ def _changes(data):
 def _window_begin(time, over, V, change, end):
     """Return when the window of a change begins [s].
 
-    over : when the change before is over [s]; V : load-point speed before the change
-    end : of the window
+    over : end of the change before [s]; V, end : speed before the change, end of the window
 
     The sliding before the change is not longer in displacement than the sliding after it.  It has
     at least `ROWS` rows, if there are as many.
