@@ -7,7 +7,7 @@ from ..records.fitting.by_law import results_by_law
 from ..records.fitting.table import (
     STABLE_AT_ANY_K,
     estimate_texts,
-    estimated,
+    estimated_symbols,
     largest,
     short_name,
     stiffness_ratio_text,
@@ -30,7 +30,7 @@ def estimates(result, ax):
     Beside them K/K_c_qs, unless K = inf, and a measure of the misfit.  `result` is not checked.
     """
     laws = results_by_law(result)
-    symbols = [symbol for symbol in estimated(laws) if symbol not in TRENDS]
+    symbols = [symbol for symbol in estimated_symbols(laws) if symbol not in TRENDS]
     columns = [_column(laws, symbol) for symbol in symbols]
     if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
         cells = ["stable" if text == STABLE_AT_ANY_K else _printed(text or "-") for text in ratios]

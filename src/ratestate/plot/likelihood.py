@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..records.fitting.by_law import results_by_law
-from ..records.fitting.table import estimated
-from ..records.fitting.unknowns import SUMS, parameter
+from ..records.fitting.table import estimated_symbols
+from ..records.fitting.unknowns import DERIVED, parameter
 from .labels import GRAY, LAWS, in_unit, label, scaled
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)
@@ -20,7 +20,7 @@ def non_gaussian(result):
     Empty if there is no profile or posterior of any, under any law.
     """
     laws = results_by_law(result)
-    free = {s: _those_with(laws, s).values() for s in estimated(laws) if s not in SUMS}
+    free = {s: _those_with(laws, s).values() for s in estimated_symbols(laws) if s not in DERIVED}
     drawn = (_profile(p, s) or _samples(p, s) is not None for s, has in free.items() for p in has)
     if not any(drawn):
         return []

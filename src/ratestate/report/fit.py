@@ -6,7 +6,7 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ..records.fitting.by_law import is_of_steps, results_by_law
+from ..records.fitting.by_law import has_steps, results_by_law
 from ..records.fitting.steps.text import HEADS, table_of
 from ..records.fitting.table import estimate_cells
 from ..records.fitting.text import sentences_of
@@ -21,7 +21,7 @@ def fit(result: xarray.Dataset, _: Any = None) -> list[Any]:
     laws = results_by_law(result)
     (first, *more), below, warnings = sentences_of(result, laws, WHERE)
     tables: list[Any] = []
-    if is_of_steps(result):
+    if has_steps(result):
         for law in laws:
             table = _AsWideAsTheTerminal(table_of(result, law))
             tables += [Text(f"{law} law", style="bold"), table, Text("")]

@@ -1,4 +1,4 @@
-"""The function `fit`: its estimates from records of known truth, and what it refuses."""
+"""The function `fit`: estimates from records of known truth, and refusals."""
 
 import functools
 import json
@@ -46,7 +46,7 @@ def fitted(noisy):
 )
 @settings(max_examples=4)
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")  # of a trend at 1e-11
-def test_a_record_without_noise_gives_back_its_slider(a, ratio, stiffness, down, law, eta):
+def test_fit_without_noise_recovers_the_slider(a, ratio, stiffness, down, law, eta):
     b, Dc, sigma = ratio * a, 1e-5, 2e7
     V1, V2 = (1e-5, 1e-6) if down else (1e-6, 1e-5)
     K = (max(ratio - 1.0, 0.0) * (1.0 + eta) + stiffness) * a * sigma / Dc
@@ -86,7 +86,7 @@ def test_slide_hold_slide(law):
     assert_finds(rs.fit(data, START, law=law), SLIDER)
 
 
-def test_mass_is_found_where_it_shows():
+def test_mass_is_estimated_from_an_oscillation():
     truth = SLIDER.replace(M=2e11)
     t = np.concatenate([T[:150], np.linspace(39.1, 70.0, 1500)])
     data = record(truth, EARLY_STEP, t, noise=2e-4)
@@ -96,7 +96,7 @@ def test_mass_is_found_where_it_shows():
 
 @functools.cache
 def without_mass(faster):
-    """A slider with mass, a record of it at speeds so many times as high, and a fit with M = 0."""
+    """Return a slider with mass, a record at higher speeds, and a fit with M = 0."""
     truth = SLIDER.replace(M=1.5e11 / faster**2)
     loading = rs.Loading.steps(faster * 1e-6, (EARLY_STEP.t[1] / faster, faster * 1e-5))
     data = record(truth, loading, T / faster, noise=2e-4)
@@ -104,7 +104,7 @@ def without_mass(faster):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_neglected_mass_is_a_bias_that_no_error_admits():
+def test_neglected_mass_biases_the_estimates():
     truth, data, without = without_mass(1.0)
     with_mass = rs.fit(data, START.replace(M=truth.M), errors="covariance")
     assert_finds(with_mass, truth)
@@ -115,14 +115,14 @@ def test_neglected_mass_is_a_bias_that_no_error_admits():
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize("faster", [1.0, 1e4])
-def test_inertia_is_advised_where_a_machine_can_have_the_mass(faster):
-    """The same motion at other speeds: of a mass that no machine has, and of 1500 kg/m^2."""
+def test_inertia_is_suggested_if_a_machine_can_have_the_mass(faster):
+    """At low speeds the mass is impossible; at high speeds it is 1500 kg/m^2."""
     _, _, result = without_mass(faster)
     assert ("inertia would lower chi-square" in result.warnings.item()) == (faster > 1.0)
 
 
-def test_a_start_in_steady_sliding_is_seen(noisy, fitted):
-    """Of one that is not each state is found (test_fit_laws.py)."""
+def test_a_start_in_steady_sliding_is_recognised(noisy, fitted):
+    """For unsteady starts see test_fit_laws.py."""
     assert float(rs.fit(noisy, START, start="steady").Dc) == float(fitted.Dc)
 
 
@@ -132,7 +132,7 @@ def test_a_trend_is_separated_from_the_step(clean, trend):
     along = clean.delta_lp / 1e-3 if trend == "slip" else clean.time / 100.0
     drifting = clean.assign(friction=clean.friction + 0.01 * along)
     result = rs.fit(drifting, START, trend=trend)
-    # (the trend goes by the slider's slip, of which the record's load point is a little ahead)
+    # the trend is along the slider's slip, which is a little behind the load point
     assert float(result.Dc) == pytest.approx(1e-5, rel=5e-3)
     expected = 10.0 if trend == "slip" else 1e-4
     assert float(result[f"trend_{trend}"]) == pytest.approx(expected, rel=5e-3)
@@ -150,7 +150,7 @@ def test_a_lag_of_the_record_is_found(clean):
 
 
 def test_against_displacement_needs_no_clock(noisy):
-    """The same record by a clock that runs wrong between the steps."""
+    """The fit is the same as by time, and works with noise of displacement."""
     result = rs.fit(noisy, START, against="displacement")
     by_time = rs.fit(noisy, START)
     for name in FREE:
@@ -161,11 +161,11 @@ def test_against_displacement_needs_no_clock(noisy):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_given_noise_is_taken(noisy, fitted):
+def test_given_noise_is_used(noisy, fitted):
     assert float(fitted.noise_white) == pytest.approx(2e-4, rel=0.1)
     given, doubled = (rs.fit(noisy, START, noise=k * float(fitted.noise_white)) for k in (1.0, 2.0))
     np.testing.assert_allclose(doubled.standard_error / given.standard_error, 2.0, rtol=1e-3)
-    # one that is estimated is uncertain: it may be correlated, which the level feels most
+    # estimated noise is uncertain: it may be correlated, which affects the level most
     wider = (fitted.standard_error / given.standard_error).values
     assert (wider > 1.0).all()
     assert wider[:4].max() < 1.2
@@ -180,7 +180,7 @@ def test_given_noise_is_taken(noisy, fitted):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_equivalent_records_give_the_same_fit(noisy, fitted):
-    """Origin of time, stress for friction, speed for displacement, a loading that is given."""
+    """Another origin of time, tau, load-point speed, or the loading may be given."""
     tau = noisy.drop_vars("friction").assign(tau=noisy.friction * SLIDER.sigma)
     speed = xarray.DataArray(np.where(T < 40.0, 1e-6, 1e-5), dims="time")
     others = {
@@ -199,7 +199,7 @@ def test_equivalent_records_give_the_same_fit(noisy, fitted):
     assert float(by_speed.Dc) == pytest.approx(float(fitted.Dc), rel=0.05)
 
 
-def test_where_the_search_begins_does_not_matter(noisy, fitted):
+def test_the_initial_guess_does_not_matter(noisy, fitted):
     for far in ({"a": 1e-4, "b": 0.5, "Dc": 1e-2, "K": 1e6}, {"a": 0.5, "b": 0.1, "Dc": 1e-8}):
         result = rs.fit(noisy, SLIDER.replace(**far))
         for name in FREE:
@@ -236,15 +236,15 @@ def test_variables_of_the_result(noisy, fitted):
 
 
 def test_mu0_is_at_V0(noisy, fitted):
-    """The slider's V0 is 1 um/s, the speed of the first segment; at another, mu0 is another."""
+    """The slider's V0 is 1 um/s, the speed of the first segment."""
     other = rs.fit(noisy, START.replace(V0=1e-8))
     expected = float(fitted.mu0) - float(fitted.a_minus_b) * np.log(1e-6 / 1e-8)
     assert float(other.mu0) == pytest.approx(expected, abs=2e-6)
 
 
 @pytest.mark.parametrize("level", [-0.05])
-def test_friction_may_be_a_change_from_some_level(noisy, level):
-    """Nothing moves but mu0: the interface knows no zero of a load cell."""
+def test_friction_may_have_any_zero(noisy, level):
+    """Only mu0 changes: a load cell may have an offset."""
     options = {"free": ("a", "Dc"), "errors": "covariance"}
     whole = rs.fit(noisy, SLIDER, **options)
     shift = level - float(noisy.friction.median())
@@ -288,7 +288,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_cannot_be_fitted_is_refused(noisy, case):
+def test_records_and_settings_that_cannot_be_fitted_are_refused(noisy, case):
     change, options, message = REFUSED[case]
     with pytest.raises(rs.ParameterError, match=message):
         rs.fit(change(noisy), START, **options)
@@ -315,7 +315,7 @@ def test_sliders_that_cannot_be_fitted_are_refused(clean):
     ],
 )
 def test_bounds_come_from_how_far_the_load_point_moves(slid, counts):
-    """At 1 um/s for some seconds, and then at rest; a sample each half second."""
+    """The load point moves at 1 um/s and then rests, with a sample every half second."""
     t = np.arange(0.0, 60.0, 0.5)
     loading = rs.Loading.steps("1 um/s", (slid, 0.0))
     friction = np.linspace(0.6, 0.4, t.size)
@@ -340,13 +340,13 @@ def test_a_fit_is_the_same_each_time(noisy, fitted):
         ({"delta_lp": 1e6}, "if it is in um, divide it by 1e6"),
     ],
 )
-def test_sizes_that_no_laboratory_has_are_refused(noisy, change, message):
+def test_impossible_sizes_are_refused(noisy, change, message):
     data = noisy.assign({name: factor * noisy[name] for name, factor in change.items()})
     with pytest.raises(rs.ParameterError, match=message):
         rs.fit(data, START)
 
 
-def test_a_loading_that_is_not_the_recorded_one_is_refused(noisy):
+def test_a_loading_unlike_the_record_is_refused(noisy):
     for loading in (
         rs.Loading.steps("1 mm/s", (40.0, "10 mm/s")),
         rs.Loading.steps("1 um/s", (20.0, "10 um/s")),
@@ -356,8 +356,8 @@ def test_a_loading_that_is_not_the_recorded_one_is_refused(noisy):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_an_unsteady_start_is_found_also_where_noise_could_take_the_blame():
-    """Windows that begin soon after an earlier step; the law fits all of them."""
+def test_an_unsteady_start_is_not_taken_for_noise():
+    """Windows begin soon after an earlier step; the law fits all of them."""
     loading = rs.Loading.steps("10 um/s", (10.0, "1 um/s"), (50.0, "10 um/s"))
     t = np.concatenate([np.linspace(0.0, 49.9, 500), np.linspace(50.0, 80.0, 900)])
     for begin in (10.5, 20.0):
@@ -368,7 +368,7 @@ def test_an_unsteady_start_is_found_also_where_noise_could_take_the_blame():
         assert "V_start" in result
 
 
-def test_a_wrong_value_that_was_given_is_not_called_noise(noisy):
+def test_a_wrong_given_value_is_not_taken_for_noise(noisy):
     with pytest.warns(rs.FitWarning) as emitted:
         rs.fit(noisy, SLIDER.replace(b=0.03), free=("a",))
     assert any(

@@ -34,7 +34,7 @@ SYMBOLS = ("a", "b", "Dc", "K", "M")
 
 @functools.cache
 def cycle(slider, V_lp):
-    """Period [s] and tau/sigma of the limit cycle at the phases GRID."""
+    """Return the period [s] and tau/sigma of the limit cycle at the phases GRID."""
     values = {s: np.array([getattr(slider, s)]) for s in (*SYMBOLS, "sigma")}
     found = limit_waves(slider.law, values, np.array([V_lp]))
     steady = slider.mu0 + (slider.a - slider.b) * np.log(V_lp / slider.V0)
@@ -42,7 +42,7 @@ def cycle(slider, V_lp):
 
 
 def segment(slider, V_lp, *, cycles=12, samples=60, noise=0.02, correlation=0.0, seed=0, **odd):
-    """A stretch of synthetic record: so many cycles, samples in each, noise over amplitude.
+    """Return a synthetic segment of cycles; noise is divided by the amplitude.
 
     odd : jitter of periods, spread of amplitudes, trend, all relative
     """
@@ -60,7 +60,7 @@ def segment(slider, V_lp, *, cycles=12, samples=60, noise=0.02, correlation=0.0,
 
 
 def record(*segments):
-    """A record of these stretches, one after the other."""
+    """Return a record of these segments, one after the other."""
     t, start = [], 0.0
     for part in segments:
         t.append(start + part.t)
@@ -89,7 +89,7 @@ def truth(slider, V_lp, bins):
 
 
 def radau_features(parameters, V_lp):
-    """ln amplitude and ln period of one turn by SciPy's Radau, which must close."""
+    """Return ln amplitude and ln period of a closed cycle by SciPy's Radau."""
     values = {s: np.array([parameters[s]]) for s in (*SYMBOLS, "sigma")}
     found = limit_waves("slip", values, np.array([V_lp]))
     case = Naive(**parameters)
@@ -120,14 +120,14 @@ def test_derivatives_are_those_of_an_independent_solver(symbol):
 
 
 def forward_of(slider, free, V_lp):
-    """The `CyclesForward` of a record at one speed, which resolves all features."""
+    """Return the `CyclesForward` of a record at one speed that resolves all features."""
     used, part = np.ones(len(FEATURES), bool), SimpleNamespace(V_lp=V_lp)
     return CyclesForward(slider, free, [SimpleNamespace(used=used, segment=part, bins=40)])
 
 
-def test_the_search_differentiates_in_its_own_coordinates():
+def test_jacobian_of_features_against_wider_differences():
     forward = forward_of(BRAKE, ("a", "b", "Dc"), 3.2e-3)
-    point = forward.own()[0] + [0.0, 0.0, 0.0, 0.6]
+    point = forward.slider_coordinates()[0] + [0.0, 0.0, 0.0, 0.6]
     _, jacobian = forward.jacobian(point)
     for i, step in enumerate(5e-3 * np.eye(4)):  # five times the step of the search
         up, down = forward.friction(np.stack([point + step, point - step]))
@@ -135,12 +135,12 @@ def test_the_search_differentiates_in_its_own_coordinates():
 
 
 @pytest.mark.parametrize("free", [("a", "b"), ("a",), ("b", "K"), ("Dc", "K", "M"), SYMBOLS])
-def test_coordinates_lead_there_and_back(free):
+def test_coordinates_and_values_are_inverse(free):
     forward = forward_of(STICK_SLIP, free, 1e-5)
-    q = forward.own() + np.append(np.linspace(-0.2, 0.3, len(free)), 0.0)
+    q = forward.slider_coordinates() + np.append(np.linspace(-0.2, 0.3, len(free)), 0.0)
     values = forward.values(q)
     np.testing.assert_allclose(forward.coordinates(values), q, rtol=1e-9)
-    own = forward.values(forward.own())
+    own = forward.values(forward.slider_coordinates())
     for symbol in SYMBOLS:
         assert own[symbol][0] == pytest.approx(getattr(STICK_SLIP, symbol), rel=1e-9)
         if symbol not in free:
@@ -204,7 +204,7 @@ def test_cycles_are_cut_where_tau_falls():
 
 
 def check_estimates(found, slider, widest):
-    """All estimates within 4 errors, which are smaller than this; both of logarithms if free."""
+    """Check that all estimates are within 4 errors, and errors below `widest`."""
     estimates = found.inference.estimates
     for name in estimates.names:
         one = estimates.of(name)
@@ -216,13 +216,13 @@ def check_estimates(found, slider, widest):
         assert error < widest, name
 
 
-def test_vibration_gives_back_its_slider():
+def test_fit_of_vibration_recovers_the_slider():
     data = record(segment(VIBRATION, 3.2e-3, cycles=20, samples=50))
     start = VIBRATION.replace(a=0.002, b=0.0055)
     found = fit_cycles(data, start, ("a", "b"))
     check_estimates(found, VIBRATION, 1e-2)
     assert found.problem.dof == 3
-    # of the features as they are corrected in the end
+    # chi-squared is that of the features as finally corrected
     (one,) = found.problem.measured
     off, used = (found.cycles()[0][0] - one.values)[one.used], np.ix_(one.used, one.used)
     assert found.chi2 == pytest.approx(off @ np.linalg.solve(one.covariance[used], off), rel=1e-6)
@@ -242,13 +242,13 @@ def test_vibration_gives_back_its_slider():
 
 @pytest.fixture(scope="module")
 def vibration():
-    """A record of vibration, and the fit of b to it."""
+    """Return a record of vibration, and the fit of b to it."""
     data = record(segment(VIBRATION, 3.2e-3, cycles=20, samples=50))
     return data, fit_cycles(data, VIBRATION, ("b",))
 
 
 def test_fits_that_lose_their_cycles_are_refused(vibration, monkeypatch):
-    """Where no search finds a cycle again, once the features are corrected for the noise."""
+    """No search finds a cycle after the features have been corrected."""
     problems = []
 
     def without_cycle(problem, *start):
@@ -264,7 +264,7 @@ def test_fits_that_lose_their_cycles_are_refused(vibration, monkeypatch):
     assert problems[-1] is not problems[0]
 
 
-def test_stick_slip_at_two_speeds_gives_back_its_slider():
+def test_fit_of_stick_slip_at_two_speeds_recovers_the_slider():
     data = record(segment(STICK_SLIP, 1e-5), segment(STICK_SLIP, 1e-4, seed=1))
     found = fit_cycles(data, STICK_SLIP.replace(a=0.004, b=0.009), ("a", "b"))
     assert len(found.problem.measured) == 2
@@ -283,14 +283,14 @@ def test_two_laws_are_fitted_side_by_side(vibration):
     assert "Neither" not in both.attrs["comparison"]
 
 
-def test_intervals_end_where_no_fit_is_likely():
+def test_interval_ends_agree_with_constrained_fits():
     part = segment(BRAKE, 3.2e-3, noise=0.06, seed=3)
     found = fit_cycles(record(part), BRAKE, ("a", "b", "Dc"))
     solution = found.inference.solution
     at = found.problem.forward.values(solution.point[None])
     Dc = found.inference.estimates.of("Dc")
     for side in (0, 1):
-        # a fit of its own, of a slider that has this Dc
+        # a separate fit of a slider with this Dc
         constrained = BRAKE.replace(Dc=float(Dc.interval[1, side]))
         problem = CyclesProblem(constrained, ("a", "b"), found.problem.measured)
         ratio = constrained.Dc / Dc.value
@@ -298,12 +298,12 @@ def test_intervals_end_where_no_fit_is_likely():
         for part in (1.0, ratio):
             near = at | {"Dc": at["Dc"] * ratio, "a": at["a"] * part, "b": at["b"] * part}
             starts.append(problem.forward.coordinates(near)[0] + [0.0, 0.0, solution.point[-1]])
-        best, *_ = fitting._searched(problem, starts)
+        best, *_ = fitting._solutions_from(problem, starts)
         assert np.sqrt(best.chi2 - found.chi2) == pytest.approx(1.96, rel=0.12)
 
 
 @pytest.mark.statistics
-def test_intervals_cover():
+def test_intervals_contain_the_truth():
     hits, weights = [], []
     for seed in range(10):
         slider = BRAKE.replace(a=0.003 + 1e-4 * seed, b=0.007, law=("slip", "aging")[seed % 2])
@@ -312,8 +312,8 @@ def test_intervals_cover():
         known = truth(slider, 3.2e-3, found.bins)
         found = corrected(found, wave_at(cycle(slider, 3.2e-3)[1]), known)
         problem = CyclesProblem(slider, ("a", "Dc"), (found,))
-        own = problem.forward.own()[0] + [0.0, 0.0, slider.mu0]
-        solution = solution_from(problem.about(own), own, problem.noise)
+        own = problem.forward.slider_coordinates()[0] + [0.0, 0.0, slider.mu0]
+        solution = solution_from(problem.bounded_about(own), own, problem.noise)
         assert solution.converged
         z = ((solution.point - own) / np.sqrt(np.diag(solution.covariance)))[:-1]
         hits.append(np.abs(z) < 1.96)
@@ -333,6 +333,7 @@ def test_intervals_cover():
         ({"b": 0.002}, ("Dc",), "free b"),
         ({}, ("a", "sigma"), "none of a, b, Dc"),
         ({}, ("a", "lag"), "a delay of a load point that moves steadily"),
+        ({}, ("a", "alpha"), "normal stress, which is constant here, has no effect"),
         (
             {},
             SYMBOLS,
@@ -370,7 +371,7 @@ def test_a_transient_is_left_out_and_noted():
     grown = part._replace(y=part.y.mean() + (part.y - part.y.mean()) * grow)
     found, plain = measure(grown), measure(part)
     assert found.values[0] == pytest.approx(plain.values[0], abs=0.03)
-    # one parameter, which is well known: nothing to warn of
+    # the one parameter is well determined, without warnings
     result = rs.fit(record(grown), BRAKE.replace(b=0.006), free="b", against="cycles")
     assert result.warnings.item() == ""
     assert "A transient, the first " in result.identifiability.item()
@@ -408,7 +409,7 @@ def test_points_far_from_all_sliders_have_no_cycle_and_no_warning():
     far = [[0.0, 0.0, 700.0, 0.0], [0.0, 700.0, 700.0, 0.0], [700.0, 0.0, 0.0, 0.0]]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        features = forward.friction(forward.own() + np.array([[0.0] * 4, *far]))
+        features = forward.friction(forward.slider_coordinates() + np.array([[0.0] * 4, *far]))
     assert np.isfinite(features[0]).all()
     assert np.isnan(features[1:]).all()
 

@@ -1,4 +1,4 @@
-"""Errors of fits: profiles, posterior, comparison of laws, and the notes on them."""
+"""Errors of fits: profiles, posterior, comparison of laws, notes and warnings."""
 
 import builtins
 import pickle
@@ -34,10 +34,10 @@ from ratestate.records.fitting.likelihood.profile import (
     compute_profiles,
 )
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
-from ratestate.records.fitting.likelihood.transients import _transients, chance_of_transients
+from ratestate.records.fitting.likelihood.transients import _transients, transients_p_value
 from ratestate.records.fitting.record import Record, record_of
 from ratestate.records.fitting.result import compare_laws
-from ratestate.records.fitting.unknowns import Unknowns, starts_of, unknowns_of
+from ratestate.records.fitting.unknowns import NEAR, Unknowns, start_names, unknowns_of
 from ratestate.records.kit.noise import Noise
 from ratestate.records.raw_record import raw_record
 
@@ -54,7 +54,7 @@ def solution_of(data, slider, free=FREE, noise=None):
 
 
 @pytest.mark.parametrize("sigma", ["99 Pa", "1.01e11 Pa"])
-def test_a_normal_stress_that_nobody_uses(good, sigma):
+def test_an_impossible_normal_stress_is_refused(good, sigma):
     with pytest.raises(ParameterError, match=r"sigma = .* is impossible in a record"):
         raw_record(good, SLIDER.replace(sigma=sigma))
     for usual in ("100 Pa", "1e11 Pa"):
@@ -84,7 +84,7 @@ def sampled(good):
         return rs.fit(good, SLIDER, ("a", "Dc"), errors="posterior")
 
 
-def test_reported_numbers_have_their_gradient(solution):
+def test_gradients_of_reported_quantities(solution):
     rng = np.random.default_rng(5)
     numbers = reported_quantities(solution.problem)
     assert [number.name for number in numbers] == [*FREE, "mu0", "a_minus_b", "trend_slip"]
@@ -109,7 +109,7 @@ def test_the_profile_of_a_gaussian_likelihood_is_the_covariance(solution):
 
 
 def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
-    """Held K: the same as a fit of the others to a slider that has it."""
+    """Compare with fits of a, b, Dc in which the slider has that K."""
     number = reported_quantities(solution.problem)[3]
     one = compute_profile(solution, number)
     for value, deviance in zip(one.values[[0, -1]], one.deviance[[0, -1]], strict=True):
@@ -125,7 +125,7 @@ def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
         assert deviance > ROOTS[-1] ** 2
 
 
-def test_a_stiff_machine_bounds_K_from_below_alone(stiff):
+def test_a_stiff_machine_gives_a_lower_bound_of_K(stiff):
     start = STIFF.replace(K=1e12)
     with pytest.warns(rs.FitWarning, match=r"the record only says K > .* too stiff"):
         result = rs.fit(stiff, start)
@@ -147,7 +147,7 @@ def test_a_stiff_machine_bounds_K_from_below_alone(stiff):
 
 
 def test_an_interval_of_a_parameter_far_below_its_guess_is_closed():
-    """The range of Nagata's c is a thousand guesses wide: values below one are not at its end."""
+    """c of Nagata's law has a wide range: values below its guess are not at bounds."""
     truth = SLIDER.replace(law="nagata", c=2.0)
     loading = rs.Loading.steps("1 um/s", (30.0, "10 um/s"), (45.0, "1 um/s"))
     data = record(truth, loading, np.arange(0.0, 100.0, 0.1), noise=1e-3, seed=1)
@@ -160,15 +160,15 @@ def test_an_interval_of_a_parameter_far_below_its_guess_is_closed():
     assert low < 2.0 < high
 
 
-def test_no_inertia_bounds_M_from_above_alone(good):
+def test_a_record_without_inertia_gives_an_upper_bound_of_M(good):
     with pytest.warns(rs.FitWarning, match=r"the record only says M < .* no inertia is seen"):
         result = rs.fit(good, SLIDER.replace(M=1e8), ("a", "b", "M"))
     assert float(result.interval.sel(parameter="M", level=0.95, side="lower")) == 0.0
     assert 1e6 < float(result.interval.sel(parameter="M", level=0.95, side="upper")) < 1e12
 
 
-def test_one_profile_follows_where_another_leads():
-    """a moves with K: its own search stops at a ridge that the profile of K knows a way round."""
+def test_a_profile_starts_from_fits_of_another_profile():
+    """Alone, the profile of a stops at a ridge that the profile of K passes around."""
     slider = SLIDER.replace(K=1e12)
     found = solution_of(record(slider, STEP, T, noise=4e-4, seed=6), slider)
     numbers = {number.name: number for number in reported_quantities(found.problem)}
@@ -183,7 +183,7 @@ def test_one_profile_follows_where_another_leads():
     assert alone.interval()[-1, 1] < value < together["a"].interval()[-1, 1]
 
 
-def test_a_better_point_is_taken(good, solution):
+def test_a_better_point_on_a_profile_becomes_the_solution(good, solution):
     point = solution.point.copy()
     point[2] += 0.01
     worse = solution._replace(point=point, chi2=solution.chi2 + 5.0)
@@ -196,10 +196,8 @@ def test_a_better_point_is_taken(good, solution):
 
 
 @pytest.mark.parametrize(("better", "improving"), [(3, False), (4, True)])
-def test_a_fit_still_improves_only_where_a_better_point_is_known(
-    solution, monkeypatch, better, improving
-):
-    """The third better point is taken, and only profiles about it can find a fourth."""
+def test_still_improving_after_the_last_restart(solution, monkeypatch, better, improving):
+    """After the third better point, only the profiles about it can find a fourth."""
     points = [solution.point] * better
 
     def profiles(*_):
@@ -212,7 +210,7 @@ def test_a_fit_still_improves_only_where_a_better_point_is_known(
     assert not points
 
 
-def test_ends_of_a_profile_that_is_no_parabola():
+def test_interval_ends_of_a_profile_that_is_not_a_parabola():
     values = np.linspace(-3.0, 4.0, 29)
     wave = np.where(values < 0.0, values**2, np.minimum(values, 1.5) ** 2)
     found = Profile(values, wave, values[:, None], ("closed", "open")).interval()
@@ -228,7 +226,7 @@ def test_ends_of_a_profile_that_is_no_parabola():
 
 
 def test_level_and_trend_are_integrated_out(solution):
-    """Against quadrature of the likelihood over both."""
+    """Compare with quadrature of the likelihood over both."""
     moving = [i for i, name in enumerate(solution.unknowns.names) if name in FREE]
     marginal = LogLikelihood(solution.problem, Noise(3e-4, 2e-4, 2.0))
     coordinates = solution.point[moving] + [0.02, 1e-4, -0.03, 0.01]
@@ -261,7 +259,7 @@ def test_level_and_trend_are_integrated_out(solution):
 
 
 def test_the_likelihood_is_a_function_of_values_in_the_order_of_free(good, solution):
-    """It falls by 1/2 where a is a standard error off, and K at its best for that a."""
+    """It falls by 1/2 if a is a standard error off, with the best K for that a."""
     function = rs.fitting.log_likelihood(good, SLIDER, ("K", "mu0", "a"), noise=2e-4)
     assert function.names == ("K", "a")
     fitted = rs.fit(good, SLIDER, ("a", "K"), noise=2e-4, errors="covariance", start="steady")
@@ -298,7 +296,7 @@ def test_the_posterior_of_a_gaussian_is_the_gaussian(sampled, good):
 
 
 def test_a_known_posterior_is_found(good, monkeypatch):
-    """A likelihood with tails: Student's t, of which quantiles and evidence are known."""
+    """The likelihood is Student's t, with known quantiles and evidence."""
     from scipy.stats import t as student
 
     def known(self, coordinates):
@@ -320,7 +318,7 @@ def test_a_known_posterior_is_found(good, monkeypatch):
     assert found.complete
 
 
-def test_a_posterior_that_is_cut_or_poor_says_so(stiff, good, monkeypatch):
+def test_warnings_on_a_truncated_or_unreliable_posterior(stiff, good, monkeypatch):
     monkeypatch.setattr(sampling, "LIVE", 20)
     with pytest.warns(rs.FitWarning) as emitted:
         result = rs.fit(stiff, STIFF.replace(K=1e12), ("K", "Dc"), errors="posterior")
@@ -360,8 +358,8 @@ def test_a_posterior_needs_dynesty(good, monkeypatch):
         (5.1, "The slip law fits clearly better", "under equal priors"),
     ],
 )
-def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidence):
-    """AIC is twice as far apart as ln(likelihood), and the evidence is as far, without error."""
+def test_text_on_a_difference_of_likelihoods(apart, by_likelihood, by_evidence):
+    """AIC differs by twice the difference of ln(likelihood), which is the evidence's."""
     results = {
         law: {"log_evidence": value, "log_evidence_error": 0.0}
         for law, value in (("slip", 0.0), ("aging", -apart))
@@ -380,7 +378,7 @@ def test_what_a_difference_of_likelihoods_means(apart, by_likelihood, by_evidenc
         (("slip", "aging", "prz"), "None of the", 9.0, "is nearer to it than"),
     ],
 )
-def test_the_better_of_laws_that_do_not_fit_is_only_nearer(laws, none, apart, words):
+def test_text_on_laws_that_do_not_fit(laws, none, apart, words):
     aic = {law: 2.0 * apart * i for i, law in enumerate(laws)}
     _, text = compare_laws({law: {} for law in laws}, aic, False, fits=False)
     assert text.startswith(none)
@@ -390,15 +388,15 @@ def test_the_better_of_laws_that_do_not_fit_is_only_nearer(laws, none, apart, wo
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize(("noise", "fits"), [(2e-4, True), (5e-5, False)])
-def test_laws_that_leave_more_than_the_noise_do_not_fit(good, noise, fits):
+def test_laws_with_residuals_above_the_noise_do_not_fit(good, noise, fits):
     """The record is of the slip law, and its noise is 2e-4."""
     both = rs.fit(good, SLIDER, law=("slip", "aging"), noise=noise, errors="covariance")
     assert ("Neither law fits" in both.comparison) != fits
     assert ("slip law fits clearly better" in both.comparison) == fits
 
 
-def test_each_doubt_is_a_warning(good):
-    """Each by a record that gives reason to it, and not by the good one."""
+def test_each_problem_has_its_warning(good):
+    """A record with the problem has the warning; the good record has none."""
     assert rs.fit(good, SLIDER).warnings.item() == ""
     rng = np.random.default_rng(1)
     silent = good.assign(friction=0.6 + 2e-4 * xarray.zeros_like(good.friction))
@@ -423,8 +421,7 @@ def test_each_doubt_is_a_warning(good):
 
 @pytest.mark.parametrize("given", [5e-5, 8e-4])
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_misfit_is_measured_by_the_noise_that_the_record_shows(good, given):
-    """Whatever noise was given: the probability is nearly the same."""
+def test_misfit_does_not_depend_on_the_given_noise(good, given):
     right, wrong = (
         rs.fit(good, SLIDER, law=law, noise=given, errors="covariance") for law in ("slip", "aging")
     )
@@ -436,8 +433,8 @@ def test_misfit_is_measured_by_the_noise_that_the_record_shows(good, given):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize("exponent", [None, 1.0])
-def test_a_second_state_does_not_pass_for_correlated_noise(exponent):
-    """Red noise as large as the misfit by a law with one state: the right law is not doubted."""
+def test_a_second_state_is_not_taken_for_correlated_noise(exponent):
+    """Red noise is as large as the misfit by one state; the right law has no misfit."""
     two = SLIDER.replace(law="two-state-slip", b=0.010, b2=0.004, Dc2="60 um")
     data = record(two, LONG_STEP, LONG_T, noise=1e-4)
     rng = np.random.default_rng(3)
@@ -453,8 +450,8 @@ def test_a_second_state_does_not_pass_for_correlated_noise(exponent):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize(("law", "other"), [("aging", "slip"), ("slip", "aging")])
-def test_the_oscillation_of_a_soft_machine_does_not_pass_for_correlated_noise(law, other):
-    """Under the other law the noise has a red part as large as the white one."""
+def test_the_oscillation_of_a_soft_machine_is_not_taken_for_correlated_noise(law, other):
+    """Under the other law the red noise is as large as the white noise."""
     data = record(SOFT.replace(law=law), LONG_STEP, LONG_T, noise=3e-4, seed=2)
     wrong, right = (rs.fit(data, SOFT, law=one, errors="covariance") for one in (other, law))
     assert float(wrong.noise_red) > 1e-4
@@ -466,8 +463,8 @@ def test_the_oscillation_of_a_soft_machine_does_not_pass_for_correlated_noise(la
 
 @pytest.mark.parametrize("slider", [SLIDER, SOFT])
 @pytest.mark.parametrize("Dc2", ["4 um", "80 um"])
-def test_a_second_state_is_among_the_transients(slider, Dc2):
-    """Whether the machine is stiff or oscillates: they span most of its effect, to first order."""
+def test_the_transients_span_the_effect_of_a_second_state(slider, Dc2):
+    """They span most of its effect, whether the machine is stiff or oscillates."""
     found = solution_of(record(slider, LONG_STEP, LONG_T, noise=1e-5), slider)
     up, down = (
         record(slider.replace(law="two-state-slip", b2=b2, Dc2=Dc2), LONG_STEP, LONG_T).friction
@@ -484,34 +481,34 @@ def test_a_second_state_is_among_the_transients(slider, Dc2):
 
 @pytest.mark.statistics
 def test_a_probability_of_misfit_is_uniform_under_the_right_law():
-    """Of 60 records with noise of one correlation time, by a search that is linear: a alone."""
+    """60 records have noise of one correlation time, and only a is free."""
     clean = record(SLIDER, STEP, T)
     found = []
     for seed in range(60):
         red = 2e-4 * correlated(T, 0.5, np.random.default_rng(seed))
         data = clean.assign(friction=clean.friction + red)
         solution = solution_of(data, SLIDER, ("a",))
-        found.append(chance_of_transients(solution, SLIDER.Dc))
+        found.append(transients_p_value(solution, SLIDER.Dc))
     assert 0.35 < np.mean(found) < 0.7
     assert np.mean(np.array(found) < 0.05) < 0.12
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_law_that_could_not_be_tested_does_not_pass(good, monkeypatch):
-    """One march of several may fail; if all fail, the probability is NaN and a warning says so."""
-    effect, calls = transients._effect, []
+def test_a_law_that_could_not_be_tested_has_a_warning(good, monkeypatch):
+    """One of several marches may fail; the probability is NaN if all fail."""
+    effect, calls = transients._effect_of_fall, []
 
     def one_fails(*args):
         calls.append(args)
         return effect(*args) * (np.nan if len(calls) == 1 else 1.0)
 
     told = "was not tested against transients"
-    monkeypatch.setattr(transients, "_effect", one_fails)
+    monkeypatch.setattr(transients, "_effect_of_fall", one_fails)
     tested = rs.fit(good, SLIDER, errors="covariance")
     assert len(calls) == len(transients.LENGTHS)
     assert 0.01 < float(tested.misfit_p_value) < 1.0
     assert told not in tested.warnings.item()
-    monkeypatch.setattr(transients, "_effect", lambda *args: effect(*args) * np.nan)
+    monkeypatch.setattr(transients, "_effect_of_fall", lambda *args: effect(*args) * np.nan)
     untested = rs.fit(good, SLIDER, errors="covariance")
     assert np.isnan(untested.misfit_p_value)
     assert told in untested.warnings.item()
@@ -519,7 +516,7 @@ def test_a_law_that_could_not_be_tested_does_not_pass(good, monkeypatch):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_load_point_that_accelerates_from_the_start_is_fitted():
-    """It has no step beside which samples are few, and none after which the law is tested."""
+    """Without steps no samples are too few, and the law is not tested."""
     t = np.arange(0.0, 60.0, 0.1)
     loading = rs.Loading.series([0.0, 60.0], ["1 um/s", "30 um/s"])
     z = []
@@ -539,21 +536,21 @@ def test_a_load_point_that_accelerates_from_the_start_is_fitted():
 
 
 def drifting(slope, begins):
-    """The good record with a drift [1/m] of friction along slip, from a time on."""
+    """Return the good record with a drift [1/m] along slip that begins at a time."""
     data = record(SLIDER, LONG_STEP, LONG_T, noise=1e-4, seed=1)
     slip = data.delta_lp - data.delta_lp.sel(time=begins, method="nearest")
     return data.assign(friction=data.friction + slope * slip.where(data.time >= begins, 0.0))
 
 
-def test_a_trend_that_is_seen_before_the_step_is_not_doubted():
+def test_a_trend_before_the_step_has_no_warning():
     result = rs.fit(drifting(20.0, 0.0), SLIDER)
     assert abs(float(result.trend_slip)) > 5.0 * result.standard_error.values[-1]
     assert result.warnings.item() == ""
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_trend_after_the_step_alone_is_doubted_and_its_effect_known():
-    """To first order; a fit without it, of the same noise, shows how much that is."""
+def test_a_trend_only_after_the_step_has_a_warning():
+    """Its first-order effect is compared with a fit without trend, with equal noise."""
     data = drifting(20.0, 100.0)
     result = rs.fit(data, SLIDER)
     noise = {name: float(result[f"noise_{name}"]) for name in ("white", "red", "time")}
@@ -568,7 +565,7 @@ def test_a_trend_after_the_step_alone_is_doubted_and_its_effect_known():
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_late_load_point_is_advised(good):
+def test_a_lag_of_the_load_point_is_suggested(good):
     later = rs.Loading.steps("1 um/s", (39.95, "10 um/s"))
     data = good.drop_vars("delta_lp")
     result = rs.fit(data, SLIDER, ("a", "b"), loading=later)
@@ -579,7 +576,7 @@ def test_a_late_load_point_is_advised(good):
 
 
 def test_tradeoffs_are_named():
-    """Of a covariance made by hand: K Dc known to 1 %, Dc/K to 80 %; a and b likewise."""
+    """In this covariance K Dc is known to 1 %, Dc/K to 80 %, and a and b likewise."""
     best, worst = 0.01**2, 0.8**2
     block = 0.5 * np.array([[best + worst, best - worst], [best - worst, best + worst]])
     pair = 0.5 * np.array([[1.0, 1.0], [1.0, 1.0]]) * 0.1**2 + 1e-6 * np.eye(2)
@@ -606,8 +603,8 @@ def test_tradeoffs_are_named():
 
 
 @pytest.mark.parametrize(("error", "is_constrained"), [(7.0, True), (7.1, False), (4e5, False)])
-def test_a_parameter_without_a_constraint_is_named_in_words(solution, error, is_constrained):
-    """1.96 errors of ln K are ln 1e6, beyond which its interval is open, where K has 7.05."""
+def test_text_on_an_unconstrained_parameter(solution, error, is_constrained):
+    """An interval is open from 1.96 errors of ln 1e6, so K from an error of 7.05."""
     inference = infer(solution, None, "covariance")
     quantities = inference.quantities
     spread = np.diag([0.01, 1e-4, 0.01, error, 1e-4, 1e-4, 1.0]) ** 2
@@ -628,7 +625,7 @@ def test_a_parameter_without_a_constraint_is_named_in_words(solution, error, is_
     ("worst", "text"),
     [(7.04, "but (Dc/K|K/Dc) only to a factor of 1.1e.03"), (7.06, "but does not constrain Dc/K")],
 )
-def test_a_combination_without_a_constraint_is_named_in_words(worst, text):
+def test_text_on_an_unconstrained_combination(worst, text):
     best = 0.01
     block = 0.5 * np.array(
         [[best**2 + worst**2, best**2 - worst**2], [best**2 - worst**2, best**2 + worst**2]]
@@ -638,7 +635,7 @@ def test_a_combination_without_a_constraint_is_named_in_words(worst, text):
     assert re.search(text, tradeoff_text(table, ("Dc", "K"))[0])
 
 
-def test_cycles_refuse_what_only_samples_have(good):
+def test_settings_of_samples_are_refused_for_cycles(good):
     with pytest.raises(rs.ParameterError, match="errors, noise: a fit against='cycles'"):
         rs.fit(good, SLIDER, against="cycles", errors="profile", noise=1e-4)
     with pytest.raises(rs.ParameterError, match="must name one law, or several that differ"):
@@ -646,8 +643,8 @@ def test_cycles_refuse_what_only_samples_have(good):
 
 
 @pytest.mark.parametrize(("law", "noise"), [("slip", 1e-4), ("aging", 3e-4)])
-def test_the_wrong_law_is_warned_of_also_where_the_noise_could_take_the_blame(law, noise):
-    """Two steps: what the other law cannot fit looks like noise as slow as the whole record."""
+def test_the_wrong_law_is_not_taken_for_slow_noise(law, noise):
+    """What the other law cannot fit resembles noise as slow as the whole record."""
     loading = rs.Loading.steps("3 um/s", (60.0, "10 um/s"), (90.0, "3 um/s"))
     data = record(SLIDER, loading, np.arange(0.0, 150.0, 0.1), noise=noise, law=law)
     assert rs.fit(data, SLIDER, law=law).warnings.item() == ""
@@ -656,8 +653,8 @@ def test_the_wrong_law_is_warned_of_also_where_the_noise_could_take_the_blame(la
         rs.fit(data, SLIDER, law=other)
 
 
-def test_how_far_a_search_reaches():
-    """About sizes that the record suggests: friction's range over ln 10, parts of the way."""
+def test_bounds_of_the_search():
+    """They are multiples of sizes from the range of friction and the displacement."""
     t = np.linspace(0.0, 100.0, 201)
     loading = rs.Loading.steps("1 um/s", (50.0, "10 um/s"))  # 550 um in all
     friction = np.where(t < 50.0, 0.6, 0.6 + 0.01 * np.log(10.0))
@@ -680,21 +677,22 @@ def test_how_far_a_search_reaches():
         np.testing.assert_allclose([low, high], ends[name], atol=1e-9, err_msg=name)
 
 
-def test_which_bound_an_estimate_has_run_to():
-    """Within a thousandth of the way between both, and not where there is but one."""
+def test_sides_of_estimates_at_a_bound():
+    """A coordinate is at a bound within 1/1000 of its range, if the range is finite."""
     names = ("below", "above", "low", "high", "open")
     low, high = np.array([0.0, 0.0, 0.0, 0.0, 0.0]), np.array([10.0, 10.0, 10.0, 10.0, np.inf])
     point = np.array([0.011, 9.989, 0.009, 9.991, 0.0])
     sides = dict(zip(names, [0, 0, -1, 1, 0], strict=True))
-    assert Unknowns(names, low, high).sides(point) == sides
+    unknowns = Unknowns(names, low, high)
+    assert unknowns.sides(point, NEAR * unknowns.ranges) == sides
 
 
-def test_a_start_at_its_bound_is_told_in_words(good):
-    """By the names under which it is reported, with what can be done: it cannot be fixed."""
+def test_warning_on_a_start_at_its_bound(good):
+    """The warning has the reported name and a remedy: a start cannot be fixed."""
     checked = record_of(good, SLIDER, loading=None, trend="slip", against="time")
     found = infer(least_squares_fit(checked, SLIDER, ("a",), None, "free"), None, "covariance")
     assert not [*search_warnings(found)]
-    at = [found.solution.unknowns.names.index(name) for name in starts_of(SLIDER.friction_law)]
+    at = [found.solution.unknowns.names.index(name) for name in start_names(SLIDER.friction_law)]
     point = found.solution.point.copy()
     point[at] = 20.0, -20.0
     found = found._replace(solution=found.solution._replace(point=point))

@@ -1,4 +1,4 @@
-"""The model that fits move, against codes that share nothing with it."""
+"""The model in fits, compared with independent codes."""
 
 import naive
 import numpy as np
@@ -29,7 +29,7 @@ def forward(names, *, law="slip", M=0.0, loading=STEP, kind="friction", trend="s
 
 
 def by_scipy(t, *, V_start=1e-6, theta_start=None, level=0.6, trend=0.0, law="slip", **changes):
-    """Friction of the spring at times t by SciPy, of a slider changed in this."""
+    """Return friction of the spring at times t by SciPy, for changed parameters."""
     case = {s: getattr(SLIDER, s) for s in ("a", "b", "Dc", "sigma", "K", "M", "mu0", "V0")}
     slider = naive.Naive(**(case | {"mu0": level} | changes), law=law)
     theta = slider.Dc / 1e-6 if theta_start is None else theta_start
@@ -46,7 +46,7 @@ def by_scipy(t, *, V_start=1e-6, theta_start=None, level=0.6, trend=0.0, law="sl
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("M", MASSES.values(), ids=MASSES)
 def test_friction_and_its_sensitivities_are_those_of_scipy(law, M):
-    """Derivatives by differences of SciPy at 1e-12, with a step that is not the lanes' own."""
+    """Derivatives are differences of SciPy at 1e-12, with other steps."""
     start = ("V_start", "theta_start")
     names = ("a", "b", "Dc", "K", *(("M",) if M else ()), *start, "level", "trend")
     values = {"a": 0.01, "b": 0.014, "Dc": 1e-5, "K": 6.4e10, "M": M, "level": 0.6, "trend": 2.0}
@@ -105,8 +105,8 @@ def test_a_lag_is_the_same_motion_later():
 
 
 @pytest.mark.parametrize("kind", ["friction", "mu"])
-def test_of_the_spring_or_of_the_interface(kind):
-    """They differ by the inertial force alone; simulate tells both."""
+def test_friction_of_the_spring_or_of_the_interface(kind):
+    """They differ by the inertial force; `simulate` gives both."""
     slider = SLIDER.replace(M=MASSES["inertial"])
     run = rs.simulate(slider, STEP, 104.0, times=T, rtol=1e-10)
     model = forward(("level",), M=slider.M, kind=kind, trend=None)
@@ -115,8 +115,8 @@ def test_of_the_spring_or_of_the_interface(kind):
     np.testing.assert_allclose(model.friction(np.array([[0.6]]))[0], expected, rtol=0, atol=1e-8)
 
 
-def test_a_slider_that_runs_away_is_no_number():
-    """Without inertia no motion exists below K_c; its neighbours in the lanes keep theirs."""
+def test_a_slider_that_runs_away_gives_nan():
+    """Below K_c no motion exists without inertia; neighbours in lanes are unaffected."""
     model = forward(("K", "V_start", "level"), trend=None)
     points = np.array([[np.log(6.4e10), 0.0, 0.6], [np.log(1e9), 1.0, 0.6]])[[0, 1, 0]]
     sound, lost, again = model.friction(points)
@@ -126,7 +126,7 @@ def test_a_slider_that_runs_away_is_no_number():
 
 
 def times(n, rng):
-    """Times as a logger has them: two rates, a gap."""
+    """Return times as of a data logger: two rates and a gap."""
     dt = np.where(np.arange(n - 1) < n // 3, 1.0, 0.1) * rng.uniform(0.8, 1.2, n - 1)
     dt[n // 2] = 20.0
     return np.concatenate([[0.0], np.cumsum(dt)])
@@ -147,7 +147,7 @@ def test_whitening_is_that_of_the_dense_covariance(time):
 
 @pytest.mark.parametrize("exponent", [0.6, 1.0, 1.9])
 def test_whitening_of_a_power_law_is_that_of_the_dense_covariance(exponent):
-    """About one relaxation a decade; weights in proportion to time^(exponent - 1)."""
+    """There is about one relaxation a decade, with weights of time^(exponent - 1)."""
     rng = np.random.default_rng(1)
     t, columns = np.arange(300) * 0.01, rng.normal(size=(300, 2))
     noise = Noise(white=0.1, red=2.0, time=3.0, exponent=exponent)
@@ -167,7 +167,7 @@ def test_whitening_of_a_power_law_is_that_of_the_dense_covariance(exponent):
 
 @pytest.mark.parametrize("exponent", [0.7, 1.0, 1.5])
 def test_the_spectrum_of_a_power_law_is_one(exponent):
-    """Between the ends, within 10 % of 1/f^exponent, by the sum of Lorentzians."""
+    """The sum of Lorentzians is within 10 % of 1/f^exponent between the ends."""
     variances, times = Noise(0.0, 1.0, 1e5, exponent).relaxations(0.1)
     f = np.geomspace(1e-3, 1e-1, 60)
     spectrum = (2.0 * variances * times / (1.0 + (2.0 * np.pi * f[:, None] * times) ** 2)).sum(1)
@@ -177,14 +177,14 @@ def test_the_spectrum_of_a_power_law_is_one(exponent):
 
 @pytest.mark.parametrize(("exponent", "within"), [(0.7, 0.12), (1.0, 0.15), (1.5, 0.3)])
 def test_the_exponent_of_noise_is_found(exponent, within):
-    """Of noise made by a filter in frequency, up to half the sampling rate."""
+    """A filter in frequency makes the noise, up to half the sampling rate."""
     rng, t = np.random.default_rng(6), np.arange(2000.0)
     found = estimated_noise(t, power_law(2000, exponent, rng), np.ones((2000, 1)))
     assert abs(found.exponent - exponent) < within
 
 
 def test_the_noise_is_found_as_it_was_made():
-    """Estimates of 40 records scatter about the truth, allowing for what 12 parameters took."""
+    """Estimates of 40 records scatter about the truth after a fit of 12 parameters."""
     rng = np.random.default_rng(2)
     t = times(600, rng)
     fitted = np.stack([np.cos(k * np.pi * t / t[-1]) for k in range(12)], axis=1)
@@ -195,7 +195,7 @@ def test_the_noise_is_found_as_it_was_made():
         coefficients, *_ = np.linalg.lstsq(fitted, made, rcond=None)
         found.append(estimated_noise(t, made - fitted @ coefficients, fitted))
     found = [noise for noise in found if noise.exponent is None]
-    assert len(found) >= 34  # of the others a power law happens to be likelier
+    assert len(found) >= 34  # for the others a power law happens to be likelier
     for name in ("white", "red", "time"):
         values = np.log([getattr(noise, name) for noise in found])
         error = values.std() / np.sqrt(len(values))
@@ -204,7 +204,7 @@ def test_the_noise_is_found_as_it_was_made():
 
 
 def restricted_likelihood(t, y, X, share, time):
-    """Its logarithm, at the best variance, from the dense covariance."""
+    """Return ln of it at the best variance, from the dense covariance."""
     correlation = (1 - share) * np.eye(t.size) + share * np.exp(-np.abs(t[:, None] - t) / time)
     white = np.linalg.solve(np.linalg.cholesky(correlation), np.column_stack([y, X]))
     y, X = white[:, 0], white[:, 1:]
@@ -215,8 +215,8 @@ def restricted_likelihood(t, y, X, share, time):
 
 
 @pytest.mark.parametrize("time", [0.3, 2.0])
-def test_no_other_noise_is_likelier_than_what_is_found(time):
-    """Neither what each of 5 records was made with, nor any near the estimate."""
+def test_the_estimated_noise_is_the_likeliest(time):
+    """Neither the true noise of 5 records nor noise near the estimate is likelier."""
     rng = np.random.default_rng(7)
     t = times(300, rng)
     X = np.stack([np.cos(k * np.pi * t / t[-1]) for k in range(6)], axis=1)
@@ -236,8 +236,8 @@ def test_no_other_noise_is_likelier_than_what_is_found(time):
 
 
 @pytest.mark.parametrize(("seed", "counts"), [(1, False), (2, True)])
-def test_correlation_counts_where_it_explains_more_than_two_numbers_would(seed, counts):
-    """It must raise ln(likelihood) by 3; here it does so by 1.6, and by 5.8."""
+def test_correlated_noise_needs_a_rise_of_the_likelihood(seed, counts):
+    """ln(likelihood) must rise by 3; here it rises by 1.6 and by 5.8."""
     rng, t = np.random.default_rng(seed), np.arange(300.0)
     slow = np.linalg.cholesky(np.exp(-np.abs(t[:, None] - t) / 5.0))
     y, X = rng.normal(size=300) + 0.45 * slow @ rng.normal(size=300), np.ones((300, 1))
@@ -251,7 +251,7 @@ def test_correlation_counts_where_it_explains_more_than_two_numbers_would(seed, 
     assert (4.0 < rise < 6.0) if counts else (1.5 < rise < 2.9)
 
 
-def test_noise_is_that_without_what_the_record_does_not_see():
+def test_noise_does_not_depend_on_coordinates_without_effect():
     rng, t = np.random.default_rng(4), np.arange(200.0)
     y, X = 1e-4 * rng.normal(size=200), np.stack([np.ones(200), t], axis=1)
     unseen = np.column_stack([X, np.zeros(200)])
@@ -278,8 +278,8 @@ def test_white_noise_is_called_white():
         (0.5, ("above", "below"), np.nan),
     ],
 )
-def test_a_difference_beside_the_end_of_motion_is_that_of_the_other_side(down, lost, slope):
-    """Of x^2 at 3, with steps of a half up, and down by less where values end."""
+def test_a_difference_at_the_end_of_motion_is_one_sided(down, lost, slope):
+    """Differences of x^2 at 3, with a step of 1/2 up, and a shorter step down."""
     friction = {"above": 3.5**2, "centre": 3.0**2, "below": (3.0 - down) ** 2}
     lanes = {k: np.array([x, np.nan if k in lost else x]) for k, x in friction.items()}
     found = _difference(*lanes.values(), 0.5, down)[0]

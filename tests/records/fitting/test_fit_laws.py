@@ -1,4 +1,4 @@
-"""Fits under any law: parameters of the law's own, several states, a user's law, laws compared."""
+"""Fits under any law: additional parameters, several states, user's laws, comparison."""
 
 from types import MappingProxyType
 
@@ -19,7 +19,12 @@ from ratestate.records.fitting.generalized_least_squares import least_squares_fi
 from ratestate.records.fitting.likelihood.quantities import reported_quantities
 from ratestate.records.fitting.problem import Problem
 from ratestate.records.fitting.record import record_of
-from ratestate.records.fitting.unknowns import checked_free, of_slider, parameter, unknowns_of
+from ratestate.records.fitting.unknowns import (
+    checked_free,
+    motion_symbols,
+    parameter,
+    unknowns_of,
+)
 
 STEP = rs.Loading.steps("1 um/s", (60.0, "10 um/s"))
 T = np.concatenate([np.linspace(0.0, 59.0, 60), np.linspace(60.1, 160.0, 600)])
@@ -33,7 +38,7 @@ START = TWO.replace(a=0.006, b=0.005, Dc="20 um", b2=0.002, Dc2="80 um", K=4e10)
 
 
 class Stronger(FrictionLaw):
-    """The slip law, by a state that evolves e^shift as fast and is exp(shift) Dc/V if steady."""
+    """The slip law with a state that evolves faster and is exp(shift) Dc/V if steady."""
 
     name = "stronger"
     parameters = MappingProxyType(
@@ -48,7 +53,7 @@ class Stronger(FrictionLaw):
 
 
 def by_scipy(slider, t):
-    """tau/sigma of a massless slider with two states at times t, from ln V and ln(V theta/D)."""
+    """Return tau/sigma at times t of a massless slider with two states."""
     rate = {"two-state-slip": lambda y: -y, "two-state-aging": lambda y: np.exp(-y) - 1.0}
     D, b = np.array([slider.Dc, slider.Dc2]), np.array([slider.b, slider.b2])
     k = slider.K / slider.sigma
@@ -79,8 +84,8 @@ def compared(noisy):
 
 
 @pytest.mark.parametrize("law", ["two-state-aging"])
-def test_two_states_are_found_in_what_scipy_computes(law):
-    """No noise: to the tolerance of the march; the start is far off, and has b2 of another sign."""
+def test_fit_recovers_two_states_of_a_scipy_solution(law):
+    """The record has no noise, and the initial guess has b2 of another sign."""
     truth = TWO.replace(law=law, b2=-0.003)
     delta_lp = 1e-6 * np.minimum(T, 60.0) + 1e-5 * np.maximum(T - 60.0, 0.0)
     columns = {"friction": ("time", by_scipy(truth, T)), "delta_lp": ("time", delta_lp)}
@@ -96,7 +101,7 @@ def test_two_states_are_found_in_what_scipy_computes(law):
     ("truth", "name", "off"), [(NAGATA, "c", 3.0), (NAGATA, "c", 0.0), (KATO, "V_cut", 10.0)]
 )
 def test_a_law_s_own_parameter_is_found(truth, name, off):
-    """In a hold, too, where the state heals; from a wrong start, or from its bound 0."""
+    """The record has a hold; the guess is wrong, right, or at the bound 0."""
     loading = rs.Loading.steps("1 um/s", (40.0, 0.0), (340.0, "1 um/s"), (400.0, "10 um/s"))
     t = np.concatenate([np.linspace(0.0, 339.0, 200), np.linspace(340.5, 440.0, 500)])
     data = record(truth, loading, t, noise=2e-5, seed=1)
@@ -107,7 +112,7 @@ def test_a_law_s_own_parameter_is_found(truth, name, off):
 
 
 def test_a_user_s_law_is_fitted():
-    """Its steady state is found numerically, and its parameter moves as its unit and bound say."""
+    """Its steady state is found numerically."""
     own = rs.SpringSlider(**COMMON, law=Stronger, h_n=0.7, r_n=2.0)
     data = record(own, STEP, T, noise=1e-4, seed=2)
     result = rs.fit(data, own.replace(a=0.006, r_n=0.5), ("a", "b", "r_n", "K"), law=Stronger)
@@ -129,8 +134,8 @@ def test_parameters_move_as_their_unit_and_bound_say():
         parameter("nothing")
 
 
-def test_how_far_a_law_s_own_parameters_may_move(noisy):
-    """Dc2 as Dc; b2 as b, and farther if it starts so; c by its value; V_cut by the slowest V."""
+def test_bounds_of_a_law_s_own_parameters(noisy):
+    """Sizes: Dc2 as Dc; b2 as b or its value; c its value; V_cut the slowest V."""
 
     def ends(slider, name):
         data = record_of(noisy, slider, loading=None, trend=None, against="time")
@@ -149,7 +154,7 @@ def test_how_far_a_law_s_own_parameters_may_move(noisy):
 @pytest.mark.parametrize("slider", [TWO, NAGATA, FAST], ids=lambda slider: slider.law)
 @pytest.mark.parametrize(("kind", "M"), [("friction", 0.0), ("friction", 2e11), ("mu", 2e11)])
 def test_friction_is_that_of_simulate(slider, kind, M, noisy):
-    """From steady sliding of a slider with mass, or without it from some velocity and states."""
+    """With mass it starts in steady sliding, without mass also from other states."""
     slider = slider.replace(M=M)
     data = record_of(noisy.rename(friction=kind), slider, loading=STEP, trend=None, against="time")
     names = ("V_start", *(f"{state}_start" for state in slider.friction_law.states))
@@ -169,7 +174,7 @@ def test_friction_is_that_of_simulate(slider, kind, M, noisy):
 
 
 def test_friction_at_a_point_does_not_depend_on_the_other_points(noisy):
-    """Under a law that needs mu0, which Newton's method finds in more steps at some points."""
+    """Newton's method for mu0 needs more steps at some points than at others."""
     own = {"law": "flash-heating", "V_w": 1e-5, "mu_w": 0.2, "mu0": 0.6}
     slider = rs.SpringSlider(**COMMON, **own)
     data = record_of(noisy, slider, loading=STEP, trend=None, against="time")
@@ -182,7 +187,7 @@ def test_friction_at_a_point_does_not_depend_on_the_other_points(noisy):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_start_out_of_steady_sliding_has_each_state():
+def test_an_unsteady_start_has_all_states():
     loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (90.0, "10 um/s"))
     t = np.concatenate([np.linspace(0.0, 89.0, 300), np.linspace(90.1, 190.0, 600)])
     late = record(TWO, loading, t, noise=3e-5).sel(time=slice(11.0, None))
@@ -197,7 +202,7 @@ def test_a_start_out_of_steady_sliding_has_each_state():
 
 
 def test_states_keep_the_order_of_their_distances(noisy):
-    """Which of two like states is the first is the slider's choice: its distances say."""
+    """The distances in the slider tell which of two states is the first."""
     other = START.replace(b=0.002, Dc="80 um", b2=0.005, Dc2="20 um")
     one, two = (rs.fit(noisy, start, FREE, errors="covariance") for start in (START, other))
     assert float(one.Dc) < float(one.Dc2)
@@ -205,8 +210,8 @@ def test_states_keep_the_order_of_their_distances(noisy):
         assert float(two[first]) == pytest.approx(float(one[second]), rel=1e-3), first
 
 
-def test_laws_compared_have_each_its_own_parameters(noisy, compared):
-    """The first has neither b2 nor Dc2; both are what each law alone gives."""
+def test_each_compared_law_has_its_own_parameters(noisy, compared):
+    """The first law lacks b2 and Dc2; each law's result equals its separate fit."""
     slip, two = (compared.sel(law=law) for law in ("slip", "two-state-slip"))
     order = [*FREE[:5], "K", "mu0", "a_minus_b", "trend_slip"]
     assert compared.parameter.values.tolist() == order
@@ -239,7 +244,7 @@ def test_the_table_of_compared_laws_has_gaps(compared):
 
 
 def test_stiffness_over_critical_with_two_states(compared):
-    """Its error by sampling the Gaussian of the fit."""
+    """Compare its error with samples of the Gaussian of the fit."""
     part = results_by_law(compared)["two-state-slip"]
     ratio, error = stiffness_over_critical(part)
     slider = fitting.slider_of(compared, "two-state-slip")
@@ -256,8 +261,8 @@ def test_stiffness_over_critical_with_two_states(compared):
     assert error == pytest.approx(np.std(sampled), rel=0.15)
 
 
-def test_reported_sums_have_their_gradient(noisy):
-    """The rate dependence a - b - b2 by b2 alone, mu0, of another V0; of V_cut its own formula."""
+def test_gradients_of_derived_quantities(noisy):
+    """a - b - b2 depends on b2 alone, and mu0 on another V0."""
     data = record_of(noisy, TWO, loading=None, trend="slip", against="time")
     solution = least_squares_fit(data, TWO.replace(V0=1e-8), ("Dc", "b2"), None, "steady")
     by_name = {quantity.name: quantity for quantity in reported_quantities(solution.problem)}
@@ -289,14 +294,14 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_a_law_does_not_have_is_refused(case, noisy):
+def test_parameters_that_a_law_lacks_are_refused(case, noisy):
     arguments, options, message = REFUSED[case]
     with pytest.raises(rs.ParameterError, match=message):
         rs.fit(noisy, *arguments, **options)
 
 
 @pytest.mark.parametrize("name", ["level", "trend", "a_minus_b"])
-def test_a_law_with_a_name_of_the_fit_s_own_is_refused(name, noisy, monkeypatch):
+def test_a_law_with_a_reserved_parameter_name_is_refused(name, noisy, monkeypatch):
     own = {**TWO.friction_law.parameters, name: Parameter("1", "any")}
     monkeypatch.setattr(type(TWO.friction_law), "parameters", own)
     monkeypatch.setattr(rs.SpringSlider, name, 1.0, raising=False)
@@ -304,8 +309,8 @@ def test_a_law_with_a_name_of_the_fit_s_own_is_refused(name, noisy, monkeypatch)
         rs.fit(noisy, TWO, ("a",))
 
 
-def test_what_may_be_free_under_laws():
-    assert of_slider(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
+def test_free_parameters_under_several_laws():
+    assert motion_symbols(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
     both = [SLIDER, TWO]
     assert checked_free(["K", "b2", "a", "mu0"], both) == ("a", "b2", "K")
 
@@ -316,7 +321,7 @@ OWN |= {"V1": 1e-2, "V2": 1e-3}
 
 
 def slider_under(law, form, **changes):
-    """A slider under any law and form of friction, with V0 unlike all speeds of the record."""
+    """Return a slider under any law and form, with V0 unlike the record's speeds."""
     names = (*LAWS[law].parameters, *parameters_of(form))
     own = {name: OWN[name] for name in names} | {"mu0": 0.55, "V0": 3e-6}
     return rs.SpringSlider(**COMMON | own | changes, law=law, friction=form)
@@ -328,7 +333,7 @@ ALL = [*((law, LAWS[law].form) for law in LAWS), *(("slip", form) for form in FO
 @pytest.mark.parametrize(("law", "form"), ALL)
 @pytest.mark.parametrize("kind", ["friction", "mu"])
 def test_friction_and_mu0_under_every_law_and_form(law, form, kind):
-    """Friction is that of a run; mu0 is the slider's, though its V0 is no speed of the record."""
+    """Friction equals that of a run, and mu0 the slider's, for another V0."""
     slider = slider_under(law, form)
     data = record(slider, STEP, T)
     if kind == "mu":
@@ -358,7 +363,7 @@ def test_fits_under_forms_of_friction(law, form):
 
 
 def test_a_form_of_friction_under_normal_stress_that_varies():
-    """Friction regularized is eq. 1 at 50 a, and so are fits of the same record."""
+    """Regularized friction equals eq. 1 at 50 a, and so do fits."""
     slider = slider_under("slip", "regularized", alpha=0.2)
     stress = STEP.sigma_step(110.0, 2.1e7)
     run = rs.simulate(slider, stress, float(T[-1]), times=T, rtol=1e-9)

@@ -1,4 +1,4 @@
-"""Real laboratory records (Giacomel et al. 2024, Geosphere), where they lie beside the project."""
+"""Real laboratory records (Giacomel et al. 2024, Geosphere), if they are available."""
 
 import pytest
 from paths import LAB
@@ -17,7 +17,7 @@ def read(name):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_basalt_from_3_to_10_um_s():
-    """An independent quasi-static fit gave these; errors of that kind are a few per cent."""
+    """Compare with an independent quasi-static fit, with errors of a few per cent."""
     record = read("velstep4_BRAVA_expb819_basalt.txt")
     assert "3.00 -> 10.0 um/s" in record.attrs["found"]
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="20 MPa", K="40 GPa/m")
@@ -39,7 +39,7 @@ def test_basalt_from_3_to_10_um_s():
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_sepiolite_from_0_2_to_2_um_s():
-    """Strengthening by much more than a: b is negative, which no logarithm could be."""
+    """Strengthening is much larger than a, so that b is negative."""
     record = read("velstep3_TR2_exp013_sepiolite.txt")
     assert "0.200 -> 2.00 um/s" in record.attrs["found"]
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="30 MPa", K="40 GPa/m")
@@ -47,14 +47,14 @@ def test_sepiolite_from_0_2_to_2_um_s():
     assert 0.008 < float(result.a) < 0.013
     assert -0.014 < float(result.b) < -0.008
     assert float(result.a_minus_b) == pytest.approx(0.021, abs=0.003)
-    # undulations over tens of seconds are noise, not signal: errors know of them
+    # undulations over tens of seconds count as noise, and enlarge the errors
     assert float(result.noise_time) > 20.0
     assert float(result.standard_error.sel(parameter="a_minus_b")) > 2e-4
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_sepiolite_has_two_distances():
-    """AIC prefers a second state, over ten times the distance; both strengthen."""
+    """AIC prefers a second state with ten times the distance; both strengthen."""
     record = read("velstep3_TR2_exp013_sepiolite.txt")
     own = {"law": "two-state-slip", "b2": 0.002, "Dc2": "100 um"}
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="30 MPa", K="40 GPa/m", **own)

@@ -1,4 +1,4 @@
-"""Fits with K = inf: the friction of a machine that is rigid, or is taken for it."""
+"""Fits with K = inf, of rigid machines and of machines that are not rigid."""
 
 import warnings
 
@@ -18,8 +18,8 @@ T = np.arange(600) * 0.3
 @pytest.mark.parametrize(
     ("law", "speeds"), [("slip", (1e-6, 5e-6, 2e-6)), ("aging", (5e-6, 1e-6, 1e-5))]
 )
-def test_a_sample_at_the_time_of_a_step_is_that_after_it(law, speeds):
-    """As `simulate` has it; the steps are at samples, 200 and 400."""
+def test_a_sample_at_the_time_of_a_step_counts_as_after_it(law, speeds):
+    """`simulate` does so as well; the steps are at samples 200 and 400."""
     loading = rs.Loading.steps(speeds[0], (T[200], speeds[1]), (T[400], speeds[2]))
     data = record(RIGID, loading, T, noise=1e-5, law=law).drop_vars("delta_lp")
     rigid = RIGID.replace(law=law)
@@ -42,7 +42,7 @@ def test_a_hold_is_refused():
 
 
 def test_derivatives_are_exact():
-    """After a step ln(V theta/Dc) decays with slip, so that friction has a closed form."""
+    """After a step ln(V theta/Dc) decays with slip, which gives a closed form."""
     loading = rs.Loading.steps(1e-6, (T[200], 5e-6))
     data = record(RIGID, loading, T, noise=1e-5).drop_vars("delta_lp")
     checked = record_of(data, RIGID, loading=loading, trend=None, against="time")
@@ -64,7 +64,7 @@ def test_derivatives_are_exact():
 
 
 def warned(data, loading):
-    """What a fit with K = inf under this loading warns of."""
+    """Return the warnings of a fit with K = inf under this loading."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         rs.fit(data, RIGID, free=("a", "b", "Dc"), loading=loading, errors="covariance")
@@ -72,9 +72,9 @@ def warned(data, loading):
 
 
 def moved(lag=0.0, takes=0.0, K=np.inf, seed=0, last=5e-6):
-    """A record of a load point that moves later, or takes a time to reach its speed.
+    """Return a record of a load point that moves later or accelerates, and a loading.
 
-    The loading that is returned is that without either.
+    The loading has neither the lag nor the acceleration.
     """
     t = np.arange(3000) * 0.1
     loading = rs.Loading.steps(1e-6, (60.04, 5e-6), (180.04, last))
@@ -88,7 +88,7 @@ def moved(lag=0.0, takes=0.0, K=np.inf, seed=0, last=5e-6):
 @pytest.mark.parametrize(
     "cause", [{"K": 1e11}, {"lag": 0.3}, {"takes": 0.5}], ids=lambda cause: str(cause)
 )
-def test_a_spring_and_a_load_point_that_moves_later_are_both_named(cause):
+def test_the_warning_names_a_spring_and_a_late_load_point(cause):
     text = warned(*moved(**cause))
     assert "a spring, or a load point that moves later or more gradually than recorded" in text
     assert "or look at the clock" in text
@@ -97,7 +97,7 @@ def test_a_spring_and_a_load_point_that_moves_later_are_both_named(cause):
 @pytest.mark.parametrize(
     ("lag", "last", "side"), [(1.0, 1e-6, "later"), (-0.3, 5e-6, "earlier")], ids=str
 )
-def test_a_lag_that_no_spring_explains_is_named_alone(lag, last, side):
+def test_the_warning_names_a_lag_that_no_spring_explains(lag, last, side):
     text = warned(*moved(lag=lag, last=last))
     assert "a spring" not in text
     named = text.split("a load point that moves about ")[1].split(f" {side} than recorded")[0]
@@ -105,7 +105,7 @@ def test_a_lag_that_no_spring_explains_is_named_alone(lag, last, side):
     assert 0.7 < float(number) * {"s": 1.0, "ms": 1e-3}[unit] / abs(lag) < 1.4
 
 
-def test_a_rigid_machine_has_neither():
+def test_a_rigid_machine_has_no_such_warning():
     text = warned(*moved())
     assert "a spring" not in text
     assert "load point that moves" not in text

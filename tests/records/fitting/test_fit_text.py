@@ -1,4 +1,4 @@
-"""A fit as text: `fitting.summary` and its rows; the slider it estimated: `fitting.slider_of`."""
+"""A fit as text: `fitting.summary`; the estimated slider: `fitting.slider_of`."""
 
 import re
 
@@ -20,14 +20,14 @@ pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
 
 @pytest.fixture(scope="module")
 def both():
-    """A step, fitted under both laws."""
+    """Return a fit of a step under both laws."""
     data = record(SLIDER, STEP, np.linspace(0.0, 130.0, 521), noise=3e-4)
     start = SLIDER.replace(M=4800)
     return rs.fit(data, start, law=("slip", "aging"), errors="covariance")
 
 
 def refuted(result, low, high, level=0.68):
-    """The same, but a profile puts the ends of an interval of K elsewhere [SI]."""
+    """Return a result with other ends [SI] of an interval of K, from a profile."""
     kind, interval = result.interval_kind.astype(object).copy(), result.interval.copy()
     kind.loc[{"parameter": "K"}] = "profile"
     interval.loc[{"parameter": "K", "level": level}] = np.array([low, high])
@@ -63,7 +63,7 @@ def test_the_summary_of_one_law_says_what_each_number_is(both):
     assert "slip law:" not in text
 
 
-def test_where_a_profile_refutes_the_covariance_its_interval_makes_the_error(both):
+def test_an_interval_from_a_profile_gives_the_standard_error(both):
     (part,) = results_by_law(refuted(both.sel(law="slip"), 5.0e10, 9.0e10)).values()
     assert error_of(part, "K") == 2.0e10
     (K,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K")
@@ -80,15 +80,15 @@ def test_where_a_profile_refutes_the_covariance_its_interval_makes_the_error(bot
         (0.05, "below 1: steady sliding is unstable"),
     ],
 )
-def test_the_ratio_of_stiffness_says_what_holds_for_its_value(both, factor, meaning):
+def test_meaning_of_the_stiffness_ratio(both, factor, meaning):
     part = results_by_law(both)["slip"]
     rows = estimate_rows({"slip": part.assign(K=factor * part.K)})
     (row,) = (row for row in rows if row.symbol == "K/K_c_qs")
     assert row.meaning == meaning
 
 
-def test_stiffness_over_critical_needs_a_less_b_alone(both):
-    """However little is known of a and b: K_c_qs has only their difference."""
+def test_stiffness_over_critical_depends_on_a_minus_b_only(both):
+    """Its error is finite even if the errors of a and b are not."""
     (part,) = results_by_law(both.sel(law="slip")).values()
     kind, interval = part.interval_kind.astype(object).copy(), part.interval.copy()
     for symbol in ("a", "b"):
@@ -116,7 +116,7 @@ def test_an_open_interval_has_no_error(both, ends, shown):
 
 
 @pytest.mark.parametrize(("high", "shown"), [(9e15, True), (np.inf, False)])
-def test_an_error_is_left_out_where_the_interval_from_the_covariance_is_open(both, high, shown):
+def test_an_error_is_left_out_if_the_covariance_interval_is_open(both, high, shown):
     part = results_by_law(refuted(both.sel(law="slip"), 5e10, high, level=0.95))["slip"]
     part = part.assign(interval_kind=part.interval_kind.where(part.parameter != "K", "covariance"))
     (K,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K")
@@ -125,7 +125,7 @@ def test_an_error_is_left_out_where_the_interval_from_the_covariance_is_open(bot
     assert error_of(part, "K") == expected
 
 
-def test_a_above_b_is_stated(both):
+def test_a_greater_than_b_is_stable_at_any_K(both):
     part = results_by_law(both.assign(a=both.b + 0.001))["slip"]
     (ratio,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K/K_c_qs")
     assert ratio.estimates[0][0] == "stable at any K"
@@ -143,7 +143,7 @@ def test_a_above_b_is_stated(both):
 def test_noise_as_text(white, red, exponent, expected):
     values = {"noise_white": white, "noise_red": red, "noise_time": 0.0282}
     assert noise_text(values | {"noise_exponent": exponent}) == expected
-    assert exponent or noise_text(values) == expected  # a result of an older version
+    assert exponent or noise_text(values) == expected  # results of older versions lack the exponent
 
 
 def test_a_warning_of_several_steps_is_written_once():
@@ -158,14 +158,14 @@ def test_the_estimated_slider(both):
     found = {symbol: float(one[symbol]) for symbol in ("a", "b", "Dc", "K", "mu0")}
     assert slider == SLIDER.replace(M=4800, law="aging", **found)
     assert slider == fitting.slider_of(one)
-    # fitted friction is that of the motion of this slider
+    # fitted friction equals that of a run of this slider
     run = rs.simulate(slider, STEP, 130.0, times=both.time.values)
     trend = float(one.trend_slip) * (run.delta - run.delta[0]).values
     friction = (run.tau / slider.sigma).values + trend
     np.testing.assert_allclose(friction, one.friction_fit, atol=2e-6)
 
 
-def test_what_has_no_slider_or_summary_is_refused(both):
+def test_datasets_without_a_slider_or_summary_are_refused(both):
     with pytest.raises(ParameterError, match="several laws; give law='slip' or law='aging'"):
         fitting.slider_of(both)
     with pytest.raises(ParameterError, match="law = 'nope' is unknown"):
@@ -179,7 +179,7 @@ def test_what_has_no_slider_or_summary_is_refused(both):
         _ = fitting.nonsense
 
 
-def test_where_normal_stress_steps_alpha_is_given_or_free():
+def test_alpha_given_or_free_at_a_step_of_normal_stress():
     loading = rs.Loading.steps("1 um/s", (40.0, "10 um/s")).sigma_step(60.0, "21 MPa")
     t = np.linspace(0.0, 80.0, 801)
     run = rs.simulate(SLIDER.replace(alpha=0.2), loading, 80.0, times=t)

@@ -1,4 +1,4 @@
-"""What the uncertainty of the noise adds to that of the estimates: a linear fit as an example."""
+"""How the uncertainty of the noise widens errors, in a linear fit."""
 
 from types import SimpleNamespace
 
@@ -22,7 +22,7 @@ TRANSIENT = np.eye(3)[2:]
 
 
 def fitted(noise):
-    """A solution of least squares, as far as `widening` needs it, and estimate over error."""
+    """Return a solution of least squares, and the estimate divided by its error."""
     shape = estimated_noise(T, noise, JACOBIAN)
     white, _ = shape.whiten(T, np.column_stack([noise, JACOBIAN]))
     covariance = np.linalg.inv(white[:, 1:].T @ white[:, 1:])
@@ -46,9 +46,7 @@ def flicker(rng):
 
 
 def coverage(draw, number):
-    """Part of the 95 % intervals that hold the truth, and how much wider they are, on average, than
-    with the noise as known.
-    """
+    """Return the fraction of 95 % intervals with the truth, and their relative width."""
     hold, widths = [], []
     for seed in range(number):
         solution, deviation = fitted(draw(np.random.default_rng(seed)))
@@ -60,7 +58,7 @@ def coverage(draw, number):
 
 @pytest.mark.statistics
 @pytest.mark.parametrize("draw", [slow, flicker])
-def test_intervals_in_slow_noise_hold_the_truth(draw):
+def test_intervals_in_slow_noise_contain_the_truth(draw):
     hold, width = coverage(draw, number=60)
     assert 0.9 < hold < 1.0
     assert 1.01 < width < 1.6
@@ -77,7 +75,7 @@ def test_intervals_in_white_noise_are_hardly_wider():
     assert 1.0 <= np.median(widths) < 1.12
 
 
-def test_a_coordinate_that_is_not_seen_is_left_alone():
+def test_a_coordinate_without_effect_is_not_widened():
     solution, _ = fitted(np.random.default_rng(1).normal(size=T.size))
     solution.jacobian = np.column_stack([JACOBIAN, np.zeros(T.size)])
     solution.covariance = np.diag([*np.diag(solution.covariance), 1e18])
@@ -89,7 +87,7 @@ def test_a_coordinate_that_is_not_seen_is_left_alone():
 
 @pytest.mark.parametrize("part", [0.025, 0.16, 0.5, 0.975])
 def test_quantiles_of_a_mixture(part):
-    """Against samples, and one Gaussian in closed form."""
+    """Compare with samples, and with one Gaussian in closed form."""
     assert _quantile(np.ones(1), np.full((1, 1), 3.0), np.full((1, 1), 2.0), part) == pytest.approx(
         3.0 + 2.0 * norm.ppf(part), abs=1e-9
     )
@@ -107,7 +105,7 @@ def test_quantiles_of_a_mixture(part):
 
 
 def test_the_shift_and_covariance_are_those_of_generalized_least_squares():
-    """Against dense matrices."""
+    """Compare with dense matrices."""
     rng = np.random.default_rng(2)
     residual = correlated(T, 1.0, rng) + 0.5 * rng.normal(size=T.size)
     share, time = 0.7, 1.3
@@ -150,7 +148,7 @@ def test_a_search_near_the_noise_finds_it_again():
     assert found.red > 0.0
     # (the search ends within 0.05 in a logarithm)
     np.testing.assert_allclose(again[:3], found[:3], rtol=0.05)
-    # where noise is wholly correlated there is no finite place to begin
+    # noise without a white part has no finite coordinates from which to start
     assert estimated_noise(T, residual, JACOBIAN, near=Noise(0.0, 1.0, 0.5)).red > 0.0
 
 
@@ -177,8 +175,8 @@ def test_inflation_of_several_coordinates_does_not_depend_on_their_units_or_axes
 
 
 @pytest.mark.statistics
-def test_inflation_makes_up_for_the_error_of_the_noise():
-    """The mean square of deviations over errors is above 1, and 1 with the inflation."""
+def test_inflation_corrects_for_the_error_of_the_noise():
+    """The mean square of deviations divided by errors is 1 only with the inflation."""
     squares, factors = [], []
     for seed in range(150):
         rng = np.random.default_rng(seed)

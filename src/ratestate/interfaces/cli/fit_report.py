@@ -11,7 +11,7 @@ import xarray
 from ...model.names import Sentences
 from ...model.quantities import readable, short, with_error
 from ...model.slider import SpringSlider
-from ...records.fitting.by_law import is_of_steps, results_by_law
+from ...records.fitting.by_law import has_steps, results_by_law
 from ...records.fitting.fit import fit
 from ...records.fitting.steps.text import (
     HEADS,
@@ -62,9 +62,9 @@ def markdown(
     request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
 ) -> str:
     """The whole report; `record` and `result` must have the attributes of `read_lab` and `fit`."""
-    own = _of_steps(result) if is_of_steps(result) else _of_fit(record, result)
+    own = _of_steps(result) if has_steps(result) else _of_fit(record, result)
     text = SENTENCES(
-        "report.steps" if is_of_steps(result) else "report.whole",
+        "report.steps" if has_steps(result) else "report.whole",
         names=request.names,
         what_was_read=_what_was_read(record),
         versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
@@ -206,7 +206,7 @@ def _python(request: FitRequest, slider: SpringSlider, result: xarray.Dataset) -
     defaults = inspect.signature(fit).parameters
     changed = {k: v for k, v in request.fitting.items() if v != defaults[k].default}
     best = ""
-    if len(request.laws) > 1 and not is_of_steps(result):
+    if len(request.laws) > 1 and not has_steps(result):
         best = request.laws[int(result["aic_difference"].values.argmin())]
     registered = [line for law in request.laws for line in registration(law)]
     return {

@@ -12,7 +12,7 @@ from ...files import laboratory_csv, write
 from ...friction.laws import friction_law
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
-from ...records.fitting.by_law import is_of_steps
+from ...records.fitting.by_law import has_steps
 from ...records.fitting.fit import fit
 from ...records.fitting.settings import sliders_under
 from ...records.fitting.steps.text import rows_of
@@ -64,7 +64,7 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
                 plot.save(plot.fit(result), out / PLOT),
                 write_text(report, text),
             ]
-            if is_of_steps(result):
+            if has_steps(result):
                 files += [
                     write_text(out / TABLE, laboratory_csv(rows_of(result), "step")),
                     write_text(out / SUMMARY, summary_csv(result)),

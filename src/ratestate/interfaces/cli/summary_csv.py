@@ -8,7 +8,7 @@ import xarray
 
 from ...files.tables import laboratory_unit
 from ...model.quantities import QUANTITIES
-from ...records.fitting.by_law import is_of_steps, results_by_law
+from ...records.fitting.by_law import has_steps, results_by_law
 
 #: heading -> variable along ``parameter`` of fits of steps, and whether it has the quantity's unit
 OF_STEPS = {
@@ -32,11 +32,11 @@ def summary_csv(result: xarray.Dataset) -> str:
 
     Of fits of steps what all tell together; else all numbers that have an error beside them.
     """
-    if is_of_steps(result):
+    if has_steps(result):
         rows, numbers = _of_steps(result), OF_STEPS
     else:
         rows, numbers = _of_record(result), OF_RECORD
-    law = ["law"] if is_of_steps(result) or "law" in result.dims else []
+    law = ["law"] if has_steps(result) or "law" in result.dims else []
     file = io.StringIO()
     headings = [*law, "quantity", "unit", *numbers]
     writer = DictWriter(file, headings, extrasaction="ignore", lineterminator="\n")

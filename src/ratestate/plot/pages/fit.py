@@ -4,7 +4,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.conversion import in_si
-from ...records.fitting.by_law import checked_by_law, is_of_steps, law_of, value_of
+from ...records.fitting.by_law import checked_by_law, has_steps, law_of, value_of
 from ..curves import WHOLE, curves, marks, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
@@ -52,7 +52,7 @@ def fit(result, ax=None, *, x=None):
     ParameterError
         Another result than that of `fit`, or one that has lost its attributes.
     """
-    if is_of_steps(result):
+    if has_steps(result):
         if ax is not None:
             raise ParameterError(
                 "fits of steps fill a page", "Leave ax out, or pick one with .isel."
@@ -72,7 +72,7 @@ def fit(result, ax=None, *, x=None):
 @styled
 def fit_page(result, x=None):
     """Page (Figure) of a fit; x as of `fit`, without effect on a fit of cycles."""
-    if is_of_steps(result):
+    if has_steps(result):
         return steps_page(result)
     if result.attrs.get("against") == "cycles":
         return cycles_page(result)

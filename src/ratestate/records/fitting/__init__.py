@@ -1,24 +1,24 @@
 """Fits of laboratory records: the function `fit` and its parts.
 
 =============================== =================================================================
-``fit``                         the function `fit`: what is done for which settings
-``settings``                    which settings of `fit` are refused
-``record``                      which records can be fitted sample by sample
-``unknowns``                    parameters that may be free: coordinates, bounds, starts
-``forward``                     friction of a slider, its derivatives, motions by the engine
-``problem``                     residuals, and where searches start
+``fit``                         the function `fit`
+``settings``                    checks of the settings of `fit`
+``record``                      the samples and the loading of a record that is fitted
+``unknowns``                    parameters that may be free: coordinates, bounds, starting ranges
+``forward``                     friction of a slider and its derivatives, by the engine
+``problem``                     residuals, and points from which searches start
 ``generalized_least_squares``   the best fit, its covariance, and score tests
-``estimates``                   errors, intervals and correlation from a covariance; what is open
-``likelihood``                  what is reported, its intervals; profiles, posterior
+``estimates``                   errors, intervals and correlation from a covariance
+``likelihood``                  reported quantities and their intervals; profiles, posterior
 ``diagnostics``                 warnings and identifiability
-``result``                      the Dataset of a fit; laws compared
-``steps``                       every step and hold of an experiment, and one set for all
-``cycles``                      the fit of stick-slip or vibration by features of its cycles
-``by_law``                      the way back: estimates and `slider_of` from such a Dataset
-``table``, ``text``             estimates as cells; `summary`, all of a fit as text
+``result``                      the Dataset of a fit; comparison of laws
+``steps``                       fits of every step and hold of an experiment, and a joint fit
+``cycles``                      fits of stick-slip or vibration by features of the cycles
+``by_law``                      estimates, and the function `slider_of`, from such a Dataset
+``table``, ``text``             estimates as table cells; the function `summary`
 =============================== =================================================================
 
-Nothing heavy is loaded until it is used.
+Modules are imported when they are first used.
 """
 
 from importlib import import_module

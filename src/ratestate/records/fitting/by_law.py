@@ -1,4 +1,4 @@
-"""A result of `fit` law by law: its estimates with their errors, and the slider they make."""
+"""Results of `fit`, law by law: estimates with their errors, and the estimated slider."""
 
 import numpy as np
 import xarray
@@ -10,30 +10,30 @@ from ...model.conversion import in_si
 from ...model.slider import OPTIONAL, PARAMETERS, SpringSlider
 from ..messages import fitting as sentences
 
-#: relative step of a difference
+#: relative step of finite differences
 STEP = 1e-5
 #: variables that every result of `fit` has
 NEEDED = ("law", "parameter", "standard_error", "interval", "friction", "time")
 
 
-def is_of_steps(result):
-    """Whether a result of `fit` is one of steps."""
+def has_steps(result):
+    """Return whether a result of `fit` has fits of each step, along ``step``."""
     return "step" in result.dims
 
 
 def results_by_law(result):
-    """dict law -> that law's part of a result of `fit` (not checked).
+    """Return law -> the part of a result of `fit` under that law, unchecked.
 
-    Of one fit without what is all NaN, because only other laws have it.
+    If the result has no steps, variables and parameters of other laws are left out.
     """
     if "law" in result.dims:
         parts = {str(law): result.sel(law=law) for law in result["law"].values}
     else:
         parts = {str(result["law"].item()): result}
-    return parts if is_of_steps(result) else {law: _own(part) for law, part in parts.items()}
+    return parts if has_steps(result) else {law: _trimmed(part) for law, part in parts.items()}
 
 
-def _own(part):
+def _trimmed(part):
     empty = [name for name, v in part.data_vars.items() if v.dtype.kind == "f" and v.isnull().all()]
     part = part.drop_vars(empty)
     own = [name for name in part["parameter"].values.tolist() if name in part.data_vars]
@@ -41,7 +41,7 @@ def _own(part):
 
 
 def checked_by_law(result, caller):
-    """`results_by_law`, or a ParameterError in the name of `caller` if `fit` did not give this."""
+    """Return `results_by_law`; the caller's ParameterError if it is not of `fit`."""
     title = result.attrs.get("title") if isinstance(result, xarray.Dataset) else None
     if str(title) != "ratestate fit" or any(name not in result.variables for name in NEEDED):
         raise sentences.refusal("result.not_of_fit", caller=caller)
@@ -49,14 +49,14 @@ def checked_by_law(result, caller):
 
 
 def warnings_of(part):
-    """The warnings (list of str) of one law's part."""
+    """Return the warnings (list of str) of one law's part."""
     return str(part["warnings"].item()).splitlines()
 
 
 def value_of(part, symbol):
-    """A parameter [SI] of one law's part (float): its estimate, or the value that was given.
+    """Return a parameter [SI] of one law's part: its estimate or its given value.
 
-    ParameterError if the result has several values, or has lost the attribute with that given.
+    ParameterError if the result has several values, or lacks the attribute with the given value.
     """
     value = part[symbol] if symbol in part.data_vars else parameter(part, symbol)
     if np.ndim(value):
@@ -65,15 +65,16 @@ def value_of(part, symbol):
 
 
 def error_of(part, symbol):
-    """Standard error of a parameter [SI]; 0 if it was not estimated, inf if an interval is open.
+    """Return the standard error of a parameter [SI].
 
-    Where the interval is from a profile or a posterior: half the width of the 68 % interval.
+    It is 0 if the parameter was not estimated, and inf if one of its intervals is open.  If the
+    interval comes from a profile or a posterior, it is half the width of the 68 % interval.
     """
     if symbol not in part["parameter"].values:
         return 0.0
     row = part.sel(parameter=symbol)
     ends = row["interval"].transpose("level", "side").values
-    is_open = ~np.isfinite(ends) | (ends == 0.0)  # (0: of a logarithm)
+    is_open = ~np.isfinite(ends) | (ends == 0.0)  # 0 is the open lower end of a logarithm
     if is_open.any():
         return np.inf
     if "interval_kind" not in row or row["interval_kind"] == "covariance":
@@ -82,16 +83,17 @@ def error_of(part, symbol):
 
 
 def law_of(part):
-    """The friction law of one law's part, with all that it is made of."""
+    """Return the friction law of one law's part, in its form of friction."""
     return law_of_result(part, str(part["law"].item()))
 
 
 def stiffness_over_critical(part):
-    """(K/K_c_qs, its standard error) of one law's part, dimensionless.
+    """Return (K/K_c_qs, its standard error) of one law's part, dimensionless.
 
-    None if K = inf, and under a law with a speed of its own, on which K_c_qs depends.  The ratio is
-    inf if K_c_qs <= 0.  The relative errors (`error_of`) of K and of what K_c_qs depends on are
-    propagated with their correlation: 0 if none was estimated, inf if one is not finite.
+    None if K = inf, or if the law has a characteristic speed, on which K_c_qs depends.  The ratio
+    is inf if K_c_qs <= 0.  The relative errors (`error_of`) of K and of the parameters of K_c_qs
+    are propagated with their correlation.  The error is 0 if none was estimated, and inf if one of
+    their errors is not finite.
     """
     law, K = law_of(part), value_of(part, "K")
     if law.has_speed_scale:
@@ -99,7 +101,7 @@ def stiffness_over_critical(part):
     at = {symbol: value_of(part, symbol) for symbol in (*law.symbols, "sigma")}
 
     def critical(**changes):
-        """K_c_qs [Pa/m] with some values changed, at any speed."""
+        """Return K_c_qs [Pa/m] with some values changed."""
         values = {symbol: np.array(value) for symbol, value in (at | changes).items()}
         return float(K_c(law, np.array(1.0), M=np.array(0.0), **values))
 
@@ -107,9 +109,9 @@ def stiffness_over_critical(part):
         return np.inf, 0.0
     if not np.isfinite(K):
         return None
-    # symbol -> derivative of ln(K/K_c_qs) by it
+    # symbol -> derivative of ln(K/K_c_qs) by that parameter
     slopes = {"K": 1.0 / K}
-    if law.one_length:  # however little is known of a and b: only their difference counts
+    if law.one_length:  # only b - a matters, which may be known better than a and b
         slopes |= {"Dc": 1.0 / at["Dc"], "a_minus_b": 1.0 / (at["b"] - at["a"])}
     for symbol in () if law.one_length else law.symbols:
         step = STEP * (abs(at[symbol]) or 1.0)
@@ -119,13 +121,13 @@ def stiffness_over_critical(part):
     relative = np.array([slopes[name] * error_of(part, name) for name in names])
     if not np.isfinite(relative).all():
         return ratio, np.inf
-    # those of positive parameters are correlations of logarithms, of the same sign
+    # correlations of logarithms have the same sign as correlations of the positive parameters
     correlation = part["correlation"].sel(parameter=names, other=names).values
     return ratio, ratio * float(np.sqrt(relative @ correlation @ relative))
 
 
-def _of_all_steps(result):
-    """A result of steps as that of one fit: shared estimates, medians where there are none."""
+def _combine_steps(result):
+    """Return a result with steps as one fit: shared estimates, or else medians."""
     values = {}
     for name in result["parameter"].values.tolist():
         each, shared = result[name], result["shared"].sel(parameter=name, drop=True)
@@ -134,29 +136,30 @@ def _of_all_steps(result):
 
 
 def slider_of(result, law=None):
-    """The slider that a fit estimated: free parameters and mu0 as fitted, the others as given.
+    """Return the slider that a fit estimated.
 
-    Of fits of each step: what is shared by all steps, and medians over the steps of the rest.
+    Free parameters and mu0 have their estimates, others the values that were given.  If each step
+    was fitted, parameters have the shared estimate, or else the median over the steps.
 
     Parameters
     ----------
     result : xarray.Dataset
         From `fit`.
     law : str, optional
-        Which law, if the fit is under several.
+        One of the fitted laws.  It is required if there are several.
 
     Returns
     -------
     SpringSlider
-        In SI, for `simulate`, `stability` and all else.
+        In SI, for `simulate`, `stability` and all other functions.
 
     Raises
     ------
     ParameterError
-        No result of `fit`; a law that was not fitted; several laws, and none is named.
+        Not a result of `fit`; a law that was not fitted; several laws, and none is named.
     """
-    if isinstance(result, xarray.Dataset) and is_of_steps(result):
-        result = _of_all_steps(in_si(result))
+    if isinstance(result, xarray.Dataset) and has_steps(result):
+        result = _combine_steps(in_si(result))
     laws = checked_by_law(result, "slider_of")
     law = law_name(law) if law is not None else next(iter(laws)) if len(laws) == 1 else None
     if law not in laws:
@@ -166,6 +169,6 @@ def slider_of(result, law=None):
     known = slider_parameters(laws[law])
     of_law = (*PARAMETERS, *OPTIONAL, *law_of(laws[law]).parameters)
     values = {s: value_of(laws[law], s) for s in known if s in of_law and s != "friction"}
-    if "friction" in known:  # the form of friction, not the record's
+    if "friction" in known:  # the form of friction, not the friction of the record
         values["friction"] = parameter(laws[law], "friction")
     return SpringSlider(**values, law=law)

@@ -1,4 +1,4 @@
-"""Estimates with standard errors, intervals and correlation, from their covariance."""
+"""Estimates with standard errors, intervals and correlation, from a covariance."""
 
 from typing import NamedTuple
 
@@ -9,21 +9,21 @@ LEVELS = (0.68, 0.95)
 SIDES = ("lower", "upper")
 #: distance of these intervals' ends from the estimate, in standard errors of a Gaussian
 ROOTS = ndtri(0.5 + 0.5 * np.array(LEVELS))
-#: the same (levels, sides)
+#: `ROOTS` along (levels, sides)
 GAUSSIAN = np.repeat(ROOTS[:, None], 2, axis=1)
-#: half width of an interval of a logarithm beyond which it counts as open
+#: half width beyond which a logarithm's interval counts as open
 ENDLESS = np.log(1e6)
-#: standard error of a coordinate from which it counts as not seen by the record at all
+#: standard error of a coordinate on which the record does not depend
 UNSEEN = 1e6
 
 
 def is_unconstrained(error):
-    """Whether the 95 % interval of a logarithm with this standard error is open."""
+    """Return whether the 95 % interval of a logarithm with this error is open."""
     return ROOTS[-1] * error > ENDLESS
 
 
 class Estimate(NamedTuple):
-    """One of `Estimates`."""
+    """The `Estimates` of one quantity."""
 
     value: float
     error: float
@@ -32,7 +32,7 @@ class Estimate(NamedTuple):
 
     @property
     def relative_error(self):
-        """Standard error of the logarithm, from the covariance; of b, over its size."""
+        """Standard error from the covariance, divided by the value's size."""
         return float(self.error / max(abs(self.value), 1e-300))
 
 
@@ -43,23 +43,24 @@ class Estimates(NamedTuple):
     values: np.ndarray  # (p,)
     errors: np.ndarray  # (p,) standard errors
     intervals: np.ndarray  # (p, levels, sides)
-    correlation: np.ndarray  # (p, p), of the quantities or, where they are positive, logarithms
+    correlation: np.ndarray  # (p, p), of the logarithms of positive quantities
     kinds: tuple  # source of each interval: "covariance", "profile" or "posterior"
 
     def of(self, name):
-        """The `Estimate` of this name; ValueError if there is none."""
+        """Return the `Estimate` of this name; ValueError if there is none."""
         i = self.names.index(name)
         return Estimate(float(self.values[i]), self.errors[i], self.intervals[i], self.kinds[i])
 
     def correlation_of(self, names):
-        """(n, n) correlation of these."""
+        """Return the correlation (n, n) of these names."""
         which = [self.names.index(name) for name in names]
         return self.correlation[np.ix_(which, which)]
 
     def with_intervals(self, intervals, kind):
-        """`Estimates` with some intervals replaced; `kind` is their source.
+        """Return `Estimates` with some intervals replaced.
 
-        intervals : name -> (levels, sides) [SI]; names of no estimate are ignored
+        intervals : name -> (levels, sides) [SI]; other names are ignored
+        kind : source of these intervals
         """
         named = list(zip(self.names, self.intervals, self.kinds, strict=True))
         ends = np.array([intervals.get(name, old) for name, old, _ in named])
@@ -67,23 +68,23 @@ class Estimates(NamedTuple):
         return self._replace(intervals=ends, kinds=kinds)
 
 
-def estimates_from(names, centres, covariance, is_log, values=None, roots=GAUSSIAN):
-    """`Estimates` from the covariance (p, p) of quantities or, where `is_log`, of their logarithms.
+def estimates_from(names, centres, covariance, is_log, roots=GAUSSIAN):
+    """Return `Estimates` from the covariance (p, p) of quantities or logarithms.
 
-    centres : (p,) the quantities or logarithms
-    values : (p,), optional, the quantities themselves, if they are known more precisely
+    centres : (p,) the quantities, or their logarithms if `is_log`
+    is_log : (p,) of bool
     roots : (p, levels, sides) or broadcast to that, distance of an interval's end from the
         estimate, in standard errors
 
-    Ends of a logarithm's interval beyond `ENDLESS` are 0 and inf; an error is inf from `UNSEEN` on.
+    Ends of a logarithm's interval farther than `ENDLESS` become 0 and inf.  Errors of `UNSEEN` or
+    more become inf.
     """
     errors = np.sqrt(np.diag(covariance))
     sides = np.array([-1.0, 1.0])
     ends = centres[:, None, None] + errors[:, None, None] * roots * sides
     logs = is_log[:, None, None]
-    # a logarithm as uncertain as this is open
     ends = np.where(logs & (np.abs(ends - centres[:, None, None]) > ENDLESS), np.inf * sides, ends)
-    values = _from_logs(centres, is_log) if values is None else values
+    values = _from_logs(centres, is_log)
     scaled = np.where(is_log, values, 1.0) * errors
     return Estimates(
         names,
@@ -96,6 +97,5 @@ def estimates_from(names, centres, covariance, is_log, values=None, roots=GAUSSI
 
 
 def _from_logs(values, is_log):
-    """Values, of which some are logarithms, in SI."""
     with np.errstate(over="ignore"):  # an open end of an interval
         return np.where(is_log, np.exp(values), values)

@@ -32,11 +32,11 @@ def fit(
     noise=None,
     errors="auto",
 ):
-    """Parameters of a slider from a laboratory record of friction, with honest errors.
+    """Estimate a slider's parameters and their errors from a laboratory record.
 
-    Weighted least squares between the record and the motion that eqs 1-4 give under the record's
-    own loading, with inertia where the slider has it.  The weights are those of the noise's level
-    and correlation, which are estimated from the residuals.
+    Weighted least squares fit the record with the motion of eqs 1-4 under the record's loading,
+    with inertia if the slider has mass.  The weights follow from the level and correlation of the
+    noise, which are estimated from the residuals.
 
     Parameters
     ----------
@@ -45,39 +45,39 @@ def fit(
         else ``tau`` [Pa], or ``mu``, the friction of the interface) and ``delta_lp`` [m] or
         ``V_load`` [m/s], both of the load point.
     slider : SpringSlider
-        The parameters that are not free (sigma always), and the search's initial guess of the free
-        ones; one case.
+        The parameters that are not free (sigma never is), and the search's initial guess of the
+        free ones.  It must be one slider, not a sweep.
     free : sequence of str
-        Any of a, b, Dc, K, M, the parameters that the law has beside these, alpha where normal
-        stress varies, and lag, the delay [s] of the load point's motion behind its record.  "mu0"
-        may be among them, but every fit estimates it anyway.
+        Any of a, b, Dc, K, M, the law's additional parameters, alpha if normal stress varies, and
+        lag, the delay [s] of the load point's motion behind its record.  "mu0" may be among them,
+        but every fit estimates it anyway.
     law : str, class or a sequence of these, optional
-        Friction law; the slider's by default.  Several are fitted side by side: each has those of
-        the slider's parameters, free or not, that belong to it, so the slider needs those of all.
+        Friction law; the slider's by default.  Several laws are fitted side by side.  Each uses the
+        slider's parameters, free or not, that belong to it, so the slider needs those of all laws.
     each : {None, "step"}, optional
-        "step": each velocity step, hold and step of normal stress in the record is fitted on a
-        window of its own, on all cores; the laws' parameters are also fitted to all together.
+        "step": each velocity step, hold and step of normal stress in the record is fitted on its
+        own window, on all cores.  The laws' parameters are also fitted to all steps together.
     against : {"time", "displacement", "cycles"}
         Friction is compared at equal times, or at equal displacements of the load point (steps
-        only), or, in a record of stick-slip or vibration, by the features of its cycles.
+        only).  In a record of stick-slip or vibration, "cycles" compares features of the cycles.
     loading : Loading, optional
-        The load point's history, with t = 0 at the first sample; by default the steps and holds
-        found in its displacement.  Normal stress varies if it does so here, or else in the
-        variable ``sigma`` [Pa] of the record, by more than 1 % of its mean.
+        The load point's history, with t = 0 at the first sample.  By default the steps and holds
+        are found in its displacement.  Normal stress varies if it does so here, or else if the
+        variable ``sigma`` [Pa] of the record varies by more than 1 % of its mean.
     trend : {"slip", "time", None}
         Whether friction also drifts in proportion to slip, or to time.
     start : {"auto", "steady", "free"}
         Whether the record begins in steady sliding at its first speed, or from a velocity and
-        state that are estimated too; by default the latter where the record requires it.
+        state that are also estimated.  By default they are estimated if the record requires it.
     noise : float or dict, optional
         Standard deviation of the noise in friction; or those of its parts "white" and "red", and
-        the correlation time "time" [s] of the red part.  By default the noise is estimated: white
-        noise, with a red part of one correlation time or of a spectrum that is a power of frequency
-        if the record shows it.
+        the correlation time "time" [s] of the red part.  By default the noise is estimated as white
+        noise.  A red part is added if the record shows it, with one correlation time or with a
+        spectrum that is a power of frequency.
     errors : {"auto", "covariance", "profile", "posterior"}
-        Source of the intervals: the covariance at the best fit; profiles of the likelihood (take
-        about 5 times as long as the fit, 20 times where one is open); samples of the posterior,
-        by dynesty (some 7 s of one core for 10,000 evaluations, of which it takes 20,000 or more);
+        Source of the intervals: the covariance at the best fit; profiles of the likelihood, which
+        take about 5 times as long as the fit, or 20 times if one is open; samples of the posterior,
+        by dynesty, which needs 20,000 evaluations or more, at about 7 s of one core for 10,000.
         "auto": the covariance, but a profile for each quantity along which the likelihood is not
         Gaussian.
 
@@ -85,12 +85,12 @@ def fit(
     -------
     xarray.Dataset
         A scalar under the name of each free parameter [SI], ``mu0``, ``a_minus_b`` and
-        ``trend_slip`` [1/m] or ``trend_time`` [1/s]; if free, ``V_start``, ``theta_start`` and what
-        other states the law has.  ``a_minus_b`` is d mu_ss/d ln V at the record's first speed:
-        a - b, unless the law has more states or steady states of its own.  Along ``parameter``:
-        ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``) [SI],
-        ``interval_kind``, ``correlation`` (with ``other``; of the logarithms of what is positive),
-        and ``without_trend``, the estimates if the trend is left out, to first order.
+        ``trend_slip`` [1/m] or ``trend_time`` [1/s]; if the start is free, ``V_start``,
+        ``theta_start`` and the law's other states.  ``a_minus_b`` is d mu_ss/d ln V at the record's
+        first speed.  It equals a - b, unless the law has more states or another steady state.
+        Along ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``)
+        [SI], ``interval_kind``, ``correlation`` (with ``other``; of the logarithms of positive
+        parameters), and ``without_trend``, the estimates without the trend, to first order.
         An open interval ends at inf or 0.  Along ``time``:
         ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
         in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``noise_exponent`` (1 is 1/f noise,
@@ -98,34 +98,35 @@ def fit(
         ``bic``; ``misfit_p_value``, the probability that noise alone leaves the transients that the
         residuals have after the steps, or NaN if it was not tested.  Profiles: ``profile_value``
         [SI] and ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along
-        ``sample``, all of the same weight, ``log_evidence`` and the sampler's diagnostics; the
+        ``sample``, with equal weights, ``log_evidence`` and the sampler's diagnostics; the
         attribute ``prior``.  With several laws all this is in one Dataset along ``law``, with
         ``aic_difference``, ``akaike_weight``, ``log_bayes_factor`` and the attribute
-        ``comparison``; what only some laws have is NaN or "" for the others.  The texts are
-        ``warnings`` (a line each; "" if there are none) and ``identifiability``, a note on what is
-        determined.
+        ``comparison``.  Variables that only some laws have are NaN or "" for the others.  The texts
+        are ``warnings`` (one on each line; "" if there are none) and ``identifiability``, a note on
+        which parameters are determined.
 
         With each="step" parameters, errors, statistics and texts are along ``step``, 1 to n in
-        order of time (and along ``law`` where several), NaN and "" where ``status`` is 1 (failed)
-        or 2 (stick-slip, which is not fitted) and ``message`` says why.  Along ``step`` alone:
-        ``kind`` ("step", "hold" or "normal stress"), ``step_t`` [s] and ``step_delta_lp`` [m] where
-        it is, ``V_before`` and ``V_after`` [m/s], ``t_hold`` [s], ``sigma`` and, after a step of
-        it, ``sigma_after`` [Pa], ``samples``, each the mean of ``rows_per_sample`` rows (1 up to
-        20,000 rows); along ``sample``, too, some of the record and of the fitted curve.  Along
-        ``parameter``: ``shared``, the estimate of one set for all steps and holds, ``shared_error``
-        and, with ``other``, ``shared_correlation``; ``scatter``, the standard deviation between
-        steps beyond their errors; ``up_over_down``, the ratio of the mean over steps up to that
-        over steps down, with its error and the p-value of Student's test.  ``shared_p_value`` is
-        the probability of as large a ``shared_deviance`` if one set serves all.  At a step of
-        normal stress only alpha is free, and what the other steps tell of a, b, Dc and K is held.
+        order of time (and along ``law`` if there are several).  They are NaN and "" if ``status``
+        is 1 (failed) or 2 (stick-slip, which is not fitted); ``message`` says why.  Along ``step``
+        alone: ``kind`` ("step", "hold" or "normal stress"), its place ``step_t`` [s] and
+        ``step_delta_lp`` [m], ``V_before`` and ``V_after`` [m/s], ``t_hold`` [s], ``sigma`` and,
+        after a step of normal stress, ``sigma_after`` [Pa], ``samples``, each the mean of
+        ``rows_per_sample`` rows (1 up to 20,000 rows); along ``sample``, too, some of the record
+        and of the fitted curve.  Along ``parameter``: ``shared``, the estimate of one set for all
+        steps and holds, ``shared_error`` and, with ``other``, ``shared_correlation``; ``scatter``,
+        the standard deviation between steps beyond their errors; ``up_over_down``, the mean over
+        steps up divided by the mean over steps down, with its error and the p-value of Student's
+        test.  ``shared_p_value`` is the probability of as large a ``shared_deviance`` if one set
+        serves all steps.  At a step of normal stress only alpha is free; a, b, Dc and K are held at
+        the estimates from the other steps.
 
     Raises
     ------
     ParameterError
-        A record without steps, too short, constant or with values missing; a parameter that
-        cannot be free; a law that needs a parameter which the slider does not have; a setting out
-        of range.  Against cycles a law with more than one state or length.  With each="step" no
-        step that can be fitted; a loading; against cycles.
+        A record without steps, too short, constant or with missing values; a parameter that
+        cannot be free; a law with a parameter that the slider lacks; a setting out of range.
+        Against cycles: a law with more than one state or length.  With each="step": no step that
+        can be fitted; a loading; against cycles.
 
     Warns
     -----
@@ -174,11 +175,11 @@ def fit(
 
 
 def _fits_of_cycles(data, settings, loading):
-    """dict law -> Dataset of a fit of cycles; data in SI."""
+    """Return law -> Dataset of a fit of cycles; data in SI."""
     fits = {one.law: fit_cycles(data, one, settings.free, loading) for one in settings.sliders}
     results = {law: cycles_dataset(fit) for law, fit in fits.items()}
     if len(results) > 1:
-        # errors that were enlarged for a misfit are so in the comparison as well
+        # the comparison uses the enlarged errors as well
         scale = min(fit.enlarged for fit in fits.values()) ** 2
         chi2 = {law: fit.chi2 / scale for law, fit in fits.items()}
         add_comparison(results, chi2, fits=any(fit.enlarged == 1.0 for fit in fits.values()))

@@ -1,10 +1,9 @@
-"""Friction that a load cell would show, from the coordinates, with its sensitivities.
+"""Friction that a load cell would show, as a function of the coordinates, with derivatives.
 
-Sensitivities are central differences between sliders in neighbouring lanes of the march: the
-2 k + 1 sliders of one Jacobian cost little more than one, and all laws, masses, loadings and starts
-use the same engine.  Neighbours take nearly the same steps, so most of their errors
-cancel: with rtol = 1e-8 and differences of 3e-5 sensitivities are right to 1e-6.  `marched` gives
-the motions themselves, also for fits of cycles.
+Derivatives are central differences between sliders in neighbouring lanes of the march.  The
+2 k + 1 sliders of one jacobian take little longer than one slider, under every law and loading.
+Neighbours take nearly the same steps, so that most of their errors cancel: with rtol = 1e-8 and
+differences of 3e-5, derivatives are accurate to 1e-6.  Fits of cycles use `marched` as well.
 """
 
 import numpy as np
@@ -16,50 +15,50 @@ from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
 from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
 from ...model.arrays import Batch
-from .unknowns import LINEAR, of_slider, parameter, sizes_of, starts_of
+from .unknowns import LINEAR, motion_symbols, parameter, sizes_of, start_names
 
 RTOL = 1e-8
-#: of the march, 100 times what a well-fitting slider takes: one that vibrates is no candidate
+#: most steps of a march: 100 times those of a slider that fits, so that vibration is rejected
 MAX_STEPS_OF_FIT = 1e5
-#: steps of Newton's method for mu0, and a difference in what friction is linear in, or nearly so
-NEWTON, LINEAR_STEP = 3, 1e-3
+#: steps of Newton's method for mu0; finite difference in level, trend and mu0
+NEWTON_STEPS, LINEAR_STEP = 3, 1e-3
 
 
 class ForwardModel:
-    """What would be observed at coordinates, and its derivatives.
+    """Observable values as functions of the coordinates, and their derivatives.
 
-    names : of the coordinates
-    steps : of a central difference in each coordinate but those of `LINEAR`
+    names : names of the coordinates
+    steps : name -> step of a central difference, for all coordinates except `LINEAR`
     """
 
     def __init__(self, names, steps):
         self.names, self.steps, self.evaluations = names, steps, 0
 
     def values(self, points):
-        """Name -> (n,) values [SI] at points (n, k)."""
+        """Return name -> (n,) values [SI] at points (n, k)."""
         raise NotImplementedError
 
-    def parts(self, points):
-        """`friction`, and name -> (n, m) its derivative by each coordinate it is linear in."""
+    def friction_and_regressors(self, points):
+        """Return `friction`, and name -> its derivative (n, m) by linear parameters."""
         raise NotImplementedError
 
     def friction(self, points):
-        """(n, m) friction at the record's samples for coordinates (n, k); NaN without a motion.
+        """Return friction (n, m) at the samples for points (n, k); NaN without a motion.
 
-        Friction is level + (tau/sigma or mu, less its value in steady sliding at the record's
-        first speed) + trend times slip or time.
+        Friction is level + (tau/sigma or mu, less its value in steady sliding at the record's first
+        speed) + trend times slip or time.
         """
-        return self.parts(points)[0]
+        return self.friction_and_regressors(points)[0]
 
     def jacobian(self, point):
-        """(m,) friction at a point (k,), and (m, k) its derivatives by the coordinates.
+        """Return friction (m,) at a point (k,) and its derivatives (m, k).
 
-        NaN without a motion; derivatives are one-sided where there is none on the other side.
+        Both are NaN without a motion.  A derivative is one-sided if there is a motion on one side.
         """
         moving = [self.names.index(name) for name in self.steps]
         above, below = self.neighbours(point)
         points = np.concatenate([point[None], above[moving], below[moving]])
-        friction, regressors = self.parts(points)
+        friction, regressors = self.friction_and_regressors(points)
         centre, *others = friction
         columns = np.zeros((len(self.names), centre.size))
         for i, up, down in zip(moving, others[: len(moving)], others[len(moving) :], strict=True):
@@ -71,9 +70,9 @@ class ForwardModel:
         return centre, columns.T
 
     def neighbours(self, point):
-        """(k, k) points above and below a point (k,), the i-th each in coordinate i alone.
+        """Return points (k, k) above and below a point (k,).
 
-        By `steps`, but no further than there are values; by `LINEAR_STEP` in level and trend.
+        In row i, coordinate i is moved by a step, but not below the parameter's lowest value.
         """
         steps = np.array([self.steps.get(name, LINEAR_STEP) for name in self.names])
         least = np.array([parameter(name).least for name in self.names])
@@ -91,41 +90,40 @@ class Forward(ForwardModel):
         sizes = sizes_of(record, slider)
         super().__init__(names, {n: _step(n, record, sizes[n]) for n in names if n not in LINEAR})
         self.record, self.law = record, slider.friction_law
-        of_motion = (*of_slider(self.law), "sigma", "alpha")
-        self.fixed = {symbol: getattr(slider, symbol) for symbol in of_motion}
+        symbols = (*motion_symbols(self.law), "sigma", "alpha")
+        self.fixed = {symbol: getattr(slider, symbol) for symbol in symbols}
         self.sigma = slider.sigma
         loading = record.loading
-        self.V0 = float(loading.V[0])  # the reference: v = 0 in steady sliding at it
+        self.V0 = float(loading.V[0])  # reference: v = 0 in steady sliding at this speed
         self.loads, row = engine_loads(Batch({"sigma": slider.sigma}), loading)
         self.max_steps = MAX_STEPS_OF_FIT
         if np.isinf(slider.K) and "K" not in names:
-            self.fixed["M"] = 0.0  # a rigid machine moves its mass as it likes
-            self.max_steps *= 10.0  # (the march takes smaller ones)
+            self.fixed["M"] = 0.0  # inertia does not affect a rigid machine
+            self.max_steps *= 10.0  # the march takes smaller steps
             if comes_to_rest(self.loads, row, record.t[-1:]):
                 raise ParameterError(STATUSES[RIGID_REST][1])
         self.stress = loading.normal_stress
         self.moving_law = self.law if self.stress is None else under_varying_stress(self.law)
         self.needs_mu0 = "mu0" in self.moving_law.slider_parameters
-        # without inertia and damping V may run away; with a free one of them it cannot
-        unheld = self.fixed["M"] == 0.0 and not self.fixed.get("damping")
-        self.v_limit = np.log(V_LIMIT / self.V0) if unheld else np.inf
+        # V may run away if there is neither inertia nor damping
+        may_run_away = self.fixed["M"] == 0.0 and not self.fixed.get("damping")
+        self.v_limit = np.log(V_LIMIT / self.V0) if may_run_away else np.inf
 
-    def parts(self, points):
-        """`friction`, and name -> (n, m) its derivative by each linear parameter of the record."""
+    def friction_and_regressors(self, points):
         values = self.values(points)
         p = self.coefficients(values)
         saved = self._motion(values, p)
         a, K = values["a"][:, None], values["K"][:, None]
         x, v, psi = saved[..., 0], saved[..., 1], np.moveaxis(saved[..., 2:], -1, 0)
-        shown, of_mu = x, self.record.kind == "mu"
-        if of_mu:
+        shown, is_mu = x, self.record.kind == "mu"
+        if is_mu:
             with np.errstate(over="ignore", invalid="ignore"):
                 of_samples = tuple(column[:, None] for column in p)
                 shown = self.law.at(v, tuple(psi), of_samples).R
         at = self.law.steady(p)
-        steady = at.R if of_mu else at.S
+        steady = at.R if is_mu else at.S
         friction = a * (shown - np.reshape(steady, (-1, 1)))
-        if self.stress is not None and not of_mu:  # tau over sigma of the time
+        if self.stress is not None and not is_mu:  # tau divided by the current sigma
             level = self.record.level
             friction = (level + friction) / self._stress_ratio(values) - level
         along = np.broadcast_to(self.record.trend_variable, x.shape)
@@ -138,12 +136,12 @@ class Forward(ForwardModel):
         return friction, regressors
 
     def values(self, points):
-        """name -> (n,) values [SI] of the slider's parameters, the lag, level and trend.
+        """Return name -> (n,) values [SI] of the slider, and of lag, level and trend.
 
-        Those of `starts_of` are logarithms of ratios.  V0 is the record's first speed.  If motion
-        depends on friction itself, mu0 is there: the record's level is steady friction at V0.
+        Values of `start_names` are logarithms of ratios.  V0 is the record's first speed.  mu0 is
+        included if motion depends on friction itself: the level is steady friction at V0.
         """
-        fixed = dict.fromkeys((*starts_of(self.law), "lag", *LINEAR), 0.0) | self.fixed
+        fixed = dict.fromkeys((*start_names(self.law), "lag", *LINEAR), 0.0) | self.fixed
         fixed["V0"] = self.V0
         values = {name: np.full(len(points), float(value)) for name, value in fixed.items()}
         with np.errstate(over="ignore"):
@@ -155,51 +153,51 @@ class Forward(ForwardModel):
         return values
 
     def mu0(self, values, level):
-        """(n,) mu0 at the V0 of the values, from the level (n,) of the record's friction.
+        """Return mu0 (n,) at the V0 of the values, from the level (n,) of friction.
 
-        The level is what the record shows in steady sliding at its first speed.
+        level : friction of the record in steady sliding at its first speed
         """
         shown = self.law.steady_friction if self.record.kind == "mu" else self.law.steady_tau
-        mu0, found = level, np.zeros(np.shape(level), bool)
+        mu0, is_known = level, np.zeros(np.shape(level), bool)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            for _ in range(NEWTON):
+            for _ in range(NEWTON_STEPS):
                 here = shown(self.V0, values | {"mu0": mu0})
-                found |= np.abs(here - level) <= 1e-15 * np.abs(level)
-                if found.all():
+                is_known |= np.abs(here - level) <= 1e-15 * np.abs(level)
+                if is_known.all():
                     break
                 above = shown(self.V0, values | {"mu0": mu0 + LINEAR_STEP})
                 step = (level - here) * LINEAR_STEP / (above - here)
-                mu0 = np.where(found, mu0, mu0 + step)
+                mu0 = np.where(is_known, mu0, mu0 + step)
         return mu0
 
     def start(self, values, p):
-        """ln(V/V0) (n,) at the start, and of each state ln(V0 theta/D) (n,), a tuple."""
-        V_start, *states = (values[name] for name in starts_of(self.law))
+        """Return ln(V/V0) (n,) at the start, and ln(V0 theta/D) (n,) of the states."""
+        V_start, *states = (values[name] for name in start_names(self.law))
         steady = self.law.log_states(0.0, self.law.steady(p).psi, p)
         return V_start, tuple(x + y for x, y in zip(steady, states, strict=True))
 
     def coefficients(self, values):
-        """The law's coefficients p for V0, a tuple of (n,)."""
+        """Return the law's coefficients p for V0, a tuple of (n,)."""
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return self.law.coefficient_arrays(self.V0, values)
 
     def _stress_ratio(self, values):
-        """(n, m) sigma(t)/sigma(0) at the samples, which lag behind the record as its load does."""
+        """Return sigma(t)/sigma(0) (n, m) at the samples, delayed by the lag."""
         times = np.maximum(self.record.t - values["lag"][:, None], 0.0)
         return self.stress.at(times, self.sigma) / self.sigma
 
-    def _of_motion(self, values, p):
+    def _motion_coefficients(self, values, p):
         if self.stress is None:
             return p
         own = {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
         return self.moving_law.coefficient_arrays(self.V0, values | own)
 
     def _motion(self, values, p):
-        """(n, m, 2 + states) x, v, psi at the samples."""
+        """Return x, v, psi (n, m, 2 + states) at the samples."""
         a, Dc, K, M = (values[symbol] for symbol in ("a", "Dc", "K", "M"))
         times = self.record.t[None]
         if "lag" in self.names:
-            # samples from before the start take the value at the start
+            # samples delayed to before the start have the value at the start
             times = times - values["lag"][:, None]
         which = np.arange(a.size) if len(times) > 1 else np.zeros(a.size, np.int64)
         end = np.maximum(times[:, -1], 1e-9 * self.record.t[-1])
@@ -211,7 +209,7 @@ class Forward(ForwardModel):
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(
                 kappa=K * Dc * per_stress,
-                p=np.stack(self._of_motion(values, p), axis=1),
+                p=np.stack(self._motion_coefficients(values, p), axis=1),
                 sigma=self.sigma,
                 eta0=M * self.V0**2 * per_stress / Dc,
                 scale=self.V0 / Dc,
@@ -227,16 +225,13 @@ class Forward(ForwardModel):
 
 
 def _step(name, record, size):
-    """Step of a difference in a coordinate, of a parameter of this size."""
+    """Return the step of a difference in a coordinate of a parameter of this size."""
     row = parameter(name)
     return row.step(record, 1.0 if row.is_log else size)
 
 
 def _difference(above, centre, below, up, down):
-    """A derivative from both sides, by these steps, or from the only one on which there is motion.
-
-    NaN where there is none on either.
-    """
+    """Return a derivative, one-sided if only one side has a motion, or NaN."""
     if not np.isfinite(above[-1]):
         above, up = centre, 0.0
     if not np.isfinite(below[-1]):
@@ -245,17 +240,14 @@ def _difference(above, centre, below, up, down):
 
 
 def cases_of(*, kappa, **columns):
-    """`Cases` of n sliders under one loading; a column may be one value for all of them."""
+    """Return `Cases` of n sliders under one loading; a number serves all sliders."""
     columns = {"loading": 0, "observe": 0.0, "sigma": 1.0, "kappa": kappa} | columns
     each = {k: np.full(kappa.size, v) if np.ndim(v) == 0 else v for k, v in columns.items()}
     return Cases(**each)
 
 
 def marched(law, cases, loads, times):
-    """(n, m, 2 + states) x, v, psi (engine/model.py) of the cases at these times.
-
-    NaN where a run fails.
-    """
+    """Return x, v, psi (n, m, 2 + states) of cases at times; NaN if a run fails."""
     results = dispatch.run_march(True, law, cases, loads, times, np.arange(cases.kappa.size))
     results.saved[results.status != FINISHED] = np.nan
     return results.saved

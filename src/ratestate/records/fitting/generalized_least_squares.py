@@ -1,9 +1,9 @@
-"""Generalized least squares, those in the presence of correlated noise, from several starts.
+"""Generalized least squares, which account for correlated noise, from several starts.
 
-The sum of squares is that of the residuals made white by the noise's own covariance, which is
-estimated from the residuals of the fit before; the two alternate until the estimates converge.
-Score tests tell, to first order and without a search, how chi-square would change with more
-parameters (`gain_of`), or with fewer (`response`).
+The sum of squares is of residuals whitened with the covariance of the noise.  That covariance
+is estimated from the residuals of the fit before.  Both steps alternate until the estimates
+converge.  Score tests give, to first order and without a search, the change of chi-square with
+more parameters (`chi2_gain`) or with fewer (`response`).
 """
 
 from typing import NamedTuple
@@ -16,24 +16,24 @@ from ..kit.noise import Noise
 from ..messages import fitting as sentences
 from .forward import Forward
 from .problem import SAMPLES, Problem, search, starting_points
-from .record import before_changes, record_of
-from .unknowns import Unknowns, free_under, starts_of, unknowns_of
+from .record import before_first_change, record_of
+from .unknowns import Unknowns, free_under, start_names, unknowns_of
 
 #: most starts of the least squares, and most rounds of noise and fit
 STARTS, ROUNDS = 12, 4
-#: error of the march itself, as a part of the range of friction
+#: error of the march, as a fraction of the range of friction
 FLOOR = 1e-6
-#: two searches that end at sums of squares no further apart agree
+#: relative difference of two sums of squares that counts as equal
 AGREE = 1e-3
-#: most evaluations of a search, where the best of several is picked
+#: most evaluations of each of several searches
 SEARCH_EVALUATIONS = 25
-#: largest move of an estimate, in its standard errors, that counts as converged
+#: largest change of a converged estimate, in standard errors
 CONVERGED = 0.02
-#: distance from a bound, in standard errors, up to which an estimate is at it
+#: distance from a bound, in standard errors, below which an estimate is at the bound
 AT_BOUND = 1e-3
-#: fall of chi-square by one more parameter (a lag, an unsteady start) that is not by chance
+#: significant fall of chi-square with one more parameter (a lag, an unsteady start)
 FALL = 12.0
-#: probability below which a response is not taken for noise
+#: significance level of the response to the steps
 CHANCE = 1e-4
 
 
@@ -57,21 +57,20 @@ class Solution(NamedTuple):
 
     @property
     def residual(self):
-        """(m,) recorded less fitted friction."""
+        """Recorded less fitted friction (m,)."""
         return self.problem.observed - self.fitted_friction
 
     @property
     def at_bound(self):
-        """(k,) whether a coordinate is at an end of its range, within `AT_BOUND` errors."""
-        _, low, high = self.unknowns
+        """Names (list) of the coordinates at a bound, within `AT_BOUND` errors."""
         near = AT_BOUND * np.sqrt(np.diag(self.covariance))
-        return np.minimum(abs(self.point - low), abs(high - self.point)) < near
+        return [name for name, side in self.unknowns.sides(self.point, near).items() if side]
 
 
 def solutions_of(data, settings, loading=None):
-    """list of `Solution`, one for each law, of a record (Dataset in SI) with checked `Settings`.
+    """Return a `Solution` for each law (list) of a record (in SI), given `Settings`.
 
-    loading : as of `fit`, whose errors are raised
+    loading : as for `fit`, whose errors are raised
     """
     record = record_of(
         data, settings.sliders[0], loading=loading, trend=settings.trend, against=settings.against
@@ -87,11 +86,12 @@ def solutions_of(data, settings, loading=None):
 
 
 def least_squares_fit(record, slider, free, noise, start):
-    """The `Solution` of a record under a slider's law; the noise is estimated if it is None.
+    """Return the `Solution` of a record under a slider's law.
 
+    noise : `Noise`, or None to estimate it
     start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better
 
-    ParameterError where no start of the search moves through the whole record.
+    ParameterError if no slider moves through the whole record from any start of the search.
     """
     unknowns = unknowns_of(record, slider, free, start=start == "free")
     problem = Problem(record, slider, unknowns)
@@ -108,14 +108,14 @@ def least_squares_fit(record, slider, free, noise, start):
     return unsteady if min(gain, early_gain) > 0.5 * FALL else solution
 
 
-def _best_start(problem, *first):
-    """The best point that a search on a thinned record reaches from these and several starts.
+def _best_start(problem, *more_starts):
+    """Return the best point that searches on a thinned record reach.
 
-    Of equally good ones that with the distances in the order that they have in the slider.
+    Among equally good points, one with distances in the slider's order is preferred.
     """
     thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
     thin_problem = Problem(thin, problem.slider, problem.unknowns)
-    points = [*first, *starting_points(thin_problem, STARTS)]
+    points = [*more_starts, *starting_points(thin_problem, STARTS)]
     noise = thin_problem.white_noise(points[0]) if points else None
     best, distances = None, problem.distances()
     searches: list = []
@@ -125,7 +125,7 @@ def _best_start(problem, *first):
             least = [one.x for one in searches if one.cost <= searches[0].cost * (1.0 + AGREE)]
             in_order = [x for x in least if (np.diff(x[distances]) >= 0.0).all()]
             best = [*in_order, *least][0]
-            # a third start hardly finds less than the least sum that two starts have led to
+            # a third start hardly improves on a minimum that two starts have found
             if len(least) > 1 and in_order:
                 break
     if best is None:
@@ -140,9 +140,9 @@ def _checked_search(problem, point, noise):
 
 
 def solution_from(problem, point, noise):
-    """The `Solution` from this point, with the noise given, or if None estimated in `ROUNDS`.
+    """Return the `Solution` from a point, with the noise given, or estimated if None.
 
-    ParameterError if the slider of this point does not move through the whole record.
+    ParameterError if the slider at this point does not move through the whole record.
     """
     t, observed = problem.t, problem.observed
     current = problem.white_noise(point) if noise is None else noise
@@ -152,12 +152,12 @@ def solution_from(problem, point, noise):
         friction, jacobian = problem.forward.jacobian(result.x)
         residual = friction - observed
         current = estimated_noise(t, residual, np.nan_to_num(jacobian), current)
-        # the error of the march itself counts as noise: a record may have none
+        # the error of the march counts as noise: a simulated record may have no other
         current = current._replace(
             white=float(np.hypot(current.white, FLOOR * problem.record.scale))
         )
         if current.red == 0.0 and was_white:
-            break  # all weights change by one factor: the minimum stays
+            break  # all weights change by one factor, so the minimum does not move
         last, was_white = result.x, False
         result = _checked_search(problem, last, current)
         error = np.sqrt(np.diag(_covariance(result.jacobian)))
@@ -183,7 +183,7 @@ def solution_from(problem, point, noise):
 
 
 def _covariance(jacobian):
-    """(k, k) inverse of the normal matrix; huge in directions that the record does not see.
+    """Return the inverse (k, k) of the normal matrix; huge if undetermined.
 
     jacobian : (m, k), of whitened residuals
     """
@@ -195,63 +195,64 @@ def _covariance(jacobian):
 
 
 def _may_start_unsteady(solution):
-    """Whether an unsteady start may fit better, by a score test.
+    """Return whether an unsteady start may fit better, by a score test.
 
-    It is one in white noise as well: what such a start leaves may pass for correlated noise.
+    The test is repeated with white noise, because the effect of an unsteady start may have been
+    estimated as correlated noise.
     """
     problem = solution.problem
-    added = starts_of(problem.law)
+    added = start_names(problem.law)
     forward = Forward(problem.record, problem.slider, (*added, *problem.unknowns.names))
     jacobian = np.nan_to_num(forward.jacobian(np.append(np.zeros(len(added)), solution.point))[1])
     in_white_noise = solution._replace(noise=Noise(float(np.std(solution.residual))))
     both = (solution, in_white_noise) if solution.noise.red else (solution,)
-    return any(gain_of(one, jacobian[:, : len(added)])[0] > FALL for one in both)
+    return any(chi2_gain(one, jacobian[:, : len(added)])[0] > FALL for one in both)
 
 
 def _early_log_likelihood(solution):
-    """ln(likelihood) of the samples before the first step, where the start has its effect.
+    """Return ln(likelihood) of the samples before the first step.
 
-    Later samples do not count: there a free start would only make up for a mass or another law.
+    Later samples do not count: there a free start would make up for a missing mass or wrong law.
     """
     record = solution.problem.record
-    early = before_changes(record.loading, record.t)
+    early = before_first_change(record.loading, record.t)
     white, log_determinant = solution.noise.whiten(record.t[early], solution.residual[early])
     return -0.5 * (float(np.sum(white**2)) + log_determinant)
 
 
-def gain_of(solution, added):
-    """Fall of chi-square (float, >= 0) with more coordinates, and the values (p,) of these.
+def chi2_gain(solution, added):
+    """Return the fall of chi-square (>= 0) with more coordinates, and their values.
 
-    To first order, with all other coordinates fitted again: a score test.
+    This is a score test: to first order, with all other coordinates fitted again.
 
-    added : (m, p) derivatives of friction by them
+    added : (m, p) derivatives of friction by the new coordinates
     """
     columns = np.column_stack([solution.residual, added, solution.jacobian])
-    rest = projected(solution, columns, 1 + added.shape[1])
+    rest = project_out(solution, columns, 1 + added.shape[1])
     moved = np.linalg.lstsq(rest[:, 1:], rest[:, 0], rcond=1e-6)[0]
     return float(np.sum((rest[:, 1:] @ moved) ** 2)), moved
 
 
 def response(solution):
-    """Fall of chi-square from level and trend alone to the solution, and parameters it takes.
+    """Return the fall of chi-square from level and trend alone, and added parameters.
 
-    The fall is negative where these alone fit better.
+    The fall is negative if level and trend alone fit better.
     """
     record = solution.problem.record
     lines = [values / np.abs(values).max() for values in record.regressors().values()]
     columns = np.column_stack([record.friction, *lines])
-    rest = projected(solution, columns, 1)[:, 0]
+    rest = project_out(solution, columns, 1)[:, 0]
     return float(rest @ rest) - solution.chi2, len(solution.point) - columns.shape[1] + 1
 
 
-def projected(solution, columns, count):
-    """The first columns (m, count), whitened, less their projections on the other columns."""
+def project_out(solution, columns, count):
+    """Return the first columns (m, count), whitened, without the others' span."""
     white, _ = solution.noise.whiten(solution.problem.record.t, columns)
     basis, _ = np.linalg.qr(white[:, count:])
     return white[:, :count] - basis @ (basis.T @ white[:, :count])
 
 
 def responds(solution):
-    """Whether friction responds to the steps by more than noise does by chance."""
+    """Return whether friction responds to the steps by more than noise may by chance."""
     gain, free = response(solution)
     return bool(gain > chdtri(free, CHANCE))

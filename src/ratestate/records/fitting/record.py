@@ -1,4 +1,4 @@
-"""A laboratory record as a fit moves sliders through it: samples from t = 0 on, and a loading."""
+"""A laboratory record as a fit uses it: samples from t = 0 on, and a loading."""
 
 from typing import NamedTuple
 
@@ -10,16 +10,16 @@ from ..loading import loading_of
 from ..messages import fitting as sentences
 from ..raw_record import raw_record
 
-#: most samples: a march keeps each of them for a dozen sliders at once
+#: most samples: a march stores all of them for a dozen sliders at once
 MOST = 200_000
-#: least samples before the first step, and after the last
-BESIDE = 8
+#: fewest samples before the first step, and after the last
+FEWEST = 8
 
 
 class Record(NamedTuple):
-    """The samples that are fitted.  Times are from the record's first sample on.
+    """The samples that are fitted.  Times count from the record's first sample.
 
-    The displacement of the load point is in it as the `loading` alone, the speeds between steps.
+    The measured displacement is replaced by the `loading` alone: constant speeds between steps.
     """
 
     t: np.ndarray  # (m,) [s], increasing
@@ -27,12 +27,12 @@ class Record(NamedTuple):
     trend_variable: np.ndarray  # (m,) factor of the trend: time [s] or load-point displacement [m]
     trend: str | None  # "slip", "time" or None
     loading: Loading
-    kind: str  # "tau": of the spring over sigma; "mu": of the interface
-    time: np.ndarray  # (m,) as recorded [s]
+    kind: str  # of friction: "tau" is tau/sigma of the spring, "mu" that of the interface
+    time: np.ndarray  # (m,) recorded time [s]
     order: np.ndarray  # (m,) rows of the Dataset
 
     def regressors(self, along=None):
-        """name -> derivative of friction by each parameter that it is linear in.
+        """Return name -> derivative of friction by each of its linear parameters.
 
         along : (..., m) slip or time, by default `trend_variable`
         """
@@ -42,24 +42,24 @@ class Record(NamedTuple):
 
     @property
     def level(self):
-        """Friction before anything changes, where normal stress varies."""
-        return float(np.median(self.friction[before_changes(self.loading, self.t)]))
+        """Friction before the first change of speed or normal stress."""
+        return float(np.median(self.friction[before_first_change(self.loading, self.t)]))
 
     @property
     def scale(self):
-        """Largest less smallest friction."""
+        """Range of friction."""
         return float(np.ptp(self.friction))
 
     @property
     def spacing(self):
-        """The usual time between samples [s]."""
+        """Median time between samples [s]."""
         return float(np.median(np.diff(self.t)))
 
     def thinned(self, stride):
-        """The `Record` with one sample in `stride`, and all samples about each step."""
+        """Return the `Record` with every stride-th sample and all samples near steps."""
         keep = np.zeros(self.t.size, bool)
         keep[::stride] = True
-        for step in changes(self.loading):
+        for step in change_times(self.loading):
             at = np.searchsorted(self.t, step)
             keep[max(at - 5, 0) : at + 40] = True
         columns = ("t", "friction", "trend_variable", "time", "order")
@@ -67,10 +67,10 @@ class Record(NamedTuple):
 
 
 def record_of(data, slider, *, loading, trend, against):
-    """The `Record` in a Dataset of `read_lab`, or of `simulate`.
+    """Return the `Record` in a Dataset of `read_lab` or `simulate`.
 
     ParameterError as of `raw_record` and `loading_of`, and: too many samples; constant friction; no
-    step, or one too near to an end; against displacement none, a hold or a ramp.
+    step, or a step too near to an end; against displacement: no displacement, a hold or a ramp.
     """
     raw = raw_record(data, slider)
     if raw.friction.size > MOST:
@@ -82,15 +82,15 @@ def record_of(data, slider, *, loading, trend, against):
     loading = loading_of(raw, loading, slider.sigma)
     t, order = raw.t, np.arange(raw.t.size)
     if against == "displacement":
-        t, order = _times_at(raw.displacement, loading, t)
+        t, order = _times_at_displacements(raw.displacement, loading, t)
     _check_steps(loading, t)
     trend_variable = t if trend == "time" else np.asarray(loading.delta_lp(t))
     friction, time = raw.friction[order], raw.time[order]
     return Record(t, friction, trend_variable, trend, loading, raw.kind, time, order)
 
 
-def changes(loading):
-    """Times [s], after the start, at which speed changes, or normal stress by more than 1 %."""
+def change_times(loading):
+    """Return times [s] > 0 of changes of speed, or of normal stress by over 1 %."""
     if (stress := loading.normal_stress) is None:
         return loading.t[1:]
     moves = np.abs(stress.end - stress.start) > VARIABLE * stress.start
@@ -98,29 +98,29 @@ def changes(loading):
     return np.union1d(loading.t[1:], stress.t[1:][jumps | moves[1:] | moves[:-1]])
 
 
-def before_changes(loading, t):
-    """Which of the times t (m,) are before the first change; all, if that is at the start."""
-    events = changes(loading)
+def before_first_change(loading, t):
+    """Return which times (m,) precede the first change; all, if under `FEWEST`."""
+    events = change_times(loading)
     early = t < (events[0] if events.size else np.inf)
-    return early if early.sum() >= BESIDE else np.ones(t.size, bool)
+    return early if early.sum() >= FEWEST else np.ones(t.size, bool)
 
 
 def _check_steps(loading, t):
-    """Refuse a record at one speed, and steps of it too near to the ends of the record."""
+    """Refuse a record at one speed, and a record with a step too near to an end."""
     if loading.normal_stress is not None or (loading.t.size < 2 and loading.rate[0]):
         return
     if loading.t.size < 2:
         raise sentences.refusal("load_point.no_step", V=float(loading.V[0]))
     before = int(np.searchsorted(t, loading.t[1]))
     after = t.size - int(np.searchsorted(t, loading.t[-1]))
-    if min(before, after) < BESIDE:
+    if min(before, after) < FEWEST:
         side = "before the first" if before < after else "after the last"
         samples = min(before, after)
-        raise sentences.refusal("load_point.few_beside", samples=samples, side=side, fewest=BESIDE)
+        raise sentences.refusal("load_point.few_beside", samples=samples, side=side, fewest=FEWEST)
 
 
-def _times_at(displacement, loading, t):
-    """Times in order at which the load point passed these displacements, and their rows."""
+def _times_at_displacements(displacement, loading, t):
+    """Return sorted times at which the load point passed displacements, and rows."""
     if displacement is None:
         raise sentences.refusal("load_point.no_displacement")
     if not np.all(loading.V > 0.0) or np.any(loading.rate):

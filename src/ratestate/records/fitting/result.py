@@ -1,4 +1,4 @@
-"""The Dataset of a fit: one law's, and several laws' side by side and compared."""
+"""The Dataset of a fit under one law, or of fits under several laws, compared."""
 
 import numpy as np
 import xarray
@@ -10,15 +10,15 @@ from ..messages import fitting as sentences
 from .diagnostics.checks import diagnose, is_misfit, without_trend
 from .estimates import LEVELS, ROOTS, SIDES
 from .likelihood.posterior import prior_text
-from .unknowns import SUMS, free_under, starts_of
+from .unknowns import DERIVED, free_under, start_names
 
-#: a difference of ln(likelihood) or ln(evidence) below the first decides nothing, above the second
-#: it is clear
+#: differences of ln(likelihood) or ln(evidence): below the first they decide nothing, above the
+#: second they are clear
 UNDECIDED, CLEAR = 1.5, 5.0
 
 
 def datasets_of(inferences, laws, data):
-    """dict law -> Dataset of each `Inference`, with the comparison of several; laws : names."""
+    """Return law -> Dataset of each `Inference`; several laws are compared."""
     datasets = [dataset_of(inference, data) for inference in inferences]
     results = dict(zip(laws, datasets, strict=True))
     if len(results) > 1:
@@ -30,7 +30,7 @@ def datasets_of(inferences, laws, data):
 
 
 def dataset_of(inference, data):
-    """The Dataset of an `Inference`, with notes and warnings on it."""
+    """Return the Dataset of an `Inference`, with notes and warnings on it."""
     solution, quantities = inference.solution, inference.quantities
     record = solution.problem.record
     result = estimate_variables(inference.estimates)
@@ -53,21 +53,22 @@ def dataset_of(inference, data):
 
 
 def side_by_side(results):
-    """Results under several laws (dict, law -> Dataset) as one, along ``law``; padded: NaN, ""."""
+    """Return results under several laws (law -> Dataset) as one, along ``law``."""
     return joined(results.values(), "law", names_of(results.values(), results))
 
 
 def names_of(results, laws):
-    """Names (list) of all that was estimated in any of the results, in the order of a result."""
+    """Return names (list) of quantities in any of the results, in order."""
     of_any = {name for result in results for name in result["parameter"].values.tolist()}
     free = free_under([friction_law(law) for law in laws])
-    return [name for name in (*free, *SUMS) if name in of_any]
+    return [name for name in (*free, *DERIVED) if name in of_any]
 
 
 def joined(results, dim, names):
-    """Results (iterable of Dataset) as one along a new dimension, padded with NaN, and "" for text.
+    """Return results along a new dimension, padded with NaN, or "" for text.
 
-    names : of the parameters, in order
+    results : iterable of Dataset
+    names : names of the parameters, in order
     """
     whole = xarray.concat(
         [
@@ -87,10 +88,7 @@ def joined(results, dim, names):
 
 
 def add_comparison(results, aic, *, colored=False, fits=True):
-    """Add the comparison of two laws or more to each of their results, in place.
-
-    As `compare_laws`; its text is the attribute ``comparison``.
-    """
+    """Add `compare_laws` of several laws to each of their results, in place."""
     table, text = compare_laws(results, aic, colored, fits)
     for law, result in results.items():
         result.update(table.sel(law=law, drop=True))
@@ -98,17 +96,17 @@ def add_comparison(results, aic, *, colored=False, fits=True):
 
 
 def compare_laws(results, aic, colored, fits=True):
-    """Dataset of differences along ``law``, and a text on them.
+    """Return a Dataset of differences along ``law``, and a text on them.
 
-    results : law -> mapping; ``bic_difference`` and ``log_bayes_factor`` are absent unless all laws
-        have what they are of
+    results : law -> mapping; ``bic_difference`` and ``log_bayes_factor`` need ``bic`` and
+        ``log_evidence`` of all laws
     aic : law -> Akaike information criterion, or chi-square of laws with as many parameters
-    colored : whether residuals are correlated; fits : whether any of the laws fits
+    colored : whether residuals are correlated
+    fits : whether any of the laws fits
     """
     laws = list(results)
 
     def column(name):
-        """The values under each law, or None where a law has none."""
         if all(name in result for result in results.values()):
             return np.array([float(result[name]) for result in results.values()])
         return None
@@ -132,7 +130,7 @@ def compare_laws(results, aic, colored, fits=True):
 
 
 def _ranked(values, laws):
-    """Best and second law by `values` (the smaller, the better), and their difference."""
+    """Return the law with the least value, the second, and their difference."""
     first, second = np.argsort(values)[:2]
     difference = float(values[second] - values[first])
     return {"best": laws[first], "other": laws[second], "difference": difference}
@@ -151,7 +149,7 @@ def _by_likelihood(aic, weight, laws, fits):
 
 
 def _share(weight):
-    """An Akaike weight as text, never as certain."""
+    """Return an Akaike weight as text, at most as "> 0.99" and at least as "< 0.01"."""
     return "> 0.99" if weight > 0.99 else "< 0.01" if weight < 0.01 else f"{weight:.2f}"
 
 
@@ -162,7 +160,7 @@ def _by_evidence(factor, error, laws):
 
 
 def estimate_variables(estimates):
-    """The Dataset of `Estimates` [SI]: a scalar for each, and tables along ``parameter``."""
+    """Return the Dataset of `Estimates` [SI]."""
     names = list(estimates.names)
     variables = {
         **labelled((), **dict(zip(names, estimates.values.tolist(), strict=True))),
@@ -176,7 +174,7 @@ def estimate_variables(estimates):
 
 
 def _profile_variables(profiles, quantities):
-    """Points of the profiles: ``profile_value`` [SI] and ``profile_deviance``, padded with NaN."""
+    """Return the points of the profiles, padded with NaN."""
     size = max(profile.values.size for profile in profiles.values())
     value, deviance = table = np.full((2, len(quantities), size), np.nan)
     for i, quantity in enumerate(quantities):
@@ -187,7 +185,7 @@ def _profile_variables(profiles, quantities):
 
 
 def _posterior_variables(posterior, quantities):
-    """Samples of equal weight, and the sampler's diagnostics."""
+    """Return samples of equal weight, and the sampler's diagnostics."""
     samples = np.stack([q.si(q.values(posterior.points)) for q in quantities], axis=1)
     return labelled(("sample", "parameter"), posterior=samples) | labelled(
         (),
@@ -200,7 +198,7 @@ def _posterior_variables(posterior, quantities):
 
 
 def curve_variables(time, friction, fitted):
-    """Dataset of recorded and fitted friction (m,) along time (m,) [s], and their difference."""
+    """Return the Dataset of recorded and fitted friction (m,), and residuals."""
     variables = labelled("time", friction=friction, friction_fit=fitted)
     labels = {"units": "1", "long_name": "recorded less fitted friction"}
     variables["residual"] = ("time", friction - fitted, labels)
@@ -208,7 +206,7 @@ def curve_variables(time, friction, fitted):
 
 
 def _band_variables(solution):
-    """The error of the fitted friction, the band of 95 % of samples, and the load point's way."""
+    """Return the error of fitted friction, the 95 % band of samples, and delta_lp."""
     record, jacobian = solution.problem.record, solution.jacobian
     variance = np.einsum("mi,ij,mj->m", jacobian, solution.covariance, jacobian)
     error = np.sqrt(np.maximum(variance, 0.0))
@@ -220,7 +218,7 @@ def _band_variables(solution):
 
 
 def _statistics(inference):
-    """The misfit, the noise and the information criteria; the start, if that was free."""
+    """Return misfit, noise and information criteria; the start, if it was free."""
     solution = inference.solution
     residual, noise = solution.residual, solution.noise
     k = len(solution.point) + (3 if noise.red else 1)
@@ -231,7 +229,7 @@ def _statistics(inference):
         "noise_red": noise.red,
         "noise_time": noise.time if noise.red else 0.0,
         "noise_exponent": noise.exponent or 0.0,
-        "misfit_p_value": inference.chance,
+        "misfit_p_value": inference.p_value,
         "chi2_white": np.mean(residual**2) / successive,
         "log_likelihood": solution.log_likelihood,
         "aic": 2.0 * k - 2.0 * solution.log_likelihood,
@@ -240,7 +238,7 @@ def _statistics(inference):
         "evaluations": solution.evaluations,
     }
     law, forward = solution.problem.law, solution.problem.forward
-    V_start, *states = starts_of(law)
+    V_start, *states = start_names(law)
     if V_start in solution.unknowns.names:
         at = forward.values(solution.point[None])
         v, logs = forward.start(at, forward.coefficients(at))
@@ -251,5 +249,5 @@ def _statistics(inference):
 
 
 def text_variables(identifiability, warnings):
-    """Two variables: the note on what is determined (str); the warnings, one on each line."""
+    """Return variables with the note on identifiability, and the warnings."""
     return labelled((), identifiability=identifiability, warnings="\n".join(warnings))

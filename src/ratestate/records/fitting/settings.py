@@ -1,4 +1,4 @@
-"""What a fit is to do, checked."""
+"""The settings of a fit, and their checks."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -8,9 +8,9 @@ from ...model.slider import check_slider, resolve_law
 from ...model.units import is_array
 from ..kit.noise import Noise, given_noise
 from ..messages import fitting as sentences
-from .unknowns import LINEAR, PARAMETERS, SUMS, checked_free, starts_of
+from .unknowns import DERIVED, LINEAR, PARAMETERS, checked_free, start_names
 
-#: setting -> what it may be, the default first
+#: setting -> its choices, the default first
 CHOICES: dict[str, tuple] = {
     "against": ("time", "displacement", "cycles"),
     "trend": ("slip", "time", None),
@@ -20,7 +20,7 @@ CHOICES: dict[str, tuple] = {
 
 
 class Settings(NamedTuple):
-    """The settings of `fit`."""
+    """The checked settings of `fit`."""
 
     free: tuple
     sliders: list  # one for each law, in the order of the laws
@@ -37,15 +37,16 @@ class Settings(NamedTuple):
 
     @property
     def recorded(self):
-        """name -> the choice, as the result's attributes have it."""
+        """Settings (name -> str) that the result stores in its attributes."""
         return {name: str(getattr(self, name)) for name in CHOICES}
 
 
 def checked_settings(slider, *, free, law, noise, each=None, loading=None, **choices):
-    """The `Settings` of these arguments of `fit`; each="step" takes no loading, and no cycles.
+    """Return the `Settings` for these arguments of `fit`.
 
-    ParameterError: no slider, or many; what cannot be free; a law, noise or choice that is none; a
-    law with parameters that the slider does not have; what a fit of cycles has no use for.
+    ParameterError: not one slider; a parameter that cannot be free; an unknown law, noise or
+    choice; a law with parameters that the slider lacks; a setting without a meaning in fits of
+    cycles; with each="step" a loading, or a fit of cycles.
     """
     check_slider(slider)
     for symbol, value in slider.values.items():
@@ -73,27 +74,27 @@ def checked_settings(slider, *, free, law, noise, each=None, loading=None, **cho
 
 
 def check_choice(name, value, choices):
-    """Raise ParameterError unless a setting is one of these texts, or the None among them."""
+    """Raise a ParameterError unless a setting is one of the choices."""
     if not (value is None or isinstance(value, str)) or value not in choices:
         listed = ", ".join(map(repr, choices))
         raise sentences.refusal("settings.unknown", name=name, value=value, choices=listed)
 
 
 def sliders_under(slider, law):
-    """The slider under each law that is to be fitted (list), with the parameters of that law.
+    """Return the slider under each law (list), with the parameters of that law.
 
-    ParameterError for a law that is none, for the same twice, and for one with parameters that the
-    slider does not have, or that are called as what a fit has of its own.
+    ParameterError for an unknown law, a law given twice, a law with parameters that the slider
+    lacks, and a law with a parameter whose name fits use for another quantity.
     """
-    one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
-    laws = [resolve_law(name) for name in ([slider.law if law is None else law] if one else law)]
+    is_one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
+    laws = [resolve_law(name) for name in ([slider.law if law is None else law] if is_one else law)]
     if not laws or len(set(laws)) < len(laws):
         raise sentences.refusal("settings.laws", law=law)
-    for known in laws:
-        names = ", ".join(symbol for symbol in known.parameters if symbol not in slider.values)
+    for one in laws:
+        names = ", ".join(symbol for symbol in one.parameters if symbol not in slider.values)
         if names:
-            raise sentences.refusal("settings.lacks", law=known.name, names=names, of=slider.law)
-        for symbol in known.parameters:
-            if symbol in (*PARAMETERS, *LINEAR, *SUMS, *starts_of(known)):
-                raise sentences.refusal("settings.name_taken", law=known.name, symbol=symbol)
-    return [slider.replace(law=known.name) for known in laws]
+            raise sentences.refusal("settings.lacks", law=one.name, names=names, of=slider.law)
+        for symbol in one.parameters:
+            if symbol in (*PARAMETERS, *LINEAR, *DERIVED, *start_names(one)):
+                raise sentences.refusal("settings.name_taken", law=one.name, symbol=symbol)
+    return [slider.replace(law=one.name) for one in laws]

@@ -1,4 +1,4 @@
-"""The table of estimates as text: values, errors and intervals under each law, in one unit."""
+"""Estimates as cells of a table: values, errors and intervals under each law."""
 
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -12,22 +12,22 @@ from .by_law import error_of, law_of, stiffness_over_critical, value_of
 
 #: law -> its part of a result, as from `results_by_law`
 Laws = dict[str, xarray.Dataset]
-#: a value with its error, and the 68 and 95 % intervals, as text
+#: value with error, 68 and 95 % intervals, as text
 Cells = tuple[str, str, str]
-#: under a law that does not have the quantity
+#: cells under a law that lacks the quantity
 NONE = ("-", "", "")
-#: white noise below this part of the correlated noise is not mentioned
+#: white noise, as a fraction of the correlated noise, below which it is not mentioned
 NEGLIGIBLE = 0.05
 #: relative error that sets the digits of K/K_c_qs if its own error is not finite
 ERROR_FOR_DIGITS = 0.1
-#: errors by which a ratio must be off 1 to be on one side of it
+#: standard errors by which a ratio must differ from 1 to be clearly on one side
 TWO_ERRORS = 2.0
 #: text in place of K/K_c_qs if K_c_qs is not positive
 STABLE_AT_ANY_K = "stable at any K"
 
 
 class Row(NamedTuple):
-    """A quantity: its label with the unit, its meaning, and its estimate under each law."""
+    """A quantity: label with the unit, meaning, and estimate under each law."""
 
     symbol: str
     label: str
@@ -36,16 +36,16 @@ class Row(NamedTuple):
 
 
 def estimate_rows(laws: Laws) -> list[Row]:
-    """Rows of all estimates, of K/sigma if K is one, and of K/K_c_qs if any law has a text."""
+    """Return a row for each estimate, and rows for K/sigma and K/K_c_qs, if known."""
     rows = []
-    for symbol in estimated(laws):
+    for symbol in estimated_symbols(laws):
         unit, meaning, *_ = QUANTITIES[symbol]
         power = power_of(unit, largest(laws, symbol))
         label = short_name(symbol, laws)
         label += "" if unit == "1" else f" [{prefixed_unit(unit, power)}]"
         rows.append(Row(symbol, label, meaning, estimate_texts(laws, symbol, 10.0**-power)))
     if any(row.symbol == "K" for row in rows):
-        # the stiffness per normal stress, as other programs have it
+        # other programs give the stiffness divided by normal stress
         factor = 1e-6 / value_of(next(iter(laws.values())), "sigma")
         meaning = "stiffness, in friction per displacement"
         cells = estimate_texts(laws, "K", factor)
@@ -57,28 +57,28 @@ def estimate_rows(laws: Laws) -> list[Row]:
 
 
 def estimate_cells(laws: Laws, meaning: bool) -> list[list[str]]:
-    """The rows as cells: label, value and 95 % interval under each law, the meaning if wanted."""
+    """Return rows of cells: label, value and 95 % interval under each law, meaning."""
     return [
         [row.label, *(text for one in row.estimates for text in one[::2]), *[row.meaning] * meaning]
         for row in estimate_rows(laws)
     ]
 
 
-def estimated(laws: Laws) -> list[str]:
-    """Symbols of what was estimated under any of these laws, in the order of the result."""
+def estimated_symbols(laws: Laws) -> list[str]:
+    """Return symbols estimated under any of these laws, in the order of the result."""
     parts = sorted(laws.values(), key=lambda part: -part.sizes["parameter"])
     return [*dict.fromkeys(str(name) for part in parts for name in part["parameter"].values)]
 
 
 def largest(laws: Laws, symbol: str) -> float:
-    """The largest size of an estimate [SI] under any of the laws."""
+    """Return the largest absolute estimate [SI] under any of the laws."""
     return max(abs(value_of(part, symbol)) for part in laws.values() if symbol in part)
 
 
 def estimate_texts(laws: Laws, symbol: str, factor: float) -> list[Cells]:
-    """An estimate under each law, multiplied by `factor` to leave SI.
+    """Return an estimate under each law as text, multiplied by `factor` to leave SI.
 
-    Without its error if that is not finite; an infinite end of an interval reads "(open)".
+    Errors are left out if they are not finite.  An infinite end of an interval reads "(open)".
     """
     cells = []
     for part in laws.values():
@@ -87,7 +87,7 @@ def estimate_texts(laws: Laws, symbol: str, factor: float) -> list[Cells]:
             continue
         value, error = factor * value_of(part, symbol), factor * error_of(part, symbol)
         ends = factor * part["interval"].sel(parameter=symbol).transpose("level", "side").values
-        # of an interval open on one side, the closed side sets the digits
+        # if one side is open, the closed side sets the digits
         closed = [abs(end - value) for end in ends[0] if np.isfinite(end) and end != 0.0]
         digits = error if np.isfinite(error) else min(closed, default=np.inf)
         usual, wide = (" to ".join(_end(end, digits) for end in pair) for pair in ends)
@@ -100,7 +100,7 @@ def _end(value: float, digits: float) -> str:
 
 
 def _plus_minus(value: float, error: float, digits: float) -> str:
-    """A value, with its error if that is finite, rounded as for an error of `digits`."""
+    """Return a value with its error, if finite, rounded as for an error of `digits`."""
     if not 0.0 < digits < np.inf:
         return f"{value:.4g}"
     shown = rounded(value, digits)
@@ -108,21 +108,21 @@ def _plus_minus(value: float, error: float, digits: float) -> str:
 
 
 def stiffness_ratio_text(part: xarray.Dataset) -> str:
-    """K/K_c_qs +- error if finite; `STABLE_AT_ANY_K` if K_c_qs <= 0; "" if there is no ratio."""
-    if (found := stiffness_over_critical(part)) is None:
+    """Return K/K_c_qs, with a finite error; `STABLE_AT_ANY_K` if K_c_qs <= 0; or ""."""
+    if (pair := stiffness_over_critical(part)) is None:
         return ""
-    ratio, error = found
+    ratio, error = pair
     if np.isinf(ratio):
         return STABLE_AT_ANY_K
     return _plus_minus(ratio, error, error if np.isfinite(error) else ERROR_FOR_DIGITS * ratio)
 
 
 def _stability(laws: Laws) -> str:
-    """What K/K_c_qs says under all laws: of values clearly on one side of 1 that alone."""
-    found = [stiffness_over_critical(part) for part in laws.values()]
+    """Return what K/K_c_qs means, for the side of 1 if all ratios are clearly on it."""
+    ratios = [stiffness_over_critical(part) for part in laws.values()]
     sides = {
         np.sign(ratio - 1.0) if abs(ratio - 1.0) > TWO_ERRORS * error else 0.0
-        for ratio, error in filter(None, found)
+        for ratio, error in filter(None, ratios)
     }
     if sides == {-1.0}:
         return "below 1: steady sliding is unstable"
@@ -130,11 +130,11 @@ def _stability(laws: Laws) -> str:
 
 
 def noise_text(part: xarray.Dataset) -> str:
-    """Size and correlation time of a record's noise."""
+    """Return size and correlation time of a record's noise."""
     white, red = float(part["noise_white"]), float(part["noise_red"])
     if not red > 0.0:
         return f"{white:.2g}, white"
-    exponent = float(part.get("noise_exponent", 0.0))  # (older results have none)
+    exponent = float(part.get("noise_exponent", 0.0))  # results of older versions have none
     if exponent > 0.0:
         correlated = f"{red:.2g}, with a spectrum of 1/f^{exponent:.2g}"
     else:
@@ -143,7 +143,7 @@ def noise_text(part: xarray.Dataset) -> str:
 
 
 def quality_text(part: xarray.Dataset) -> str:
-    """How well a law fits."""
+    """Return how well a law fits."""
     if "chi2" in part:
         features = int(part["used"].sum())
         return f"chi-square {float(part['chi2']):.3g} for {features} features of cycles"
@@ -151,7 +151,7 @@ def quality_text(part: xarray.Dataset) -> str:
 
 
 def law_names(laws: Iterable[str]) -> str:
-    """The laws by name.
+    """Return the laws by name.
 
     >>> law_names(["mine"]), law_names(["mine", "yours", "theirs"])
     ('mine law', 'mine, yours and theirs laws')
@@ -161,10 +161,10 @@ def law_names(laws: Iterable[str]) -> str:
 
 
 def short_name(symbol: str, laws: Laws) -> str:
-    """A quantity as tables call it: by its symbol, or "a - b" if it has a longer one."""
+    """Return the name of a quantity in tables."""
     return rate_dependence_text(map(law_of, laws.values())) if symbol == "a_minus_b" else symbol
 
 
 def rate_dependence_text(laws: Iterable[FrictionLaw]) -> str:
-    """What "a_minus_b" is under these laws: a - b unless one has more states, or other friction."""
+    """Return the name of "a_minus_b": "a - b", if it is that under these laws."""
     return "a - b" if all(law.one_length for law in laws) else "d mu_ss/d ln V"

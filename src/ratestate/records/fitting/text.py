@@ -5,7 +5,7 @@ import textwrap
 
 from ...dynamics import attributes
 from ...model.quantities import readable
-from .by_law import checked_by_law, is_of_steps, law_of, value_of, warnings_of
+from .by_law import checked_by_law, has_steps, law_of, value_of, warnings_of
 from .steps.text import (
     HEADS,
     NOTATION,
@@ -15,16 +15,16 @@ from .steps.text import (
     warnings_on_steps,
 )
 from .table import estimate_cells, law_names, quality_text
-from .unknowns import of_slider
+from .unknowns import motion_symbols
 
-#: columns of the text
+#: width of the text in characters
 WIDTH = 96
-#: units that stay on the line of the number before them
+#: units that stay on the line of their number
 UNIT = r"%|\+-|[numkMG]?(?:m|s|Pa)\b"
 
 
 def summary(result):
-    """A fit as plain text, to print.
+    """Return a fit as plain text, to print.
 
     Parameters
     ----------
@@ -34,25 +34,25 @@ def summary(result):
     Returns
     -------
     str
-        What was fitted; a table with a row for each quantity: its unit, and under each law its
-        value +- standard error and its 95 % interval; what was given; noise and misfit; how the
-        laws compare; what the record determines; notes on the record; warnings.  An error is
-        left out if an interval is open; if that is not from the covariance, the error is half the
-        68 % interval.
+        The text says what was fitted, and what was given.  A table has a row for each quantity: its
+        unit, and under each law the value +- standard error and the 95 % interval.  Noise, misfit,
+        comparison of the laws, identifiability, notes on the record and warnings follow.  An error
+        is left out if an interval is open.  If an interval is not from the covariance, the error
+        is half of the 68 % interval.
 
     Raises
     ------
     ParameterError
-        No result of `fit`, or one that has lost its attributes.
+        Not a result of `fit`, or one that lacks its attributes.
     """
     laws = checked_by_law(result, "summary")
     above, *others = sentences_of(result, laws, "in the variable warnings of the result")
-    if is_of_steps(result):
+    if has_steps(result):
         tables = []
         for law in laws:
             tables += [f"{law} law", *_aligned(table_of(result, law), range(len(HEADS))), ""]
     else:
-        is_one = len(laws) == 1  # then there is room for the meanings
+        is_one = len(laws) == 1  # leaves room for the meanings
         head = ["", *(text for law in laws for text in (f"{law} law", "95 %")), *[""] * is_one]
         left = {0, len(head) - 1} if is_one else {0}
         tables = [*_aligned([head, *estimate_cells(laws, is_one)], left), ""]
@@ -61,13 +61,13 @@ def summary(result):
 
 
 def sentences_of(result, laws, where):
-    """Lines above the tables of a fit, lines below them, and warnings (lists of str).
+    """Return lines above the tables of a fit, lines below, and warnings (lists).
 
-    where : of fits of steps, where the warnings of laws that do not fit best are
+    where : place of the warnings of laws that do not fit best, in fits of steps
     """
     notes = attributes.from_json(result, "notes", list) if "notes" in result.attrs else []
     notes = [f"note: {note}" for note in notes]
-    if is_of_steps(result):
+    if has_steps(result):
         remarks = [NOTATION, *remarks_on_steps(result), *notes]
         return [heading_of_steps(result)], remarks, warnings_on_steps(result, where)
     source = attributes.text(result, "source", "")
@@ -83,30 +83,30 @@ def sentences_of(result, laws, where):
 
 
 def fixed_parameters(laws):
-    """A sentence with the parameters that were given, under any of the laws, and their values."""
+    """Return a sentence with the given parameters, under any of the laws."""
     values: dict[str, float] = {}
     for part in laws.values():
-        symbols = of_slider(law_of(part))
+        symbols = motion_symbols(law_of(part))
         if "normal_stress" in part.attrs:
-            symbols = (*symbols, "alpha")  # which has a part where normal stress varies
+            symbols = (*symbols, "alpha")  # which matters only if normal stress varies
         given = [s for s in symbols if s not in part.data_vars]
         values |= {s: value_of(part, s) for s in (*given, "sigma", "V0")}
     return f"Given: {', '.join(f'{s} = {readable(s, value)}' for s, value in values.items())}."
 
 
 def identifiability_by_law(laws):
-    """law -> the note on what the record determines, where there is one."""
+    """Return law -> the note on what the record determines, if there is one."""
     notes = {law: str(part["identifiability"].item()) for law, part in laws.items()}
     return {law: note for law, note in notes.items() if note}
 
 
 def labelled_warnings(laws):
-    """All warnings, each with its law (list of str)."""
+    """Return all warnings, each with its law (list of str)."""
     return [f"{law} law: {text}" for law, part in laws.items() for text in warnings_of(part)]
 
 
 def _aligned(rows, left):
-    """Rows of cells as lines; the columns whose numbers are in `left` are aligned left."""
+    """Return rows of cells as lines; `left` has the numbers of columns aligned left."""
     columns = []
     for i, cells in enumerate(zip(*rows, strict=True)):
         width, align = max(map(len, cells)), str.ljust if i in left else str.rjust
@@ -115,6 +115,6 @@ def _aligned(rows, left):
 
 
 def _wrapped(text):
-    """A long text as lines, none of which begins with the unit of a number."""
+    """Return a long text as lines; no line begins with the unit of a number."""
     joined = re.sub(rf"(?<=[\d.]) (?={UNIT})", "\N{NO-BREAK SPACE}", text)
     return textwrap.fill(joined, WIDTH, subsequent_indent="  ").replace("\N{NO-BREAK SPACE}", " ")

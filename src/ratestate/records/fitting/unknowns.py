@@ -1,10 +1,10 @@
-"""The parameters that a fit may move: their coordinates, bounds, and where searches for them start.
+"""The parameters that a fit may move: coordinates, bounds, and ranges of starting points.
 
-`parameter` gives the row of each; whatever else names parameters derives from it.  A positive
-parameter moves as its logarithm, so that steps are relative and no bound is needed at 0.  b moves
-as itself, for it may be negative.  How a parameter of the law's own moves follows from the unit and
-the bound that the law gives it.  Beside what the user frees, a record brings parameters of its own:
-its level of friction, its trend, and the velocity and states in which it begins.
+`parameter` gives the row of each parameter, and everything else about parameters derives from
+it.  The coordinate of a positive parameter is its logarithm, so that steps are relative and 0
+needs no bound.  The coordinate of b is b, because b may be negative.  A law's additional
+parameters are treated as their unit and bound require.  A record adds parameters: its level of
+friction, its trend, and the velocity and states at its start.
 """
 
 import math
@@ -18,84 +18,74 @@ from ...friction.forms import FORMS
 from ...friction.laws import LAWS, laws_with, own_parameters
 from ..messages import fitting as sentences
 
-#: step of a difference in a logarithm, or over the size of what moves as itself
+#: step of finite differences in a logarithm; else relative to the parameter's size
 STEP = 3e-5
-#: size of alpha, of which 0.2 is typical
+#: size of alpha: 0.2 is typical
 ALPHA = 0.2
-#: ln of the ratio of speeds that a hold counts as
-HOLD = 5.0
-#: an estimate this near to a bound, as a part of the distance between both, is at the bound
+#: ln of the speed ratio that stands for a hold
+LOG_RATIO_OF_HOLD = 5.0
+#: distance from a bound, as a fraction of the range, below which an estimate is at the bound
 NEAR = 1e-3
 
 
 class Parameter(NamedTuple):
-    """How a fit moves a parameter; its bounds and starts are over its size, as of `sizes_of`."""
+    """How a fit moves a parameter.  Bounds and starts are multiples of `sizes_of`."""
 
-    #: "slider", or "record", if the user may free it; else of the record: "start", or "linear",
-    #: in which friction is a linear function
+    #: "slider" or "record": the user may free it.  "start": velocity or state at the start of a
+    #: record.  "linear": friction is linear in it
     group: str
-    is_log: bool = False  # it moves as its logarithm
+    is_log: bool = False  # whether the coordinate is the logarithm
     bounds: tuple[float, float] = (-math.inf, math.inf)
-    starts: tuple[float, float] | None = None  # of a logarithm in powers of ten; None: 0 alone
-    #: step of a difference in the coordinate, from the record and the size of what is no logarithm
+    starts: tuple[float, float] | None = None  # exponents of ten if `is_log`; None: 0 only
+    #: step of a finite difference, from the record and the size (1 if `is_log`)
     step: Callable[[Any, float], float] = lambda record, size: STEP * size
-    irrelevant: int = 0  # -1 or 1: it ceases to matter where it is small, or large
-    reported_as: str = ""  # if it is reported, but not among the free parameters
-    no_part_in_cycles: str = ""  # what of it has no effect on cycles
+    no_effect: int = 0  # -1 or 1: small or large values all give the same friction
 
     @property
     def least(self):
-        """The coordinate below which no value exists."""
+        """The lowest value of the coordinate."""
         return 0.0 if self.bounds[0] == 0.0 else -math.inf
 
 
-#: name -> `Parameter` of those that there are under any law
+#: name -> `Parameter` of parameters under every law
 PARAMETERS = {
     "a": Parameter("slider", is_log=True, bounds=(1e-3, 1e2), starts=(-0.5, 0.5)),
     "b": Parameter("slider", bounds=(-1e2, 1e2), starts=(-1.0, 3.0)),
     "Dc": Parameter("slider", is_log=True, bounds=(1e-3, 1e3), starts=(-1.5, 0.7)),
-    "K": Parameter("slider", is_log=True, bounds=(1e-4, 1e6), starts=(-0.5, 1.5), irrelevant=1),
-    "M": Parameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), irrelevant=-1),
+    "K": Parameter("slider", is_log=True, bounds=(1e-4, 1e6), starts=(-0.5, 1.5), no_effect=1),
+    "M": Parameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), no_effect=-1),
     "alpha": Parameter("slider", bounds=(0.0, 1e2), starts=(0.0, 1.0)),
-    "lag": Parameter(
-        "record",
-        bounds=(-0.1, 0.1),
-        step=lambda record, size: 0.1 * record.spacing,
-        no_part_in_cycles="a delay of a load point that moves steadily",
-    ),
-    # ln(V/V1), at the start of a record that begins out of steady sliding at V1
+    "lag": Parameter("record", bounds=(-0.1, 0.1), step=lambda record, _: 0.1 * record.spacing),
+    # ln(V/V1), if the record does not begin in steady sliding at its first speed V1
     "V_start": Parameter("start", bounds=(-20.0, 20.0)),
     "level": Parameter("linear"),
-    "trend": Parameter("linear", reported_as="trend_{along}"),
+    "trend": Parameter("linear"),
 }
-#: a state at such a start, as ln(theta/theta_ss)
+#: ln(theta/theta_ss) at the start of such a record
 STATE_START = Parameter("start", bounds=(-20.0, 20.0))
 LINEAR = ("level", "trend")
-#: parameters of the slider, or of its record, that are the machine's, not the law's
-OF_MACHINE = ("K", "M", "lag")
-#: what results report beside the free parameters
+#: parameters of the machine, not of the friction law
+MACHINE_PARAMETERS = ("K", "M", "lag")
+#: quantities that results report besides the free parameters
 TRENDS = ("trend_slip", "trend_time")
-SUMS = ("mu0", "a_minus_b", *TRENDS)
+DERIVED = ("mu0", "a_minus_b", *TRENDS)
 
 
 def parameter(name):
-    """The `Parameter` of this name, under any law; KeyError for none."""
+    """Return the `Parameter` of this name, under any law; KeyError if unknown."""
     if name in PARAMETERS:
         return PARAMETERS[name]
-    if any(name in starts_of(law) for law in LAWS.values()):
+    if any(name in start_names(law) for law in LAWS.values()):
         return STATE_START
     of_forms = (form.OWN_PARAMETERS for form in FORMS.values())
     for own in (*(law.parameters for law in LAWS.values()), *of_forms, EXTRAS):
         if name in own:
-            return _of_law(own[name])
+            return _parameter_of_law(own[name])
     raise KeyError(name)
 
 
-def _of_law(own):
-    """The `Parameter` of a law's own parameter, from its unit and its bound.
-
-    A length moves as Dc does, and what may have either sign as b does.
-    """
+def _parameter_of_law(own):
+    """Return the `Parameter` of a law's additional parameter, by unit and bound."""
     if own.bound == ">= 0":
         return Parameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
     if own.bound == "> 0" and own.unit != "m":
@@ -103,32 +93,33 @@ def _of_law(own):
     return PARAMETERS["Dc" if own.bound else "b"]
 
 
-def of_slider(*laws):
-    """Symbols of the slider's parameters that motion under these laws depends on, but for sigma."""
+def motion_symbols(*laws):
+    """Return symbols of the slider's parameters, except sigma, that affect motion."""
     return ("a", "b", "Dc", *own_parameters(laws), "K", "M")
 
 
-def starts_of(law):
-    """Names of the velocity and the states at the start of a record, under a law."""
+def start_names(law):
+    """Return the names of velocity and states at the start of a record, under a law."""
     return ("V_start", *(f"{state}_start" for state in law.states))
 
 
 def free_under(laws):
-    """What the user may free under any of these laws; each fit estimates mu0 anyway."""
-    return (*of_slider(*laws), "alpha", "lag")
+    """Return the parameters, except mu0, that may be free under any of these laws."""
+    return (*motion_symbols(*laws), "alpha", "lag")
 
 
 def sizes_of(record, slider):
-    """name -> order of magnitude that the record suggests [SI]; 1 of what is not the slider's.
+    """Return name -> order of magnitude that the record suggests [SI].
 
-    Of the law's own parameters a length has the size of Dc, a speed that of the slowest sliding,
-    and a pure number of either sign that of b, or of its value if this is larger; others have the
-    size of their value, 1 if that is 0.
+    Among a law's additional parameters, lengths are as large as Dc, and speeds as large as the
+    slowest sliding.  A pure number of either sign is as large as b, or as its value if that is
+    larger.  Others are as large as their value, or 1 if the value is 0.  Level, trend and start
+    have size 1.
     """
     speeds = record.loading.V[record.loading.V > 0.0]
     ratio = max(float(np.abs(np.log(speeds / record.loading.V[0])).max()), 1.0)
     if speeds.size < record.loading.V.size:  # in a hold the slider slows by orders of magnitude
-        ratio = max(ratio, HOLD)
+        ratio = max(ratio, LOG_RATIO_OF_HOLD)
     scale = record.scale / ratio
     t, slow = record.t, float(speeds.min())
     distance = float(record.loading.delta_lp(t[-1:])[0] - record.loading.delta_lp(t[:1])[0])
@@ -146,34 +137,36 @@ def sizes_of(record, slider):
     }
     for name, own in slider.friction_law.parameters.items():
         value = abs(getattr(slider, name))
-        known = {"m": sizes["Dc"], "m/s": slow, "1": value if own.bound else max(scale, value)}
-        sizes[name] = known.get(own.unit, value) or 1.0
-    return sizes | dict.fromkeys((*starts_of(slider.friction_law), *LINEAR), 1.0)
+        usual = {"m": sizes["Dc"], "m/s": slow, "1": value if own.bound else max(scale, value)}
+        sizes[name] = usual.get(own.unit, value) or 1.0
+    return sizes | dict.fromkeys((*start_names(slider.friction_law), *LINEAR), 1.0)
 
 
 class Unknowns(NamedTuple):
-    """Names of the coordinates, in order, and the bounds between which each may move."""
+    """Names of the coordinates, in order, and the bounds of each."""
 
     names: tuple
     low: np.ndarray  # (k,)
     high: np.ndarray  # (k,)
 
-    def sides(self, point, near=NEAR):
+    @property
+    def ranges(self):
+        """Distances (k,) between both bounds; 0 if a bound is infinite."""
+        ranges = self.high - self.low
+        return np.where(np.isfinite(ranges), ranges, 0.0)
+
+    def sides(self, point, near):
         """Return name -> -1 or 1 if a point (k,) is at the lower or upper bound, else 0.
 
-        near : distance from a bound that counts as none, as a fraction of the range
+        near : (k,) distance from a bound below which a coordinate counts as at the bound
         """
-        width = self.high - self.low
-        bounded = np.isfinite(width)
-        part = np.full(len(self.names), 0.5)
-        part[bounded] = (point[bounded] - self.low[bounded]) / width[bounded]
-        sides = np.where(part < near, -1, np.where(part > 1.0 - near, 1, 0))
+        sides = np.where(point - self.low < near, -1, np.where(self.high - point < near, 1, 0))
         return dict(zip(self.names, sides.tolist(), strict=True))
 
 
 def unknowns_of(record, slider, free, *, start):
-    """`Unknowns` of a record: free parameters, the start if that is free, level, trend."""
-    names = (*free, *(starts_of(slider.friction_law) if start else ()), *record.regressors())
+    """Return the `Unknowns` of a record; `start` tells whether its start is free."""
+    names = (*free, *(start_names(slider.friction_law) if start else ()), *record.regressors())
     sizes = sizes_of(record, slider)
     bounds = [
         [to_coordinate(name, end * sizes[name]) for end in parameter(name).bounds] for name in names
@@ -183,10 +176,10 @@ def unknowns_of(record, slider, free, *, start):
 
 
 def distinct(points, distance, most=None):
-    """Indices (list) of points (n, k), each away from all before, in some coordinate.
+    """Return the indices (list) of points (n, k) that differ from all points before.
 
-    distance : farther than this; one for all coordinates, or (k,)
-    most : largest number of them; None for any
+    distance : by more than this in at least one coordinate; one number, or (k,)
+    most : largest number of indices; None for any
     """
     kept: list[int] = []
     for i, point in enumerate(points):
@@ -196,11 +189,12 @@ def distinct(points, distance, most=None):
 
 
 def checked_free(free, sliders):
-    """The free parameters as a tuple, in the order of `free_under`, without mu0.
+    """Return the free parameters (tuple) without mu0, in the order of `free_under`.
 
-    sliders : that of each law; what is free must be a parameter of one of them
+    sliders : one for each law; a free parameter must belong to at least one of them
 
-    ParameterError for what cannot be free, twice the same, and a law with none beside mu0.
+    ParameterError for a parameter that cannot be free, a name given twice, and a law under which
+    only mu0 is free.
     """
     laws = [slider.friction_law for slider in sliders]
     allowed = (*free_under(laws), "mu0")
@@ -216,9 +210,9 @@ def checked_free(free, sliders):
             raise sentences.refusal("free.undamped")
         if not laws_with(name):
             raise sentences.refusal("free.unknown", name=name, allowed=listed)
-        known = {"laws": [law.name for law in laws], "owners": laws_with(name)}
-        known = {key: " and ".join(map(repr, some)) for key, some in known.items()}
-        raise sentences.refusal("free.of_other_law", name=name, **known)
+        under = " and ".join(repr(law.name) for law in laws)
+        owners = " and ".join(map(repr, laws_with(name)))
+        raise sentences.refusal("free.of_other_law", name=name, laws=under, owners=owners)
     if len(set(names)) < len(names):
         raise sentences.refusal("free.twice", names=names)
     if "K" in names and math.isinf(sliders[0].K):
@@ -227,19 +221,20 @@ def checked_free(free, sliders):
         raise sentences.refusal("free.massless")
     for law in laws:
         if not set(names) & set(free_under([law])):
-            raise sentences.refusal("free.only_mu0", law=law.name, slider=", ".join(of_slider(law)))
+            listed = ", ".join(motion_symbols(law))
+            raise sentences.refusal("free.only_mu0", law=law.name, slider=listed)
     return tuple(name for name in allowed[:-1] if name in names)
 
 
 def to_coordinate(name, value):
-    """A value [SI] as the coordinate in which it moves."""
+    """Return the coordinate of a value [SI]."""
     return np.log(value) if parameter(name).is_log else value
 
 
 def to_value(name, coordinate):
-    """The value [SI] of a coordinate; the least there is for one below, an open end."""
+    """Return the value [SI] of a coordinate, or of an interval's open end."""
     row = parameter(name)
     if not row.is_log:
         return np.maximum(coordinate, row.least)
-    with np.errstate(over="ignore"):  # an open end of an interval
+    with np.errstate(over="ignore"):  # at an open end
         return np.exp(coordinate)

@@ -14,8 +14,8 @@ from ...errors import QuasiStaticInstability, RateStateError
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from ..fitting.by_law import checked_by_law, error_of, is_of_steps, slider_of
-from ..fitting.unknowns import OF_MACHINE, of_slider
+from ..fitting.by_law import checked_by_law, error_of, has_steps, slider_of
+from ..fitting.unknowns import MACHINE_PARAMETERS, motion_symbols
 from ..messages import healing as sentences
 
 #: relative step of a difference; start of the hold in the run, as a fraction of its duration
@@ -77,14 +77,14 @@ def sliders_of(slider):
                 raise sentences.refusal("slider.array", symbol=symbol)
         return {slider.law: Fitted(slider)}
     parts = checked_by_law(slider, "healing")
-    errors = _errors_of_steps if is_of_steps(slider) else _errors_of_fit
+    errors = _errors_of_steps if has_steps(slider) else _errors_of_fit
     return {law: _fitted(slider, law, part, errors) for law, part in parts.items()}
 
 
 def _fitted(result, law, part, errors):
     """`Fitted` of one law's part of a fit; errors : function of the part and names, as below."""
     slider = slider_of(result, law)
-    own = of_slider(slider.friction_law)
+    own = motion_symbols(slider.friction_law)
     names = [name for name in part["parameter"].values.tolist() if name in own]
     sizes, correlation = errors(part, names)
     # (correlations of logarithms equal those of the parameters to first order)
@@ -109,7 +109,7 @@ def _errors_of_steps(part, names):
     scatter = chosen["scatter"].fillna(0.0)
     separate = np.hypot(chosen["standard_error"].median("step"), scatter).values
     for i in np.flatnonzero(np.isnan(errors)):
-        if names[i] not in OF_MACHINE:
+        if names[i] not in MACHINE_PARAMETERS:
             raise sentences.refusal("slider.no_joint_fit", law=str(part["law"].item()))
         errors[i] = separate[i]
     correlation = chosen["shared_correlation"].sel(other=names).fillna(0.0).values

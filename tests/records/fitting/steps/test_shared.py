@@ -1,6 +1,4 @@
-"""The test whether one set of parameters serves all steps: how often it errs."""
-
-import warnings
+"""The test whether one set of parameters serves all steps: its rate of errors."""
 
 import numpy as np
 import pytest
@@ -15,10 +13,12 @@ FEW = np.where(np.arange(10) % 3 == 0, 7.0, 60.0)
 
 
 def p_values(degrees, k, number, scatter=0.0):
-    """Of experiments with a step for each of these degrees of freedom of its noise.
+    """Return p-values of random experiments by F, and by chi-square.
 
-    And those by chi-square with the mean inflation.  Estimates have errors of 1, and the variances
-    of these are known as by so many degrees of freedom.
+    degrees : degrees of freedom with which the noise of each step is known.  Estimates have errors
+        of 1, and the variances of the estimates are known with these degrees of freedom.
+
+    Chi-square uses the mean inflation of all steps.
     """
     rng = np.random.default_rng(2)
     n = len(degrees)
@@ -41,8 +41,8 @@ def p_values(degrees, k, number, scatter=0.0):
 
 
 @pytest.mark.parametrize("k", [1, 3])
-def test_level_where_some_steps_know_their_noise_from_few_samples(k):
-    """Of 1 in 100 the mean inflation of all steps makes 2."""
+def test_significance_level_if_some_noise_is_uncertain(k):
+    """With the mean inflation of all steps, 2 of 100 p-values are below 0.01."""
     by_f, by_mean = p_values(FEW, k, 20_000)
     assert 0.004 < np.mean(by_f < 0.01) < 0.011
     assert 0.03 < np.mean(by_f < 0.05) < 0.055
@@ -50,7 +50,7 @@ def test_level_where_some_steps_know_their_noise_from_few_samples(k):
     assert np.mean(by_mean < 0.01) > 0.015
 
 
-def test_known_noise_leaves_chi_square():
+def test_with_known_noise_the_test_is_chi_square():
     degrees = np.full(5, 1e9)
     by_f, by_chi2 = p_values(degrees, 2, 200)
     np.testing.assert_allclose(by_f, by_chi2, rtol=1e-5)
@@ -61,15 +61,14 @@ def test_a_scatter_between_steps_is_found():
     assert np.mean(p_values(FEW, 3, 1000, scatter=1.5)[0] < 0.05) > 0.9
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.statistics
-def test_one_step_of_ill_estimated_noise_does_not_refute_one_set():
-    """The noise of the last step of this experiment is estimated at a third of what it is.
+def test_badly_estimated_noise_of_one_step_does_not_refute_one_set():
+    """The estimated noise of the last step is a third of the true noise.
 
-    With the mean inflation of all steps the probability of its deviance is below 1e-5.
+    With the mean inflation of all steps the p-value is below 1e-5.
     """
     case = drawn_experiment(508)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        result = rs.fit(case.data, case.start, case.free, each="step", errors="covariance")
+    result = rs.fit(case.data, case.start, case.free, each="step", errors="covariance")
     assert 0.01 < float(result.shared_p_value) < 0.5
     assert (result.shared_error / result.shared).sel(parameter=["a", "Dc"]).max() < 0.1

@@ -50,7 +50,7 @@ def under_slip(data):
         return rs.fit(data, START, each="step")
 
 
-def test_what_the_load_point_does(under_slip):
+def test_variables_on_the_load_point(under_slip):
     assert under_slip.kind.values.tolist() == ["step", "step", "hold", "step"]
     assert under_slip.step.values.tolist() == [1, 2, 3, 4]
     starts = 500.0 / 3.0 + np.array([0.0, 50.0, 50.0 + 500.0 / 3.0, 350.0 + 1000.0 / 3.0])
@@ -75,7 +75,7 @@ def test_estimates_agree_with_the_truth_within_their_errors(under_slip):
 
 
 def test_a_step_is_fitted_as_its_window_alone(data, under_slip):
-    """The same as `fit` of these rows; the search begins elsewhere, so not to the last digit."""
+    """The initial guesses differ, and so do the last digits."""
     window = windows_of(data)[1]
     alone = rs.fit(window.part(data), START)
     one = under_slip.isel(step=1)
@@ -114,11 +114,11 @@ def test_one_set_serves_all_steps_under_the_right_law_alone(under_both):
         assert abs(off) < 3.5 * own, name
         each = under_both.standard_error.sel(law="slip", parameter=name)
         assert own < float(each.min()), name
-    assert np.isnan(shared.sel(parameter="K"))  # the machine's
+    assert np.isnan(shared.sel(parameter="K"))  # a parameter of the machine is not shared
 
 
 def test_healing_is_predicted_by_the_joint_fit(data, under_both):
-    """Its error is propagated from that of the joint fit, and of K from that of a step."""
+    """Errors of the joint fit, and the error of K from one step, are propagated."""
     law = "slip"
     slider, joint = fitting.slider_of(under_both, law), under_both.sel(law=law, parameter=FREE)
 
@@ -154,7 +154,7 @@ def test_healing_of_steps_without_a_joint_fit_is_refused(data, under_both):
 
 
 def sawtooth(data, teeth, begin, end=np.inf):
-    """The record with so many stress drops of 0.05 in friction between two times."""
+    """Return the record with stress drops of 0.05 in friction between two times."""
     t = data.time.values
     inside = (t >= begin) & (t < end)
     phase = (t[inside] - begin) / (min(end, t[-1]) - begin)
@@ -163,7 +163,7 @@ def sawtooth(data, teeth, begin, end=np.inf):
     return data.assign(friction=("time", friction))
 
 
-def test_steps_in_stick_slip_are_named_and_not_fitted(data, under_slip):
+def test_steps_in_stick_slip_are_not_fitted(data, under_slip):
     begin = float(under_slip.step_t[3])
     with pytest.warns(rs.FitWarning, match=r"1 of 4 are stick-slip, and are not fitted \(step 4"):
         result = rs.fit(sawtooth(data, 6, begin), START, each="step", errors="covariance")
@@ -181,28 +181,26 @@ def test_steps_in_stick_slip_are_named_and_not_fitted(data, under_slip):
     assert "stick-slip" in next(row for row in table_of(result, "slip") if row[0] == "4")
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip):
     begin, t = float(under_slip.step_t[3]), data.time.values
     at = begin + 0.45 * (t[-1] - begin)
     sigma = np.where(t < at, 8e6, 8.8e6)
     record = sawtooth(data, 6, begin).assign(sigma=("time", sigma))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        result = rs.fit(record, START, each="step", errors="covariance")
+    result = rs.fit(record, START, each="step", errors="covariance")
     of_stress = result.isel(step=result.kind.values == "normal stress")
     assert of_stress.status.values.tolist() == [2]
     assert float(of_stress.sigma[0]) == pytest.approx(8e6)
     assert float(of_stress.sigma_after[0]) == pytest.approx(8.8e6)
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_one_number_of_normal_stress_holds_for_all_steps(data):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        first = data.isel(time=slice(0, 2 * ROWS))
-        found, expected = (
-            rs.fit(one, START, each="step", errors="covariance")
-            for one in (first.assign(sigma=8e6), first)
-        )
+    first = data.isel(time=slice(0, 2 * ROWS))
+    found, expected = (
+        rs.fit(one, START, each="step", errors="covariance")
+        for one in (first.assign(sigma=8e6), first)
+    )
     np.testing.assert_allclose(found.a, expected.a, rtol=1e-6)
 
 
@@ -215,7 +213,7 @@ def test_a_record_of_stick_slip_alone_is_refused(data, under_slip):
         rs.fit(data, START, each="step")
 
 
-def test_few_drops_and_small_ones_are_no_stick_slip(data, under_slip):
+def test_few_or_small_drops_are_not_stick_slip(data, under_slip):
     begin = float(under_slip.step_t[3])
     found = [len(stick_slip_slides(sawtooth(data, n, begin), SLIDER.sigma)) for n in (3, 4)]
     assert found == [0, 1]
@@ -226,7 +224,7 @@ def test_few_drops_and_small_ones_are_no_stick_slip(data, under_slip):
         assert len(stick_slip_slides(one, SLIDER.sigma)) == count
 
 
-def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
+def test_the_joint_fit_uses_only_converged_fits(data, monkeypatch):
     settings = checked_settings(
         START,
         free=FREE,
@@ -249,7 +247,7 @@ def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
         point[step.solution.unknowns.names.index("b")] *= 3.0
         return changed(step, point=point)
 
-    wild = [*map(runs_away, steps[:3]), steps[3]]  # with the medians of these no step slides on
+    wild = [*map(runs_away, steps[:3]), steps[3]]  # with medians of these no step moves
     assert shared_fit(wild).point == pytest.approx(joint.point, rel=1e-5)
 
     some = [changed(steps[0], converged=False), *steps[1:]]
@@ -263,7 +261,7 @@ def test_the_joint_fit_is_of_fits_that_have_converged(data, monkeypatch):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_steps_up_and_down_are_alike_under_the_right_law_alone():
-    """Of steps of the slip law the aging law wants Dc shorter up and longer down."""
+    """For steps of the slip law, the aging law gives a shorter Dc up than down."""
     many = experiment(SLIDER, MANY, 400e-6, 200, seed=6, **NOISE)
     result = rs.fit(many, START, law=("slip", "aging"), each="step", errors="covariance")
     ratio = result.up_over_down.sel(parameter="Dc")
@@ -278,7 +276,7 @@ def test_steps_up_and_down_are_alike_under_the_right_law_alone():
     assert "aging law: steps up and steps down are not alike" in text
 
 
-def test_one_set_is_told_in_a_sentence(under_both):
+def test_the_summary_says_whether_one_set_serves_all_steps(under_both):
     text = " ".join(fitting.summary(under_both).split())
     assert "slip law: one set of parameters serves all steps" in text
     assert "aging law: one set of parameters does not serve all steps" in text
@@ -286,20 +284,20 @@ def test_one_set_is_told_in_a_sentence(under_both):
     assert f"for 9 parameters fewer (p = {p:.2g})" in text
 
 
-def test_steps_up_beside_steps_down():
-    """Against Student's test of SciPy, where errors are small beside the scatter."""
+def test_ratio_of_steps_up_and_down():
+    """Compare with Student's test of SciPy, for errors much smaller than the scatter."""
     rng = np.random.default_rng(4)
     up, down = rng.normal(0.1, 0.2, 7), rng.normal(0.0, 0.2, 5)
     found = ratio_of((up, np.full(7, 1e-3)), (down, np.full(5, 1e-3)), True)
     expected = ttest_ind(up, down)
     assert found.value == pytest.approx(np.exp(up.mean() - down.mean()))
     assert found.p_value == pytest.approx(expected.pvalue, rel=1e-6)
-    # of one step each nothing is known of the scatter
+    # with one step in each group the scatter is unknown
     alone = ratio_of(np.array([[0.2], [0.01]]), np.array([[0.1], [0.01]]), True)
     assert alone.value == pytest.approx(np.exp(0.1))
     assert np.isnan(alone.error)
     assert np.isnan(alone.p_value)
-    # where errors are large they are what counts
+    # if errors are larger than the scatter, the error follows from them
     wide = ratio_of((up, np.full(7, 0.5)), (down, np.full(5, 0.5)), True)
     assert wide.error == pytest.approx(wide.value * 0.5 * np.sqrt(1 / 7 + 1 / 5))
 
@@ -321,13 +319,13 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_of_many_rows_means_are_fitted(monkeypatch):
+def test_many_rows_are_averaged(monkeypatch):
     data = experiment(SLIDER, (SLOW, FAST), 500e-6, 2000, seed=2, **NOISE)
     (whole,) = rs.fit(data, START, each="step", errors="covariance").groupby("step")
     monkeypatch.setattr(each, "MOST", 400)
     (fewer,) = rs.fit(data, START, each="step", errors="covariance").groupby("step")
     whole, fewer = whole[1].squeeze(), fewer[1].squeeze()
-    # (a window begins at a row, to rounding: the step is just after the row where it is seen)
+    # a window begins at a row, and the step is just after a row
     assert (int(whole.samples), int(whole.rows_per_sample)) == (2999, 1)
     assert (int(fewer.samples), int(fewer.rows_per_sample)) == (374, 8)
     for name in FREE:
@@ -336,7 +334,7 @@ def test_of_many_rows_means_are_fitted(monkeypatch):
         assert float(fewer.standard_error.sel(parameter=name)) < 2.0 * error, name
 
 
-def test_where_all_fail_is_an_error(data):
+def test_a_record_in_which_all_fits_fail_is_refused(data):
     with pytest.raises(rs.ParameterError, match="none of the 4 steps and holds can be fitted"):
         rs.fit(data.assign(friction=data.friction * np.nan), START, each="step")
 
@@ -354,7 +352,7 @@ def test_settings_that_do_not_go_together(data, changed, match):
         rs.fit(data, START, **({"each": "step"} | changed))
 
 
-def test_normal_stress_that_changes_slowly_is_no_step(data):
+def test_a_slow_change_of_normal_stress_is_not_a_step(data):
     wave = 8e6 * (1.0 + 0.1 * np.sin(data.time.values / 60.0))
     windows = windows_of(data.assign(sigma=("time", wave)))
     assert [window.kind for window in windows] == ["step", "step", "hold", "step"]
@@ -377,21 +375,20 @@ def test_a_hold_at_the_end(data):
         (lambda data: data.isel(time=slice(None, None, -1)), "times must increase"),
     ],
 )
-def test_what_is_no_record(data, spoil, match):
+def test_data_that_are_not_a_record_are_refused(data, spoil, match):
     with pytest.raises(rs.ParameterError, match=match):
         rs.fit(spoil(data), START, each="step")
 
 
+@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_window_that_begins_soon_after_a_step_has_a_free_start():
-    """The change before is not over by then: a start in steady sliding would bias the estimates."""
+    """The change before is not over: a start in steady sliding would bias the fit."""
     speeds = (SLOW, FAST, SLOW, FAST)
     soon = experiment(SLIDER, speeds, 120e-6, 500, seed=3, noise=1e-4)
     windows = windows_of(soon)
-    assert windows[0].slid == np.inf
-    assert windows[1].slid == pytest.approx(60e-6, rel=0.02)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        result = rs.fit(soon, SLIDER, each="step", errors="covariance")
+    assert windows[0].slip_since_change == np.inf
+    assert windows[1].slip_since_change == pytest.approx(60e-6, rel=0.02)
+    result = rs.fit(soon, SLIDER, each="step", errors="covariance")
     deviation = [
         (result[name][1:] - getattr(SLIDER, name)) / result.standard_error.sel(parameter=name)[1:]
         for name in FREE
@@ -405,14 +402,14 @@ def test_a_record_without_steps():
         rs.fit(steady, START, each="step")
 
 
-def test_windows_hold_the_sliding_before_and_after(data):
+def test_windows_contain_the_sliding_before_and_after(data):
     windows = windows_of(data)
     assert [window.kind for window in windows] == ["step", "step", "hold", "step"]
     first, second, hold, last = windows
     assert first.end == second.t
     assert hold.end == last.t
     assert first.begin == pytest.approx(first.t / 2)
-    # not longer in displacement than what follows, but half of what there is at most
+    # the sliding before is at most as long as the sliding after, and at most half of it is used
     assert second.begin == pytest.approx(second.t - 25.0, abs=0.1)
     assert last.end > float(data.time[-1])
     assert last.part(data).time[-1] == data.time[-1]
@@ -420,7 +417,7 @@ def test_windows_hold_the_sliding_before_and_after(data):
 
 
 def test_many_rows_before_a_short_step_are_left_out():
-    """A run-in of hours does not enter the window of a step of seconds, but for `ROWS` rows."""
+    """A run-in of hours adds only `ROWS` rows to the window of a step of seconds."""
     t = np.concatenate([np.arange(0.0, 1000.0, 1.0), np.arange(1000.0, 1010.0, 0.01)])
     delta_lp = 1e-6 * np.maximum(t, 10.0 * t - 9000.0)
     friction = 0.6 + 1e-4 * np.random.default_rng(1).normal(size=t.size)
@@ -432,7 +429,7 @@ def test_many_rows_before_a_short_step_are_left_out():
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_steps_of_normal_stress_give_alpha():
-    """a, b, Dc and K are those of the velocity steps, whose errors count."""
+    """a, b, Dc and K are held at estimates from velocity steps, with their errors."""
     slider = SLIDER.replace(alpha=0.25)
     loading = rs.Loading.steps(SLOW, (150.0, FAST), (220.0, SLOW))
     loading = loading.sigma_step(400.0, "8.8 MPa").sigma_step(600.0, "9.6 MPa")
@@ -461,7 +458,7 @@ def test_steps_of_normal_stress_give_alpha():
 
 
 def test_the_mean_of_estimates():
-    """Without scatter the weighted mean; with much the plain one, and the scatter itself."""
+    """The mean is weighted without scatter, and plain with a large scatter."""
     rng = np.random.default_rng(2)
     errors = np.array([1.0, 2.0, 4.0])
     exact = mean_of(np.array([5.0, np.nan, 5.0, 5.0]), np.insert(errors, 1, np.nan))
@@ -478,8 +475,8 @@ def test_the_mean_of_estimates():
 
 @pytest.mark.statistics
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_intervals_of_experiments_hold_the_truth():
-    """More in benchmarks/experiments.py; these few, with noise slower than the transient too."""
+def test_intervals_of_experiments_contain_the_truth():
+    """See benchmarks/experiments.py for more; noise may be slower than transients."""
     inside = []
     for seed in (1, 4):
         case = drawn_experiment(seed, steps=5)
@@ -492,7 +489,7 @@ def test_intervals_of_experiments_hold_the_truth():
 
 
 def test_rows_of_a_table(under_both):
-    """A row for each step, under one law after the other, in laboratory units."""
+    """Rows are in laboratory units, for one law after the other."""
     table = pandas.read_csv(io.StringIO(laboratory_csv(rows_of(under_both), "step")))
     assert table["step"].tolist() == [1, 2, 3, 4] * 2
     assert table["law"].tolist() == ["slip"] * 4 + ["aging"] * 4
@@ -508,7 +505,7 @@ def test_rows_of_a_table(under_both):
 
 
 def test_the_slider_of_all_steps(under_both):
-    """Shared estimates, and medians of what each step has for itself."""
+    """It has shared estimates, or else medians over the steps."""
     slider = fitting.slider_of(under_both, law="slip")
     assert slider.law == "slip"
     for name in ("a", "b", "Dc"):
@@ -522,8 +519,8 @@ def test_the_slider_of_all_steps(under_both):
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 @pytest.mark.parametrize(("K", "sprung"), [("60 GPa/m", True), ("1e6 GPa/m", False)])
-def test_a_spring_that_is_left_out_is_told(K, sprung):
-    """K = inf takes elasticity for friction; the cause stands before what follows from it."""
+def test_a_missing_spring_has_a_warning(K, sprung):
+    """With K = inf elasticity passes for friction; this warning precedes the others."""
     truth = SLIDER.replace(K=K)
     data = experiment(truth, (SLOW, FAST, SLOW), 300e-6, 300, seed=4, noise=1.5e-4)
     rigid = truth.replace(K=np.inf)

@@ -1,6 +1,4 @@
-"""Velocity steps beside a ramp of normal stress, and with normal stress that varies in them."""
-
-import warnings
+"""Velocity steps beside a ramp of normal stress, or with varying normal stress."""
 
 import numpy as np
 import pytest
@@ -11,6 +9,7 @@ from ratestate import fitting
 from ratestate.records.fitting.steps import each
 from ratestate.records.fitting.steps.windows import windows_of
 
+pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 SLIDER = rs.SpringSlider(
     a=0.009, b=0.011, Dc="12 um", sigma="10 MPa", K="8 GPa/m", alpha=0.25, V0="3 um/s", law="aging"
 )
@@ -27,9 +26,7 @@ def recorded(loading, end, seed=2):
 
 
 def fitted(data, **settings):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        return rs.fit(data, START, each="step", errors="covariance", **settings)
+    return rs.fit(data, START, each="step", errors="covariance", **settings)
 
 
 def deviations(result, steps):
@@ -38,7 +35,7 @@ def deviations(result, steps):
     return (estimates - truth) / result.standard_error.sel(parameter=NAMES).values[steps]
 
 
-def test_a_ramp_of_a_second_leaves_the_steps_beside_it_right():
+def test_a_short_ramp_does_not_bias_the_steps_before_it():
     loading = rs.Loading.steps("3 um/s", (100.0, "10 um/s"), (140.0, "3 um/s"))
     data = recorded(loading.sigma_ramp(260.0, "11 MPa", 1.0), 390.0)
     result = fitted(data)
@@ -55,8 +52,8 @@ def test_a_ramp_of_a_second_leaves_the_steps_beside_it_right():
     assert (result.warnings.values[:2] == "").all()
 
 
-def test_a_step_in_which_normal_stress_varies_is_left_out_of_all():
-    """A bump of 4 % after the third step: a remark says so, and that alpha is held."""
+def test_a_step_with_varying_normal_stress_is_left_out_of_the_joint_fit():
+    """Normal stress rises by 4 % for a while after the third step."""
     loading = rs.Loading.steps("3 um/s", (60, "10 um/s"), (90, "3 um/s"), (160, "10 um/s"))
     loading = loading.sigma_ramp(165.0, "10.4 MPa", 2.0).sigma_ramp(168.0, "10 MPa", 2.0)
     data = recorded(loading, 195.0)
@@ -72,7 +69,7 @@ def test_a_step_in_which_normal_stress_varies_is_left_out_of_all():
 
 
 def test_a_step_in_a_ramp_begins_with_it():
-    """Windows after a ramp begin once it is over, if that is before the step."""
+    """A window after a ramp begins at the ramp's end, if that is before the step."""
     t = np.arange(0.0, 300.0, 0.1)
     x = 1e-6 * np.interp(t, [0.0, 150.0, 300.0], [0.0, 450.0, 1950.0])
     for begin, lasts in ((140.0, 1.0), (140.0, 20.0)):
@@ -84,12 +81,12 @@ def test_a_step_in_a_ramp_begins_with_it():
         assert step.begin < 150.0
 
 
-def test_estimates_at_a_bound_do_not_judge_all_steps(monkeypatch):
+def test_estimates_at_a_bound_are_left_out_of_the_joint_fit(monkeypatch):
     loading = rs.Loading.steps("3 um/s", (60, "10 um/s"), (90, "3 um/s"), (160, "10 um/s"))
     data = recorded(loading, 195.0)
 
     def at_its_bound(fit_window, windows, report=None):
-        """The fits, but b of the step at 160 s where its search ends."""
+        """Return the fits, with b of the step at 160 s moved to its bound."""
         fits = [step for steps in windows for step in fit_window(steps)]
         for k, step in enumerate(fits):
             if step.window.t > 150.0:

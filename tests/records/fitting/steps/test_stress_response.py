@@ -1,6 +1,4 @@
-"""alpha from a step of normal stress of which the record tells only a bound."""
-
-import warnings
+"""alpha from a step of normal stress that gives only an upper bound."""
 
 import numpy as np
 import pytest
@@ -13,6 +11,7 @@ from ratestate.records.fitting.steps import each
 from ratestate.records.fitting.steps.text import table_of
 from ratestate.records.fitting.steps.windows import windows_of
 
+pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m", alpha=0.0)
 START = SLIDER.replace(alpha=0.1)
 SLOW, FAST = 3e-6, 1e-5
@@ -30,16 +29,12 @@ def data():
 
 @pytest.fixture(scope="module")
 def result(data):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        return rs.fit(data, START, each="step")
+    return rs.fit(data, START, each="step")
 
 
 def test_the_interval_of_an_estimate_at_its_bound_is_closed_above(data):
-    """The noise's uncertainty would draw its upper end to the bound, or beyond."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        alone = rs.fit(windows_of(data)[-1].part(data), START, free=("alpha",))
+    """Widening by the noise's uncertainty would move the upper end to the bound."""
+    alone = rs.fit(windows_of(data)[-1].part(data), START, free=("alpha",))
     assert float(alone.alpha) < 1e-6
     (low, high), (lower, upper) = alone.interval.sel(parameter="alpha").values
     assert low == lower == 0.0
@@ -50,7 +45,7 @@ def test_the_interval_of_an_estimate_at_its_bound_is_closed_above(data):
 
 
 def test_the_table_shows_the_bound(result):
-    """It is that of the interval, which the errors of a, b, Dc and K have widened."""
+    """The interval is widened by the errors of a, b, Dc and K."""
     heads, *rows = table_of(result, "slip")
     of_stress = next(row for row in rows if row[0] == "3")
     upper = float(result.interval.sel(parameter="alpha", level=0.95, side="upper")[-1])
@@ -67,22 +62,17 @@ def test_normal_stress_before_and_after(result):
 
 
 def test_laws_that_fit_no_step_do_not_fit(data):
-    """As where the noise that is given is a tenth of that of the record."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        settings = {"each": "step", "law": ("slip", "aging"), "errors": "covariance"}
-        steps = data.sel(time=slice(0.0, 390.0))
-        found = rs.fit(steps, START, ("a", "Dc"), noise=3e-5, **settings)
+    """The given noise is a tenth of the record's noise."""
+    settings = {"each": "step", "law": ("slip", "aging"), "errors": "covariance"}
+    steps = data.sel(time=slice(0.0, 390.0))
+    found = rs.fit(steps, START, ("a", "Dc"), noise=3e-5, **settings)
     assert found.sizes["step"] == 2
     assert found.comparison.startswith("Neither law fits")
 
 
 def test_long_windows_are_averaged(data, monkeypatch):
-    """As those of other steps are."""
     monkeypatch.setattr(each, "MOST", 150)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.FitWarning)
-        found = rs.fit(data, START, each="step", errors="covariance")
+    found = rs.fit(data, START, each="step", errors="covariance")
     rows = [one.part(data).sizes["time"] for one in windows_of(data)]
     assert rows[-1] > 150
     np.testing.assert_array_equal(found.rows_per_sample, np.ceil(np.array(rows) / 150))

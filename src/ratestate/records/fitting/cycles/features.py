@@ -1,38 +1,38 @@
 """Features of cycles, by which the cycles of a record and of a model are compared.
 
-Phase holds no information on friction, and gives a likelihood many peaks.  So a record is cut into
-its cycles, these are folded into one profile, and six numbers are measured on that.  The period has
-four parts, between the times at which tau/sigma crosses 1/4 and 3/4 of the way from its smallest to
-its largest value:
+The phase holds no information on friction, and would give the likelihood many peaks.  So a
+record is cut into cycles, these are averaged into one profile, and six features of the profile
+are measured.  The period has four parts, between the times at which tau/sigma crosses 1/4 and
+3/4 of its range:
 
     amplitude   peak-to-peak tau/sigma                  period
     rise        from 1/4 to 3/4, the spring loading     high   above 3/4
     drop        from 3/4 to 1/4, slip faster than V_lp  level  mean tau/sigma
 
-The time below 1/4 is the rest of the period.  Six features at one speed are as many as
-the numbers a, b, Dc, K, M and mu0 that a cycle depends on.  Crossings are steep, where extremes
-are flat, so that noise moves them little.
+The time below 1/4 is the rest of the period.  Six features at one speed are as many as the
+parameters a, b, Dc, K, M and mu0 of a cycle.  The curve is steep at the crossings and flat at
+the extremes, so that noise moves the crossings little.
 """
 
 import numpy as np
 
 FEATURES = ("amplitude", "period", "rise", "high", "drop", "level")
 AMPLITUDE, PERIOD, RISE, HIGH, DROP, LEVEL = range(len(FEATURES))
-# Phases at which a model's profile is known.
+# Number of phases of a model's profile.
 FINE = 1024
-# Halvings of a phase's width that find an extreme, which is flat: to 1e-6 of the period.
+# Bisections in the search for an extreme, to 1e-6 of the period.
 HALVINGS = 11
-# Of the amplitude, where the four parts of the period meet.
+# Fractions of the range at which the four parts of the period meet.
 UPPER, LOWER = 0.75, 0.25
 
 
 def profile_features(profiles, period, extremes=None):
-    """(n, 6) features of profiles (n, m) over one period (n,): logarithms, but for the level.
+    """Return features (n, 6) of profiles (n, m) over one period (n,).
 
     extremes : (n, 2) smallest and largest values, if known more precisely
 
-    A profile begins anywhere, and has one largest and one smallest value; not checked here.  A part
-    of no length has -inf, or NaN.
+    Features are logarithms, except the level.  A profile may begin anywhere, and must have one
+    largest and one smallest value.  A part without length has -inf or NaN.
     """
     n, m = profiles.shape
     top = np.argmax(profiles, axis=1)
@@ -63,11 +63,12 @@ def profile_features(profiles, period, extremes=None):
 
 
 def wave_profiles(grid, waves, bins):
-    """Profiles (n, FINE) and extremes (n, 2) of waves (n, q) at phases grid (q,) from 0 to 1.
+    """Return profiles (n, FINE) and extremes (n, 2) of waves (n, q).
 
-    The values are means of the wave over the width of a bin, the wave being linear between the
-    phases given.  There are more of them than bins, so that features change smoothly with
-    parameters.
+    grid : (q,) phases of the waves from 0 to 1, between which they are linear
+
+    Values are means of the wave over the width of a bin.  There are more values than bins, so that
+    features change smoothly with parameters.
     """
     step = np.diff(grid)
     sums = np.zeros_like(waves)
@@ -86,10 +87,10 @@ def wave_profiles(grid, waves, bins):
 
 
 def _extremum(grid, waves, near, half, sign):
-    """(n,) phases near these where sliding means are largest (sign 1) or smallest (-1).
+    """Return phases (n,) at which means are largest (sign 1) or smallest (-1).
 
-    There a wave has equal values at both ends of the window.  By bisection: a parabola would be
-    misled by kinks between the phases of the profile.
+    There a wave has equal values at both ends of the window.  Bisection finds them: kinks between
+    the phases of the profile would mislead a parabola.
     """
     low, high = near - 1.0 / FINE, near + 1.0 / FINE
     for _ in range(HALVINGS):
@@ -103,7 +104,7 @@ def _extremum(grid, waves, near, half, sign):
 
 
 def _pieces(grid, waves, within):
-    """Numbers, values and slopes of the linear pieces of waves at phases within (n or 1, e)."""
+    """Return indices, values, slopes of a wave's linear pieces at phases (n or 1, e)."""
     j = np.clip(np.searchsorted(grid, within, side="right") - 1, 0, grid.size - 2)
     j = np.broadcast_to(j, (len(waves), j.shape[1]))
     left = np.take_along_axis(waves, j, axis=1)
@@ -111,7 +112,7 @@ def _pieces(grid, waves, within):
 
 
 def _integrals(grid, waves, sums, ends):
-    """(n, e) integrals of periodic waves from phase 0 to phases ends (n or 1, e)."""
+    """Return integrals (n, e) of periodic waves from phase 0 to phases (n or 1, e)."""
     periods, within = np.divmod(ends, 1.0)
     j, left, rate = _pieces(grid, waves, within)
     beyond = within - grid[j]

@@ -1,4 +1,4 @@
-"""The fit of a record of stick-slip or vibration, by the features of its limit cycles."""
+"""The fit of a record of stick-slip or vibration by features of its limit cycles."""
 
 from typing import NamedTuple
 
@@ -24,10 +24,10 @@ from .measured import corrected, measure
 from .model import wave_at
 from .problem import CyclesProblem, check_slider, starting_points
 
-# Probability of a misfit by errors of the features alone, below which the errors are enlarged.
+# Significance level of a misfit, beyond which errors are enlarged.
 CHANCE = 0.01
-# Runs are distinct if they end more standard errors apart, and fit equally well if their
-# chi-squared is this near to the best one's.
+# Distance between ends of distinct runs, in standard errors; difference of chi-squared between
+# runs that fit equally well.
 DISTINCT, EQUAL = 4.0, 4.0
 # Shifts of phase [cycles] that are tried to align the model's cycle with the record's.
 SHIFTS = np.linspace(-0.05, 0.05, 101)
@@ -37,44 +37,43 @@ class CyclesFit(NamedTuple):
     """Parameters of a slider from a record's cycles."""
 
     inference: Inference  # its solution has the errors of the features enlarged
-    runs: list  # `Solution` of each start, the best first
+    runs: list  # `Solution` from each start, the best first
     chi2: float  # of the features, with errors that are not enlarged
-    enlarged: float  # factor by which errors are enlarged, for a misfit beyond them
+    enlarged: float  # factor by which errors are enlarged because of a misfit
     left_out: list  # warnings on segments that have no cycles
 
     @property
     def problem(self):
-        """The `CyclesProblem`."""
         return self.inference.solution.problem
 
     def cycles(self):
-        """Features (s, 6) and waves (s, q) of the fitted cycles."""
+        """Return features (s, 6) and waves (s, q) of the fitted cycles."""
         features, waves = self.problem.forward.cycles(self.inference.solution.point[None])
         return features[0], waves[0]
 
 
 def fit_cycles(record, slider, free, loading=None):
-    """`CyclesFit` of a record; each segment at one load-point speed that oscillates is fitted.
+    """Return the `CyclesFit` of a record; it includes all segments that oscillate.
 
-    ParameterError as of `segments_of` and `check_slider`, and: cycles in no segment; not more
-    features than unknowns; no cycle of the model at any start.
+    ParameterError as of `segments_of` and `check_slider`, and: no segment has cycles; there are too
+    few features; the model has no cycle at any start.
     """
     segments = segments_of(record, slider, loading)
     check_slider(slider, free)
-    measured, left_out = _measured(segments)
+    measured, left_out = _measured_segments(segments)
     problem = _checked_problem(slider, free, measured)
-    runs = _searched(problem, starting_points(problem))
-    # The shift by noise is found about the model's cycle, which has none.
+    runs = _solutions_from(problem, starting_points(problem))
+    # The model's cycle has no noise, and so gives a better estimate of the shift by noise.
     features, waves = runs[0].problem.forward.cycles(runs[0].point[None])
     measured = tuple(map(corrected, measured, map(wave_at, waves[0]), features[0]))
     problem = _checked_problem(slider, free, measured)
-    runs = _searched(problem, [run.point for run in runs])
+    runs = _solutions_from(problem, [run.point for run in runs])
     best, dof = runs[0], problem.dof
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
     enlarged = float(np.sqrt(best.chi2 / dof)) if misfit else 1.0
     noise = problem.noise.times(enlarged)
     solution = best._replace(
-        problem=best.problem.about(best.point),
+        problem=best.problem.bounded_about(best.point),
         noise=noise,
         covariance=enlarged**2 * best.covariance,
         chi2=best.chi2 / enlarged**2,
@@ -85,8 +84,8 @@ def fit_cycles(record, slider, free, loading=None):
     return CyclesFit(inference, runs, chi2, enlarged, left_out)
 
 
-def _measured(segments):
-    """`Measured` of the segments that have cycles, and warnings on the others."""
+def _measured_segments(segments):
+    """Return `Measured` segments (tuple), and warnings on segments without cycles."""
     measured, refused = [], []
     for segment in segments:
         try:
@@ -100,7 +99,7 @@ def _measured(segments):
 
 
 def _checked_problem(slider, free, measured):
-    """The `CyclesProblem`; ParameterError for more unknowns than features."""
+    """Return the `CyclesProblem`; ParameterError if there are too few features."""
     problem = CyclesProblem(slider, free, measured)
     features = problem.observed.size
     if len(free) < features:
@@ -113,12 +112,12 @@ def _checked_problem(slider, free, measured):
     raise sentences.refusal("cycles.few_features", **names, features=features, listed=listed)
 
 
-def _searched(problem, starts):
-    """`Solution`s (list) from these points, the best first; ParameterError if none has a cycle."""
+def _solutions_from(problem, starts):
+    """Return `Solution`s (list), the best first; ParameterError if none has a cycle."""
     runs = []
     for start in starts:
         try:
-            runs.append(solution_from(problem.about(start), start, problem.noise))
+            runs.append(solution_from(problem.bounded_about(start), start, problem.noise))
         except ParameterError:
             continue  # no cycle there
     if not runs:
@@ -128,7 +127,7 @@ def _searched(problem, starts):
 
 
 def cycles_dataset(fit):
-    """The Dataset of a `CyclesFit`: estimates, features of the segments, starts, curves, texts."""
+    """Return the Dataset of a `CyclesFit`."""
     features, waves = fit.cycles()
     measured = fit.problem.measured
     result = xarray.merge(
@@ -148,7 +147,7 @@ def cycles_dataset(fit):
 
 
 def _feature_variables(measured, fitted):
-    """Features measured and fitted, in SI."""
+    """Return measured and fitted features in SI."""
     is_level = np.arange(len(FEATURES)) == LEVEL
     errors = np.sqrt([np.diag(m.covariance) for m in measured])
     logs = np.array([m.values for m in measured]), fitted
@@ -169,11 +168,11 @@ def _feature_variables(measured, fitted):
 
 
 def _start_variables(runs):
-    """Where each start ended."""
+    """Return the end of the search from each start."""
     names = runs[0].unknowns.names[:-1]
     values = [_end_of(run) for run in runs]
     status = [
-        "at a bound" if run.at_bound.any() else "converged" if run.converged else "not converged"
+        "at a bound" if run.at_bound else "converged" if run.converged else "not converged"
         for run in runs
     ]
     chi2 = np.array([run.chi2 for run in runs])
@@ -189,12 +188,12 @@ def _start_variables(runs):
 
 
 def _end_of(run):
-    """Symbol -> value [SI] (float) of the slider at the end of a run."""
+    """Return symbol -> value [SI] of the slider at the end of a run."""
     return {s: float(v[0]) for s, v in run.problem.forward.values(run.point[None]).items()}
 
 
 def _curves(measured, waves):
-    """The record's cycles, and the model's aligned with them."""
+    """Return the record's cycles, and the model's cycles aligned with them."""
     times, friction, fitted = [], [], []
     for one, wave in zip(measured, waves, strict=True):
         cycles, model = one.cycles, wave_at(wave)
@@ -209,7 +208,7 @@ def _curves(measured, waves):
 
 
 def diagnose(fit):
-    """A note on what is determined (str), and warnings (list of str)."""
+    """Return a note on what is determined (str), and warnings (list of str)."""
     note, warnings = identifiability(fit.inference)
     notes = [note, sentences("cycles.numbers")]
     notes += [f"{text[0].upper()}{text[1:]}." for one in fit.problem.measured for text in one.notes]
@@ -224,7 +223,7 @@ def diagnose(fit):
 
 
 def _misfit(fit):
-    """A warning if the fitted cycles are off by more than the errors, and in which features."""
+    """Yield a warning if the fit is off by more than errors, with the features."""
     if fit.enlarged == 1.0:
         return
     off = []
@@ -241,9 +240,9 @@ def _misfit(fit):
 
 
 def _equal_fits(fit):
-    """Warnings on other minima that fit as well."""
+    """Yield warnings on other minima that fit as well."""
     errors = np.sqrt(np.diag(fit.inference.solution.covariance))[:-1]
-    # (coordinate by coordinate: along a curved valley the covariance at one end misleads)
+    # coordinate by coordinate, because the covariance misleads along a curved valley
     for i in distinct([run.point[:-1] for run in fit.runs], DISTINCT * errors)[1:]:
         if fit.runs[i].chi2 - fit.runs[0].chi2 < EQUAL:
             end = _end_of(fit.runs[i])

@@ -1,4 +1,4 @@
-"""The segments of a record that oscillate, cut into their cycles and folded into one."""
+"""The segments of a record that oscillate, cut into cycles and averaged into one."""
 
 from itertools import pairwise
 from typing import NamedTuple
@@ -12,20 +12,20 @@ from ...raw_record import raw_record
 
 # Fewest samples of a segment that is used.
 FEWEST = 20
-# Scatter of the periods beyond which cycles do not repeat.  An amplitude counts as a transient's if
-# it is off by so many standard deviations and by this part of the typical one.
+# Largest relative scatter of regular periods.  An amplitude belongs to a transient if it differs
+# from the typical one by this many standard deviations and by this fraction.
 IRREGULAR, TRANSIENT, DEVIATION = 0.2, 6.0, 0.05
-# Fewest cycles, and samples in a cycle, that can be used.
+# Fewest cycles, and fewest samples in a cycle.
 FEWEST_CYCLES, FEWEST_SAMPLES = 3, 6
-# Parts of a period over which noise is smoothed before cycles are cut.
+# Noise is smoothed over a period divided by this number before cycles are cut.
 SMOOTH = 12
-# Excursion to both sides of the middle, over the smoothed amplitude, that makes a crossing.
+# Excursion to both sides of the middle that makes a crossing, divided by the smoothed amplitude.
 EXCURSION = 0.2
-# Probability that the spectrum of mere noise passes for an oscillation.
+# Significance level of an oscillation in the spectrum.
 CHANCE = 1e-4
-# Samples, in all and in a cycle, beyond which neighbours are averaged.
+# Numbers of samples, in all and in a cycle, beyond which neighbours are averaged.
 MANY, PLENTY = 20_000, 256
-# Most samples, so averaged: the bootstrap folds all of them many times.
+# Most averaged samples: the bootstrap folds all of them many times.
 MOST = 200_000
 
 
@@ -38,13 +38,13 @@ class Segment(NamedTuple):
 
 
 class Cycles(NamedTuple):
-    """A segment of record, cut and folded into one cycle of m bins."""
+    """The cycles of a segment, averaged into one cycle of m bins."""
 
-    cuts: np.ndarray  # (n + 1,) [s] where tau falls through its middle
-    phase: np.ndarray  # (samples,) cycles since the first cut; < 0 or >= n outside of all
+    cuts: np.ndarray  # (n + 1,) times at which tau falls through its middle [s]
+    phase: np.ndarray  # (samples,) cycles since the first cut; < 0 or >= n outside
     profile: np.ndarray  # (m,) mean tau/sigma in each bin, trend removed
-    leave_one_out: np.ndarray  # (n, m) such profiles, each without one of the cycles
-    means: np.ndarray  # (n,) tau/sigma of each cycle less that of the profile
+    leave_one_out: np.ndarray  # (n, m) profiles without one of the cycles
+    means: np.ndarray  # (n,) mean tau/sigma of each cycle less that of the profile
     slope: float  # [1/s] trend removed, about the middle of the cycles
 
     @property
@@ -54,7 +54,7 @@ class Cycles(NamedTuple):
 
     @property
     def inside(self):
-        """(samples,) whether a sample is between the first and the last cut."""
+        """Whether samples (samples,) are between the first and the last cut."""
         return (self.phase >= 0.0) & (self.phase < self.n)
 
     @property
@@ -64,28 +64,28 @@ class Cycles(NamedTuple):
 
     @property
     def period(self):
-        """Slope of the cuts against their number [s]: least sensitive to noise of single cuts."""
+        """Slope of the cuts against their number [s], which averages their noise."""
         number = np.arange(self.cuts.size) - 0.5 * self.n
         return float(number @ self.cuts / (number @ number))
 
     def at(self, t):
-        """Folded tau/sigma at times t [s] between the first and the last cut, with the trend."""
+        """Return folded tau/sigma, with the trend, at times t [s] between the outer cuts."""
         phase = np.interp(t, self.cuts, np.arange(self.cuts.size))
         return periodic(self.profile, phase) + self.slope * (t - self.middle)
 
 
 def periodic(profile, phase):
-    """A profile of m bins, at phases in cycles; linear between the middles of bins."""
+    """Return a profile of m bins at phases in cycles, linear between middles of bins."""
     m = profile.size
     middles = (np.arange(-1, m + 1) + 0.5) / m
     return np.interp(phase % 1.0, middles, profile[np.arange(-1, m + 1) % m])
 
 
 def segments_of(record, slider, loading):
-    """list of `Segment`s of a record, in each of which the load point moves at one speed.
+    """Return the `Segment`s (list) of a record with the load point at one speed each.
 
-    ParameterError as of `raw_record` and `constant_speeds_of`, for a record of mu, and if
-    no segment has `FEWEST` samples.
+    ParameterError as of `raw_record` and `constant_speeds_of`, for a record of mu, and if no
+    segment has `FEWEST` samples.
     """
     raw = raw_record(record, slider)
     if raw.kind != "tau":
@@ -102,16 +102,16 @@ def segments_of(record, slider, loading):
 
 
 def main_period(t, y):
-    """Period [s] of the strongest oscillation about a record's trend.
+    """Return the period [s] of the strongest oscillation about a record's trend.
 
-    ParameterError for mere noise, and for too few cycles, or samples in one.
+    ParameterError for noise alone, too few cycles, or too few samples in a cycle.
     """
-    grid, even = _even(t, y)
+    grid, even = _resampled(t, y)
     power = np.abs(np.fft.rfft(even * np.hanning(even.size))[1:-1]) ** 2
     best = int(np.argmax(power))
     span = grid[-1] - grid[0]
     period = span / (best + 1)
-    # white noise: each line of the spectrum is exponential, and a window makes of 2 about 3
+    # lines of the spectrum of white noise are exponential; the window correlates them: 1.5
     if power[best] < 1.5 * np.log(power.size / CHANCE) * power.mean():
         raise sentences.refusal("cycles.no_oscillation", span=span)
     if best + 1 < FEWEST_CYCLES:
@@ -122,7 +122,7 @@ def main_period(t, y):
 
 
 def thinned(segment, period):
-    """A `Segment` with neighbouring samples averaged, if it has more than are needed.
+    """Return a `Segment`, with neighbouring samples averaged if it has very many.
 
     ParameterError if it still has more than `MOST`.
     """
@@ -140,14 +140,14 @@ def thinned(segment, period):
 
 
 def cut_cycles(t, y, period):
-    """(n + 1,) times [s] at which tau falls through its middle, once in about a period.
+    """Return times [s] at which tau falls through its middle, about once in a period.
 
-    The record less its mean over a period, smoothed over a twelfth of one, must pass from well
-    above to well below: noise in between makes no cut.  There may be no cut at all.
+    The smoothed record, less its mean over a period, must pass from well above its middle to well
+    below, so that noise makes no cut.  There may be no cut.
     """
-    grid, even = _even(t, y)
+    grid, even = _resampled(t, y)
     step = grid[1] - grid[0]
-    smooth = _mean_over(even, period / SMOOTH / step) - _mean_over(even, period / step)
+    smooth = _moving_average(even, period / SMOOTH / step) - _moving_average(even, period / step)
     low, high = np.percentile(smooth, (2.0, 98.0))
     middle, excursion = 0.5 * (high + low), EXCURSION * (high - low)
     side = np.where(smooth > middle + excursion, 1, np.where(smooth < middle - excursion, -1, 0))
@@ -162,9 +162,10 @@ def cut_cycles(t, y, period):
 
 
 def regular_cuts(segment, period):
-    """(n + 1,) times [s] to cut a segment into n cycles, and notes (tuple) on cycles left out.
+    """Return n + 1 times [s] that cut a segment into n cycles, and notes (tuple).
 
-    ParameterError if there are too few, or their periods scatter by more than `IRREGULAR`.
+    Notes are on cycles left out.  ParameterError if there are too few cycles, or if their periods
+    scatter by more than `IRREGULAR`.
     """
     t, y, V_lp = segment
     cuts = cut_cycles(t, y, period)
@@ -188,7 +189,7 @@ def regular_cuts(segment, period):
 
 
 def _transient(amplitude):
-    """Number of first cycles whose amplitude (n,) is unlike that of the later ones."""
+    """Return the number of first cycles with amplitudes (n,) unlike the later ones."""
     late = amplitude[amplitude.size // 2 :]
     typical = float(np.median(late))
     spread = 1.4826 * max(float(np.median(np.abs(x - np.median(x)))) for x in (late, amplitude))
@@ -197,9 +198,9 @@ def _transient(amplitude):
 
 
 def fold(t, y, cuts, bins):
-    """`Cycles` of a record with these cuts, the trend from cycle to cycle removed.
+    """Return the `Cycles` of a record with these cuts, without trend between cycles.
 
-    Of fewer than `FEWEST_CYCLES` none is.  Empty bins are interpolated.
+    The trend is 0 for fewer than `FEWEST_CYCLES`.  Empty bins are interpolated.
     """
     n = cuts.size - 1
     phase = np.interp(t, cuts, np.arange(n + 1.0), left=-1.0, right=n + 1.0)
@@ -220,8 +221,8 @@ def fold(t, y, cuts, bins):
     return Cycles(cuts, phase, profile, leave_one_out, means, slope)
 
 
-def _even(t, y):
-    """A record less its line of regression, interpolated to even times of its usual spacing."""
+def _resampled(t, y):
+    """Return a record less its line of regression, at times of even spacing."""
     flat = y - _slope(t, y) * (t - t[0])
     step = float(np.median(np.diff(t)))
     grid = np.linspace(t[0], t[-1], max(int((t[-1] - t[0]) / step), 1) + 1)
@@ -229,13 +230,12 @@ def _even(t, y):
 
 
 def _slope(t, y):
-    """Slope of the line of regression of a record."""
     u = t - t.mean()
     return float(u @ y / (u @ u))
 
 
-def _mean_over(y, width):
-    """Means over a window of this width [samples] about each sample; edge values near the ends."""
+def _moving_average(y, width):
+    """Return means over a window of this width [samples]; edge values near the ends."""
     half = min(round(width) // 2, (y.size - 1) // 2)
     if half < 1:
         return y
@@ -243,7 +243,7 @@ def _mean_over(y, width):
 
 
 def _filled(total, count):
-    """Means of bins (..., m); those of empty bins are interpolated."""
+    """Return means of bins (..., m); empty bins are interpolated."""
     mean = np.asarray(total / np.maximum(count, 1))
     at = np.arange(mean.shape[-1])
     for row, filled in zip(np.atleast_2d(mean), np.atleast_2d(count > 0), strict=True):

@@ -1,9 +1,10 @@
 """Features of a record with their errors, and the effect of noise on them.
 
-Noise shifts features: it makes the largest value larger, and displaces cuts.  The shift, and the
-covariance of the features, come from a parametric bootstrap: a cycle without noise, sampled as the
-record is, plus noise of the record's size and correlation, is measured many times.  Where cycles
-differ from each other by more than such noise explains, the errors are enlarged to their scatter.
+Noise shifts features: it enlarges the largest value, and displaces cuts.  A parametric bootstrap
+gives the shift and the covariance of the features.  A cycle without noise is sampled as the
+record is, noise of the record's size and correlation is added, and the features are measured.
+If cycles differ from each other by more than such noise explains, the errors are enlarged to
+their scatter.
 """
 
 from typing import NamedTuple
@@ -26,29 +27,29 @@ from .folding import (
     thinned,
 )
 
-# Bins of the profile: their least and largest number; noise in one over the amplitude, as a target.
+# Least and largest number of bins of a profile; target of a bin's noise, divided by the amplitude.
 BINS, BIN_NOISE = (24, 128), 0.01
-# Artificial records, and the seed of their noise.
+# Number of artificial records, and the seed of their noise.
 COPIES, SEED = 80, 20190117
-# Relative error of a machine's speed and stress at best: no feature counts as more certain.
+# Least relative error of features: that of a machine's speed and stress.
 MACHINE_ERROR = 1e-3
-# Probability of calling equal cycles different.
+# Significance level of differences between cycles.
 CHANCE = 0.005
-# A part of the period this short, in bins, is not resolved; nor one this uncertain (of 1).
+# Shortest part of the period that is resolved, in bins; largest error of a resolved logarithm.
 RESOLVED, UNCERTAIN = 1.5, 0.3
-# A trend over the cycles below this part of the amplitude is not mentioned.
+# Trend over the cycles, as a fraction of the amplitude, below which it is not mentioned.
 DRIFT = 0.1
 
 
 class Measured(NamedTuple):
-    """Features of a segment; logarithms, but for the level."""
+    """Features of a segment; logarithms, except the level."""
 
     segment: Segment  # without the cycles left out
     cycles: Cycles
     noise: SampleNoise  # of tau/sigma
-    raw: np.ndarray  # (6,) as measured, shifted by noise
+    raw: np.ndarray  # (6,) features that noise has shifted
     left_out: tuple  # notes on cycles left out
-    # by `corrected`
+    # set by `corrected`
     values: np.ndarray = np.full(len(FEATURES), np.nan)  # (6,) corrected for the shift
     covariance: np.ndarray = np.eye(len(FEATURES))
     used: np.ndarray = np.zeros(len(FEATURES), bool)  # whether the record resolves the feature
@@ -62,14 +63,14 @@ class Measured(NamedTuple):
 
 
 def measure(segment):
-    """`Measured` features of a segment.
+    """Return the `Measured` features of a segment.
 
-    ParameterError: no oscillation above the noise, too few cycles, or cycles that do not repeat.
+    ParameterError: no oscillation above the noise, too few cycles, or irregular cycles.
     """
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
     cuts, left_out = regular_cuts(segment, period)
-    bins = _bins(segment, fold(segment.t, segment.y, cuts, BINS[0]))
+    bins = _number_of_bins(segment, fold(segment.t, segment.y, cuts, BINS[0]))
     cycles = fold(segment.t, segment.y, cuts, bins)
     raw = _features(cycles)
     measured = Measured(segment, cycles, _residual_noise(segment, cycles), raw, left_out)
@@ -77,12 +78,12 @@ def measure(segment):
 
 
 def corrected(measured, wave, features):
-    """`Measured` with the shift by noise and the covariance found by a bootstrap about this cycle.
+    """Return `Measured` with shift and covariance from a bootstrap about a cycle.
 
-    wave : callable, tau/sigma at phases in cycles, falling through its middle at 0
+    wave : function of phases in cycles, returns tau/sigma, which falls through its middle at 0
     features : (6,) of that cycle, without noise
 
-    ParameterError where noise hides the cycles in half of the copies.
+    ParameterError if noise hides the cycles in half of the copies.
     """
     segment, cycles = measured.segment, measured.cycles
     rng = np.random.default_rng(SEED)
@@ -90,7 +91,7 @@ def corrected(measured, wave, features):
     sample = float(np.median(np.diff(phase)))
     copies = []
     for _ in range(COPIES):
-        # the phase of the samples is uncertain by a sample
+        # the phase is uncertain by the spacing of samples
         clean = wave(phase + sample * rng.uniform(-0.5, 0.5))
         y = clean + measured.noise.draw(clean.size, rng)
         cuts = cut_cycles(segment.t, y, cycles.period)
@@ -124,7 +125,7 @@ def corrected(measured, wave, features):
 
 
 def _notes(measured, excess, used):
-    """Notes on trend and resolution, and warnings about scatter."""
+    """Return notes on trend and resolution, and warnings on scatter."""
     cycles, V_lp = measured.cycles, measured.segment.V_lp
     notes, warnings = [*measured.left_out], []
     drift = cycles.slope * (cycles.cuts[-1] - cycles.cuts[0])
@@ -138,8 +139,8 @@ def _notes(measured, excess, used):
     return tuple(notes), tuple(warnings)
 
 
-def _bins(segment, rough):
-    """Number of bins such that noise is small beside the amplitude and all bins have samples."""
+def _number_of_bins(segment, rough):
+    """Return the number of bins for which noise is small and no bin is empty."""
     inside = int(np.sum(rough.inside))
     noise = _residual_noise(segment, rough).sd
     amplitude = float(np.ptp(rough.profile))
@@ -149,12 +150,11 @@ def _bins(segment, rough):
 
 
 def _features(cycles):
-    """(6,) features of a folded record."""
     return profile_features(cycles.profile[None], np.array([cycles.period]))[0]
 
 
 def _scatter(cycles):
-    """(6,) variances of features from the differences between cycles (a jackknife)."""
+    """Return variances (6,) of features from differences between cycles (jackknife)."""
     n = cycles.n
     each = profile_features(cycles.leave_one_out, np.full(n, cycles.period))
     with np.errstate(invalid="ignore"):
@@ -166,7 +166,7 @@ def _scatter(cycles):
 
 
 def _excess(scatter, typical, n):
-    """(6,) variances beyond those of noise; 0 where chance explains the difference."""
+    """Return variances (6,) beyond those of noise; 0 if chance explains the excess."""
     limit = chdtri(n - 1, CHANCE) / (n - 1)
     with np.errstate(invalid="ignore"):
         real = scatter > limit * typical
@@ -174,7 +174,7 @@ def _excess(scatter, typical, n):
 
 
 def _residual_noise(segment, cycles):
-    """`SampleNoise` of a record about its folded cycle; robust against a few outliers."""
+    """Return the `SampleNoise` about the folded cycle, robust against outliers."""
     inside = cycles.inside
     residual = segment.y[inside] - cycles.at(segment.t[inside])
     residual -= np.interp(cycles.phase[inside], np.arange(cycles.n) + 0.5, cycles.means)

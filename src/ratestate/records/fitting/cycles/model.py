@@ -15,31 +15,32 @@ from ....friction.formulas import mu_ss
 from ..forward import cases_of, marched
 from .features import FEATURES, profile_features, wave_profiles
 
-# Phases of a wave, from where it falls through its middle: even, and geometric sequences on both
-# sides of the fall, which may take any part of the period.
-_BESIDE = np.geomspace(1e-7, 0.25, 110)
-GRID = np.unique(np.concatenate([np.linspace(0.0, 1.0, 513), _BESIDE, 1.0 - _BESIDE]))
-# Phases among which the fall is searched for, and then again between two of them; rounds.
+# Phases of a wave, from its fall through the middle: evenly spaced, and geometric sequences on both
+# sides of the fall, which may be very short.
+_NEAR_FALL = np.geomspace(1e-7, 0.25, 110)
+GRID = np.unique(np.concatenate([np.linspace(0.0, 1.0, 513), _NEAR_FALL, 1.0 - _NEAR_FALL]))
+# Number of phases in the first and later rounds of the search for the fall; number of rounds.
 COARSE, FINER, ROUNDS = 513, 129, 2
-# b/a between which cycles are searched for: beyond, they converge slowly.  The upper end is ten
-# times that of any friction known; at the lower one steady sliding is nearly neutral.
+# Range of b/a: beyond it cycles converge slowly.  The upper end is ten times that of any measured
+# friction; at the lower end steady sliding is nearly neutral.
 WEAKEST, STRONGEST = 1.01, 50.0
-# Tolerances of the cycle, and of the period that is saved, in x, ln V and psi.
+# Tolerances of the cycle, and of the stored period, in x, ln V and psi.
 RTOL, PERIOD_RTOL = 1e-7, 1e-8
 
 
 class Waves(NamedTuple):
-    """Limit cycles of n sliders; NaN where the attractor is none, or b/a is out of range."""
+    """Limit cycles of n sliders; NaN without a cycle, or if b/a is out of range."""
 
     period: np.ndarray  # (n,) [s]
     x: np.ndarray  # (n, q) (tau/sigma - its value in steady sliding)/a at the phases `GRID`
-    u: np.ndarray  # (n, 2) the cycle's point on the section of shooting.py, where x is largest
+    u: np.ndarray  # (n, 2) the cycle's point on the section of shooting.py, at the largest x
 
 
 def limit_waves(law, values, V_lp, near=None):
-    """`Waves` of n sliders: symbol -> (n,) of a, b > a, Dc, sigma, K, M > 0, at speeds V_lp (n,).
+    """Return the `Waves` of n sliders at speeds V_lp (n,).
 
-    near : (n, 2) points to start from, of nearly equal sliders; else steady sliding at V_lp/10
+    values : symbol -> (n,) of a, b > a, Dc, sigma, K, M > 0
+    near : (n, 2) points from which to start, of similar sliders; else steady sliding at V_lp/10
     """
     system = system_of(law, **values, V_lp=V_lp)
     n = V_lp.size
@@ -55,25 +56,25 @@ def limit_waves(law, values, V_lp, near=None):
     good = (cycle["error"] <= WORST) & (np.abs(cycle["multipliers"][:, 0]) < 1.0)
     which = which[good]
     u, period = cycle["u"][good], cycle["period"][good]
-    cycles.x[which] = _from_fall(system.at(which), u, period)
+    cycles.x[which] = _waves_from_fall(system.at(which), u, period)
     cycles.period[which] = period * values["Dc"][which] / V_lp[which]
     cycles.u[which] = u
     return cycles
 
 
 def wave_at(wave):
-    """A wave at the phases `GRID` as a function of phase, which may be any number of cycles."""
+    """Return a wave at the phases `GRID` as a periodic function of phase."""
     return lambda phase: np.interp(phase % 1.0, GRID, wave)
 
 
-def _from_fall(system, u, period):
-    """(n, q) x on the cycles through u, of periods (n,) [Dc/V_lp], at the phases `GRID`."""
+def _waves_from_fall(system, u, period):
+    """Return x (n, q), at phases `GRID` from the fall, on cycles through u."""
     low, high = np.zeros(period.size), np.ones(period.size)
     row, count = np.arange(period.size), COARSE
     middle = None
     for _ in range(ROUNDS):
         phases = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, count)
-        x = _saved(system, u, period, phases)
+        x = _x_at_phases(system, u, period, phases)
         if middle is None:
             middle = 0.5 * (x.max(axis=1) + x.min(axis=1))
         i = np.maximum(np.argmax(x < middle[:, None], axis=1), 1)
@@ -81,14 +82,14 @@ def _from_fall(system, u, period):
     phases = (0.5 * (low + high)[:, None] + GRID[:-1]) % 1.0
     order = np.argsort(phases, axis=1)
     x = np.empty((period.size, GRID.size))
-    saved = _saved(system, u, period, np.take_along_axis(phases, order, axis=1))
+    saved = _x_at_phases(system, u, period, np.take_along_axis(phases, order, axis=1))
     np.put_along_axis(x, order, saved, axis=1)
     x[:, -1] = x[:, 0]
     return x
 
 
-def _saved(system, u, period, phases):
-    """(n, m) x at phases (n, m) in increasing order; NaN where a run fails."""
+def _x_at_phases(system, u, period, phases):
+    """Return x (n, m) at increasing phases (n, m); NaN if a run fails."""
     cases = cases_of(
         kappa=system.kappa,
         p=system.beta[:, None],
@@ -108,20 +109,20 @@ def _saved(system, u, period, phases):
 
 
 class CycleModel:
-    """Features of cycles, of many sliders, at speeds V_lp (s,), folded into so many bins (s,)."""
+    """Features of the cycles of many sliders, at speeds V_lp (s,) with bins (s,)."""
 
     def __init__(self, law, V_lp, bins, sigma, V0):
         self.law, self.V_lp, self.bins, self.sigma, self.V0 = law, V_lp, bins, sigma, V0
 
-    # of values far from all sliders, which have no cycle
+    # values far from all sliders overflow, and have no cycle
     @np.errstate(over="ignore", divide="ignore", invalid="ignore")
     def features(self, values, near=None):
-        """Features (n, s, 6) with mu0 = 0, points (n, s, 2) and waves (n, s, q) of tau/sigma.
-
-        Features are those of `profile_features`, and NaN without a cycle.
+        """Return features (n, s, 6) with mu0 = 0, points (n, s, 2) and waves (n, s, q).
 
         values : symbol -> (n,) of a, b, Dc, K, M [SI]
-        near : (s, 2) points to start from
+        near : (s, 2) points from which to start
+
+        Features are those of `profile_features`, and NaN without a cycle.
         """
         n, s = values["a"].size, self.V_lp.size
         each = {symbol: np.repeat(value, s) for symbol, value in values.items()}

@@ -1,13 +1,13 @@
-"""The least squares of the features of cycles: coordinates, residuals, and where searches start.
+"""The least squares of features of cycles: coordinates, residuals and starting points.
 
 Coordinates are logarithms of the free parameters, and mu0, which only moves the level.  The
-amplitude of a cycle follows from how far below K_c the spring's stiffness is, and near K_c it
-changes hundredfold where parameters change by a few percent.  So b, or else a, moves as
+amplitude of a cycle follows from how far the stiffness is below K_c.  Near K_c it changes by a
+factor of a hundred if parameters change by a few per cent.  So b, or else a, moves as
 
-    ln(K_c/K - STRIP)
+    ln(K_c/K - LOWEST_RATIO)
 
-at the record's lowest speed: this coordinate changes the amplitude, the others change the shape of
-the cycle, and least squares need not follow a curved valley.
+at the record's lowest speed.  This coordinate changes the amplitude, and the others change the
+shape of the cycle, so that least squares need not follow a curved valley.
 """
 
 import copy
@@ -22,37 +22,42 @@ from ...messages import fitting as sentences
 from ..forward import ForwardModel
 from ..likelihood.quantities import ReportedQuantity
 from ..problem import LeastSquares
-from ..unknowns import Unknowns, distinct, of_slider, parameter
+from ..unknowns import Unknowns, distinct, motion_symbols
 from .features import FEATURES, LEVEL
 from .model import CycleModel
 
-# Largest distance of a coordinate from where a search starts.
-FAR = np.log(1e3)
-# K_c/K below which no cycle exists: some coexist with steady sliding, a little above K_c.
-STRIP = 0.98
-# Step of a difference in a coordinate.
+# Parameters that have no effect on cycles, and why.
+WITHOUT_EFFECT = {
+    "alpha": "a change of normal stress, which is constant here,",
+    "lag": "a delay of a load point that moves steadily",
+}
+# Largest distance of a coordinate from the start of a search.
+REACH = np.log(1e3)
+# K_c/K below which no cycle exists: a little above K_c, cycles coexist with steady sliding.
+LOWEST_RATIO = 0.98
+# Step of finite differences.
 STEP = 1e-3
 # Ranges from which starts are drawn.
-DIRECT = (3e-4, 0.03)  # a
-WEAKER = (0.01, 20.0)  # K_c/K - STRIP
-SLIPS = (2.0, 200.0)  # slip in a cycle, over Dc
-STIFFER = (0.9, 60.0)  # K over amplitude sigma/(V_lp period), that of a sawtooth
-LIGHTER = (1e-10, 1.0)  # (natural period/period)^2
-NEAR = 1.1  # half width of the range about the slider's own values, as a logarithm
-# Points of the cloud, most starts among them, and least distance between two starts.
+A_RANGE = (3e-4, 0.03)  # a
+EXCESS_RANGE = (0.01, 20.0)  # K_c/K - LOWEST_RATIO
+SLIP_RANGE = (2.0, 200.0)  # slip in a cycle divided by Dc
+STIFFNESS_RANGE = (0.9, 60.0)  # K divided by the sawtooth's amplitude sigma/(V_lp period)
+PERIOD_RANGE = (1e-10, 1.0)  # (natural period/period)^2
+OWN_RANGE = 1.1  # half width of the range about the slider's own values, as a logarithm
+# Number of points of the cloud, most starts among them, least distance between two starts.
 CLOUD, STARTS, DISTANCE, SEED = 512, 4, 0.3, 20190117
-# Least relative error of features in the choice of starts: the shape matters there, not digits.
+# Least relative error of features in the choice of starts, for which shapes matter, not digits.
 ROUGH = 0.1
 
 
 def check_slider(slider, free):
-    """ParameterError for what has no part in cycles, and for a slider without cycles.
+    """Raise a ParameterError for a useless parameter, or a slider without cycles.
 
-    It has none if M = 0, K = inf, or b <= a where both are given.
+    A slider has no cycles if M = 0, K = inf, or b <= a and neither is free.
     """
     for name in free:
-        if what := parameter(name).no_part_in_cycles:
-            raise sentences.refusal("cycles.no_part", name=name, what=what)
+        if name in WITHOUT_EFFECT:
+            raise sentences.refusal("cycles.no_part", name=name, what=WITHOUT_EFFECT[name])
     if slider.M == 0.0:
         raise sentences.refusal("cycles.massless")
     if np.isinf(slider.K):
@@ -64,54 +69,54 @@ def check_slider(slider, free):
 class CyclesForward(ForwardModel):
     """Features of the limit cycles of sliders, at the speeds of a record.
 
-    measured : `Measured` of each segment: those features that it resolves are compared
+    measured : `Measured` of each segment; the features that it resolves are compared
     """
 
     def __init__(self, slider, free, measured):
         super().__init__((*free, "level"), dict.fromkeys(free, STEP))
-        symbols = of_slider(slider.friction_law)
+        symbols = motion_symbols(slider.friction_law)
         self.fixed = {symbol: float(getattr(slider, symbol)) for symbol in symbols}
         self.sigma, self.used = float(slider.sigma), np.array([one.used for one in measured])
-        # the parameter in place of which the distance from steady sliding is a coordinate
+        # the parameter whose coordinate is ln(K_c/K - LOWEST_RATIO)
         self.replaced = "b" if "b" in free else "a" if "a" in free else None
         self.V_lp = np.array([one.segment.V_lp for one in measured])
         bins = [one.bins for one in measured]
         self.model = CycleModel(slider.law, self.V_lp, bins, self.sigma, slider.V0)
-        #: the last cycles found, (segments, 2): where cycles coexist with steady sliding, the
-        #: search for them so stays on the cycle
+        #: (segments, 2) last cycles.  Starting from them keeps the search on a cycle if
+        #: cycles coexist with steady sliding.
         self.near = None
 
-    # far from all sliders, where searches may try, values overflow: there is no cycle
+    # searches may try values far from all sliders, which overflow and have no cycle
     @np.errstate(over="ignore", divide="ignore", invalid="ignore")
     def values(self, points):
-        """Symbol -> (n,) [SI] of all that the cycles depend on at points (n, k), and the level."""
+        """Return symbol -> (n,) [SI] of the slider at points (n, k), and the level."""
         values = {symbol: np.full(len(points), value) for symbol, value in self.fixed.items()}
         moved = np.exp(np.clip(points[:, :-1].T, -700.0, 700.0))
         values |= zip(self.names[:-1], moved, strict=True)
         if self.replaced:
-            excess = values[self.replaced]  # K_c/K - STRIP
+            excess = values[self.replaced]  # K_c/K - LOWEST_RATIO
             rest = {s: values[s] for s in ("a", "b", "Dc", "M") if s != self.replaced}
             solve = b_of_K_c if self.replaced == "b" else a_of_K_c
-            critical = (excess + STRIP) * values["K"]
+            critical = (excess + LOWEST_RATIO) * values["K"]
             values[self.replaced] = solve(self.V_lp.min(), critical, sigma=self.sigma, **rest)
         return values | {"level": points[:, -1]}
 
     def coordinates(self, values):
-        """(n, k) of values, symbol -> (n,), where b > a; the level is 0."""
+        """Return coordinates (n, k) of values, symbol -> (n,), with b > a; level is 0."""
         columns = {s: np.log(values[s]) for s in self.names[:-1] if s != self.replaced}
         if self.replaced:
             of_K_c = {s: values[s] for s in ("a", "b", "Dc", "M")}
             ratio = K_c(self.V_lp.min(), sigma=self.sigma, **of_K_c) / values["K"]
-            columns[self.replaced] = np.log(np.maximum(ratio - STRIP, WEAKER[0]))
+            columns[self.replaced] = np.log(np.maximum(ratio - LOWEST_RATIO, EXCESS_RANGE[0]))
         columns["level"] = np.zeros_like(values["a"])
         return np.stack([columns[name] for name in self.names], axis=1)
 
-    def own(self):
-        """(1, k) coordinates of the slider's own values, moved to where cycles exist."""
+    def slider_coordinates(self):
+        """Return coordinates (1, k) of the slider, moved to the range with cycles."""
         return self.coordinates({symbol: np.array([v]) for symbol, v in self.fixed.items()})
 
     def cycles(self, points):
-        """Features (n, s, 6) and waves (n, s, q) of tau/sigma; NaN without a cycle."""
+        """Return features (n, s, 6) and waves (n, s, q); NaN without a cycle."""
         values = self.values(points)
         features, near, waves = self.model.features(values, self.near)
         if self.near is not None and not np.isfinite(features[0]).all():
@@ -122,25 +127,25 @@ class CyclesForward(ForwardModel):
         self.evaluations += len(points)
         return features + level * (np.arange(len(FEATURES)) == LEVEL), waves + level
 
-    def parts(self, points):
-        """Features (n, m) that are compared, and the derivative of these by the level."""
+    def friction_and_regressors(self, points):
+        """Return compared features (n, m), and their derivative by the level."""
         features, _ = self.cycles(points)
         is_level = np.broadcast_to(np.arange(len(FEATURES)) == LEVEL, self.used.shape)[self.used]
         by_level = np.broadcast_to(is_level.astype(float), (len(points), is_level.size))
         return features[:, self.used], {"level": by_level}
 
     def quantities(self):
-        """tuple of `ReportedQuantity`: free parameters, mu0, and a - b if a or b is free."""
-        found = [
+        """Return `ReportedQuantity`s: free parameters, mu0, a - b if a or b is free."""
+        quantities = [
             ReportedQuantity(name, self, self._log_of_replaced, is_log=True)
             if name == self.replaced
             else ReportedQuantity(name, self, is_log=True)
             for name in self.names[:-1]
         ]
-        found.append(ReportedQuantity("mu0", self, operator.itemgetter("level")))
+        quantities.append(ReportedQuantity("mu0", self, operator.itemgetter("level")))
         if self.replaced:
-            found.append(ReportedQuantity("a_minus_b", self, lambda x: x["a"] - x["b"]))
-        return tuple(found)
+            quantities.append(ReportedQuantity("a_minus_b", self, lambda x: x["a"] - x["b"]))
+        return tuple(quantities)
 
     def _log_of_replaced(self, values):
         return np.log(values[self.replaced])
@@ -152,13 +157,12 @@ class FeatureNoise(NamedTuple):
     root: np.ndarray  # (m, m) lower triangle: root @ root.T is the covariance
 
     def whiten(self, _, columns):
-        """(m, k) columns with errors of unit variance; ln det(covariance)."""
+        """Return columns (m, k) with errors of unit variance, and ln det(covariance)."""
         columns = np.reshape(columns, (len(self.root), -1))
         log_determinant = 2.0 * float(np.log(np.diag(self.root)).sum())
         return solve_triangular(self.root, columns, lower=True, check_finite=False), log_determinant
 
     def times(self, factor):
-        """Errors that are larger by a factor."""
         return FeatureNoise(factor * self.root)
 
 
@@ -182,20 +186,20 @@ class CyclesProblem(LeastSquares):
         """Number of features less the number of unknowns."""
         return self.observed.size - len(self.unknowns.names)
 
-    def about(self, point):
-        """The problem within bounds about a point (k,)."""
+    def bounded_about(self, point):
+        """Return the problem with bounds at `REACH` from a point (k,)."""
         other = copy.copy(self)
         other.forward = copy.copy(self.forward)
-        reach = np.append(np.full(point.size - 1, FAR), np.inf)
+        reach = np.append(np.full(point.size - 1, REACH), np.inf)
         other.unknowns = Unknowns(self.unknowns.names, point - reach, point + reach)
         return other
 
 
 def starting_points(problem):
-    """(n, k) points to search from, the best of a cloud, all distinct; n <= `STARTS`, or 0."""
+    """Return distinct points (n, k), n <= `STARTS`, the best of a cloud first."""
     forward = copy.copy(problem.forward)
     points = _cloud(forward, problem.measured[0])
-    features, lines = forward.parts(points)
+    features, lines = forward.friction_and_regressors(points)
     is_level = lines["level"][0] > 0.0
     residual = problem.observed - features
     points[:, -1] = residual[:, is_level].mean(axis=1)
@@ -206,15 +210,15 @@ def starting_points(problem):
 
 
 def _cloud(forward, first):
-    """(n, k) points: one half from the features of the first segment, one about the slider."""
+    """Return points (n, k): half near the slider, half from the features of `first`."""
     from scipy.stats import qmc
 
     names, n = forward.names[:-1], CLOUD // 2
     amplitude, period = np.exp(first.values[:2])
     V_lp = first.segment.V_lp
     drawn = qmc.Sobol(2 * len(names), rng=SEED).random(n)
-    about = forward.own() + np.zeros((n, 1))
-    about[1:, :-1] += NEAR * (2.0 * drawn[1:, : len(names)] - 1.0)
+    about = forward.slider_coordinates() + np.zeros((n, 1))
+    about[1:, :-1] += OWN_RANGE * (2.0 * drawn[1:, : len(names)] - 1.0)
     parts = dict(zip(names, drawn[:, len(names) :].T, strict=True))
     values = {symbol: np.full(n, value) for symbol, value in forward.fixed.items()}
 
@@ -223,15 +227,15 @@ def _cloud(forward, first):
 
     a = forward.fixed["a"]
     if "Dc" in parts:
-        values["Dc"] = V_lp * period / within("Dc", *SLIPS[::-1])
+        values["Dc"] = V_lp * period / within("Dc", *SLIP_RANGE[::-1])
     if "K" in parts:
-        values["K"] = amplitude * forward.sigma / (V_lp * period) * within("K", *STIFFER)
+        values["K"] = amplitude * forward.sigma / (V_lp * period) * within("K", *STIFFNESS_RANGE)
     if "M" in parts:
-        values["M"] = values["K"] * (period / (2.0 * np.pi)) ** 2 * within("M", *LIGHTER)
+        values["M"] = values["K"] * (period / (2.0 * np.pi)) ** 2 * within("M", *PERIOD_RANGE)
     if "a" in parts:
-        values["a"] = within("a", min(DIRECT[0], a / 3.0), max(DIRECT[1], 3.0 * a))
+        values["a"] = within("a", min(A_RANGE[0], a / 3.0), max(A_RANGE[1], 3.0 * a))
     from_features = forward.coordinates(values)
     if forward.replaced:
-        excess = within(forward.replaced, *WEAKER)
+        excess = within(forward.replaced, *EXCESS_RANGE)
         from_features[:, names.index(forward.replaced)] = np.log(excess)
     return np.concatenate([about, from_features])

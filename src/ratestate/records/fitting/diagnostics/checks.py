@@ -1,4 +1,4 @@
-"""Checks of a fit against its record: whether the estimates and errors can be relied on."""
+"""Checks of a fit against its record: whether estimates and errors are reliable."""
 
 import numpy as np
 
@@ -8,35 +8,35 @@ from ...load_point.stress_steps import VARIABLE, stress_range
 from ...messages import fitting as sentences
 from ..generalized_least_squares import responds, response
 from ..likelihood.transients import longest_distance
-from ..record import before_changes, changes
+from ..record import before_first_change, change_times
 from ..table import rate_dependence_text
-from ..unknowns import NEAR, of_slider, parameter
+from ..unknowns import NEAR, motion_symbols, parameter
 from .identifiability import bounds_of, identifiability
-from .left_out import left_out, rigid
+from .left_out import left_out, rigid_machine
 
-#: slip after the last step, over Dc, after which friction is steady again
+#: slip after the last step, divided by Dc, from which friction is steady
 STEADY = 3.0
-#: largest deviation of the mean normal stress from the slider's
-OFF = 0.02
-#: size of the residuals, over that of a given noise, that contradicts it
+#: largest relative deviation of the mean normal stress from the slider's
+STRESS_TOLERANCE = 0.02
+#: residuals, divided by the given noise, that contradict this noise
 CONTRADICTED = 1.5
-#: probability below which transients after the steps are not taken for noise
+#: significance level of transients after the steps
 CHANCE = 0.01
-#: errors of a trend from which it counts as one, and by which two trends that agree may differ
+#: standard errors by which a trend must differ from 0, and by which equal trends may differ
 CLEAR, AGREE = 3.0, 2.0
 #: side of a bound -> its name
 SIDES = {-1: "lower", 1: "upper"}
 
 
 def diagnose(inference, data):
-    """A note on what a record determines (str), and warnings (list of str)."""
+    """Return a note on what a record determines (str), and warnings (list of str)."""
     solution = inference.solution
     if not responds(solution):
         warning = _no_response(solution)
         return f"Nothing is determined: {warning}.", [warning, *_normal_stress(solution, data)]
     note, warnings = identifiability(inference)
     return note, [
-        *rigid(solution),  # first, for it explains others
+        *rigid_machine(solution),  # first, because it may explain the others
         *search_warnings(inference),
         *warnings,
         *_ends_early(inference),
@@ -48,11 +48,11 @@ def diagnose(inference, data):
 
 
 def _no_response(solution):
-    """The warning that level and trend alone fit as well."""
+    """Return the warning that level and trend alone fit as well."""
     gain, free = response(solution)
     slider = solution.problem.slider
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
-    given = [s for s in of_slider(slider.friction_law) if s not in solution.unknowns.names]
+    given = [s for s in motion_symbols(slider.friction_law) if s not in solution.unknowns.names]
     given = [s for s in given if s != "M" or slider.M > 0.0]
     return sentences(
         f"response.{'unsuited' if given else 'noise'}",
@@ -63,7 +63,7 @@ def _no_response(solution):
 
 
 def search_warnings(inference):
-    """Warnings (str, one by one) on the search, on the posterior, and on estimates at a bound."""
+    """Yield warnings on the search, the posterior, and estimates at a bound."""
     solution = inference.solution
     if not solution.converged:
         yield sentences("search.not_converged", evaluations=solution.evaluations)
@@ -73,23 +73,23 @@ def search_warnings(inference):
         yield from _posterior_warnings(inference.posterior, inference.quantities)
     coordinates = [q for q in inference.quantities if q.is_free]
     is_open = [q.name for q in coordinates if None in bounds_of(inference, q)]
-    sides = solution.unknowns.sides(solution.point)
+    sides = solution.unknowns.sides(solution.point, NEAR * solution.unknowns.ranges)
     for point, (name, side) in zip(solution.point, sides.items(), strict=True):
         if side and parameter(name).group == "start":
             which = "speed" if name == "V_start" else "state"
             yield sentences(f"start.{which}", name=name, ratio=np.exp(point), side=SIDES[side])
-        elif side and name not in is_open and not _above_zero(inference, name, point):
+        elif side and name not in is_open and not _is_above_zero(inference, name, point):
             shown = readable(name, inference.estimates.of(name).value, 3)
             yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 
-def _above_zero(inference, name, point):
-    """Whether what cannot be negative is near to 0, but not for being held there."""
+def _is_above_zero(inference, name, point):
+    """Return whether a parameter >= 0 is close to 0, but not held there."""
     return parameter(name).least == 0.0 and point > NEAR * inference.estimates.of(name).error
 
 
 def _posterior_warnings(posterior, quantities):
-    """Warnings on samples that are too few, or cut off by the prior."""
+    """Yield warnings on samples that are too few, or truncated by the prior."""
     if not posterior.complete:
         yield sentences("posterior.incomplete", evaluations=posterior.evaluations)
     if not posterior.reliable:
@@ -101,11 +101,11 @@ def _posterior_warnings(posterior, quantities):
 
 
 def _ends_early(inference):
-    """A warning if the record ends before friction is steady after the last step."""
+    """Yield a warning if the record ends before friction is steady again."""
     problem = inference.solution.problem
     name, D, high = longest_distance(inference.estimates, problem.slider)
     record, loading = problem.record, problem.record.loading
-    last = max(changes(loading), default=0.0)
+    last = max(change_times(loading), default=0.0)
     slip = float(np.diff(loading.delta_lp(np.array([last, record.t[-1]])))[0])
     if loading.V[-1] == 0.0 or slip >= STEADY * high:
         return
@@ -117,33 +117,33 @@ def _ends_early(inference):
 
 
 def is_misfit(inference):
-    """Whether residuals are larger than the noise given, or have transients after steps."""
-    return _over_given(inference.solution) >= CONTRADICTED or inference.chance < CHANCE
+    """Return whether residuals exceed the given noise, or have transients."""
+    return _noise_ratio(inference.solution) >= CONTRADICTED or inference.p_value < CHANCE
 
 
 def _misfit(inference):
-    """Warnings on residuals that are as `is_misfit` says."""
+    """Yield the warnings on a misfit, and on a test for transients that failed."""
     solution = inference.solution
-    if (ratio := _over_given(solution)) >= CONTRADICTED:
+    if (ratio := _noise_ratio(solution)) >= CONTRADICTED:
         yield sentences("residuals.above_noise", ratio=ratio)
-    if inference.chance < CHANCE:
+    if inference.p_value < CHANCE:
         massless = solution.problem.forward.fixed["M"] == 0.0
         mass = "the machine's mass (M is 0), " if massless else ""
         other = "another law"
         if len(solution.problem.law.states) == 1:
             other += ", such as two-state-aging or two-state-slip"
-        yield sentences("residuals.after_steps", chance=inference.chance, mass=mass, other=other)
-    elif np.isnan(inference.chance):
+        yield sentences("residuals.after_steps", chance=inference.p_value, mass=mass, other=other)
+    elif np.isnan(inference.p_value):
         yield sentences("residuals.not_tested")
 
 
-def _over_given(solution):
-    """Size of the residuals over that of the noise; about 1 where the noise was estimated."""
+def _noise_ratio(solution):
+    """Return residuals divided by the noise; about 1 if the noise was estimated."""
     return np.sqrt(solution.chi2 / solution.fitted_friction.size)
 
 
 def without_trend(inference):
-    """(p,) estimates [SI] if the trend is left out, to first order; None without a trend."""
+    """Return estimates (p,) [SI] without the trend, to first order; None if no trend."""
     solution, names = inference.solution, inference.solution.unknowns.names
     if "trend" not in names:
         return None
@@ -154,16 +154,16 @@ def without_trend(inference):
 
 
 def _trend(inference):
-    """A warning if the trend moves estimates by more than their errors, and may not be a trend.
+    """Yield a warning if an unconfirmed trend moves estimates by more than errors.
 
-    It is one if friction has it before the first step, too.
+    A trend is confirmed if friction before the first step has it as well.
     """
     solution, estimates = inference.solution, inference.estimates
     if (values := without_trend(inference)) is None:
         return
-    symbol = parameter("trend").reported_as.format(along=solution.problem.record.trend)
+    symbol = f"trend_{solution.problem.record.trend}"
     trend = estimates.of(symbol)
-    if abs(trend.value) < CLEAR * trend.error or _is_seen_early(solution, trend):
+    if abs(trend.value) < CLEAR * trend.error or _is_confirmed_before_steps(solution, trend):
         return
     names, moved = {"a_minus_b": rate_dependence_text([solution.problem.law])}, []
     for quantity, value in zip(inference.quantities, values, strict=True):
@@ -178,10 +178,10 @@ def _trend(inference):
         yield sentences("trend.moves", value=value, error=error, moved=", ".join(moved))
 
 
-def _is_seen_early(solution, trend):
-    """Whether friction has this trend, and not none, before the first step."""
+def _is_confirmed_before_steps(solution, trend):
+    """Return whether friction before the first step has this trend, clearly not 0."""
     record = solution.problem.record
-    early = before_changes(record.loading, record.t)
+    early = before_first_change(record.loading, record.t)
     t, along = record.t[early], record.trend_variable[early]
     columns = np.column_stack([np.ones(t.size), along])
     try:
@@ -194,7 +194,7 @@ def _is_seen_early(solution, trend):
 
 
 def _normal_stress(solution, data):
-    """Warnings if the recorded normal stress is not the slider's, or varies."""
+    """Yield warnings if recorded normal stress differs from the slider's, or varies."""
     problem = solution.problem
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return
@@ -204,8 +204,8 @@ def _normal_stress(solution, data):
         return
     followed, slider = problem.record.loading.normal_stress is not None, problem.slider
     mean = float(recorded.mean())
-    stress = float(recorded[0]) if followed else mean  # it varies from the slider's on
-    if abs(stress / slider.sigma - 1.0) > OFF:
+    stress = float(recorded[0]) if followed else mean  # the model begins with the slider's
+    if abs(stress / slider.sigma - 1.0) > STRESS_TOLERANCE:
         where = "at the start" if followed else "on average"
         yield sentences("normal_stress.other", stress=stress, where=where, sigma=slider.sigma)
     change = stress_range(data)

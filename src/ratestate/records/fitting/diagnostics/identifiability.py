@@ -1,6 +1,6 @@
-"""A note on which parameters a record determines, and warnings on those it does not.
+"""A note on which parameters a record determines, and warnings on the others.
 
-Parameters that trade off are named with the combination of them that the record determines.
+If parameters trade off, the note names the combination that the record determines.
 """
 
 import numpy as np
@@ -9,18 +9,18 @@ from ....model.quantities import readable, with_error
 from ...messages import fitting as sentences
 from ..estimates import ENDLESS, is_unconstrained
 from ..table import rate_dependence_text
-from ..unknowns import parameter, starts_of
+from ..unknowns import parameter, start_names
 
 #: standard error of a logarithm above which a parameter counts as hardly determined
 HARDLY_DETERMINED = 0.5
-#: correlation from which parameters trade off, and error of a combination worth a warning
+#: correlation from which parameters trade off; least error of a combination for a warning
 CORRELATED, LOOSE = 0.95, 0.2
 #: power below which a parameter is left out of a product
 SMALL = 0.1
 
 
 def identifiability(inference):
-    """A note on what an `Inference` determines (str), and warnings (list of str)."""
+    """Return a note on what a record determines (str), and warnings (list of str)."""
     problem = inference.solution.problem
     free = [quantity for quantity in inference.quantities if quantity.is_free]
     each = [_determination(inference, quantity) for quantity in free]
@@ -35,13 +35,13 @@ def identifiability(inference):
             warnings.append(sentences("warning.tradeoff", tradeoff=text))
         notes.append(sentences(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
     notes += _edges(inference)
-    if starts_of(problem.law)[0] in problem.unknowns.names:
+    if start_names(problem.law)[0] in problem.unknowns.names:
         notes.append(sentences("note.start"))
     return " ".join(notes), warnings
 
 
 def _determination(inference, quantity):
-    """A parameter with its error, bound or interval, for the note; its warning, "" without one."""
+    """Return a parameter with its error or bound as text, and its warning or ""."""
     name, estimate = quantity.name, inference.estimates.of(quantity.name)
     row = parameter(name)
     remedy = sentences(f"remedy.{inference.solution.problem.kind}")
@@ -52,7 +52,7 @@ def _determination(inference, quantity):
         return name, sentences("warning.undetermined", name=name)
     if low is None or high is None:
         bound = f"> {readable(name, low, 3)}" if high is None else f"< {readable(name, high, 3)}"
-        is_irrelevant = quantity.irrelevant == (1 if high is None else -1)
+        is_irrelevant = quantity.no_effect == (1 if high is None else -1)
         why = sentences(f"why.{name}") if is_irrelevant else ""
         return f"{name} ({bound})", sentences("warning.one_sided", name=name, bound=bound, why=why)
     if row.group != "slider":
@@ -70,11 +70,11 @@ def _determination(inference, quantity):
 
 
 def bounds_of(inference, quantity):
-    """(low, high) [SI] of the 95 % interval by a profile, None for an open end; NaN without one."""
+    """Return ends [SI] of a profile's 95 % interval; None: open, NaN: no profile."""
     if quantity.name not in inference.profiles:
         return np.nan, np.nan
     estimate = inference.estimates.of(quantity.name)
-    if estimate.kind != "profile":  # but that of a posterior, which is never open
+    if estimate.kind != "profile":  # intervals of a posterior are never open
         ends = quantity.si(inference.profiles[quantity.name].interval()[-1])
     else:
         ends = estimate.interval[-1]
@@ -86,9 +86,9 @@ def bounds_of(inference, quantity):
 
 
 def _relative_error(name, estimate):
-    """Standard error of a parameter's logarithm; of b over its value.
+    """Return the error of a parameter's logarithm; for b, divided by its value.
 
-    If the interval is not from the covariance: half the width of the 95 % interval over 1.96.
+    If the interval is not from the covariance, it is the 95 % half width divided by 1.96.
     """
     if estimate.kind == "covariance":
         return estimate.relative_error
@@ -109,7 +109,7 @@ def _edges(inference):
 
 
 def _tradeoffs(inference, free):
-    """`tradeoff_text` of parameters whose error is about that from the covariance."""
+    """Return the `tradeoff_text` of groups whose covariance is a good approximation."""
     estimates, names = inference.estimates, []
     for name in (name for name in free if parameter(name).group == "slider"):
         estimate = estimates.of(name)
@@ -120,7 +120,7 @@ def _tradeoffs(inference, free):
 
 
 def correlated_groups(estimates, names):
-    """Groups (list of tuples) of these parameters, linked by strong correlations; none alone."""
+    """Return groups (list of tuples) of parameters linked by strong correlations."""
     linked = np.abs(estimates.correlation_of(names)) > CORRELATED
     reach = np.linalg.matrix_power(linked.astype(int), max(len(names), 1)) > 0
     groups = {tuple(n for n, on in zip(names, row, strict=True) if on) for row in reach}
@@ -128,13 +128,13 @@ def correlated_groups(estimates, names):
 
 
 def tradeoff_text(estimates, which, rate="a - b"):
-    """A text on the best-constrained combination of a group, and whether another is loose (bool).
+    """Return a text on the best-constrained combination; whether another is loose.
 
-    Combinations are the axes of the covariance of the logarithms.  `rate` is what "a_minus_b" is.
+    Combinations are principal axes of the covariance of logarithms.  "a_minus_b" is called `rate`.
     """
     group = [estimates.of(name) for name in which]
     errors = np.array([one.relative_error for one in group])
-    # b < 0 has no logarithm but that of -b, which correlates the other way
+    # for b < 0 use ln(-b), whose correlations have the other sign
     signs = np.sign([one.value for one in group])
     correlation = estimates.correlation_of(which) * np.outer(signs, signs)
     variance, axes = np.linalg.eigh(correlation * np.outer(errors, errors))
@@ -157,7 +157,7 @@ def tradeoff_text(estimates, which, rate="a - b"):
 
 
 def percent(error):
-    """A relative error as text; a large one as a factor, of at most exp(`ENDLESS`).
+    """Return a relative error as text; a large error as a factor.
 
     >>> percent(0.0213), percent(1.5), percent(200.0)
     ('2.1 %', 'a factor of 4.5', 'more than a factor of 1e+06')
@@ -168,7 +168,7 @@ def percent(error):
 
 
 def product(names, axis):
-    """A direction in logarithms as a product of powers, the largest of which is 1.
+    """Return a direction in logarithms as a product of powers, the largest 1.
 
     >>> product(("Dc", "K"), np.array([0.7, 0.69])), product(("a", "b"), np.array([-0.6, 0.8]))
     ('Dc K', 'b/a^0.75')

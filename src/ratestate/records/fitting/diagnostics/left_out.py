@@ -1,33 +1,33 @@
-"""Warnings of what a slider leaves out, though its record shows it: a spring, a lag, inertia."""
+"""Warnings on a spring, lag or inertia that a record shows and the slider lacks."""
 
 import numpy as np
 
 from ...messages import fitting as sentences
 from ..forward import Forward
-from ..generalized_least_squares import FALL, gain_of
+from ..generalized_least_squares import FALL, chi2_gain
 
-#: K over normal stress [1/m] with which the effect of a spring is tried: of soft to stiff machines
+#: values of K/sigma [1/m] that are tried, from soft to stiff machines
 STIFFNESSES = (1e3, 1e4, 1e5)
-#: lags that are tried: the shortest over the time from sample to sample, the longest over all time
+#: shortest and longest lag that are tried: per sample spacing, and per duration of the record
 SHORTEST, LONGEST = 0.5, 1.0 / 30.0
-#: eta of the mass with which the effect of inertia is tried
+#: eta with which the effect of inertia is tried
 LIGHT = 1e-3
-#: largest mass per area of the contact that a machine moves [kg/m^2]: that of 100 m of steel, which
-#: is ten times as much as the pistons of the largest ones, on a contact a tenth of their section
+#: largest mass of a machine per area of the contact [kg/m^2], that of 100 m of steel: ten times the
+#: length of the largest pistons, on a contact of a tenth of their section
 HEAVIEST = 7850.0 * 100.0
 
 
 def left_out(solution):
-    """Warnings (iterator of str) that a lag or inertia would lower chi-square beyond chance."""
-    yield from _later_or_earlier(solution)
-    yield from _inert(solution)
+    """Yield warnings if a lag or inertia would lower chi-square beyond chance."""
+    yield from _lag_warning(solution)
+    yield from _inertia_warning(solution)
 
 
-def rigid(solution):
-    """A warning (iterator of str) of what, where K = inf was given, would lower chi-square.
+def rigid_machine(solution):
+    """Yield a warning if K = inf was given and a spring or a lag would fit better.
 
-    Where a spring does, both it and the load point are named: seen from the fit of a rigid machine,
-    which is far off, a load point that moves later or more gradually explains as much.
+    If a spring does, the warning names the load point as well.  Seen from the poor fit of a rigid
+    machine, a load point that moves later or more gradually explains as much.
     """
     if np.isfinite(solution.problem.slider.K):
         return
@@ -35,7 +35,7 @@ def rigid(solution):
     if gain > FALL:
         yield sentences("rigid.sprung", gain=gain)
     elif "lag" not in solution.unknowns.names:
-        # (a short record may be too short for any lag)
+        # a record may be too short for any lag
         gain, lag = max(_gains_of_lags(solution), default=(0.0, 0.0))
         if gain > FALL:
             side = "later" if lag > 0.0 else "earlier"
@@ -50,15 +50,15 @@ def _gains_of_springs(solution):
 
 
 def _friction_of(slider, solution):
-    """(m,) friction of another slider at the coordinates of a solution."""
+    """Return friction (m,) of another slider at the coordinates of a solution."""
     forward = Forward(solution.problem.record, slider, solution.unknowns.names)
     return forward.friction(solution.point[None])[0]
 
 
 def _gains_of_lags(solution):
-    """Falls of chi-square by lags, and these [s] (iterator of pairs).
+    """Yield the fall of chi-square by a lag, and the lag [s], for several lags.
 
-    Friction of a rigid machine jumps, and has no derivative by the lag: some are tried.
+    Friction of a rigid machine jumps, and so has no derivative by the lag.
     """
     record = solution.problem.record
     octaves = np.arange(0.0, np.log2(LONGEST * record.t[-1] / (SHORTEST * record.spacing)), 0.5)
@@ -71,33 +71,33 @@ def _gains_of_lags(solution):
 
 
 def _gain(solution, friction):
-    """Fall of chi-square by some of a change to this friction; 0 if it is NaN, or by less of it."""
+    """Return the fall of chi-square by part of this change; 0 if NaN or negative."""
     if not np.isfinite(friction).all():  # a spring too soft to slide through the record
         return 0.0
-    gain, (part,) = gain_of(solution, (friction - solution.fitted_friction)[:, None])
+    gain, (part,) = chi2_gain(solution, (friction - solution.fitted_friction)[:, None])
     return gain if part > 0.0 else 0.0
 
 
-def _later_or_earlier(solution):
-    """A warning if a lag would lower chi-square by more than chance does."""
+def _lag_warning(solution):
+    """Yield a warning if a lag would lower chi-square by more than chance does."""
     problem, names = solution.problem, solution.unknowns.names
-    if "lag" in names or not np.isfinite(problem.slider.K):  # `rigid` has tried it
+    if "lag" in names or not np.isfinite(problem.slider.K):  # see `rigid_machine`
         return
     forward = Forward(problem.record, problem.slider, (*names, "lag"))
     step = forward.steps["lag"]
     points = np.array([np.append(solution.point, lag) for lag in (step, -step)])
     above, below = forward.friction(points)
-    gain, (lag,) = gain_of(solution, np.nan_to_num((above - below) / (2.0 * step))[:, None])
+    gain, (lag,) = chi2_gain(solution, np.nan_to_num((above - below) / (2.0 * step))[:, None])
     if gain > FALL:
         yield sentences(
             "more.lag", lag=abs(lag), side="later" if lag > 0.0 else "earlier", gain=gain
         )
 
 
-def _inert(solution):
-    """A warning if inertia, which was left out, would lower chi-square by more than chance does.
+def _inertia_warning(solution):
+    """Yield a warning if inertia would lower chi-square by more than chance does.
 
-    Where it takes a mass that no machine has, something else is wrong, and nothing is said.
+    There is no warning if this requires a mass that no machine has: then something else is wrong.
     """
     problem, slider = solution.problem, solution.problem.slider
     if slider.M != 0.0 or not np.isfinite(slider.K):
@@ -106,6 +106,6 @@ def _inert(solution):
     unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / problem.record.loading.V.max() ** 2
     friction = _friction_of(slider.replace(M=LIGHT * unit), solution)
     by_eta = np.nan_to_num((friction - solution.fitted_friction) / LIGHT)
-    gain, (eta,) = gain_of(solution, by_eta[:, None])
+    gain, (eta,) = chi2_gain(solution, by_eta[:, None])
     if gain > FALL and eta > LIGHT and eta * unit < HEAVIEST:
         yield sentences("more.inertia", gain=gain, unit=unit)

@@ -1,12 +1,12 @@
-"""What the likelihood says of each estimate: profiles, posterior, intervals.
+"""Inference from the likelihood: intervals, profiles, posterior.
 
 ===================== ==========================================================================
-``quantities``        what is reported, as functions of the coordinates
-``inference``         its errors and intervals, with their source
-``profile``           profiles of the likelihood, with one reported quantity held
-``posterior``         the prior, samples, evidence, and whether they are reliable
+``quantities``        the reported quantities, as functions of the coordinates
+``inference``         estimates with errors and intervals
+``profile``           profiles of the likelihood along one reported quantity
+``posterior``         prior, samples and evidence, and whether they are reliable
 ``marginal``          `log_likelihood`, with level and trend integrated out
-``noise_uncertainty`` what the uncertainty of the noise adds to that of estimates
-``transients``        what residuals show after steps: whether the law fits
+``noise_uncertainty`` how the uncertainty of the noise widens intervals
+``transients``        a test whether the law fits, by the residuals after steps
 ===================== ==========================================================================
 """

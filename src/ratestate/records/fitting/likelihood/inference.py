@@ -1,8 +1,8 @@
 """Estimates with errors and intervals from the best fit.
 
-The best fit under each law, and its noise, are found in generalized_least_squares.py.  Errors and
-intervals follow from its covariance, from profiles of the likelihood if that is not Gaussian, and
-from a posterior on request.
+generalized_least_squares.py finds the best fit under each law, and its noise.  Errors and
+intervals come from the covariance, from profiles of a likelihood that is not Gaussian, and on
+request from a posterior.
 """
 
 from typing import NamedTuple
@@ -15,9 +15,9 @@ from .noise_uncertainty import Inflation, LikelyNoise, Widening, likely_noise
 from .posterior import Posterior, common_prior, sample_posterior
 from .profile import BetterPoint, compute_profiles
 from .quantities import reported_quantities
-from .transients import chance_of_transients, longest_distance
+from .transients import longest_distance, transients_p_value
 
-#: how often a fit starts again from a better point on a profile
+#: how often a fit may start again from a better point on a profile
 REFITS = 3
 
 
@@ -25,53 +25,54 @@ class Inference(NamedTuple):
     """A solution with the errors and intervals of its quantities."""
 
     solution: Solution
-    likely_noise: LikelyNoise | None  # None where the noise was given
+    likely_noise: LikelyNoise | None  # None if the noise was given
     quantities: tuple  # `ReportedQuantity`, as in `estimates`
     estimates: Estimates
     profiles: dict  # name -> `Profile`
     posterior: Posterior | None
-    still_improving: bool  # even after `REFITS` a profile has a better point
-    chance: float  # that noise alone leaves such transients after the steps; NaN if not tested
+    still_improving: bool  # whether a profile has a better point after `REFITS` restarts
+    p_value: float  # of transients after the steps, from noise alone; NaN if not tested
 
 
 def inferences_of(data, settings, loading=None):
-    """list of `Inference`, for each law; arguments and errors as of `solutions_of`."""
+    """Return an `Inference` for each law (list); arguments as for `solutions_of`."""
     solutions = solutions_of(data, settings, loading)
     inferences = [infer(solution, settings.noise, settings.errors) for solution in solutions]
     return with_posteriors(inferences) if settings.errors == "posterior" else inferences
 
 
 def infer(solution, noise, errors):
-    """The `Inference` of a solution, without a posterior; `errors` is as of `fit`."""
-    # profiles of a fit to mere noise would lead anywhere
+    """Return the `Inference` of a solution, without posterior; `errors` as for `fit`."""
+    # profiles of a fit to noise alone are meaningless
     has_response = responds(solution)
-    wanted = errors != "covariance" and (errors != "auto" or has_response)
+    with_profiles = errors != "covariance" and (errors != "auto" or has_response)
     quantities = reported_quantities(solution.problem)
-    inference = infer_quantities(solution, quantities, noise, wanted, errors == "profile")
+    inference = infer_quantities(solution, quantities, noise, with_profiles, errors == "profile")
     if not has_response:
         return inference
     _, D, _ = longest_distance(inference.estimates, solution.problem.slider)
-    return inference._replace(chance=chance_of_transients(inference.solution, D))
+    return inference._replace(p_value=transients_p_value(inference.solution, D))
 
 
-def infer_quantities(solution, quantities, noise, wanted=True, everything=False):
-    """The `Inference` on some `ReportedQuantity`s; the noise is estimated if it is None.
+def infer_quantities(solution, quantities, noise, with_profiles=True, all_profiles=False):
+    """Return the `Inference` on `ReportedQuantity`s; the noise is estimated if None.
 
-    wanted : whether profiles are, of quantities along which the likelihood is not Gaussian
-    everything : whether profiles of all quantities are
+    with_profiles : whether to compute profiles of quantities with a likelihood that is not Gaussian
+    all_profiles : whether to compute profiles of all quantities
 
-    A point of a profile that fits better than the solution becomes the solution, `REFITS` times at
-    most.
+    A better point on a profile becomes the solution, at most `REFITS` times.
     """
     profiles, still_improving = {}, False
     likely, widened = _noise_and_widening(solution, quantities, noise)
-    for attempt in range(REFITS + 1 if wanted else 0):
+    for attempt in range(REFITS + 1 if with_profiles else 0):
         try:
-            profiles = compute_profiles(solution, quantities, everything, widened.roots)
+            profiles = compute_profiles(solution, quantities, all_profiles, widened.roots)
             break
         except BetterPoint as better:
             if still_improving := attempt == REFITS:
-                profiles = compute_profiles(solution, quantities, everything, widened.roots, np.inf)
+                profiles = compute_profiles(
+                    solution, quantities, all_profiles, widened.roots, np.inf
+                )
                 break
             solution = solution_from(solution.problem, better.point, noise)
             likely, widened = _noise_and_widening(solution, quantities, noise)
@@ -96,36 +97,35 @@ def infer_quantities(solution, quantities, noise, wanted=True, everything=False)
 
 
 def _noise_and_widening(solution, quantities, noise):
-    """`LikelyNoise`, and the `Widening` of `ReportedQuantity`s by it; none if the noise is given.
+    """Return the `LikelyNoise`, and the `Widening` of `ReportedQuantity`s by it.
 
-    None of an estimate at a bound either: chi-square slopes there, so that to first order other
-    noise would move the estimate out of its bounds, and one end of its interval with it.
+    There is no widening if the noise is given, nor at a bound.  There chi-square has a slope, so
+    that to first order another noise would move the estimate, and an end of its interval, beyond.
     """
     none = Widening.none(len(quantities))
     likely = likely_noise(solution) if noise is None else None
     if likely is None:
         return None, none
-    found = likely.widening(np.array([q.gradient(solution.point) for q in quantities]))
-    bound = dict(zip(solution.unknowns.names, solution.at_bound, strict=True))
-    at_bound = np.array([bound.get(q.name, False) for q in quantities])
+    widening = likely.widening(np.array([q.gradient(solution.point) for q in quantities]))
+    at_bound = np.array([q.name in solution.at_bound for q in quantities])
     return likely, Widening(
-        np.where(at_bound, none.errors, found.errors),
-        np.where(at_bound[:, None, None], none.roots, found.roots),
+        np.where(at_bound, none.errors, widening.errors),
+        np.where(at_bound[:, None, None], none.roots, widening.roots),
     )
 
 
 def inflation_of(inference, coordinates):
-    """The `Inflation` of coordinates (list of int) by the noise; none of those at a bound."""
+    """Return the `Inflation` of coordinates (list of int) that are not at a bound."""
     if inference.likely_noise is None:
         return Inflation()
-    bound = inference.solution.at_bound
-    return inference.likely_noise.inflation([i for i in coordinates if not bound[i]])
+    names, at_bound = inference.solution.unknowns.names, inference.solution.at_bound
+    return inference.likely_noise.inflation([i for i in coordinates if names[i] not in at_bound])
 
 
 def with_posteriors(inferences):
-    """Each `Inference` with its posterior (list), under one prior; ParameterError without dynesty.
+    """Return each `Inference` with its posterior (list); all have one prior.
 
-    Its intervals are those of the posterior only if that is reliable.
+    Intervals become quantiles of a posterior that is reliable.  ParameterError without dynesty.
     """
     prior = common_prior(inferences)
     completed = []

@@ -1,7 +1,7 @@
-"""The likelihood of a record as a function of its parameters; level and trend integrated out.
+"""The likelihood of a record as a function of its parameters, integrated over level and trend.
 
-Both enter the model linearly and have flat priors without bounds, so the integral is in closed
-form.  The noise stays at its estimate.
+Friction is linear in level and trend, and their priors are flat without bounds, so that the
+integral has a closed form.  The noise is held at its estimate.
 """
 
 import math
@@ -16,8 +16,8 @@ from ..problem import Problem
 from ..settings import checked_settings
 from ..unknowns import LINEAR, parameter, to_coordinate, unknowns_of
 
-#: ln(likelihood) if a slider does not move through the record
-NONE = -1e300
+#: ln(likelihood) if a slider does not move through the whole record
+NO_MOTION = -1e300
 
 
 @keywords_checked
@@ -26,31 +26,32 @@ def log_likelihood(
 ):
     """Return ln(likelihood) of a record as a function of the free parameters.
 
-    For a sampler or an optimiser of your own.  The record begins in steady sliding.  Its level of
-    friction and its trend are integrated out, with flat priors without bounds: so the maximum is
-    that of `fit`, but the value is not the ``log_likelihood`` of its result.
+    The function is for your own sampler or optimiser.  The record must begin in steady sliding.
+    Its level of friction and its trend are integrated out, with flat priors without bounds.  So the
+    maximum is at the estimates of `fit`, but its value differs from ``log_likelihood`` of that
+    result.
 
     Parameters
     ----------
     record : xarray.Dataset
-        As of `fit`.
+        As for `fit`.
     slider : SpringSlider
-        The law, the parameters that are not free, and the initial guess of the free ones.
+        The law, the parameters that are not free, and an initial guess of the free ones.
     free : sequence of str
-        Which parameters are free, in the order in which the function takes them.
+        The free parameters, in the order in which the function takes them.
     loading : Loading, optional
-        As of `fit`.
+        As for `fit`.
     trend : {"slip", "time", None}
-        As of `fit`.
+        As for `fit`.
     noise : float or dict, optional
-        As of `fit`; if it is not given, it is held at the estimate of a fit.
+        As for `fit`.  By default it is held at the estimate of a fit.
 
     Returns
     -------
     LogLikelihood
         A function of a point: values (k,) [SI], in the order of `free` without mu0.  It returns a
-        float, -inf if no slider with these values moves through the whole record.  Its attribute
-        ``names`` is that order.  It can be pickled.
+        float, or -inf if no slider with these values moves through the whole record.  Its attribute
+        ``names`` holds the order.  The function can be pickled.
 
     Raises
     ------
@@ -80,18 +81,18 @@ def log_likelihood(
 
 
 class LogLikelihood:
-    """ln(likelihood) of all coordinates but level and trend, which are integrated out."""
+    """ln(likelihood) as a function of all coordinates but level and trend."""
 
     def __init__(self, problem, noise):
         self.problem, self.noise = problem, noise
         names = problem.unknowns.names
-        self.moving = [i for i, name in enumerate(names) if name not in LINEAR]
+        self.nonlinear = [i for i, name in enumerate(names) if name not in LINEAR]
         self.linear = [i for i, name in enumerate(names) if name in LINEAR]
-        self.names = tuple(names[i] for i in self.moving)
+        self.names = tuple(names[i] for i in self.nonlinear)
         self.evaluations = 0
 
     def __call__(self, values):
-        """ln(likelihood) (float) at values (k,) [SI], in the order of `names`; -inf without one."""
+        """Return ln(likelihood) at values (k,) [SI] of `names`; -inf without a motion."""
         if np.shape(values) != (len(self.names),):
             raise sentences.refusal(
                 "settings.point", names=", ".join(self.names), count=len(self.names), values=values
@@ -103,20 +104,17 @@ class LogLikelihood:
         if not np.isfinite(coordinates).all() or (coordinates < least).any():
             return -math.inf
         value, _ = self.at(coordinates)
-        return value if value > NONE else -math.inf
+        return value if value > NO_MOTION else -math.inf
 
     def at(self, coordinates):
-        """ln(likelihood), and means and root of the covariance of level, trend, as one array.
-
-        `NONE` and zeros without a motion.
-        """
+        """Return ln(likelihood), mean and root of level and trend; `NO_MOTION` and 0."""
         self.evaluations += 1
         record, count = self.problem.record, len(self.linear)
         point = np.zeros((1, len(self.problem.unknowns.names)))
-        point[0, self.moving] = coordinates
-        friction, regressors = self.problem.forward.parts(point)
+        point[0, self.nonlinear] = coordinates
+        friction, regressors = self.problem.forward.friction_and_regressors(point)
         if not np.isfinite(friction).all():
-            return NONE, np.zeros(count + count * count)
+            return NO_MOTION, np.zeros(count + count * count)
         lines = [regressor[0] for regressor in regressors.values()]
         columns = np.column_stack([record.friction - friction[0], *lines])
         white, log_determinant = self.noise.whiten(record.t, columns)
@@ -131,7 +129,7 @@ class LogLikelihood:
         return float(value + np.log(np.diag(root)).sum()), blob
 
     def draw_linear(self, blobs, rng):
-        """(n, level and trend) drawn given the other coordinates."""
+        """Return level and trend (n, ...) drawn given the other coordinates."""
         count = len(self.linear)
         mean, root = blobs[:, :count], blobs[:, count:].reshape(-1, count, count)
         return mean + np.einsum("nij,nj->ni", root, rng.standard_normal(mean.shape))

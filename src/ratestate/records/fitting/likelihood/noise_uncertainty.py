@@ -1,13 +1,13 @@
-"""What the uncertainty of the noise adds to that of the estimates.
+"""How the uncertainty of the noise widens errors and intervals.
 
-Noise slower than the response to a step is known from few independent samples, so an interval that
-takes its estimate for the truth is too narrow.  Here the noise's shape is integrated over, with
-flat priors of its coordinates (estimated_noise.py): for each shape the estimates are those of
-generalized least squares, to first order about the fit, and shapes count by their restricted
-likelihood.  White noise, noise with one relaxation, and noise with a power law have the same prior
-probability.  So a quantity has a mixture of Gaussians, whose quantiles are the ends of intervals.
-The shapes are those of a grid along the principal axes of the likelihood, as Rue, Martino & Chopin
-(2009) doi:10.1111/j.1467-9868.2008.00700.x explore hyperparameters.
+If the noise is slower than the response to a step, few independent samples determine it.  An
+interval that takes the estimated noise as exact is then too narrow.  Here the shape of the noise
+is integrated over, with flat priors of its coordinates (estimated_noise.py).  For each shape the
+estimates are those of generalized least squares, to first order about the fit, and the weight is
+the restricted likelihood.  White noise, noise with one relaxation, and noise with a power-law
+spectrum have equal prior probabilities.  A quantity then has a mixture of Gaussians, and the
+ends of its intervals are quantiles of the mixture.  The shapes form a grid along the principal
+axes of the likelihood, as in Rue, Martino & Chopin (2009) doi:10.1111/j.1467-9868.2008.00700.x.
 """
 
 from typing import NamedTuple
@@ -17,47 +17,47 @@ from scipy.special import ndtr
 
 from ...kit.estimated_noise import RestrictedLikelihood, families, modes
 from ..estimates import GAUSSIAN, LEVELS
-from ..generalized_least_squares import Solution, projected
+from ..generalized_least_squares import Solution, project_out
 
-#: spacing of the grid, in standard deviations of the shape; shortest and longest in a coordinate
+#: spacing of the grid, in standard deviations of the shape; its least and largest length
 STEP, SHORTEST, LONGEST = 1.0, 0.1, 1.5
-#: step of differences for the curvature at the mode
+#: step of finite differences for the curvature at the mode
 DIFFERENCE = 0.25
-#: fall of ln(likelihood) below which a shape counts for nothing; most shapes
+#: fall of ln(likelihood) from which a shape is neglected; most shapes
 NEGLIGIBLE, MOST = 6.0, 150
-#: halvings in the search for a quantile
+#: bisections in the search for a quantile
 HALVINGS = 60
 
 
 class Widening(NamedTuple):
     """How the noise's uncertainty widens the errors of q quantities."""
 
-    errors: np.ndarray  # (q,) standard errors, over those with the noise as estimated
-    #: (q, levels, sides) distance of an interval's end from the estimate, over the latter
+    errors: np.ndarray  # (q,) standard errors divided by those with the estimated noise
+    #: (q, levels, sides) distances of intervals' ends from estimates, divided likewise
     roots: np.ndarray
 
     @classmethod
     def none(cls, q):
-        """With a noise that is known."""
+        """Return the `Widening` by a known noise."""
         return cls(np.ones(q), np.broadcast_to(GAUSSIAN, (q, *GAUSSIAN.shape)))
 
 
 class Inflation(NamedTuple):
-    """How the noise's uncertainty enlarges the covariance of several estimates, as one factor."""
+    """Factor by which the noise's uncertainty enlarges a covariance of estimates."""
 
     factor: float = 1.0
     spread: float = 0.0  # relative variance of the factor between shapes of the noise
 
 
 class LikelyNoise(NamedTuple):
-    """Shapes of the noise that are likely beside a fit's own noise."""
+    """Likely shapes of the noise, besides the noise of the fit."""
 
     solution: Solution  # the fit
-    shapes: list  # `Conditional` on each
-    weight: np.ndarray  # of each, their sum 1
+    shapes: list  # `Conditional` for each shape
+    weight: np.ndarray  # of each shape; the sum is 1
 
     def widening(self, gradients):
-        """The `Widening` of quantities with these gradients (q, k) by the coordinates."""
+        """Return the `Widening` of quantities with these gradients (q, k)."""
         means = np.array([gradients @ one.shift for one in self.shapes])  # (shapes, q)
         spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in self.shapes])
         covariance = self.solution.covariance
@@ -70,15 +70,15 @@ class LikelyNoise(NamedTuple):
         for level, tail in enumerate(tails):
             for side, sign in enumerate((-1.0, 1.0)):
                 ends = _quantile(self.weight, sign * means, spreads, 1.0 - tail)
-                # the estimate itself is in every interval
+                # every interval contains the estimate
                 roots[seen, level, side] = np.maximum(ends, 0.0) / own
         return Widening(errors, roots)
 
     def inflation(self, coordinates):
-        """The `Inflation` of some coordinates (list of int).
+        """Return the `Inflation` of some coordinates (list of int).
 
-        On a shape of the noise its factor is the mean square of the deviation from the truth, in
-        standard errors of the fit, and in all directions of these coordinates.
+        For each shape of the noise, its factor is the mean square deviation from the truth, in
+        standard errors of the fit, over all directions of these coordinates.
         """
         seen = np.flatnonzero(self.solution.jacobian.any(axis=0)).tolist()
         chosen = [i for i in coordinates if i in seen]
@@ -86,8 +86,8 @@ class LikelyNoise(NamedTuple):
             return Inflation()
         others = [i for i in seen if i not in chosen]
         columns = self.solution.jacobian[:, chosen + others]
-        left = projected(self.solution, columns, len(chosen))
-        information, rows = left.T @ left, np.ix_(chosen, chosen)
+        remainder = project_out(self.solution, columns, len(chosen))
+        information, rows = remainder.T @ remainder, np.ix_(chosen, chosen)
         squares = [one.root @ one.root.T + np.outer(one.shift, one.shift) for one in self.shapes]
         factors = np.array([np.sum(information * one[rows]) for one in squares]) / len(chosen)
         factor = float(self.weight @ factors)
@@ -95,7 +95,7 @@ class LikelyNoise(NamedTuple):
 
 
 def likely_noise(solution):
-    """The `LikelyNoise` of a `Solution`; None if no shape is possible."""
+    """Return the `LikelyNoise` of a `Solution`; None if no shape is possible."""
     likelihood = RestrictedLikelihood(
         solution.problem.record.t, solution.residual, solution.jacobian
     )
@@ -104,17 +104,17 @@ def likely_noise(solution):
 
 
 def likely_shapes(likelihood, near=None):
-    """`Conditional`s (list) of a `RestrictedLikelihood` on likely shapes of the noise, and weights.
+    """Return `Conditional`s (list) for likely shapes of the noise, and weights (n,).
 
-    near : as of `estimated_noise`
+    near : as for `estimated_noise`
 
-    Weights (n,) add up to 1.  There are no shapes if none is possible.
+    The weights add up to 1.  The list is empty if no shape is possible.
     """
     shapes, priors = [likelihood.at()], [1.0]
     for family in families(likelihood):
-        kept, part = _shapes(likelihood, family, near)
-        shapes += kept
-        priors += [part] * len(kept)
+        likely, part = _grid_shapes(likelihood, family, near)
+        shapes += likely
+        priors += [part] * len(likely)
     log_weight = np.array([one.log_likelihood for one in shapes])
     if not np.isfinite(log_weight).any():
         return [], log_weight
@@ -123,7 +123,7 @@ def likely_shapes(likelihood, near=None):
 
 
 def _quantile(weight, means, spreads, part):
-    """(q,) quantiles of mixtures of Gaussians: weights (n,), means and spreads (n, q)."""
+    """Return quantiles (q,), at probability `part`, of mixtures of Gaussians (n, q)."""
     low = (means - 10.0 * spreads).min(axis=0)
     high = (means + 10.0 * spreads).max(axis=0)
     for _ in range(HALVINGS):
@@ -133,16 +133,16 @@ def _quantile(weight, means, spreads, part):
     return 0.5 * (low + high)
 
 
-def _shapes(likelihood, family, near):
-    """`Conditional`s (list) on the shapes of a grid that are likely, and the prior of each."""
+def _grid_shapes(likelihood, family, near):
+    """Return `Conditional`s (list) for likely shapes of a grid, and their prior."""
     low, high = family.bounds.T
-    found = modes(likelihood, family, near)
-    best = max(found, key=lambda mode: mode.log_likelihood)
+    peaks = modes(likelihood, family, near)
+    best = max(peaks, key=lambda mode: mode.log_likelihood)
     axes = _principal_axes(likelihood, family, best.point)
-    # grid points are integers along the axes, from the best mode on
+    # grid points have integer coordinates along the axes, relative to the best mode
     seen: set[tuple] = set()
-    kept = []
-    first = [np.linalg.solve(axes, mode.point - best.point).round().astype(int) for mode in found]
+    likely = []
+    first = [np.linalg.solve(axes, mode.point - best.point).round().astype(int) for mode in peaks]
     queue = [tuple(place.tolist()) for place in first]
     while queue and len(seen) < MOST:
         place = queue.pop(0)
@@ -152,14 +152,14 @@ def _shapes(likelihood, family, near):
         conditional = likelihood.at(family.shape(point))
         seen.add(place)
         if conditional.log_likelihood > best.log_likelihood - NEGLIGIBLE:
-            kept.append(conditional)
+            likely.append(conditional)
             i, j = place
             queue += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
-    return kept, abs(np.linalg.det(axes)) / np.prod(high - low)
+    return likely, abs(np.linalg.det(axes)) / np.prod(high - low)
 
 
 def _principal_axes(likelihood, family, point):
-    """(2, 2) steps of the grid, as columns: a standard deviation along each principal axis."""
+    """Return the grid's steps (2, 2), as columns: a deviation along each axis."""
     h = DIFFERENCE
     low, high = family.bounds.T
     point = np.clip(point, low + h, high - h)
@@ -168,7 +168,7 @@ def _principal_axes(likelihood, family, point):
         return -likelihood.log_likelihood(family.shape(point + np.array([x, y])))
 
     centre = minus(0.0, 0.0)
-    with np.errstate(invalid="ignore"):  # where a shape is impossible, by its infinite likelihood
+    with np.errstate(invalid="ignore"):  # an impossible shape has -inf
         xx = (minus(h, 0.0) + minus(-h, 0.0) - 2.0 * centre) / h**2
         yy = (minus(0.0, h) + minus(0.0, -h) - 2.0 * centre) / h**2
         xy = (minus(h, h) - minus(h, -h) - minus(-h, h) + minus(-h, -h)) / (4.0 * h**2)

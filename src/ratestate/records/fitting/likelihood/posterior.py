@@ -17,43 +17,43 @@ from ..unknowns import LINEAR, parameter
 from .marginal import LogLikelihood
 
 LIVE, SEED = 400, 20190101
-#: gain of ln(evidence) still possible when sampling ends; most evaluations
+#: possible gain of ln(evidence) at which sampling ends; most evaluations
 GAIN, MOST = 0.05, 300_000
-#: samples of equal weight that are kept; effective samples below which they are not reliable
+#: number of samples of equal weight; fewest effective samples that are reliable
 KEPT, FEWEST = 2000, 200
-#: how far a prior reaches, in half widths of the 95 % interval, and in a logarithm
+#: largest half width of a prior, in half widths of the 95 % interval, and of a logarithm
 REACH, FARTHEST = 4.0, math.log(100.0)
 
 
 class Posterior(NamedTuple):
-    """Samples of equal weight, and measures of how reliable they are."""
+    """Samples of equal weight, and measures of their reliability."""
 
-    points: np.ndarray  # (KEPT, k), whole points: level and trend drawn as well
+    points: np.ndarray  # (KEPT, k), including level and trend
     prior: dict  # name -> (low, high) of the coordinate
     log_evidence: float
     log_evidence_error: float
     evaluations: int
-    effective: float  # number of independent samples that would be worth as much
-    efficiency: float  # samples over evaluations
+    effective: float  # effective number of independent samples
+    efficiency: float  # samples per evaluation
 
     @property
     def complete(self):
-        """Whether sampling ended by itself, and not at `MOST` evaluations."""
+        """Whether sampling ended before `MOST` evaluations."""
         return self.evaluations < MOST
 
     @property
     def reliable(self):
-        """Whether the samples are worth `FEWEST` independent ones or more."""
+        """Whether there are enough effective samples."""
         return self.effective >= FEWEST
 
     def interval(self, quantity):
-        """(levels, sides) quantiles of the samples of a `ReportedQuantity`."""
+        """Return quantiles (levels, sides) of the samples of a `ReportedQuantity`."""
         tails = 0.5 - 0.5 * np.array(LEVELS)
         ends = np.stack([tails, 1.0 - tails], axis=1)
         return np.quantile(quantity.values(self.points), ends)
 
     def truncated_side(self, quantity):
-        """-1 or 1 if samples gather at the lower or upper end of the prior, else 0; 0 of a sum."""
+        """Return -1, 0 or 1: the end of a free parameter's prior where samples gather."""
         if not quantity.is_free:
             return 0
         low, high = self.prior[quantity.name]
@@ -62,7 +62,7 @@ class Posterior(NamedTuple):
 
 
 def common_prior(inferences):
-    """name -> (low, high): one box for all laws, so that their evidences can be compared."""
+    """Return name -> (low, high), one for all laws, so that evidences are comparable."""
     box: dict[str, tuple[float, float]] = {}
     for inference in inferences:
         solution, profiles = inference.solution, inference.profiles
@@ -82,9 +82,10 @@ def common_prior(inferences):
 
 
 def _prior_ends(name, estimate, lower, upper):
-    """Ends of the prior of a coordinate, from its estimate and the ends of its 95 % interval.
+    """Return the ends of a coordinate's prior, from its estimate and 95 % interval.
 
-    On an open side the estimate means nothing: a logarithm's prior then reaches from the other end.
+    If one side is open, the estimate is meaningless.  A logarithm's prior then extends from the
+    closed end.
     """
     is_log = parameter(name).is_log
     far = FARTHEST if is_log else math.inf
@@ -97,7 +98,6 @@ def _prior_ends(name, estimate, lower, upper):
 
 
 def prior_text(prior):
-    """A sentence that describes the prior."""
     sides = []
     for name, (low, high) in prior.items():
         row = parameter(name)
@@ -111,10 +111,10 @@ def prior_text(prior):
 
 
 def sample_posterior(solution, prior, label):
-    """The `Posterior` of a solution, by nested sampling; ParameterError without dynesty.
+    """Return the `Posterior` of a solution; ParameterError without dynesty.
 
-    prior : name -> (low, high) of coordinates, as of `common_prior`; others are ignored
-    label : of the progress bar
+    prior : name -> (low, high) of coordinates, as of `common_prior`; other names are ignored
+    label : text of the progress bar
     """
     try:
         import dynesty
@@ -148,7 +148,7 @@ def sample_posterior(solution, prior, label):
     ladder = (np.arange(KEPT) + rng.random()) / KEPT
     chosen = rng.permutation(np.searchsorted(np.cumsum(weights) / weights.sum(), ladder))
     points = np.zeros((KEPT, len(solution.point)))
-    points[:, likelihood.moving] = results.samples[chosen]
+    points[:, likelihood.nonlinear] = results.samples[chosen]
     points[:, likelihood.linear] = likelihood.draw_linear(results.blob[chosen], rng)
     return Posterior(
         points,

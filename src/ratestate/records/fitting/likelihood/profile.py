@@ -1,9 +1,10 @@
-"""Intervals from the likelihood itself, where it is not Gaussian.
+"""Intervals from profiles of the likelihood, if the likelihood is not Gaussian.
 
-A quantity's profile is the least chi-square of all fits in which the quantity is constrained to a
-value, less that of the best fit: its deviance.  With a noise that is known it is 1 and 3.84 at the
-ends of the 68 and 95 % intervals; the noise's uncertainty moves these outwards
-(noise_uncertainty.py).  See Venzon & Moolgavkar (1988) doi:10.2307/2347496.
+A quantity's profile is its deviance as a function of its value.  The deviance is the least
+chi-square of all fits in which the quantity has that value, less chi-square of the best fit.
+With known noise it is 1 and 3.84 at the ends of the 68 and 95 % intervals.  The uncertainty of
+the noise moves the ends outwards (noise_uncertainty.py).  See Venzon & Moolgavkar (1988)
+doi:10.2307/2347496.
 """
 
 from typing import NamedTuple
@@ -15,30 +16,30 @@ from ...kit.least_squares import minimum
 from ..estimates import GAUSSIAN, ROOTS
 from ..unknowns import parameter
 
-#: root of the deviance where a profile may end, over that where its widest interval does
+#: root of the deviance at which a profile may end, divided by that of its widest interval
 BEYOND = 1.03
-#: root of the deviance from one point of a profile to the next; most points on one side
+#: increase of the root of the deviance between points of a profile; most points on one side
 STRIDE, MOST = 1.02, 24
-#: a last step, out of the interval, is too long if the root of the deviance grows by more than this
+#: largest increase of the root of the deviance in the step that leaves the interval
 LEAP = 2.0
-#: shortest step, as a part of the distance from the fit, where the deviance leaps or motion ends
+#: shortest step, as a fraction of the distance from the fit
 LEAST = 0.02
-#: fall of chi-square by which a point of the profile is better than the fit
-BETTER = 0.05
-#: on the side on which a parameter ceases to matter an interval is open if a value so far from
-#: the estimate (as a logarithm) is still likely
+#: fall of chi-square by which a point of the profile counts as better than the fit
+LEAST_GAIN = 0.05
+#: distance of a likely value, as a logarithm, from which an interval is open on the side on which
+#: the parameter has no effect
 FARTHEST = np.log(1000.0)
-#: longest first step of a coordinate, as a part of the distance between its bounds
+#: longest first step of a coordinate, as a fraction of its range
 LONGEST = 0.03
-#: weight of the penalty, over that of a deviance that rises by 1 within a step
+#: weight of the penalty, relative to a deviance that rises by 1 within a step
 WEIGHT = 4.0
-#: fall of chi-square, by the linear model, at which a search ends
+#: expected fall of chi-square below which a search ends
 ENOUGH = 1e-3
-#: relative difference of the deviance's root from a Gaussian's that counts as Gaussian
+#: relative difference from a Gaussian's root of the deviance that is allowed
 TOLERANCE = 0.1
-#: distance from a bound, as a part of the distance between both bounds, that counts as none
+#: distance from a bound, as a fraction of the range, below which a point is at the bound
 BOUND = 1e-9
-#: most rounds in which profiles that others contradict are computed again
+#: most rounds of computing profiles again that other profiles contradict
 ROUNDS = 2
 
 
@@ -51,23 +52,23 @@ class BetterPoint(Exception):
 
 
 class Profile(NamedTuple):
-    """Values of a quantity in increasing order, the deviance at each, and how both sides end."""
+    """Values of a quantity in increasing order, with the deviance at each."""
 
     values: np.ndarray  # (n,) as `ReportedQuantity.value`
     deviance: np.ndarray  # (n,)
     points: np.ndarray  # (n, k) the best fits
-    ends: tuple  # lower, upper: "closed", "open" or "edge" (no motion beyond)
+    ends: tuple  # of both sides: "closed", "open" or "edge" (no motion beyond)
 
     @property
     def root(self):
-        """(n,) roots of the deviance, negative below the fit."""
+        """Roots (n,) of the deviance, negative below the fit."""
         above = np.arange(self.values.size) >= np.argmin(self.deviance)
         return np.where(above, 1.0, -1.0) * np.sqrt(self.deviance)
 
     def interval(self, roots=GAUSSIAN):
-        """(levels, sides) where the root passes these for the last time; inf where it never does.
+        """Return the outermost values (levels, sides) with these roots of the deviance.
 
-        Where a side ends at an edge, beyond which there is no motion, so does the interval.
+        An end is infinite if the root stays smaller, or the last value if no motion is beyond it.
         """
         interval = np.empty(roots.shape)
         curve = PchipInterpolator(self.values, self.root) if self.values.size > 1 else None
@@ -82,51 +83,51 @@ class Profile(NamedTuple):
         return interval
 
 
-def compute_profile(solution, quantity, fits=(), roots=GAUSSIAN, better=BETTER):
-    """The `Profile` of a `ReportedQuantity` about a solution.
+def compute_profile(solution, quantity, fits=(), roots=GAUSSIAN, least_gain=LEAST_GAIN):
+    """Return the `Profile` of a `ReportedQuantity` about a solution.
 
-    fits : (point, deviance) of other fits to start from as well
-    roots : (levels, sides) roots of the deviance at the ends of its intervals
-    better : fall of chi-square by which a point is better
+    fits : (point, deviance) of other fits, from which searches start as well
+    roots : (levels, sides) roots of the deviance at the ends of intervals
+    least_gain : fall of chi-square by which a point counts as better
 
-    Raises `BetterPoint` where a point of the profile fits better than the solution.
+    `BetterPoint` is raised if a point of the profile fits better than the solution.
     """
     low, high = (
-        _Side(solution, quantity, sign, BEYOND * root, fits, better)
+        _Side(solution, quantity, sign, BEYOND * root, fits, least_gain)
         for sign, root in zip((-1.0, 1.0), roots[-1], strict=True)
     )
-    ends = low.walk(), high.walk()
+    ends = low.extend(), high.extend()
     both = ((low.values, high.values), (low.deviance, high.deviance), (low.points, high.points))
     values, deviance, points = (np.array([*below[:0:-1], *above]) for below, above in both)
     return Profile(values, deviance, points, ends)
 
 
 class _Side:
-    """One side of a profile, from the fit outwards."""
+    """One side of a profile, built from the fit outwards."""
 
-    def __init__(self, solution, quantity, sign, beyond, fits, better):
+    def __init__(self, solution, quantity, sign, beyond, fits, least_gain):
         self.solution, self.quantity, self.sign = solution, quantity, sign
-        self.beyond, self.better = beyond, better
+        self.beyond, self.least_gain = beyond, least_gain
         along = solution.covariance @ quantity.gradient(solution.point)
         variance = float(quantity.gradient(solution.point) @ along)
-        self.lead = sign * along / variance  # change of all coordinates per unit of the quantity
+        self.direction = sign * along / variance  # d(coordinates)/d(quantity)
         _, low, high = solution.unknowns
-        moved = np.maximum(np.abs(self.lead), 1e-300)
+        moved = np.maximum(np.abs(self.direction), 1e-300)
         self.shortest = LEAST**2 * variance**0.5
         self.step = min(STRIDE * variance**0.5, float((LONGEST * (high - low) / moved).min()))
+        self.near_bound = BOUND * solution.unknowns.ranges
         self._coordinate = quantity.name if quantity.function is None else ""
         self.values, self.deviance = [quantity.value(solution.point)], [0.0]
         self.points = [solution.point]
         valued = [(quantity.value(point), point, deviance) for point, deviance in fits]
         self.fits = [fit for fit in valued if sign * (fit[0] - self.values[0]) > 0.0]
         likely = [sign * value for value, _, deviance in self.fits if deviance < beyond**2]
-        #: how far the farthest likely fit is
-        self.far = max(likely, default=-np.inf)
+        self.farthest_likely = max(likely, default=-np.inf)
 
-    def walk(self):
-        """Add the points of this side; how it ends."""
+    def extend(self):
+        """Add the points of this side; return how the side ends."""
         for _ in range(MOST):
-            if self._has_gone_far_enough(self.points[-1]):
+            if self._is_open_at(self.points[-1]):
                 return "open"
             last = self.values[-1]
             fit = self._fit_near(last + self.sign * self.step)
@@ -139,43 +140,43 @@ class _Side:
                     return "open" if fit and self._others_at_bounds(fit[1]) else "edge"
                 continue
             self._add_point(*fit)
-            if root > self.beyond and self.sign * fit[0] >= self.far:
+            if root > self.beyond and self.sign * fit[0] >= self.farthest_likely:
                 return "closed"
         return "open"
 
     def _fit_near(self, value):
-        """Value, point and deviance of the best fit near a value; None where nothing moves."""
-        ahead = self.points[-1] + self.lead * abs(value - self.values[-1])
+        """Return value, point and deviance of the best fit near a value, or None."""
+        ahead = self.points[-1] + self.direction * abs(value - self.values[-1])
         nearest = min(self.fits, key=lambda fit: abs(fit[0] - value), default=None)
         starts = [ahead] if nearest is None else [ahead, nearest[1]]
         return penalized_fit(self.solution, self.quantity, value, self.step, starts)
 
-    def _has_gone_far_enough(self, point):
-        """Whether the interval is open because this far out the quantity is still likely."""
+    def _is_open_at(self, point):
+        """Return whether the interval is open, because this far value is still likely."""
         far = self.sign * (self.quantity.value(point) - self.values[0]) > FARTHEST
-        if far and self.quantity.irrelevant == self.sign:
+        if far and self.quantity.no_effect == self.sign:
             return True
-        sides = self.solution.unknowns.sides(point, BOUND)
+        sides = self.solution.unknowns.sides(point, self.near_bound)
         if sides.get(self._coordinate) == self.sign:
             return True
         return self.solution.problem.is_open_at_bounds and self._others_at_bounds(point)
 
     def _others_at_bounds(self, point):
-        """Whether another coordinate has come to a bound at which it still matters."""
-        sides = self.solution.unknowns.sides(point, BOUND)
+        """Return whether another coordinate is at a bound and still has an effect."""
+        sides = self.solution.unknowns.sides(point, self.near_bound)
         return any(
-            side and parameter(name).irrelevant != side
+            side and parameter(name).no_effect != side
             for name, side in sides.items()
             if name != self._coordinate
         )
 
     def _add_point(self, value, point, deviance):
-        """Add a point, and choose the step to the next."""
-        if deviance < -self.better:
+        """Add a point, and choose the step to the next point."""
+        if deviance < -self.least_gain:
             raise BetterPoint(point)
         moved = abs(value - self.values[-1])
         rise = np.sqrt(max(deviance, 0.0)) - np.sqrt(self.deviance[-1])
-        self.lead = (point - self.points[-1]) / moved
+        self.direction = (point - self.points[-1]) / moved
         self.step = moved * min(max(STRIDE / max(rise, 1e-9), 0.1), 3.0)
         self.values.append(value)
         self.deviance.append(max(deviance, 0.0))
@@ -183,11 +184,11 @@ class _Side:
 
 
 def penalized_fit(solution, quantity, value, step, starts):
-    """Fit with a quantity held near a value: value reached, point (k,), deviance (< 0: better).
+    """Return value, point (k,) and deviance of a fit with a quantity near a value.
 
-    A penalty holds it: with a strict constraint least squares would advance slowly along a curved
-    valley.  Where the search ends, chi-square is the least for the quantity's value there.  None
-    where no start moves through the whole record.
+    A penalty holds the quantity.  With a strict constraint least squares would advance slowly
+    along a curved valley.  At the end of the search chi-square is the least for the value reached.
+    None if the slider does not move through the whole record from the best start.
     """
     problem, weight = solution.problem, WEIGHT / step
 
@@ -213,17 +214,18 @@ def penalized_fit(solution, quantity, value, step, starts):
     return reached, best.x, chi2 - solution.chi2
 
 
-def compute_profiles(solution, quantities, everything, roots=None, better=BETTER):
-    """name -> `Profile` of the quantities whose likelihood is not Gaussian, or of all.
+def compute_profiles(solution, quantities, all_quantities, roots=None, least_gain=LEAST_GAIN):
+    """Return name -> `Profile` of quantities with a likelihood that is not Gaussian.
 
-    roots : (quantities, levels, sides) of the deviance, at the ends of intervals; by default those
-        of a noise that is known
+    all_quantities : whether to compute profiles of the other quantities as well
+    roots : (quantities, levels, sides) of the deviance at the ends of intervals; by default those
+        for known noise
 
-    Where one quantity goes far, the others follow it: so each profile also starts from the fits
-    of the others, and is computed again where those fit better than its own.  `BetterPoint` is
-    raised where one fits better than the solution.
+    Where one quantity goes far, others may follow it.  So each profile also starts from the fits of
+    other profiles, and is computed again if those fit better than its own.  `BetterPoint` is
+    raised if a fit is better than the solution.
     """
-    left_out = [False] * len(quantities) if everything else are_gaussian(solution, quantities)
+    left_out = [False] * len(quantities) if all_quantities else are_gaussian(solution, quantities)
     roots = [GAUSSIAN] * len(quantities) if roots is None else roots
     roots_of = {q.name: own for q, own in zip(quantities, roots, strict=True)}
     todo = [q for q, is_left_out in zip(quantities, left_out, strict=True) if not is_left_out]
@@ -232,33 +234,33 @@ def compute_profiles(solution, quantities, everything, roots=None, better=BETTER
     for _ in range(ROUNDS):
         for quantity in todo:
             profile = profiles[quantity.name] = compute_profile(
-                solution, quantity, fits, roots_of[quantity.name], better
+                solution, quantity, fits, roots_of[quantity.name], least_gain
             )
             fits += zip(profile.points, profile.deviance, strict=True)
-        todo = [q for q in quantities if _contradicted(solution, q, profiles.get(q.name), fits)]
+        todo = [q for q in quantities if _is_contradicted(solution, q, profiles.get(q.name), fits)]
         if not todo:
             break
     return profiles
 
 
 def are_gaussian(solution, quantities):
-    """Whether the likelihood is Gaussian along each `ReportedQuantity`: list of bool.
+    """Return whether the likelihood is Gaussian along each `ReportedQuantity` (list).
 
-    Two standard errors to both sides, along the direction in which the other coordinates follow
-    the quantity, the deviance is compared with 4.  The fall that moving the others could still
-    achieve is subtracted to second order.  All points are one batch of lanes.  False where one is
-    out of bounds, or has no motion.
+    The deviance is compared with 4 at two standard errors on both sides, along the direction in
+    which the other coordinates follow the quantity.  The fall that other coordinates could still
+    achieve is subtracted to second order.  All points are computed in one march.  A quantity counts
+    as not Gaussian if one of its points is out of bounds or has no motion.
     """
     point, spread, problem = solution.point, solution.covariance, solution.problem
     along = [spread @ quantity.gradient(point) for quantity in quantities]
     errors = [quantity.standard_error(point, spread) for quantity in quantities]
     steps = [2.0 * u / error for u, error in zip(along, errors, strict=True)]
     points = np.array([point + sign * step for step in steps for sign in (-1.0, 1.0)])
-    sound = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
-    points[~sound] = point
+    is_valid = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
+    points[~is_valid] = point
     residuals = problem.difference(points)
-    sound &= np.isfinite(residuals).all(axis=1)
-    residuals[~sound] = 0.0
+    is_valid &= np.isfinite(residuals).all(axis=1)
+    residuals[~is_valid] = 0.0
     columns = np.column_stack([residuals.T, solution.jacobian])
     white, _ = solution.noise.whiten(problem.t, columns)
     whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
@@ -267,17 +269,17 @@ def are_gaussian(solution, quantities):
     root = np.zeros(len(points))
     for i, (quantity, u, error) in enumerate(zip(quantities, along, errors, strict=True)):
         for p in (2 * i, 2 * i + 1):
-            # without the part of the gain that would move the quantity itself
+            # leave out the part of the gain that would move the quantity itself
             gain_of_others = gain[p] - (u @ slopes[:, p] / error) ** 2
             deviance = whitened[:, p] @ whitened[:, p] - gain_of_others - solution.chi2
             moved = (quantity.value(points[p]) - quantity.value(point)) / error
             root[p] = np.sqrt(max(deviance, 0.0)) / max(abs(moved), 1e-9)
-    close = sound & (np.abs(root - 1.0) < TOLERANCE)
+    close = is_valid & (np.abs(root - 1.0) < TOLERANCE)
     return [bool(both) for both in close.reshape(-1, 2).all(axis=1)]
 
 
-def _contradicted(solution, quantity, profile, fits):
-    """Whether some fit has a smaller deviance than the quantity's profile, or Gaussian, there."""
+def _is_contradicted(solution, quantity, profile, fits):
+    """Return whether a fit has a smaller deviance than the profile, or a Gaussian."""
     values = np.array([quantity.value(point) for point, _ in fits])
     roots = np.sqrt([deviance for _, deviance in fits])
     likely = roots < BEYOND * ROOTS[-1]
@@ -285,6 +287,6 @@ def _contradicted(solution, quantity, profile, fits):
         error = quantity.standard_error(solution.point, solution.covariance)
         claimed = np.abs(values - quantity.value(solution.point)) / error
     else:
-        # beyond its ends a profile claims as much as at them
+        # beyond its ends, a profile counts as constant
         claimed = np.abs(np.interp(values, profile.values, profile.root))
     return bool(np.any(likely & (roots < (1.0 - TOLERANCE) * claimed - TOLERANCE)))

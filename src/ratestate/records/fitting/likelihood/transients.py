@@ -1,12 +1,12 @@
-"""Transients that a fit leaves in the residuals after steps: a test of the friction law.
+"""A test of the friction law by the transients that a fit leaves in the residuals after steps.
 
-A law that lacks something lacks it after the steps, while the noise is the same all along a record.
-So friction is added that changes after each step, over several distances, and is fitted together
-with all coordinates, to first order.  Its size is compared with the noise.  The noise is estimated
-together with the added friction, so the effect of a wrong law does not count as noise.
+A wrong law fails after the steps, while the noise is alike along the whole record.  So the test
+adds friction that changes after each step, over several distances, and fits it together with
+all coordinates, to first order.  Its size is compared with the noise.  The noise is estimated
+together with the added friction, so that misfit by a wrong law does not count as noise.
 
-The machine filters the added friction: a soft one oscillates.  For the slider, friction that falls
-by f is a load point that moves f sigma/K further, so one march gives the effect.
+The machine filters the added friction, and a soft machine oscillates.  Friction that falls by f
+acts on the slider as a load point that moves by f sigma/K, so that one march gives the effect.
 """
 
 import dataclasses
@@ -17,28 +17,28 @@ from scipy.special import fdtrc
 from ....model.history import History
 from ...kit.estimated_noise import RestrictedLikelihood
 from ..forward import Forward
-from ..record import changes
+from ..record import change_times
 from .noise_uncertainty import likely_shapes
 
-#: distances over which added friction changes, divided by the longest distance of the law
+#: distances over which added friction changes, as multiples of the law's longest distance
 LENGTHS = (0.1, 0.25, 0.6, 1.5, 4.0, 10.0, 25.0)
-#: most steps with added friction; its size, divided by a
+#: most steps with added friction; size of the added friction, divided by a
 STEPS, SIZE = 4, 1e-2
-#: least size of what added friction changes beyond the columns of the jacobian, out of 1
+#: least part of the effect of added friction that is beyond the span of the jacobian
 LEAST, TINY = 1e-3, 1e-300
-#: speed in a hold, over the largest
+#: speed that stands for a hold, divided by the largest speed
 HOLD = 1e-3
-#: residuals, over friction's range, too small to be a misfit
+#: residuals, as a fraction of friction's range, that are too small for a misfit
 FINE = 1e-4
 
 
-def chance_of_transients(solution, D):
-    """Return the probability that noise alone leaves transients as large after the steps.
+def transients_p_value(solution, D):
+    """Return the probability that noise alone leaves such transients after the steps.
 
     D : distance [m] over which friction evolves
 
     The probability is a mean over likely shapes of the noise, which is estimated even if it was
-    given.  It is 1 if the residuals are negligible, and NaN if nothing could be tested: without
+    given.  It is 1 if the residuals are negligible.  It is NaN if nothing could be tested: without
     steps, without a motion under any added friction, or without a possible noise.
     """
     record = solution.problem.record
@@ -61,20 +61,20 @@ def chance_of_transients(solution, D):
 
 
 def _transients(solution, D):
-    """(m, p) what friction added after the steps changes, beyond the columns of the jacobian.
+    """Return effects (m, p) of friction added after steps, beyond the jacobian.
 
-    If a record has more than `STEPS` steps, some of them stand for all.
+    At most `STEPS` steps of a record are used.
     """
     record, jacobian = solution.problem.record, solution.jacobian
     loading, end = record.loading, record.t[-1]
-    times = changes(loading)
+    times = change_times(loading)
     times = times[times < end]
-    some = np.unique(np.linspace(0, times.size - 1, min(STEPS, times.size)).round().astype(int))
-    speeds = np.maximum(loading.V_load(times[some]), HOLD * loading.V.max())
-    # even if D is larger than what the record shows, the longest change ends with the record
-    once = np.minimum(D / speeds, (end - times[some]) / LENGTHS[-1])
-    steps = zip(times[some].tolist(), once.tolist(), strict=True)
-    effects = [_effect(solution, t, length * unit) for t, unit in steps for length in LENGTHS]
+    chosen = np.unique(np.linspace(0, times.size - 1, min(STEPS, times.size)).round().astype(int))
+    speeds = np.maximum(loading.V_load(times[chosen]), HOLD * loading.V.max())
+    # the longest change ends with the record at the latest
+    once = np.minimum(D / speeds, (end - times[chosen]) / LENGTHS[-1])
+    steps = zip(times[chosen].tolist(), once.tolist(), strict=True)
+    effects = [_effect_of_fall(solution, t, x * unit) for t, unit in steps for x in LENGTHS]
     columns = np.reshape(effects, (-1, record.t.size)).T
     columns = columns[:, np.isfinite(columns).all(axis=0)]
     columns = columns / np.maximum(np.linalg.norm(columns, axis=0), TINY)
@@ -83,24 +83,24 @@ def _transients(solution, D):
     return rest[:, sizes > LEAST]
 
 
-def _effect(solution, start, duration):
-    """(m,) change of friction if friction falls by 1, evenly, from `start` for `duration` [s].
+def _effect_of_fall(solution, start, duration):
+    """Return the change of friction (m,) from an even fall of friction by 1.
 
-    To first order; NaN without a motion.
+    It is computed to first order.  The fall takes `duration` [s].  NaN without a motion.
     """
     problem, record = solution.problem, solution.problem.record
     point = solution.point[None]
     values = problem.forward.values(point)
     a, K, lag = (float(values[name][0]) for name in ("a", "K", "lag"))
     fall = SIZE * a
-    loading = _moved_further(record.loading, start, duration, fall * problem.slider.sigma / K)
+    loading = _with_extra_motion(record.loading, start, duration, fall * problem.slider.sigma / K)
     forward = Forward(record._replace(loading=loading), problem.slider, problem.unknowns.names)
     moved = forward.friction(point)[0] - solution.fitted_friction
     return moved / fall - np.clip((record.t - lag - start) / duration, 0.0, 1.0)
 
 
-def _moved_further(loading, start, duration, distance):
-    """A loading whose load point moves a distance [m] further, from start for a duration [s]."""
+def _with_extra_motion(loading, start, duration, distance):
+    """Return a loading with a distance [m] added evenly from start on."""
     end = start + duration
     until = loading.speed.until
     t = np.union1d(loading.t, [start, end])
@@ -113,16 +113,17 @@ def _moved_further(loading, start, duration, distance):
 
 
 def longest_distance(estimates, slider):
-    """Symbol of the longest distance over which a state evolves, its value, and the upper end of
-    its 95 % interval; the slider's value if it was given.
+    """Return the longest distance of a state: its symbol, value and upper limit.
+
+    The limit is the upper end of the 95 % interval.  A distance that is not free has its value.
     """
-    found = []
+    distances = []
     for symbol in slider.friction_law.lengths:
         given = float(getattr(slider, symbol))
         if symbol in estimates.names:
             estimate = estimates.of(symbol)
-            found.append((estimate.value, float(estimate.interval[-1, 1]), symbol))
+            distances.append((estimate.value, float(estimate.interval[-1, 1]), symbol))
         else:
-            found.append((given, given, symbol))
-    value, high, symbol = max(found)
+            distances.append((given, given, symbol))
+    value, high, symbol = max(distances)
     return symbol, value, high

@@ -1,7 +1,7 @@
-"""What `fit` does if each="step": all steps and holds of an experiment.
+"""The fit of all steps and holds of an experiment, as `fit` does with each="step".
 
-Steps of normal stress come last: they determine alpha, and the law's other parameters are held at
-the estimates from the other steps.
+Steps of normal stress are fitted last.  They determine alpha, while the law's other parameters
+are held at the estimates from the other steps.
 """
 
 import numpy as np
@@ -11,16 +11,16 @@ from ...messages import fitting as sentences
 from ..estimates import ROOTS
 from ..forward import Forward
 from ..unknowns import to_coordinate, to_value
-from . import FAILED, FITTED, STICK_SLIP
+from . import FAILED, FITTED, NORMAL_STRESS, STICK_SLIP
 from .each import Step, fit_each, fit_window, steps_of
 from .result import dataset_of_steps
 from .shared import estimates_of, mean_of, shared_fit
 
 
 def fit_experiment(data, settings):
-    """The Dataset of all steps and holds of a record (Dataset in SI), with checked `Settings`.
+    """Return the Dataset of all steps and holds of a record (in SI).
 
-    ParameterError if there is no step and no hold, or none that can be fitted.
+    ParameterError if there is no step or hold, or if none can be fitted.
     """
     unstable: list[Step] = []
     of_stress: list[Step] = []
@@ -28,7 +28,7 @@ def fit_experiment(data, settings):
     for steps in steps_of(data, settings):
         if steps[0].status == STICK_SLIP:
             unstable += steps
-        elif steps[0].window.kind == "normal stress":
+        elif steps[0].window.kind == NORMAL_STRESS:
             of_stress += steps
         else:
             others.append(steps)
@@ -46,9 +46,9 @@ def fit_experiment(data, settings):
 
 
 def fit_stress_step(step, others, shared):
-    """The `Step` of normal stress with its fit, in which alpha alone is free.
+    """Return the `Step` of normal stress with its fit, in which alpha alone is free.
 
-    others : fitted `Step`s of the load point under the same law, whose mean K is held
+    others : fitted `Step`s of the load point under the same law; the mean of their K is held
     shared : their `Shared`, or None
 
     The errors of held parameters widen the interval of alpha, to first order.
@@ -63,13 +63,13 @@ def fit_stress_step(step, others, shared):
     settings = step.settings._replace(sliders=[step.slider.replace(**values)])
     (step,) = fit_window(
         [step._replace(settings=settings)],
-        lambda inference: _with_errors_of(inference, tuple(held), covariance),
+        lambda inference: _with_held_errors(inference, tuple(held), covariance),
     )
     return step
 
 
-def _with_errors_of(inference, held, covariance):
-    """The `Inference` with errors (h, h) of held parameters (h names) propagated to alpha."""
+def _with_held_errors(inference, held, covariance):
+    """Return the `Inference` with errors (h, h) of held parameters added to alpha's."""
     solution, estimates = inference.solution, inference.estimates
     i, least = estimates.names.index("alpha"), to_value("alpha", -np.inf)
     errors, intervals = estimates.errors.copy(), estimates.intervals.copy()
@@ -79,25 +79,25 @@ def _with_errors_of(inference, held, covariance):
     point = [to_coordinate(name, getattr(problem.slider, name)) for name in held]
     forward = Forward(problem.record, problem.slider, (*held, *names))
     jacobian = forward.jacobian(np.concatenate([point, solution.point]))[1]
-    if not np.isfinite(jacobian).all():  # no motion next to the held values
+    if not np.isfinite(jacobian).all():  # no motion close to the held values
         errors[i], intervals[i] = np.inf, (least, np.inf)
     else:
         white, _ = solution.noise.whiten(problem.record.t, jacobian)
         by_held = np.linalg.lstsq(white[:, len(held) :], white[:, : len(held)])[0]
         slopes = by_held[names.index("alpha")]
         errors[i] = np.sqrt(errors[i] ** 2 + slopes @ covariance @ slopes)
-        # (added, which is right at a bound, too, where the interval is not about the estimate)
+        # adding to the ends is also right at a bound, where intervals are not symmetric
         more = (errors[i] - estimates.errors[i]) * ROOTS[:, None] * np.array([-1.0, 1.0])
         intervals[i] = np.maximum(intervals[i] + more, least)
     return inference._replace(estimates=estimates._replace(errors=errors, intervals=intervals))
 
 
 def warnings_of_steps(result):
-    """How many steps are stick-slip, failed or carry warnings: a list of one sentence, or none."""
+    """Return a list of one sentence on stick-slip, failures and warnings, or none."""
     failed = result["status"].values == FAILED
     unstable = result["status"].values == STICK_SLIP
     doubtful = result["warnings"].values != ""
-    if failed.ndim > 1:  # under any law
+    if failed.ndim > 1:  # along law
         failed, unstable, doubtful = (x.any(axis=-1) for x in (failed, unstable, doubtful))
     parts = []
     for which, what, variable in (

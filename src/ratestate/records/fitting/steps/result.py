@@ -13,41 +13,42 @@ from ..unknowns import to_value
 from . import FAILED, FITTED, STICK_SLIP
 from .shared import estimates_of, mean_of, moves_as_log, ratio_of
 
-#: scalars of a fit that are kept for each step
+#: scalars of a fit that are stored for each step
 SCALARS = (
     "rms noise_white noise_red noise_time noise_exponent misfit_p_value chi2_white log_likelihood"
     " aic bic log_evidence log_evidence_error"
 ).split()
-#: other variables of a fit that are kept
+#: other variables of a fit that are stored
 KEPT = "standard_error interval interval_kind correlation identifiability".split()
-#: most samples of a window that are kept for figures
+#: most samples of a window that are stored for figures
 SAMPLES = 1000
 
 
 def dataset_of_steps(steps, shared):
-    """The Dataset of the fits; along ``law`` if there are several.
+    """Return the Dataset of the fits, along ``law`` if there are several.
 
-    steps : law -> list of `Step` in order of time; shared : law -> `Shared`, or None
+    steps : law -> list of `Step` in order of time
+    shared : law -> `Shared`, or None
     """
     laws, first = [*steps], next(iter(steps.values()))
     fitted = [one for of_law in steps.values() for one in of_law if one.status == FITTED]
     names = names_of([step.result for step in fitted], laws)
     size = min(SAMPLES, max(step.data.sizes["time"] for step in first))
-    tables = [_of_law(steps[law], shared[law], names, size) for law in laws]
+    tables = [_law_table(steps[law], shared[law], names, size) for law in laws]
     result, several = tables[0], len(laws) > 1
     if several:
         result = joined(tables, "law", names).transpose("step", "law", ...).drop_vars("sample")
         result["friction_fit"] = result["friction_fit"].transpose("law", ...)
     empty = [name for name in SCALARS if name in result and result[name].isnull().all()]
-    result = result.drop_vars(empty).assign(_of_windows(first, size))
+    result = result.drop_vars(empty).assign(_window_variables(first, size))
     result["status"].attrs |= flags({FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"})
     numbers = ("step", np.arange(1, len(first) + 1), {"long_name": "step or hold"})
     result = result.assign_coords(law=laws if several else laws[0], step=numbers)
     return _with_comparison(result, steps) if several else result
 
 
-def _of_law(steps, shared, names, size):
-    """What is kept of each fit under a law, NaN and "" without one, and what all tell together."""
+def _law_table(steps, shared, names, size):
+    """Return the fits under a law, NaN and "" without a fit, and joint estimates."""
     nothing = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
     rows, warnings, curves = [], [], []
     for step in steps:
@@ -67,21 +68,21 @@ def _of_law(steps, shared, names, size):
         "message": [step.message for step in steps],
     }
     variables = labelled("step", **columns) | labelled(("step", "sample"), friction_fit=curves)
-    return joined(rows, "step", names).assign(variables | _together(steps, shared, names))
+    return joined(rows, "step", names).assign(variables | _joint_variables(steps, shared, names))
 
 
-def _of_windows(steps, size):
-    """Variables: what the load point does in each window, normal stress, and some samples."""
+def _window_variables(steps, size):
+    """Return variables on the load point and normal stress, and some samples."""
     rows = []
     for step in steps:
-        window, is_of_stress = step.window, step.window.kind == "normal stress"
+        window = step.window
         rows.append(
             {name: getattr(window, name) for name in ("kind", "V_before", "V_after", "t_hold")}
             | {
                 "step_t": window.t,
                 "step_delta_lp": np.interp(window.t, step.column("time"), step.column("delta_lp")),
                 "sigma": step.slider.sigma,
-                "sigma_after": window.stresses(step.data)[1] if is_of_stress else np.nan,
+                "sigma_after": step.sigma_after,
                 "samples": step.data.sizes["time"],
                 "rows_per_sample": step.rows_per_sample,
             }
@@ -94,18 +95,18 @@ def _of_windows(steps, size):
 
 
 def _columns(rows):
-    """Lists by name, of dicts with the same names."""
+    """Return name -> list of values, from dicts with the same names."""
     return {name: [row[name] for row in rows] for name in rows[0]}
 
 
 def _sampled(values, size):
-    """(size,) of the values, evenly; NaN beyond if they are fewer."""
+    """Return some of the values (size,), evenly spaced; padded with NaN."""
     rows = np.unique(np.linspace(0, len(values) - 1, size).astype(int))
     return np.append(values[rows], np.full(size - rows.size, np.nan))
 
 
-def _together(steps, shared, names):
-    """Variables on what all steps under a law tell together of each parameter."""
+def _joint_variables(steps, shared, names):
+    """Return variables on what all steps under a law determine together."""
     rises, rows = np.array([step.window.rise for step in steps]), []
     for name in names:
         values, errors = estimates_of(steps, name)
@@ -137,9 +138,9 @@ def _together(steps, shared, names):
 
 
 def _with_comparison(result, steps):
-    """The result with the laws compared in each step, and in all in which all are fitted.
+    """Return the result with the laws compared in each step, and in all steps.
 
-    No law fits if none does in most of these.
+    Steps that are not fitted under all laws do not count.  No law fits if none does in most steps.
     """
     everywhere = (result["status"] == FITTED).all("law")
     aic = result["aic"].where(everywhere)

@@ -1,12 +1,12 @@
-"""What several steps determine together: one set of parameters, and the scatter between steps.
+"""The joint fit of several steps: one set of parameters, and the scatter between steps.
 
-The steps share the parameters of the law; stiffness, level, trend and start remain each step's own.
-So does its noise: the estimate of its separate fit, enlarged as the uncertainty of the noise
-enlarges the variances of this step's estimates (noise_uncertainty.py).  The joint least squares are
-those of all whitened residuals.
+The steps share the parameters of the law.  Each step has its own stiffness, level, trend and
+start.  It also has its own noise: the estimate of its separate fit, enlarged as the uncertainty
+of the noise enlarges the variances of this step's estimates (noise_uncertainty.py).
 
-The test is the one of Welch (1951) doi:10.1093/biomet/38.3-4.330 for means of groups whose
-variances are estimated, for k parameters after Johansen (1980) doi:10.1093/biomet/67.1.85.
+The test whether one set serves all steps is the test of Welch (1951)
+doi:10.1093/biomet/38.3-4.330 for means of groups with estimated variances.  For k parameters it
+follows Johansen (1980) doi:10.1093/biomet/67.1.85.
 """
 
 import itertools
@@ -18,11 +18,11 @@ from scipy.special import fdtrc, stdtr
 
 from ...kit.least_squares import minimum
 from ...kit.regression import weighted_mean
-from ..unknowns import SUMS, parameter
+from ..unknowns import DERIVED, parameter
 
-#: most evaluations of the search
+#: most evaluations of the joint search
 MOST = 60
-#: least of the sum in `denominator`: above it chi-square and F are the same
+#: least sum in `denominator`; for smaller sums F equals chi-square
 LEAST = 1e-9
 
 
@@ -31,16 +31,16 @@ class Shared(NamedTuple):
 
     names: tuple  # of the shared parameters
     point: np.ndarray  # (k,) their coordinates
-    covariance: np.ndarray  # (k, k) of these
+    covariance: np.ndarray  # (k, k)
     deviance: float  # chi-square less the sum of chi-squares of the separate fits
-    degrees: int  # how many parameters fewer it has, k (n - 1)
-    denominator: float  # degrees of freedom with which the variance is known
+    degrees: int  # number of parameters fewer than in the separate fits, k (n - 1)
+    denominator: float  # degrees of freedom of the denominator of F
 
     @property
     def p_value(self):
         """Probability of such a deviance or a larger one, if one set serves all steps.
 
-        It then has the mean `degrees`, and F the mean denominator/(denominator - 2).
+        The deviance then has the mean `degrees`, and F the mean denominator/(denominator - 2).
         """
         mean = self.denominator / (self.denominator - 2.0)
         ratio = mean * max(self.deviance, 0.0) / self.degrees
@@ -48,7 +48,7 @@ class Shared(NamedTuple):
 
 
 class _Joint:
-    """Residuals of all steps by k shared coordinates, then each step's own, in order."""
+    """Residuals of all steps, by k shared coordinates and then each step's own."""
 
     def __init__(self, steps):
         self.steps, self.k = steps, len(steps[0].shared)
@@ -58,7 +58,7 @@ class _Joint:
         self.rows = _slices([len(x) + 1 for x in each], 0)
 
     def at(self, point):
-        """Residual (m,) and jacobian (m, n) at a point (n,); NaN and 0 without a motion.
+        """Return residual (m,) and jacobian (m, n) at a point; NaN, 0 without a motion.
 
         The rows of a step have the normal equations of all its samples.
         """
@@ -73,24 +73,24 @@ class _Joint:
         return residual, np.nan_to_num(jacobian)
 
     def information(self, jacobian):
-        """(steps, k, k) information of each step on the shared coordinates.
+        """Return the information (steps, k, k) of each step on the shared coordinates.
 
-        Rows of a triangle below those of the step's own coordinates do not depend on these.
+        Rows of a triangle below those of the step's own coordinates do not depend on them.
         """
         pairs = zip(self.rows, self.own, strict=True)
         roots = [jacobian[rows.start + len(own) : rows.stop, : self.k] for rows, own in pairs]
         return np.array([root.T @ root for root in roots])
 
-    def collected(self, values, of_shared):
-        """(n,) coordinates from those of each step; the shared ones by a function of all."""
+    def collected(self, values, combine):
+        """Return coordinates (n,) from each step's; `combine` merges the shared ones."""
         shared = [one[step.shared] for one, step in zip(values, self.steps, strict=True)]
         own = [one[own] for one, own in zip(values, self.own, strict=True)]
-        return np.concatenate([of_shared(shared, axis=0), *own])
+        return np.concatenate([combine(shared, axis=0), *own])
 
     def starts(self):
-        """Points (n,), an iterator: at the medians of shared coordinates, then at each step's.
+        """Yield points (n,): first medians of the shared coordinates, then each step's.
 
-        Some step may have no motion with the shared coordinates of another.
+        A step may have no motion with the shared coordinates of another step.
         """
         points = [step.solution.point for step in self.steps]
         yield self.collected(points, np.median)
@@ -99,14 +99,15 @@ class _Joint:
 
 
 def _slices(sizes, begin):
-    """Slices (list) of these sizes, one after the other."""
+    """Return contiguous slices (list) of these sizes."""
     return [slice(*pair) for pair in itertools.pairwise(itertools.accumulate(sizes, initial=begin))]
 
 
 def _triangle(step, own, values):
-    """Upper triangle with the inner products of whitened derivatives and, last, the residual.
+    """Return the triangle of a QR decomposition of whitened derivatives, residual.
 
-    values : of a step's own coordinates, then of the shared ones; NaN if there is no motion
+    own : coordinates (list of int) of the step that are not shared
+    values : of the own coordinates, then of the shared ones; NaN if there is no motion
     """
     problem, order = step.solution.problem, own + step.shared
     point = values[np.argsort(order)]
@@ -119,9 +120,9 @@ def _triangle(step, own, values):
 
 
 def shared_fit(steps):
-    """`Shared` of the usable `Step`s (list) under one law.
+    """Return the `Shared` of the usable `Step`s (list) under one law.
 
-    None for fewer than two, for nothing to share, and if the search has not converged.
+    None with fewer than two, if no coordinate is shared, or if the search has not converged.
     """
     steps = [step for step in steps if step.is_usable]
     if len(steps) < 2 or not steps[0].shared:
@@ -145,9 +146,10 @@ def shared_fit(steps):
 
 
 def denominator(k, parts, spreads):
-    """Degrees of freedom, above 4, of F with the variance of the deviance of k parameters.
+    """Return degrees of freedom > 4 of F with the variance of the deviance.
 
-    parts : (n,) of each step in the information on the parameters, their sum 1
+    k : number of parameters
+    parts : (n,) each step's fraction of the information on the parameters
     spreads : (n,) relative variances of the variances of their estimates, as of `Inflation`
     """
     degrees = k * (parts.size - 1)
@@ -156,14 +158,14 @@ def denominator(k, parts, spreads):
 
 
 def moves_as_log(name):
-    """Whether estimates of a parameter are compared by their logarithms."""
-    return name not in SUMS and parameter(name).is_log
+    """Return whether the logarithms of a parameter's estimates are compared."""
+    return name not in DERIVED and parameter(name).is_log
 
 
 def estimates_of(steps, name):
-    """Values (n,) of a parameter in its coordinate, and errors (n,), under one law.
+    """Return values (n,) of a parameter in its coordinate, and errors (n,).
 
-    NaN if a `Step` is not usable, or if its error is not finite.
+    Both are NaN if a `Step` is not usable, or if its error is not finite.
     """
     pairs = np.full((len(steps), 2), np.nan)
     for i, step in enumerate(steps):
@@ -176,15 +178,15 @@ def estimates_of(steps, name):
 
 
 class MeanOfSteps(NamedTuple):
-    """Mean of estimates of one parameter, its error with the scatter, and the scatter."""
+    """Mean of estimates of one parameter, with the scatter between steps."""
 
     value: float
     error: float
-    scatter: float  # standard deviation between estimates beyond their errors; NaN of one
+    scatter: float  # standard deviation beyond the errors; NaN for one estimate
 
 
 def mean_of(values, errors):
-    """`MeanOfSteps` of estimates (n,) with standard errors (n,); NaN are left out, and of none.
+    """Return the `MeanOfSteps` of estimates (n,) with errors (n,), NaN left out.
 
     Weighted as by DerSimonian & Laird (1986) doi:10.1016/0197-2456(86)90046-2.
     """
@@ -201,18 +203,18 @@ def mean_of(values, errors):
 
 
 class Ratio(NamedTuple):
-    """Mean over steps up divided by that over steps down."""
+    """Mean over steps up divided by mean over steps down."""
 
     value: float
     error: float  # standard error, with the scatter within both groups
-    p_value: float  # of as large a difference of the means if there is none
+    p_value: float  # probability of as large a difference if the true means are equal
 
 
 def ratio_of(up, down, is_log):
-    """`Ratio` of two groups of estimates: pairs of values (n,) and standard errors (n,).
+    """Return the `Ratio` of two groups: pairs of values (n,) and errors (n,).
 
-    The scatter is that about both means together, as of Student's test.  NaN without both, and
-    errors and probability if each has one estimate, for then nothing is known of the scatter.
+    The scatter is about both means together, as in Student's test.  All is NaN if a group is empty.
+    Error and probability are NaN if each group has one estimate, so that the scatter is unknown.
     """
     if not (len(up[0]) and len(down[0])):
         return Ratio(np.nan, np.nan, np.nan)

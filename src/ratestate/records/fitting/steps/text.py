@@ -1,4 +1,4 @@
-"""Fits of steps as text: a table with a row for each step, sentences, and rows of a CSV."""
+"""Fits of steps as text: a table with a row for each step, sentences, and CSV rows."""
 
 import numpy as np
 import xarray
@@ -16,36 +16,36 @@ from ....model.quantities import (
 )
 from ..by_law import law_of, results_by_law, warnings_of
 from ..table import law_names, rate_dependence_text
-from ..unknowns import SUMS, TRENDS, to_value
-from . import FAILED, STICK_SLIP
+from ..unknowns import DERIVED, TRENDS, to_value
+from . import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
 
-#: columns on what happens, which are the first
+#: heads of the first columns
 HEADS = ("step", "time [s]", "change")
-#: what the table's numbers are
+#: remark on the notation of numbers in the table
 NOTATION = "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18."
-#: probability that counts as small
+#: significance level
 IMPROBABLE = 0.01
-#: least probability that is told as a number: Gaussian tails mean nothing so far out
+#: least probability that is given as a number: farther tails are not Gaussian
 LEAST = 1e-6
 #: pure numbers below this are given in thousandths
 SMALL = 0.1
-#: in place of an estimate
+#: text in place of an estimate
 NONE = "-"
-#: kinds of steps -> as a heading counts one, and several
+#: kind of step -> its singular and plural
 KINDS = {
-    "step": ("velocity step", "velocity steps"),
-    "hold": ("hold", "holds"),
-    "normal stress": ("step of normal stress", "steps of normal stress"),
+    STEP: ("velocity step", "velocity steps"),
+    HOLD: ("hold", "holds"),
+    NORMAL_STRESS: ("step of normal stress", "steps of normal stress"),
 }
-#: variables of each step, in order, before the estimates and after them
+#: CSV columns before and after the estimates
 BEFORE = "kind step_t step_delta_lp V_before V_after t_hold sigma sigma_after".split()
 AFTER = "rms aic aic_difference samples status warnings message".split()
-#: rows on all steps, and what the columns on each step have there
+#: heads of the joint rows, and their cells in columns without a joint value
 TOGETHER, BLANK = ("all", "scatter", "up/down"), ("", "", "")
 
 
 def table_of(result, law):
-    """Rows of cells (list of lists of str): heads, the steps under a law, and all together."""
+    """Return rows of cells (lists of str): heads, steps under a law, and joint rows."""
     parts = results_by_law(result)
     part = parts[law]
     steps = [part.isel(step=i) for i in range(part.sizes["step"])]
@@ -73,7 +73,6 @@ def table_of(result, law):
 
 
 def _note(step):
-    """Whether a step is stick-slip or failed, or how many warnings it carries."""
     words = {FAILED: "failed", STICK_SLIP: "stick-slip"}
     return words.get(int(step["status"])) or _counted(len(warnings_of(step)))
 
@@ -83,7 +82,7 @@ def _counted(count):
 
 
 def _head(parts, symbol):
-    """Head of an estimate's column, and the factor to a unit that fits it under all laws."""
+    """Return the head of an estimate's column, and the factor to its unit."""
     unit = QUANTITIES[symbol].unit
     sizes = [np.abs(part[symbol].values) for part in parts.values()]
     known = [size[np.isfinite(size)] for size in sizes]
@@ -98,18 +97,18 @@ def _head(parts, symbol):
 
 
 def _cell(step, symbol, factor):
-    """The estimate of a step with its error, or its bound if that is all that is known."""
+    """Return the estimate of a step with its error, or its bound if one end is open."""
     here = step.sel(parameter=symbol)
     infinite = np.array([-np.inf, np.inf])
     ends = here["interval"].values[-1]
-    is_open = ends == (infinite if symbol in SUMS else to_value(symbol, infinite))
+    is_open = ends == (infinite if symbol in DERIVED else to_value(symbol, infinite))
     if is_open.sum() == 1:  # such as "< 0.16"
         return f"{'>' if is_open[1] else '<'} {short(factor * ends[~is_open][0])}"
     return _concise(here[symbol], here["standard_error"], factor)
 
 
 def _concise(value, error, factor):
-    """A number, multiplied by a factor, with its error if that is finite; `NONE` for NaN."""
+    """Return a number times a factor, with a finite error; `NONE` for NaN."""
     value, error = factor * float(value), factor * float(error)
     if not np.isfinite(value):
         return NONE
@@ -117,20 +116,19 @@ def _concise(value, error, factor):
 
 
 def change_text(step):
-    """What changes: "3 -> 10 um/s", "hold 30 s, 3 um/s" or "sigma 8 -> 8.8 MPa"."""
+    """Return the change: "3 -> 10 um/s", "hold 30 s, 3 um/s" or "sigma 8 -> 8.8 MPa"."""
     before, after = float(step["V_before"]), float(step["V_after"])
     kind = str(step["kind"].item())
-    if kind == "hold":
+    if kind == HOLD:
         then = readable("V_lp", after, 3) if np.isfinite(after) else "to the record's end"
         return f"hold {readable('t', float(step['t_hold']), 3)}, {then}"
-    if kind == "normal stress":
+    if kind == NORMAL_STRESS:
         ends = (float(step[name]) for name in ("sigma", "sigma_after"))
         return f"sigma {readable_change('sigma', *ends)}"
     return readable_change("V_lp", before, after)
 
 
 def heading_of_steps(result):
-    """What was fitted, as one line."""
     source = attributes.text(result, "source", "")
     about = f"Fits of {source}: " if source else "Fits of "
     laws = law_names(tuple(results_by_law(result)))
@@ -140,7 +138,7 @@ def heading_of_steps(result):
 
 
 def remarks_on_steps(result):
-    """The lines below the tables of steps: comparison of the laws, failures (list of str)."""
+    """Return lines below the tables of steps: comparison, joint fit, failures."""
     parts = results_by_law(result)
     texts = [attributes.text(result, "comparison", "")]
     for law, part in parts.items():
@@ -156,7 +154,7 @@ def remarks_on_steps(result):
 
 
 def warnings_on_steps(result, where):
-    """The warnings of the law that fits best; of others how many there are, and where (list)."""
+    """Return the best law's warnings; for other laws, their number and place."""
     texts, best = [], _best_law(result)
     for law, part in results_by_law(result).items():
         if law == best:
@@ -169,7 +167,7 @@ def warnings_on_steps(result, where):
 
 
 def warnings_by_text(part):
-    """Pairs of which steps, such as "steps 3, 9", and a warning on these, of one law's part."""
+    """Return pairs of steps, such as "steps 3, 9", and a warning on them."""
     steps: dict[str, list[str]] = {}
     for i, several in enumerate(part["warnings"].values.tolist(), 1):
         for text in several.splitlines():
@@ -180,7 +178,7 @@ def warnings_by_text(part):
 
 
 def _best_law(result):
-    """Of a result of steps the law with the least AIC over all steps in which all are fitted."""
+    """Return the law with the least AIC over all steps in which all laws are fitted."""
     laws = [*results_by_law(result)]
     if len(laws) == 1 or not bool(result["aic_difference"].notnull().any()):
         return laws[0]
@@ -188,7 +186,7 @@ def _best_law(result):
 
 
 def _on_one_set(part):
-    """A sentence on whether one set of parameters serves all steps, where there is a joint fit."""
+    """Yield a sentence on whether one set of parameters serves all steps."""
     p, degrees = float(part["shared_p_value"]), int(part["shared_degrees"])
     if not np.isfinite(p):
         return
@@ -201,7 +199,7 @@ def _on_one_set(part):
 
 
 def _on_symmetry(part):
-    """A sentence on the distances by steps up and steps down, where there are some of both."""
+    """Yield a sentence on the distances by steps up and steps down."""
     distances = [s for s in part["parameter"].values.tolist() if QUANTITIES[s].unit == "m"]
     for symbol in distances[:1]:
         here = part.sel(parameter=symbol)
@@ -216,14 +214,13 @@ def _on_symmetry(part):
 
 
 def _probability(p):
-    """A probability, but none so small that nothing is known of it."""
     return f"p = {p:.2g}" if p >= LEAST else f"p < {LEAST:g}"
 
 
 def rows_of(result):
-    """The Dataset of a row for each step, under one law after the other, along ``step``.
+    """Return a Dataset with a row for each step, one law after the other.
 
-    Estimates of a result of steps with their standard errors, as ``a`` and ``a_error``.
+    Estimates and standard errors are called ``a`` and ``a_error``.
     """
     names, errors = result["parameter"].values.tolist(), {}
     for name in names:

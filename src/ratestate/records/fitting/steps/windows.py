@@ -1,8 +1,8 @@
-"""Windows of a record: each step and hold with the sliding before it and after.
+"""Windows of a record: each step and hold with the sliding before it and after it.
 
-No step can be fitted in a slide that is stick-slip.  The events and the test of their significance
-are those of `events`.  Of noise that wanders, that test accepts some: here a slide needs several
-events, which make up much of the range of friction.
+No step can be fitted during stick-slip.  Events are detected, and tested for significance, as by
+`events`.  That test accepts some events of wandering noise.  So here a slide needs several
+events, with drops that are a large fraction of the range of friction.
 """
 
 from typing import NamedTuple
@@ -17,39 +17,40 @@ from ...messages import fitting as sentences
 from ...raw_record import checked_time
 from ...stick_slip.detection import detected
 from ...stick_slip.series import series_of
+from . import HOLD, NORMAL_STRESS, STEP
 
-#: part of the sliding before a change that belongs to its window: the change before it is over
+#: fraction of the sliding before a change that its window has, so that the change before is over
 LEAD = 0.5
-#: fewest rows there, as far as there are as many
+#: fewest rows of this sliding, if the record has as many
 ROWS = 50
-#: fewest events at one speed, and least drop of a typical one, over the range of friction there
+#: fewest events at one speed; least median drop, as a fraction of the range of friction there
 FEWEST, DROP = 4, 1.0 / 3.0
 
 
 class Window(NamedTuple):
     """A step or hold, and the part of the record in which it is fitted."""
 
-    kind: str  # "step" and "hold" of the load point, or "normal stress"
+    kind: str  # `STEP` or `HOLD` of the load point, or `NORMAL_STRESS`
     t: float  # when it begins [s]
     begin: float  # of the window [s]
     end: float  # [s]; the first time that is not in it
     V_before: float  # of the load point [m/s]
     V_after: float
-    t_hold: float  # how long the load point rests [s]; NaN unless it is a hold
-    slid: float  # how far it moves from the change before to the window's begin [m]
+    t_hold: float  # duration of a hold [s], else NaN
+    slip_since_change: float  # load-point displacement from the change before to `begin` [m]
 
     @property
     def rise(self):
-        """How much the speed of the load point rises at a step [m/s]; 0 if it is none of speed."""
-        return self.V_after - self.V_before if self.kind == "step" else 0.0
+        """Rise of the load-point speed at a step [m/s]; 0 at other kinds."""
+        return self.V_after - self.V_before if self.kind == STEP else 0.0
 
     def part(self, data):
-        """The rows of a record (Dataset) in the window."""
+        """Return the rows of a record (Dataset) in the window."""
         time = data["time"].values
         return data.isel(time=slice(*np.searchsorted(time, (self.begin, self.end)).tolist()))
 
-    def stresses(self, part):
-        """Normal stress [Pa] before a step of it, and after; part : the rows of the window."""
+    def stress_levels(self, part):
+        """Return normal stress [Pa] before and after t; part : rows of the window."""
         time, sigma = part["time"], part["sigma"]
         return tuple(float(sigma.where(side).median()) for side in (time < self.t, time > self.t))
 
@@ -58,17 +59,17 @@ class _Change(NamedTuple):
     """A change of speed or normal stress."""
 
     t: float
-    V: float  # of the load point from there on
+    V: float  # load-point speed after the change
     is_of_stress: bool
-    end: float  # when it is over: a ramp of normal stress lasts
+    end: float  # end of a ramp of normal stress, else t
 
 
 def windows_of(data):
-    """The `Window`s (list) of a record, a Dataset in SI, in order of time.
+    """Return the `Window`s (list) of a record, a Dataset in SI, in order of time.
 
     A hold lasts until the end of the sliding after it.  Steps and ramps of normal stress are those
-    of `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and: no step
-    or hold that follows on sliding.
+    of `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and if no step
+    or hold follows on sliding.
     """
     time = checked_time(data)
     changes = _changes(data)
@@ -80,17 +81,19 @@ def windows_of(data):
         is_hold = change.V == 0.0
         if is_hold and i + 2 < len(changes):
             after = changes[i + 2]
-        begin = _begin(time, before, change, after)
+        # a change that would end after the next one begins counts as over from its start
+        over = before.end if before.end < change.t else before.t
+        begin = _window_begin(time, over, before.V, change, after.t)
         windows.append(
             Window(
-                "normal stress" if change.is_of_stress else "hold" if is_hold else "step",
-                change.t,
-                begin,
-                after.t,
-                before.V,
-                changes[i + 1].V if is_hold else change.V,
-                changes[i + 1].t - change.t if is_hold else np.nan,
-                np.inf if i == 1 else before.V * (begin - _over(before, change)),
+                kind=NORMAL_STRESS if change.is_of_stress else HOLD if is_hold else STEP,
+                t=change.t,
+                begin=begin,
+                end=after.t,
+                V_before=before.V,
+                V_after=changes[i + 1].V if is_hold else change.V,
+                t_hold=changes[i + 1].t - change.t if is_hold else np.nan,
+                slip_since_change=np.inf if i == 1 else before.V * (begin - over),
             )
         )
     if not windows:
@@ -99,10 +102,10 @@ def windows_of(data):
 
 
 def _changes(data):
-    """`_Change`s (list), the first at the record's start, the last at its end."""
+    """Return `_Change`s (list), the first at the record's start, the last at its end."""
     time = data["time"].values
-    found, of_each = recorded_segments(data, time)
-    starts, speeds, _ = without_overshoots(found, of_each, time[-1])
+    starts, speeds = recorded_segments(data, time)
+    starts, speeds, _ = without_overshoots(starts, speeds, time[-1])
     pairs = zip(starts.tolist(), speeds.tolist(), strict=True)
     changes = [_Change(t, V, False, t) for t, V in pairs][1:]
     has_stress = "sigma" in data.variables and data["sigma"].dims == ("time",)
@@ -115,23 +118,19 @@ def _changes(data):
     return [first, *sorted(changes), last]
 
 
-def _over(before, change):
-    """When the change before another is over [s]; when it begins, if that comes too late."""
-    return before.end if before.end < change.t else before.t
+def _window_begin(time, over, V, change, end):
+    """Return when the window of a change begins [s].
 
+    over : end of the change before [s]; V, end : speed before the change, end of the window
 
-def _begin(time, before, change, after):
-    """Where the window of a change begins [s].
-
-    It has no more sliding before the change than after it, in displacement, but `ROWS` rows of it.
+    The sliding before the change is not longer in displacement than the sliding after it.  It has
+    at least `ROWS` rows, if there are as many.
     """
-    moved = max(change.V, before.V) * (after.t - change.t)
-    over = _over(before, change)
-    lead = min(LEAD * (change.t - over), moved / before.V)
-    rows = np.searchsorted(time, change.t) - np.searchsorted(time, change.t - lead)
-    if rows < ROWS:
-        at = max(int(np.searchsorted(time, change.t)) - ROWS, 0)
-        lead = max(lead, change.t - max(float(time[at]), over))
+    moved = max(change.V, V) * (end - change.t)
+    lead = min(LEAD * (change.t - over), moved / V)
+    row, first = np.searchsorted(time, (change.t, change.t - lead)).tolist()
+    if row - first < ROWS:
+        lead = max(lead, change.t - max(float(time[max(row - ROWS, 0)]), over))
     return change.t - lead
 
 
@@ -145,22 +144,22 @@ class Slide(NamedTuple):
 
 
 def stick_slip_slides(data, sigma):
-    """list of `Slide` of a record (Dataset in SI); sigma [Pa] where none is recorded."""
+    """Return the `Slide`s (list) of a record; sigma [Pa] is used if none is recorded."""
     time = data["time"].values
     starts, speeds = recorded_segments(data, time)
-    found = []
+    slides = []
     for begin, end, V in zip(starts, [*starts[1:], np.inf], speeds, strict=True):
         part = data.isel(time=slice(*np.searchsorted(time, (begin, end)).tolist()))
         if V > 0.0 and (count := _events_in(part, sigma)):
-            found.append(Slide(float(begin), float(end), float(V), count))
-    return found
+            slides.append(Slide(float(begin), float(end), float(V), count))
+    return slides
 
 
 def _events_in(part, sigma):
-    """Number of stick-slip events in a slide; 0 where there is no stick-slip."""
+    """Return the number of stick-slip events in a slide; 0 without stick-slip."""
     try:
         series = series_of(part, sigma=None if "sigma" in part.variables else sigma)
-    except RateStateError:  # such as of missing values: the fit of the slide says so
+    except RateStateError:  # such as missing values, on which the fit has a message
         return 0
     series, rough, *_ = detected(series)
     if len(rough) < FEWEST:
@@ -171,7 +170,7 @@ def _events_in(part, sigma):
     return len(rough) if np.median(drops) > DROP * (high - low) else 0
 
 
-def stick_slip_about(window, slides):
-    """The stick-slip `Slide` with most events that overlaps a `Window`, or None."""
+def stick_slip_in(window, slides):
+    """Return the stick-slip `Slide` with most events that overlaps a window, or None."""
     about = [one for one in slides if one.begin < window.end and window.begin < one.end]
     return max(about, key=lambda one: one.events, default=None)
