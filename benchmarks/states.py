@@ -11,7 +11,7 @@ from pathlib import Path
 from report import CONSOLE
 
 import ratestate as rs
-from ratestate import fitting, plot
+from ratestate import plot
 
 LAWS = ("slip", "two-state-slip", "aging", "two-state-aging")
 FREE = ("a", "b", "Dc", "b2", "Dc2", "K")
@@ -30,7 +30,7 @@ def main():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)  # the summary lists them
         result = rs.fit(record, slider, FREE, law=LAWS)
-    CONSOLE.print(fitting.summary(result), highlight=False, markup=False, soft_wrap=True)
+    CONSOLE.print(rs.summary(result), highlight=False, markup=False, soft_wrap=True)
     for law, difference in zip(LAWS, result.aic_difference.values, strict=True):
         CONSOLE.print(f"{law}: AIC above the least by {difference:.1f}", highlight=False)
     options.out.parent.mkdir(parents=True, exist_ok=True)

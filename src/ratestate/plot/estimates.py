@@ -4,7 +4,8 @@ import numpy as np
 
 from ..model.quantities import short
 from ..records.fitting.by_law import results_by_law
-from ..records.fitting.table import (
+from ..records.fitting.unknowns import TRENDS
+from ..report.estimates import (
     STABLE_AT_ANY_K,
     estimate_texts,
     estimated_symbols,
@@ -12,7 +13,6 @@ from ..records.fitting.table import (
     short_name,
     stiffness_ratio_text,
 )
-from ..records.fitting.unknowns import TRENDS
 from .labels import LAWS, in_unit, label, scaled
 from .layout import text_width
 

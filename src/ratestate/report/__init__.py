@@ -6,6 +6,8 @@
 ``sweep``        a sweep: how cases ended, ranges, failed cases
 ``domain``       cases that leave the domain of the friction law
 ``fit``          a fit, or the fits of steps and holds
+``estimates``    estimates of fits as cells of tables
+``steps``        fits of steps and holds: cells, sentences, rows of CSV
 ``evaluations``  events, healing, and the stiffness of a machine
 ``tables``       tables and their cells
 ================ ===========================================================

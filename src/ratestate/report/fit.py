@@ -6,20 +6,33 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ..records.fitting.by_law import has_steps, results_by_law
-from ..records.fitting.steps.text import HEADS, table_of
-from ..records.fitting.table import estimate_cells
-from ..records.fitting.text import sentences_of
+from ..dynamics import attributes
+from ..model.quantities import readable
+from ..records.fitting.by_law import (
+    checked_by_law,
+    has_steps,
+    law_names,
+    law_of,
+    value_of,
+    warnings_of,
+)
+from ..records.fitting.unknowns import motion_symbols
+from .estimates import Laws, estimate_cells, quality_text
+from .steps import (
+    HEADS,
+    NOTATION,
+    heading_of_steps,
+    remarks_on_steps,
+    table_of,
+    warnings_on_steps,
+)
 from .tables import GAP, FirstThatFits, plain_table
-
-#: where all warnings on steps are
-WHERE = "in report.md and steps.csv, which --out FOLDER writes"
 
 
 def fit(result: xarray.Dataset, _: Any = None) -> list[Any]:
     """The estimates under each law, of one fit or of each step, remarks and warnings."""
-    laws = results_by_law(result)
-    (first, *more), below, warnings = sentences_of(result, laws, WHERE)
+    laws = checked_by_law(result, "summary")
+    (first, *more), below, warnings = _sentences(result, laws)
     tables: list[Any] = []
     if has_steps(result):
         for law in laws:
@@ -35,7 +48,49 @@ def fit(result: xarray.Dataset, _: Any = None) -> list[Any]:
     return [Text(first, style="bold"), *map(Text, more), *tables, *map(Text, below), *bold]
 
 
-def _estimates(laws: dict[str, xarray.Dataset], meaning: bool) -> Table:
+def _sentences(result: xarray.Dataset, laws: Laws) -> tuple[list[str], list[str], list[str]]:
+    """Return lines above the tables of a fit, lines below, and warnings."""
+    notes = attributes.from_json(result, "notes", list) if "notes" in result.attrs else []
+    notes = [f"note: {note}" for note in notes]
+    if has_steps(result):
+        remarks = [NOTATION, *remarks_on_steps(result), *notes]
+        return [heading_of_steps(result)], remarks, warnings_on_steps(result)
+    source = attributes.text(result, "source", "")
+    about = f"Fit of {source}: " if source else "Fit of "
+    above = [f"{about}{result.sizes['time']:,} samples, {law_names(laws)}"]
+    above += [attributes.text(result, "found", "")]  # what the load point did
+    below = [fixed_parameters(laws)]
+    below += [f"{law} law: {quality_text(part)}" for law, part in laws.items()]
+    below += [attributes.text(result, "comparison", "")]
+    below += [f"{law} law: {text}" for law, text in identifiability_by_law(laws).items()]
+    warnings = [f"warning: {text}" for text in labelled_warnings(laws)]
+    return [*filter(None, above)], [*filter(None, below), *notes], warnings
+
+
+def fixed_parameters(laws: Laws) -> str:
+    """Return a sentence with the given parameters, under any of the laws."""
+    values: dict[str, float] = {}
+    for part in laws.values():
+        symbols = motion_symbols(law_of(part))
+        if "normal_stress" in part.attrs:
+            symbols = (*symbols, "alpha")  # which matters only if normal stress varies
+        given = [s for s in symbols if s not in part.data_vars]
+        values |= {s: value_of(part, s) for s in (*given, "sigma", "V0")}
+    return f"Given: {', '.join(f'{s} = {readable(s, value)}' for s, value in values.items())}."
+
+
+def identifiability_by_law(laws: Laws) -> dict[str, str]:
+    """Return law -> the note on what the record determines, if there is one."""
+    notes = {law: str(part["identifiability"].item()) for law, part in laws.items()}
+    return {law: note for law, note in notes.items() if note}
+
+
+def labelled_warnings(laws: Laws) -> list[str]:
+    """Return all warnings, each with its law (list of str)."""
+    return [f"{law} law: {text}" for law, part in laws.items() for text in warnings_of(part)]
+
+
+def _estimates(laws: Laws, meaning: bool) -> Table:
     """The estimates under these laws, with or without what each quantity is."""
     numbers = [head for law in laws for head in (f"{law} law", "95 % interval")]
     made = plain_table(

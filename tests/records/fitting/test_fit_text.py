@@ -12,8 +12,8 @@ from ratestate import ParameterError
 from ratestate.model.quantities import with_error
 from ratestate.records import fitting
 from ratestate.records.fitting.by_law import error_of, results_by_law, stiffness_over_critical
-from ratestate.records.fitting.steps.text import warnings_by_text
-from ratestate.records.fitting.table import estimate_rows, noise_text
+from ratestate.report.estimates import estimate_rows, noise_text
+from ratestate.report.steps import warnings_by_text
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
 
@@ -35,7 +35,7 @@ def refuted(result, low, high, level=0.68):
 
 
 def test_the_summary_has_a_row_for_each_quantity(both):
-    text = fitting.summary(both)
+    text = str(rs.summary(both))
     rows = [re.split(r"  +", line) for line in text.partition("Given")[0].splitlines() if line]
     by_label = {row[0]: row[1:] for row in rows}
     assert rows[0][0] == "Fit of 521 samples, slip and aging laws"
@@ -57,7 +57,7 @@ def test_the_summary_has_a_row_for_each_quantity(both):
 
 
 def test_the_summary_of_one_law_says_what_each_number_is(both):
-    text = fitting.summary(both.sel(law="aging"))
+    text = str(rs.summary(both.sel(law="aging")))
     assert "521 samples, aging law" in text
     assert re.search(r"^Dc \[um\] .*   critical slip distance$", text, re.MULTILINE)
     assert "slip law:" not in text
@@ -188,10 +188,10 @@ def test_alpha_given_or_free_at_a_step_of_normal_stress():
     with pytest.warns(rs.FitWarning, match="normal stress varies by 4.9 %"):
         given = rs.fit(data, SLIDER, ("a", "b", "Dc"), errors="covariance")
     free = rs.fit(data, SLIDER, ("a", "b", "Dc", "alpha"), errors="covariance")
-    text = " ".join(fitting.summary(given).split())
+    text = " ".join(str(rs.summary(given)).split())
     assert "M = 0 kg/m^2, alpha = 0, sigma = 20 MPa" in text
     assert "normal stress varies by 4.9 % in this window, and alpha is held at 0," in text
-    text = " ".join(fitting.summary(free).split())
+    text = " ".join(str(rs.summary(free)).split())
     assert float(free.alpha) == pytest.approx(0.2, abs=0.03)
     assert "alpha = " not in text
     assert "alpha is held" not in text

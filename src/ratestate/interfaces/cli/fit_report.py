@@ -13,19 +13,19 @@ from ...model.quantities import readable, short, with_error
 from ...model.slider import SpringSlider
 from ...records.fitting.by_law import has_steps, results_by_law
 from ...records.fitting.fit import fit
-from ...records.fitting.steps.text import (
+from ...report.estimates import estimate_rows, noise_text, short_name
+from ...report.fit import (
+    fixed_parameters,
+    identifiability_by_law,
+    labelled_warnings,
+)
+from ...report.steps import (
     HEADS,
     NOTATION,
     heading_of_steps,
     remarks_on_steps,
     table_of,
     warnings_by_text,
-)
-from ...records.fitting.table import estimate_rows, noise_text, short_name
-from ...records.fitting.text import (
-    fixed_parameters,
-    identifiability_by_law,
-    labelled_warnings,
 )
 from ..scenario.as_python import registration
 from .output import names_of

@@ -12,14 +12,13 @@ from ...files import laboratory_csv, write
 from ...friction.laws import friction_law
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
-from ...records.fitting.by_law import has_steps
+from ...records.fitting.by_law import has_steps, law_names
 from ...records.fitting.fit import fit
 from ...records.fitting.settings import sliders_under
-from ...records.fitting.steps.text import rows_of
-from ...records.fitting.table import law_names
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
 from ...records.reading.sizes import constant_in_si
+from ...report.steps import rows_of
 from .document import document
 from .fit_report import HEADING, FitRequest, markdown
 from .output import folder, print_json, reporting_files, write_text

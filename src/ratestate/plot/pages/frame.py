@@ -4,7 +4,7 @@ from matplotlib.patches import Patch
 
 from ...dynamics import attributes
 from ...friction.laws import friction_law, own_parameters
-from ...records.fitting.table import law_names
+from ...records.fitting.by_law import law_names
 from ..estimates import ROW, estimates
 from ..labels import LAWS, label
 from ..layout import ABOVE, figure, letters

@@ -7,10 +7,9 @@ from matplotlib.transforms import ScaledTranslation
 
 from ...dynamics import attributes
 from ...model.quantities import QUANTITIES
-from ...records.fitting.by_law import results_by_law
+from ...records.fitting.by_law import law_names, results_by_law
 from ...records.fitting.steps import FITTED, STICK_SLIP
-from ...records.fitting.steps.text import change_text
-from ...records.fitting.table import law_names
+from ...report.steps import change_text
 from ..labels import ABSCISSAE, GRAY, LAWS, in_unit, label, prefixed, scaled
 from ..layout import figure, letters, plain_ticks
 

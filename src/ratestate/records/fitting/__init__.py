@@ -15,7 +15,6 @@
 ``steps``                       fits of every step and hold of an experiment, and a joint fit
 ``cycles``                      fits of stick-slip or vibration by features of the cycles
 ``by_law``                      estimates, and the function `slider_of`, from such a Dataset
-``table``, ``text``             estimates as table cells; the function `summary`
 =============================== =================================================================
 
 Modules are imported when they are first used.
@@ -27,12 +26,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .by_law import slider_of
     from .likelihood.marginal import log_likelihood
-    from .text import summary
 
-__all__ = ["log_likelihood", "slider_of", "summary"]
+__all__ = ["log_likelihood", "slider_of"]
 
 #: public name -> module that defines it
-_HOMES = {"log_likelihood": "likelihood.marginal", "slider_of": "by_law", "summary": "text"}
+_HOMES = {"log_likelihood": "likelihood.marginal", "slider_of": "by_law"}
 
 
 def __getattr__(name):

@@ -172,3 +172,18 @@ def slider_of(result, law=None):
     if "friction" in known:  # the form of friction, not the friction of the record
         values["friction"] = parameter(laws[law], "friction")
     return SpringSlider(**values, law=law)
+
+
+def law_names(laws):
+    """Return the laws by name.
+
+    >>> law_names(["mine"]), law_names(["mine", "yours", "theirs"])
+    ('mine law', 'mine, yours and theirs laws')
+    """
+    *others, last = laws
+    return f"{', '.join(others)} and {last} laws" if others else f"{last} law"
+
+
+def rate_dependence_text(laws):
+    """Return the name of "a_minus_b": "a - b", if it is that under these laws."""
+    return "a - b" if all(law.one_length for law in laws) else "d mu_ss/d ln V"

@@ -17,8 +17,8 @@ from ratestate.files import laboratory_csv
 from ratestate.records.fitting.settings import checked_settings
 from ratestate.records.fitting.steps import each, shared
 from ratestate.records.fitting.steps.shared import estimates_of, mean_of, ratio_of, shared_fit
-from ratestate.records.fitting.steps.text import rows_of, table_of
 from ratestate.records.fitting.steps.windows import stick_slip_slides, windows_of
+from ratestate.report.steps import rows_of, table_of
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -175,7 +175,7 @@ def test_steps_in_stick_slip_are_not_fitted(data, under_slip):
     for name in FREE:
         np.testing.assert_allclose(result[name][:3], under_slip[name][:3], rtol=1e-3)
         assert np.isnan(result[name][3])
-    text = " ".join(fitting.summary(result).split())
+    text = " ".join(str(rs.summary(result)).split())
     assert text.count("step 4: not fitted") == 1
     assert "failed" not in text
     assert "stick-slip" in next(row for row in table_of(result, "slip") if row[0] == "4")
@@ -271,13 +271,13 @@ def test_steps_up_and_down_are_alike_under_the_right_law_alone():
     assert 0.4 < float(ratio.sel(law="aging")) < 0.75
     assert float(p.sel(law="slip")) > 0.01
     assert float(p.sel(law="aging")) < 1e-3
-    text = fitting.summary(result)
+    text = str(rs.summary(result))
     assert "slip law: steps up and steps down are alike: Dc of steps up is" in text
     assert "aging law: steps up and steps down are not alike" in text
 
 
 def test_the_summary_says_whether_one_set_serves_all_steps(under_both):
-    text = " ".join(fitting.summary(under_both).split())
+    text = " ".join(str(rs.summary(under_both)).split())
     assert "slip law: one set of parameters serves all steps" in text
     assert "aging law: one set of parameters does not serve all steps" in text
     p = float(under_both.shared_p_value.sel(law="slip"))
@@ -315,7 +315,7 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
         assert np.isnan(result[name][2]), name
         np.testing.assert_allclose(result[name][[0, 1, 3]], under_slip[name][[0, 1, 3]], rtol=1e-3)
     assert np.isnan(result.interval[2]).all()
-    assert "step 3, slip law, failed: friction is nan" in fitting.summary(result)
+    assert "step 3, slip law, failed: friction is nan" in str(rs.summary(result))
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -362,7 +362,7 @@ def test_a_hold_at_the_end(data):
     until = data.sel(time=slice(250.0, 600.5))
     with pytest.warns(rs.FitWarning):
         result = rs.fit(until, SLIDER, each="step", errors="covariance")
-    assert "217 s, to the record's end" in fitting.summary(result)
+    assert "217 s, to the record's end" in str(rs.summary(result))
     assert np.isnan(result.V_after[-1])
 
 

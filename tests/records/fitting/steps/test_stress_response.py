@@ -5,11 +5,10 @@ import pytest
 from synthetic_records import correlated
 
 import ratestate as rs
-from ratestate import fitting
 from ratestate.model.quantities import short
 from ratestate.records.fitting.steps import each
-from ratestate.records.fitting.steps.text import table_of
 from ratestate.records.fitting.steps.windows import windows_of
+from ratestate.report.steps import table_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m", alpha=0.0)
@@ -53,7 +52,7 @@ def test_the_table_shows_the_bound(result):
     assert of_stress[heads.index("alpha [1e-3]")] == f"< {short(1e3 * upper)}"
     assert f"alpha < {short(upper)} (95 %)" in str(result.warnings[-1].item())
     assert of_stress[:3] == ["3", "399.5", "sigma 8 -> 8.8 MPa"]
-    assert "sigma 8 -> 8.8 MPa" in fitting.summary(result)
+    assert "sigma 8 -> 8.8 MPa" in str(rs.summary(result))
 
 
 def test_normal_stress_before_and_after(result):

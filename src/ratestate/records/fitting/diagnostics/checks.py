@@ -6,10 +6,10 @@ from ....model.quantities import readable
 from ...kit.regression import generalized_least_squares
 from ...load_point.stress_steps import VARIABLE, stress_range
 from ...messages import fitting as sentences
+from ..by_law import rate_dependence_text
 from ..generalized_least_squares import responds, response
 from ..likelihood.transients import longest_distance
 from ..record import before_first_change, change_times
-from ..table import rate_dependence_text
 from ..unknowns import NEAR, motion_symbols, parameter
 from .identifiability import bounds_of, identifiability
 from .left_out import left_out, rigid_machine

@@ -7,8 +7,8 @@ import numpy as np
 
 from ....model.quantities import readable, with_error
 from ...messages import fitting as sentences
+from ..by_law import rate_dependence_text
 from ..estimates import ENDLESS, is_unconstrained
-from ..table import rate_dependence_text
 from ..unknowns import parameter, start_names
 
 #: standard error of a logarithm above which a parameter counts as hardly determined

@@ -6,7 +6,6 @@
 ``shared``     one set of the law's parameters for all steps; scatter, steps up and down
 ``experiment`` the whole fit with each="step"; alpha from steps of normal stress
 ``result``     the Dataset along ``step``
-``text``       the Dataset as tables, sentences, and rows of a CSV
 ============== ==========================================================================
 
 A `Window` has one of three kinds.  A step or a hold of the load point is fitted with all free

@@ -3,8 +3,8 @@
 import numpy as np
 import xarray
 
-from ....dynamics import attributes
-from ....model.quantities import (
+from ..dynamics import attributes
+from ..model.quantities import (
     QUANTITIES,
     concise,
     power_of,
@@ -14,10 +14,15 @@ from ....model.quantities import (
     short,
     with_error,
 )
-from ..by_law import law_of, results_by_law, warnings_of
-from ..table import law_names, rate_dependence_text
-from ..unknowns import DERIVED, TRENDS, to_value
-from . import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
+from ..records.fitting.by_law import (
+    law_names,
+    law_of,
+    rate_dependence_text,
+    results_by_law,
+    warnings_of,
+)
+from ..records.fitting.steps import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
+from ..records.fitting.unknowns import DERIVED, TRENDS, to_value
 
 #: heads of the first columns
 HEADS = ("step", "time [s]", "change")
@@ -29,6 +34,11 @@ IMPROBABLE = 0.01
 LEAST = 1e-6
 #: pure numbers below this are given in thousandths
 SMALL = 0.1
+#: where all warnings are
+ALL_WARNINGS = (
+    "in the variable warnings of the result, and in report.md and steps.csv, which "
+    "ratestate fit --out writes"
+)
 #: text in place of an estimate
 NONE = "-"
 #: kind of step -> its singular and plural
@@ -153,7 +163,7 @@ def remarks_on_steps(result):
     return [*dict.fromkeys(filter(None, texts))]
 
 
-def warnings_on_steps(result, where):
+def warnings_on_steps(result):
     """Return the best law's warnings; for other laws, their number and place."""
     texts, best = [], _best_law(result)
     for law, part in results_by_law(result).items():
@@ -162,7 +172,7 @@ def warnings_on_steps(result, where):
                 f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)
             ]
         elif counted := _counted(sum(len(x.splitlines()) for x in part["warnings"].values)):
-            texts.append(f"{law} law: {counted}, {where}")
+            texts.append(f"{law} law: {counted}, {ALL_WARNINGS}")
     return texts
 
 

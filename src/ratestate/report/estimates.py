@@ -1,14 +1,18 @@
 """Estimates as cells of a table: values, errors and intervals under each law."""
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 import xarray
 
-from ...friction.law import FrictionLaw
-from ...model.quantities import QUANTITIES, power_of, prefixed_unit, readable, rounded
-from .by_law import error_of, law_of, stiffness_over_critical, value_of
+from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, rounded
+from ..records.fitting.by_law import (
+    error_of,
+    law_of,
+    rate_dependence_text,
+    stiffness_over_critical,
+    value_of,
+)
 
 #: law -> its part of a result, as from `results_by_law`
 Laws = dict[str, xarray.Dataset]
@@ -150,21 +154,6 @@ def quality_text(part: xarray.Dataset) -> str:
     return f"r.m.s. residual {float(part['rms']):.3g}; noise {noise_text(part)}"
 
 
-def law_names(laws: Iterable[str]) -> str:
-    """Return the laws by name.
-
-    >>> law_names(["mine"]), law_names(["mine", "yours", "theirs"])
-    ('mine law', 'mine, yours and theirs laws')
-    """
-    *others, last = laws
-    return f"{', '.join(others)} and {last} laws" if others else f"{last} law"
-
-
 def short_name(symbol: str, laws: Laws) -> str:
     """Return the name of a quantity in tables."""
     return rate_dependence_text(map(law_of, laws.values())) if symbol == "a_minus_b" else symbol
-
-
-def rate_dependence_text(laws: Iterable[FrictionLaw]) -> str:
-    """Return the name of "a_minus_b": "a - b", if it is that under these laws."""
-    return "a - b" if all(law.one_length for law in laws) else "d mu_ss/d ln V"
