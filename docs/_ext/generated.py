@@ -132,12 +132,14 @@ def keys(table):
 def _key(table, key):
     """A row: what the key stands for, and what is expected."""
     from ratestate.interfaces.scenario.known_keys import ENDINGS, choices
-    from ratestate.model.quantities import QUANTITIES, expected
+    from ratestate.model.quantities import QUANTITIES, remedy
 
     said = WORDS.get(f"{key} {table}", WORDS.get(key))
     wanted = FORMS.get(f"{key} {table}", FORMS.get(key, ""))
     if said is None:
-        said, wanted = QUANTITIES[key].long_name, expected(key).removeprefix("expected ")
+        said, unit = QUANTITIES[key].long_name, QUANTITIES[key].unit
+        wanted = remedy(key).removeprefix("Give ").removesuffix(".")
+        wanted = wanted if unit == "1" else wanted.replace(" such as", f" [{unit}] such as")
     elif words := choices(key):
         wanted = " or ".join(f'`"{word}"`' for word in words)
     elif table == "output":
