@@ -232,7 +232,7 @@ def test_damping_may_be_swept_and_is_taken_along():
 
 def test_what_is_wrong_with_damping_is_told():
     for value, text in (
-        (-1.0, r"damping = -1 Pa s/m must be >= 0; expected a damping \[Pa s/m\] such as '5 MPa"),
+        (-1.0, r"damping = -1 Pa s/m must be >= 0. Give a damping such as '5 MPa"),
         ("5 MPa", r"damping = '5 MPa' is a stress \[Pa\]"),
         ("10 N s/m", r"damping = '10 N s/m' is of the whole contact.*; give the area too"),
     ):

@@ -263,7 +263,7 @@ def test_init_leaves_nothing_if_a_file_cannot_be_written(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["barke"], "error: 'barke' is unknown, expected one of lab, brake, fault, record, "),
+        (["barke"], "error: 'barke' is unknown. Give one of lab, brake, fault, record, "),
         (["slide_hold_slide"], "did you mean slide-hold-slide?"),
         (["lab", "--out", "lab.tml"], "does not end in .toml"),
         (

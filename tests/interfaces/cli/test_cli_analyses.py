@@ -561,9 +561,9 @@ def test_from_a_result_to_the_same_bits(command, ending, lab, api):
         (["run", "--from", "x.csv"], "lacks the parameters"),
         (
             ["cycle", "lab.toml", "--out", "x.txt"],
-            "expected a name that ends in .nc, .csv or .zarr",
+            "Give a name that ends in .nc, .csv or .zarr",
         ),
-        (["cycle", "lab.toml", "--plot", "x.nc"], "expected a name that ends in .png or .pdf"),
+        (["cycle", "lab.toml", "--plot", "x.nc"], "Give a name that ends in .png or .pdf"),
         (["cycle", "lab.toml", "--out", "no/x.nc"], "error: no/x.nc: there is no folder no"),
         (["cycle", "lab.toml", "--out", "folder.nc"], "folder.nc is a folder, and is not replaced"),
         (["cycle", "lab.toml", "--out", "folder.zarr"], "holds files that are not of one result"),
@@ -603,7 +603,7 @@ def test_a_branch_of_many_sliders(lab):
     [
         (["--parameter", "Q", *BRANCH], "parameter = 'Q'"),
         (["--start", "1 mm", "--stop", "2 mm"], "start = '1 mm' is a length"),
-        ([], "[sweep]: is missing, expected what a branch follows"),
+        ([], "[sweep]: is missing. Give what a branch follows"),
     ],
 )
 def test_a_branch_of_nothing(arguments, message, lab):

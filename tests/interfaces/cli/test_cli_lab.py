@@ -112,5 +112,5 @@ def test_a_format_that_is_wrong_is_refused_in_one_line(lab):
     done = call("fit", "r.txt", "--format", "wrong.toml")
     assert done.exit_code == 2
     assert done.stderr.splitlines()[-1].endswith(
-        "wrong.toml: [units] time = 'm', expected a unit such as 's'"
+        "wrong.toml: [units] time = 'm'. Give a unit such as 's'"
     )
