@@ -264,7 +264,7 @@ def test_init_leaves_nothing_if_a_file_cannot_be_written(tmp_path, monkeypatch):
     ("arguments", "message"),
     [
         (["barke"], "error: 'barke' is unknown. Give one of lab, brake, "),
-        (["slide_hold_slide"], "did you mean slide-hold-slide?"),
+        (["slide_hold_slide"], "Did you mean slide-hold-slide?"),
         (["lab", "--out", "lab.tml"], "does not end in .toml"),
         (
             ["lab", "--out", "no/lab.toml"],

@@ -228,7 +228,7 @@ def test_a_file_with_problems_starts_nothing(sweeps, file):
     assert re.fullmatch(r"error: .*it.toml cannot be used:", title)
     expected = [
         r"\[slider\] sgima: .* Did you mean sigma\?",
-        r"\[slider\] sigma: is missing, .*",
+        r"\[slider\] sigma: is missing\. .*",
         r"\[sweep\] V_lp\[0\]: '1 mm' is a length\. .*",
     ]
     for line, pattern in zip(sorted(lines), expected, strict=True):
