@@ -270,7 +270,7 @@ def test_a_run_that_nothing_disturbs_says_so_once(options, lab):
     (line,) = result.stderr.splitlines()
     assert line.startswith("warning: the run starts on steady sliding at V_lp = 3.2 mm/s, which is")
     assert "K = 500 MPa/m is below K_c = 907.2 MPa/m" in line
-    assert line.endswith("V_start = '320 um/s'")
+    assert line.endswith("V_start = '320 um/s'.")
     if not options:
         assert result.stdout.splitlines()[-1] == (
             "This run has not reached this motion, because it starts on steady sliding and nothing "
@@ -688,7 +688,7 @@ def test_three_gigabytes_are_not_too_large(lab, monkeypatch):
     monkeypatch.setattr("ratestate.sweeps.sweep.sweep", bug)
     for n, message in (
         (side, "so much for that"),
-        (side + 1, "no more than 3 GB are kept in memory"),
+        (side + 1, "at most 3 GB are kept in memory"),
     ):
         text = LAB.split("[loading]")[0] + HUGE.replace("31_000", str(n)) + "'limit_cycle'\n"
         lab.write_text(text)
