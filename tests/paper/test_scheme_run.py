@@ -97,7 +97,7 @@ def test_last_cycle_is_that_of_a_long_run():
         ({"loading": rs.Loading.constant(0.0)}, "Give V_start"),
         ({"dt": 3.15 / math.sqrt(3e5)}, r"dt = .* s is 3\.15/omega"),
         ({"dt": 0.0}, "dt = 0 s must be > 0"),
-        ({"dt": 1e-15}, "give a larger dt"),
+        ({"dt": 1e-15}, "Give a larger dt"),
     ],
 )
 def test_refusals(changes, message):
