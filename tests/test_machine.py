@@ -94,10 +94,10 @@ def test_too_large_a_request_is_refused_with_its_size(monkeypatch):
     monkeypatch.setattr(machine, "memory", lambda: 64e9)
     slider = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 10**5))
     loading, times = rs.Loading.constant(1e-3), np.linspace(0, 1, 10**5)
-    told = "the results of 100,000 cases at 100,000 times take 800 GB of memory, and 64 GB are"
+    told = "the results of 100,000 cases at 100,000 times take 800 GB of memory, but 64 GB are"
     with pytest.raises(rs.ParameterError, match=told) as error:
         rs.simulate(slider, loading, 1.0, times=times)
-    assert re.search("save fewer times, or .* store", str(error.value))
+    assert re.search("Save fewer times, or .* store", str(error.value))
     with pytest.raises(rs.ParameterError, match=r"100,000 cases take 56\d GB.*give a store"):
         rs.sweep(rs.simulate, slider, loading=loading, t_end=1.0, times=times, progress=False)
 

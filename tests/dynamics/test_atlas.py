@@ -277,14 +277,14 @@ def test_a_slider_of_a_law_with_parameters_is_a_point_of_its_atlas(law, own, M):
 
 def test_what_a_law_needs_for_its_atlas_is_said():
     for options, said in (
-        ({"law": "kato-tullis", "V_cut": 1.0}, "has a speed of its own.* give M"),
-        ({"law": "aging", "M": 1.0}, "'aging' has no speed of its own.* leave M out"),
+        ({"law": "kato-tullis", "V_cut": 1.0}, "has a speed of its own.* Give M"),
+        ({"law": "aging", "M": 1.0}, "'aging' has no speed of its own.* Leave M out"),
         ({"law": "nagata"}, "needs c"),
         ({"law": "aging", "c": 1.0}, "c"),
         ({"law": "two-state-slip", "b2": -3.0, "Dc2": 1.0}, "stable at any stiffness"),
-        ({"law": "two-state-slip", "b2": 0.5, "Dc2": "10 um"}, "Dc2 = '10 um' must be a plain"),
-        ({"law": "kato-tullis", "V_cut": 1.0, "M": "1 kg/m^2"}, "M = '1 kg/m\\^2' must be a plain"),
-        ({"law": "slip", "sigma": 2.0}, "sigma is no parameter that law = 'slip' has beside"),
+        ({"law": "two-state-slip", "b2": 0.5, "Dc2": "10 um"}, "Dc2 = '10 um' is not a plain"),
+        ({"law": "kato-tullis", "V_cut": 1.0, "M": "1 kg/m^2"}, "M = '1 kg/m\\^2' is not a plain"),
+        ({"law": "slip", "sigma": 2.0}, "sigma is not a parameter that law = 'slip' has beside"),
     ):
         with pytest.raises(ParameterError, match=said):
             atlas(2.0, n=4, **options)

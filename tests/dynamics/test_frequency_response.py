@@ -229,16 +229,16 @@ def test_alpha_counts_and_is_kept():
     assert abs(fast[0]) < 1e-3  # the mass does not follow
     with pytest.raises(rs.ParameterError, match=r"alpha = -0.1 must be >= 0"):
         FIG2.replace(alpha=-0.1)
-    with pytest.raises(rs.ParameterError, match=r"alpha needs b: .*; give another b, or alpha = 0"):
+    with pytest.raises(rs.ParameterError, match=r"alpha needs b"):
         FIG2.replace(alpha=0.1, b=0.0)
 
 
 def test_what_has_no_response_is_told():
-    with pytest.raises(rs.ParameterError, match=r"V_lp = 3.3 mm/s: steady sliding is unstable"):
+    with pytest.raises(rs.ParameterError, match=r"steady sliding at V_lp = 3.3 mm/s is unstable"):
         rs.frequency_response(FIG2, "3.3 mm/s", 10.0)
     for frequency, text in (
         ([10.0, -1.0], r"frequency = -1 Hz must be > 0"),
-        ("10 s", r"frequency = '10 s' is a time \[s\]"),
+        ("10 s", r"frequency = '10 s' is a time"),
         ([], r"frequency = \[\] is of type list"),
         (0.0, r"frequency = 0 Hz must be > 0"),
     ):
@@ -247,5 +247,5 @@ def test_what_has_no_response_is_told():
     with pytest.raises(rs.ParameterError, match="is not a SpringSlider"):
         rs.frequency_response(None, V, 1.0)
     clash = xr.DataArray([1.0, 2.0], dims="resonance")
-    with pytest.raises(rs.ParameterError, match="a dimension called 'resonance' clashes"):
+    with pytest.raises(rs.ParameterError, match="the dimension 'resonance' clashes"):
         rs.frequency_response(FIG2, V, clash)

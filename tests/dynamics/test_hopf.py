@@ -407,7 +407,7 @@ def test_broadcasting_gives_what_one_call_a_case_gives():
             (xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M"),),
             "M and V_lp have different coordinates along the dimension 'M'",
         ),
-        ((xr.DataArray([1.0], dims="type"),), "a dimension called 'type' clashes"),
+        ((xr.DataArray([1.0], dims="type"),), "the dimension 'type' clashes"),
     ],
 )
 def test_bad_input(arguments, message):
@@ -419,12 +419,12 @@ def test_bad_input(arguments, message):
 @pytest.mark.parametrize(
     ("law", "ratio", "message"),
     [
-        ("nope", 2.0, "law = 'nope' is unknown; choose 'slip' or 'aging' or 'flash-heating'"),
-        ("nagata", 2.0, "law = 'nagata': bautin is for laws of one .*, 'slip' and 'aging'"),
+        ("nope", 2.0, "law = 'nope' is unknown"),
+        ("nagata", 2.0, "law = 'nagata' is not .* as bautin needs"),
         ("aging", 1.0, "b_over_a = 1 must be > 1.*no Hopf bifurcation"),
         ("slip", -2.0, "b_over_a = -2 must be > 1"),
         ("slip", xr.DataArray([2.0, 0.5], dims="q"), "b_over_a = 0.5 must be > 1"),
-        ("slip", [2.0], "such as 2, or for many values"),
+        ("slip", [2.0], "For many values"),
     ],
 )
 def test_bad_input_of_bautin(law, ratio, message):

@@ -204,10 +204,8 @@ def test_friction_that_falls_with_speed_is_refused():
         ):
             with pytest.raises(rs.ParameterError) as error:
                 call(falling)
-            assert str(error.value) == (
-                f"law = '{slider.law}': friction does not rise with V in steady sliding, "
-                f"(d mu/d ln V)/a = {part}. Give other parameters."
-            )
+            assert (error.value.symbol, error.value.value) == ("law", f"'{slider.law}'")
+            assert error.value.problem.endswith(f"(d mu/d ln V)/a = {part}")
 
 
 def test_cycles_and_a_verdict_under_an_own_friction_with_a_kink():
@@ -268,7 +266,7 @@ def test_other_parameters_than_the_examples_may_have_no_steady_sliding():
     run = rs.simulate(slider, rs.Loading.constant(V), 0.2, V_start=V / 2, times=[0.2])
     assert float(run.theta[0]) == pytest.approx(0.5 * 1e-5 / V, rel=1e-6)
     without = slider.replace(r=-1.0)
-    said = f"^law = '{slider.law}': theta has no steady value. Give other parameters.$"
+    said = f"^law = '{slider.law}'.* theta has no steady value. Give other parameters.$"
     for call in (
         lambda: rs.simulate(without, rs.Loading.constant(V), 0.02, V_start=V / 2),
         lambda: rs.stability(without, V),

@@ -92,7 +92,7 @@ def test_units_may_be_chosen(data):
     [
         ("steps", {}, "no variable along 'steps'"),
         ("event", {"drop": "kPa"}, "no variable drop"),
-        ("event", {"slip": "kPa"}, "slip: 'kPa'"),
+        ("event", {"slip": "kPa"}, "slip = 'kPa'"),
     ],
 )
 def test_what_is_not_there_is_refused(data, dim, units, text):

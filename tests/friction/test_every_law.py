@@ -90,7 +90,7 @@ def test_a_slider_has_the_parameters_of_its_law(name):
     for symbol, value in OF_LAW[name].items():
         assert getattr(own.replace(**{symbol: 2 * value}), symbol) == 2 * value
         missing = {k: x for k, x in own.parameters.items() if k != symbol}
-        with pytest.raises(rs.ParameterError, match=rf"'{name}' needs {symbol}, .*expected a"):
+        with pytest.raises(rs.ParameterError, match=rf"'{name}' needs {symbol}, "):
             rs.SpringSlider(**missing)
 
 
@@ -102,9 +102,9 @@ def test_a_slider_has_the_parameters_of_its_law(name):
             {"b2": 0.1},
             "law = 'slip' has no parameter b2, which belongs to 'two-state-aging'",
         ),
-        ("aging", {"Dc3": 0.1}, "SpringSlider has no parameter Dc3; expected one of"),
+        ("aging", {"Dc3": 0.1}, "SpringSlider has no parameter Dc3"),
         ("nagata", {"c": -0.1}, "c = -0.1 must be >= 0"),
-        ("nagata", {"b": 0.0}, "law = 'nagata': b = 0 where c > 0; give another b, or c = 0"),
+        ("nagata", {"b": 0.0}, "law = 'nagata' has b = 0 and c > 0"),
         ("kato-tullis", {"V_cut": 0.0}, "V_cut = 0 m/s must be > 0"),
         ("kato-tullis", {"V_cut": "3 um"}, "is a length"),
         ("two-state-slip", {"Dc2": "1 s"}, "is a time"),

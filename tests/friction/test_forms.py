@@ -222,12 +222,12 @@ def test_the_slider_keeps_its_form(tmp_path):
     [
         (
             {"friction": "asinh"},
-            r"^friction = 'asinh' is unknown; choose 'log' or 'cut-off' or 'regularized'",
+            r"^friction = 'asinh' is unknown. Choose 'log' or 'cut-off' or 'regularized'",
         ),
         ({"friction": 3}, r"^friction = 3 is unknown"),
         (
             {"friction": "cut-off", "V1": 1.0},
-            r"^friction = 'cut-off' needs V2, cut-off speed of the state; expected a speed \[m/s\]",
+            r"^friction = 'cut-off' needs V2, cut-off speed of the state",
         ),
         ({"V1": 1.0}, r"^friction = 'log' has no parameter V1, which belongs to 'cut-off'"),
         ({"friction": "cut-off", "V1": 0.0, "V2": 1.0}, r"^V1 = 0 m/s must be > 0"),
@@ -237,20 +237,19 @@ def test_the_slider_keeps_its_form(tmp_path):
         ),
         (
             {"friction": "log", "law": "flash-heating", "V_w": 0.1, "mu_w": 0.2},
-            r"^friction = 'log' does not go with law = 'flash-heating', which needs friction = "
-            r"'regularized'; leave friction out",
+            r"^friction = 'log' does not go with law = 'flash-heating', which needs",
         ),
         (
             {"law": "flash-heating", "V_w": 0.1, "mu_w": 0.2, "mu0": 0.03},
-            r"^law = 'flash-heating': steady friction mu0 - \(b - a\) ln\(V/V0\) would be -0.0045",
+            r"^law = 'flash-heating' gives a steady friction .* of -0.0045",
         ),
         (
             {"law": "flash-heating", "V_w": 0.1, "mu_w": 0.2, "b": 0.0},
-            r"^law = 'flash-heating': b must be > 0",
+            r"^law = 'flash-heating' needs b > 0",
         ),
         (
             {"law": "flash-heating", "V_w": 0.1, "mu_w": 0.61},
-            r"^law = 'flash-heating': mu_w = 0.61 must be <= mu0 = 0.6, for",
+            r"^law = 'flash-heating' has mu_w = 0.61 > mu0 = 0.6",
         ),
         (
             {
@@ -259,7 +258,7 @@ def test_the_slider_keeps_its_form(tmp_path):
                 "mu0": xr.DataArray([0.6, 0.5], dims="mu0"),
                 "mu_w": xr.DataArray([0.2, 0.55, 0.5], dims="mu_w"),
             },
-            r"^law = 'flash-heating': mu_w = 0.55 must be <= mu0 = 0.5, for",
+            r"^law = 'flash-heating' has mu_w = 0.55 > mu0 = 0.5",
         ),
     ],
 )

@@ -266,7 +266,7 @@ def test_axes_that_are_not_parameters():
             xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M"),
             "M and V_lp have different coordinates along the dimension 'M'",
         ),
-        (xr.DataArray([1.0], dims="eta"), "a dimension called 'eta' clashes with the result"),
+        (xr.DataArray([1.0], dims="eta"), "the dimension 'eta' clashes with the result"),
     ],
 )
 def test_bad_input(V_lp, message):

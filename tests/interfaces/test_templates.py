@@ -69,7 +69,7 @@ def test_its_law_is_filled_in():
 
 def test_an_unknown_template_is_refused():
     for take in (template, files_of, description, commands):
-        with pytest.raises(ParameterError, match=r"one of lab, .*million; did you mean brake\?"):
+        with pytest.raises(ParameterError, match=r"one of lab, .*million. Did you mean brake\?"):
             take("barke")
 
 

@@ -75,10 +75,10 @@ def test_axis_of_friction_per_length_with_several_normal_stresses():
     [
         (
             {"M": "3 kg"},
-            r"M = '3 kg' is of the whole.*give the area too, .*'20 cm\^2' \(in \[slider.*kg/m",
+            r"M = '3 kg' is of the whole.* give the area too",
         ),
         ({"K": "-1/um"}, "K = '-1/um' must be > 0"),
-        ({"area": "1 m^2", "sigma": "-4 N"}, "sigma = '-4 N' must be > 0; expected a force"),
+        ({"area": "1 m^2", "sigma": "-4 N"}, "sigma = '-4 N' must be > 0. Give a force"),
     ],
 )
 def test_wrong_values_are_refused(changes, message):
@@ -89,11 +89,11 @@ def test_wrong_values_are_refused(changes, message):
 @pytest.mark.parametrize(
     ("make", "keyword", "message"),
     [
-        (SpringSlider, "k", "SpringSlider has no parameter k; .*; did you mean K?"),
-        (SpringSlider, "dc", "did you mean Dc?"),
+        (SpringSlider, "k", r"no parameter k\..* Did you mean K\?"),
+        (SpringSlider, "dc", r"Did you mean Dc\?"),
         (SpringSlider, "b2", "law = 'slip' has no parameter b2, which belongs to 'two-state-ag"),
-        (SpringSlider(**FRICTION, **PER_AREA).replace, "sigm", "did you mean sigma?"),
-        (SpringSlider.of_contact, "stifness", "of_contact has no .*; did you mean stiffness?"),
+        (SpringSlider(**FRICTION, **PER_AREA).replace, "sigm", r"Did you mean sigma\?"),
+        (SpringSlider.of_contact, "stifness", r"of_contact has no .* Did you mean stiffness\?"),
         (SpringSlider.of_contact, "K", "of_contact has no parameter K"),
     ],
 )

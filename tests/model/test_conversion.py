@@ -48,11 +48,11 @@ def test_conversion_back_to_si(run):
 @pytest.mark.parametrize(
     ("units", "message"),
     [
-        ({"v": "um/s"}, "no variable v; expected one of V, .*; did you mean V?"),
-        ({"V": "MPa"}, r"V: 'MPa' is a stress \[Pa\]; expected a speed"),
-        ({"V": "parsnip"}, "V: 'parsnip' has an unknown unit"),
-        ({"status": "1"}, "status is no quantity with a unit"),
-        ({"V": 3}, "V = 3: a unit is a str, such as 'um/s'"),
+        ({"v": "um/s"}, r"no variable v\. .* Did you mean V\?"),
+        ({"V": "MPa"}, "V = 'MPa' is a stress"),
+        ({"V": "parsnip"}, "V = 'parsnip' has an unknown unit"),
+        ({"status": "1"}, "status is not a quantity"),
+        ({"V": 3}, "V = 3 is not a str"),
     ],
 )
 def test_wrong_names_and_units_are_refused(run, units, message):
@@ -102,7 +102,7 @@ def test_variables_with_the_units_of_other_quantities(run):
     xr.testing.assert_identical(back.friction, odd.friction)
     xr.testing.assert_identical(back.ratio, odd.ratio)
     assert float(back.amplitude) == 0.5
-    with pytest.raises(rs.ParameterError, match=r"V: .* is a stress"):
+    with pytest.raises(rs.ParameterError, match=r"V = .* is a stress"):
         in_si(run.assign(V=run.V.assign_attrs(units="Pa")))
 
 

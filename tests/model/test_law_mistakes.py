@@ -195,26 +195,24 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
         ("states = {}", "law 'plain': states is empty. Leave it out for theta alone."),
         (
             'states = {"tau": ("b", "Dc")}',
-            "law 'plain' of FILE: its state 'tau' is another quantity, or no name; rename it, as "
-            "to theta2",
+            "law 'plain' of FILE: its state 'tau' is another quantity",
         ),
         (
             'parameters = {"K": rs.laws.Parameter("1", "another")}',
-            "law 'plain' of FILE: its parameter 'K' is another quantity; rename it",
+            "law 'plain' of FILE: its parameter 'K' is another quantity. Rename it.",
         ),
         (
             'parameters = {"law": rs.laws.Parameter("1", "another")}',
-            "law 'plain' of FILE: its parameter 'law' is another quantity; rename it",
+            "law 'plain' of FILE: its parameter 'law' is another quantity. Rename it.",
         ),
         (
             'parameters = {"q": rs.laws.Parameter("furlong", "length")}',
-            "law 'plain' of FILE: its parameter q has the unit 'furlong' and the bound ''; units "
-            "are",
+            "law 'plain' of FILE: its parameter q has the unit 'furlong'",
         ),
         (
             'parameters = {"q": rs.laws.Parameter("m", "length", "> 0", "3 kg")}',
-            "law 'plain' of FILE: the example of its parameter q is wrong: q = '3 kg' is a mass "
-            "[kg]",
+            "law 'plain' of FILE: the example of its parameter q cannot be used: q = '3 kg' is a "
+            "mass",
         ),
         (
             "def rates(self, v, w, psi, e, p): pass",
@@ -224,19 +222,16 @@ def test_a_state_that_depends_on_another_is_refused(law_file):
         ),
         (
             "def stiffness(self, kappa, p): return 2 * kappa",
-            "law 'plain' has stiffness of its own. Rename or remove it: this name belongs to a "
-            "quantity that is derived from the formula.",
+            "law 'plain' has stiffness of its own, the name of a quantity that is derived from the "
+            "formula. Rename or remove it.",
         ),
-        ("motion = {}", "law 'plain' has motion of its own. Rename or remove it: "),
+        ("motion = {}", "law 'plain' has motion of its own"),
         (
             "name = 'slip'",
-            "law 'slip' of FILE: the name 'slip' is that of a built-in law; choose another",
+            "law 'slip' of FILE: the name 'slip' belongs to a built-in law. Choose another.",
         ),
-        (
-            "name = 'ruina'",
-            "law 'ruina' of FILE: the name 'ruina' is that of a built-in law; choose another",
-        ),
-        ("name = 'Plain law'", "Plain.name = 'Plain law' must be a name in small letters, digits"),
+        ("name = 'ruina'", "law 'ruina' of FILE: the name 'ruina' belongs to a built-in law"),
+        ("name = 'Plain law'", "Plain.name = 'Plain law' is not a name in small letters"),
         ("def __init__(self): exit(3)", "law of FILE cannot be made: SystemExit: 3"),
     ],
 )
@@ -273,9 +268,8 @@ def test_files_that_cannot_be_run(law_file, old, new, expected):
 
 
 def test_a_file_without_a_law(law_file):
-    assert message_of(law_file, PLAIN.replace("(rs.FrictionLaw)", "")) == (
-        "law file FILE must hold one class that derives from ratestate.FrictionLaw. It holds none."
-    )
+    message = message_of(law_file, PLAIN.replace("(rs.FrictionLaw)", ""))
+    assert message.startswith("law file FILE holds no law. It must hold one class")
 
 
 def test_a_law_without_evolution(law_file):

@@ -165,19 +165,19 @@ def test_series_of_named_arrays():
 @pytest.mark.parametrize(
     ("t", "speeds", "message"),
     [
-        ([0, 2, 1], [1, 1, 1], "t[2] = 1.0 s is less than t[1] = 2.0 s: times must not decrease"),
+        ([0, 2, 1], [1, 1, 1], "t[2] = 1.0 s is less than t[1] = 2.0 s"),
         ([0, np.nan, 1], [1, 1, 1], "t = nan s at row[1] is not a number"),
         ([0, 1, 1, 1, 2], [1] * 5, "t[2] = 1.0 s is repeated a third time"),
         ([0, 0, 1], [1, 2, 3], "t[0] = 0.0 s is repeated at an end"),
-        ([0.5, 1], [1, 2], "t[0] = 0.5 s must be 0: subtract it"),
+        ([0.5, 1], [1, 2], "t[0] = 0.5 s must be 0"),
         ([0, 1], [1, 2, 3], "t has 2 and V_lp 3 values"),
         ([0], [1], "at least 2"),
         ([0, 1], [1, -2], "V_lp = -2 m/s at row[1] must be >= 0"),
-        ([0, 1], [1, "2 mm"], "V_lp[1] = '2 mm' is a length [m]; expected a speed"),
+        ([0, 1], [1, "2 mm"], "V_lp[1] = '2 mm' is a length"),
         ([0, 1], [1, None], "V_lp[1] = None is of type NoneType"),
-        ([0, 1], np.ones((2, 2)), "V_lp has 2 dimensions; a column has 1"),
+        ([0, 1], np.ones((2, 2)), "V_lp has 2 dimensions"),
         ([0, 1], 3.0, "V_lp = 3.0 is not a column of values"),
-        ([], [], "t has no values; expected a time [s] such as '10 s' in each row"),
+        ([], [], "t has no values"),
         ([0, 1e-310], [0, 10], "too close for a ramp"),
         ([0, logspace("t", 1, 2, 2)], [0, 10], "as many times as speeds"),
     ],
@@ -189,12 +189,12 @@ def test_bad_series(t, speeds, message):
 
 def test_times_outside_the_history_are_refused():
     loading = Loading.series([0, 10], [1e-3, 2e-3])
-    with pytest.raises(ParameterError, match=r"t_end = 12.0 s is beyond .* series, 10.0 s; s"):
+    with pytest.raises(ParameterError, match=r"t_end = 12.0 s is beyond .* series, 10.0 s"):
         loading.covers(12)
     with pytest.raises(ParameterError, match=r"t_end = 11.0 s is beyond"):
         loading.covers(xr.DataArray([11.0, 9.0], dims="x"))
     for bad in (10.5, -1.0, np.nan):
-        with pytest.raises(ParameterError, match=r"is outside the loading, 0 to 10.0 s"):
+        with pytest.raises(ParameterError, match=r"is outside the loading"):
             loading.V_load(np.array([1.0, bad]))
 
 
@@ -249,16 +249,16 @@ def test_events_with_named_arrays():
         ),
         (lambda x: x.hold(7, 1).step(7.5, 1.0), "t = 7.5 s must come after t = 8.0 s"),
         (lambda x: x.step(6, -1.0), "V_lp from t = 6.0 s on = -1 m/s must be >= 0"),
-        (lambda x: x.hold(6, 0), "hold = 0 s must be > 0; expected a time"),
+        (lambda x: x.hold(6, 0), "hold = 0 s must be > 0"),
         (lambda x: x.hold(6, 1e-17), "hold = 1e-17 is too short or too long after t = 6.0 s"),
-        (lambda x: x.ramp(6, 1, "1 m"), "ramp = '1 m' is a length [m]; expected a time"),
-        (lambda x: x.ramp(6, 1e300, 1e-15), "ramp = 1e-15 is too short; for a jump leave it out"),
+        (lambda x: x.ramp(6, 1, "1 m"), "ramp = '1 m' is a length"),
+        (lambda x: x.ramp(6, 1e300, 1e-15), "ramp = 1e-15 is too short. For a jump"),
         (
             lambda x: x.step(logspace("t", 6, 7, 2), 1.0),
-            "t is an array and not one number; expected a time",
+            "t is an array and not one number",
         ),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
-        (lambda x: Loading.steps("3.2 mm"), "V_start = '3.2 mm' is a length [m]; expected a speed"),
+        (lambda x: Loading.steps("3.2 mm"), "V_start = '3.2 mm' is a length"),
         (lambda x: Loading.steps(1.0, 2.0), "step 2.0 is not a pair"),
         (
             lambda x: x.step(6, logspace("V_lp", 1, 2, 2)).step(7, logspace("V_lp", 1, 3, 2)),
@@ -324,8 +324,8 @@ def test_sinusoids_with_named_arrays():
         ({"period": None}, "needs either its period or its frequency"),
         ({"frequency": 1}, "needs either its period or its frequency"),
         ({"period": None, "frequency": 1e-320}, "is beyond any size"),
-        ({"period": logspace("period", 1, 2, 2)}, "the period of a sinusoid is one number"),
-        ({"t_end": 1e4}, "2.56e+06 lines for each of 1 cases; no more than 1e+06 lines"),
+        ({"period": logspace("period", 1, 2, 2)}, "the period of a sinusoid is an array"),
+        ({"t_end": 1e4}, "2.56e+06 lines for each of 1 cases"),
         ({"t_end": 1e3, "V_lp": logspace("V_lp", 1e-3, 1, 50)}, "and 1e+07 in all cases"),
     ],
 )

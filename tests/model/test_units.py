@@ -41,7 +41,7 @@ STRINGS = [
 @pytest.mark.parametrize(("symbol", "text", "si"), STRINGS)
 def test_strings_are_read_exactly(symbol, text, si):
     if si is None:
-        with pytest.raises(ParameterError, match="has no unit; expected a stress"):
+        with pytest.raises(ParameterError, match="has no unit"):
             to_si(symbol, text)
     else:
         assert to_si(symbol, text) == si
@@ -53,7 +53,7 @@ def test_pint_quantities_of_any_registry(registry):
     assert to_si("Dc", registry.Quantity(10, "um")) == 1e-05
     assert to_si("Dc", registry.Quantity("10 um")) == 1e-05
     assert to_si("K", registry.Quantity(900, "MPa") / registry.Quantity(1, "m")) == 9e8
-    with pytest.raises(ParameterError, match=re.escape("sigma = 3 meter is a length [m]")):
+    with pytest.raises(ParameterError, match=re.escape("sigma = 3 meter is a length")):
         to_si("sigma", registry.Quantity(3, "m"))
     with pytest.raises(ParameterError, match="dims='Dc'"):
         to_si("Dc", registry.Quantity(np.array([1, 2]), "um"))
@@ -91,36 +91,36 @@ REFUSED = [
     (
         "V_lp",
         "3.2 mm",
-        "V_lp = '3.2 mm' is a length [m]; expected a speed [m/s] such as '3.2 mm/s'",
+        "V_lp = '3.2 mm' is a length. Give a speed such as '3.2 mm/s'",
     ),
-    ("V_lp", "3.2", "V_lp = '3.2' has no unit; expected a speed [m/s]"),
-    ("V_lp", "3.2 mn/s", "V_lp = '3.2 mn/s' has an unknown unit 'mn/s'; expected a speed"),
-    ("V_lp", "fast", "V_lp = 'fast' is not a number with a unit; expected a speed [m/s]"),
-    ("V_lp", "-3.2 mm/s", "V_lp = '-3.2 mm/s' must be > 0; expected a speed [m/s] such as"),
-    ("sigma", "5 degC", "sigma = '5 degC' is of dimension [temperature]; expected a stress [Pa]"),
-    ("sigma", "200 N", "sigma = '200 N' is of the whole contact, and to be divided by its area"),
+    ("V_lp", "3.2", "V_lp = '3.2' has no unit. Give a speed"),
+    ("V_lp", "3.2 mn/s", "V_lp = '3.2 mn/s' has an unknown unit 'mn/s'. Give a speed"),
+    ("V_lp", "fast", "V_lp = 'fast' is not a number with a unit. Give a speed"),
+    ("V_lp", "-3.2 mm/s", "V_lp = '-3.2 mm/s' must be > 0. Give a speed such as"),
+    ("sigma", "5 degC", "sigma = '5 degC' is of dimension [temperature]. Give a stress"),
+    ("sigma", "200 N", "sigma = '200 N' is of the whole contact, and must be divided by its area"),
     ("V_lp", "3 m^3/s", "V_lp = '3 m^3/s' is of dimension"),  # not a unit of data sheets
-    ("sigma", -2e6, "sigma = -2e+06 Pa must be > 0; expected a stress [Pa] such as '2 MPa'"),
+    ("sigma", -2e6, "sigma = -2e+06 Pa must be > 0. Give a stress such as '2 MPa'"),
     ("sigma", np.inf, "sigma = inf Pa must be finite"),
     ("K", "1e999", "K = '1e999' has no unit"),
     ("sigma", "1e400 Pa", "sigma = '1e400 Pa' is beyond any size"),
     ("sigma", 10**400, "sigma = inf Pa must be finite"),
-    ("Dc", np.nan, "Dc = nan m is not a number; expected a length [m] such as '10 um'"),
-    ("a", "3 um", "a = '3 um' is a length [m]; expected a pure number such as 0.003"),
+    ("Dc", np.nan, "Dc = nan m is not a number. Give a length such as '10 um'"),
+    ("a", "3 um", "a = '3 um' is a length. Give a pure number such as 0.003"),
     (
         "M",
         -1,
-        "M = -1 kg/m^2 must be >= 0; expected a mass per area [kg/m^2] such as '3000",
+        "M = -1 kg/m^2 must be >= 0. Give a mass per area such as '3000",
     ),
     ("M", -5e-324, "must be >= 0"),
-    ("M", True, "M = True is of type bool; expected a mass per area"),
+    ("M", True, "M = True is of type bool. Give a mass per area"),
     ("M", np.True_, "is of type bool"),
-    ("M", None, "M = None is of type NoneType; expected a mass per area"),
+    ("M", None, "M = None is of type NoneType. Give a mass per area"),
     ("M", 1j, "is of type complex"),
     (
         "M",
         [1.0, 2.0],
-        "such as '3000 kg/m^2', or for many values xarray.DataArray(",
+        "For many values give xarray.DataArray(",
     ),
 ]
 
@@ -162,7 +162,7 @@ def test_an_array_is_converted_together_with_its_coordinate():
     )
     with pytest.raises(
         ParameterError,
-        match=re.escape("V_lp has the attribute units = 'mm', which is a length [m]; "),
+        match=re.escape("V_lp has the attribute units = 'mm', which is a length"),
     ):
         to_si("V_lp", V.assign_attrs(units="mm"))
     assert V.attrs == {"units": "mm/s"}  # the array of the user does not change
@@ -192,7 +192,7 @@ def test_a_time_difference_of_numpy_is_not_read_as_an_integer(unit):
     for value in (given, np.array([given]), [given, given], xr.DataArray([given], dims="t")):
         with pytest.raises(ParameterError, match=r"^t.*timedelta64|^t.*dtype"):
             column_to_si("t", value)
-    with pytest.raises(ParameterError, match="timedelta64; expected a time"):
+    with pytest.raises(ParameterError, match="timedelta64"):
         to_si("t", given)
     with pytest.raises(ParameterError, match=r"^n = "):
         logspace("M", 1, 10, given)
@@ -212,7 +212,7 @@ def test_arrays_of_pint_and_without_dimensions():
     [
         (
             xr.DataArray([1.0, -2, -3], dims="M"),
-            "M = -2 kg/m^2 at M[1] must be >= 0; expected",
+            "M = -2 kg/m^2 at M[1] must be >= 0",
         ),
         (
             xr.DataArray([1, np.nan], {"x": [5, 6]}, "x"),
@@ -225,7 +225,7 @@ def test_arrays_of_pint_and_without_dimensions():
         (xr.DataArray([1.0, 2.0]), "M has a dimension called 'dim_0', which cannot name a sweep"),
         (xr.DataArray([1.0, 2.0], dims="time"), "M has a dimension called 'time'"),
         (xr.DataArray([1.0, 2.0], dims="mode"), "M has a dimension called 'mode'"),
-        (xr.DataArray([True], dims="M"), "M is a DataArray of dtype bool; expected a mass"),
+        (xr.DataArray([True], dims="M"), "M is a DataArray of dtype bool. Give a mass"),
         (xr.DataArray(["1 kg"], dims="M"), "M is a DataArray of dtype <U4"),
         (xr.DataArray([], dims="M"), "M is a DataArray without values"),
         (xr.DataArray(-1.0), "M = -1 kg/m^2 must be >= 0"),
@@ -254,9 +254,9 @@ def test_logspace():
     [
         (("M", 0, 1, 3), "M (start) = 0 kg/m^2 must be > 0"),
         (("M", 1, "3 m", 3), "M (stop) = '3 m' is a length"),
-        (("K", 1, np.inf, 3), "K: start and stop must be finite"),
-        (("M", 1, 2, 1), "n = 1 must be an integer from 2"),
-        (("M", 1, 2, 3.0), "n = 3.0 must be an integer"),
+        (("K", 1, np.inf, 3), "K needs single, finite values"),
+        (("M", 1, 2, 1), "n = 1 is not"),
+        (("M", 1, 2, 3.0), "n = 3.0 is not"),
         (("ratio", "1 m", 2, 3), "ratio (start) = '1 m' is a length"),
     ],
 )

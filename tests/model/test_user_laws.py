@@ -34,7 +34,7 @@ def test_a_law_file_works_like_a_built_in_law(law_file):
     )
     assert float(run.tau[-1]) == pytest.approx(float(reference.tau[-1]), rel=1e-9)
     assert f'"law": "{name}"' in run.attrs["slider"]
-    with pytest.raises(rs.ParameterError, match=r"needs m, exponent of the state; .* such as 1.5"):
+    with pytest.raises(rs.ParameterError, match=r"needs m"):
         rs.SpringSlider(**COMMON, law="mine")
 
 
@@ -219,7 +219,9 @@ def test_a_law_that_is_not_registered_is_refused():
 
 def test_files_and_values_that_are_not_laws(tmp_path):
     for path in (tmp_path, tmp_path / "none.py", "/dev/zero", "a\0b"):
-        with pytest.raises(rs.ParameterError, match=rf"^law file {path} cannot be read: "):
+        with pytest.raises(
+            rs.ParameterError, match=rf"^law file {path} (cannot be read|does not exist)"
+        ):
             rs.register(path)
     for value in (None, 3, dict):
         with pytest.raises(rs.ParameterError, match=r"must be a class that derives from"):

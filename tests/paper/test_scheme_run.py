@@ -94,10 +94,10 @@ def test_last_cycle_is_that_of_a_long_run():
         ({"loading": rs.Loading.constant(1e-3).sigma_step(0.1, 3e6)}, "needs a constant sigma"),
         ({"euler": True}, "needs law='aging' for euler=True"),
         ({"slider": FIG2.replace(M=rs.logspace("M", 1e2, 1e3, 2))}, "one slider under one loading"),
-        ({"loading": rs.Loading.constant(0.0)}, "give V_start"),
+        ({"loading": rs.Loading.constant(0.0)}, "Give V_start"),
         ({"dt": 3.15 / math.sqrt(3e5)}, r"dt = .* s is 3\.15/omega"),
         ({"dt": 0.0}, "dt = 0 s must be > 0"),
-        ({"dt": 1e-15}, "give a larger dt"),
+        ({"dt": 1e-15}, "Give a larger dt"),
     ],
 )
 def test_refusals(changes, message):

@@ -168,12 +168,12 @@ def test_a_frequency_response(looks_as_before):
         degrees = axes[2, column].lines[2].get_ydata()[100]
         assert (degrees - np.degrees(np.angle(at)) + 180.0) % 360.0 == pytest.approx(180.0)
         assert axes[0, column].lines[1].get_xdata()[0] == pytest.approx(float(exact.resonance))
-    with pytest.raises(rs.ParameterError, match=r"several frequencies; give frequency a list"):
+    with pytest.raises(rs.ParameterError, match=r"several frequencies"):
         plot.page(exact)
     swept = rs.frequency_response(
         SLIDER.replace(K=xr.DataArray([9e8, 1e9], dims="K")), 1e-3, [1.0, 2.0]
     )
-    with pytest.raises(rs.ParameterError, match=r"one slider's response; pick one along 'K'"):
+    with pytest.raises(rs.ParameterError, match=r"response.*Pick one along 'K'"):
         plot.page(swept)
 
 
@@ -443,9 +443,7 @@ def test_what_no_page_can_show():
     with pytest.raises(ParameterError, match="one or two axes, and this one has 3"):
         plot.page(rs.stability(slider, V_LP))
     for other in (xr.Dataset(), None, rs.stability(SLIDER, 1e-3).drop_attrs()):
-        with pytest.raises(
-            ParameterError, match="page wants a Dataset as a function of ratestate gives it"
-        ):
+        with pytest.raises(ParameterError, match="page draws a Dataset"):
             plot.page(other)
 
 
@@ -460,7 +458,7 @@ def test_a_run_out_of_a_sweep():
 def test_a_page_shows_one_branch():
     branch = rs.continue_cycle(SLIDER.replace(K=6.06e8), "V_lp", 3e-3, 2e-3).reset_coords()
     two = xr.concat([branch, branch], "K")
-    with pytest.raises(ParameterError, match="pick one along 'K' with"):
+    with pytest.raises(ParameterError, match="Pick one along 'K'"):
         plot.page(two)
     plot.page(two.isel(K=1))
     for few in (0, 1):

@@ -160,7 +160,7 @@ class NagataLaw(FrictionLaw):
         """Return a problem if b = 0 and c > 0, because the law divides c by b."""
         divides = (slider.b == 0.0) * (slider.c > 0.0)
         divides = divides.any() if hasattr(divides, "any") else divides
-        return ("has b = 0 where c > 0", "Give another b, or c = 0.") if divides else None
+        return ("has b = 0 and c > 0", "Give another b, or c = 0.") if divides else None
 
     def jumps_with_normal_stress(self, mu, alpha, slider):
         """Return d phi/d ln sigma; the stress on the contacts changes by mu d sigma."""

@@ -243,7 +243,10 @@ class FrictionLaw(LawFormula):
         at = steady_point(self, p, v)
         if problem := steady_problem(at):
             raise ParameterError(
-                problem, "Give other parameters.", symbol="law", value=repr(self.name)
+                f"cannot be used: {problem}",
+                "Give other parameters.",
+                symbol="law",
+                value=repr(self.name),
             )
         return at
 

@@ -65,7 +65,7 @@ def class_from_text(text, path):
     try:
         exec(compile(text, str(path), "exec"), module.__dict__)
         laws = [x for x in vars(module).values() if _is_law(x) and x.__module__ == module.__name__]
-        names = ", ".join(kind.__name__ for kind in laws) or "none"
+        names = ", ".join(kind.__name__ for kind in laws) or "no law"
     except USER_ERRORS as error:
         del sys.modules[module.__name__]
         frames = traceback.extract_tb(error.__traceback__)

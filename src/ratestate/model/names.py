@@ -88,7 +88,7 @@ class Sentences(string.Formatter):
         table, sentence = name.split(".")
         return self.vformat(self.tables[table][sentence], (), values)
 
-    def refusal(self, name, /, kind=ParameterError, **values):
+    def refusal(self, name, kind=ParameterError, /, **values):
         """Return the error of this name, to be raised.
 
         In the file it is a string, the problem; or a list of problem and remedy; or a table of

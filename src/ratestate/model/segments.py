@@ -111,8 +111,9 @@ def histories_from_rows(times, V, sigma=None):
     """
     if is_array(times) or times.size < 2 or V.shape[-1] != times.size:
         raise ParameterError(
-            f"t has {times.size} and V_lp {V.shape[-1]} values",
+            f"has {times.size} and V_lp {V.shape[-1]} values",
             "Give as many times as speeds, at least 2.",
+            symbol="t",
         )
     dt = np.diff(times)
     if times[0] != 0:

@@ -99,7 +99,7 @@ def _check_names(law, base_name):
     for name in (base_name, *law.synonyms):
         known = laws.find_law_name(name)
         if known and HASH_MARK not in known:
-            raise ParameterError(f"the name {name!r} is that of a built-in law", "Choose another.")
+            raise ParameterError(f"the name {name!r} belongs to a built-in law", "Choose another.")
     for symbol, parameter in law.parameters.items():
         quantity = Quantity(*parameter)
         if not _is_allowed_name(symbol) or _is_other_quantity(symbol, quantity, base_name):
@@ -152,7 +152,7 @@ def _example(symbol, law):
         return to_si(symbol, quantity.example.strip("'\""))
     except ParameterError as error:
         raise ParameterError(
-            f"the example of its parameter {symbol} is wrong: {error.problem}", error.remedy
+            f"the example of its parameter {symbol} cannot be used: {error.text(symbol)}"
         ) from None
     finally:
         del QUANTITIES[symbol]

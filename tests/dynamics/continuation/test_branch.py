@@ -408,10 +408,10 @@ BAD = {
     "list": ((FIG2, ["K"], 1e-3, 1e-2), {}, ["parameter = ['K']"]),
     "no slider": (({"a": 1}, "K", 1e-3, 1e-2), {}, ["slider", "SpringSlider"]),
     "no V_lp": ((FIG2, "K", 1e9, 1e8), {}, ["V_lp is missing", "at which K changes"]),
-    "V_lp twice": ((FIG2, "V_lp", 1e-3, 1e-2), {"V_lp": 1e-3}, ["leave V_lp= out"]),
-    "start = stop": ((FIG2, "V_lp", "10 mm/s", 1e-2), {}, ["start = stop = 0.01"]),
+    "V_lp twice": ((FIG2, "V_lp", 1e-3, 1e-2), {"V_lp": 1e-3}, ["Leave V_lp= out"]),
+    "start = stop": ((FIG2, "V_lp", "10 mm/s", 1e-2), {}, ["start = 0.01 is stop too"]),
     "start = 0": ((FIG2, "V_lp", 0, 1e-2), {}, ["start = 0 m/s"]),
-    "start unit": ((FIG2, "K", "1 GPa", 1e8), {"V_lp": 1e-2}, ["start = '1 GPa'", "Pa/m"]),
+    "start unit": ((FIG2, "K", "1 GPa", 1e8), {"V_lp": 1e-2}, ["start = '1 GPa' is a stress"]),
     "start array": ((FIG2, "V_lp", xr.DataArray([1e-3], dims="q"), 1), {}, ["start is an array"]),
     "sweep": (
         (FIG2.replace(M=xr.DataArray([1e2, 1e3], dims="M")), "V_lp", 1e-3, 1e-2),

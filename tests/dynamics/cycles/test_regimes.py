@@ -102,7 +102,7 @@ def test_along_a_branch():
 def test_a_dimension_called_eta_and_lost_attributes_are_refused():
     M = xr.DataArray([100.0, 200.0], dims="eta")
     cycle = limit_cycle(FIG4.replace(M=M), 1e-2, rtol=1e-6)
-    with pytest.raises(ParameterError, match="rename"):
+    with pytest.raises(ParameterError, match="Rename"):
         classify(cycle)
     assert classify(cycle.rename(eta="case")).eta.dims == ("case",)
     with pytest.raises(ParameterError, match="lost its attribute"):

@@ -42,8 +42,8 @@ def test_a_run_that_stays_says_so(case):
     assert len(said) == 1
     assert str(said[0].message) == (
         "the run starts on steady sliding at V_lp = 10 um/s, which is unstable (K = 500 MPa/m is "
-        "below K_c = 600.003 MPa/m), and nothing disturbs it, so nothing visible happens; give "
-        "another start, such as V_start = '1 um/s'"
+        "below K_c = 600.003 MPa/m), and nothing disturbs it, so nothing visible happens. Give "
+        "another start, such as V_start = '1 um/s'."
     )
     assert pytest.approx(600.003e6, rel=1e-9) == K_C
     assert said[0].filename == __file__
@@ -87,8 +87,8 @@ def test_a_sweep_says_once_how_many(way, tmp_path, monkeypatch):
     assert len(said) == 1
     assert str(said[0].message) == (
         "in 2 of 6 cases the run starts on steady sliding that is unstable, and nothing disturbs "
-        "it, so nothing visible happens; the first is at V_lp = 10 um/s, where K = 550 MPa/m is "
-        "below K_c = 600.003 MPa/m; give another start, such as V_start = '1 um/s'"
+        "it, so nothing visible happens. The first is at V_lp = 10 um/s, where K = 550 MPa/m is "
+        "below K_c = 600.003 MPa/m. Give another start, such as V_start = '1 um/s'."
     )
     assert said[0].filename == __file__
 

@@ -240,7 +240,7 @@ def test_init_writes_nothing_if_a_file_exists(there, tmp_path, monkeypatch):
     result = call("init", "record")
     assert (result.exit_code, result.stdout) == (2, "")
     other = "name" if there.endswith(".toml") else "folder"
-    assert result.stderr == f"error: {there} exists; give another {other} with --out\n"
+    assert result.stderr == f"error: {there} exists. Give another {other} with --out.\n"
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {there: "mine"}
 
 
@@ -263,12 +263,12 @@ def test_init_leaves_nothing_if_a_file_cannot_be_written(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["barke"], "error: 'barke' is unknown, expected one of lab, brake, fault, record, "),
-        (["slide_hold_slide"], "did you mean slide-hold-slide?"),
+        (["barke"], "error: 'barke' is unknown. Give one of lab, brake, "),
+        (["slide_hold_slide"], "Did you mean slide-hold-slide?"),
         (["lab", "--out", "lab.tml"], "does not end in .toml"),
         (
             ["lab", "--out", "no/lab.toml"],
-            "error: no/lab.toml: there is no folder no; make it first",
+            "error: the folder of no/lab.toml does not exist",
         ),
         (["lab", "--out", "/proc/lab.toml"], "error: /proc/lab.toml: cannot be written: "),
     ],
@@ -418,8 +418,8 @@ def test_atlas_is_of_both_laws_unless_one_is_named(charted, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["atlas", "--law", "nagata", "--set", "q=1"], "no parameter of the law's own; expected c"),
-        (["atlas", "--law", "nagata", "--set", "c=1 um"], "give plain numbers"),
+        (["atlas", "--law", "nagata", "--set", "q=1"], "the law's own"),
+        (["atlas", "--law", "nagata", "--set", "c=1 um"], "plain number"),
         (["figures", "--law", "nagata"], "'nagata' needs c, which the paper does not give"),
     ],
 )
@@ -441,6 +441,5 @@ def test_atlas_refuses_what_it_cannot_read(charted, tmp_path, arguments):
 def test_atlas_without_instability_is_one_message(tmp_path):
     result = call("atlas", "--b-over-a", 0.5, "--out", tmp_path)
     assert result.exit_code == 2
-    last = result.stderr.splitlines()[-1]
-    assert last == "error: b_over_a = 0.5 must be one number > 1, such as 2"
+    assert result.stderr.splitlines()[-1].startswith("error: --b-over-a = 0.5 ")
     assert list(tmp_path.iterdir()) == []

@@ -270,7 +270,7 @@ def test_a_run_that_nothing_disturbs_says_so_once(options, lab):
     (line,) = result.stderr.splitlines()
     assert line.startswith("warning: the run starts on steady sliding at V_lp = 3.2 mm/s, which is")
     assert "K = 500 MPa/m is below K_c = 907.2 MPa/m" in line
-    assert line.endswith("V_start = '320 um/s'")
+    assert line.endswith("V_start = '320 um/s'.")
     if not options:
         assert result.stdout.splitlines()[-1] == (
             "This run has not reached this motion, because it starts on steady sliding and nothing "
@@ -386,7 +386,7 @@ def test_a_branch_begins_with_a_value_of_the_whole_contact(area, lab):
         assert "K from 895 MPa/m to 900 MPa/m" in found.stdout
     else:
         assert found.exit_code == 2
-        assert "give the area too, such as area = '20 cm^2' (in [slider] of a file)" in found.stderr
+        assert "give the area too, such as area = '20 cm^2'" in found.stderr
 
 
 def test_a_stable_slider_without_mass_and_without_a_cycle(lab):
@@ -553,7 +553,7 @@ def test_from_a_result_to_the_same_bits(command, ending, lab, api):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["run", "none.toml"], "error: none.toml cannot be read: No such file"),
+        (["run", "none.toml"], "error: none.toml does not exist"),
         (["run"], "give either a file or --from"),
         (["run", "lab.toml", "--from", "x.nc"], "give either a file or --from"),
         (["run", "--from", "none.nc"], "error: none.nc does not exist"),
@@ -561,10 +561,10 @@ def test_from_a_result_to_the_same_bits(command, ending, lab, api):
         (["run", "--from", "x.csv"], "lacks the parameters"),
         (
             ["cycle", "lab.toml", "--out", "x.txt"],
-            "expected a name that ends in .nc, .csv or .zarr",
+            "Give a name that ends in .nc, .csv or .zarr",
         ),
-        (["cycle", "lab.toml", "--plot", "x.nc"], "expected a name that ends in .png or .pdf"),
-        (["cycle", "lab.toml", "--out", "no/x.nc"], "error: no/x.nc: there is no folder no"),
+        (["cycle", "lab.toml", "--plot", "x.nc"], "Give a name that ends in .png or .pdf"),
+        (["cycle", "lab.toml", "--out", "no/x.nc"], "error: the folder of no/x.nc does not exist"),
         (["cycle", "lab.toml", "--out", "folder.nc"], "folder.nc is a folder, and is not replaced"),
         (["cycle", "lab.toml", "--out", "folder.zarr"], "holds files that are not of one result"),
         (["branch", "lab.toml", "--start", "1 mm/s"], "both are needed"),
@@ -595,7 +595,7 @@ def test_a_branch_of_many_sliders(lab):
     lab.write_text(lab.read_text() + '\n[sweep]\nverb = "limit_cycle"\nM = [100, 200]\n')
     result = call("branch", lab, *BRANCH)
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "error: M: many values, and a branch follows the cycles of one slider" in result.stderr
+    assert "many values of M" in result.stderr
 
 
 @pytest.mark.parametrize(
@@ -603,7 +603,7 @@ def test_a_branch_of_many_sliders(lab):
     [
         (["--parameter", "Q", *BRANCH], "parameter = 'Q'"),
         (["--start", "1 mm", "--stop", "2 mm"], "start = '1 mm' is a length"),
-        ([], "[sweep]: is missing, expected what a branch follows"),
+        ([], "[sweep]: is missing. Give the parameter that the branch follows"),
     ],
 )
 def test_a_branch_of_nothing(arguments, message, lab):
@@ -650,9 +650,11 @@ def test_a_scenario_from_standard_input(lab):
     text = LAB.split("[loading]")[0] + loading
     assert CliRunner().invoke(main, ["run", "-"], input=text).exit_code == 0
     result = CliRunner().invoke(main, ["run", "-"], input="x = [")
-    assert result.stderr.startswith("error: standard input is broken: line 1, 'x = [': ")
+    assert result.stderr.startswith("error: standard input is not valid TOML: line 1, 'x = [': ")
     result = CliRunner().invoke(main, ["cycle", "-"], input="x = 1")
-    assert result.stderr.startswith("error: standard input cannot be used:\nx: stands above all")
+    assert result.stderr.startswith(
+        "error: standard input cannot be used:\nline 1, x: stands above all"
+    )
     result = CliRunner().invoke(main, ["run", "-"], input="#" * (10**7 + 1))
     assert "standard input cannot be read: it has 10000001 bytes, more than" in result.stderr
 
@@ -679,7 +681,7 @@ def test_a_sweep_too_large_for_memory_is_refused_at_once(command, verb, lab, mon
     assert (result.exit_code, result.stdout) == (2, ""), result.stderr
     _, error = result.stderr.splitlines()
     assert error.startswith("error: the results of 961,000,000 cases take 1")
-    assert "use ratestate sweep FILE --store x.zarr" in result.stderr
+    assert "Use ratestate sweep FILE --store x.zarr" in result.stderr
 
 
 def test_three_gigabytes_are_not_too_large(lab, monkeypatch):
@@ -688,7 +690,7 @@ def test_three_gigabytes_are_not_too_large(lab, monkeypatch):
     monkeypatch.setattr("ratestate.sweeps.sweep.sweep", bug)
     for n, message in (
         (side, "so much for that"),
-        (side + 1, "no more than 3 GB are kept in memory"),
+        (side + 1, "at most 3 GB are kept in memory"),
     ):
         text = LAB.split("[loading]")[0] + HUGE.replace("31_000", str(n)) + "'limit_cycle'\n"
         lab.write_text(text)
@@ -752,7 +754,7 @@ def test_debug_shows_where_an_error_was_found(lab):
     result = call("--debug", "cycle", lab, "--out", "x.txt")
     assert result.exit_code == 2
     assert "ParameterError" in result.stderr
-    assert "error: 'x.txt': expected a name" in result.stderr.splitlines()[-1]
+    assert "Give a name that ends in" in result.stderr.splitlines()[-1]
 
 
 @pytest.mark.parametrize(

@@ -155,12 +155,12 @@ def test_json_and_options(tmp_path):
     ("arguments", "message"),
     [
         ([], "no normal stress.*--sigma '20 MPa'"),
-        (["--sigma", "20 MPa", "--free", "a,b,Dc"], "K is neither free nor given; add --K VALUE"),
-        (["--sigma", "20 um"], "sigma.*20 um.*expected a stress"),
+        (["--sigma", "20 MPa", "--free", "a,b,Dc"], "K is neither free nor given. Add --K VALUE"),
+        (["--sigma", "20 um"], "--sigma = '20 um' is a length"),
         (["--sigma", "1e300 MPa"], r"sigma = 1e\+297 GPa is impossible.*such as '20 MPa'"),
         (["--sigma", "20 MPa", "--free", "a,slip"], "'slip'.*none of a, b"),
         (["--time", "3 s"], "'3 s' is not START,END"),
-        (["--law", "slip, Rina"], "law = 'Rina' is unknown; choose 'slip' or 'aging'"),
+        (["--law", "slip, Rina"], "law = 'Rina' is unknown"),
         (["--columns", "friction"], "'friction' has no NAME="),
         (["--time", "500 s,"], "no row lies in the window"),
     ],
@@ -177,7 +177,7 @@ def test_a_dead_normal_stress_is_named_where_it_is_wanted(tmp_path):
     path.write_text(path.read_text().replace("\t20\n", "\t0\n"))
     said = " ".join(call(path).stderr.split())
     assert "the column 'Normal_stress(MPa)' is 0 Pa" in said
-    assert "add --sigma '20 MPa'" in said
+    assert "Add --sigma '20 MPa'" in said
 
 
 def test_an_error_leaves_no_empty_folder(tmp_path):
@@ -195,7 +195,7 @@ def test_a_report_of_others_is_not_replaced(tmp_path):
     (tmp_path / "report.md").write_text("# Minutes of a meeting\n")
     done = call(written(tmp_path / "step.txt", rows=101), "--out", tmp_path)
     assert done.exit_code == 2
-    assert "is no report of ratestate fit" in done.stderr
+    assert "is not a report of ratestate fit" in done.stderr
     assert (tmp_path / "report.md").read_text() == "# Minutes of a meeting\n"
     assert not (tmp_path / "fit.nc").exists()
 
@@ -213,13 +213,13 @@ def test_parameters_of_the_law_are_set_or_free(folder):
     assert slip is None
     assert abs(two) < 2e-3  # the record has one state
     lacking = call(*both, "--free", "a,b,Dc,K,b2")
-    assert "Dc2 is neither free nor given; add --set Dc2=VALUE, or name it" in lacking.stderr
+    assert "Dc2 is neither free nor given. Add --set Dc2=VALUE" in lacking.stderr
     own = _options()["of_law"]
     assert "its value, or where the search begins if --free names it" in own["help"]
     assert own["show_default"].endswith("else it must be given")  # as Dc2 above
     foreign = call(*both, "--set", "c=1")
     said = " ".join(foreign.stderr.replace("│", " ").split())
-    assert "'c' is no parameter of the law's own; expected b2 or Dc2" in said
+    assert "'c' is no parameter of the law's own" in said
     unnamed = call(*both, "--set", "120 um")
     assert "'120 um' has no NAME=..." in " ".join(unnamed.stderr.split())
 

@@ -104,7 +104,7 @@ def test_a_file_that_is_not_there_is_named(command, mine):
     more = ["--store", "s.zarr"] if command == "sweep" else []
     done = call(command, "mine.toml", "--law-file", "none.py", *more)
     assert done.exit_code == 2
-    assert done.stderr == "error: law file none.py cannot be read: No such file or directory\n"
+    assert done.stderr == "error: law file none.py does not exist. Give its path.\n"
 
 
 def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, law_file, monkeypatch, tmp_path):

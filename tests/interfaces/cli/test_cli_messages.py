@@ -31,7 +31,7 @@ def sentences():
                 in_python = re.sub(r"--\w+ \S+", "", str(text))
                 options = {*GIVEN.findall(in_python)} & (OPTIONS | {"units"})
                 if options and path.name != "column_names.toml":
-                    yield pytest.param(text, options, id=f"{path.parent.name}-{table}.{name}")
+                    yield pytest.param(str(text), options, id=f"{path.parent.name}-{table}.{name}")
 
 
 @pytest.mark.parametrize(("text", "options"), [*sentences()])

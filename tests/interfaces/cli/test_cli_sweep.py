@@ -227,9 +227,9 @@ def test_a_file_with_problems_starts_nothing(sweeps, file):
     title, *lines = result.stderr.splitlines()
     assert re.fullmatch(r"error: .*it.toml cannot be used:", title)
     expected = [
-        r"\[slider\] sgima: .* did you mean sigma\?",
-        r"\[slider\] sigma: is missing, .*",
-        r"\[sweep\] V_lp\[0\]: '1 mm' is a length.*, expected .*",
+        r"\[slider\] sgima: .* Did you mean sigma\?",
+        r"\[slider\] sigma: is missing\. .*",
+        r"\[sweep\] V_lp\[0\]: '1 mm' is a length\. .*",
     ]
     for line, pattern in zip(sorted(lines), expected, strict=True):
         assert re.fullmatch(pattern, line)
@@ -359,7 +359,7 @@ def test_files_pictures_and_json_of_a_store(file, tmp_path):
 def test_where_files_go_is_checked_first(sweeps, file):
     result = call("sweep", file, "--store", "x", "--out", "x.txt")
     assert result.exit_code == 2
-    assert "expected a name that ends in .nc, .csv or .zarr" in result.stderr
+    assert "Give a name that ends in .nc, .csv or .zarr" in result.stderr
     assert sweeps.requests == []
 
 

@@ -1,6 +1,7 @@
 """Scenarios whose friction law is in a file of the user's."""
 
 import pytest
+from scenario_problems import problem_lines
 from user_laws import MINE, PLAIN
 
 import ratestate as rs
@@ -47,7 +48,7 @@ def problems(path, **how):
     """What is wrong with a scenario, a line each."""
     with pytest.raises(ParameterError) as caught:
         load(path, **how)
-    return str(caught.value).splitlines()[1:]
+    return problem_lines(caught.value)
 
 
 def test_the_law_of_the_file_is_the_slider_s(write, monkeypatch):
@@ -66,11 +67,9 @@ def test_what_is_wrong_with_the_file_is_said_with_all_else(write, tmp_path):
     """And what may be right under that law is not."""
     of_law = "[run]\ninitial = { phi = 1 }"
     path = write(('"mine.py"', '"main.py"'), ("a = 0.003", "a = -0.003"), ("[run]", of_law))
-    assert sorted(problems(path)) == [
-        "[slider] a: -0.003 must be > 0, expected a pure number such as 0.003",
-        f"[slider] law_file: law file {tmp_path / 'main.py'} cannot be read: No such file or "
-        "directory, expected a Python file with one friction law, by its path from the folder of "
-        "this file, such as law_file = 'mylaw.py'",
+    assert [line.partition(". ")[0] for line in sorted(problems(path))] == [
+        "[slider] a: -0.003 must be > 0",
+        f"[slider] law_file: law file {tmp_path / 'main.py'} does not exist",
     ]
     (tmp_path / "wrong.py").write_text(MINE.replace("p.Dc", "p.D"))
     (line,) = problems(write(('"mine.py"', '"wrong.py"')))
@@ -79,29 +78,27 @@ def test_what_is_wrong_with_the_file_is_said_with_all_else(write, tmp_path):
         "parameter. Add D to parameters, or take one of a, b, Dc, mu0, V0, m."
     )
     (line,) = problems(write(('"mine.py"', "3")))
-    assert line.startswith("[slider] law_file: 3 is no file's name, expected a Python file")
+    assert line.startswith("[slider] law_file: 3 is not the name of a file.")
     (line,) = problems(write(("m = 1.5\n", "")))
-    assert "needs m, exponent of the state, expected a pure number such as 1.5" in line
+    assert "needs m, exponent of the state. Give a pure number such as 1.5." in line
 
 
 def test_another_law_beside_the_file_is_refused(write):
-    wanted = "expected that one or none such as law = 'mine'"
     for table in ("slider", "sweep"):
         law = {"slider": ("law_file", 'law = "aging"\nlaw_file')}.get(
             table, ("[loading]", '[sweep]\nverb = "stability"\nlaw = "aging"\nK = [1e9]\n[loading]')
         )
-        assert problems(write(law)) == [
-            f"[{table}] law: 'aging' is not the law in 'mine.py', {wanted}"
-        ]
+        (line,) = problems(write(law))
+        assert line.startswith(f"[{table}] law: 'aging' is not the law in 'mine.py'.")
     (line,) = problems(write(("law_file", 'law = "mine@12345678"\nlaw_file')))
-    assert "[slider] law: 'mine@12345678' is not what 'mine.py' holds now, mine@" in line
+    assert "[slider] law: 'mine@12345678' is not the law that 'mine.py' holds now, mine@" in line
 
 
 def test_a_file_given_comes_before_that_of_the_scenario(write, law_file):
     other = law_file(MINE.replace('name = "mine"', 'name = "other"'), "other.py")
     slider = load(write(('"mine.py"', '"gone.py"')), law_file=other).slider
     assert slider.law.startswith("other@")
-    with pytest.raises(ParameterError, match=r"^law file none\.py cannot be read: No such file"):
+    with pytest.raises(rs.errors.MissingFileError, match=r"^law file none\.py"):
         load(write(), law_file="none.py")
 
 
@@ -120,10 +117,8 @@ def test_the_code_of_a_text_is_not_run(write, law_file, monkeypatch, tmp_path):
 
 def test_a_law_that_is_not_known_is_asked_for(write):
     (line,) = problems(write(('law_file = "mine.py"', 'law = "mine@12345678"'), ("m = 1.5", "")))
-    assert line == (
-        "[slider] law: 'mine@12345678' is a user's own law that is not known here, expected its "
-        "file such as law_file = 'mine.py'"
-    )
+    assert line.startswith("[slider] law: 'mine@12345678' is a user's own law")
+    assert line.endswith("law_file = 'mine.py'.")
 
 
 def test_written_down_it_names_the_file(write, tmp_path):
@@ -158,17 +153,14 @@ def test_a_result_of_a_law_that_is_not_known_says_what_to_give(write, law_file):
     LAW_NAMES.pop(name)
     with pytest.raises(ParameterError) as caught:
         from_result(result)
-    assert str(caught.value) == (
-        f"the result is of the law {name!r}, a user's own that is not known here: give its file, "
-        f"--law-file mine.py or ratestate.register('mine.py'); the mine that is known is "
-        f"{edited!r}, from another source, as of an edited file"
-    )
+    for part in (name, "--law-file mine.py", "ratestate.register('mine.py')", edited):
+        assert part in str(caught.value)
 
 
 def test_keys_follow_the_laws_that_are_known(write):
     """A state's name too: `initial` takes those of any law."""
     text = MINE.replace('"1.5")}', '"1.5")}\n    states = {"phi": ("b", "Dc")}')
     path = write(("[run]", "[run]\ninitial = { phi = 0.01 }"))
-    assert "initial.phi: unknown key, expected one of V, theta, theta2, tau" in problems(path)[0]
+    assert "initial.phi: unknown key. Give one of V, theta, theta2, tau" in problems(path)[0]
     (path.parent / "mine.py").write_text(text)
     assert load(path).settings["initial"] == {"phi": 0.01}

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scenario_problems import problem_lines
 
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider
@@ -30,7 +31,6 @@ PARAMETERS = (
 NAMES = ", ".join(LAWS)
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"
-TIMES = "expected increasing times up to t_end such as [0.5, '1 s']"
 AXIS = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 4, scale = "log" }'
 CYCLE = {"verb": '"limit_cycle"', "M": AXIS, "V_lp": '"3.2 mm/s"'}
 SIMULATE = {"verb": '"simulate"', "M": AXIS, "V_lp": "1e-3", "t_end": '"10 s"'}
@@ -213,107 +213,115 @@ def test_many_problems_are_told_at_once(read):
     """
     with pytest.raises(ParameterError) as caught:
         read(text)
-    title, *lines = str(caught.value).splitlines()
-    assert title.endswith("it.toml cannot be used:")
+    lines = problem_lines(caught.value)
     told = f"""\
-loose: stands above all tables, expected one of {TABLES}
-[slder]: unknown table, expected one of {TABLES}; did you mean [slider]?
-[slider] A: unknown key, expected one of {PARAMETERS} such as a = 0.003; did you mean a?
-[slider] b: '0.006 m' is a length, expected a pure number such as 0.006
-[slider] Dc: a list of 1 makes an axis, expected in [sweep], or one value such as Dc = '10 um'
-[slider] law: 'slipp' is unknown, expected one of {NAMES}; did you mean slip?
-[slider] V_lp: stands in the wrong table, expected in [loading] or [sweep] such as V_lp = '3.2 mm/s'
-[slider] a: is missing, expected a pure number such as 0.003
-[slider] sigma: is missing, expected a stress such as '2 MPa'
-[slider] K: is missing, expected a stiffness such as '900 MPa/m'
-[sweep] M: mixes a mass per area and a mass, expected a mass per area such as '3000 kg/m^2'
-[sweep] V_lp.fro: unknown key, expected one of from, to, n, scale such as {LOG}; did you mean from?
-[sweep] V_lp.scale: 'logs' is unknown, expected one of linear, log; did you mean log?
-[sweep] V_lp.from: is missing, expected a speed such as '3.2 mm/s'
-[sweep] V_lp.to: '3 m' is a length, expected a speed such as '3.2 mm/s'
-[sweep] V_lp.n: is missing, expected an integer from 2 to 1000000, such as 12
-[sweep] rtol: 3.0 is out of range, expected one number from 1e-13 to 0.1 such as 1e-6
-[sweep] times: reach 3600 s, beyond t_end = 3 s; extend t_end or drop the later times, {TIMES}"""
+loose: stands above all tables. Give one of {TABLES}.
+[slder]: unknown table. Give one of {TABLES}. Did you mean [slider]?
+[slider] A: unknown key. Give one of {PARAMETERS}, such as a = 0.003. Did you mean a?
+[slider] b: '0.006 m' is a length. Give a pure number such as 0.006.
+[slider] Dc: a list of 1 makes an axis. Write it in [sweep], or give one value such as Dc = '10 um'.
+[slider] law: 'slipp' is unknown. Give one of {NAMES}. Did you mean slip?
+[slider] V_lp: stands in the wrong table. Write it in [loading] or [sweep], \
+such as V_lp = '3.2 mm/s'.
+[slider] a: is missing. Give a pure number such as 0.003.
+[slider] sigma: is missing. Give a stress such as '2 MPa'.
+[slider] K: is missing. Give a stiffness such as '900 MPa/m'.
+[sweep] M: mixes a mass per area and a mass. Give a mass per area such as '3000 kg/m^2'.
+[sweep] V_lp.fro: unknown key. Give one of from, to, n, scale, such as {LOG}. Did you mean from?
+[sweep] V_lp.scale: 'logs' is unknown. Give one of linear, log. Did you mean log?
+[sweep] V_lp.from: is missing. Give a speed such as '3.2 mm/s'.
+[sweep] V_lp.to: '3 m' is a length. Give a speed such as '3.2 mm/s'.
+[sweep] V_lp.n: is missing. Give an integer from 2 to 1000000, such as 12.
+[sweep] rtol: 3.0 is out of range. Give one number from 1e-13 to 0.1 such as 1e-6.
+[sweep] times: reaches 3600 s, beyond t_end = 3 s. Extend t_end or drop the later times."""
     assert sorted(lines) == sorted(told.splitlines())
 
 
 #: changes of a good file -> the beginning of the line that is then told
 MUTATED = [
     # [slider]: wrong units, ranges, types
-    ({"a": "-0.003"}, {}, "[slider] a: -0.003 must be > 0, expected a pure number"),
-    ({"a": '"0.003 m"'}, {}, "[slider] a: '0.003 m' is a length, expected"),
-    ({"a": "true"}, {}, "[slider] a: true is not one number, expected"),
-    ({"a": '""'}, {}, "[slider] a: '' is not a number with a unit, expected"),
-    ({"a": "nan"}, {}, "[slider] a: nan is not a number, expected"),
-    ({"b": "inf"}, {}, "[slider] b: inf must be finite, expected"),
-    ({"b": '"six"'}, {}, "[slider] b: 'six' is not a number with a unit, expected"),
-    ({"Dc": '"10"'}, {}, "[slider] Dc: '10' has no unit, expected a length"),
-    ({"Dc": '"10 furlong/s"'}, {}, "[slider] Dc: '10 furlong/s' is a speed, expected"),
-    ({"Dc": '"10 blorp"'}, {}, "[slider] Dc: '10 blorp' has an unknown unit 'blorp', expected"),
+    ({"a": "-0.003"}, {}, "[slider] a: -0.003 must be > 0"),
+    ({"a": '"0.003 m"'}, {}, "[slider] a: '0.003 m' is a length"),
+    ({"a": "true"}, {}, "[slider] a: true is not one number"),
+    ({"a": '""'}, {}, "[slider] a: '' is not a number with a unit"),
+    ({"a": "nan"}, {}, "[slider] a: nan is not a number"),
+    ({"b": "inf"}, {}, "[slider] b: inf must be finite"),
+    ({"b": '"six"'}, {}, "[slider] b: 'six' is not a number with a unit"),
+    ({"Dc": '"10"'}, {}, "[slider] Dc: '10' has no unit"),
+    ({"Dc": '"10 furlong/s"'}, {}, "[slider] Dc: '10 furlong/s' is a speed"),
+    ({"Dc": '"10 blorp"'}, {}, "[slider] Dc: '10 blorp' has an unknown unit 'blorp'"),
     ({"Dc": '"1e999999999 m"'}, {}, "[slider] Dc: '1e999999999 m' "),
-    ({"Dc": '"1e-999999999 m"'}, {}, "[slider] Dc: '1e-999999999 m' must be > 0, expected"),
-    ({"Dc": "1e999"}, {}, "[slider] Dc: inf m must be finite, expected"),
-    ({"Dc": "1" + "0" * 400}, {}, "[slider] Dc: a huge integer is beyond what can be, expected"),
-    ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be, expected"),
+    ({"Dc": '"1e-999999999 m"'}, {}, "[slider] Dc: '1e-999999999 m' must be > 0"),
+    ({"Dc": "1e999"}, {}, "[slider] Dc: inf m must be finite"),
+    ({"Dc": "1" + "0" * 400}, {}, "[slider] Dc: a huge integer is beyond what can be"),
+    ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be"),
     ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999"),
     ({"Dc": '"1 m**9**9**9"'}, {}, "[slider] Dc: '1 m**9**9**9' has an unknown unit"),
-    ({"Dc": '"10 um; expected"'}, {}, "[slider] Dc: '10 um; expected' has an unknown unit"),
-    ({"Dc": "07:32:00"}, {}, "[slider] Dc: 07:32:00 is not one number, expected"),
-    ({"Dc": "1979-05-27"}, {}, "[slider] Dc: 1979-05-27 is not one number, expected"),
-    ({"Dc": '[1, "10 um"]'}, {}, "[slider] Dc: a list of 2 makes an axis, expected in [sweep]"),
-    ({"Dc": "{ from = 1 }"}, {}, "[slider] Dc: a table makes an axis, expected in [sweep]"),
-    ({"sigma": "0"}, {}, "[slider] sigma: 0 Pa must be > 0, expected a stress"),
-    ({"M": "-1"}, {}, "[slider] M: -1 kg/m^2 must be >= 0, expected a mass"),
-    ({"law": '"Slip law"'}, {}, "[slider] law: 'Slip law' is unknown, expected one of slip, aging"),
-    ({"law": "1"}, {}, f"[slider] law: 1 is unknown, expected one of {NAMES}"),
-    ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown, expected one of"),
+    ({"Dc": '"10 um; give"'}, {}, "[slider] Dc: '10 um; give' has an unknown unit"),
+    ({"Dc": "07:32:00"}, {}, "[slider] Dc: 07:32:00 is not one number"),
+    ({"Dc": "1979-05-27"}, {}, "[slider] Dc: 1979-05-27 is not one number"),
+    ({"Dc": '[1, "10 um"]'}, {}, "[slider] Dc: a list of 2 makes an axis"),
+    ({"Dc": "{ from = 1 }"}, {}, "[slider] Dc: a table makes an axis"),
+    ({"sigma": "0"}, {}, "[slider] sigma: 0 Pa must be > 0"),
+    ({"M": "-1"}, {}, "[slider] M: -1 kg/m^2 must be >= 0"),
+    ({"law": '"Slip law"'}, {}, "[slider] law: 'Slip law' is unknown"),
+    ({"law": "1"}, {}, "[slider] law: 1 is unknown"),
+    ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown"),
     # keys
-    ({"a": None}, {}, "[slider] a: is missing, expected a pure number"),
-    ({"Dc": None}, {}, "[slider] Dc: is missing, expected a length"),
-    ({"Dc": None, "dc": "1"}, {}, "[slider] dc: unknown key, expected one of * did you mean Dc?"),
-    ({"sgima": "1"}, {}, "[slider] sgima: unknown key, expected one of * did you mean sigma?"),
-    ({"zzz": "1"}, {}, "[slider] zzz: unknown key, expected one of a, b, Dc, sigma, K, M, mu0, V0"),
-    ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key, expected one of"),
-    ({'""': "1"}, {}, "[slider] '': unknown key, expected one of"),
-    ({"t_end": "1"}, {}, "[slider] t_end: stands in the wrong table, expected in [run] or [sweep]"),
-    ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis, expected in [sweep]"),
+    ({"a": None}, {}, "[slider] a: is missing"),
+    ({"Dc": None}, {}, "[slider] Dc: is missing"),
+    ({"Dc": None, "dc": "1"}, {}, "[slider] dc: unknown key. Give one of * Did you mean Dc?"),
+    ({"sgima": "1"}, {}, "[slider] sgima: unknown key. Give one of * Did you mean sigma?"),
+    ({"zzz": "1"}, {}, "[slider] zzz: unknown key"),
+    ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key"),
+    ({'""': "1"}, {}, "[slider] '': unknown key"),
+    ({"t_end": "1"}, {}, "[slider] t_end: stands in the wrong table"),
+    ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis"),
     # [sweep]: the verb
-    ({}, {"verb": None}, "[sweep] verb: is missing, expected one of limit_cycle, simulate, "),
-    ({}, {"verb": '"limitcycle"'}, "[sweep] verb: 'limitcycle' is unknown, * mean limit_cycle?"),
-    ({}, {"verb": '"hopf"'}, "[sweep] verb: 'hopf' is unknown, expected one of"),
-    ({}, {"verb": "[1]"}, "[sweep] verb: a list of 1 is unknown, expected one of"),
-    ({}, {"verb": '"simulate"'}, "[sweep] t_end: is missing, expected a time"),
-    ({}, {"V_lp": None}, "[sweep] V_lp: is missing, expected a speed"),
+    ({}, {"verb": None}, "[sweep] verb: is missing"),
+    ({}, {"verb": '"limitcycle"'}, "[sweep] verb: 'limitcycle' is unknown. * mean limit_cycle?"),
+    ({}, {"verb": '"hopf"'}, "[sweep] verb: 'hopf' is unknown"),
+    ({}, {"verb": "[1]"}, "[sweep] verb: a list of 1 is unknown"),
+    ({}, {"verb": '"simulate"'}, "[sweep] t_end: is missing"),
+    ({}, {"V_lp": None}, "[sweep] V_lp: is missing"),
     (
         {},
         {"t_end": "3"},
-        "[sweep] t_end: is no parameter of the slider or of limit_cycle, expected",
+        "[sweep] t_end: is not a parameter of the slider or of limit_cycle",
     ),
-    ({}, {"V_pl": "3"}, "[sweep] V_pl: is no parameter of the slider or of * did you mean V_lp?"),
-    ({}, {"verb": '"stability"', "rtol": "1e-6"}, "[sweep] rtol: is no parameter of the slider or"),
-    ({}, {"M": None}, "[sweep]: nothing has many values, expected an axis such as M = {"),
+    (
+        {},
+        {"V_pl": "3"},
+        "[sweep] V_pl: is not a parameter of the slider or of * Did you mean V_lp?",
+    ),
+    (
+        {},
+        {"verb": '"stability"', "rtol": "1e-6"},
+        "[sweep] rtol: is not a parameter of the slider or",
+    ),
+    ({}, {"M": None}, "[sweep]: nothing has many values"),
     # values of [sweep]
-    ({}, {"V_lp": "0"}, "[sweep] V_lp: 0 m/s must be > 0, expected a speed"),
-    ({}, {"V_lp": '"3.2 mm"'}, "[sweep] V_lp: '3.2 mm' is a length, expected a speed"),
-    ({}, {"law": '{ from = "slip" }'}, "[sweep] law: a table is unknown, expected one of"),
-    ({}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range, expected one number from 1e-12"),
-    ({}, {"rtol": "[1e-6]"}, "[sweep] rtol: a list of 1 is not one number, expected"),
+    ({}, {"V_lp": "0"}, "[sweep] V_lp: 0 m/s must be > 0"),
+    ({}, {"V_lp": '"3.2 mm"'}, "[sweep] V_lp: '3.2 mm' is a length"),
+    ({}, {"law": '{ from = "slip" }'}, "[sweep] law: a table is unknown"),
+    ({}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range"),
+    ({}, {"rtol": "[1e-6]"}, "[sweep] rtol: a list of 1 is not one number"),
     (
         {"a": "0"},
         {"rtol": "0.5"},
-        "[sweep] rtol: 0.5 is out of range, expected one number from 1e-12",
+        "[sweep] rtol: 0.5 is out of range",
     ),
     # lists
-    ({}, {"M": "[]"}, "[sweep] M: is a list of 0, expected 1 to 1000000 values, such as"),
-    ({}, {"M": "[[1, 2]]"}, "[sweep] M[0]: a list of 2 is not one number, expected"),
-    ({}, {"M": "[1, 2, -3]"}, "[sweep] M[2]: -3 kg/m^2 must be >= 0, expected"),
-    ({}, {"M": '[1, "2 m"]'}, "[sweep] M[1]: '2 m' is a length, expected"),
-    ({}, {"M": "[nan]"}, "[sweep] M[0]: nan kg/m^2 is not a number, expected"),
+    ({}, {"M": "[]"}, "[sweep] M: is a list of 0"),
+    ({}, {"M": "[[1, 2]]"}, "[sweep] M[0]: a list of 2 is not one number"),
+    ({}, {"M": "[1, 2, -3]"}, "[sweep] M[2]: -3 kg/m^2 must be >= 0"),
+    ({}, {"M": '[1, "2 m"]'}, "[sweep] M[1]: '2 m' is a length"),
+    ({}, {"M": "[nan]"}, "[sweep] M[0]: nan kg/m^2 is not a number"),
     # axes
-    ({}, {"M": "{}"}, "[sweep] M.n: is missing, expected an integer from 2 to"),
-    ({}, {"M": "{ to = 3, n = 2 }"}, "[sweep] M.from: is missing, expected a mass"),
-    ({}, {"M": "{ from = 3, n = 2 }"}, "[sweep] M.to: is missing, expected a mass"),
-    ({}, {"M": "{ from = 1, to = 2 }"}, "[sweep] M.n: is missing, expected an integer from 2"),
+    ({}, {"M": "{}"}, "[sweep] M.n: is missing"),
+    ({}, {"M": "{ to = 3, n = 2 }"}, "[sweep] M.from: is missing"),
+    ({}, {"M": "{ from = 3, n = 2 }"}, "[sweep] M.to: is missing"),
+    ({}, {"M": "{ from = 1, to = 2 }"}, "[sweep] M.n: is missing"),
     *(
         ({}, {"M": f"{{ from = 1, to = 2, n = {n} }}"}, f"[sweep] M.n: {said} cannot be the number")
         for n, said in {
@@ -338,41 +346,41 @@ MUTATED = [
         {"M": "{ from = 1, to = -2, n = 3, scale = 'log' }"},
         "[sweep] M.to: -2 kg/m^2 must be > ",
     ),
-    ({}, {"M": "{ from = -1, to = 2, n = 3 }"}, "[sweep] M.from: -1 kg/m^2 must be >= 0, expected"),
-    ({}, {"K": "{ from = 1, to = inf, n = 3 }"}, "[sweep] K.to: inf is no end of an axis, which"),
-    ({}, {"M": "{ from = [1], to = 2, n = 3 }"}, "[sweep] M.from: a list of 1 is not one number,"),
+    ({}, {"M": "{ from = -1, to = 2, n = 3 }"}, "[sweep] M.from: -1 kg/m^2 must be >= 0"),
+    ({}, {"K": "{ from = 1, to = inf, n = 3 }"}, "[sweep] K.to: inf is not an end of an axis"),
+    ({}, {"M": "{ from = [1], to = 2, n = 3 }"}, "[sweep] M.from: a list of 1 is not one number"),
     (
         {},
         {"M": "{ from = 1, to = 2, n = 3, scale = 'lin' }"},
-        "[sweep] M.scale: 'lin' is unknown, ",
+        "[sweep] M.scale: 'lin' is unknown",
     ),
     (
         {},
         {"M": "{ from = 1, to = 2, n = 3, scale = 3 }"},
-        "[sweep] M.scale: 3 is unknown, expected",
+        "[sweep] M.scale: 3 is unknown",
     ),
-    ({}, {"M": "{ form = 1, to = 2, n = 3 }"}, "[sweep] M.form: unknown key, * did you mean from?"),
-    ({}, {"M": "{ start = 1, to = 2, n = 3 }"}, "[sweep] M.start: unknown key, expected one of"),
+    ({}, {"M": "{ form = 1, to = 2, n = 3 }"}, "[sweep] M.form: unknown key. * Did you mean from?"),
+    ({}, {"M": "{ start = 1, to = 2, n = 3 }"}, "[sweep] M.start: unknown key"),
 ]
 SIMULATED = [
-    ({"t_end": "0"}, "[sweep] t_end: 0 s must be > 0, expected a time"),
-    ({"t_end": '"3 mm"'}, "[sweep] t_end: '3 mm' is a length, expected a time"),
-    ({"t_end": "inf"}, "[sweep] t_end: inf s must be finite, expected a time"),
-    ({"V_lp": "-1"}, "[sweep] V_lp: -1 m/s must be >= 0, expected a speed"),
+    ({"t_end": "0"}, "[sweep] t_end: 0 s must be > 0"),
+    ({"t_end": '"3 mm"'}, "[sweep] t_end: '3 mm' is a length"),
+    ({"t_end": "inf"}, "[sweep] t_end: inf s must be finite"),
+    ({"V_lp": "-1"}, "[sweep] V_lp: -1 m/s must be >= 0"),
     (
         {"V_lp": "[1, 0]"},
-        "[sweep] V_start: is missing; at V_lp = 0 nothing slides, expected a spee",
+        "[sweep] V_start: is missing, but at V_lp = 0 nothing slides",
     ),
-    ({"V_start": "0"}, "[sweep] V_start: 0 m/s must be > 0, expected a speed"),
-    ({"times": "[1, 11]"}, "[sweep] times: reach 11 s, beyond t_end = 10 s; extend t_end or"),
-    ({"times": "[1, 1]"}, "[sweep] times: must increase; sort them"),
-    ({"times": "[]"}, "[sweep] times: is a list of 0, expected"),
-    ({"times": "[-1]"}, "[sweep] times[0]: -1 s must be >= 0, expected"),
-    ({"times": '["1 mm"]'}, "[sweep] times[0]: '1 mm' is a length, expected a time"),
+    ({"V_start": "0"}, "[sweep] V_start: 0 m/s must be > 0"),
+    ({"times": "[1, 11]"}, "[sweep] times: reaches 11 s, beyond t_end = 10 s"),
+    ({"times": "[1, 1]"}, "[sweep] times: must increase"),
+    ({"times": "[]"}, "[sweep] times: is a list of 0"),
+    ({"times": "[-1]"}, "[sweep] times[0]: -1 s must be >= 0"),
+    ({"times": '["1 mm"]'}, "[sweep] times[0]: '1 mm' is a length"),
     ({"times": "{from=0, to=1, n=1e6}"}, "[sweep] times.n: 1000000.0 cannot be the number"),
-    ({"times": "[3]", "t_end": "[2, 4, 5]"}, "[sweep] times: reach 3 s, beyond t_end"),
-    ({"rtol": "1e-15"}, "[sweep] rtol: 1e-15 is out of range, expected one number from 1e-13"),
-    ({"method": '"rodas5p"'}, "[sweep] method: stands in the wrong table, expected in [run]"),
+    ({"times": "[3]", "t_end": "[2, 4, 5]"}, "[sweep] times: reaches 3 s, beyond t_end"),
+    ({"rtol": "1e-15"}, "[sweep] rtol: 1e-15 is out of range"),
+    ({"method": '"rodas5p"'}, "[sweep] method: stands in the wrong table"),
 ]
 BROKEN = [
     ("[slider]\na = 0.003\nDc = 10 um\n", "line 3, 'Dc = 10 um': Expected newline or end"),
@@ -381,10 +389,10 @@ BROKEN = [
     ("[slider]\n[slider]\n", "line 2, '[slider]': Cannot declare ('slider',) twice"),
     ('[slider]\nDc = "10 um\n', "line 2, 'Dc = \"10 um': Illegal character"),
     ("[slider\n", "line 1, '[slider': Expected ']' at the end of a table declaration"),
-    ('[slider]\nDc = """10\n', 'line 2, \'Dc = """10\': Unterminated string, expected TOML'),
-    ("x = " + "[" * 100_000, "too many brackets inside each other, expected"),
-    ("x = " + "9" * 10_000, "an integer of thousands of digits, expected"),
-    (b'[slider]\nDc = "10 \xb5m"\n', "line 2 is not UTF-8, expected"),
+    ('[slider]\nDc = """10\n', 'line 2, \'Dc = """10\': Unterminated string'),
+    ("x = " + "[" * 100_000, "too many brackets are inside each other"),
+    ("x = " + "9" * 10_000, "an integer has thousands of digits"),
+    (b'[slider]\nDc = "10 \xb5m"\n', "line 2 is not UTF-8"),
     ("a = 1\r[slider]", "line 1, 'a = 1\\r[slider]': Expected newline or end"),
     ("\0", "line 1, '\\x00': Invalid statement"),
     ("a = 1\n\r", "line 2, '': "),
@@ -393,12 +401,15 @@ BROKEN = [
 ]
 
 
+REMEDY = r"(Give|Write|Leave|Call|Sort|Extend) .+[.?]"
+
+
 def lines(read, text):
     with pytest.raises(ParameterError) as caught:
         read(text)
     assert caught.value.__cause__ is None
     assert all(len(line) < 350 for line in str(caught.value).splitlines())
-    return str(caught.value).splitlines()
+    return [str(caught.value).splitlines()[0], *problem_lines(caught.value)]
 
 
 def told(beginning, line):
@@ -411,8 +422,8 @@ def test_mutated(read, slider, sweep, beginning):
     found = lines(read, toml(SLIDER | slider, CYCLE | sweep))
     assert found[0].endswith("it.toml cannot be used:")
     assert any(told(beginning, line) for line in found[1:]), found
-    form = re.compile(r"\[\w+\]( ('.*'|[\w.\[\]]+))?: .+(, expected | must be one number )")
-    assert all(form.match(line) for line in found[1:]), found
+    form = re.compile(rf"\[\w+\]( ('.*'|[\w.\[\]]+))?: .+[^.]\. {REMEDY}")
+    assert all(form.fullmatch(line) for line in found[1:]), found
 
 
 @pytest.mark.parametrize(("sweep", "beginning"), SIMULATED)
@@ -425,18 +436,18 @@ def test_mutated_simulate(read, sweep, beginning):
 @pytest.mark.parametrize(("text", "what"), BROKEN)
 def test_broken(read, text, what):
     (line,) = lines(read, text)
-    assert f"it.toml is broken: {what}" in line
-    assert line.endswith('such as a = 0.003 or Dc = "10 um"')
+    assert f"it.toml is not valid TOML: {what}" in line
+    assert line.endswith('such as a = 0.003 or Dc = "10 um".')
 
 
 @pytest.mark.parametrize(
     ("more", "line"),
     [
-        ("[outptu]", "[outptu]: unknown table, * did you mean [output]?"),
-        ("[Slider]\na = 1", "[Slider]: unknown table, * did you mean [slider]?"),
-        ("a = 3", "a: stands above all tables, expected in [slider] or [sweep]"),
-        ("[[a]]", "a: stands above all tables, expected"),
-        ("['x y']", "['x y']: unknown table, expected"),
+        ("[outptu]", "[outptu]: unknown table. * Did you mean [output]?"),
+        ("[Slider]\na = 1", "[Slider]: unknown table. * Did you mean [slider]?"),
+        ("a = 3", "a: stands above all tables"),
+        ("[[a]]", "a: stands above all tables"),
+        ("['x y']", "['x y']: unknown table"),
     ],
 )
 def test_what_is_no_table(read, more, line):
@@ -460,12 +471,14 @@ def test_a_sweep_too_large_is_refused_before_it_takes_memory(read):
     found = lines(read, toml(sweep=CYCLE | axes))
     assert len(found) == 2
     assert found[1].startswith("[sweep]: 4 M x 1000000 a x ")
-    assert f"are {4 * 10**30} cases, expected {10**9} at most" in found[1]
+    assert f"are {4 * 10**30} cases" in found[1]
     wide = CYCLE | {"M": "[" + "1," * 1_000_001 + "]"}
-    assert lines(read, toml(sweep=wide))[1].startswith("[sweep] M: is a list of 1000001, expected")
+    assert lines(read, toml(sweep=wide))[1].startswith("[sweep] M: is a list of 1000001")
 
 
 def test_files_that_cannot_be_read(tmp_path):
-    for path in (tmp_path, tmp_path / "none.toml", tmp_path / ("x" * 1000)):
+    with pytest.raises(rs.errors.MissingFileError):
+        load(tmp_path / "none.toml")
+    for path in (tmp_path, tmp_path / ("x" * 1000)):
         with pytest.raises(ParameterError, match=re.escape(f"{path} cannot be read: ")):
             load(path)

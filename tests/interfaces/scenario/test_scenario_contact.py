@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from ratestate.scenario import loads, python, toml
+from scenario_problems import problem_lines
 
 from ratestate import ParameterError, SpringSlider
 
@@ -87,7 +88,7 @@ def test_a_derived_parameter_is_written_as_python_only(slider, axis, parts):
     with pytest.raises(ParameterError) as caught:
         toml(it)
     assert str(caught.value).startswith(
-        f"K lies along {by}, as it does if made of {parts}: a scenario file can sweep"
+        f"K lies along {by}, as it does if made of {parts}, but a scenario file can sweep"
     )
     assert str(caught.value).endswith(
         "ratestate.scenario.python(scenario) writes this one as Python"
@@ -114,52 +115,45 @@ def test_synonyms(law):
         (
             'sigma = "2 MPa"\nK = 9e8\nM = "6 kg"',
             "b = [0.006]",
-            "[slider] M: '6 kg' is of the whole contact, and to be divided by its area; give the "
-            "area too, such as area = '20 cm^2' (in [slider] of a file), expected a mass per area "
-            "such as '3000 kg/m^2'",
+            "[slider] M: '6 kg' is of the whole contact",
         ),
         (
             'sigma = "2 MPa"\nK = 9e8\nmass = 6',
             "b = [0.006]",
-            "[slider] M: '6.0 kg' is of the whole contact, and to be divided by its area; give the "
-            "area too, such as area = '20 cm^2' (in [slider] of a file), expected a mass per area "
-            "such as '3000 kg/m^2'",
+            "[slider] M: '6.0 kg' is of the whole contact",
         ),
         (
             WHOLE + "mass = 6",
             "b = [0.006]",
-            "[slider] mass: is given beside M, and both are the same parameter, expected only one "
-            "of them such as mass = '6 kg'",
+            "[slider] mass: is given beside M",
         ),
         (
             WHOLE,
             'mass = ["3000 kg/m^2"]',
-            "[sweep] mass[0]: '3000 kg/m^2' is a mass per area, expected a mass such as '6 kg'",
+            "[sweep] mass[0]: '3000 kg/m^2' is a mass per area",
         ),
         (
             WHOLE,
             'M = ["6 kg"]\nmass = [6]',
-            "[sweep] mass: is given beside M, and both are the same parameter, expected only one "
-            "of them such as mass = '6 kg'",
+            "[sweep] mass: is given beside M",
         ),
         (
             'sigma = "2 MPa"',
             'K = ["1e-4/um", 9e8]',
-            "[sweep] K: mixes a rate per length and a stiffness, expected a stiffness such as "
-            "'900 MPa/m'",
+            "[sweep] K: mixes a rate per length and a stiffness",
         ),
         (
             'sigma = "2 MPa"',
             'K = { from = "1e-4/um", to = "1e20/um", n = 3 }',
-            "[sweep] K.to: '1e20/um' is beyond any usual size, 1e-15 to 1e+15 1/m, expected a rate "
-            "per length such as '1e-3/um'",
+            "[sweep] K.to: '1e20/um' is beyond any usual size, 1e-15 to 1e+15 1/m",
         ),
     ],
 )
 def test_refused(slider, sweep, line):
     with pytest.raises(ParameterError) as caught:
         scenario(slider, sweep)
-    assert str(caught.value).splitlines()[1:] == [line]
+    (found,) = problem_lines(caught.value)
+    assert found.startswith(line)
 
 
 HISTORY = """[slider]
@@ -223,17 +217,16 @@ def test_normal_forces_in_time(tmp_path, kind, forces, stresses):
         ("steps", ['"5 kN"'], "sigma_steps[0].sigma: '5 kN'"),
         ("sinusoid", ['"400 N"'], "sigma_sinusoid.amplitude: '400 N'"),
         ("rows", ['"4 kN"', '"5 kN"'], "sigma: '4000 N'"),
-        ("record", ["kN"], "columns[2]: the unit 'kN'"),
+        ("record", ["kN"], "columns[2]: 'kN'"),
     ],
 )
 def test_normal_forces_in_time_need_an_area(tmp_path, kind, forces, where):
     with pytest.raises(ParameterError) as caught:
         history(tmp_path, kind, forces, 'sigma = "2 MPa"\nK = 9e8')
-    assert str(caught.value).splitlines()[1:] == [
-        f"[loading] {where} is of the whole contact, and to be divided by its area; give the area "
-        "too, such as area = '20 cm^2' (in [slider] of a file), expected a stress such as '2 MPa'"
-    ]
+    (line,) = problem_lines(caught.value)
+    assert line.startswith(f"[loading] {where} is of the whole contact")
+    assert line.endswith("Or give the area too, such as area = '20 cm^2'.")
     with pytest.raises(ParameterError) as caught:
         history(tmp_path, kind, forces, 'area = 0\nsigma = "2 MPa"\nK = 9e8')
-    (line,) = str(caught.value).splitlines()[1:]
+    (line,) = problem_lines(caught.value)
     assert line.startswith("[slider] area: 0 m^2 must be > 0")

@@ -5,6 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
+from scenario_problems import problem_lines
 
 import ratestate as rs
 from ratestate import Loading, ParameterError
@@ -47,10 +48,10 @@ def told(read):
     def told(text, verb=None, slider=SLIDER):
         with pytest.raises(ParameterError) as caught:
             read(text, verb, slider)
-        title, *lines = str(caught.value).splitlines()
-        assert title.endswith("it.toml cannot be used:")
-        form = r"\[\w+\].*: .+, expected (one of \S|.*such as \S)"
-        assert all(re.match(form, line) for line in lines), lines
+        assert str(caught.value).splitlines()[0].endswith("it.toml cannot be used:")
+        lines = problem_lines(caught.value)
+        form = r"\[\w+\].*: .+[^.]\. [A-Z][^.]+.*[.?]"
+        assert all(re.fullmatch(form, line) for line in lines), lines
         return lines
 
     return told
@@ -98,7 +99,7 @@ def test_loadings(read, told, table, loading):
     text = f"[loading]\n{table}\n{RUN}"
     if loading is None:
         assert told(text) == [
-            "[loading] t: a table is no list, expected as many values in V_lp as in t such as "
+            "[loading] t: a table is not a list"
             "[0, 1, 1, '5 s'] and ['1 um/s', '1 um/s', '3 um/s', 0]"
         ]
         return
@@ -146,36 +147,36 @@ NO_RECORD = [
     (
         CSV,
         'columns = ["tiem", "V_lp"]',
-        "columns[0]: 'tiem' is not a column, expected one of * did",
+        "columns[0]: 'tiem' is not a column",
     ),
-    (CSV, 'columns = ["time", "no unit"]', "columns[1]: 'no unit' has no unit, expected units"),
-    (CSV, "columns = [1, 4]", "columns[1]: 4 is not a column, expected a number from 1 to 3"),
-    (CSV, "columns = [0, true]", "columns: a list of 2 is no pair, expected a pair, of times"),
-    (CSV, "columns = [1]", "columns: a list of 1 is no pair, expected a pair"),
-    (CSV, "", "columns: is missing, expected a pair"),
-    (CSV, "columns = [2, 1]", "columns[0]: the unit 'um/s' is a speed, expected a time such as"),
-    (CSV, 'columns = [1, 2]\nunits = ["s", "um"]', "units[1]: the unit 'um' is a length, expected"),
-    (CSV, 'columns = [1, 2]\nunits = ["s", "x"]', "units[1]: the unit 'x' is unknown, expected"),
-    (CSV, 'columns = [1, 2]\nunits = "s"', "units: 's' is no pair, expected a pair"),
+    (CSV, 'columns = ["time", "no unit"]', "columns[1]: 'no unit' has no unit"),
+    (CSV, "columns = [1, 4]", "columns[1]: 4 is not a column"),
+    (CSV, "columns = [0, true]", "columns: a list of 2 is not a pair"),
+    (CSV, "columns = [1]", "columns: a list of 1 is not a pair"),
+    (CSV, "", "columns: is missing"),
+    (CSV, "columns = [2, 1]", "columns[0]: 'um/s' is a speed"),
+    (CSV, 'columns = [1, 2]\nunits = ["s", "um"]', "units[1]: 'um' is a length"),
+    (CSV, 'columns = [1, 2]\nunits = ["s", "x"]', "units[1]: 'x' is unknown"),
+    (CSV, 'columns = [1, 2]\nunits = "s"', "units: 's' is not a pair"),
     (
         CSV.replace("1,3,x", "1,three,x"),
         "columns = [1, 2]",
-        "file: line 4: 'V_lp [um/s]' has 'three', expected a number such as 0.5",
+        "file: line 4: 'V_lp [um/s]' has 'three'",
     ),
     (
         CSV.replace("1,3,x", "1"),
         "columns = [1, 2]",
-        "file: line 4: 'V_lp [um/s]' has nothing, expected",
+        "file: line 4: 'V_lp [um/s]' has nothing",
     ),
     (CSV.replace("1,3,x", "1,nan"), "columns = [1, 2]", "file: line 4: 'V_lp [um/s]' has 'nan'"),
     (CSV.replace("1,3,x", "1,-3"), "columns = [1, 2]", "file: V_lp = -3e-06 m/s at row[2] must be"),
     (CSV.replace("2.5", "0.5"), "columns = [1, 2]", "file: t[3] = 0.5 s is less than t[2] = 1.0 s"),
-    (CSV + 6 * "a,b,c\n", "columns = [1, 2]", "file: and 7 cells more, expected numbers"),
-    (CSV.split("\n", 1)[1], "columns = [1, 2]", "columns[0]: 'column 1' has no unit, expected"),
+    (CSV + 6 * "a,b,c\n", "columns = [1, 2]", "file: and 7 cells more"),
+    (CSV.split("\n", 1)[1], "columns = [1, 2]", "columns[0]: 'column 1' has no unit"),
     (
         "1,2,3\n2,3,4\n",
         'columns = ["a", 2]',
-        "columns[0]: 'a' is not a column, expected one of 'column 1', 'column 2', 'column 3'",
+        "columns[0]: 'a' is not a column",
     ),
     (
         "a [s],a [um/s]\n1,2\n2,2",
@@ -186,13 +187,13 @@ NO_RECORD = [
         "time [s]; V [um/s]\n",
         "columns = [1, 2]",
         "file: x.csv has no line of numbers (it begins 'time [s]; V [um/s]') followed by another"
-        " line of as many, expected a file",
+        " line of as many",
     ),
-    ("", "columns = [1, 2]", "file: x.csv is empty, expected a file with rows of times and speeds"),
+    ("", "columns = [1, 2]", "file: x.csv is empty"),
     (
         "\x00,1\n",
         "columns = [1, 2]",
-        "file: x.csv is neither text nor HDF5 nor MAT, expected a file",
+        "file: x.csv is neither text nor HDF5 nor MAT",
     ),
     ("a [s],b [m/s]\n1,2\n", "columns = [1, 2]", "file: x.csv has a single row of numbers"),
 ]
@@ -214,24 +215,22 @@ def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
     table = '[loading]\nfile = "si.csv"\n{}\n' + RUN
     (line,) = told(table.format('columns = ["t [s]", "lp"]'))
     assert line.startswith(
-        "[loading] columns[0]: 't [s]' is not a column, "
-        "expected one of 'time [s]', 'V [m/s]', 'lp [um/s]'"
+        "[loading] columns[0]: 't [s]' is not a column. "
+        "Give one of 'time [s]', 'V [m/s]', 'lp [um/s]'"
     )
     (line,) = told(table.format(""))
-    assert line.endswith('such as ["time [s]", "V_lp [um/s]"]')
+    assert line.endswith('such as ["time [s]", "V_lp [um/s]"].')
     (line,) = told(table.format('columns = [1, 2]\nunits = ["s [s]", "m/s"]'))
-    assert line == (
-        "[loading] units[0]: the unit 's [s]' is unknown, expected a time such as '10 s'"
-    )
+    assert line.startswith("[loading] units[0]: 's [s]' is unknown. Give a time")
     more = "[loading]\nV_lp = 1\n[run]\n"
     for given, what in [
         ("abc [s]", "is not a number with a unit"),
-        ("1 s; expected a time [s]", "has an unknown unit 's; expected a time [s]'"),
+        ("1 s. Give a time [s]", "has an unknown unit 's. Give a time [s]'"),
     ]:
         (line,) = told(f'{more}t_end = "{given}"')
-        assert line == f"[run] t_end: {given!r} {what}, expected a time such as '10 s'"
+        assert line == f"[run] t_end: {given!r} {what}. Give a time such as '10 s'."
     (line,) = told(f'{more}t_end = 1\nmethod = "m; expected [s]"')
-    assert line.startswith("[run] method: 'm; expected [s]' is unknown, expected one of auto")
+    assert line.startswith("[run] method: 'm; expected [s]' is unknown")
 
 
 @pytest.mark.parametrize(
@@ -246,17 +245,17 @@ def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
 )
 def test_units_that_are_none(told, unit, meant):
     (line,) = told(f'[loading]\nV_lp = "1 {unit}"\n{RUN}')
-    end = f"; did you mean {meant!r}?" if meant else ""
-    assert line.endswith(f", expected a speed such as '3.2 mm/s'{end}")
+    end = f" Did you mean {meant!r}?" if meant else ""
+    assert line.endswith(f" such as '3.2 mm/s'.{end}")
     assert line.startswith(f"[loading] V_lp: '1 {unit}' ")
 
 
 def test_stresses_in_small_letters(told):
     for unit in ("Mpa", "mpa", "MPA"):
         (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("2 MPa", f"2 {unit}"))
-        assert line.endswith("such as '2 MPa'; did you mean 'MPa'?")
+        assert line.endswith("such as '2 MPa'. Did you mean 'MPa'?")
     (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("10 um", "1e1e1 um"))
-    assert line.startswith("[slider] Dc: '1e1e1 um' is not a number with a unit, expected")
+    assert line.startswith("[slider] Dc: '1e1e1 um' is not a number with a unit")
 
 
 SIZES = [
@@ -266,13 +265,13 @@ SIZES = [
     ),
     (
         "V_lp = 1e-300",
-        "[loading] V_lp: 1e-300 is beyond any usual size, 1e-50 to 100000 m/s, ex",
+        "[loading] V_lp: 1e-300 is beyond any usual size, 1e-50 to 100000 m/s",
     ),
     ("V_lp = 1\nsteps = [{ t = 1e19, V_lp = 1 }]", "[loading] steps[0].t: 1e+19 is beyond any"),
     ("t = [0, 20]\nV_lp = [0, 1e6]", "[loading] V_lp[1]: 1000000.0 is beyond any usual size"),
     (
         "V_lp = 1\nsinusoid = { amplitude = 1, frequency = '1e30 Hz' }",
-        "[loading] sinusoid.frequency: '1e30 Hz' is beyond any usual size, 1e-18 to 1e+20 Hz, exp",
+        "[loading] sinusoid.frequency: '1e30 Hz' is beyond any usual size, 1e-18 to 1e+20 Hz",
     ),
     ("file = 'fast.csv'\ncolumns = [1, 2]", "[loading] file: V_lp = 1e+06 m/s is beyond any usual"),
 ]
@@ -358,52 +357,44 @@ def test_a_wrong_start_is_told_beside_other_problems(told):
 
 def test_only_what_is_near_is_proposed(told):
     (line,) = told(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
-    assert "did you mean" not in line
+    assert "Did you mean" not in line
     (line,) = told(f"[loading]\nV_lp = 1\n{RUN}title = 'x'")
-    assert "did you mean" not in line
+    assert "Did you mean" not in line
 
 
-def test_one_thing_is_expected_of_a_sinusoid_and_of_steps(told):
+def test_remedies_of_a_sinusoid_and_of_steps(told):
     (line,) = told(f"[loading]\nV_lp = 1\nsinusoid = {{ amplitude = 2, period = 1 }}\n{RUN}")
-    assert line.endswith(
-        "would move back, expected an amplitude up to V_lp such as "
-        '{ amplitude = "0.05 mm/s", period = "2 s" }'
-    )
+    assert line.endswith("would move back. Give an amplitude up to V_lp.")
     steps = "steps = [{ t = 2, V_lp = 1 }, { t = 1, V_lp = 2 }]"
     (line,) = told(f"[loading]\nV_lp = 1\n{steps}\n{RUN}")
-    assert ", expected the steps in order of time such as [ { t" in line
+    assert ". Give the steps in order of time" in line
 
 
 def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
     def refuses(**_):
-        raise ParameterError("a and b fell out with each other")
+        raise ParameterError("a and b fell out with each other", "Part them.")
 
     monkeypatch.setattr("ratestate.interfaces.scenario.assemble.SpringSlider", refuses)
     (line,) = told(f"[loading]\nV_lp = 1\n{RUN}")
-    assert line.startswith(
-        "[slider]: a and b fell out with each other, expected values such as a ="
-    )
+    assert line == "[slider]: a and b fell out with each other. Part them."
 
 
-def test_what_a_slider_or_a_method_lacks_is_expected_and_no_more(read, told):
+def test_what_a_slider_lacks_has_one_remedy(read):
     history = f"[loading]\nV_lp = 1\nsigma_steps = [{{ t = 1, sigma = 3e6 }}]\n{RUN}"
-    with pytest.raises(ParameterError) as caught:
+    with pytest.raises(ParameterError, match=r"without any heat\. Give a larger mu0, .* V_w\.$"):
         read(history, slider=SLIDER + 'law = "flash-heating"\nV_w = 0.1\nmu_w = 0.01\nmu0 = 0.02\n')
-    assert str(caught.value).endswith(
-        "at V_w, without any heat, expected a larger mu0, or a smaller b or V_w"
-    )
 
 
 @pytest.mark.parametrize(
     ("file", "line"),
     [
-        ('"none.csv"', "none.csv does not exist, expected a file with rows"),
+        ('"none.csv"', "none.csv does not exist"),
         ('"it.toml"', "it.toml has no line of numbers"),
-        ('"folder.csv"', "folder.csv is a folder, expected"),
-        ('"Dr. X; Y.csv"', "Dr. X; Y.csv does not exist, expected"),
-        ("3", "3 is no file's name, expected"),
-        ('"' + "x" * 500 + '.csv"', "cannot be read: File name too long, expected"),
-        ("'''a\nb.csv'''", "'a\\nb.csv' is no file's name, expected"),
+        ('"folder.csv"', "folder.csv is a folder"),
+        ('"Dr. X; Y.csv"', "Dr. X; Y.csv does not exist"),
+        ("3", "3 is not the name of a file"),
+        ('"' + "x" * 500 + '.csv"', "cannot be read: File name too long"),
+        ("'''a\nb.csv'''", "'a\\nb.csv' is not the name of a file"),
     ],
 )
 def test_records_that_are_no_files(told, folder, file, line):
@@ -417,56 +408,62 @@ def test_a_record_too_large_is_refused_unread(told, folder):
     with (folder / "large.csv").open("wb") as file:
         file.truncate(10**9 + 1)  # a hole
     (line,) = told('[loading]\nfile = "large.csv"\ncolumns = [1, 2]\n[run]\nt_end = 2')
-    assert "large.csv has 1.00 GB, more than the 1 GB that are read as text, expected" in line
+    assert "large.csv has 1.00 GB, more than the 1 GB that are read as text" in line
 
 
 LOADINGS = [
-    ('V_lp = "3.2 mm"', "V_lp: '3.2 mm' is a length, expected a speed such as '3.2 mm/s'"),
-    ("V_lp = -1", "V_lp: -1 m/s must be >= 0, expected a speed"),
-    ("V_lp = [1, 2]", "V_lp: a list of 2 makes an axis, expected in [sweep], or here with as many"),
-    ("V_lp = { from = 1 }", "V_lp: a table makes an axis, expected in [sweep]"),
-    ("V_pl = 1", "V_pl: unknown key, expected one of * did you mean V_lp?"),
-    ("t_end = 1", "t_end: stands in the wrong table, expected in [run] or [sweep]"),
-    ("plot = 1", "plot: stands in the wrong table, expected in [output]"),
-    ("t_ned = 1", "t_ned: unknown key, * did you mean t_end in [run] or [sweep]?"),
-    ("V_lp = 1\nsteps = []", "steps: a list of 0 is no list of 1 to 1000 steps, expected such as"),
-    ("V_lp = 1\nsteps = [3]", "steps[0]: 3 is no table, expected such as [ { t ="),
+    ('V_lp = "3.2 mm"', "V_lp: '3.2 mm' is a length"),
+    ("V_lp = -1", "V_lp: -1 m/s must be >= 0"),
+    ("V_lp = [1, 2]", "V_lp: a list of 2 makes an axis"),
+    ("V_lp = { from = 1 }", "V_lp: a table makes an axis"),
+    ("V_pl = 1", "V_pl: unknown key. Give one of * Did you mean V_lp?"),
+    ("t_end = 1", "t_end: stands in the wrong table"),
+    ("plot = 1", "plot: stands in the wrong table"),
+    ("t_ned = 1", "t_ned: unknown key. * Did you mean t_end in [run] or [sweep]?"),
+    ("V_lp = 1\nsteps = []", "steps: a list of 0 is not a list of 1 to 1000 steps"),
+    ("V_lp = 1\nsteps = [3]", "steps[0]: 3 is not a table"),
     (
         "V_lp = 1\nsteps = [{t=1}]",
-        "steps[0].V_lp: is missing, expected a speed * or hold = '100 s'",
+        "steps[0].V_lp: is missing",
     ),
-    ("V_lp = 1\nsteps = [{V_lp=1}]", "steps[0].t: is missing, expected a time such as"),
-    ("V_lp = 1\nsteps = [{t=0, V_lp=1}]", "steps[0].t: 0 s must be > 0, expected a time"),
-    ("V_lp = 1\nsteps = [{t=1, V_lp='1 m'}]", "steps[0].V_lp: '1 m' is a length, expected a speed"),
-    ("V_lp = 1\nsteps = [{t=1, V_lp=1, ramp='1 m'}]", "steps[0].ramp: '1 m' is a length, expected"),
+    ("V_lp = 1\nsteps = [{V_lp=1}]", "steps[0].t: is missing"),
+    ("V_lp = 1\nsteps = [{t=0, V_lp=1}]", "steps[0].t: 0 s must be > 0"),
+    ("V_lp = 1\nsteps = [{t=1, V_lp='1 m'}]", "steps[0].V_lp: '1 m' is a length"),
+    ("V_lp = 1\nsteps = [{t=1, V_lp=1, ramp='1 m'}]", "steps[0].ramp: '1 m' is a length"),
     ("V_lp = 1\nsteps = [{t=1, hold=1, V_lp=1}]", "steps[0].V_lp: is given beside hold, which is"),
-    ("V_lp = 1\nsteps = [{t=1, hodl=1}]", "steps[0].hodl: unknown key, * did you mean hold?"),
+    ("V_lp = 1\nsteps = [{t=1, hodl=1}]", "steps[0].hodl: unknown key. * Did you mean hold?"),
     (
         "V_lp = 1\nsteps = [{t=2, hold=2}, {t=3, V_lp=1}, {t=1, V_lp=1}, {t=9, V_lp=1}]",
-        "steps[1]: 3.0 s must come after t = 4.0 s, up to which the history is given",
+        "steps[1]: t = 3.0 s must come after t = 4.0 s",
     ),
-    ("V_lp = 1\nsinusoid = 3", "sinusoid: 3 is no table, expected such as { amplitude"),
-    ("V_lp = 1\nsinusoid = {}", "sinusoid.amplitude: is missing, expected a speed"),
-    ("V_lp = 1\nsinusoid = {amplitude=1}", "sinusoid.period: is missing, expected a period such"),
-    ("V_lp = 1\nsinusoid = {amplitude=1, period=1, frequency=1}", "sinusoid.period: twice, expect"),
+    ("V_lp = 1\nsinusoid = 3", "sinusoid: 3 is not a table"),
+    ("V_lp = 1\nsinusoid = {}", "sinusoid.amplitude: is missing"),
+    ("V_lp = 1\nsinusoid = {amplitude=1}", "sinusoid.period: is missing"),
+    (
+        "V_lp = 1\nsinusoid = {amplitude=1, period=1, frequency=1}",
+        "sinusoid.period: is given twice",
+    ),
     (
         "V_lp = 1\nsinusoid = {amplitude=2, period=1}",
         "sinusoid: amplitude = 2 m/s is more than V_lp",
     ),
-    ("V_lp = 1\nsinusoid = {amplitude=1, period=1e-9}", "sinusoid: 10 s are 1e+10 periods"),
-    ("V_lp = 1\nsinusoid = {amplitude=1, phase=1}", "sinusoid.phase: unknown key, expected one of"),
-    ("sinusoid = {amplitude=1, period=1}", "V_lp: is missing, expected a speed"),
-    ("V_lp = 1\nsteps = [{t=1, V_lp=1}]\nt = [1]", "* has steps and t, expected no more than one"),
-    ("t = [0, 1]", "V_lp: is missing, expected a list of as many speeds as t has"),
-    ("t = [0, 1]\nV_lp = 1", "V_lp: 1 is no list, expected as many values in V_lp as in t"),
-    ("t = [0, 1]\nV_lp = [1, 2, 3]", "t: has 2 and V_lp 3 values; a series needs as many"),
+    (
+        "V_lp = 1\nsinusoid = {amplitude=1, period=1e-9}",
+        "sinusoid: t_end = 10 s holds 1e+10 periods",
+    ),
+    ("V_lp = 1\nsinusoid = {amplitude=1, phase=1}", "sinusoid.phase: unknown key"),
+    ("sinusoid = {amplitude=1, period=1}", "V_lp: is missing"),
+    ("V_lp = 1\nsteps = [{t=1, V_lp=1}]\nt = [1]", "* has steps and t"),
+    ("t = [0, 1]", "V_lp: is missing"),
+    ("t = [0, 1]\nV_lp = 1", "V_lp: 1 is not a list"),
+    ("t = [0, 1]\nV_lp = [1, 2, 3]", "t: has 2 and V_lp 3 values"),
     ("t = [0, 1, 0.5]\nV_lp = [1, 2, 3]", "t: t[2] = 0.5 s is less than t[1] = 1.0 s"),
-    ('t = [0, 20]\nV_lp = [1, "2 mm"]', "V_lp[1]: '2 mm' is a length, expected a speed"),
+    ('t = [0, 20]\nV_lp = [1, "2 mm"]', "V_lp[1]: '2 mm' is a length"),
     (
         "columns = [1, 2]\nV_lp = 1",
-        "columns: is given without file, expected beside one such as file = 'record.csv'",
+        "columns: is given without file",
     ),
-    ("", "V_lp: is missing, expected a speed such as '3.2 mm/s'"),
+    ("", "V_lp: is missing"),
 ]
 
 
@@ -478,32 +475,32 @@ def test_bad_loadings(told, table, line):
 
 
 RUNS = [
-    ("t_end = 10\nV_start = 0", "V_start: 0 m/s must be > 0, expected a speed"),
-    ("t_end = [1, 2]", "t_end: a list of 2 makes an axis, expected in [sweep]"),
+    ("t_end = 10\nV_start = 0", "V_start: 0 m/s must be > 0"),
+    ("t_end = [1, 2]", "t_end: a list of 2 makes an axis"),
     ("t_end = 1e18", None),
-    ("t_end = 1e300", "t_end: 1e+300 is beyond any usual size, 1e-20 to 1e+18 s, expected a time"),
-    ("t_end = inf", "t_end: inf s must be finite, expected a time"),
-    ("t_end = 1\ntimes = 'often'", "times: 'often' is not a number with a unit, expected a time"),
+    ("t_end = 1e300", "t_end: 1e+300 is beyond any usual size, 1e-20 to 1e+18 s"),
+    ("t_end = inf", "t_end: inf s must be finite"),
+    ("t_end = 1\ntimes = 'often'", "times: 'often' is not a number with a unit"),
     (
         "t_end = 1\ntimes = [2]",
-        "times: reach 2 s, beyond t_end = 1 s; extend t_end or drop the later",
+        "times: reaches 2 s, beyond t_end = 1 s",
     ),
     (
         "t_end = 1\nrtol = 1",
-        "rtol: 1.0 is out of range, expected one number from 1e-13 to 0.1 such",
+        "rtol: 1.0 is out of range",
     ),
-    ("t_end = 1\nmethod = 'euler'", "method: 'euler' is unknown, expected one of auto"),
-    ("t_end = 1\nmethod = 'im2017'", "method: 'im2017' is unknown, expected a call such as r"),
-    ("t_end = 1\ndt = 1e-4", "dt: unknown key, expected a call such as ratestate.paper.im20"),
-    ("t_end = 1\ninitial = 3", "initial: 3 is no table, expected one such as { theta = '10 s' }"),
+    ("t_end = 1\nmethod = 'euler'", "method: 'euler' is unknown"),
+    ("t_end = 1\nmethod = 'im2017'", "method: 'im2017' is unknown"),
+    ("t_end = 1\ndt = 1e-4", "dt: unknown key"),
+    ("t_end = 1\ninitial = 3", "initial: 3 is not a table"),
     (
         "t_end = 1\ninitial = { mu = 1 }",
-        "initial.mu: unknown key, expected one of V, theta, theta2, tau such as",
+        "initial.mu: unknown key",
     ),
-    ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time, expected a speed"),
-    ("t_end = 1\nverb = 'run'", "verb: 'run' is unknown, expected one of limit_cycle, simulate"),
-    ("t_end = 1\nV_lp = 3", "V_lp: stands in the wrong table, expected in [loading] or [sweep]"),
-    ("", "t_end: is missing, expected a time such as '10 s'"),
+    ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time"),
+    ("t_end = 1\nverb = 'run'", "verb: 'run' is unknown"),
+    ("t_end = 1\nV_lp = 3", "V_lp: stands in the wrong table"),
+    ("", "t_end: is missing"),
 ]
 
 
@@ -556,18 +553,18 @@ def test_initial_values_that_clash(told):
 @pytest.mark.parametrize(
     ("table", "line"),
     [
-        ("file = 3", "file: 3 is no text, expected a file that ends in .nc or .csv or .zarr, such"),
-        ('file = "x"', "file: 'x' ends otherwise, expected"),
-        ('file = "x.png"', "file: 'x.png' ends otherwise, expected"),
+        ("file = 3", "file: 3 is not a text"),
+        ('file = "x"', "file: 'x' has another ending"),
+        ('file = "x.png"', "file: 'x.png' has another ending"),
         (
             'plot = "x.svg"',
-            "plot: 'x.svg' ends otherwise, expected a file that ends in .png or .pdf",
+            "plot: 'x.svg' has another ending",
         ),
-        ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder, expected"),
-        ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be a file's name, expected"),
+        ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder"),
+        ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be the name of a file"),
         (
             'flie = "x.nc"',
-            "flie: unknown key, expected one of file, plot such as file = 'out.nc'; did",
+            "flie: unknown key",
         ),
     ],
 )
@@ -595,10 +592,10 @@ def test_the_tables_of_a_sweep_come_before_the_others(read):
 def test_sweeps_that_a_loading_cannot_have(told):
     record = "[loading]\nt = [0, 20]\nV_lp = [1, 1]\n"
     (line,) = told(f"{record}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
-    assert line.startswith("[sweep] V_lp: cannot stand for the speeds of a record, expected")
+    assert line.startswith("[sweep] V_lp: cannot replace the speeds of a record")
     steps = "[loading]\nsteps = [{t=1, V_lp=1}]\n"
     (line,) = told(f"{steps}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
-    assert line.startswith("[loading] V_lp: is missing, expected a speed")
+    assert line.startswith("[loading] V_lp: is missing")
     sine = "[loading]\nV_lp = 3\nsinusoid = {amplitude=2, period=1}\n"
     (line,) = told(f"{sine}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[loading] sinusoid: amplitude = 2 m/s is more than V_lp = 1 m/s")
@@ -617,11 +614,11 @@ def test_another_verb_may_be_asked(read, told):
     assert simulated.settings.keys() == {"loading", "t_end"}  # both tolerances are of other verbs
     assert simulated.slider.M.sizes == {"M": 2}
     lines = told(sweep, "simulate")
-    assert lines == [
-        "[sweep] V_lp: is missing, expected a speed such as '3.2 mm/s'",
-        "[sweep] t_end: is missing, expected a time such as '10 s'",
+    assert [line.partition(". ")[0] for line in lines] == [
+        "[sweep] V_lp: is missing",
+        "[sweep] t_end: is missing",
     ]
-    with pytest.raises(ParameterError, match="'hopf' is unknown, expected one of limit_cycle"):
+    with pytest.raises(ParameterError, match="'hopf' is unknown"):
         read(text, "hopf")
 
 
@@ -629,15 +626,13 @@ def test_a_verb_for_one_case(read, told):
     text = "[loading]\nV_lp = 1e-3\n[run]\nverb = 'limit_cycle'\nrtol = 1e-9\n"
     scenario = read(text)
     assert (scenario.verb, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
-    lines = told(text + "[sweep]\nverb = 'stability'\nM = [1, 2]")
-    assert lines == [
-        "[sweep] verb: 'stability' is not that of [run], expected one such as 'limit_cycle'"
-    ]
+    (line,) = told(text + "[sweep]\nverb = 'stability'\nM = [1, 2]")
+    assert line.startswith("[sweep] verb: 'stability' is not the verb of [run]")
     (line,) = told(text.replace("1e-9", "1"))
-    assert line.startswith("[run] rtol: 1.0 is out of range, expected one number from 1e-12 to")
+    assert line.startswith("[run] rtol: 1.0 is out of range")
     sweep = "[sweep]\nverb = 'limit_cycle'\nrtol = 1\nM = [1, 2]"
     (line,) = told(text + sweep)  # whose rtol comes before that of [run]
-    assert line.startswith("[sweep] rtol: 1.0 is out of range, expected one number from 1e-12 to")
+    assert line.startswith("[sweep] rtol: 1.0 is out of range")
 
 
 def test_an_unknown_verb_leaves_nothing_else_missing(told):
@@ -662,10 +657,7 @@ def test_an_unknown_verb_leaves_nothing_else_missing(told):
 )
 def test_no_cycle_at_rest(told, verb, table, place):
     (line,) = told(f"[loading]\n{table}", verb)
-    assert line == (
-        f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {verb}, "
-        f"expected a speed such as '3.2 mm/s'"
-    )
+    assert line.startswith(f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {verb}.")
 
 
 def test_the_start_of_a_limit_cycle_is_its_own(read):
@@ -702,7 +694,7 @@ def test_a_branch_along_a_parameter_of_the_law(read, told):
     scenario = read(sweep, slider=SLIDER + of_law)
     assert scenario.settings == {"parameter": "b2", "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
     (line,) = told(sweep)
-    wanted = "cannot be followed, expected one of V_lp, K, M, sigma, a, b, Dc such as K = {"
+    wanted = "cannot be followed"
     assert line.startswith(f"[sweep] b2: {wanted}")
 
 
@@ -712,9 +704,7 @@ def test_a_branch_along_damping(read, told):
     settings = read(sweep, slider=SLIDER + "damping = 1e3\n").settings
     assert settings == {"parameter": "damping", "start": 2e3, "stop": 1e3, "V_lp": 3e-3}
     (line,) = told(sweep)
-    assert (
-        "[sweep] damping: cannot be followed, expected one of V_lp, K, M, sigma, a, b, Dc s" in line
-    )
+    assert "[sweep] damping: cannot be followed" in line
 
 
 def test_a_branch(read, told):
@@ -726,18 +716,18 @@ def test_a_branch(read, told):
     along = read(f"{branch}rtol = 1e-6\nV_lp = {{ from = 1e-3, to = 5e-3 }}")
     assert along.settings.keys() == {"parameter", "start", "stop", "rtol"}
     for table, line in [
-        ("V_lp = 1", "[sweep]: nothing between two ends, expected one such as K = { from"),
+        ("V_lp = 1", "[sweep]: nothing between two ends"),
         (
             "V_lp = {from=1, to=2}\nK = {from=1, to=2}",
-            "[sweep]: V_lp and K between two ends, expec",
+            "[sweep]: V_lp and K between two ends",
         ),
         ("V_lp = {from=1, to=2, n=3}", "[sweep] V_lp: 'n': a branch chooses its points itself"),
-        ("V_lp = {from=1}", "[sweep] V_lp.to: is missing, expected a speed such as"),
-        ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = stop = 1.0: nothing to follow"),
-        ("mu0 = {from=1, to=2}\nV_lp = 1", "[sweep] mu0: cannot be followed, expected one of V_lp"),
-        ("law = {from=1, to=2}\nV_lp = 1", "[sweep] law: cannot be followed, expected one of V_lp"),
-        ("K = {from=1, to=2}", "[sweep] V_lp: is missing, expected a speed"),
-        ("V_lp = {from=1, to=2}\nrtol = 1", "[sweep] rtol: 1.0 is out of range, expected one"),
+        ("V_lp = {from=1}", "[sweep] V_lp.to: is missing"),
+        ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = 1.0 is stop too"),
+        ("mu0 = {from=1, to=2}\nV_lp = 1", "[sweep] mu0: cannot be followed"),
+        ("law = {from=1, to=2}\nV_lp = 1", "[sweep] law: cannot be followed"),
+        ("K = {from=1, to=2}", "[sweep] V_lp: is missing"),
+        ("V_lp = {from=1, to=2}\nrtol = 1", "[sweep] rtol: 1.0 is out of range"),
     ]:
         lines = told(branch + table)
         assert any(found.startswith(line) for found in lines), lines
@@ -760,20 +750,20 @@ def test_bounds(told, folder):
     assert len(told(f"[loading]\nV_lp = 1\n[run]\nt_end = 1\n{keys}")) == 1
     many = ", ".join(["{ t = 1, V_lp = 1 }"] * 1001)
     (line,) = told(f"[loading]\nV_lp = 1\nsteps = [{many}]\n{RUN}")
-    assert "a list of 1001 is no list of 1 to 1000 steps" in line
+    assert "a list of 1001 is not a list of 1 to 1000 steps" in line
     path = folder / "large.toml"
     with path.open("wb") as file:
         file.truncate(10**8)
     with pytest.raises(
-        ParameterError, match=r"it has 100000000 bytes, more than 10000000 \(long .*\), expected"
+        ParameterError, match=r"it has 100000000 bytes, more than 10000000 \(long .*\)"
     ):
         load(path)
     path.write_text("a" + ".a" * 100_000 + " = 1")
-    with pytest.raises(ParameterError, match="line 1 has a key of more than 50 parts, expected"):
+    with pytest.raises(ParameterError, match="line 1 has a key of more than 50 parts"):
         load(path)
-    with pytest.raises(ParameterError, match="cannot be read: it is no file, expected"):
+    with pytest.raises(ParameterError, match="cannot be read: it is no file"):
         load("/dev/zero")
-    with pytest.raises(ParameterError, match="cannot be read: no such name, expected"):
+    with pytest.raises(ParameterError, match="cannot be read: no such name"):
         load("a\0b")
 
 
@@ -797,3 +787,29 @@ def test_run_does_it(read, folder):
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3000)
     expected = rs.simulate(slider, Loading.constant(3.2e-3), 0.1, V_start=1e-3)
     assert result.identical(expected)
+
+
+def test_a_problem_names_its_line(read):
+    text = '''
+[loading]  # of the machine
+V_lp = "3 mm/s"
+steps = [
+    { t = "1 s", V_lp = "2 m" },
+]
+"plot" = 1
+
+[ run ]
+rtol = """
+t_end = 3
+"""
+'''
+    with pytest.raises(ParameterError) as caught:
+        read(text, slider=SLIDER.replace("K = ", "# K = ").lstrip())
+    numbers = [line.partition(": ")[0] for line in str(caught.value).splitlines()[1:]]
+    assert numbers == [
+        "line 1, [slider] K",
+        "line 11, [loading] steps[0].V_lp",
+        "line 14, [loading] plot",
+        "line 16, [run] t_end",
+        "line 17, [run] rtol",
+    ]

@@ -143,7 +143,7 @@ def test_a_gap_and_bad_rows_are_named_by_file(tmp_path):
         ([], {}, "no file is given"),
         (None, {"join": "first"}, "join = 'first' is unknown"),
         (["no.txt", "no.txt"], {}, "no.txt does not exist"),
-        (None, {"joint": "auto"}, "read_lab has no parameter joint; .* mean join"),
+        (None, {"joint": "auto"}, "read_lab has no parameter joint.* mean join"),
     ],
 )
 def test_calls_refused(tmp_path, files, keywords, match):

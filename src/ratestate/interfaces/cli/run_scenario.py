@@ -121,8 +121,8 @@ def compute(scenario: Scenario) -> xarray.Dataset:
     if dims and scenario.verb == "continue_cycle":
         raise ParameterError(
             (
-                f"{' and '.join(dims)} have many values, but a branch follows the cycles of "
-                "one slider"
+                "a branch follows the cycles of one slider, but there are many values of "
+                f"{' and '.join(dims)}"
             ),
             "Give one value of each.",
         )

@@ -155,7 +155,7 @@ def _bytes(path: Path) -> bytes:
         else:
             return path.read_bytes()
     except FileNotFoundError:
-        raise refusal("file.missing", kind=MissingFileError, name=repr(str(path))[1:-1]) from None
+        raise refusal("file.missing", MissingFileError, name=repr(str(path))[1:-1]) from None
     except OSError as error:
         what = str(error.strerror)
     except ValueError:  # a null character in the path

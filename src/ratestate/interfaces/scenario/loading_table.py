@@ -221,7 +221,7 @@ def _per_area(values: dict[str, Any], key: str, place: Place, area: dict[str, An
     """Divide a value by the area where it is a force, and so is text still; None if that fails."""
     if isinstance(force := values.get(key), str):
         divide = functools.partial(parameter_to_si, "sigma", force, area)
-        values[key] = place.at(key).noting(divide)
+        values[key] = place.at(key).noting(divide, "sigma")
 
 
 def _wave(known: InlineTable, table: Any, place: Place) -> dict[str, Any]:

@@ -52,17 +52,17 @@ class Place(NamedTuple):
         """Note that a key of this table is missing, and what to give if not its quantity."""
         self.at(key).add("key.missing", wanted=wanted or remedy(key))
 
-    def noting(self, make: Callable[[], T]) -> T | None:
-        """What `make` returns; None where it raises a ParameterError, which is noted."""
+    def noting(self, make: Callable[[], T], symbol: str = "") -> T | None:
+        """What `make` returns; None if it raises a ParameterError, which is noted."""
         try:
             return make()
         except ParameterError as error:
-            self.note(error)
+            self.note(error, symbol)
             return None
 
-    def note(self, error: ParameterError) -> None:
-        """Note an error, without its symbol if that is a key of this place."""
-        text = error.text("" if error.symbol in self.path else error.symbol)
+    def note(self, error: ParameterError, symbol: str = "") -> None:
+        """Note an error, without its symbol if that is `symbol` or a key of this place."""
+        text = error.text("" if error.symbol in (symbol, *self.path) else error.symbol)
         self.problems.append(Problem(self.path, text.replace("\n", " ")))
 
 

@@ -49,7 +49,7 @@ def read_record(table: dict[str, Any], folder: Path, place: Place, area: dict[st
     for i, (symbol, request) in enumerate(zip(SYMBOLS, wanted, strict=False)):
         at = place.at("columns").at(i)
         index = functools.partial(requested_column, found, symbol, request)
-        if (k := at.noting(index)) is not None:
+        if (k := at.noting(index, f"columns: {symbol}")) is not None:
             own = found.columns[k]
             unit, where = (
                 (units[i], place.at("units").at(i)) if units else (plain_unit(own.unit), at)
@@ -97,7 +97,12 @@ def _check_unit(symbol: str, column: Column, place: Place, area: dict[str, Any])
     if not unit:
         place.add("columns.no_unit", given=column.title)
         return
-    place.noting(functools.partial(parameter_to_si, symbol, f"1 {unit}", area))
+    try:
+        parameter_to_si(symbol, f"1 {unit}", area)
+    except ParameterError as error:
+        error.value = repr(unit)
+        error.problem = error.problem.replace(f"has an unknown unit {unit!r}", "is unknown")
+        place.note(error, error.symbol)
 
 
 def _history(found: Table, columns: list[Column], place: Place, area: dict[str, Any]) -> Record:

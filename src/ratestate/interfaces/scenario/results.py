@@ -19,9 +19,7 @@ from ...model.units import is_array
 from .known_keys import COMMON
 from .model import FUNCTIONS, Scenario
 
-WANTED = (
-    "give a Dataset as a function of ratestate returned it, or read from the file it was kept in"
-)
+WANTED = "Give a Dataset that a function of ratestate returned, or that was read from its file."
 
 
 def from_result(result: Any) -> Scenario:
@@ -44,19 +42,19 @@ def from_result(result: Any) -> Scenario:
         The Dataset has lost attributes or variables that tell how it was made.
     """
     if not isinstance(result, xarray.Dataset):
-        raise ParameterError(f"{type(result).__name__} is no result; {WANTED}")
+        raise ParameterError(f"a {type(result).__name__} is not a result", WANTED)
     result = in_si(result)
     title = str(result.attrs.get("title", ""))
     verb = title.removeprefix("ratestate ")
     if title == "ratestate fit":
         raise ParameterError(
-            "the result is a fit, of which there is no scenario: fit the record again with "
-            "ratestate fit, or with the lines of Python in its report.md; to go on with the slider "
-            "that it found, take ratestate.fitting.slider_of(result)"
+            "the result is a fit, which has no scenario",
+            "Fit the record again with ratestate fit, or with the lines of Python in its "
+            "report.md. ratestate.fitting.slider_of(result) is the slider that it found.",
         )
     if verb not in FUNCTIONS or not title.startswith("ratestate "):
         raise ParameterError(
-            f"the result's title is {title[:60]!r}, that of no function of ratestate; {WANTED}"
+            f"the result's title is {title[:60]!r}, which no function of ratestate writes", WANTED
         )
     try:
         scenario = Scenario(verb, _slider(result), _settings(verb, result))
@@ -65,7 +63,7 @@ def from_result(result: Any) -> Scenario:
         raise
     except Exception as error:  # variables too may be gone, or others than they were
         raise ParameterError(
-            f"what made this {verb} is not all there ({type(error).__name__}: {error}); {WANTED}"
+            f"this {verb} lacks a part of its scenario ({type(error).__name__}: {error})", WANTED
         ) from None
     return scenario
 
@@ -83,29 +81,27 @@ def _slider(result: Any) -> SpringSlider:
     values = attributes.from_json(result, "slider", dict)
     law = values.get("law", DEFAULT)
     if isinstance(law, str) and HASH_MARK in law and not find_law_name(law):
-        raise ParameterError(_unknown_law(law))
+        raise ParameterError(*_unknown_law(law))
     of_law = friction_law(law).parameters.keys() | parameters_of(values.get("friction", LOG)).keys()
     wanted = COMMON.keys() | of_law
     if odd := (wanted ^ values.keys()) - {*OPTIONAL}:
         raise ParameterError(
-            f"the attribute 'slider' of the Dataset lacks, or has beside what it should, "
-            f"{', '.join(sorted(odd))[:100]}; {WANTED}"
+            f"the attribute 'slider' of the Dataset has these parameters too many or too few: "
+            f"{', '.join(sorted(odd))[:100]}",
+            WANTED,
         )
     followed = result.attrs.get("parameter")
     swept = {k: _value_of(result, "slider", k, v) for k, v in values.items() if k != followed}
     return SpringSlider(**values | swept)
 
 
-def _unknown_law(law: str) -> str:
-    """What to do about a user's law that is not known."""
+def _unknown_law(law: str) -> tuple[str, str]:
+    """The problem and the remedy for a user's law that is not known."""
     own = law.partition(HASH_MARK)[0]
-    text = (
-        f"the result is of the law {law!r}, a user's own that is not known here: give its file, "
-        f"--law-file {own}.py or ratestate.register('{own}.py')"
-    )
+    problem = f"the result is of the law {law!r}, a user's own law that is not known here"
     if other := find_law_name(own):
-        text += f"; the {own} that is known is {other!r}, from another source, as of an edited file"
-    return text
+        problem += f" (the known {own} is {other!r}, from another source, such as an edited file)"
+    return problem, f"Give its file: --law-file {own}.py or ratestate.register('{own}.py')."
 
 
 def _settings(verb: str, result: Any) -> dict[str, Any]:

@@ -68,7 +68,7 @@ def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = Non
     """
     if key == "initial":
         before = len(place.problems)
-        values = initial(law).read(value, place, "one ")
+        values = initial(law).read(value, place)
         return values if len(place.problems) == before else None
     if key == "times":
         many = read_values(key, value, place)

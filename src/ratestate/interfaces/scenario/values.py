@@ -135,7 +135,7 @@ def number(symbol: str, value: Any, bound: str | None = None) -> float | str:
 
 def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
     """One value as by `number`; None if it has a problem, which is noted."""
-    return place.noting(lambda: number(symbol, value, bound))
+    return place.noting(lambda: number(symbol, value, bound), symbol)
 
 
 def read_values(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
@@ -206,13 +206,11 @@ class InlineTable(NamedTuple):
     keys: dict[str, tuple[str, str | None]]
     like: str
 
-    def read(self, table: Any, place: Place, one: str = "") -> dict[str, Any] | None:
-        """key -> value in SI, of keys given, or None with a problem, noted; None if no table.
-
-        one : word before the example in that message
-        """
+    def read(self, table: Any, place: Place) -> dict[str, Any] | None:
+        """key -> value in SI, of keys given, or None with a problem, noted; None if no table."""
         if not isinstance(table, dict):
-            place.add("table.none", given=table, wanted=f"Give {one}such as {self.like}.")
+            what = "tables" if self.like.startswith("[") else "a table"
+            place.add("table.none", given=table, wanted=f"Give {what} such as {self.like}.")
             return None
         note_unknown_keys(table, self.keys, self.like, place)
         return {

@@ -260,11 +260,9 @@ def unit_of(column, symbol, units):
     try:
         to_si(symbol, f"1 {unit}", bound="")
     except ParameterError as error:
-        what = str(error).rpartition("; expected")[0] or str(error)
-        what = what.removeprefix(f"{symbol} = {f'1 {unit}'!r} ")
         where = f"units: {symbol} =" if symbol in units else "the unit"
-        other = "" if OF_WHOLE_CONTACT in what else ", or name another column in columns"
-        names |= {"unit": unit, "what": what}
+        other = "" if error.problem == OF_WHOLE_CONTACT else ", or name another column in columns"
+        names |= {"unit": unit, "what": error.problem}
         raise sentences.refusal("units.kind", where=where, other=other, **names) from None
     return unit
 

@@ -155,7 +155,7 @@ def _expected(table, key, value):
     try:
         to_si(key if quantity in WHOLE_CONTACT else quantity, value)
     except ParameterError as error:
-        return str(error).rpartition("; expected ")[2]
+        return error.remedy.removeprefix("Give ").removesuffix(".")
     return None
 
 

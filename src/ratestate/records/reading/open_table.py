@@ -80,11 +80,11 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
 
     delimiters, decimal : as for `read_text`
     """
-    if isinstance(path, Path) and not path.is_file():  # opening a pipe would block
-        if not path.exists():
-            raise sentences.refusal("file.missing", kind=MissingFileError, path=path)
-        raise sentences.refusal("file.folder" if path.is_dir() else "file.special", path=path)
     try:
+        if isinstance(path, Path) and not path.is_file():  # opening a pipe would block
+            if not path.exists():
+                raise sentences.refusal("file.missing", MissingFileError, path=path)
+            raise sentences.refusal("file.folder" if path.is_dir() else "file.special", path=path)
         with path.open("rb") as file:
             head = file.read(1024)
         if HDF5 in (head[: len(HDF5)], head[512 : 512 + len(HDF5)]):
@@ -95,6 +95,8 @@ def open_table(path, delimiters=DELIMITERS, decimal=None):
             if head.startswith(begin):
                 raise sentences.refusal("file.foreign", name=path.name, what=what)
         return read_text(path, delimiters, decimal)
+    except MissingFileError:
+        raise
     except OSError as error:
         raise sentences.refusal("file.error", path=path, error=error.strerror or error) from None
 
