@@ -66,5 +66,6 @@ def test_commands_name_the_option(tmp_path):
 
 
 def test_scenario_files_name_the_key():
-    with pytest.raises(ParameterError, match=r"\n\[slider\] Dc: '10 MPa' is a stress\. Give a le"):
+    line = r"\nline 13, \[slider\] Dc: '10 MPa' is a stress\. Give a le"
+    with pytest.raises(ParameterError, match=line):
         loads(template("lab").replace("5 um", "10 MPa"))

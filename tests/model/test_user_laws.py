@@ -224,7 +224,7 @@ def test_files_and_values_that_are_not_laws(tmp_path):
         ):
             rs.register(path)
     for value in (None, 3, dict):
-        with pytest.raises(rs.ParameterError, match=r"must be a class that derives from"):
+        with pytest.raises(rs.ParameterError, match=r"Give a class that derives from"):
             rs.register(value)
 
 

@@ -158,10 +158,10 @@ def mutants():
     return made + [other_bytes(rng.choice([*FILES.values()]), rng) for _ in range(TIMES)]
 
 
-#: a line of the message: where, what is wrong, what was expected
+#: a line of the message: where, what is wrong, what to do
 FORM = re.compile(
-    r"(\[[^]]+\]( ('.*?'|[\w.\[\]-]+))?|[\w-]+|'.*?'|\['.*?'\]|the file): .+ "
-    r"(one of \S|.*such as \S).*",
+    r"(line \d+, )?(\[[^]]+\]( ('.*?'|[\w.\[\]-]+))?|[\w-]+|'.*?'|\['.*?'\]|the file): .+[^.]\. "
+    r"[A-Z].*[.?]",
     re.S,
 )
 
@@ -189,7 +189,7 @@ def check(message, path):
         assert not wrong, wrong
     else:
         assert not lines
-        what = re.escape(str(path)) + " (is broken|cannot be read): .+ "
+        what = re.escape(str(path)) + " (is not valid TOML|cannot be read): .+ "
         assert re.match(what, title)
 
 

@@ -98,10 +98,8 @@ def same(one, other):
 def test_loadings(read, told, table, loading):
     text = f"[loading]\n{table}\n{RUN}"
     if loading is None:
-        assert told(text) == [
-            "[loading] t: a table is not a list"
-            "[0, 1, 1, '5 s'] and ['1 um/s', '1 um/s', '3 um/s', 0]"
-        ]
+        (line,) = told(text)
+        assert line.startswith("[loading] t: a table is not a list. Give as many values")
         return
     scenario = read(text)
     assert scenario.verb == "simulate"
@@ -790,7 +788,7 @@ def test_run_does_it(read, folder):
 
 
 def test_a_problem_names_its_line(read):
-    text = '''
+    text = """
 [loading]  # of the machine
 V_lp = "3 mm/s"
 steps = [
@@ -799,10 +797,9 @@ steps = [
 "plot" = 1
 
 [ run ]
-rtol = """
-t_end = 3
+rtol = 3
+t_end = "3 m"
 """
-'''
     with pytest.raises(ParameterError) as caught:
         read(text, slider=SLIDER.replace("K = ", "# K = ").lstrip())
     numbers = [line.partition(": ")[0] for line in str(caught.value).splitlines()[1:]]
@@ -810,6 +807,6 @@ t_end = 3
         "line 1, [slider] K",
         "line 11, [loading] steps[0].V_lp",
         "line 14, [loading] plot",
-        "line 16, [run] t_end",
         "line 17, [run] rtol",
+        "line 18, [run] t_end",
     ]

@@ -361,7 +361,7 @@ def test_a_start_at_rest_or_backwards_and_back(again, V):
     for slider in (SLIDER.replace(friction="regularized"), heated):
         scenario = Scenario("simulate", slider, given)
         check(again(scenario), scenario)
-    with pytest.raises(ParameterError, match=r"\n\[run\] initial\.V: '.*' must be > 0. Give a sp"):
+    with pytest.raises(ParameterError, match=r"\[run\] initial\.V: '.*' must be > 0. Give a sp"):
         again(Scenario("simulate", SLIDER, given))
 
 
