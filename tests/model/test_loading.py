@@ -291,7 +291,7 @@ def test_the_fundamental_of_a_sinusoid_is_exact(amplitude):
 
 def test_errors_of_a_sinusoid():
     loading = Loading.sinusoid("1 mm/s", "1 mm/s", frequency="0.5 Hz", t_end="10 s")
-    assert loading.calls[0].arguments["period"] == PERIOD
+    assert loading.calls[0].arguments["frequency"] == "0.5 Hz"
     assert (loading.t_last, loading.V_first, loading.mean_speed) == (10.0, MEAN, MEAN)
     t = np.linspace(0, 10, 100_001)
     speed = MEAN * (1 + np.sin(OMEGA * t))

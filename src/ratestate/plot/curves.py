@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.recorded_loading import known_loading
+from ..dynamics.recipe import known_loading
 from ..errors import ParameterError
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law

@@ -6,7 +6,7 @@ from typing import Any
 
 import zarr
 
-from ..dynamics.results import versions
+from ..dynamics.recipe import versions
 from ..errors import StoreError
 from . import sentence
 from .create import add_record, make, temporary_sibling

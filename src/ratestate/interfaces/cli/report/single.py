@@ -7,8 +7,7 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ....dynamics.attributes import branch_parameter
-from ....dynamics.results import law_of_result, normal_stress, parameter
+from ....dynamics.results import branch_parameter, law_of_result, normal_stress, parameter
 from ....dynamics.verdict_sentences import on_edge
 from ....dynamics.whole_contact import whole_contact
 from ....engine.model import STEADY_SLIDING
