@@ -59,11 +59,7 @@ def _plain(result, name, symbol, value):
     name, symbol : of a variable that may be added, and of the quantity
     """
     if isinstance(value, Loading):
-        return [
-            [c.method, {k: _plain(result, f"{name}_{i}_{k}", c.symbol(k), x) for k, x in given}]
-            for i, c in enumerate(value.calls)
-            for given in [c.arguments.items()]
-        ]
+        return [_plain_call(result, f"{name}_{i}", call) for i, call in enumerate(value.calls)]
     if isinstance(value, dict):
         return {key: _plain(result, f"{name}_{key}", key, x) for key, x in value.items()}
     if not is_array(value) and not isinstance(value, np.ndarray):
@@ -81,19 +77,16 @@ def _plain(result, name, symbol, value):
     return {"variable": name}
 
 
+def _plain_call(result, name, call):
+    given = call.arguments.items()
+    return [call.method, {k: _plain(result, f"{name}_{k}", call.symbol(k), x) for k, x in given}]
+
+
 def recorded_call(result):
-    """Return the call that made a result, with the cases that the result still has.
+    """Return the arguments that made a result, with the cases that the result still has.
 
-    Raises ParameterError if the result does not record it.
-
-    Returns
-    -------
-    verb : str
-        The function.
-    slider : dict
-        Parameters of the slider, in SI.
-    settings : dict
-        The other arguments that were given, in SI.
+    Returns two dicts in SI: the parameters of the slider, and the other arguments that were given.
+    Raises ParameterError if the result does not record them.
     """
     if "scenario" not in result.attrs:
         raise refusal("attributes.no_scenario")
@@ -102,7 +95,7 @@ def recorded_call(result):
     followed = call.get("parameter")
     slider = {k: x if k == followed else value_of(result, k, x) for k, x in call["slider"].items()}
     settings = {k: _setting(result, k, x) for k, x in call.items() if k not in ("verb", "slider")}
-    return call.get("verb"), slider, settings
+    return slider, settings
 
 
 def recorded_loading(result):
@@ -124,13 +117,13 @@ def known_loading(result):
 
 
 def recorded(result):
-    """Return the recorded call as a dict; of a fit or an old result only what others ask for."""
+    """Return the recorded call as a dict; of a fit and an old result, the slider and some more."""
     if "slider" not in result.attrs:
         call = from_json(result, "scenario", dict)
     else:
-        call = {"slider": from_json(result, "slider", dict)}
-        call |= {name: result.attrs[name] for name in ("rtol", "parameter") if name in result.attrs}
-        call |= {"V_lp": from_json(result, "V_lp")} if "V_lp" in result.attrs else {}
+        call = {name: result.attrs.get(name) for name in ("rtol", "parameter")}
+        names = {"slider", "V_lp"} & result.attrs.keys()
+        call |= {name: from_json(result, name) for name in names}
     if not isinstance(call.get("slider"), dict):
         raise refusal("attributes.altered", name="scenario")
     return call
@@ -150,11 +143,7 @@ def _loading(result, calls):
         for method, given in calls:
             if not hasattr(getattr(Loading, method), "__wrapped__"):  # it is not `recorded`
                 raise TypeError
-            arguments = {
-                # an earlier version gave names of variables as they are
-                k: _decoded(result, k, {"variable": x} if x in [*result.variables] else x)
-                for k, x in given.items()
-            }
+            arguments = {k: _decoded(result, k, x) for k, x in given.items()}
             loading = Call(method, arguments).apply_to(loading)
     except ParameterError:
         raise

@@ -72,7 +72,7 @@ def parameter(result, symbol):
     """
     result = in_si(result)
     call = recorded(result)
-    if "parameter" in call and branch_parameter(result) == symbol:
+    if call.get("parameter") is not None and branch_parameter(result) == symbol:
         return result[symbol]
     known = call | call["slider"]
     value = known.get(symbol, OPTIONAL.get(symbol))

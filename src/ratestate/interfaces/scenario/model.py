@@ -151,7 +151,7 @@ def from_result(result: Any) -> Scenario:
     if verb not in FUNCTIONS or title == verb:
         raise ParameterError(f"a result with the title {title[:60]!r} has no scenario. {wanted}")
     try:
-        _, slider, given = recorded_call(result)
+        slider, given = recorded_call(result)
         function = FUNCTIONS[verb]
         bound = inspect.signature(function.call).bind(SpringSlider(**slider), **given)
         settings = {k: x for k, x in given.items() if not _is_default(x, bound.signature, k)}
