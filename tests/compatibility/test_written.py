@@ -1,5 +1,6 @@
 """Files that were written before the package had its present layout."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from matplotlib.figure import Figure
-from written import RESULTS, STEPS, V_LP, swept
+from written import RESULTS, SLIDER, STEPS, V_LP, swept
 
 import ratestate as rs
 from ratestate import files
@@ -55,6 +56,17 @@ def test_a_part_of_results():
     for whole in (cycles, RESULTS["limit_cycle"]()):
         assert rs.plot.parameter(whole.isel(V_lp=1), "V_lp") == V_LP.values[1]
         assert rs.plot.parameter(whole.isel(V_lp=[0, 2]), "V_lp").values.tolist() == [3.3e-3, 1e-2]
+
+
+def test_labels_are_not_values():
+    """A coordinate of the name of a parameter may label a dimension only."""
+    K = xarray.DataArray([6e8, 9e8], {"K": [1, 2]}, dims="K")
+    result = rs.stability(SLIDER.replace(K=K), 1e-3)
+    recorded = SLIDER.parameters | {"K": {"dims": ["K"], "values": [6e8, 9e8]}}
+    result.attrs = {"title": "ratestate stability", "slider": json.dumps(recorded)}
+    assert rs.plot.parameter(result, "K").values.tolist() == [6e8, 9e8]
+    with pytest.raises(rs.ParameterError, match="has lost the values of 'K'"):
+        rs.plot.parameter(result.isel(K=0), "K")
 
 
 def test_the_load_point_of_a_run():

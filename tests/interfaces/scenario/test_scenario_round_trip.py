@@ -331,7 +331,7 @@ SCENARIOS = {
     "branch in K": Scenario(
         "continue_cycle",
         SLIDER,
-        {"parameter": "K", "start": 8.5e8, "stop": 8e8, "V_lp": 3.2e-3, "rtol": 1e-5},
+        {"parameter": "K", "start": 9e8, "stop": 8.8e8, "V_lp": 3.2e-3, "rtol": 1e-5},
     ),
 }
 
@@ -436,6 +436,13 @@ def test_a_record_with_swept_speeds_and_back():
     check(from_result(result), scenario)
     part = from_result(result.isel(sample=1))
     assert run(part).tau.equals(result.tau.isel(sample=1, drop=True))
+
+
+def test_saved_times_of_each_case_and_back():
+    times = xr.DataArray([[0.0, 0.1], [0.05, 0.2]], dims=("M", "time"))
+    settings = {"loading": Loading.constant(1e-3), "t_end": 0.2, "times": times}
+    result = run(Scenario("simulate", SLIDER.replace(M=rs.logspace("M", 100, 1e3, 2)), settings))
+    assert run(from_result(result)).identical(result)
 
 
 def test_swept_initial_values_and_back(tmp_path):
