@@ -35,9 +35,9 @@ def record_scenario(result, function, slider, **arguments):
     """Put the call that makes a result again into its attributes, in place.
 
     The attribute ``scenario`` is JSON: the function (``verb``), the parameters of the slider, and
-    the other arguments that are not None, all in SI.  A loading is a list of calls,
-    [method, {argument: value}].  An array is ``{"variable": name}``: the coordinate that has its
-    values, or a variable that is added to the result.
+    the other arguments that are not None, in SI.  A loading is a list of calls,
+    [method, {argument: value}], with texts such as "1 mm/s" as given.  An array is
+    ``{"variable": name}``: the coordinate that has its values, or a variable that is added.
     """
     given = {name: value for name, value in arguments.items() if value is not None}
     known = {"verb": function, "slider": slider.parameters, **given}
@@ -99,19 +99,11 @@ def recorded_call(result):
 
 
 def recorded_loading(result):
-    """Return the `Loading` that a result records, with the cases that the result still has.
-
-    Raises ParameterError if the result does not record it.
-    """
-    own = "loading" in result.attrs  # of a fit, or from an earlier version
-    calls = from_json(result, "loading") if own else recorded(result).get("loading")
-    return _loading(result, calls)
-
-
-def known_loading(result):
-    """Return the `recorded_loading` of a result, or None if it cannot be made again."""
+    """Return the `Loading` that a result records, or None if it cannot be made again."""
     try:
-        return recorded_loading(result)
+        own = "loading" in result.attrs  # of a fit, or from an earlier version
+        calls = from_json(result, "loading") if own else recorded(result).get("loading")
+        return _loading(result, calls)
     except ParameterError:
         return None
 
