@@ -1,15 +1,18 @@
 """Files that were written before the package had its present layout."""
 
+import json
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
-from written import RESULTS, swept
+from matplotlib.figure import Figure
+from written import RESULTS, SLIDER, STEPS, V_LP, swept
 
 import ratestate as rs
 from ratestate import files
+from ratestate.dynamics.recipe import recorded_loading
 from ratestate.interfaces import scenario
 from ratestate.interfaces.cli import main
 
@@ -31,14 +34,45 @@ def same_numbers(now, before):
 
 
 @pytest.mark.parametrize("name", RESULTS)
-def test_results(name):
-    before, again = files.read(BEFORE / f"{name}.nc"), RESULTS[name]()
+def test_results(name, tmp_path):
+    """Values and provenance are read; the scenario is refused."""
+    path = BEFORE / f"{name}.nc"
+    if name == "runs":
+        path = tmp_path / "runs.zarr"
+        shutil.unpack_archive(BEFORE / "runs.zip", path)
+    before, again = files.read(path), RESULTS[name]()
     same_numbers(again, before)
-    if name == "simulate":  # it records its loading as results did before
-        with pytest.raises(rs.ParameterError, match="from an earlier version of ratestate"):
-            scenario.from_result(before)
-    else:
-        xarray.testing.assert_identical(scenario.run(scenario.from_result(before)), again)
+    for symbol in ("a", "K", "M", "law"):
+        xarray.testing.assert_equal(
+            *(xarray.Dataset({"x": rs.plot.parameter(one, symbol)}) for one in (before, again))
+        )
+    assert isinstance(rs.plot.page(before), Figure)
+    with pytest.raises(rs.ParameterError, match="does not record the scenario that made it"):
+        scenario.from_result(before)
+
+
+def test_a_part_of_results():
+    cycles = files.read(BEFORE / "limit_cycle.nc")
+    for whole in (cycles, RESULTS["limit_cycle"]()):
+        assert rs.plot.parameter(whole.isel(V_lp=1), "V_lp") == V_LP.values[1]
+        assert rs.plot.parameter(whole.isel(V_lp=[0, 2]), "V_lp").values.tolist() == [3.3e-3, 1e-2]
+
+
+def test_labels_are_not_values():
+    """A coordinate of the name of a parameter may label a dimension only."""
+    K = xarray.DataArray([6e8, 9e8], {"K": [1, 2]}, dims="K")
+    result = rs.stability(SLIDER.replace(K=K), 1e-3)
+    recorded = SLIDER.parameters | {"K": {"dims": ["K"], "values": [6e8, 9e8]}}
+    result.attrs = {"title": "ratestate stability", "slider": json.dumps(recorded)}
+    assert rs.plot.parameter(result, "K").values.tolist() == [6e8, 9e8]
+    with pytest.raises(rs.ParameterError, match="has lost the values of 'K'"):
+        rs.plot.parameter(result.isel(K=0), "K")
+
+
+def test_the_load_point_of_a_run():
+    loading = recorded_loading(files.read(BEFORE / "calls.nc"))
+    assert [call.method for call in loading.calls] == ["constant", "step", "hold"]
+    assert loading.parameters == STEPS.parameters
 
 
 @pytest.fixture

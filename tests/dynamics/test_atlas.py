@@ -359,9 +359,9 @@ def synthetic(**changes):
         {"K": ("point", K), "V_lp": 3.1622776601683795e-3},
     )
     data.attrs = limit_cycle(slider.replace(M=0.0, K=1e10), float(data.V_lp)).attrs
-    data.attrs["parameter"] = "K"
     assert float(slider.K_c(float(data.V_lp))) == pytest.approx(2e9, rel=1e-12)
-    data.attrs["slider"] = data.attrs["slider"].replace('"M": 0.0', '"M": 10000.0')
+    written = data.attrs["scenario"].replace('"M": 0.0', '"M": 10000.0')
+    data.attrs["scenario"] = written.replace('"verb"', '"parameter": "K", "verb"')
     return data
 
 

@@ -69,9 +69,9 @@ def test_contract(tmp_path):
         assert variable.attrs["units"], name
         assert variable.attrs["long_name"], name
     assert found.kick_up.attrs["units"] == found.kick_down.attrs["units"] == "Pa"
-    assert found.V_lp == json.loads(found.attrs["V_lp"]) == V_LP
+    assert found.V_lp == json.loads(found.attrs["scenario"])["V_lp"] == V_LP
     assert found.attrs["title"] == "ratestate escape"
-    assert rs.SpringSlider(**json.loads(found.attrs["slider"])) == STRIP
+    assert rs.SpringSlider(**json.loads(found.attrs["scenario"])["slider"]) == STRIP
     found.to_netcdf(tmp_path / "edge.nc", engine="h5netcdf")
     with xr.open_dataset(tmp_path / "edge.nc", engine="h5netcdf") as back:
         xr.testing.assert_identical(found, back.load())

@@ -198,8 +198,8 @@ def test_sinusoid():
     """The swing of the stress against linear response, eqs 1 and 3 about steady sliding."""
     scenario, result = done("sinusoid")
     slider, (call,) = scenario.slider, scenario.settings["loading"].calls
-    V, amplitude, period, _ = call.arguments.values()
-    omega = 2 * np.pi / period
+    V, amplitude, _, frequency = call.arguments.values()
+    omega = 2 * np.pi * frequency
     s = 1j * omega
     # friction's answer to V exp(s t): a - b V/(Dc s + V), over V; force balance K (U - V)/s = tau
     friction = slider.sigma / V * (slider.a - slider.b * V / (slider.Dc * s + V))

@@ -1,5 +1,6 @@
 """Loadings: values, integrals compared with exact fractions, and bad records."""
 
+import pickle
 import re
 from fractions import Fraction
 
@@ -12,6 +13,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ratestate import Loading, ParameterError, SpringSlider, logspace, simulate
+from ratestate.model.arrays import isel
+from ratestate.model.units import to_si
 
 #: 1 mm/s, a step to 3, a hold, a ramp back to 2 (the record's jumps are repeated times)
 T = [0.0, 1.0, 1.0, 2.0, 2.0, 4.0, 4.0, 6.0]
@@ -291,7 +294,7 @@ def test_the_fundamental_of_a_sinusoid_is_exact(amplitude):
 
 def test_errors_of_a_sinusoid():
     loading = Loading.sinusoid("1 mm/s", "1 mm/s", frequency="0.5 Hz", t_end="10 s")
-    assert loading.calls[0].arguments["period"] == PERIOD
+    assert loading.calls[0].arguments["frequency"] == "0.5 Hz"
     assert (loading.t_last, loading.V_first, loading.mean_speed) == (10.0, MEAN, MEAN)
     t = np.linspace(0, 10, 100_001)
     speed = MEAN * (1 + np.sin(OMEGA * t))
@@ -410,3 +413,37 @@ def test_slider_at_takes_one_time(loading):
     for t in ("2 m", np.timedelta64(2, "s"), -1.0, [1.0, 2.0], xr.DataArray([1.0], dims="t")):
         with pytest.raises(ParameterError, match=r"^t "):
             loading.slider_at(t, slider)
+
+
+def test_a_loading_keeps_the_calls_that_made_it():
+    speeds = xr.DataArray([1.0, 2.0], dims="V_lp", attrs={"units": "mm/s"})
+    steps = Loading.steps("1 mm/s", ("1 s", "3.2 mm/s"), (2, 1e-3))
+    loading = steps.hold(3, duration="1 s").ramp("5 s", speeds, 1)
+    loading = loading.sigma_step("2 s", 2e6).sigma_sinusoid("1 kPa", frequency="3 Hz")
+    *calls, ramp, step, wave = loading.calls
+    assert [(call.method, call.arguments) for call in (*calls, step, wave)] == [
+        ("constant", {"V": "1 mm/s"}),
+        ("step", {"t": "1 s", "V": "3.2 mm/s"}),
+        ("step", {"t": 2.0, "V": 1e-3}),
+        ("hold", {"t": 3.0, "duration": "1 s"}),
+        ("sigma_step", {"t": "2 s", "sigma": 2e6}),
+        ("sigma_sinusoid", {"amplitude": "1 kPa", "frequency": "3 Hz"}),
+    ]
+    assert ramp.arguments["V"].equals(to_si("V_lp", speeds))
+    assert loading.parameters["1 step"] == {"t": 1.0, "V": 3.2e-3}
+    assert pickle.loads(pickle.dumps(loading)).calls[:4] == loading.calls[:4]
+    assert isel(loading, {"V_lp": slice(1, 2)}).calls[4].arguments["V"].values == [2e-3]
+    again = Loading
+    for call in loading.calls:
+        again = call.apply_to(again)
+    assert again.V.equals(loading.V)
+    assert again.normal_stress.t.tolist() == loading.normal_stress.t.tolist()
+
+
+def test_the_rows_of_a_record_are_kept_in_si():
+    (call,) = Loading.series(["0 s", 1], ["1 um/s", 2e-6], sigma=["2 MPa", 2.1e6]).calls
+    assert {name: column.tolist() for name, column in call.arguments.items()} == {
+        "t": [0.0, 1.0],
+        "V_lp": [1e-6, 2e-6],
+        "sigma": [2e6, 2.1e6],
+    }

@@ -203,7 +203,7 @@ def test_workers_are_given_a_users_law(client, law_file):
     path.unlink()
     how = {"V_lp": 3e-3, "progress": False}
     here = rs.sweep("stability", slider, **how)
-    assert "@" in json.loads(here.attrs["slider"])["law"]
+    assert "@" in json.loads(here.attrs["scenario"])["slider"]["law"]
     found = rs.sweep("stability", slider, client=client, chunk=5, **how)
     xarray.testing.assert_identical(found.load(), here)
     _, call = calls.call_of("stability", slider, {"V_lp": 3e-3})

@@ -14,9 +14,8 @@
 ``verdict_sentences``              its text: which sentences hold, when K counts as K_c, and when
                                    inertia is negligible
 ``domain``                         when a motion is outside the domain of the friction law
-``results``, ``attributes``        what results record of how they were made; the same read again,
-                                   and refused where it was altered
-``recorded_loading``               the calls that made a loading, in a result; made again
+``results``                        parts that results have in common; parameters of their slider
+``recipe``, ``attributes``         the scenario in a result, written and read; altered attributes
 ``refusals``                       messages on arguments that cannot be used (``refusals.toml``)
 ``progress``                       progress bars: after how long one appears
 ================================== ================================================================

@@ -20,7 +20,8 @@ from .cycles.measure import refine
 from .cycles.system import state, system_of
 from .disturbances import KINDS, smallest_escapes
 from .progress import bar
-from .results import columns, provenance
+from .recipe import record_scenario
+from .results import columns
 
 #: measures of the limit cycle beyond, and of the unstable one between
 CYCLES = ("amplitude", "period", "unstable_amplitude", "unstable_period", "unstable_multiplier")
@@ -102,7 +103,7 @@ def escape(slider, V_lp):
     values["outcome"] = outcome
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     result = xarray.Dataset(variables, batch.coordinates(VARIABLES))
-    result.attrs = provenance("escape", slider, V_lp=V_lp)
+    record_scenario(result, "escape", slider, V_lp=V_lp)
     return result
 
 

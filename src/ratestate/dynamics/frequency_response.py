@@ -14,8 +14,9 @@ from ..model.names import keywords_checked
 from ..model.parameters import logspace
 from ..model.slider import SpringSlider, check_slider
 from ..model.units import to_si
+from .recipe import record_scenario
 from .refusals import refusal
-from .results import columns, provenance
+from .results import columns
 
 #: what answers, per what oscillates
 TRANSFER = tuple(f"{out}_by_{given}" for given in ("V_lp", "sigma") for out in ("V", "tau", "mu"))
@@ -145,10 +146,11 @@ class FrequencyResponseCall:
         return variables
 
     def dataset(self, variables):
-        """These variables of all cases as a Dataset with coordinates and provenance."""
+        """Return these variables of all cases as a Dataset with coordinates and scenario."""
         settings = {"V_lp": self.V_lp, "frequency": self.frequency}
-        attributes = provenance("frequency_response", self.slider, **settings)
-        return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attributes)
+        result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
+        record_scenario(result, "frequency_response", self.slider, **settings)
+        return result
 
 
 def _usual_frequencies(slider, V_lp):

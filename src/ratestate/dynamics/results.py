@@ -1,158 +1,123 @@
-"""What results have in common: flags, the attributes that say how they were made, parameters."""
+"""Parts that results have in common: columns, flags, status, and the parameters of the slider."""
 
-import functools
 import json
-from importlib.metadata import version
 from types import SimpleNamespace
 
 import numpy as np
 
-from ..engine.machine_code import DIGEST
 from ..engine.model import STATUSES
 from ..friction.composition import composed
-from ..friction.laws import friction_law
+from ..friction.forms import form_name
+from ..friction.laws import friction_law, law_name
 from ..model.conversion import in_si
+from ..model.quantities import QUANTITIES
 from ..model.slider import OPTIONAL, PARAMETERS
-from ..model.units import is_array
-from . import attributes
+from ..model.units import is_array, to_si
+from .recipe import recorded, value_of, versions
 from .refusals import refusal
 
 
 def columns(batch):
-    """All values of a batch by name: (n,) arrays ``.a``, ``.b``, ``.Dc`` and so on."""
+    """Return all values of a batch by name: (n,) arrays ``.a``, ``.b``, ``.Dc`` and so on."""
     return SimpleNamespace(**batch.columns)
 
 
 def flags(meanings):
-    """CF attributes ``flag_values`` (int8) and ``flag_meanings``, from {number: meaning}."""
+    """Return CF attributes ``flag_values`` (int8) and ``flag_meanings``, from {number: meaning}."""
     words = (meaning.replace(" ", "_") for meaning in meanings.values())
     return {"flag_values": np.array(list(meanings), np.int8), "flag_meanings": " ".join(words)}
 
 
 def status_variable(batch, status):
-    """The status (n,) of the cases, as a Variable in the sweep's dimensions: int8 with CF flags."""
+    """Return the status (n,) of the cases as a Variable of the sweep: int8 with CF flags."""
     variable = batch.variable(np.asarray(status, np.int8), "status")
     variable.attrs |= flags({code: name for code, (name, _) in STATUSES.items()})
     return variable
 
 
-#: settings that are JSON in the attributes, as they may be arrays
-AS_JSON = ("V_lp", "V_start", "t_end", "initial", "frequency")
-
-
 def provenance(function, slider, **settings):
-    """Attributes, as a dict, from which a result can be reproduced.
+    """Return attributes (dict) of a result that has no scenario, such as a fit.
 
-    The function's name, the slider, the versions of programs, and the settings that are not None;
-    slider, versions and settings in `AS_JSON` are JSON, all others stay as they are.
+    They are the function's name, the slider, the versions of programs, and the settings that are
+    not None.  The slider, without parameters that are arrays, and the versions are JSON.
     """
+    known = {symbol: x for symbol, x in slider.parameters.items() if not is_array(x)}
     given = {name: value for name, value in settings.items() if value is not None}
-    return {
-        "title": f"ratestate {function}",
-        "slider": json.dumps(plain(slider.parameters)),
-        **{name: json.dumps(plain(x)) if name in AS_JSON else x for name, x in given.items()},
-        "versions": versions(),
-    }
-
-
-@functools.cache
-def versions():
-    """Versions of the programs that compute the numbers, as JSON (a look-up takes 1 ms)."""
-    programs = {name: version(name) for name in ("ratestate", "llvmlite", "numpy")}
-    return json.dumps(programs | {"kernels": DIGEST})
-
-
-# An attribute of a NetCDF file holds 64 KiB; longer lists go into variables.
-MANY = 1000
-
-
-def plain(value):
-    """A value for JSON: of a DataArray ``{"dims": [...], "values": [...]}``, else the value itself.
-
-    In place of more than `MANY` values stands "coordinate NAME", the DataArray's name.
-    """
-    if isinstance(value, dict):
-        return {name: plain(x) for name, x in value.items()}
-    if not is_array(value):
-        return value
-    values = value.values.tolist() if value.size <= MANY else f"coordinate {value.name}"
-    return {"dims": list(value.dims), "values": values}
+    own = {"title": f"ratestate {function}", "slider": json.dumps(known)}
+    return {**own, **given, "versions": versions()}
 
 
 def parameter(result, symbol):
-    """A parameter of the slider that a result was made with, or its V_lp.
+    """Return a parameter of the slider that a result was made with, or another argument.
 
     Parameters
     ----------
     result : xarray.Dataset
         A result of any function.
     symbol : str
-        The parameter's symbol, such as "K", or "law", "friction" or "V_lp"; damping and alpha
-        are 0 where there is none.
+        The parameter's symbol, such as "K", or "law", "friction", "V_lp" or "rtol".  Damping and
+        alpha are 0 if the slider has none.
 
     Returns
     -------
     float, DataArray or str
-        A DataArray for one that was swept, with the cases that the result still has; also, along
-        ``point``, for the one that changes along a branch.  str: the evolution law.
+        A DataArray if the parameter was swept, with the cases that the result still has, or if it
+        changes along a branch (``point``).
 
     Raises
     ------
     ParameterError
-        The result has lost its attributes, they are not as they were made, or there is no such
+        If the result has lost its attributes, if they were altered, or if there is no such
         parameter.
     """
     result = in_si(result)
-    if "parameter" in result.attrs and attributes.branch_parameter(result) == symbol:
+    call = recorded(result)
+    if call.get("parameter") is not None and branch_parameter(result) == symbol:
         return result[symbol]
-    name = "V_lp" if symbol == "V_lp" else "slider"
-    value = attributes.from_json(result, name)
-    if name == "slider":
-        if isinstance(value, dict) and OPTIONAL.get(symbol) is not None:
-            value = {symbol: OPTIONAL[symbol]} | value
-        if not isinstance(value, dict) or symbol not in value:
-            raise refusal("attributes.no_parameter", symbol=symbol)
-        value = value[symbol]
-    in_coordinate = isinstance(value, dict) and isinstance(value.get("values"), str)
-    value = None if in_coordinate else attributes.parameter_value(name, symbol, value)
-    if symbol in result.coords and not _labels(result[symbol], value):
-        # with the cases that the result still holds
-        return result[symbol] if result[symbol].ndim else result[symbol].item()
+    known = call | call["slider"]
+    value = known.get(symbol, OPTIONAL.get(symbol))
     if value is None:
-        raise refusal("attributes.no_coordinate", symbol=symbol)
-    return value
+        raise refusal("attributes.no_parameter", symbol=symbol)
+    if symbol == "law":
+        own = result.coords.get("law")  # of a case of results that were joined
+        return law_name(value if own is None or own.ndim else own.item())
+    if symbol == "friction":
+        return form_name(value)
+    value = value_of(result, symbol, value)
+    checked = to_si(symbol, value)
+    return value if is_array(value) else checked
+
+
+def slider_parameters(result):
+    """Return the symbols (list of str) of the slider's parameters, its area included if recorded.
+
+    Raises ParameterError if the result has lost its attributes.
+    """
+    common = [*PARAMETERS, "law"]
+    return [*common, *(symbol for symbol in recorded(result)["slider"] if symbol not in common)]
 
 
 def law_of_result(result, law=None):
-    """The friction law of the slider that a result was made with, with all that it is made of.
+    """Return the friction law of the slider that a result was made with, composed of its parts.
 
-    law : its name, where the result is of several
+    law : name of the law if the result has several
     """
     law = friction_law(law or parameter(result, "law"))
     return composed(law, parameter(result, "friction"), "damping" in slider_parameters(result))
 
 
-def slider_parameters(result):
-    """Symbols (list of str) of the slider's parameters, the area among them if a result records it.
-
-    ParameterError where the result has lost its attributes.
-    """
-    known = attributes.from_json(result, "slider", dict)
-    common = [*PARAMETERS, "law"]
-    return [*common, *(symbol for symbol in known if symbol not in common)]
-
-
-def _labels(coordinate, value):
-    """Whether a coordinate only labels a dimension of the same name as the symbol.
-
-    Values that were converted to another unit and back may differ in the last digit.
-    """
-    if not is_array(value):
-        return False
-    same = np.isclose(np.asarray(coordinate)[..., None], value.values.ravel(), 1e-14, 0.0)
-    return not same.any(axis=-1).all()
-
-
 def normal_stress(result):
-    """Normal stress [Pa] of a result of `simulate`: along its times, where it varies."""
+    """Return the normal stress [Pa] of a result of `simulate`: along its times if it varies."""
     return result["sigma"] if "sigma" in result.data_vars else parameter(result, "sigma")
+
+
+def branch_parameter(result):
+    """Return the symbol of the parameter that changes along a branch of cycles.
+
+    Raises ParameterError if the result does not record it, or has no values of it along ``point``.
+    """
+    symbol = recorded(result).get("parameter")
+    known = isinstance(symbol, str) and symbol in QUANTITIES
+    if not known or "point" not in getattr(result.get(symbol), "dims", ()):
+        raise refusal("attributes.no_branch")
+    return symbol

@@ -15,7 +15,7 @@ from ..model.names import keywords_checked
 from ..model.quantities import attrs
 from ..model.slider import check_slider
 from ..model.units import is_array, to_si
-from .results import provenance
+from .recipe import record_scenario
 
 VARIABLES = (
     *("K_stable", "M_stable", "damping_stable", "damping_ratio_stable"),
@@ -86,8 +86,9 @@ def stabilize(slider, V_lp, margin=1.1):
         one = value.variable if is_array(value) else xarray.Variable((), value)
         one = one.transpose(*batch.dims, missing_dims="ignore")
         variables[symbol] = xarray.Variable(one.dims, one.values, attrs(symbol))
-    attributes = provenance("stabilize", slider, V_lp=V_lp, margin=margin)
-    return xarray.Dataset(variables, batch.coordinates(VARIABLES), attributes)
+    result = xarray.Dataset(variables, batch.coordinates(VARIABLES))
+    record_scenario(result, "stabilize", slider, V_lp=V_lp, margin=margin)
+    return result
 
 
 def _remedies(law, damped, *, V, K, M, **values):

@@ -15,7 +15,8 @@ from ..model.names import keywords_checked
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider, check_slider
 from ..model.units import is_array, to_si
-from .results import law_of_result, parameter, provenance
+from .recipe import record_scenario
+from .results import law_of_result, parameter
 
 VARIABLES = "K_c K_c_qs eta V_c V_c_upper f_n eigenvalues growth_rate omega omega_c stable".split()
 
@@ -125,9 +126,10 @@ class StabilityCall:
         return given | any_speed | {"M": 0.0}
 
     def dataset(self, variables):
-        """These variables of all cases as a Dataset with coordinates and provenance."""
-        attributes = provenance("stability", self.slider, V_lp=self.V_lp)
-        return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attributes)
+        """Return these variables of all cases as a Dataset with coordinates and scenario."""
+        result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
+        record_scenario(result, "stability", self.slider, V_lp=self.V_lp)
+        return result
 
 
 def steady_stress(result, V):

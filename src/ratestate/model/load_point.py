@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import inspect
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,11 @@ from .units import is_array, named, one_in_si, to_si
 
 @dataclasses.dataclass(frozen=True)
 class Call:
-    """A call of a method of `Loading` with arguments in SI."""
+    """A call of a method of `Loading`.
+
+    Arguments are kept as they were given if they are texts, and otherwise in SI: numbers as floats,
+    columns of a record as arrays.
+    """
 
     method: str
     arguments: dict[str, Any]
@@ -32,6 +37,38 @@ class Call:
     def changes_stress(self):
         """Whether the call changes the normal stress instead of the speed."""
         return self.method.startswith("sigma")
+
+    @property
+    def arguments_in_si(self):
+        """Arguments as floats and arrays in SI."""
+        return {
+            name: to_si(self.symbol(name), value, bound="") if isinstance(value, str) else value
+            for name, value in self.arguments.items()
+        }
+
+
+def recorded(method):
+    """Make a method of `Loading` add its call to the loading that it returns."""
+    signature = inspect.signature(method)
+
+    @functools.wraps(method)
+    def call_and_record(loading, *args, **kwargs):
+        result = method(loading, *args, **kwargs)
+        _, *given = signature.bind(loading, *args, **kwargs).arguments.items()
+        call = Call(method.__name__, {name: value for name, value in given if value is not None})
+        kept = {name: _to_keep(call, name, value) for name, value in call.arguments.items()}
+        return dataclasses.replace(result, calls=(*loading.calls, Call(call.method, kept)))
+
+    return call_and_record
+
+
+def _to_keep(call, name, value):
+    if isinstance(value, str):
+        return value
+    if call.method == "series":
+        return column_to_si(name, value)
+    value = to_si(call.symbol(name), value, bound="")
+    return float(np.max(value)) if name == "t_end" else value
 
 
 @dataclasses.dataclass(frozen=True, eq=False, repr=False)
@@ -60,8 +97,8 @@ class LoadPoint:
 
     @property
     def parameters(self):
-        """Arguments of all calls, such as ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
-        return {f"{number} {call.method}": call.arguments for number, call in enumerate(self.calls)}
+        """Arguments of all calls in SI, such as ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
+        return {f"{i} {call.method}": call.arguments_in_si for i, call in enumerate(self.calls)}
 
     @property
     def V_first(self):
@@ -72,7 +109,7 @@ class LoadPoint:
     def mean_speed(self):
         """Mean speed of a sinusoid [m/s]; None for any other loading."""
         first = self.calls[0]
-        return first.arguments["V_lp"] if first.method == "sinusoid" else None
+        return first.arguments_in_si["V_lp"] if first.method == "sinusoid" else None
 
     @property
     def stress_oscillates(self):

@@ -7,15 +7,9 @@ import numpy as np
 from ..errors import ParameterError
 from .arrays import check_aligned, column_to_si
 from .history import History
-from .load_point import Call, LoadPoint
+from .load_point import LoadPoint, recorded
 from .segments import histories_from_rows, period_of, sinusoid_history
 from .units import is_array, one_in_si, to_si
-
-#: methods of `Loading` that a `Call` can record
-METHODS = (
-    *("constant", "series", "sinusoid", "step", "hold", "ramp"),
-    *("sigma_step", "sigma_ramp", "sigma_sinusoid"),
-)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,7 +30,7 @@ class Loading(LoadPoint):
     normal_stress : NormalStress or None
         History of the normal stress; None if it does not change.
     calls : tuple of Call
-        The calls that made the loading, with their arguments in SI.
+        The calls that made the loading, with their arguments as given.
 
     Raises
     ------
@@ -46,6 +40,7 @@ class Loading(LoadPoint):
     """
 
     @classmethod
+    @recorded
     def constant(cls, V):
         """Return a loading with a constant speed.
 
@@ -60,7 +55,7 @@ class Loading(LoadPoint):
             The loading.
         """
         V = to_si("V_lp", V, label="V", bound=">= 0")
-        return cls(History.constant("V", V), calls=(Call("constant", {"V": V}),))
+        return cls(History.constant("V", V))
 
     @classmethod
     def steps(cls, V_start, *steps):
@@ -78,7 +73,8 @@ class Loading(LoadPoint):
         Loading
             The loading.
         """
-        loading = cls.constant(to_si("V_lp", V_start, label="V_start", bound=">= 0"))
+        to_si("V_lp", V_start, label="V_start", bound=">= 0")  # its messages name V_start
+        loading = cls.constant(V_start)
         for step in steps:
             if not isinstance(step, tuple | list) or len(step) != 2:
                 raise ParameterError(
@@ -88,6 +84,7 @@ class Loading(LoadPoint):
         return loading
 
     @classmethod
+    @recorded
     def series(cls, t, V_lp, *, sigma=None):
         """Return a piecewise linear loading from samples, such as a laboratory record.
 
@@ -107,11 +104,12 @@ class Loading(LoadPoint):
             The loading.
         """
         given = {"t": t, "V_lp": V_lp} | ({} if sigma is None else {"sigma": sigma})
-        columns = {symbol: column_to_si(symbol, values) for symbol, values in given.items()}
-        speed, stress = histories_from_rows(*columns.values())
-        return cls(speed, speed.until, stress, (Call("series", columns),))
+        columns = (column_to_si(symbol, values) for symbol, values in given.items())
+        speed, stress = histories_from_rows(*columns)
+        return cls(speed, speed.until, stress)
 
     @classmethod
+    @recorded
     def sinusoid(cls, V_lp, amplitude, *, t_end, period=None, frequency=None):
         """Return a loading with the speed V_lp + amplitude sin(2 pi t/period).
 
@@ -141,8 +139,9 @@ class Loading(LoadPoint):
             "period": period_of("a sinusoid", period, frequency),
             "t_end": float(np.max(to_si("t_end", t_end))),
         }
-        return cls(sinusoid_history(**wave), wave["t_end"], calls=(Call("sinusoid", wave),))
+        return cls(sinusoid_history(**wave), wave["t_end"])
 
+    @recorded
     def step(self, t, V):
         """Add a velocity step: from time t on, the speed is V.
 
@@ -165,8 +164,9 @@ class Loading(LoadPoint):
         """
         t = self._check_speed_time(t)
         V = _value_after("V_lp", t, V, ">= 0")
-        return self._append(Call("step", {"t": t, "V": V}), (t, V, V))
+        return self._with_speeds((t, V, V))
 
+    @recorded
     def hold(self, t, duration):
         """Add a hold: from time t the load point rests, then it resumes its old speed.
 
@@ -184,9 +184,9 @@ class Loading(LoadPoint):
         """
         t, V = self._check_speed_time(t), self.V[..., -1]
         duration = _duration(t, duration, "hold")
-        call = Call("hold", {"t": t, "duration": duration})
-        return self._append(call, (t, 0.0, 0.0), (t + duration, V, V))
+        return self._with_speeds((t, 0.0, 0.0), (t + duration, V, V))
 
+    @recorded
     def ramp(self, t, V, duration):
         """Add a ramp: from time t the speed changes linearly to V.
 
@@ -206,8 +206,7 @@ class Loading(LoadPoint):
         """
         t, before = self._check_speed_time(t), self.V[..., -1]
         V, seconds = _value_after("V_lp", t, V, ">= 0"), _duration(t, duration, "ramp")
-        call = Call("ramp", {"t": t, "V": V, "duration": seconds})
-        longer = self._append(call, (t, before, V), (t + seconds, V, V))
+        longer = self._with_speeds((t, before, V), (t + seconds, V, V))
         with np.errstate(over="ignore"):
             if not np.isfinite(longer.rate).all():
                 raise ParameterError(
@@ -218,6 +217,7 @@ class Loading(LoadPoint):
                 )
         return longer
 
+    @recorded
     def sigma_step(self, t, sigma):
         """Add a step of normal stress: from time t on, the normal stress is sigma.
 
@@ -248,8 +248,9 @@ class Loading(LoadPoint):
         """
         t = self._check_stress_time(t)
         sigma = _value_after("sigma", t, sigma, "> 0")
-        return self._append(Call("sigma_step", {"t": t, "sigma": sigma}), (t, sigma, sigma))
+        return self._with_stresses((t, sigma, sigma))
 
+    @recorded
     def sigma_ramp(self, t, sigma, duration):
         """Add a ramp of normal stress: from time t it changes linearly to sigma.
 
@@ -269,9 +270,9 @@ class Loading(LoadPoint):
         """
         t, before = self._check_stress_time(t), self._extendable_stress().end[..., -1]
         sigma, seconds = _value_after("sigma", t, sigma, "> 0"), _duration(t, duration, "ramp")
-        call = Call("sigma_ramp", {"t": t, "sigma": sigma, "duration": seconds})
-        return self._append(call, (t, before, sigma), (t + seconds, sigma, sigma))
+        return self._with_stresses((t, before, sigma), (t + seconds, sigma, sigma))
 
+    @recorded
     def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
         """Add amplitude sin(2 pi t/period) to the normal stress; only one can be added.
 
@@ -295,17 +296,16 @@ class Loading(LoadPoint):
             "period": period_of("a sinusoid of sigma", period, frequency),
         }
         check_aligned(wave)
-        return self._add_call(Call("sigma_sinusoid", wave), normal_stress=replace(before, **wave))
+        return replace(self, normal_stress=replace(before, **wave))
 
-    def _append(self, call, *pieces):
-        """Return the loading with pieces (t, start, end) added to its speed or sigma."""
-        if call.changes_stress:
-            stress = self._extendable_stress().followed_by("sigma", *pieces)
-            return self._add_call(call, normal_stress=stress)
-        return self._add_call(call, speed=self.speed.followed_by("V_lp", *pieces))
+    def _with_speeds(self, *pieces):
+        """Return the loading with pieces (t, start, end) added to its speed."""
+        return replace(self, speed=self.speed.followed_by("V_lp", *pieces))
 
-    def _add_call(self, call, **history):
-        return replace(self, calls=(*self.calls, call), **history)
+    def _with_stresses(self, *pieces):
+        """Return the loading with pieces (t, start, end) added to its normal stress."""
+        stress = self._extendable_stress().followed_by("sigma", *pieces)
+        return replace(self, normal_stress=stress)
 
     def _check_speed_time(self, t):
         if np.isfinite(self.t_last):

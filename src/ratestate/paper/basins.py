@@ -55,8 +55,7 @@ def compute(law):
             "V_c": ((), V_c, attrs("V_c")),
             "ratio": ("ratio", K / FIG2.K_c_qs, {"units": "1", "long_name": "K/K_c_qs"}),
         },
-        # "parameter" names a variable of the branch, which has another name here.
-        {name: value for name, value in branch.attrs.items() if name != "parameter"},
+        edge.attrs,
     )
     return data
 

@@ -15,9 +15,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ..dynamics.recorded_loading import record_loading
+from ..dynamics.recipe import record_scenario
 from ..dynamics.refusals import refusal
-from ..dynamics.results import provenance
 from ..engine.programs import Program
 from ..errors import ParameterError, SolverError
 from ..friction.functions import exp, expm1, log
@@ -106,10 +105,9 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     _check(slider, loading, dt, euler)
     check_fits(BYTES * t_end / dt, f"{t_end / dt:.3g} steps", "Give a larger dt.")
     t, states = _run(state_of(slider, euler), slider, loading, t_end, dt, V_start)
-    settings = {"t_end": t_end, "dt": dt, "V_start": V_start, "euler": int(euler)}
-    attributes = provenance("paper.im2017", slider, **settings)
-    result = xarray.Dataset(_variables(slider, loading, t, states), attrs=attributes)
-    record_loading(result, loading)
+    result = xarray.Dataset(_variables(slider, loading, t, states))
+    settings = {"t_end": t_end, "dt": dt, "V_start": V_start, "euler": euler}
+    record_scenario(result, "paper.im2017", slider, loading=loading, **settings)
     return result
 
 

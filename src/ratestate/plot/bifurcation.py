@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from ..dynamics.attributes import branch_parameter
 from ..dynamics.continuation.bifurcations import stable_pieces
-from ..dynamics.results import parameter
+from ..dynamics.results import branch_parameter, parameter
 from ..errors import ParameterError
 from ..friction.stability import K_c
 from ..model.conversion import in_si
@@ -51,7 +50,7 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
     ParameterError
         Another result, or a branch of one point.
     """
-    if not {"parameter", "rtol"} <= set(getattr(data, "attrs", ())):
+    if not hasattr(data, "attrs"):
         raise ParameterError(
             "branch draws the Dataset of continue_cycle, and this is not one",
             "Give the result of continue_cycle.",

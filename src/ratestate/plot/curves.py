@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..dynamics.recorded_loading import known_loading
+from ..dynamics.recipe import recorded_loading
 from ..errors import ParameterError
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
@@ -107,7 +107,7 @@ def _segments(result):
 
     None of a wave, nor of a fit of an earlier version.
     """
-    loading = known_loading(result)
+    loading = recorded_loading(result)
     if loading is None or loading.t.size > MARKED or loading.rate.any():
         return []
     return list(zip(loading.t.tolist(), loading.V.tolist(), strict=True))

@@ -8,8 +8,13 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ..dynamics.attributes import branch_parameter
-from ..dynamics.results import law_of_result, normal_stress, parameter, slider_parameters
+from ..dynamics.results import (
+    branch_parameter,
+    law_of_result,
+    normal_stress,
+    parameter,
+    slider_parameters,
+)
 from ..dynamics.stabilize import stabilize
 from ..dynamics.verdict_sentences import on_edge
 from ..dynamics.whole_contact import whole_contact

@@ -7,7 +7,7 @@ import pickle
 import time
 from typing import Any, NamedTuple
 
-from ..dynamics.results import versions
+from ..dynamics.recipe import versions
 from ..errors import RateStateError, SolverError
 from . import sentence
 from .jobs import Jobs

@@ -8,7 +8,7 @@ the ``features`` that code may use and, for the device "cuda", ``gpu``.
 
 import json
 
-from ..dynamics.results import versions
+from ..dynamics.recipe import versions
 from ..engine.cuda_driver import gpu_name
 from ..engine.machine_code import processor as this_processor
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import zarr
 
-from ..dynamics.results import versions
+from ..dynamics.recipe import versions
 from ..errors import StoreError
 from . import sentence
 from .create import add_record, make, temporary_sibling
@@ -98,11 +98,11 @@ def _check_origins(record, done, now, mixed):
 
 
 def _layouts(request):
-    """Layouts of the variables that this version computes, by name; names of coordinates."""
+    """Return the layouts of the variables that are computed, by name, and the names of others."""
     form = request.form
-    coordinates = request.call.dataset(form.static).coords.keys() - form.specs.keys()
+    others = request.call.dataset(form.static).variables.keys() - form.specs.keys()
     layouts = {name: _layout(spec.dims, spec.dtype) for name, spec in form.specs.items()}
-    return layouts, coordinates
+    return layouts, others
 
 
 def _variables(record, computed, coordinates, mixed):

@@ -92,11 +92,12 @@ def test_contract(tmp_path):
         assert name == "special" or variable.attrs["units"], name
     assert branch.V_lp.attrs["units"] == "m/s"
     assert (branch.status == 0).all()
-    assert rs.SpringSlider(**json.loads(branch.attrs["slider"])) == STRIP
+    assert rs.SpringSlider(**json.loads(branch.attrs["scenario"])["slider"]) == STRIP
     assert branch.attrs["title"] == "ratestate continue_cycle"
-    asked = {name: branch.attrs[name] for name in ("parameter", "start", "stop", "rtol")}
-    assert asked == {"parameter": "V_lp", "start": 3.6e-4, "stop": 1e-4, "rtol": 1e-7}
-    assert "V_lp" not in branch.attrs
+    asked = json.loads(branch.attrs["scenario"])
+    del asked["slider"]
+    given = {"parameter": "V_lp", "start": 3.6e-4, "stop": 1e-4, "rtol": 1e-7}
+    assert asked == {"verb": "continue_cycle", **given}
     branch.to_netcdf(tmp_path / "branch.nc", engine="h5netcdf")
     with xr.open_dataset(tmp_path / "branch.nc", engine="h5netcdf") as back:
         xr.testing.assert_identical(branch, back.load())
@@ -106,7 +107,7 @@ def test_contract_at_constant_speed(tmp_path):
     branch = continue_cycle(FIG2, "K", "900 MPa/m", "1 GPa/m", V_lp="10 mm/s", rtol=1e-6)
     assert branch.K.dims == ("point",)
     assert branch.V_lp.dims == ()
-    assert float(branch.V_lp) == json.loads(branch.attrs["V_lp"]) == 1e-2
+    assert float(branch.V_lp) == json.loads(branch.attrs["scenario"])["V_lp"] == 1e-2
     branch.to_netcdf(tmp_path / "branch.nc", engine="h5netcdf")
     with xr.open_dataset(tmp_path / "branch.nc", engine="h5netcdf") as back:
         xr.testing.assert_identical(branch, back.load())
@@ -470,7 +471,7 @@ def test_stop_out_of_reach(monkeypatch):
     assert best.Dc[0] == 1e-18
     assert f"Dc = {float(best.Dc[-1]):.6g}" in str(caught.value)
     assert list(best.data_vars) == names
-    assert json.loads(best.attrs["V_lp"]) == 1e-2
+    assert json.loads(best.attrs["scenario"])["V_lp"] == 1e-2
 
 
 def test_too_many_points(monkeypatch):

@@ -40,7 +40,7 @@ def test_contract():
     flags = found.status.attrs["flag_meanings"].split()
     assert len(flags) == len(found.status.attrs["flag_values"])
     assert found.V_lp == 1e-5
-    assert SpringSlider(**json.loads(found.attrs["slider"])) == STICK
+    assert SpringSlider(**json.loads(found.attrs["scenario"])["slider"]) == STICK
     assert float(found.V_min) < 1e-5 < float(found.V_max)
     assert 0 < float(found.inertia) < 1
 

@@ -126,7 +126,7 @@ def test_large_arrays_are_rebuilt_from_coordinates(tmp_path):
     shape = xr.DataArray(np.geomspace(1.0, 2.0, 1010).reshape(2, 505), dims=("one", "two"))
     sweep = FIG2.replace(K=6e9 * shape)
     back = through_a_file(limit_cycle(sweep, 1e-6, rtol=1e-6), tmp_path / "cycles.nc")
-    assert json.loads(back.attrs["slider"])["K"]["values"] == "coordinate K"
+    assert json.loads(back.attrs["scenario"])["slider"]["K"] == {"variable": "K"}
     assert rebuilt(back).K.dims == ("one", "two")
     np.testing.assert_array_equal(rebuilt(back).K, 6e9 * shape)
 

@@ -183,19 +183,14 @@ def test_provenance_is_enough_to_run_again():
     initial = {"theta": "1 s"}
     loading = Loading.steps(1e-4, (0.1, 3e-3))
     run = simulate(SLIDER, loading, 0.2, initial=initial, rtol=1e-7)
-    slider = SpringSlider(**json.loads(run.attrs["slider"]))
-    assert slider == SLIDER
-    calls = json.loads(run.attrs["loading"])
+    recorded = json.loads(run.attrs["scenario"])
+    calls = recorded.pop("loading")
     assert calls == [["constant", {"V": 1e-4}], ["step", {"t": 0.1, "V": 3e-3}]]
-    again = simulate(
-        slider,
-        Loading.constant(**calls[0][1]).step(**calls[1][1]),
-        json.loads(run.attrs["t_end"]),
-        V_start=json.loads(run.attrs["V_start"]),
-        initial=json.loads(run.attrs["initial"]),
-        rtol=run.attrs["rtol"],
-        method=run.attrs["method"],
-    )
+    assert recorded.pop("verb") == "simulate"
+    slider = SpringSlider(**recorded.pop("slider"))
+    assert slider == SLIDER
+    loading = Loading.constant(**calls[0][1]).step(**calls[1][1])
+    again = simulate(slider, loading, **recorded)
     xr.testing.assert_identical(run, again)
     assert {"ratestate", "llvmlite", "numpy"} <= set(json.loads(run.attrs["versions"]))
 
@@ -216,7 +211,7 @@ def test_netcdf_round_trip(case, tmp_path):
         xr.testing.assert_equal(run, back.load())
         assert back.status.dtype == np.int8
         assert back.status.attrs["flag_meanings"] == run.status.attrs["flag_meanings"]
-        assert back.attrs["slider"] == run.attrs["slider"]
+        assert back.attrs["scenario"] == run.attrs["scenario"]
 
 
 # The start and the load point ---------------------------------------------------------------------

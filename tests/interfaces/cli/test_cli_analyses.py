@@ -106,7 +106,7 @@ def test_numbers_are_those_of_the_python_api(command, lab, api):
     assert found["title"] == api[command].attrs["title"]
     assert found["ratestate"] == rs.__version__
     assert found["failed"] == 0
-    assert found["attrs"]["slider"]["K"] == 9e8
+    assert found["attrs"]["scenario"]["slider"]["K"] == 9e8
     same = files.split(api[command])
     assert found["data_vars"].keys() == {*same.data_vars}
     assert found["coords"].keys() == {*same.coords}
@@ -414,7 +414,7 @@ def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
     lab.write_text(LAB.replace('"900 MPa/m"', "inf"))
     found = parse_strict(call("stability", lab, "--json").stdout)
     assert found["data_vars"]["V_c"]["data"] == "inf"
-    assert found["attrs"]["slider"]["K"] == "inf"
+    assert found["attrs"]["scenario"]["slider"]["K"] == "inf"
     assert found["data_vars"]["eigenvalues_real"]["data"][1:] == ["-inf", "-inf"]
     assert "stable at any speed" in call("stability", lab).stdout
 

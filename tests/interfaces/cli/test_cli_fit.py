@@ -130,7 +130,7 @@ def test_a_fit_is_no_scenario(tmp_path):
     path = files.write(xarray.Dataset(attrs={"title": "ratestate fit"}), tmp_path / "fit.nc")
     done = CliRunner().invoke(main, ["run", "--from", str(path)])
     assert done.exit_code == 2
-    assert "the result is a fit" in done.stderr
+    assert "a fit has no scenario" in done.stderr
     assert "slider_of(result)" in " ".join(done.stderr.split())
 
 

@@ -65,11 +65,11 @@ def test_a_run_takes_its_law_from_the_option_and_is_repeated_by_it(mine):
     done = call("run", "mine.toml", "--law-file", "mine.py", "--out", "first.nc")
     assert done.exit_code == 0
     first = files.read("first.nc")
-    assert json.loads(first.attrs["slider"])["law"] == mine
+    assert json.loads(first.attrs["scenario"])["slider"]["law"] == mine
     forget(mine)
     refused = call("run", "--from", "first.nc")
     assert refused.exit_code == 2
-    assert refused.stderr.startswith(f"error: the result is of the law '{mine}', a user's own")
+    assert refused.stderr.startswith(f"error: law = '{mine}' is a user's law that is not regis")
     assert mine not in LAWS  # no code was run
     assert (
         call("run", "--from", "first.nc", "--law-file", "mine.py", "--out", "b.nc").exit_code == 0
@@ -83,7 +83,7 @@ def test_standard_input_takes_no_law_file_but_that_of_the_option(mine):
     assert "'mine.py' is code, which is run for a scenario file only" in refused.stderr
     assert mine not in LAWS
     done = call("stability", "-", "--law-file", "mine.py", "--json", input=text)
-    assert json.loads(done.stdout)["attrs"]["slider"]["law"] == mine
+    assert json.loads(done.stdout)["attrs"]["scenario"]["slider"]["law"] == mine
 
 
 def test_a_store_is_of_the_law_by_its_hash(mine, law_file):

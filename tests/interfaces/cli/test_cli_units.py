@@ -87,7 +87,7 @@ def test_the_whole_contact_in_files_and_json(file, tmp_path):
     again = read(tmp_path / "y.nc")
     np.testing.assert_array_equal(again.tau, written.tau)
     np.testing.assert_allclose(again.force, 1e3 * written.force, rtol=1e-14)
-    assert json.loads(again.attrs["slider"])["area"] == 2e-3
+    assert json.loads(again.attrs["scenario"])["slider"]["area"] == 2e-3
 
 
 SWEEP = """[sweep]

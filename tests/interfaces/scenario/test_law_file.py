@@ -148,13 +148,13 @@ def test_a_result_of_a_law_that_is_not_known_says_what_to_give(write, law_file):
     slider = load(write()).slider
     result, name = rs.stability(slider, 1e-3), slider.law
     assert from_result(result).slider == slider
-    edited = rs.register(law_file(MINE.replace("(1 - ", "2 * (1 - ")))
+    rs.register(law_file(MINE.replace("(1 - ", "2 * (1 - ")))
     LAWS.pop(name)
     LAW_NAMES.pop(name)
     with pytest.raises(ParameterError) as caught:
         from_result(result)
-    for part in (name, "--law-file mine.py", "ratestate.register('mine.py')", edited):
-        assert part in str(caught.value)
+    assert f"law = {name!r} is a user's law that is not registered" in str(caught.value)
+    assert "ratestate.register('mine.py')" in str(caught.value)
 
 
 def test_keys_follow_the_laws_that_are_known(write):

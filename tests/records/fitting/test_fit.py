@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from synthetic_records import FREE, SLIDER, assert_finds, record
 
 import ratestate as rs
-from ratestate.dynamics.recorded_loading import recorded_loading
+from ratestate.dynamics.recipe import recorded_loading
 from ratestate.records.fitting.record import record_of
 from ratestate.records.fitting.unknowns import unknowns_of
 

@@ -12,7 +12,7 @@ from naive import FIG2, Naive, one_cycle
 
 import ratestate as rs
 from ratestate import plot
-from ratestate.dynamics.recorded_loading import recorded_loading
+from ratestate.dynamics.recipe import recorded_loading
 from ratestate.records.fitting.cycles import fit as fitting
 from ratestate.records.fitting.cycles import folding
 from ratestate.records.fitting.cycles.features import FEATURES

@@ -15,8 +15,8 @@ from ...model.slider import check_slider
 from ...model.units import is_array, to_si
 from ..cycles.variables import VARIABLES, cycle_variables
 from ..progress import bar
+from ..recipe import record_scenario
 from ..refusals import refusal, sentence
-from ..results import provenance
 from ..simulation.settings import checked_rtol
 from .branch_start import beginning, hopf_measures, hopf_near
 from .family import PARAMETERS, Family
@@ -107,7 +107,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     result = _dataset(family, branch, begin.hopf, ends)
     V_lp = None if parameter == "V_lp" else family.values["V_lp"]
     settings = {"parameter": parameter, **ends, "V_lp": V_lp, "rtol": rtol}
-    result.attrs = provenance("continue_cycle", slider, **settings)
+    record_scenario(result, "continue_cycle", slider, **settings)
     if branch.end in PREMATURE:
         last = np.exp(branch.points[-1].p if branch.points else begin.p)
         reason = sentence(f"branch_ends.{branch.end}", max_points=MAX_POINTS)

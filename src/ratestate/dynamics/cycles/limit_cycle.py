@@ -14,8 +14,8 @@ from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, check_slider
 from ...model.units import to_si
 from ..progress import bar
+from ..recipe import record_scenario
 from ..refusals import refusal
-from ..results import provenance
 from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
 from .attractor import SLOWER, find_attractors, steady_start
@@ -209,10 +209,11 @@ class LimitCycleCall:
         return (self.batch.flat("V_lp") / self.batch.flat("V_start"))[which]
 
     def dataset(self, variables):
-        """These variables of all cases as a Dataset with coordinates and provenance."""
-        settings = {"rtol": self.rtol, "V_lp": self.V_lp, "V_start": self.V_start}
-        attrs = provenance("limit_cycle", self.slider, **settings)
-        return xarray.Dataset(variables, self.batch.coordinates(VARIABLES), attrs)
+        """Return these variables of all cases as a Dataset with coordinates and scenario."""
+        settings = {"V_lp": self.V_lp, "V_start": self.V_start, "rtol": self.rtol}
+        result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
+        record_scenario(result, "limit_cycle", self.slider, **settings)
+        return result
 
     def refuse_failure(self, result):
         """Raise the exception for a single case without an answer; nothing for a sweep."""

@@ -19,9 +19,8 @@ from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, check_slider
 from ...model.units import is_array, to_si
 from ..progress import bar
-from ..recorded_loading import record_loading
+from ..recipe import record_scenario
 from ..refusals import refusal
-from ..results import provenance
 from .cases import failure
 from .motion import blank_motion, motion_variables, move
 from .settings import check_normal_stress, saved_times, solver_settings
@@ -252,18 +251,24 @@ class SimulateCall:
         return motion_variables(self, motion)
 
     def dataset(self, variables):
-        """These variables of all cases as a Dataset with coordinates, provenance and loading."""
+        """Return these variables of all cases as a Dataset with coordinates and scenario."""
         coords = self.batch.coordinates(self.names)
         if self.V_start is None:
             coords.pop("V_start", None)
-        initial = {name.removesuffix("_initial"): v for name, v in self.initial.items()}
-        values = {symbol: self.batch.values[symbol] for symbol in ("V_start", "t_end")}
-        if self.times is not None:
-            values["times"] = "as saved"  # else the solver's own steps, or the end
-        settings = {"method": self.method, "rtol": self.rtol, "initial": initial}
-        attributes = provenance("simulate", self.slider, **settings, **values)
-        result = xarray.Dataset(variables, coords, attributes)
+        result = xarray.Dataset(variables, coords)
         if "t" in variables:
             result = result.set_coords("t")
-        record_loading(result, self.loading)
+        initial = {name.removesuffix("_initial"): x for name, x in self.initial.items()}
+        record_scenario(
+            result,
+            "simulate",
+            self.slider,
+            loading=self.loading,
+            t_end=self.t_end,
+            V_start=self.V_start,
+            initial=initial or None,
+            times=self.times,
+            rtol=self.rtol,
+            method=self.method,
+        )
         return result

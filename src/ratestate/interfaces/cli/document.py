@@ -11,7 +11,7 @@ from .verdict_text import VerdictText
 
 # Attributes of a result that hold JSON.
 NESTED = (
-    *("slider", "V_lp", "V_start", "t_end", "initial", "frequency", "loading", "versions"),
+    *("scenario", "slider", "loading", "versions"),
     *("free", "columns", "notes"),  # of a fit
     *("noise", "remarks"),  # of healing, and of a machine
 )

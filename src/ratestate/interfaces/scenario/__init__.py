@@ -53,10 +53,8 @@
 ``checks``                      which arguments do not go together
 ``assemble``                    the scenario out of the tables; which of them the function takes
 ``problems``, ``messages.toml`` how problems are reported, all together
-``model``                       `Scenario`, and which functions one may call
-``results``                     the scenario that made a result
-``as_toml``, ``as_python``      a scenario written down
-``literals``                    numbers in it that are read back bit-for-bit
+``model``                       `Scenario`, of a result too, and which functions one may call
+``as_toml``, ``as_python``      a scenario written down, with numbers that are read back exactly
 =============================== ================================================================
 """
 
@@ -64,8 +62,7 @@ from ..templates import TEMPLATES, template
 from .as_python import python
 from .as_toml import toml
 from .files import LARGEST, load, loads
-from .model import Output, Scenario, run
-from .results import from_result
+from .model import Output, Scenario, from_result, run
 
 __all__ = [
     "LARGEST",

@@ -1,4 +1,4 @@
-"""A scenario as Python lines."""
+"""Python lines from a scenario."""
 
 import json
 from typing import Any
@@ -10,15 +10,15 @@ from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.units import is_array
 from ...model.user_laws import file_of_law
-from .literals import find_axis, is_own_axis, numbers, quantity
+from .as_toml import is_own_axis, numbers, quantity
 from .model import Scenario
 
 
 def python(scenario: Scenario) -> str:
-    """Python lines that run a scenario and assign its Dataset to ``result``.
+    """Return Python lines that run a scenario and assign its Dataset to ``result``.
 
-    They are complete, imports included, and reproduce the result bit-for-bit; a user's law is
-    registered from the file that it came from.
+    They include imports and reproduce the result bit-for-bit.  A user's law is registered from the
+    file that it came from.
 
     Parameters
     ----------
@@ -43,13 +43,13 @@ def python(scenario: Scenario) -> str:
     arguments += [f"{key}={_setting(key, value)}" for key, value in settings.items()]
     lines.append("result = " + _call(f"rs.{scenario.verb}", arguments, 70))
     text = "\n".join(lines)
-    needed = [("numpy as np", "np."), ("xarray", "xarray."), ("ratestate as rs", "rs.")]
+    needed = [("xarray", "xarray."), ("ratestate as rs", "rs.")]
     imports = [f"import {name}" for name, used in needed if used in text]
     return "\n".join([*imports, "", text]) + "\n"
 
 
 def registration(law: str) -> list[str]:
-    """Lines that make a user's law known: none for a built-in one, a comment without a file."""
+    """Return lines that make a user's law known: a comment if it has no file."""
     if HASH_MARK not in law:
         return []
     if file := file_of_law(law):
@@ -58,7 +58,7 @@ def registration(law: str) -> list[str]:
 
 
 def _call(name: str, arguments: list[str], longest: int = 0) -> str:
-    """A call with an argument on each line, or on one line if they are no longer than this."""
+    """Return a call on one line if its arguments have this length, else one line each."""
     text = ", ".join(arguments)
     if len(text) <= longest and "\n" not in text:
         return f"{name}({text})"
@@ -66,7 +66,7 @@ def _call(name: str, arguments: list[str], longest: int = 0) -> str:
 
 
 def _loading(loading: Loading) -> str:
-    """The calls that make a loading."""
+    """Return the calls that make a loading."""
     first, *others = loading.calls
     calls = [_first(first), *(f".{call.method}({_arguments(call)})" for call in others)]
     if others and all(call.method == "step" for call in others):
@@ -79,7 +79,6 @@ def _loading(loading: Loading) -> str:
 
 
 def _first(call: Call) -> str:
-    """The call that begins a loading."""
     if call.method == "series":
         columns = call.arguments.items()
         texts = [f"{symbol}={_column(symbol, values)}" for symbol, values in columns]
@@ -88,13 +87,12 @@ def _first(call: Call) -> str:
 
 
 def _arguments(call: Call) -> str:
-    """The arguments of a call; those that have to be named are."""
+    """Return the arguments of a call, with the names of keyword-only arguments."""
     texts = ((name, _value(call.symbol(name), x)) for name, x in call.arguments.items())
-    return ", ".join(f"{k}={x}" if k in ("period", "t_end") else x for k, x in texts)
+    return ", ".join(f"{k}={x}" if k in ("period", "frequency", "t_end") else x for k, x in texts)
 
 
 def _column(symbol: str, values: Any) -> str:
-    """A column of a record."""
     if not is_array(values):
         return numbers(values)
     rows = [values.isel(segment=i, drop=True) for i in range(values.sizes["segment"])]
@@ -102,32 +100,20 @@ def _column(symbol: str, values: Any) -> str:
 
 
 def _setting(key: str, value: Any) -> str:
-    """An argument of the function."""
     if key == "initial":
         return "{" + ", ".join(f'"{k}": {_value(k, v)}' for k, v in value.items()) + "}"
     if key in ("start", "stop"):
-        return repr(value)  # in SI; which unit that is says the parameter
+        return repr(value)  # in the SI unit of the parameter
     if not isinstance(value, np.ndarray):
         return _value(key, value)
-    # saved times: a call of linspace if they are evenly spaced, else a list
-    even = np.linspace(value[0], value[-1], value.size)
-    for suffix, times in (("", even), (".round(12)", even.round(12))):
-        if value.size > 2 and np.array_equal(times, value):
-            return f"np.linspace({float(value[0])!r}, {float(value[-1])!r}, {value.size}){suffix}"
     return numbers(value, " " * 8)
 
 
 def _value(symbol: str, value: Any) -> str:
-    """A value: string, quantity, or array with names."""
-    if isinstance(value, str):
-        return f'"{value}"'
+    """Return a literal of a text, a quantity, or an array with names."""
     if not is_array(value):
-        return quantity(symbol, value) if np.isfinite(value) else 'float("inf")'
+        return 'float("inf")' if value == np.inf else quantity(symbol, value)
     if is_own_axis(symbol, value):
-        axis = find_axis(symbol, value.values)
-        if axis is not None and axis.scale == "log":
-            first, last = quantity(symbol, axis.first), quantity(symbol, axis.last)
-            return f'rs.logspace("{symbol}", {first}, {last}, {axis.size})'
         return f'xarray.DataArray({numbers(value.values, " " * 8)}, dims="{symbol}")'
     coords = {
         name: (c.dims, c.values.tolist())

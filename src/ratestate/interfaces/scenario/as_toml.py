@@ -1,5 +1,8 @@
-"""A scenario as the text of a file."""
+"""The text of a scenario file from a scenario."""
 
+import json
+import textwrap
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +13,16 @@ from ...friction.law_formula import HASH_MARK, LOG
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES
-from ...model.quantities import QUANTITIES
+from ...model.quantities import QUANTITIES, exact_text
 from ...model.units import is_array
 from ...model.user_laws import file_of_law
-from .literals import find_axis, is_own_axis, numbers, quantity
 from .model import FUNCTIONS, Scenario
+
+WIDTH = 93  # characters of a line
 
 
 def toml(scenario: Scenario) -> str:
-    """The text of a scenario file, from which `load` makes the same scenario, bit-for-bit.
+    """Return the text of a scenario file, from which `load` makes the same scenario, bit-for-bit.
 
     Parameters
     ----------
@@ -33,14 +37,13 @@ def toml(scenario: Scenario) -> str:
     Raises
     ------
     ParameterError
-        The scenario sweeps what a file cannot: an array along another dimension than its own.
+        If the scenario sweeps something that a file cannot sweep: an array along a dimension that
+        is not its own.
 
     Notes
     -----
     A law that was registered from a file is named with the hash of its source, and its file by its
-    whole path.
-    Values whose magnitude `load` refuses (`scenario.values`) are written nevertheless; `load`
-    then names them.
+    whole path.  Values of a magnitude that `load` refuses are written nevertheless.
     """
     verb, slider, settings = scenario.verb, scenario.slider.parameters, dict(scenario.settings)
     loading: dict[str, str] = {}
@@ -64,11 +67,11 @@ def toml(scenario: Scenario) -> str:
         if k not in elsewhere
     }
     output = {"file": scenario.output.file, "plot": scenario.output.plot}
-    named = {"verb": f'"{verb}"'}
+    named, form = {"verb": f'"{verb}"'}, scenario.slider.friction
     tables = {
         "slider": {k: _literal(k, v) for k, v in slider.items() if k not in swept}
         | _law(scenario.slider.law)
-        | _form(scenario.slider.friction),
+        | ({} if form == LOG else {"friction": _literal("friction", form)}),
         "loading": loading,
         "run": run if axes or verb == "simulate" else named | run,
         "sweep": named | axes if axes else {},
@@ -82,35 +85,25 @@ def toml(scenario: Scenario) -> str:
 
 
 def _law(name: str) -> dict[str, str]:
-    """The keys for the friction law: with its file, if that is a user's."""
     if file := file_of_law(name):
         return {"law": _literal("law", name), "law_file": _literal("law_file", file)}
     unknown = "  # a user's: law_file names the file that has it" if HASH_MARK in name else ""
     return {"law": _literal("law", name) + unknown}
 
 
-def _form(name: str) -> dict[str, str]:
-    """The key for the form of friction, unless it is that of eq. 1."""
-    return {} if name == LOG else {"friction": _literal("friction", name)}
-
-
 def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
-    """The keys of [loading], and its last speed."""
+    """Return the keys of [loading], and its last speed."""
     first, *events = (call for call in loading.calls if not call.changes_stress)
     values = first.arguments
     stress = _normal_stress([call for call in loading.calls if call.changes_stress])
     if first.method == "series":
         _refuse_arrays("the speeds of a record", values["V_lp"])
         _refuse_arrays("the normal stress of a record", values.get("sigma"))
-        columns = {
-            symbol: f"{numbers(column)}  # {QUANTITIES[symbol].unit}"
-            for symbol, column in values.items()
-        }
+        columns = {symbol: _literal(symbol, column) for symbol, column in values.items()}
         return columns | stress, values["V_lp"][-1]
     if first.method == "sinusoid":
         _refuse_arrays("the amplitude of a sinusoid", values["amplitude"])
-        speeds = [values["V_lp"]]
-        more = {"sinusoid": _table(first, {"amplitude": "amplitude", "period": "period"})}
+        speeds, more = [values["V_lp"]], {"sinusoid": _table(first)}
     else:
         speeds = [call.arguments["V"] for call in (first, *events) if "V" in call.arguments]
         if any(map(is_array, speeds[:-1])):
@@ -118,7 +111,7 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
                 "a scenario file can sweep no speed of a loading but the last one",
                 "Write this scenario as Python, with ratestate.scenario.python(scenario).",
             )
-        steps = [_table(call, {"t": "t", "V": "V_lp", "duration": call.method}) for call in events]
+        steps = [_table(call, V="V_lp", duration=call.method) for call in events]
         more = {"steps": _lines(steps)} if steps else {}
     if not is_array(speeds[0]):
         more = {"V_lp": quantity("V_lp", speeds[0])} | more
@@ -126,32 +119,27 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
 
 
 def _normal_stress(calls: list[Call]) -> dict[str, str]:
-    """The keys of [loading] that change the normal stress."""
-    keys, steps = {}, []
+    """Return the keys of [loading] that change the normal stress."""
     for call in calls:
         _refuse_arrays("normal stress", *call.arguments.values())
-        if call.method == "sigma_sinusoid":
-            names = {name: name for name in call.arguments}
-            keys["sigma_sinusoid"] = _table(call, names)
-        else:
-            steps.append(_table(call, {"t": "t", "sigma": "sigma", "duration": "ramp"}))
-    return ({"sigma_steps": _lines(steps)} if steps else {}) | keys
+    steps = [_table(call, duration="ramp") for call in calls if call.method != "sigma_sinusoid"]
+    waves = [_table(call) for call in calls if call.method == "sigma_sinusoid"]
+    keys = {"sigma_steps": _lines(steps)} if steps else {}
+    return keys | ({"sigma_sinusoid": waves[0]} if waves else {})
 
 
-def _table(call: Call, keys: dict[str, str]) -> str:
-    """An inline table of arguments of a call, under these keys."""
-    given = {name: key for name, key in keys.items() if name in call.arguments}
-    values = {name: call.arguments[name] for name in given}
+def _table(call: Call, **keys: str) -> str:
+    """Return an inline table of a call's arguments; keys replaces their names."""
     literals = {
-        # (a swept last speed is in [sweep])
-        key: quantity(call.symbol(name), 1.0 if is_array(values[name]) else values[name])
-        for name, key in given.items()
+        # the swept last speed is in [sweep]
+        keys.get(name, name): quantity(call.symbol(name), 1.0 if is_array(value) else value)
+        for name, value in call.arguments.items()
+        if name not in ("V_lp", "t_end")
     }
     return _inline(literals)
 
 
 def _lines(tables: list[str]) -> str:
-    """A list with a table on each line."""
     return "[\n" + "".join(f"    {table},\n" for table in tables) + "]"
 
 
@@ -165,7 +153,7 @@ def _refuse_arrays(what: str, *values: Any) -> None:
 
 
 def _axis(symbol: str, value: Any) -> str:
-    """The values of a swept parameter."""
+    """Return the values of a swept parameter."""
     if not is_own_axis(symbol, value):
         ways = OTHER_QUANTITIES.get(symbol, {}).items()
         made_of = [f"{quantity} and {by}" for quantity, (_, by) in ways if by in value.dims]
@@ -181,22 +169,52 @@ def _axis(symbol: str, value: Any) -> str:
 
 
 def _literal(key: str, value: Any) -> str:
-    """A value: text, a table of initial values, an axis between two ends, a list, or a quantity."""
-    if isinstance(value, str | Path):  # without control characters
-        escaped = str(value).replace("\\", "\\\\").replace('"', '\\"')
-        return f'"{escaped}"'
+    """Return a literal of a text, a table of initial values, a list, or a quantity."""
+    if isinstance(value, str | Path):
+        return json.dumps(str(value), ensure_ascii=False)
     if isinstance(value, dict):
         _refuse_arrays("initial values", *value.values())
         return _inline({symbol: quantity(symbol, x) for symbol, x in value.items()})
     if not isinstance(value, np.ndarray):
         return quantity(key, value)
-    if axis := find_axis(key, value):
-        ends = {"from": quantity(key, axis.first), "to": quantity(key, axis.last)}
-        return _inline({**ends, "n": f"{axis.size}", "scale": f'"{axis.scale}"'})
     unit = QUANTITIES[key].unit
     return numbers(value) + ("" if unit == "1" else f"  # {unit}")
 
 
 def _inline(literals: dict[str, str]) -> str:
-    """An inline table."""
     return f"{{ {', '.join(f'{key} = {literal}' for key, literal in literals.items())} }}"
+
+
+def quantity(symbol: str, value: float | str) -> str:
+    """Return a value as a literal of both TOML and Python, which is read back to the same bits.
+
+    A text stays as it is.  A number in SI becomes a text with a unit if it has one.  Only TOML
+    reads the literal of an infinite number.
+    """
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if not np.isfinite(value):
+        return repr(float(value))
+    text = exact_text(symbol, value)
+    return text if QUANTITIES[symbol].unit == "1" else f'"{text}"'
+
+
+def numbers(values: Iterable[float], indent: str = "    ") -> str:
+    """Return a list of numbers, on several lines if it is long, for both TOML and Python."""
+    literals = [repr(float(x)) for x in values]
+    if sum(map(len, literals)) + 2 * len(literals) <= 70:
+        return f"[{', '.join(literals)}]"
+    line = "".join(f"{literal}, " for literal in literals)
+    lines = textwrap.wrap(
+        line, WIDTH, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False
+    )
+    return "\n".join(["[", *lines, "]"])
+
+
+def is_own_axis(symbol: str, value: Any) -> bool:
+    """Return whether an array lies along a dimension of its own name, without other labels."""
+    if not is_array(value) or value.dims != (symbol,):
+        return False
+    labels = value.coords.get(symbol)
+    same = labels is None or (labels.dims == (symbol,) and np.array_equal(labels, value))
+    return bool(same and not value.coords.keys() - {symbol})

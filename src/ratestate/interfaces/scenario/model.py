@@ -1,14 +1,21 @@
 """A scenario: a function to call, its slider, its settings, and where the result goes."""
 
 import dataclasses
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+import xarray
+
 from ...dynamics.continuation.branch import check_rtol, checked_family, continue_cycle
 from ...dynamics.cycles.limit_cycle import limit_cycle_call
+from ...dynamics.recipe import recorded_call
 from ...dynamics.simulation.settings import solver_settings
+from ...errors import ParameterError
 from ...model.slider import SpringSlider
+from ...model.units import is_array
 from ...sweeps.calls import FUNCTIONS as SWEPT
 
 #: for checks that do not depend on the slider
@@ -108,3 +115,58 @@ def run(scenario: Scenario) -> Any:
         What the function returns; it raises what that raises.
     """
     return FUNCTIONS[scenario.verb].call(scenario.slider, **scenario.settings)
+
+
+def from_result(result: Any) -> Scenario:
+    """Return the scenario that made a result: run again, it gives the same bits.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Of `simulate`, `limit_cycle`, `stability`, `frequency_response` or `continue_cycle`, or of a
+        sweep of one, as it was returned or as it is read from a file.
+
+    Returns
+    -------
+    Scenario
+        The scenario, without output.  If cases were selected from a sweep, it has these cases.
+
+    Raises
+    ------
+    ParameterError
+        If the Dataset is not such a result, if an earlier version of ratestate made it, or if it
+        has lost attributes or variables that record the scenario.
+    """
+    wanted = "Give a Dataset as a function of ratestate returned it, or as read from its file."
+    if not isinstance(result, xarray.Dataset):
+        raise ParameterError(f"a {type(result).__name__} is not a result", wanted)
+    title = str(result.attrs.get("title", ""))
+    if title == "ratestate fit":
+        raise ParameterError(
+            "a fit has no scenario",
+            "Fit the record again with ratestate fit, or with the lines of Python in its report.md. "
+            "For the slider of the fit use ratestate.fitting.slider_of(result).",
+        )
+    verb = title.removeprefix("ratestate ")
+    if verb not in FUNCTIONS or title == verb:
+        raise ParameterError(f"a result with the title {title[:60]!r} has no scenario", wanted)
+    try:
+        slider, given = recorded_call(result)
+        function = FUNCTIONS[verb]
+        bound = inspect.signature(function.call).bind(SpringSlider(**slider), **given)
+        settings = {k: x for k, x in given.items() if not _is_default(x, bound.signature, k)}
+        scenario = Scenario(verb, bound.arguments["slider"], settings)
+        bound.apply_defaults()
+        getattr(function.checked(**bound.arguments), "batch", None)  # refuses arrays that clash
+    except ParameterError:
+        raise
+    except Exception as error:  # attributes and variables may be altered in any way
+        problem = f"the scenario in the result is altered ({type(error).__name__}: {error})"
+        raise ParameterError(problem, wanted) from None
+    return scenario
+
+
+def _is_default(value: Any, signature: inspect.Signature, key: str) -> bool:
+    if is_array(value) or isinstance(value, np.ndarray):
+        return False
+    return bool(value == signature.parameters[key].default)

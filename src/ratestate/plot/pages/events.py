@@ -102,7 +102,8 @@ def _named(catalogues):
 
 def _name(data):
     """What a catalogue is called: its file, or what it is of."""
-    return str(data.attrs.get("source") or ("simulated" if "slider" in data.attrs else "measured"))
+    is_simulated = {"scenario", "slider"} & data.attrs.keys()
+    return str(data.attrs.get("source") or ("simulated" if is_simulated else "measured"))
 
 
 def _title(named):

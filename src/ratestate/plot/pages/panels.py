@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ...dynamics.recorded_loading import known_loading
-from ...dynamics.results import MANY, normal_stress
+from ...dynamics.recipe import MANY, recorded_loading
+from ...dynamics.results import normal_stress
 from ...dynamics.steady_sliding import steady_stress
 from ..labels import GRAY, RED, STRESS, prefixed
 from ..layout import ABOVE, is_wide, show_constant
@@ -39,7 +39,7 @@ def _speed_axis(runs, ax):
 def _load(run):
     """Times and speeds of the load point, with its jumps if they are known; NaN at rest."""
     t, V = run.time.values, run.V_load.values
-    loading = known_loading(run)  # (not of one case of a sweep, nor of an earlier version)
+    loading = recorded_loading(run)
     if loading is not None and loading.V.ndim == 1 and loading.t.size <= MANY:
         starts = loading.t - run.attrs.get("t_zero", 0.0)
         ends = np.append(starts[1:], max(t[-1], starts[-1]))

@@ -1,6 +1,5 @@
 """The pages of runs and of a limit cycle: stress, speed against time, and the phase plane."""
 
-from ...dynamics.attributes import number
 from ...dynamics.cycles.orbit import orbit
 from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter, slider_parameters
@@ -72,7 +71,7 @@ def cycle_page(cycle):
         f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law].name}: "
         f"{value_text('period', float(cycle.period))}, {_peak_to_peak(cycle)}"
     )
-    return _motion(orbit(slider, V_lp, rtol=number(cycle, "rtol")), title, cycle)
+    return _motion(orbit(slider, V_lp, rtol=parameter(cycle, "rtol")), title, cycle)
 
 
 def _peak_to_peak(cycle):

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from ...dynamics.recorded_loading import record_loading
+from ...dynamics.recipe import record_loading
 from ...friction.laws import friction_law
 from ..kit.results import labelled
 from ..messages import fitting as sentences

@@ -2,7 +2,7 @@
 
 import json
 
-from ...dynamics.results import versions
+from ...dynamics.recipe import versions
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from ..fitting.settings import CHOICES, check_choice

@@ -3,7 +3,8 @@
 import numpy as np
 import xarray
 
-from ...dynamics.results import provenance, versions
+from ...dynamics.recipe import versions
+from ...dynamics.results import provenance
 from ...friction.laws import friction_law
 from ...model.conversion import in_si
 from ...model.names import keywords_checked

@@ -1,6 +1,6 @@
 """The function `events`: the catalogue of stick-slip events in a record or a run."""
 
-from ...dynamics.results import versions
+from ...dynamics.recipe import versions
 from ...model.names import keywords_checked
 from .catalogue import catalogue_of
 from .series import series_of
@@ -92,7 +92,8 @@ def events(data, *, K=None, M=None, sigma=None):
     """
     series = series_of(data, K, M, sigma)
     catalogue, stiffness = catalogue_of(series)
-    kept = {name: data.attrs[name] for name in ("source", "slider") if name in data.attrs}
+    names = ("source", "scenario", "slider")
+    kept = {name: data.attrs[name] for name in names if name in data.attrs}
     mass = {} if series.M is None else {"M": series.M}
     return catalogue.assign_attrs(
         title="ratestate events", **kept, **mass, stiffness=stiffness.text, versions=versions()

@@ -106,7 +106,7 @@ def _series_of_run(run, given):
         K_source="run" if given["K"] is None else "given",
         M=slider["M"] if given["M"] is None else given["M"],
         V=column(run, "V") if np.abs(tau - spring).max() <= allowed else None,
-        resolution=float(run.attrs.get("rtol", 1e-6)) * slider["a"] * float(sigma.max()),
+        resolution=parameter(run, "rtol") * slider["a"] * float(sigma.max()),
     )
 
 

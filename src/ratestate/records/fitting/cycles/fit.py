@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from scipy.special import chdtrc
 
-from ....dynamics.recorded_loading import record_loading
+from ....dynamics.recipe import record_loading
 from ....errors import ParameterError
 from ....model.loading import Loading
 from ....model.quantities import readable
