@@ -144,8 +144,8 @@ def from_result(result: Any) -> Scenario:
     if title == "ratestate fit":
         raise ParameterError(
             "a fit has no scenario",
-            "Fit the record again with ratestate fit, or with the lines of Python in its report.md. "
-            "For the slider of the fit use ratestate.fitting.slider_of(result).",
+            "Fit the record again with ratestate fit, or with the lines of Python in its "
+            "report.md. For the slider of the fit use ratestate.fitting.slider_of(result).",
         )
     verb = title.removeprefix("ratestate ")
     if verb not in FUNCTIONS or title == verb:
