@@ -1,4 +1,4 @@
-"""What results have in common: flags, the attributes that say how they were made, parameters."""
+"""Common parts of results: flags, provenance, the slider's parameters, domain of the law."""
 
 import functools
 import json
@@ -19,23 +19,25 @@ from .refusals import refusal
 
 
 def columns(batch):
-    """All values of a batch by name: (n,) arrays ``.a``, ``.b``, ``.Dc`` and so on."""
+    """Return all values of a batch by name: (n,) arrays ``.a``, ``.b``, ``.Dc`` and so on."""
     return SimpleNamespace(**batch.columns)
 
 
 def flags(meanings):
-    """CF attributes ``flag_values`` (int8) and ``flag_meanings``, from {number: meaning}."""
+    """Return the CF attributes ``flag_values`` and ``flag_meanings`` from {number: meaning}."""
     words = (meaning.replace(" ", "_") for meaning in meanings.values())
     return {"flag_values": np.array(list(meanings), np.int8), "flag_meanings": " ".join(words)}
 
 
 def status_variable(batch, status):
-    """The status (n,) of the cases, as a Variable in the sweep's dimensions: int8 with CF flags."""
+    """Return the status (n,) as a Variable in the sweep's dimensions: int8 with CF flags."""
     variable = batch.variable(np.asarray(status, np.int8), "status")
     variable.attrs |= flags({code: name for code, (name, _) in STATUSES.items()})
     return variable
 
 
+#: flag of ``outside_domain`` -> its meaning
+OUTSIDE_DOMAIN = {-1: "unknown", 0: "inside", 1: "mu_negative", 2: "spring_reverses", 3: "both"}
 #: settings that are JSON in the attributes, as they may be arrays
 AS_JSON = ("V_lp", "V_start", "t_end", "initial", "frequency")
 
@@ -154,5 +156,30 @@ def _labels(coordinate, value):
 
 
 def normal_stress(result):
-    """Normal stress [Pa] of a result of `simulate`: along its times, where it varies."""
+    """Return the normal stress [Pa] of a result of `simulate`, along its times if it varies."""
     return result["sigma"] if "sigma" in result.data_vars else parameter(result, "sigma")
+
+
+def outside_domain(law, mu_min, reversal_margin):
+    """Return whether the motion leaves the law's domain, int8 of `OUTSIDE_DOMAIN`.
+
+    Eq. 1 is for forward slip, V > 0, against which friction acts.  It allows mu < 0, where friction
+    would have to push; and it does not reverse the slip if the spring pulls the slider back harder
+    than friction can hold, tau < -sigma mu.  The computed motion goes on, but no real slider moves
+    like that.  Friction that is finite at rest allows both: there slip reverses.
+    """
+    outside = (mu_min < 0.0) + 2 * (reversal_margin < 0.0)
+    outside = np.where(law.reverses, 0, outside)
+    return np.where(np.isnan(mu_min), -1, outside).astype(np.int8)
+
+
+def domain_variables(law, batch, mu_min, reversal_margin):
+    """Return ``mu_min``, ``reversal_margin`` and ``outside_domain``, name -> Variable.
+
+    mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN if there is no motion
+    """
+    code = outside_domain(law, mu_min, reversal_margin)
+    values = {"mu_min": mu_min, "reversal_margin": reversal_margin, "outside_domain": code}
+    variables = {name: batch.variable(value, name) for name, value in values.items()}
+    variables["outside_domain"].attrs |= flags(OUTSIDE_DOMAIN)
+    return variables

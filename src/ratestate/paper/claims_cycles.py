@@ -7,7 +7,7 @@ import xarray
 from scipy.interpolate import make_interp_spline
 
 from .. import Loading, limit_cycle, logspace
-from ..dynamics.cycles.orbit import orbit
+from ..dynamics.cycles.limit_cycle import orbit
 from .claim import LOOSE, SENTENCES, TIGHT, exact, floats, pair
 from .parameters import FIG4, FIG4_K
 from .scheme_map import EULER, LARGEST, last_cycle, time_step

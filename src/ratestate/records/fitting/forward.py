@@ -9,8 +9,7 @@ the motions themselves, also for fits of cycles.
 
 import numpy as np
 
-from ...dynamics.simulation.cases import V_LIMIT
-from ...dynamics.simulation.loads import comes_to_rest, engine_loads
+from ...dynamics.simulation.cases import V_LIMIT, comes_to_rest, engine_loads
 from ...engine import dispatch
 from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
 from ...errors import ParameterError
