@@ -26,7 +26,7 @@ from .cycles.system import small_amplitude, state, steady_sliding_at, system_of
 from .progress import bar
 from .results import columns, provenance
 
-#: kinds of disturbances, by number; the size of a step is |ln(V_lp/V)|, and that of a kick
+#: kinds of disturbances, by number; a step has the size |ln(V_lp/V)|, a kick
 #: |change of tau|/(a sigma)
 KINDS = ("step_up", "step_down", "kick_up", "kick_down")
 #: measures of the limit cycle beyond, and of the unstable one between

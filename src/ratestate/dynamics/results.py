@@ -43,10 +43,10 @@ AS_JSON = ("V_lp", "V_start", "t_end", "initial", "frequency")
 
 
 def provenance(function, slider, **settings):
-    """Attributes, as a dict, from which a result can be reproduced.
+    """Return attributes from which a result can be reproduced, as a dict.
 
-    The function's name, the slider, the versions of programs, and the settings that are not None;
-    slider, versions and settings in `AS_JSON` are JSON, all others stay as they are.
+    They are the function's name, the slider, the versions of programs, and the settings that are
+    not None.  Slider, versions and settings in `AS_JSON` are JSON.
     """
     given = {name: value for name, value in settings.items() if value is not None}
     return {
@@ -59,7 +59,7 @@ def provenance(function, slider, **settings):
 
 @functools.cache
 def versions():
-    """Versions of the programs that compute the numbers, as JSON (a look-up takes 1 ms)."""
+    """Return the versions of the programs that compute the numbers, as JSON."""
     programs = {name: version(name) for name in ("ratestate", "llvmlite", "numpy")}
     return json.dumps(programs | {"kernels": DIGEST})
 
@@ -69,9 +69,9 @@ MANY = 1000
 
 
 def plain(value):
-    """A value for JSON: of a DataArray ``{"dims": [...], "values": [...]}``, else the value itself.
+    """Return a value for JSON: a DataArray as ``{"dims": [...], "values": [...]}``.
 
-    In place of more than `MANY` values stands "coordinate NAME", the DataArray's name.
+    More than `MANY` values are replaced by "coordinate NAME", with the DataArray's name.
     """
     if isinstance(value, dict):
         return {name: plain(x) for name, x in value.items()}
@@ -82,7 +82,7 @@ def plain(value):
 
 
 def parameter(result, symbol):
-    """A parameter of the slider that a result was made with, or its V_lp.
+    """Return a parameter of the slider that a result was made with, or its V_lp.
 
     Parameters
     ----------
@@ -90,19 +90,18 @@ def parameter(result, symbol):
         A result of any function.
     symbol : str
         The parameter's symbol, such as "K", or "law", "friction" or "V_lp"; damping and alpha
-        are 0 where there is none.
+        are 0 by default.
 
     Returns
     -------
     float, DataArray or str
-        A DataArray for one that was swept, with the cases that the result still has; also, along
-        ``point``, for the one that changes along a branch.  str: the evolution law.
+        A DataArray if the parameter was swept, with the cases that the result still has, or if it
+        changes along a branch; a str for law and friction.
 
     Raises
     ------
     ParameterError
-        The result has lost its attributes, they are not as they were made, or there is no such
-        parameter.
+        The result has lost its attributes, they were altered, or the parameter is unknown.
     """
     result = in_si(result)
     if "parameter" in result.attrs and attributes.branch_parameter(result) == symbol:
@@ -126,26 +125,23 @@ def parameter(result, symbol):
 
 
 def law_of_result(result, law=None):
-    """The friction law of the slider that a result was made with, with all that it is made of.
+    """Return the friction law, with its friction form and damping, of a result's slider.
 
-    law : its name, where the result is of several
+    law : its name, if the result has several
     """
     law = friction_law(law or parameter(result, "law"))
     return composed(law, parameter(result, "friction"), "damping" in slider_parameters(result))
 
 
 def slider_parameters(result):
-    """Symbols (list of str) of the slider's parameters, the area among them if a result records it.
-
-    ParameterError where the result has lost its attributes.
-    """
+    """Return the symbols of the slider's parameters, with the area if a result records it."""
     known = attributes.from_json(result, "slider", dict)
     common = [*PARAMETERS, "law"]
     return [*common, *(symbol for symbol in known if symbol not in common)]
 
 
 def _labels(coordinate, value):
-    """Whether a coordinate only labels a dimension of the same name as the symbol.
+    """Return whether a coordinate only labels a dimension of the same name as the symbol.
 
     Values that were converted to another unit and back may differ in the last digit.
     """

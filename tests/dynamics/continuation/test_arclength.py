@@ -15,6 +15,12 @@ from ratestate.dynamics.continuation.bifurcations import (
 )
 
 
+@pytest.fixture(autouse=True)
+def long_steps(monkeypatch):
+    """Steps as long as the curvature of the branch allows."""
+    monkeypatch.setattr(arclength, "LARGEST_STEP", 0.2)
+
+
 def follow(evaluate, u0, p0, *, stop, scale, tol=1e-8, noise=1e-10, **options):
     problem = FixedPointProblem(evaluate, np.asarray(scale), tol, noise)
     return arclength.follow_branch(problem, np.asarray(u0), p0, stop, **options)

@@ -1,7 +1,5 @@
 """The function `continue_cycle`: a branch of limit cycles along one parameter."""
 
-from typing import NamedTuple
-
 import numpy as np
 import xarray
 
@@ -91,7 +89,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     family, ends = checked_family(slider, parameter, start, stop, V_lp, rtol)
     p_start, p_stop = np.log([*ends.values()])
     with bar("continue_cycle") as progress:
-        begin = _beginning(family, p_start, p_stop)
+        U, p, hopf = _beginning(family, p_start, p_stop)
 
         def advance(point):
             check_stopped()  # kernels of one orbit at a time are too short to look
@@ -99,21 +97,21 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
                 progress(float(np.clip((point.p - p_start) / (p_stop - p_start), 0.0, 1.0)))
 
         branch = family.branch(
-            begin.U,
-            begin.p,
+            U,
+            p,
             stop=p_stop,
             start=p_start,
-            along=None if begin.hopf is None else np.append(begin.U, 0.0),
+            along=None if hopf is None else np.append(U, 0.0),
             amplitude=lambda point: family.amplitude(point.u, point.p) - END_AMPLITUDE,
             max_points=MAX_POINTS,
             progress=advance,
         )
-    result = _dataset(family, branch, begin.hopf, ends)
+    result = _dataset(family, branch, hopf, ends)
     V_lp = None if parameter == "V_lp" else family.values["V_lp"]
     settings = {"parameter": parameter, **ends, "V_lp": V_lp, "rtol": rtol}
     result.attrs = provenance("continue_cycle", slider, **settings)
     if branch.end in PREMATURE:
-        last = np.exp(branch.points[-1].p if branch.points else begin.p)
+        last = np.exp(branch.points[-1].p if branch.points else p)
         reason = sentence(f"branch_ends.{branch.end}", max_points=MAX_POINTS)
         values = {"last": last, "stop": ends["stop"], "end": branch.end, "reason": reason}
         raise NotConverged(sentence("branch_ends.early", parameter=parameter, **values), result)
@@ -137,8 +135,9 @@ def _dataset(family, branch, hopf, ends):
     for index, p in reversed(hopf_points):
         special.insert(index, "hopf")
         along = np.insert(along, index, np.exp(p))
-        for name, value in _hopf_measures(family, p).items():
-            measures[name] = np.insert(measures[name], index, value[0], axis=0)
+        vanishing = _hopf_measures(family, p)
+        for name, value in measures.items():
+            measures[name] = np.insert(value, index, vanishing.get(name, 0.0), axis=0)
     values = family.values | {
         family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
     }
@@ -197,19 +196,11 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
 # Where a branch begins and ends
 
 
-class _Beginning(NamedTuple):
-    """The first cycle of a branch, and the Hopf point before it, if there is one."""
-
-    U: np.ndarray  # (k,) of the cycle, in the chart of `Family`
-    p: float  # of the cycle: logarithm of the parameter
-    hopf: float | None  # p of the Hopf point
-
-
 def _beginning(family, p_start, p_stop):
-    """Return the `_Beginning` of a branch from p_start to p_stop.
+    """Return U (k,) and p of the first cycle, and p of the Hopf point before it, or None.
 
     It is the cycle reached from steady sliding at V_lp/10 for p_start; or, if this ends in steady
-    sliding, a small cycle beside a Hopf point between the two.
+    sliding, a small cycle beside a Hopf point between p_start and p_stop.
     """
     system = family.system(p_start)
     if system.may_cycle[0]:
@@ -218,7 +209,7 @@ def _beginning(family, p_start, p_stop):
         if status == FINISHED and returns > 1:
             raise NotConverged(sentence("branch_begins.doubled", returns=returns), None)
         if status == FINISHED:
-            return _Beginning(family.chart(attractor.u, [p_start])[0], p_start, None)
+            return family.chart(attractor.u, [p_start])[0], p_start, None
         if status != STEADY_SLIDING:
             name, text = STATUSES[status]
             raise NotConverged(sentence("branch_begins.no_cycle", name=name, text=text), None)
@@ -244,10 +235,10 @@ def _hopf_near(family, p):
 
 
 def _beginning_at_hopf(family, hopf):
-    """Return the `_Beginning` beside the Hopf point, on the side where cycles exist.
+    """Return U and p of a small cycle beside the Hopf point, and p of this.
 
-    Harmonic balance gives the small cycle if it knows the law, else the linear equations give one
-    from which Newton's method goes on.
+    Harmonic balance gives the cycle if it knows the law, else the linear equations give one from
+    which Newton's method goes on.
     """
     at = family.system(hopf)
     margin = START_AMPLITUDE**2 * float(hopf_curvature(at)[0])
@@ -264,31 +255,19 @@ def _beginning_at_hopf(family, hopf):
     if not np.isfinite(u).all():
         values = {"parameter": family.parameter, "value": np.exp(hopf), "eta": at.eta[0]}
         raise NotConverged(sentence("branch_begins.degenerate_hopf", **values), None)
-    return _Beginning(family.chart(u, [p])[0], p, hopf)
+    return family.chart(u, [p])[0], p, hopf
 
 
 def _hopf_measures(family, p):
-    """Return the measures of the vanishing cycle at a Hopf point, as by `measure` but without u."""
-    system = family.system(p)
-    omega, zero = system.critical.omega, np.zeros(1)
-    period = 2.0 * np.pi / omega
-    modes = linear_stability.modes(
-        system.friction_law, system.coefficients, system.kappa, system.eta
-    )
+    """Return those measures of the vanishing cycle at a Hopf point that are not 0."""
+    at = family.system(p)
+    omega = at.critical.omega
+    period = 2.0 * np.pi / omega[0]
+    modes = linear_stability.modes(at.friction_law, at.coefficients, at.kappa, at.eta)
     # The two modes that oscillate become the trivial multiplier and another 1.
     others = linear_stability.other_modes(modes, omega)[0]
     multipliers = np.append(1.0, np.exp(others * period))
-    vanishing = (
-        "amplitude v_max v_min v_max_error v_min_error g_max f_min xf_min slow_fraction residual"
-        " error"
-    )
-    return {
-        **dict.fromkeys(vanishing.split(), zero),
-        **dict.fromkeys(("fundamental", "returns"), zero + 1.0),
-        "period": period,
-        "multipliers": multipliers[None],
-        "multipliers_error": np.zeros((1, len(multipliers))),
-    }
+    return {"period": period, "multipliers": multipliers, "fundamental": 1.0, "returns": 1.0}
 
 
 def _sign_change(function, low, high):

@@ -256,7 +256,7 @@ def _local_map(system, returns, current, rtol):
     found = multipliers(returns)
     first, others = found[:, 0], found[:, 1:]
     target, step = u + newton, distance(system, newton) / size
-    # The engine's tolerance is absolute in ln V, and that of a small cycle must be smaller.
+    # The engine's tolerance is absolute in ln V, so a small cycle needs a smaller one.
     scale = np.minimum(1.0, small_amplitude(system, u))
     attraction = np.fmin(1.0, np.abs(1.0 - first))
     floor = tightest(system, u)

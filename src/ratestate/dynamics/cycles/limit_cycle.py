@@ -35,8 +35,8 @@ VARIABLES = (
 WORST = 1e-2
 # Sliders at a time: enough to fill every lane, few enough to hold in memory.
 CHUNK = 1 << 15
-# Of an orbit: its tolerance divided by that of the cycle, per amplitude of tau/(a sigma); the
-# loosest that draws smooth curves, and the tightest that is above rounding.
+# Tolerance of an orbit divided by rtol of the cycle and its amplitude of tau/(a sigma); the loosest
+# that draws smooth curves, and the tightest that is above rounding.
 FINER, LOOSEST, TIGHTEST = 0.1, 1e-7, 1e-13
 
 
@@ -186,13 +186,16 @@ class LimitCycleCall:
         system = system_of(self.slider.friction_law.name, **self.batch.columns)
         status = np.full(n, STEADY_SLIDING)
         may_cycle = np.flatnonzero(system.may_cycle)
+        slower = np.full(n, SLOWER)
+        if self.V_start is not None:
+            slower = self.batch.flat("V_lp") / self.batch.flat("V_start")
         measures: dict = {}
         for first in range(0, len(may_cycle), CHUNK):
             which = may_cycle[first : first + CHUNK]
             part = system.at(which)
             done, share = first / len(may_cycle), len(which) / len(may_cycle)
             advance = progress and (lambda x, d=done, s=share: progress(d + s * x))
-            start = steady_start(part, self._slower(which))
+            start = steady_start(part, slower[which])
             attractors = find_attractors(part, start, self.rtol, advance)
             status[which] = attractors.status
             cycle = attractors.status == FINISHED
@@ -209,12 +212,6 @@ class LimitCycleCall:
             for value in () if is_single else measures.values():
                 value[doubtful] = np.nan
         return status, measures
-
-    def _slower(self, which):
-        """Return V_lp/V_start of these cases, (n,) or one number."""
-        if self.V_start is None:
-            return SLOWER
-        return (self.batch.flat("V_lp") / self.batch.flat("V_start"))[which]
 
     def dataset(self, variables):
         """Return these variables of all cases as a Dataset with coordinates and provenance."""

@@ -150,7 +150,7 @@ def _errors(orbits, floquet, changes):
     The first three are the larger one of amplitude and period, V_max, and V_min.  Each is the sum
     of four parts: what Newton's step leaves, the errors that steps accumulate, the smallest error
     of a return, and the error of the parameters.  Errors go with the tolerance, so Newton's step
-    leaves its own change times the ratio of this orbit's tolerance to that of the estimate.
+    leaves its own change times the ratio of the tolerances of this orbit and the estimate.
 
     changes : (n, 4) relative changes of amplitude, period, V_max and V_min by Newton's step
     """
@@ -195,7 +195,7 @@ def _rounding_of_state(system, steps):
 def _accumulated_errors(orbits, floquet):
     """Return the errors of amplitude, period, V_max and V_min (n, 4) that steps add up to.
 
-    Also returns those of the multipliers `floquet` (n, k), which the tolerance does not bound.
+    Also returns the errors of the multipliers `floquet` (n, k), which the tolerance does not bound.
 
     The estimate compares with a coarser orbit: steps may accumulate many times the error of one, as
     V falls over decades, or in the stress at b/a near 1, which changes little while ln V and psi
@@ -266,7 +266,7 @@ def orbits_of_one_period(system, cycles, tol, *, waveform=False):
 
 
 def difference(orbits, reference):
-    """Return the `Difference` of orbits from those of reference."""
+    """Return the `Difference` of two sets of orbits."""
     images = orbits.returns.image - reference.returns.image
     return Difference(images, orbits.measures - reference.measures)
 

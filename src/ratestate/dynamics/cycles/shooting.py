@@ -110,10 +110,9 @@ def _jacobian(system, psi, G, d_x, d_psi):
 def iterated_map(system, u, atol, count, *, steady_tol=0.0, observe=False, period=None):
     """Return the `Returns` of `count` (n,) >= 1 returns in a row from u (n, k).
 
-    Numbers and gradients are those of all returns together.  x_high is the largest stress maximum
-    from u on, but not the last one, which on a cycle is the first again.  A slider that does not
-    come back keeps the status of that return.  Other arguments are as in `return_map`, and `period`
-    is that of all returns together.
+    Numbers, gradients and `period` belong to all returns together.  x_high is the largest stress
+    maximum from u on, but not the last one, which on a cycle is the first again.  A slider that
+    does not come back keeps the status of that return.  Other arguments are as in `return_map`.
     """
     n = len(u)
     atol, steady_tol = np.broadcast_to(atol, n), np.broadcast_to(steady_tol, n)

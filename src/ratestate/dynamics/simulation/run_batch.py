@@ -20,7 +20,7 @@ from .cases import comes_to_rest, engine_cases, engine_loads, run_cases, run_pat
 SMALLEST = np.finfo(float).tiny
 
 
-class Motion(NamedTuple):
+class BatchMotion(NamedTuple):
     """The motion of a batch of n cases, at m times each."""
 
     t: np.ndarray  # (m,) or, if each case has its own, (n, m) [s]
@@ -31,7 +31,7 @@ class Motion(NamedTuple):
 
 
 def move(call, progress):
-    """Return the `Motion` of all cases of a `SimulateCall`; a case that fails raises no error.
+    """Return the `BatchMotion` of all cases of a `SimulateCall`; a case that fails raises no error.
 
     It is saved at the call's times, or without them at the own steps of a single case, and at the
     end of a sweep.  Raises ParameterError if initial values contradict each other.
@@ -54,7 +54,7 @@ def move(call, progress):
         states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
     numbers["energy_residual"] = _energy_residual(law, batch, loading, cases, y0, results)
-    return Motion(t, states, numbers, results.status)
+    return BatchMotion(t, states, numbers, results.status)
 
 
 def _saved_at(batch, times):
@@ -67,12 +67,12 @@ def _saved_at(batch, times):
 
 
 def blank_motion(law, batch, times):
-    """Return the `Motion` of a batch that has not been run: NaN, status NO_CONVERGENCE."""
+    """Return the `BatchMotion` of a batch that has not been run: NaN, status NO_CONVERGENCE."""
     t = _saved_at(batch, times)
     nothing = np.full(batch.n, np.nan)
     numbers = dict.fromkeys((*NUMBERS, "energy_residual"), nothing)
     states = np.full((batch.n, t.shape[-1], 2 + len(law.states)), np.nan)
-    return Motion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
+    return BatchMotion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
 
 
 def _energy_residual(law, batch, loading, cases, y0, results):

@@ -12,11 +12,11 @@ from ...model.units import is_array, to_si
 from ..refusals import refusal, sentence
 from ..results import columns
 
-# Differences of x, v and psi from those of steady sliding that are due to rounding.
+# Differences of x, v and psi from steady sliding that are due to rounding.
 ROUNDING = 1e-12
 # Relative difference up to which two speeds count as equal.
 SAME_SPEED = 1e-6
-# Suggested speed of the start, divided by that of the load point.
+# Suggested V_start, divided by the load-point speed.
 OTHER_START = 0.1
 
 

@@ -62,7 +62,7 @@ def simulate(
         The run starts in steady sliding at this speed [m/s], > 0; by default at the loading's
         first, which must then be > 0.
     initial : dict, optional
-        Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override those of the steady start.
+        Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override the steady start.
         If M = 0, two of them determine the third.  If K = inf, V is the load point's speed, and
         theta and tau determine each other.  With friction="regularized" V may be 0 or negative.
     times : array_like or DataArray, optional
@@ -172,7 +172,7 @@ class SimulateCall:
     times: Any = None
     rtol: float = 1e-6
     method: str = "auto"
-    # methods: the `Motion` of all cases, and the variables of `run` from it
+    # methods: the `BatchMotion` of all cases, and the variables of `run` from it
     move, variables = move, motion_variables
 
     @functools.cached_property
