@@ -8,7 +8,7 @@ from timing import cpu, interleaved, one_core
 from ratestate import Loading
 from ratestate.engine.model import NUMBERS
 from ratestate.paper import im2017
-from ratestate.paper.scheme_map import last_cycle
+from ratestate.paper.scheme import last_cycle
 
 AMPLITUDE, STEPS = NUMBERS.index("amplitude"), NUMBERS.index("steps")
 ASKED = 0.01

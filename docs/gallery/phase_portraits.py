@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import ratestate as rs
-from ratestate.dynamics.cycles.orbit import orbit
+from ratestate.dynamics.cycles.limit_cycle import orbit
 
 slider = rs.SpringSlider(
     a=0.005, b=0.008, Dc="10 um", mu0=0.6, V0=1e-9, sigma="4 MPa", M=100, K="960 MPa/m"

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .dynamics.continuation.branch import continue_cycle
     from .dynamics.cycles.limit_cycle import limit_cycle
-    from .dynamics.frequency_response import frequency_response
     from .dynamics.hopf import bautin, hopf
     from .dynamics.simulation.simulate import simulate
     from .dynamics.stabilize import stabilize
-    from .dynamics.steady_sliding import stability
+    from .dynamics.steady_sliding import frequency_response, stability
     from .errors import (
         NotConverged,
         ParameterError,
@@ -93,7 +92,7 @@ _HOMES = {
     "events": "records.stick_slip",
     "explore": "interfaces.explorer.notebook",
     "fit": "records.fitting.fit",
-    "frequency_response": "dynamics.frequency_response",
+    "frequency_response": "dynamics.steady_sliding",
     "healing": "records.healing.healing",
     "hopf": "dynamics.hopf",
     "in_units": "model.conversion",
@@ -118,7 +117,7 @@ _MODULES = {
     "formulas": "friction.formulas",
     "hopf": "dynamics.hopf",
     "lab": "records.reading",
-    "orbit": "dynamics.cycles.orbit",
+    "orbit": "dynamics.cycles.limit_cycle",
     "quasi_static": "friction.quasi_static",
     "regimes": "dynamics.cycles.regimes",
     "scenario": "interfaces.scenario",

@@ -8,7 +8,7 @@ from load_step import load_step
 from textbook import OF_LAW, Textbook, drawn
 
 import ratestate as rs
-from ratestate.dynamics.cycles.orbit import orbit
+from ratestate.dynamics.cycles.limit_cycle import orbit
 from ratestate.friction import normal_form
 from ratestate.friction.laws import LAWS, one_length_laws
 from ratestate.friction.linear_stability import linearisation

@@ -16,7 +16,7 @@ from ratestate.dynamics.cycles.shooting import multipliers, return_map
 from ratestate.dynamics.cycles.small_cycles import curvature
 from ratestate.dynamics.cycles.system import one_length_system, small_amplitude, state
 from ratestate.engine.model import FINISHED, STEADY_SLIDING
-from ratestate.paper import atlas as chart
+from ratestate.paper import atlas_figure as chart
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 N = 24

@@ -10,7 +10,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate import Loading, ParameterError, continue_cycle, limit_cycle, simulate
-from ratestate.dynamics import disturbances
+from ratestate.dynamics import basin
 from ratestate.dynamics.basin import escape
 from ratestate.engine.model import FINISHED, NO_CONVERGENCE, STEP_LIMIT
 from ratestate.friction.quasi_static import (
@@ -324,8 +324,8 @@ def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
     def escapes(system, kind, largest, progress):
         return np.arange(1.0, 5.0), np.array(ends), np.full((4, 2), 0.1)
 
-    monkeypatch.setattr(disturbances, "_search", escapes)
-    monkeypatch.setattr(disturbances, "_is_irregular", lambda system, u: np.full(len(u), True))
+    monkeypatch.setattr(basin, "_search", escapes)
+    monkeypatch.setattr(basin, "_is_irregular", lambda system, u: np.full(len(u), True))
     stiff = STRIP.replace(K=xr.DataArray([6.06e8, 5e8], dims="K"))  # the second has nothing to lose
     found = escape(stiff, V_LP)
     assert found.outcome.values.tolist() == [outcome, "no steady sliding"]
@@ -346,13 +346,13 @@ def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
     def escapes(system, kind, largest, progress):
         return np.arange(1.0, 5.0), np.full(4, NO_CONVERGENCE), np.full((4, 2), 0.01)
 
-    monkeypatch.setattr(disturbances, "_search", escapes)
+    monkeypatch.setattr(basin, "_search", escapes)
     slow = STRIP.replace(K=xr.DataArray([6.06e8], dims="K"))
     found = escape(slow, V_LP)
     assert found.outcome.values.tolist() == ["unknown"]
     assert np.isnan([found[name].values for name in (*STEPS, *KICKS)]).all()
     turns = itertools.cycle([0.02, 0.01])
-    monkeypatch.setattr(disturbances, "small_amplitude", lambda system, u: next(turns))
+    monkeypatch.setattr(basin, "small_amplitude", lambda system, u: next(turns))
     assert escape(slow, V_LP).outcome.values.tolist() == ["irregular cycles"]
 
 

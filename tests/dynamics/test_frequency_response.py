@@ -11,7 +11,7 @@ from textbook import Textbook, drawn
 
 import ratestate as rs
 from ratestate import files
-from ratestate.dynamics.frequency_response import TRANSFER
+from ratestate.dynamics.steady_sliding import TRANSFER
 from ratestate.friction.laws import LAWS, one_length_laws
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)

@@ -14,7 +14,7 @@ import ratestate as rs
 from ratestate import bautin, hopf, stability
 from ratestate.dynamics.cycles.small_cycles import curvature
 from ratestate.friction.normal_form import law_curvatures, lyapunov_1
-from ratestate.paper.laws import LAWS
+from ratestate.paper.figures import LAWS
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
 mp = mpmath.MPContext()

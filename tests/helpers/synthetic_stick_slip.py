@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 
 import ratestate as rs
-from ratestate.dynamics.cycles.orbit import orbit
+from ratestate.dynamics.cycles.limit_cycle import orbit
 
 
 class Cycle(NamedTuple):

@@ -10,18 +10,12 @@ from numpy.polynomial.chebyshev import Chebyshev, chebpts1
 from rich.console import Console
 
 from ratestate import ParameterError, SolverError, limit_cycle, stability
-from ratestate.paper import (
-    claims_regimes,
-    claims_steps,
-    claims_table,
-    scheme,
-    scheme_map,
-)
+from ratestate.paper import claims_cycles, claims_steps, claims_table, scheme
 from ratestate.paper.claim import Claim, exact, pair, statements, to_digits
 from ratestate.paper.claims_table import claims
 from ratestate.paper.fig3 import UNSTABLE
 from ratestate.paper.parameters import FIG2, FIG2_START, FIG4, FIG6
-from ratestate.paper.scheme_map import critical_velocity, multiplier, step_response, time_step
+from ratestate.paper.scheme import critical_velocity, multiplier, step_response, time_step
 
 #: claims of the 156 cases of Fig. 3
 CASES = ("cases_at_10_s", "cases_converged")
@@ -141,7 +135,7 @@ def test_the_scheme_is_the_cause_where_the_table_says_so(rows):
 
 def test_aging_law():
     """Where the laws share an answer they agree; the paper's slip-law numbers are not judged."""
-    parts = [claims_steps.on_friction, claims_steps.on_steps, claims_regimes.on_slow_slip]
+    parts = [claims_steps.on_friction, claims_steps.on_steps, claims_cycles.on_slow_slip]
     rows = {row.id: row for row in claims("aging", parts)}
     verdicts = {name: row.verdict for name, row in rows.items() if row.verdict != "agrees"}
     assert verdicts == {
@@ -182,7 +176,7 @@ def test_critical_velocity_beyond_the_search(monkeypatch):
     assert 0.2 < critical_velocity(FIG6, 0.1) / FIG6.V_c < 1.05
     with pytest.raises(SolverError, match=r"is unstable .* = 0\.2 V_c, at omega dt = 1:"):
         critical_velocity(FIG6, 1.0)
-    monkeypatch.setattr(scheme_map, "multiplier", lambda *_: 0.999)
+    monkeypatch.setattr(scheme, "multiplier", lambda *_: 0.999)
     with pytest.raises(SolverError, match=r"is stable .* = 1\.05 V_c, at omega dt = 0\.1:"):
         critical_velocity(FIG2, 0.1)
 

@@ -8,7 +8,7 @@ import pytest
 import ratestate as rs
 from ratestate.interfaces import scenario
 from ratestate.paper.parameters import FIG2
-from ratestate.paper.scheme_map import last_cycle
+from ratestate.paper.scheme import last_cycle
 
 VARIANTS = pytest.mark.parametrize(
     ("law", "euler"), [("slip", False), ("aging", False), ("aging", True)]

@@ -1,6 +1,5 @@
-"""What a slider does: motions, limit cycles, branches of them, basins; how results say so.
+"""What a slider does: motions, limit cycles, branches and basins, and how results record it.
 
-================================== ================================================================
 ``simulation``                     motion under any loading: `simulate`
 ``cycles``                         limit cycles: `limit_cycle`, `orbit`, `classify`
 ``continuation``                   branches of cycles: `continue_cycle`; K_fold
@@ -19,4 +18,7 @@
 ``refusals``                       messages on arguments that cannot be used (``refusals.toml``)
 ``progress``                       progress bars: after how long one appears
 ================================== ================================================================
+=======
+The package ``simulation`` has `simulate`; ``cycles`` has `limit_cycle`, `orbit` and `classify`;
+``continuation`` has `continue_cycle` and `folds`.
 """

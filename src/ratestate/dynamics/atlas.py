@@ -1,9 +1,9 @@
 """The atlas: every limit cycle that a spring-slider of given b/a can have, on one map.
 
 Three numbers decide what a steadily driven slider does: K/K_c_qs, eta and b/a.  For one b/a, any
-machine, rig or fault is a point of the plane of the other two.  Raising the speed tenfold moves it
-up by two decades of eta.  A law with parameters of its own has these, over a, sigma and Dc, beside
-b/a; and one with a speed of its own is not the same at all speeds, so its map is over K and V_lp.
+machine, rig or fault is a point of the plane of the other two.  Ten times the speed moves it up by
+two decades of eta.  Parameters of the law's own, divided by a, sigma or Dc, come in addition.  A
+law with a speed of its own depends on speed, so its map has the axes K and V_lp.
 """
 
 import numpy as np
@@ -30,9 +30,9 @@ CLOSE = (0.5, 1e-5)
 
 
 def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
-    """The limit cycles over K/K_c_qs and eta, their regimes, and how sliding loses stability.
+    """Compute limit cycles and regimes over K/K_c_qs and eta, and how sliding loses stability.
 
-    Under a law with a speed of its own over K and V_lp.
+    Under a law with a speed of its own the axes are K and V_lp.
 
     Parameters
     ----------
@@ -45,32 +45,33 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
     rtol : float
         Relative accuracy of the cycles.
     M : float
-        For a law with a speed of its own, and no other: eta at V_lp = 1, >= 0.
+        Only for a law with a speed of its own: eta at V_lp = 1, >= 0.
     **parameters : float
-        What the law needs beside a, b and Dc, in units in which a = sigma = Dc = 1: so b2 stands
-        for b2/a, and speeds have the unit of V_lp, which is free.
+        What the law needs beside a, b and Dc, in units in which a = sigma = Dc = 1: b2 means b2/a,
+        and speeds have the unit of V_lp, which is free.
 
     Returns
     -------
     xarray.Dataset
-        Along ``eta`` and ``K_over_K_c_qs``: ``amplitude_over_a``, ``slip_per_cycle`` (V_lp period
-        over Dc), ``frequency_over_f_n``, ``V_max_over_V_lp``, ``inertia``, ``fundamental``,
-        ``slow_fraction``, ``regime`` (int8 with CF flags) and ``agree`` (see
-        `ratestate.regimes.classify`), ``status``; the cycle is that which `limit_cycle` reaches.
-        The same with the suffix ``_close`` along ``eta`` and ``K_over_K_c`` below 1.  Along
-        ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` in units of V_lp/Dc and ``type`` of the Hopf
-        bifurcation there, and ``K_fold_over_K_c_qs``, up to which a limit cycle coexists with
-        stable steady sliding, NaN where none does.  Scalar: ``eta_bautin``, where the type
-        changes; NaN if it does nowhere.  The last two are NaN for laws that are not of one length.
-        Under a law with a speed of its own ``V_lp`` is in place of ``eta``, which is a coordinate
-        along it, and K_c_qs is the largest at any of these speeds.
+        - Along ``eta`` and ``K_over_K_c_qs``: ``amplitude_over_a``, ``slip_per_cycle`` (V_lp
+          period/Dc), ``frequency_over_f_n``, ``V_max_over_V_lp``, ``inertia``, ``fundamental``,
+          ``slow_fraction``, ``regime`` (int8 with CF flags) and ``agree`` (see
+          `ratestate.regimes.classify`) and ``status`` of the cycle that `limit_cycle` reaches.
+        - The same with the suffix ``_close`` along ``eta`` and ``K_over_K_c`` below 1.
+        - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` [V_lp/Dc] and ``type`` of the Hopf
+          bifurcation there, and ``K_fold_over_K_c_qs``, up to which a limit cycle coexists with
+          stable steady sliding; NaN if none does, and for laws that are not of one length.
+        - ``eta_bautin``, where the type changes; NaN if it does not, and for these laws.
+
+        Under a law with a speed of its own, ``V_lp`` takes the place of ``eta``, which is a
+        coordinate along it, and K_c_qs is the largest at any of these speeds.
 
     Raises
     ------
     ParameterError
-        Unknown law, or a parameter that it lacks or has not; M where it has no use, or none where
-        it has; b_over_a that is no number > 1; steady sliding that is stable at any stiffness, as
-        b2 < 0 may make it; n that is no integer >= 2; rtol out of the range of `limit_cycle`.
+        Unknown law, a missing or unknown parameter of it; M for a law without a speed, or no M for
+        one with a speed; b_over_a that is not a number > 1; steady sliding that is stable at any
+        stiffness, as b2 < 0 may make it; n that is not an integer >= 2; rtol out of range.
 
     Examples
     --------
@@ -89,16 +90,9 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
         raise refusal("atlas.b_over_a", b_over_a=b_over_a)
     # With a = Dc = sigma = 1, and V_lp = 1 if there is no other speed, the slider is its own
     # dimensionless form, and M is eta.
-    slider = SpringSlider(
-        a=1.0,
-        b=b_over_a,
-        Dc=1.0,
-        sigma=1.0,
-        K=1.0,
-        M=1.0 if M is None else M,
-        law=law,
-        **parameters,
-    )
+    units = dict.fromkeys(("a", "Dc", "sigma", "K"), 1.0)
+    mass = 1.0 if M is None else M
+    slider = SpringSlider(**units, b=b_over_a, M=mass, law=law, **parameters)
     if slider.friction_law.has_speed_scale != (M is not None):
         raise refusal(f"atlas.{'mass' if M is None else 'no_mass'}", law=slider.law)
     sliders, V_lp, rows = _rows(slider, n)
@@ -109,7 +103,7 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
 
 
 def _rows(slider, n):
-    """Sliders and load-point speeds along the dimension ``row``, and its coordinates."""
+    """Return sliders and load-point speeds along the dimension ``row``, and its coordinates."""
     if slider.friction_law.has_speed_scale:
         speeds = logspace("V_lp", *SPEEDS, n)
         V_lp = xarray.DataArray(speeds.values, dims="row")
@@ -120,7 +114,7 @@ def _rows(slider, n):
 
 
 def _map(slider, V_lp, rows, n, rtol):
-    """The atlas of sliders along ``row``, with these coordinates of the rows, the first its own."""
+    """Return the atlas of sliders along ``row``, with these coordinates, the first its own."""
     critical = slider.K_c(V_lp)
     reference = float(np.max(slider.replace(M=0.0).K_c(V_lp)))
     if not np.min(critical) > 0.0:
@@ -140,7 +134,7 @@ def _map(slider, V_lp, rows, n, rtol):
 
 
 def _cycles_and_regimes(slider, V_lp, rtol):
-    """Cycles and regimes of dimensionless sliders, under the names of the atlas."""
+    """Return cycles and regimes of dimensionless sliders, under the names of the atlas."""
     cycle = limit_cycle(slider, V_lp, rtol=rtol)
     regimes = classify(cycle)
     values = {
@@ -159,17 +153,15 @@ def _cycles_and_regimes(slider, V_lp, rtol):
 
 
 def _transition(slider, V_lp, critical):
-    """The Hopf bifurcation at K_c and the fold beyond it, along ``row``.
+    """Return the Hopf bifurcation at K_c and the fold beyond it, along ``row``.
 
     critical : K_c/K_c_qs
     """
     point = hopf(slider, V_lp)
     data = point[["lyapunov_1", "type"]].drop_vars(["M", "V_lp"], errors="ignore")
     data["lyapunov_1"] = data.lyapunov_1 / V_lp
-    data["lyapunov_1"].attrs = attrs("lyapunov_1") | {
-        "units": "1",
-        "comment": "in units of V_lp/Dc",
-    }
+    in_units = {"units": "1", "comment": "in units of V_lp/Dc"}
+    data["lyapunov_1"].attrs = attrs("lyapunov_1") | in_units
     data["K_c_over_K_c_qs"] = ("row", np.asarray(critical), attrs("K_c_over_K_c_qs"))
     fold, change = np.full(data.sizes["row"], np.nan), None
     if slider.friction_law.one_length:

@@ -1,42 +1,63 @@
 """The basin of stable steady sliding: the disturbances from which the motion returns to it.
 
-Where K > K_c small disturbances decay.  But where a limit cycle coexists, or a runaway without
-inertia, large ones need not.  `escape` finds the smallest that do not, of two kinds that a
+Small disturbances decay where K > K_c, but large ones need not if a limit cycle coexists, or a
+runaway without inertia.  `escape` finds the smallest ones that do not decay, of two kinds that a
 laboratory can impose.  With inertia it follows the motion itself, and adds the unstable cycle that
-lies between; without inertia it uses the path that separates runaways from orbits that come back
-(`quasi_static`) under the slip and aging laws, else the motion too.
+lies between.  Without inertia, under the slip and aging laws, it uses the path that separates
+runaways from orbits that come back (`quasi_static`); under other laws it follows the motion.
 """
 
 import numpy as np
 import xarray
 
+from ..engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
 from ..errors import SolverError
+from ..friction.critical_speeds import V_c
+from ..friction.quasi_static import EDGES
+from ..friction.roots import root
 from ..model.arrays import Batch
 from ..model.slider import check_slider
 from ..model.units import to_si
 from .continuation.family import Family
 from .cycles.attractor import find_attractors
 from .cycles.measure import refine
-from .cycles.system import state, system_of
-from .disturbances import KINDS, smallest_escapes
+from .cycles.shooting import return_map
+from .cycles.system import small_amplitude, state, steady_sliding_at, system_of
 from .progress import bar
 from .recipe import record_scenario
 from .results import columns
 
+#: kinds of disturbances, by number; a step has the size |ln(V_lp/V)|, a kick
+#: |change of tau|/(a sigma)
+KINDS = ("step_up", "step_down", "kick_up", "kick_down")
 #: measures of the limit cycle beyond, and of the unstable one between
 CYCLES = ("amplitude", "period", "unstable_amplitude", "unstable_period", "unstable_multiplier")
 VARIABLES = [*KINDS, "outcome", *CYCLES]
+#: status of an orbit that does not come back -> its name, "unknown" for any other.  If a slider's
+#: disturbances end in different ways, "unknown" prevails, else the later of these.
+OUTCOMES = {FINISHED: "cycle", NO_CONVERGENCE: "irregular cycles", RUNAWAY: "runaway"}
 # Accuracy of the cycles whose measures are returned; and the stiffness, as a multiple of the
 # slider's, by which the two must have met.
 CYCLE_RTOL, FARTHEST_FOLD = 1e-8, 100.0
+# Sizes tried: smallest, largest, number.
+SIZES = np.geomspace(1e-4, 27.6, 96)
+# Then the interval between two sizes is divided into so many parts, until it is this narrow.
+PARTS, ACCURACY = 16, 1e-6
+# Accuracy of the cycle that is reached, enough to know that it is one; and tolerance of a step of
+# the orbit, divided by the size of the disturbance.
+RTOL, ORBIT_RTOL = 1e-5, 2e-9
+# Returns after which a motion that has not converged counts as irregular, if its amplitude turns
+# back so often, by this part of itself.
+RETURNS, TURNS, VISIBLE = 40, 3, 1e-3
 
 
 def escape(slider, V_lp):
-    """The smallest disturbances of steady sliding at V_lp from which it does not come back.
+    """Find the smallest disturbances of steady sliding at V_lp that do not decay.
 
-    A step: sliding steadily at another speed, where that is stable, until the load point's changes
-    to V_lp.  A kick: a sudden change of the spring's stress while sliding steadily at V_lp.  Under
-    a law whose sliding is unstable between two speeds only, steps come from the side of V_lp.
+    A step is steady sliding at another speed, if that is stable, until the load point's speed
+    changes to V_lp.  A kick is a sudden change of the spring's stress while sliding steadily at
+    V_lp.  Under a law whose sliding is unstable between two speeds only, steps come from the side
+    of V_lp.
 
     Parameters
     ----------
@@ -48,19 +69,18 @@ def escape(slider, V_lp):
     Returns
     -------
     xarray.Dataset
-        ``step_up`` and ``step_down`` [1]: ratio of V_lp to the speed before, > 1 and < 1;
-        ``kick_up`` > 0 and ``kick_down`` < 0 [Pa]: change of tau.  Where no disturbance of up to
-        12 decades of V, or 27 a sigma, leaves the basin, step_up = kick_up = inf, step_down = 0
-        and kick_down = -inf (steps come from no speed beyond V_c, or V_c_upper); where steady
-        sliding is unstable (K <= K_c), steps are 1, kicks 0.
-        ``outcome``: the motion beyond, "cycle", "irregular cycles" (they do not repeat), "runaway"
-        (M = 0), "none", "no steady sliding" where that is unstable, or "unknown" in a sweep where
-        an orbit could not be followed or did not settle (the size concerned is NaN); else
-        "irregular cycles" where any of the four disturbances leads to them.  Of the limit cycle
-        beyond ``amplitude`` and ``period`` [s], and of the unstable cycle between,
-        ``unstable_amplitude`` (max - min of tau/sigma), ``unstable_period`` [s] and
-        ``unstable_multiplier`` (by which a distance from it grows in a period); NaN where there is
-        none.
+        - ``step_up`` and ``step_down`` [1]: V_lp divided by the earlier speed, > 1 and < 1;
+          ``kick_up`` > 0 and ``kick_down`` < 0 [Pa]: change of tau.  If every disturbance of up to
+          12 decades of V, or 27 a sigma, decays, step_up = kick_up = inf, step_down = 0 and
+          kick_down = -inf (no step comes from beyond V_c, or V_c_upper); if steady sliding is
+          unstable (K <= K_c), steps are 1, kicks 0.
+        - ``outcome``, the motion beyond: "cycle", "irregular cycles" (they do not repeat),
+          "runaway" (M = 0), "none", "no steady sliding" if that is unstable, or "unknown" in a
+          sweep if an orbit could not be followed or did not settle (that size is NaN); it is
+          "irregular cycles" if any of the four disturbances leads to them.
+        - ``amplitude`` and ``period`` [s] of the limit cycle beyond; ``unstable_amplitude`` (max -
+          min of tau/sigma), ``unstable_period`` [s] and ``unstable_multiplier`` (by which a
+          distance from it grows in a period) of the unstable cycle between.  NaN if there is none.
 
     Raises
     ------
@@ -85,7 +105,7 @@ def escape(slider, V_lp):
     system = system_of(slider.friction_law.name, **batch.columns)
     alone = batch.shape == ()
     with bar("escape") as progress:
-        sizes, outcome, u = smallest_escapes(system, batch.columns, alone, progress)
+        sizes, outcome, u = _smallest_escapes(system, batch.columns, alone, progress)
     if alone and outcome[0] == "unknown":
         raise SolverError(f"an orbit from disturbed sliding could not be followed\n{slider!r}")
     cycles = _cycles_around(system, batch.columns, np.flatnonzero(outcome == "cycle"), u)
@@ -108,10 +128,10 @@ def escape(slider, V_lp):
 
 
 def _cycles_around(system, columns, which, u):
-    """Measures of the stable cycles of these sliders and of unstable ones inside, name -> (n,).
+    """Return the measures `CYCLES` of these sliders, name -> (n,).
 
-    As the stiffness increases the two meet in a fold: the branch from the stable cycle comes back
-    to the slider's own stiffness as the unstable one.
+    As the stiffness increases the two cycles meet in a fold: the branch from the stable cycle comes
+    back to the slider's own stiffness as the unstable one.
 
     columns : parameters of the sliders and V_lp, symbol -> (n,) [SI]
     u : (n, k) near the stable cycles
@@ -121,7 +141,7 @@ def _cycles_around(system, columns, which, u):
     attractors = find_attractors(part, state(part, u[which]), CYCLE_RTOL, None)
     stable = refine(part, attractors, CYCLE_RTOL)
     result["amplitude"][which], result["period"][which] = stable["amplitude"], stable["period"]
-    single = attractors.n_returns == 1  # as many as of the unstable cycle that meets it
+    single = attractors.n_returns == 1  # as of the unstable cycle that meets it
     for i, u_i in zip(which[single], attractors.u[single], strict=True):
         values = {symbol: float(column[i]) for symbol, column in columns.items()}
         family, p = Family(system.law, values, "K", CYCLE_RTOL), np.log(values["K"])
@@ -134,3 +154,127 @@ def _cycles_around(system, columns, which, u):
             result["unstable_period"][i] = measures["period"][0]
             result["unstable_multiplier"][i] = measures["multipliers"][0, 0].real
     return result
+
+
+def _smallest_escapes(system, columns, alone, progress):
+    """Return the smallest sizes (4, n) that leave the basin, the outcome, and u of a cycle.
+
+    alone : whether SolverError is raised if an edge of runaway cannot be followed
+    """
+    stable = system.stable & (system.margin != 0.0)
+    sizes = np.where(stable, np.inf, 0.0) * np.ones((4, 1))
+    outcome = np.where(stable, "none", "no steady sliding").astype("<U17")
+    u = _nowhere(system)
+    may_leave = stable & system.may_cycle
+    if law_edge := EDGES.get(system.friction_law.name):
+        for i in np.flatnonzero(may_leave & (system.eta == 0.0)):
+            edge = system.kappa[i], system.beta[i], SIZES[-1]
+            sizes[:, i], outcome[i] = _runaway(law_edge, edge, alone)
+        may_leave &= system.eta > 0.0
+    may_leave = np.flatnonzero(may_leave)
+    steps = _largest_steps(system, columns)
+    slider, kind = np.tile(may_leave, 4), np.repeat(np.arange(4), len(may_leave))
+    part = system.at(slider)
+    largest = np.where(kind < 2, steps[np.minimum(kind, 1), slider], SIZES[-1])
+    smallest, status, ends = _search(part, kind, largest, progress)
+    lost = ~np.isin(status, [STEADY_SLIDING, *OUTCOMES])
+    unsettled = np.flatnonzero(status == NO_CONVERGENCE)
+    if len(unsettled):
+        lost[unsettled] = ~_is_irregular(part.at(unsettled), ends[unsettled])
+    sizes[:, may_leave] = np.where(lost, np.nan, smallest).reshape(4, -1)
+    for code, name in OUTCOMES.items():
+        outcome[slider[status == code]] = name
+    outcome[slider[lost]] = "unknown"
+    cycle = status == FINISHED
+    u[slider[cycle]] = ends[cycle]
+    return sizes, outcome, u
+
+
+def _runaway(law_edge, edge, alone):
+    """Return the smallest sizes (4,) that run away without inertia, by the law's own edge.
+
+    Also returns the outcome, which is "unknown" if the edge cannot be followed.
+    """
+    try:
+        step_up, *kicks = law_edge(*edge)
+    except SolverError:
+        if alone:
+            raise
+        return np.nan, "unknown"
+    sizes = np.array([step_up, np.inf, *kicks])
+    return sizes, "runaway" if np.isfinite(sizes).any() else "none"
+
+
+def _search(system, kind, largest, progress):
+    """Return the sizes (n,) of the smallest disturbances of these kinds that leave the basin.
+
+    A size is inf if none does.  Also returns the status with which the orbits end, and their u.
+
+    largest : (n,) largest size to try
+    """
+    n = len(kind)
+    low, high = np.zeros(n), np.full(n, np.inf)
+    status, u = np.full(n, STEADY_SLIDING), _nowhere(system)
+    trial, which = np.minimum(SIZES, largest[:, None]), np.arange(n)
+    while len(which):
+        m = trial.shape[1]
+        part = system.at(np.repeat(which, m))
+        start = _disturbed(part, np.repeat(kind[which], m), trial.ravel())
+        loosest = ORBIT_RTOL * np.clip(trial.ravel(), 1e-5, 1.0)
+        attractors = find_attractors(part, start, RTOL, progress, loosest)
+        leaves = (attractors.status != STEADY_SLIDING).reshape(-1, m)
+        first, some = leaves.argmax(axis=1), leaves.any(axis=1)
+        row, inside = np.arange(len(which)), np.where(some, first, m) - 1
+        low[which] = np.where(inside < 0, low[which], trial[row, inside])
+        at, cell = which[some], row[some] * m + first[some]
+        high[at], status[at] = trial[some, first[some]], attractors.status[cell]
+        u[at] = attractors.u[cell]
+        which = np.flatnonzero(np.isfinite(high) & (high - low > ACCURACY * high))
+        gap = high[which] - low[which]
+        trial = low[which, None] + gap[:, None] * np.arange(1, PARTS) / PARTS
+    return high, status, u
+
+
+def _is_irregular(system, u):
+    """Return whether amplitudes on motions from u (n, k) go up and down; else one may be slow."""
+    amplitudes = np.empty((RETURNS, len(u)))
+    for amplitude in amplitudes:
+        amplitude[:] = small_amplitude(system, u)
+        u = return_map(system, state(system, u), np.full(len(u), ORBIT_RTOL)).image
+    changes = np.diff(amplitudes, axis=0) / amplitudes[:-1]
+    visible = np.abs(changes[1:]) > VISIBLE
+    return ((changes[1:] * changes[:-1] < 0.0) & visible).sum(axis=0) >= TURNS
+
+
+def _disturbed(system, kind, size):
+    """Return x, v, psi (n, len(y)) right after disturbances of these kinds and sizes (n,)."""
+    sign = np.where(kind % 2 == 0, 1.0, -1.0)
+    y = steady_sliding_at(system, np.where(kind < 2, np.exp(-sign * size), 1.0))
+    y[:, 0] += np.where(kind < 2, 0.0, sign * size)
+    at_once = (kind >= 2) & (system.eta == 0.0)  # without mass friction follows the stress
+    law, psi, p = system.friction_law, tuple(y[:, 2:].T), system.coefficients
+
+    def off(v):
+        return law.at(v, psi, p).S - y[:, 0]
+
+    y[:, 1] = np.where(at_once, root(off, y[:, 1], at_once), y[:, 1])
+    return y
+
+
+def _largest_steps(system, columns):
+    """Return ln (2, n) of the largest step up and down from stable steady sliding to V_lp.
+
+    Steps up come from V_c_upper if V_lp is above it, steps down from V_c if V_lp is below it.
+    """
+    names = (*system.friction_law.symbols, "sigma", "K", "M")
+    lower, upper = V_c(system.friction_law, **{name: columns[name] for name in names})
+    V_lp, farthest = columns["V_lp"], SIZES[-1]
+    with np.errstate(divide="ignore"):  # V_c may be 0 or inf
+        up = np.where(V_lp > upper, np.log(V_lp / upper), np.inf)
+        down = np.where(V_lp < lower, np.log(lower / V_lp), np.inf)
+    return np.minimum([up, down], farthest)
+
+
+def _nowhere(system):
+    """Return unknown points (n, k) of the section."""
+    return np.full((len(system.kappa), 1 + len(system.friction_law.states)), np.nan)

@@ -28,17 +28,18 @@ VARIABLES = (
 
 @keywords_checked
 def hopf(slider, V_lp=None):
-    """The Hopf bifurcation of steady sliding: its position and type, and its small cycles.
+    """Locate the Hopf bifurcation of steady sliding, and describe its type and small cycles.
 
-    Without V_lp, that on raising the speed at the slider's K, at V_c (eq. 10).  With V_lp, that
-    on lowering the stiffness at this speed, at K_c (eq. 6); then the slider's K plays no part.
-    Laws of one length are served in closed form, others by Kuznetsov's (2004) formula as numbers.
+    Without V_lp it is the bifurcation as speed increases at the slider's K, at V_c (eq. 10).  With
+    V_lp it is the bifurcation as stiffness decreases at this speed, at K_c (eq. 6), whatever the
+    slider's K.  The formulas are closed for laws of one length; for others Kuznetsov's (2004)
+    formula is evaluated with numbers.
 
-    Near it ln(V/V_lp) = r cos(omega t), with dr/dt = growth_rate r + lyapunov_1 r^3.
-    Where lyapunov_1 < 0 the bifurcation is supercritical: small stable cycles appear on the
-    unstable side (V > V_c, K < K_c) and grow from nothing.  Where it is positive, subcritical:
-    small unstable cycles exist on the stable side (V < V_c, K > K_c), and sliding that has lost
-    its stability jumps to a large cycle.
+    Near it ln(V/V_lp) = r cos(omega t), with dr/dt = growth_rate r + lyapunov_1 r^3.  If
+    lyapunov_1 < 0 the bifurcation is supercritical: small stable cycles appear on the unstable side
+    (V > V_c, K < K_c) and grow from zero.  If lyapunov_1 > 0 it is subcritical: small unstable
+    cycles exist on the stable side (V < V_c, K > K_c), and sliding that has lost its stability
+    jumps to a large cycle.
 
     Parameters
     ----------
@@ -51,22 +52,22 @@ def hopf(slider, V_lp=None):
     -------
     xarray.Dataset
         In the dimensions of the named DataArrays together, at the bifurcation: speed ``V_c``
-        [m/s] and stiffness ``K_c`` [Pa/m], ``eta`` (eq. 7), ``omega_c`` [rad/s], by laws of one
-        length (V/Dc) sqrt((b-a)/a) whatever the mass, ``frequency`` [Hz] = omega_c/(2 pi),
-        ``eigenvalue_3`` [1/s], by these laws -(1 + 1/eta) V/Dc, the rate at which all else decays,
-        ``lyapunov_1`` [1/s] as above, ``type`` ("supercritical", "subcritical", "degenerate",
-        "none") and ``amplitude_coefficient`` [1]: the small cycles have the amplitude (max - min
-        of tau/sigma) amplitude_coefficient sqrt(|V_lp/V_c - 1|), or, with V_lp given,
-        sqrt(|K/K_c - 1|); the attribute ``parameter`` says which ("V_lp" or "K").
+        [m/s] and stiffness ``K_c`` [Pa/m], ``eta`` (eq. 7), ``omega_c`` [rad/s] (under laws of one
+        length (V/Dc) sqrt((b-a)/a) whatever the mass), ``frequency`` [Hz] = omega_c/(2 pi),
+        ``eigenvalue_3`` [1/s], the rate at which all else decays (under these laws
+        -(1 + 1/eta) V/Dc), ``lyapunov_1`` [1/s], ``type`` ("supercritical", "subcritical",
+        "degenerate", "none") and ``amplitude_coefficient`` [1]: the amplitude (max - min of
+        tau/sigma) of small cycles is amplitude_coefficient sqrt(|V_lp/V_c - 1|), or, with V_lp
+        given, amplitude_coefficient sqrt(|K/K_c - 1|); the attribute ``parameter`` is then "K",
+        else "V_lp".
 
-        Degenerate is a lyapunov_1 within its rounding error of 0, which is 1e-14 of the terms
-        that sum to it: where the type changes (see `bautin`), and without mass by the laws of eqs 2
-        and 3.  There amplitude_coefficient is inf.
+        The type is degenerate if lyapunov_1 is 0 within its rounding error, 1e-14 of the terms that
+        sum to it: where the type changes (see `bautin`), and without mass under the laws of eqs 2
+        and 3.  Then amplitude_coefficient is inf.
 
-        Where the type is "none" there is no bifurcation, and all else is NaN except V_c and K_c.
-        Without V_lp, V_c is inf
-        where no speed is unstable (b <= a, K = inf, or M = 0 with K > K_c_qs) and 0 where every
-        speed is (K <= K_c_qs).  With V_lp, where b <= a, V_c is inf and K_c that of eq. 6, <= 0.
+        If the type is "none" there is no bifurcation, and all else is NaN except V_c and K_c.
+        Without V_lp, V_c is inf if no speed is unstable (b <= a, K = inf, or M = 0 with K > K_c_qs)
+        and 0 if every speed is (K <= K_c_qs).  With V_lp and b <= a, V_c is inf and K_c <= 0.
 
     Raises
     ------
@@ -99,7 +100,7 @@ def hopf(slider, V_lp=None):
 
 
 def _bifurcation(law, parameter, columns):
-    """The result's variables, name -> (n,), from those of the slider and K or V_lp."""
+    """Return the result's variables, name -> (n,), from parameters and K or V_lp."""
     rest = {symbol: columns[symbol] for symbol in ("sigma", "M", *law.symbols)}
     a, Dc, M = columns["a"], columns["Dc"], columns["M"]
     if parameter == "V_lp":
@@ -133,7 +134,7 @@ def _bifurcation(law, parameter, columns):
 
 
 class _Point(NamedTuple):
-    """A Hopf bifurcation, dimensionless, times in Dc/V; arrays (n,), NaN where there is none."""
+    """A Hopf bifurcation, dimensionless, times in Dc/V; arrays (n,), NaN if there is none."""
 
     omega: np.ndarray
     third: np.ndarray  # real part of the least stable of the other eigenvalues
@@ -144,19 +145,17 @@ class _Point(NamedTuple):
     swing: np.ndarray  # max - min of tau/(a sigma) for r = 1
 
 
-def _points(law, V, rest):
-    """`_Point` at speeds V; NaN if that is."""
+def _points(law, V, values):
+    """Return the `_Point` at speeds V; NaN where V is NaN."""
     exists = np.isfinite(V)
-    points = [np.full(V.shape, np.nan) for _ in _Point._fields]
+    points = np.full((len(_Point._fields), *V.shape), np.nan)
     if exists.any():
-        found = _where_it_is(law, V[exists], {s: x[exists] for s, x in rest.items()})
-        for column, values in zip(points, found, strict=True):
-            column[exists] = values
+        points[:, exists] = _bifurcating(law, V[exists], {s: x[exists] for s, x in values.items()})
     return _Point(*points)
 
 
-def _where_it_is(law, V, values):
-    """`_Point` at the speeds V, at each of which there is one."""
+def _bifurcating(law, V, values):
+    """Return the `_Point` at the speeds V, where steady sliding bifurcates at K_c."""
     M, sigma, unit = values["M"], values["sigma"], values["Dc"] / V
     critical = K_c(law, V, **values)
     inertia = eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
@@ -176,7 +175,7 @@ def _where_it_is(law, V, values):
 
 
 def _growth_by_speed(law, V, K, values):
-    """d growth rate/d ln V [V/Dc] at constant K, by central differences."""
+    """Return d growth rate/d ln V [V/Dc] at constant K, by central differences."""
     h = 1e-5
     sides = (
         eigenvalues(law, V * np.exp(side), K=K, **values)[:, 0].real * values["Dc"] / V
@@ -186,11 +185,11 @@ def _growth_by_speed(law, V, K, values):
 
 
 def bautin(law, b_over_a):
-    """The eta at which the Hopf bifurcation changes its type: the Bautin point.
+    """Return the eta at which the Hopf bifurcation changes its type: the Bautin point.
 
-    Of the laws of Im, Marone & Elsworth (2019) one is subcritical below it and supercritical above,
-    at eta = 1/(3 + 2 sqrt(b/a + 3)), the other supercritical at every eta > 0.  eta is that of the
-    bifurcation, as in `hopf`: of V_c, K/K_c_qs - 1.
+    Under the aging law the bifurcation is subcritical for eta < 1/(3 + 2 sqrt(b/a + 3)), and
+    supercritical above.  Under the slip law it is supercritical at every eta > 0.  eta belongs to
+    the bifurcation, as in `hopf`: at V_c it is K/K_c_qs - 1.
 
     Parameters
     ----------
@@ -202,12 +201,12 @@ def bautin(law, b_over_a):
     Returns
     -------
     float, DataArray or None
-        eta [1]; where the type never changes, None for a float and NaN inside a DataArray.
+        eta [1]; if the type never changes, None for a float and NaN inside a DataArray.
 
     Raises
     ------
     ParameterError
-        Unknown law, or one of another kind; b_over_a that is no number > 1.
+        Unknown law, or one of another kind; b_over_a that is not a number > 1.
 
     Examples
     --------

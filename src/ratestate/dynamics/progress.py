@@ -11,9 +11,9 @@ PATIENCE = 1.0  # s
 
 
 def on_terminal():
-    """Whether stderr is a terminal that a person looks at; False without stderr.
+    """Return whether stderr is a terminal that a person looks at.
 
-    In a notebook stderr passes for one, also that of commands, but what it shows stays in the file.
+    In a notebook stderr passes for a terminal, but its output stays in the file.
     """
     if sys.stderr is None or "JPY_PARENT_PID" in os.environ:
         return False
@@ -21,14 +21,7 @@ def on_terminal():
 
 
 class Bar:
-    """A bar on stderr, which appears once work has taken a second, and disappears at its end.
-
-    Parameters
-    ----------
-    label : str
-    total : float
-        Amount of work.
-    """
+    """A bar on stderr, which appears once work has taken a second, and disappears at its end."""
 
     def __init__(self, label, total=1.0):
         self.label, self.total = label, total
@@ -48,7 +41,7 @@ class Bar:
         return time.monotonic() - self.begin >= PATIENCE
 
     def show(self, done, description):
-        """Draw, at once, how much of the total is done, followed by a description."""
+        """Draw at once how much of the total is done, followed by a description."""
         if self.drawn is None:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TextColumn
@@ -67,7 +60,7 @@ class Bar:
 
 @contextlib.contextmanager
 def bar(label):
-    """Context manager: a function of the fraction done, drawn as `Bar`; None without a terminal.
+    """Give a function that draws the fraction done as `Bar`; None without a terminal.
 
     The second of work counts from its first call on, when kernels have been compiled.
     """
@@ -90,10 +83,7 @@ def bar(label):
 
 
 def duration(seconds):
-    """A duration [s], cut off to whole seconds, as text: its first two parts that are not 0.
-
-    40 s, 3 min 20 s, 1 h 0 s, 2 d 3 h.  That it is finite and >= 0 is not checked.
-    """
+    """Return a duration [s] as text: 40 s, 3 min 20 s, 1 h 0 s, 2 d 3 h."""
     parts = []
     for size, unit in ((86400, "d"), (3600, "h"), (60, "min"), (1, "s")):
         count, seconds = divmod(seconds, size)

@@ -1,4 +1,4 @@
-"""Parts that results have in common: columns, flags, status, and the parameters of the slider."""
+"""Common parts of results: flags, status, the slider's parameters, the domain of the law."""
 
 import json
 from types import SimpleNamespace
@@ -15,6 +15,9 @@ from ..model.slider import OPTIONAL, PARAMETERS
 from ..model.units import is_array, to_si
 from .recipe import recorded, value_of, versions
 from .refusals import refusal
+
+#: flag of ``outside_domain`` -> its meaning
+OUTSIDE_DOMAIN = {-1: "unknown", 0: "inside", 1: "mu_negative", 2: "spring_reverses", 3: "both"}
 
 
 def columns(batch):
@@ -121,3 +124,28 @@ def branch_parameter(result):
     if not known or "point" not in getattr(result.get(symbol), "dims", ()):
         raise refusal("attributes.no_branch")
     return symbol
+
+
+def outside_domain(law, mu_min, reversal_margin):
+    """Return whether the motion leaves the law's domain, int8 of `OUTSIDE_DOMAIN`.
+
+    Eq. 1 is for forward slip, V > 0, against which friction acts.  It allows mu < 0, where friction
+    would have to push; and it does not reverse the slip if the spring pulls the slider back harder
+    than friction can hold, tau < -sigma mu.  The computed motion goes on, but no real slider moves
+    like that.  Friction that is finite at rest allows both: there slip reverses.
+    """
+    outside = (mu_min < 0.0) + 2 * (reversal_margin < 0.0)
+    outside = np.where(law.reverses, 0, outside)
+    return np.where(np.isnan(mu_min), -1, outside).astype(np.int8)
+
+
+def domain_variables(law, batch, mu_min, reversal_margin):
+    """Return ``mu_min``, ``reversal_margin`` and ``outside_domain``, name -> Variable.
+
+    mu_min, reversal_margin : (n,) smallest mu and tau/sigma + mu; NaN if there is no motion
+    """
+    code = outside_domain(law, mu_min, reversal_margin)
+    values = {"mu_min": mu_min, "reversal_margin": reversal_margin, "outside_domain": code}
+    variables = {name: batch.variable(value, name) for name, value in values.items()}
+    variables["outside_domain"].attrs |= flags(OUTSIDE_DOMAIN)
+    return variables

@@ -1,4 +1,4 @@
-"""The function `stability`: linear stability of steady sliding."""
+"""The functions `stability` and `frequency_response`: small disturbances of steady sliding."""
 
 import dataclasses
 import functools
@@ -8,22 +8,33 @@ import numpy as np
 import xarray
 
 from ..friction.critical_speeds import V_c
-from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c
+from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c, responses
 from ..friction.stability import call_elementwise, eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
+from ..model.parameters import logspace
 from ..model.quantities import attrs
 from ..model.slider import SpringSlider, check_slider
 from ..model.units import is_array, to_si
 from .recipe import record_scenario
-from .results import law_of_result, parameter
+from .refusals import refusal
+from .results import columns, law_of_result, parameter
 
 VARIABLES = "K_c K_c_qs eta V_c V_c_upper f_n eigenvalues growth_rate omega omega_c stable".split()
+#: of a response: what answers, per what oscillates
+TRANSFER = tuple(f"{out}_by_{given}" for given in ("V_lp", "sigma") for out in ("V", "tau", "mu"))
+RESPONSE_VARIABLES = (
+    *TRANSFER,
+    *(f"{name}_{x}" for name in TRANSFER for x in ("gain", "phase")),
+    *("resonance", "quality", "stable"),
+)
+# Default frequencies in a decade.
+POINTS = 60
 
 
 @keywords_checked
 def stability(slider, V_lp):
-    """Linear stability of a slider in steady sliding.
+    """Compute the linear stability of a slider in steady sliding.
 
     Parameters
     ----------
@@ -39,9 +50,9 @@ def stability(slider, V_lp):
         ``K_c_qs`` [Pa/m], ``eta`` (eq. 7), ``V_c`` (eq. 10) [m/s], ``f_n`` [Hz], ``eigenvalues``
         [1/s] (last dimension ``mode``, least stable first), ``growth_rate`` [1/s] and ``omega``
         [rad/s] (real and imaginary part of the first mode; omega is 0 if it does not
-        oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  Where K = inf, sliding
-        is stable, V_c and f_n are inf, and the eigenvalues are -V/Dc and twice -inf; for other
-        limits see the functions of these names in the module `ratestate.stability`.
+        oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  If K = inf, sliding is stable,
+        V_c and f_n are inf, and the eigenvalues are -V/Dc and twice -inf.  For other limits see
+        the functions of these names in the module `ratestate.stability`.
 
     Raises
     ------
@@ -55,10 +66,7 @@ def stability(slider, V_lp):
 
 
 def stability_call(slider, V_lp):
-    """`StabilityCall` with these arguments of `stability`; ParameterError where one is wrong.
-
-    Whether their dimensions and coordinates fit together shows in its `batch`.
-    """
+    """Return the `StabilityCall` with these arguments of `stability`, checked one by one."""
     return StabilityCall(check_slider(slider), to_si("V_lp", V_lp))
 
 
@@ -71,25 +79,22 @@ class StabilityCall:
 
     @functools.cached_property
     def batch(self):
-        """`Batch` of the slider's parameters and V_lp.
-
-        ParameterError where dimensions or coordinates clash with each other or with the result's.
-        """
+        """`Batch` of the slider's parameters and V_lp; ParameterError if dimensions clash."""
         return Batch({**self.slider.values, "V_lp": self.V_lp}, reserved=VARIABLES)
 
     def blank(self):
-        """The variables of `run` itself, with answers: they cost nothing."""
+        """Return the variables of `run` with answers: they cost nothing."""
         return self.run()
 
     def run(self, progress=None):
-        """The result's variables, name -> Variable in those dimensions on which it depends.
-
-        progress : not called
-        """
+        """Return the variables, name -> Variable in the dimensions on which each depends."""
         law, V, values = self.slider.friction_law, self.V_lp, self.batch.values
         pick = {symbol: values[symbol] for symbol in (*law.symbols, "sigma", "K", "M")}
         of_spring = {"V": V} | pick
         of_mass = {symbol: x for symbol, x in of_spring.items() if symbol != "K"}
+
+        # Without mass, and without a speed of the law's own, the speed makes no difference.
+        any_speed = {} if law.has_speed_scale else {"V": 1.0}
 
         def of_law(function, given, *dims):
             found = call_elementwise(functools.partial(function, law), given, *dims)
@@ -102,7 +107,7 @@ class StabilityCall:
         first = modes.isel(mode=0)
         results = {
             "K_c": of_law(K_c, of_mass),
-            "K_c_qs": of_law(K_c, self._quasi_static(of_mass)),
+            "K_c_qs": of_law(K_c, of_mass | any_speed | {"M": 0.0}),
             "eta": eta(V, **{symbol: values[symbol] for symbol in ("a", "Dc", "sigma", "M")}),
             "V_c": speeds.isel(edge=0),
             "V_c_upper": speeds.isel(edge=1),
@@ -120,11 +125,6 @@ class StabilityCall:
             variables[symbol] = xarray.Variable(variable.dims, variable.values, attrs(symbol))
         return variables
 
-    def _quasi_static(self, given):
-        """The same without mass; and at any speed, where it makes no difference."""
-        any_speed = {} if self.slider.friction_law.has_speed_scale else {"V": 1.0}
-        return given | any_speed | {"M": 0.0}
-
     def dataset(self, variables):
         """Return these variables of all cases as a Dataset with coordinates and scenario."""
         result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
@@ -133,8 +133,180 @@ class StabilityCall:
 
 
 def steady_stress(result, V):
-    """tau/sigma [1] in steady sliding at speeds V [m/s], (n,) or one, of a result's slider."""
+    """Return tau/sigma [1] of a result's slider in steady sliding at speeds V [m/s]."""
     law = law_of_result(result)
     symbols = (*law.symbols, "sigma", "mu0", "V0")
     values = {symbol: float(parameter(result, symbol)) for symbol in symbols}
     return law.steady_tau(np.atleast_1d(np.asarray(V, float)), values).reshape(np.shape(V))
+
+
+@keywords_checked
+def frequency_response(slider, V_lp, frequency=None):
+    """Compute how steady sliding responds to small sinusoids of speed and normal stress.
+
+    The system is linear: if V_lp oscillates with the amplitude A, tau oscillates with
+    tau_by_V_lp A.  The size of this complex number is the gain, its angle is the phase by which tau
+    leads.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        Parameters may be named DataArrays.  ``alpha`` is the response of its state to normal
+        stress; damping and mass count too.
+    V_lp : float, str, pint.Quantity or DataArray
+        Mean load-point velocity [m/s], > 0.
+    frequency : float, str, pint.Quantity, array_like or DataArray, optional
+        Frequency [Hz], > 0; a list or a one-dimensional array is along ``frequency``.  By default
+        60 a decade, from one decade below to one above the frequencies of the state
+        (V_lp/(2 pi Dc)), f_n and the resonance.
+
+    Returns
+    -------
+    xarray.Dataset
+        In the dimensions of the named DataArrays together, complex: ``V_by_V_lp`` [1],
+        ``tau_by_V_lp`` [Pa s/m], ``mu_by_V_lp`` [s/m], ``V_by_sigma`` [m/(Pa s)],
+        ``tau_by_sigma`` [1] and ``mu_by_sigma`` [1/Pa]; for each also the ``_gain`` and the
+        ``_phase`` [rad], from -pi to pi, such as ``tau_by_V_lp_gain``.  V is the slider's speed,
+        tau the spring's stress.
+
+        In these dimensions except frequency: ``resonance`` [Hz], the frequency at which the slider
+        oscillates by itself, and its ``quality`` [1] (a large one means a decay by exp(-pi/quality)
+        in a period); NaN if it does not oscillate.  They follow from the least damped pair of
+        eigenvalues l: |Im l|/(2 pi) and |l|/(2 |Re l|).  Near K_c the resonance is the frequency of
+        the Hopf bifurcation.  ``stable``: whether steady sliding is stable; if not, no response
+        settles, and all else is NaN.
+
+    Raises
+    ------
+    ParameterError
+        Wrong values or units; arrays that clash; a single slider whose steady sliding is unstable.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> response = rs.frequency_response(slider, "3 mm/s", [10.0, 50.0])
+    >>> round(float(response.resonance), 2), response.V_by_V_lp_gain.values.round(2)
+    (48.72, array([ 1.06, 24.04]))
+    """
+    call = frequency_response_call(slider, V_lp, frequency)
+    call.batch.check_fits(4 * len(TRANSFER), "Ask for fewer frequencies at a time.")
+    if call.sliders.is_single and not call.resonances["stable"][0]:
+        raise refusal("response.unstable", V_lp=call.V_lp, K=slider.K)
+    return call.dataset(call.run())
+
+
+def frequency_response_call(slider, V_lp, frequency=None):
+    """Return the `FrequencyResponseCall` with these arguments, checked one by one."""
+    V_lp = to_si("V_lp", V_lp)
+    if frequency is None:
+        frequency = _default_frequencies(check_slider(slider), V_lp)
+    frequency = to_si("frequency", _along_itself(frequency), bound="> 0")
+    return FrequencyResponseCall(check_slider(slider), V_lp, frequency)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class FrequencyResponseCall:
+    """`frequency_response` with its arguments, checked and in SI."""
+
+    slider: SpringSlider
+    V_lp: Any
+    frequency: Any
+
+    @functools.cached_property
+    def batch(self):
+        """`Batch` of the slider's parameters, V_lp and frequency; ParameterError if they clash."""
+        values = {**self.slider.values, "V_lp": self.V_lp, "frequency": self.frequency}
+        return Batch(values, reserved=RESPONSE_VARIABLES)
+
+    @property
+    def sliders(self):
+        """`Batch` of the slider's parameters and V_lp."""
+        return Batch({**self.slider.values, "V_lp": self.V_lp})
+
+    @functools.cached_property
+    def resonances(self):
+        """Resonance, quality and stability of `sliders`, name -> (n,)."""
+        return _resonances(self.slider.friction_law, self.sliders)
+
+    def blank(self):
+        """Return the variables of `run` with answers: they cost nothing."""
+        return self.run()
+
+    def run(self, progress=None):
+        """Return the variables, name -> Variable, NaN where steady sliding is unstable."""
+        sliders = self.sliders
+        variables = {name: sliders.variable(x, name) for name, x in self.resonances.items()}
+        for name, value in _transfer(self.slider, self.batch).items():
+            whole = self.batch.variable(value, name).where(variables["stable"])
+            text = whole.attrs["long_name"]
+            gain = whole.attrs | {"long_name": f"{text}, gain"}
+            phase = {"units": "rad", "long_name": f"{text}, phase"}
+            variables[name] = whole
+            variables[f"{name}_gain"] = xarray.Variable(whole.dims, np.abs(whole.values), gain)
+            variables[f"{name}_phase"] = xarray.Variable(whole.dims, np.angle(whole.values), phase)
+        return variables
+
+    def dataset(self, variables):
+        """Return these variables of all cases as a Dataset with coordinates and scenario."""
+        settings = {"V_lp": self.V_lp, "frequency": self.frequency}
+        result = xarray.Dataset(variables, self.batch.coordinates(RESPONSE_VARIABLES))
+        record_scenario(result, "frequency_response", self.slider, **settings)
+        return result
+
+
+def _default_frequencies(slider, V_lp):
+    """Return the default frequencies of a response, along ``frequency``."""
+    batch = Batch({**slider.values, "V_lp": V_lp})
+    p, found = columns(batch), _resonances(slider.friction_law, batch)
+    scales = [p.V_lp / (2.0 * np.pi * p.Dc), f_n(K=p.K, M=p.M), found["resonance"]]
+    known = [x[np.isfinite(x) & (x > 0.0)] for x in scales]
+    exponents = np.log10(np.concatenate(known))
+    low, high = int(np.floor(exponents.min())) - 1, int(np.ceil(exponents.max())) + 1
+    return logspace("frequency", float(f"1e{low}"), float(f"1e{high}"), POINTS * (high - low) + 1)
+
+
+def _along_itself(frequency):
+    """Return a list or an array of frequencies as a DataArray."""
+    if isinstance(frequency, list | tuple | np.ndarray) and np.ndim(frequency) == 1:
+        values = [to_si("frequency", f, bound="> 0") for f in frequency]
+        return xarray.DataArray(values, dims="frequency") if values else frequency
+    return frequency
+
+
+def _resonances(law, batch):
+    """Return resonance, quality and stability of sliders, name -> (n,)."""
+    columns = batch.columns
+    given = {symbol: columns[symbol] for symbol in (*law.symbols, "sigma", "K", "M")}
+    stable = is_stable(law, columns["V_lp"], **given)
+    modes = eigenvalues(law, columns["V_lp"], **given)
+    oscillates = (modes.imag != 0.0) & (modes.real < 0.0)
+    decay = np.where(oscillates, -modes.real, np.inf)
+    least = decay.argmin(axis=-1)[:, None]
+    mode = np.take_along_axis(modes, least, -1)[:, 0]
+    is_resonant = stable & oscillates.any(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        resonance = np.where(is_resonant, np.abs(mode.imag) / (2.0 * np.pi), np.nan)
+        quality = np.where(is_resonant, 0.5 * np.abs(mode) / np.abs(mode.real), np.nan)
+    return {"resonance": resonance, "quality": quality, "stable": stable}
+
+
+def _transfer(slider, batch):
+    """Return the transfer functions, name -> (n,) complex."""
+    law, p, values = slider.friction_law, columns(batch), batch.columns
+    V, unit = p.V_lp, p.a * p.sigma
+    mu = law.steady_friction(V, values)
+    h = law.jumps_with_normal_stress(mu, batch.flat("alpha") if slider.has_alpha else 0.0, p)
+    inertia = eta(V, a=p.a, Dc=p.Dc, sigma=p.sigma, M=p.M)
+    Omega = 2.0 * np.pi * batch.flat("frequency") * p.Dc / V
+    coefficients = law.coefficient_arrays(V, values)
+    kappa = p.K * p.Dc / unit
+    to_speed, to_stress = responses(law, coefficients, kappa, inertia, mu / p.a, h, Omega)
+    return {
+        "V_by_V_lp": to_speed.v,
+        "tau_by_V_lp": unit * to_speed.x / V,
+        "mu_by_V_lp": p.a * to_speed.f / V,
+        "V_by_sigma": V * to_stress.v / p.sigma,
+        "tau_by_sigma": p.a * to_stress.x,
+        "mu_by_sigma": p.a * to_stress.f / p.sigma,
+    }

@@ -24,7 +24,7 @@ FOLDS_BELOW = 1.02
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What a slider does when driven at V_lp; made by `verdict`.
+    """What a slider does when driven at V_lp, as `verdict` returns it.
 
     Attributes
     ----------
@@ -34,13 +34,13 @@ class Verdict:
     regime : str
         "steady", "slow stick-slip", "stick-slip" or "quasi-harmonic" (see
         `ratestate.regimes.classify`): what is reached from steady sliding at a tenth of the speed.
-        Without mass (M = 0) also "runaway": no motion beyond some time; and "conditionally
-        stable" where that start runs away but small disturbances of steady sliding die.
-        "unknown" where the search failed, as the text says.
+        Without mass (M = 0) also "runaway", a motion that ends at some time; and "conditionally
+        stable" if that start runs away but small disturbances of steady sliding decay.
+        "unknown" if the search failed, as the text says.
     stable : bool
-        Whether steady sliding is: K > K_c.
+        Whether steady sliding is stable: K > K_c.
     K_c, K_c_qs : float
-        Critical stiffness with inertia (eq. 6) and without [Pa/m]; negative where b < a.
+        Critical stiffness with inertia (eq. 6) and without [Pa/m]; negative if b < a.
     V_c, V_c_upper : float
         Critical velocity [m/s] (eq. 10): 0 if always unstable, inf if never; and the speed above
         which sliding is stable again, inf if none.
@@ -49,24 +49,23 @@ class Verdict:
     f_n : float
         Natural frequency [Hz]; inf if none.
     growth_rate, omega : float
-        Of the least stable disturbance of steady sliding [1/s], [rad/s].
+        Growth rate [1/s] and frequency [rad/s] of the least stable disturbance of steady sliding.
     period, frequency, amplitude, V_max, V_min : float or None
-        Of the limit cycle [s, Hz, 1, m/s, m/s]: None without one, but in steady sliding amplitude
-        is 0 and V_max = V_min = V_lp.
+        Measures of the limit cycle [s, Hz, 1, m/s, m/s]; None without one, but in steady sliding
+        amplitude is 0 and V_max = V_min = V_lp.
     returns : int or None
-        Stress maxima in a period; None without a cycle, in steady sliding too.
+        Stress maxima in a period; None without a cycle.
     mu_min, reversal_margin : float or None
-        Smallest mu and tau/sigma + mu of the motion reached: below 0 it leaves the domain of the
-        friction law (see `ratestate.dynamics.domain.domain_variables`).  None where the motion is
-        not known, or runs away.
+        Smallest mu and tau/sigma + mu of the motion reached: if one is negative, the motion leaves
+        the domain of the friction law.  None if the motion is not known, or runs away.
     multiplier : complex or None
         Largest Floquet multiplier beside 1: the factor by which a disturbance changes in a cycle.
         None without a cycle.
     K_fold : float or None
-        Stiffness [Pa/m] up to which a limit cycle coexists with stable sliding; None where no fold
-        is found, or sought: where sliding is unstable, and at K >= 1.02 K_c.
+        Stiffness [Pa/m] up to which a limit cycle coexists with stable sliding; None if no fold is
+        found, if sliding is unstable, and at K >= 1.02 K_c.
     sentences : tuple of str
-        All this as text, the regime first.
+        The same as text, the regime first.
     """
 
     slider: SpringSlider
@@ -95,10 +94,7 @@ class Verdict:
 
     @property
     def fade(self):
-        """Cycles [1] in which a small disturbance of the cycle falls to a tenth.
-
-        None without a cycle, inf where |multiplier| >= 1, 0 where it is 0.
-        """
+        """Cycles in which a small disturbance of the cycle falls to a tenth; inf if it grows."""
         if self.multiplier is None:
             return None
         size = abs(self.multiplier)
@@ -108,14 +104,14 @@ class Verdict:
 
     @property
     def force_amplitude(self):
-        """Peak-to-peak force [N] of the motion reached; None where it or the area is not known."""
+        """Peak-to-peak force [N] of the motion reached; None if it or the area is not known."""
         if self.amplitude is None or not self.slider.has_area:
             return None
         return force(self.amplitude * self.slider.sigma, self.slider.area)
 
     @property
     def on_edge(self):
-        """Whether K = K_c > 0 to 8 digits: the text then calls sliding neither stable nor not."""
+        """Whether K = K_c > 0 to 8 digits: the text then does not say if sliding is stable."""
         return on_edge(self.slider.K, self.K_c)
 
     @property
@@ -125,24 +121,24 @@ class Verdict:
 
     @property
     def text(self):
-        """The sentences, a line each."""
+        """The sentences, one a line."""
         return "\n".join(self.sentences)
 
 
 def verdict(slider, V_lp):
-    """What a slider does when driven at V_lp: its regime, the numbers behind it, and words.
+    """Find what a slider does when driven at V_lp: its regime, numbers and sentences.
 
     Parameters
     ----------
     slider : SpringSlider
-        One slider, no sweep.
+        One slider, not a sweep.
     V_lp : float, str or pint.Quantity
         Load-point velocity [m/s], > 0.
 
     Returns
     -------
     Verdict
-        Also where the search for a cycle fails: then `sentences` say so.
+        If the search for a cycle fails, `sentences` say so.
 
     Raises
     ------
@@ -165,7 +161,7 @@ def verdict(slider, V_lp):
 
 
 def result_or_error(search):
-    """What a search for a limit cycle returns, or the SolverError that it raises."""
+    """Return what a search for a limit cycle returns, or the SolverError that it raises."""
     try:
         return search()
     except SolverError as error:
@@ -173,16 +169,15 @@ def result_or_error(search):
 
 
 def verdict_of_cycle(slider, V_lp, cycle):
-    """The `verdict` of a slider whose cycle has been searched for already.
+    """Return the `verdict` of a slider from the result of `limit_cycle`.
 
-    slider, V_lp : one slider and one speed [m/s], which must be those of the cycle; not checked
-    cycle : the result of `limit_cycle`, also one of steady sliding, or the SolverError it raised
+    slider, V_lp : the slider and the speed [m/s] of the cycle, not checked
+    cycle : the result, also one of steady sliding, or the SolverError that was raised
     """
     cycle = in_si(cycle)
     steady = stability_call(slider, V_lp).run()
-    names: tuple[str, ...] = ("K_c", "K_c_qs", "V_c", "V_c_upper", "eta", "f_n")
-    names += ("growth_rate", "omega")
-    values: dict[str, Any] = {name: float(steady[name].values) for name in names}
+    of_sliding = "K_c K_c_qs V_c V_c_upper eta f_n growth_rate omega".split()
+    values: dict[str, Any] = {name: float(steady[name].values) for name in of_sliding}
     values["stable"] = bool(steady["stable"].values)
     reason = ""
     if isinstance(cycle, QuasiStaticInstability):
@@ -194,9 +189,9 @@ def verdict_of_cycle(slider, V_lp, cycle):
     else:
         numbers = {name: variable.values for name, variable in cycle.variables.items()}
         values["regime"] = str(regimes_of(numbers, slider.damping, slider.sigma))
-        names = ("amplitude", "V_max", "V_min", "mu_min", "reversal_margin")
+        names = ["amplitude", "V_max", "V_min", "mu_min", "reversal_margin"]
         if int(numbers["status"]) != STEADY_SLIDING:
-            names += ("period", "frequency")
+            names += ["period", "frequency"]
             values["multiplier"] = complex(numbers["multipliers"][0])
             values["returns"] = int(numbers["returns"])
         values |= {name: float(numbers[name]) for name in names}

@@ -9,9 +9,9 @@ from ..friction.stability import EDGE_WIDTH
 from ..model.names import Sentences
 from ..model.quantities import readable, readable_multiplier, readable_time
 from .cycles.regimes import HARMONIC, STEADY, UNKNOWN
-from .domain import outside_domain
+from .results import outside_domain
 
-#: regimes besides those of `ratestate.regimes`, both without mass: V grows without bound; it grows
+#: more regimes than in `ratestate.regimes`, both without mass: V grows without bound; it grows
 #: so after a large disturbance only
 RUNAWAY, CONDITIONAL = "runaway", "conditionally stable"
 # Inertia is negligible where eta is below the digits of K_c in the text, and below this part of the
@@ -22,9 +22,9 @@ sentence = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def sentences(v, reason):
-    """The sentences of a `Verdict`, a tuple of str, the motion first.
+    """Return the sentences of a `Verdict`, the motion first.
 
-    reason : why the search for a cycle failed; "" if it did not, or did not converge
+    reason : why the search for a cycle failed; "" if it succeeded, or did not converge
     """
     about_motion = _motion(v, reason), _doubling(v), _outside_domain(v)
     texts = *about_motion, *of_steady_sliding(v), _decay(v), _coexistence(v)
@@ -32,17 +32,17 @@ def sentences(v, reason):
 
 
 def of_steady_sliding(v):
-    """The sentences of a `Verdict` on steady sliding alone: a tuple of one or two str."""
+    """Return the one or two sentences of a `Verdict` on steady sliding."""
     return tuple(filter(None, (_stability(v), _inertia(v))))
 
 
 def on_edge(K, K_c):
-    """Whether K = K_c > 0 to 8 digits (bool): then only a nonlinear theory decides."""
+    """Return whether K = K_c > 0 to 8 digits: then only a nonlinear theory decides."""
     return bool(K_c > 0.0 and abs(K / K_c - 1.0) < EDGE_WIDTH)
 
 
 def _motion(v, reason):
-    """The motion itself."""
+    """Describe the motion itself."""
     if v.regime == UNKNOWN:
         return _unknown(v, reason)
     name, values = v.regime, {}
@@ -51,7 +51,8 @@ def _motion(v, reason):
     elif v.regime == RUNAWAY and v.on_edge:
         name = "runaway_on_edge"
     elif v.regime == HARMONIC:
-        values |= {"frequency": _vibration(v), "speeds": _range("V", v.V_min, v.V_max)}
+        speeds = _range("V", v.V_min, v.V_max)
+        values |= {"frequency": v.returns * v.frequency, "speeds": speeds}
     elif v.period is not None:
         values["period"] = readable_time(v.period, both=True)
     force = v.force_amplitude
@@ -60,7 +61,7 @@ def _motion(v, reason):
 
 
 def _safe_step(slider):
-    """The sentence on steps that do not run away; "" except under the slip law of eqs 1 and 3."""
+    """Describe steps that do not run away, under the slip law of eqs 1 and 3 only."""
     if slider.friction_law.name != "slip":
         return ""
     parameters = {name: slider.values[name] for name in ("a", "b", "Dc", "sigma", "K")}
@@ -69,7 +70,7 @@ def _safe_step(slider):
 
 
 def _unknown(v, reason):
-    """A slider for which the search from a tenth of the speed found no attractor."""
+    """Say why the search from a tenth of the speed found no attractor."""
     ended = f": {reason.removesuffix('.')}" if reason else ""
     if v.stable and not v.on_edge:
         name = "stable"
@@ -81,19 +82,14 @@ def _unknown(v, reason):
 
 
 def _doubling(v):
-    """After how many maxima of the stress the cycle repeats, where more than one."""
+    """Say after how many maxima of the stress the cycle repeats, if more than one."""
     if v.returns is None or v.returns < 2:
         return ""
     return sentence("motion.doubled", v=v, period=readable_time(v.period, both=True))
 
 
-def _vibration(v):
-    """How often the stress has a maximum [Hz]."""
-    return v.returns * v.frequency
-
-
 def _outside_domain(v):
-    """Where the motion leaves the domain of the friction law."""
+    """Say if and why the motion leaves the domain of the friction law."""
     if v.mu_min is None or outside_domain(v.slider.friction_law, v.mu_min, v.reversal_margin) <= 0:
         return ""
     negative = [name for name in ("mu_min", "reversal_margin") if getattr(v, name) < 0.0]
@@ -102,7 +98,7 @@ def _outside_domain(v):
 
 
 def _stability(v):
-    """Whether steady sliding is stable, and at which speeds."""
+    """Say whether steady sliding is stable, and at which speeds."""
     K = v.slider.K
     if np.isinf(K):
         return sentence("stability.rigid")
@@ -126,12 +122,12 @@ def _stability(v):
 
 
 def _inertia(v):
-    """The effect of inertia on stability, and on the frequency."""
+    """Describe the effect of inertia on stability, and on the frequency."""
     if v.K_c_qs <= 0.0 or np.isinf(v.slider.K) or v.slider.M == 0.0:
         return ""
     vibration = ""
     if v.regime == HARMONIC:
-        share = _vibration(v) / v.f_n
+        share = v.returns * v.frequency / v.f_n
         name = "natural" if f"{share:.3g}" == "1" else "vibration"
         vibration = sentence(f"inertia.{name}", v=v, share=share)
     away = abs(v.slider.K / v.K_c_qs - 1.0)
@@ -145,7 +141,7 @@ def _inertia(v):
 
 
 def _decay(v):
-    """How fast a small disturbance decays."""
+    """Say how fast a small disturbance decays."""
     if v.regime == STEADY and v.on_edge:
         return ""
     if v.regime == STEADY and v.growth_rate < 0.0:
@@ -155,12 +151,17 @@ def _decay(v):
     if v.fade is None:
         return ""
     name = "within_a_cycle" if v.fade <= 1.0 else "in_cycles"
-    time = readable_time(v.fade * v.period, both=True)
-    return sentence(f"decay.{name}", v=v, time=time, multiplier=_multiplier(v.multiplier))
+    time, multiplier = (
+        readable_time(v.fade * v.period, both=True),
+        readable_multiplier(v.multiplier),
+    )
+    if multiplier.endswith("i"):  # it is complex
+        multiplier += f", of size {abs(v.multiplier):.3g}"
+    return sentence(f"decay.{name}", v=v, time=time, multiplier=multiplier)
 
 
 def _coexistence(v):
-    """Another motion that is stable as well."""
+    """Name another motion that is stable as well."""
     if v.stable and v.multiplier is not None and not v.on_edge:
         return sentence("coexistence.steady_sliding")
     if v.K_fold is not None and v.K_fold > v.slider.K:
@@ -168,21 +169,15 @@ def _coexistence(v):
     return ""
 
 
-def _multiplier(value):
-    """A multiplier as text, with the size of a complex one."""
-    text = readable_multiplier(value)
-    return f"{text}, of size {abs(value):.3g}" if text.endswith("i") else text
-
-
 def _compared(ratio):
-    """A ratio as text: near 1 the difference."""
+    """Return a ratio as text; near 1 the difference."""
     if abs(ratio - 1.0) >= 0.1:
         return f"{ratio:.4g} times"
     return f"{100 * abs(ratio - 1.0):.2g} % {'above' if ratio > 1.0 else 'below'}"
 
 
 def _range(symbol, low, high):
-    """Two values as text, in the larger one's unit where they are of similar size."""
+    """Return two values as text, with the unit once if they are of similar size."""
     if low < 0.01 * high:
         return f"{readable(symbol, low, 3)} and {readable(symbol, high, 3)}"
     number, unit = readable(symbol, high, 3).split(" ")

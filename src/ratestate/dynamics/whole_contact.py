@@ -9,12 +9,12 @@ from .results import parameter, slider_parameters
 
 
 def force(stress, area):
-    """The force [N] that a stress [Pa] makes on an area [m^2], numbers or arrays."""
+    """Return the force [N] of a stress [Pa] on an area [m^2]."""
     return stress * area
 
 
 def whole_contact(result):
-    """What a result says of the contact as a whole; nothing if the slider's area is not known.
+    """Return forces and motions of the whole contact; none if the slider's area is not known.
 
     Parameters
     ----------
@@ -24,10 +24,10 @@ def whole_contact(result):
     Returns
     -------
     xarray.Dataset
-        Along ``time``, of a run: ``force`` [N] of the spring, and ``acceleration`` [m/s^2], eq. 4.
-        Per case: ``force_amplitude`` [N] and ``displacement_amplitude`` [m], peak-to-peak, of the
-        last cycle, the latter relative to the load point; ``acceleration_max`` [m/s^2], the
-        largest one, of either sign.  Accelerations are NaN where M = 0.
+        For a run, along ``time``: ``force`` [N] of the spring, and ``acceleration`` [m/s^2], eq. 4.
+        Per case: ``force_amplitude`` [N] and ``displacement_amplitude`` [m], relative to the load
+        point, both peak-to-peak in the last cycle; ``acceleration_max`` [m/s^2], the largest one of
+        either sign.  Accelerations are NaN if M = 0.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Beyond the paper: K > K_c is not the whole story.  What sliding that is stable survives."""
+"""Beyond the paper: which disturbances stable sliding (K > K_c) survives."""
 
 import numpy as np
 import xarray
@@ -22,10 +22,7 @@ SLOW = 1e-12  # m/s
 
 
 def compute(law):
-    """Branch, edges of the basin and two runs beside one (aging); edges without mass (slip).
-
-    Both laws, whatever `law` is.
-    """
+    """Compute branch, edges and two runs (aging law); edges without mass (slip law)."""
     aging = FIG2.replace(law="aging", K=RATIO * FIG2.K_c_qs)
     V_c = float(aging.V_c)
     branch = continue_cycle(aging, "V_lp", 3.0 * V_c, 1e-2 * V_c)
@@ -61,7 +58,7 @@ def compute(law):
 
 
 def _two_runs(slider, V_lp):
-    """Steps to V_lp on either side of the edge of its basin, at time 0; the speeds before."""
+    """Run steps to V_lp on either side of the edge of its basin; return also the earlier speeds."""
     edge = escape(slider, V_lp)
     side = xarray.DataArray([1.0 - ASIDE, 1.0 + ASIDE], dims="side")
     before = V_lp / (1.0 + (float(edge.step_up) - 1.0) * side)
@@ -75,7 +72,7 @@ def _two_runs(slider, V_lp):
 
 @styled
 def draw(data):
-    """Coexistence, two steps on either side of the edge, the edge; and the edge without mass."""
+    """Draw coexistence, two steps on either side of the edge, and both edges."""
     fig = figure(data, 5.6, "a b Dc sigma M")
     axes = fig.subplots(2, 2).ravel()
     V_c = float(data.V_c)
@@ -83,18 +80,13 @@ def draw(data):
     _two_steps(data, axes[1], V_c)
     _edge(data, axes[2], V_c)
     _threshold(data, axes[3])
-    letters(
-        axes,
-        rf"aging law, $K = {RATIO:g}\,K_{{c,qs}}$",
-        rf"aging law, steps to {EXAMPLE:g} $V_c$",
-        "aging law, edge of the basin",
-        "slip law without mass ($M = 0$)",
-    )
+    aging = rf"$K = {RATIO:g}\,K_{{c,qs}}$", f"steps to {EXAMPLE:g} $V_c$", "edge of the basin"
+    letters(axes, *(f"aging law, {text}" for text in aging), "slip law without mass ($M = 0$)")
     return fig
 
 
 def _coexistence(data, ax, V_c):
-    """The two cycles and steady sliding, and where all of them are."""
+    """Draw the two cycles and steady sliding."""
     V, amplitude = data.branch_V_lp / V_c, data.branch_amplitude
     stable, at_fold = data.branch_stable.astype(bool), data.branch_special == "fold"
     fold = float(V[at_fold][0])
@@ -109,7 +101,7 @@ def _coexistence(data, ax, V_c):
 
 
 def _two_steps(data, ax, V_c):
-    """tau/sigma after a step that is just too small, and one just large enough."""
+    """Draw tau/sigma after a step that is just too small, and one just large enough."""
     sigma = plot.parameter(data, "sigma")
     for side, color, text in ((1, "0.75", "does not come back"), (0, plot.BLUE, "comes back")):
         ratio = EXAMPLE * V_c / float(data.run_V_before[side])
@@ -121,7 +113,7 @@ def _two_steps(data, ax, V_c):
 
 
 def _edge(data, ax, V_c):
-    """The smallest step and kick that leave the basin."""
+    """Draw the smallest step and kick that leave the basin."""
     kick = data.kick_up / (plot.parameter(data, "a") * plot.parameter(data, "sigma"))
     look = {"color": plot.RED, "ls": "--", "lw": 1.2}
     ax.plot(data.V_lp / V_c, data.step_up, "k", lw=1.2, label=r"step, $V_{lp}/V$")
@@ -131,7 +123,7 @@ def _edge(data, ax, V_c):
 
 
 def _threshold(data, ax):
-    """The step beyond which sliding without mass runs away, between its bounds."""
+    """Draw the step beyond which sliding without mass runs away, between its bounds."""
     bounds = {"color": "0.88", "label": "closed-form bounds"}
     exact = {"color": plot.RED, "ms": 4, "label": "$b/(b-a)$, exact"}
     ax.fill_between(data.ratio, data.threshold_lower, data.threshold_upper, **bounds)

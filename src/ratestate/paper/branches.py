@@ -14,7 +14,7 @@ COLORS = ("#1f4fd8", "#0b8457", "k")
 
 
 def compute(law):
-    """The branches in V_lp, dimensions ``K`` and ``point``; shorter ones end in NaN."""
+    """Compute the branches in V_lp along ``K`` and ``point``; shorter ones end in NaN."""
     branches = []
     for ratio in RATIOS:
         slider = FIG2.replace(law=law, K=ratio * FIG2.K_c_qs)
@@ -30,7 +30,7 @@ def compute(law):
 
 @styled
 def draw(data):
-    """Each spring's bifurcation diagram; speeds and Floquet multiplier along all branches."""
+    """Draw bifurcation diagrams, and speeds and Floquet multiplier along all branches."""
     fig = figure(data, 5.4, "a b Dc sigma M")
     *tops, left, right = fig.subplot_mosaic("aabbcc;dddeee", height_ratios=(1.1, 1)).values()
     names = [rf"$K = {ratio:g}\,K_{{c,qs}}$" for ratio in RATIOS]
@@ -60,7 +60,7 @@ def draw(data):
 
 
 def _along(branch, V_c, left, right, color, label):
-    """Extreme speeds and the larger multiplier, solid where the cycle is stable, else dashed."""
+    """Draw extreme speeds and the larger multiplier, solid where the cycle is stable."""
     stable = branch.stable.astype(bool) | (branch.special != "")
     for part, dashes, name in ((stable, "-", label), (~stable, (0, (3, 1.5)), None)):
         shown = branch.where(part)

@@ -1,4 +1,4 @@
-"""A row of the claims table: what the paper says (claims.toml), and what comes out."""
+"""A row of the claims table: what the paper says (claims.toml), and what is measured."""
 
 import dataclasses
 from pathlib import Path
@@ -7,7 +7,7 @@ import numpy as np
 
 from .. import Loading, simulate
 from ..model.names import Sentences
-from .scheme_map import step_response, time_step
+from .scheme import step_response, time_step
 
 TIGHT, LOOSE = 1e-10, 1e-8  # rtol of the converged values, and of those they are compared with
 CLOSED_FORM = "closed form; rounding only"
@@ -35,7 +35,7 @@ class Claim:
     note: str = ""  # the cause of a difference, or what a reader should know of the value
 
     def holds(self, values):
-        """Whether the claim covers these values, ends included; ValueError unless one a range."""
+        """Return whether the claim covers these values, ends included."""
         pairs = zip(values, self.covers, strict=True)
         return all(low <= value <= high for value, (low, high) in pairs)
 
@@ -52,17 +52,14 @@ class Claim:
 
 
 def statements():
-    """id -> what the paper says (a table of claims.toml), in the order of the paper."""
+    """Return what the paper says, id -> table of claims.toml, in the order of the paper."""
     return SENTENCES.tables["claims"]
 
 
 def claim(name, law, measured):
-    """The `Claim` of this id; KeyError for others.
+    """Return the `Claim` of this id; statements on the slip law only are omitted for the other.
 
-    What the paper says of the slip law only is left out for the other.
-
-    measured : dict of what a measurement gives of `Claim`, and ``texts``, which stand in the
-        statement's braces
+    measured : dict of measured fields of `Claim`, and ``texts`` for the statement's braces
     """
     statement, measured = statements()[name], dict(measured)
     texts = measured.pop("texts", {})
@@ -83,19 +80,19 @@ def claim(name, law, measured):
 
 
 def to_digits(value, last):
-    """(low, high) of the values that print as `value` to a last digit of size `last`."""
+    """Return (low, high) of the values that print as `value` to a last digit of size `last`."""
     return (value - last / 2, value + last / 2)
 
 
 def floats(values):
-    """A number, or several, as a tuple of float."""
+    """Return a number, or several, as a tuple of float."""
     return tuple(np.atleast_1d(values).astype(float).tolist())
 
 
 def pair(measure, tight=TIGHT, loose=LOOSE):
-    """What measure(rtol) gives at the tight tolerance, and by how much the loose one moves it.
+    """Return measure(rtol) at the tight tolerance, and its difference from the loose one.
 
-    dict with ``converged``, ``error`` and ``error_from`` of `Claim`, in the unit of the measure.
+    They are ``converged``, ``error`` and ``error_from`` of `Claim`, in the unit of the measure.
     """
     best, other = floats(measure(tight)), floats(measure(loose))
     return {
@@ -106,19 +103,19 @@ def pair(measure, tight=TIGHT, loose=LOOSE):
 
 
 def exact(*values):
-    """The same dict as `pair`, of values of closed forms, to a relative 1e-14 of the largest."""
+    """Return the same dict as `pair` for closed forms, with an error of 1e-14 of the largest."""
     error = max(abs(value) for value in values) * 1e-14
     return {"converged": values, "error": error, "error_from": CLOSED_FORM}
 
 
 def by_scheme(measure, slider, *omega_dts):
-    """What measure(omega dt) gives by the paper's scheme: dict with ``scheme`` of `Claim`."""
+    """Return ``scheme`` of `Claim`, from measure(omega dt) by the paper's scheme."""
     steps = {od: (od, time_step(slider, od)) for od in omega_dts}
     return {"scheme": {step: floats(measure(od)) for od, step in steps.items()}}
 
 
 def after_step(measure, slider, V_start, V_lp, duration, last, omega_dts, times=None):
-    """What measure(run) gives of the last seconds after a step, and by the scheme: both dicts.
+    """Return measure(run) of the last seconds after a step, converged and by the scheme.
 
     duration, last, times : [s] since the step, at its end, and of saving (the solver's by default)
     """

@@ -1,4 +1,4 @@
-"""Claims on limit cycles from stick-slip to quasi-harmonic oscillation: Figs 4 and 5."""
+"""Claims on limit cycles (Figs 4 and 5), on where inertia acts (4, 6), and of section 5."""
 
 import math
 
@@ -6,11 +6,13 @@ import numpy as np
 import xarray
 from scipy.interpolate import make_interp_spline
 
-from .. import Loading, limit_cycle, logspace
-from ..dynamics.cycles.orbit import orbit
-from .claim import LOOSE, SENTENCES, TIGHT, exact, floats, pair
-from .parameters import FIG4, FIG4_K
-from .scheme_map import EULER, LARGEST, last_cycle, time_step
+from .. import Loading, limit_cycle, logspace, stability
+from ..dynamics.cycles.limit_cycle import orbit
+from ..dynamics.results import parameter
+from .claim import LOOSE, SENTENCES, TIGHT, after_step, by_scheme, exact, floats, pair
+from .fig6 import inertia
+from .parameters import FIG2, FIG2_SPEEDS, FIG4, FIG4_EXAMPLES, FIG4_K, FIG6, FIG6_SPEEDS
+from .scheme import EULER, FINER, LARGEST, last_cycle, step_response, time_step
 from .scheme_run import im2017
 
 SLOW = logspace("V_lp", 1e-5, 1e-3, 5)  # where the decrease is log-linear
@@ -19,27 +21,31 @@ FAST = logspace("V_lp", 10**-0.5, 10.0, 4)  # up to ten times the rates of Fig. 
 SWEEP = xarray.concat([SLOW, MIDDLE, FAST], "V_lp")
 GROWN = 1.0  # m/s, where Fig. 4 ends
 HALF_AS_DENSE = "difference from a sweep half as dense"
+CYCLES = 40  # after which the examples of Fig. 4 have settled
+SHARE = 0.01  # of the amplitude, beyond which inertia counts as acting
+SETTLED = 300.0  # s in which Fig. 6 settles by the scheme
+FIRST = 1.0  # s after the step of Fig. 6 that hold its first drop
 
 
 def on_cycles(law):
-    """The claims of Figs 4 and 5: id -> what `claim` takes as measured."""
+    """Measure the claims of Figs 4 and 5: id -> arguments of `claim`."""
     sliders = [FIG4.replace(law=law, K=K) for K in FIG4_K]
     sweeps = {rtol: [limit_cycle(s, SWEEP, rtol=rtol) for s in sliders] for rtol in (TIGHT, LOOSE)}
     best = sweeps[TIGHT]
-    by_scheme = [_scheme(s, c) for s, c in zip(sliders, best, strict=True)]
+    of_scheme = [_scheme(s, c) for s, c in zip(sliders, best, strict=True)]
 
     def both(measure, branches=(0, 1)):
-        """A measure of (slider, sweep) on these branches: converged, and by the scheme."""
+        """Apply a measure of (slider, sweep) to these branches: converged, and by the scheme."""
 
         def values(sweep):
             return floats([measure(sliders[i], sweep[i]) for i in branches])
 
         dt = (time_step(sliders[i], LARGEST) for i in branches)
         measured = pair(lambda rtol: values(sweeps[rtol]))
-        return measured | {"scheme": {(LARGEST, *dt): values(by_scheme)}}
+        return measured | {"scheme": {(LARGEST, *dt): values(of_scheme)}}
 
     def at_minimum(measure, branches=(0, 1), factor=1.0):
-        """The same of a measure of (slider, V_lp) at the smallest amplitude, times a factor."""
+        """Apply a measure of (slider, V_lp) at the smallest amplitude, times a factor."""
 
         def value(slider, sweep, every=1):
             return measure(slider, _minimum(sweep, every)[0])
@@ -50,7 +56,7 @@ def on_cycles(law):
 
     texts = {
         "grown": GROWN,
-        "worst": 100 * _worst(best, by_scheme),
+        "worst": 100 * _worst(best, of_scheme),
         "fastest": " ".join(map(_fastest, sliders)),
         **_apart(sliders, best),
     }
@@ -80,12 +86,12 @@ def on_cycles(law):
 
 
 def _turned(slider, rtol):
-    """The limit cycle at the end of the inset of Fig. 5 under friction that may reverse slip."""
+    """Return the cycle at the end of the inset of Fig. 5 if friction lets slip reverse."""
     return limit_cycle(slider.replace(friction="regularized"), float(SWEEP[-1]), rtol=rtol)
 
 
 def _apart(sliders, sweeps):
-    """What that friction changes: the amplitude, relative; and the smallest V over V_lp."""
+    """Return what such friction changes: relative amplitude, and the smallest V/V_lp."""
     turned = [_turned(slider, TIGHT) for slider in sliders]
     pairs = zip(turned, sweeps, strict=True)
     apart = [abs(float(one.amplitude / all_.amplitude[-1]) - 1.0) for one, all_ in pairs]
@@ -93,7 +99,7 @@ def _apart(sliders, sweeps):
 
 
 def _fastest(slider):
-    """How the slider moves at the end of the inset of Fig. 5."""
+    """Describe how the slider moves at the end of the inset of Fig. 5."""
     V_lp = float(SWEEP[-1])
     turn = orbit(slider, V_lp)
     stress, slowest = turn.tau / slider.sigma, turn.isel(time=turn.V.argmin("time"))
@@ -110,7 +116,7 @@ def _fastest(slider):
 
 
 def _scheme(slider, cycles):
-    """Amplitude and frequency that the scheme ends with, along the sweep."""
+    """Return amplitude and frequency at the end of the scheme's runs, along the sweep."""
     # a few cycles of stick-slip are enough; fast ones relax in 2 M V/((b - a) sigma), 0.2 s a m/s
     how = {"dt": time_step(slider, LARGEST), "euler": EULER[slider.law]}
     found = np.empty((2, SWEEP.size))
@@ -124,14 +130,14 @@ def _scheme(slider, cycles):
 
 
 def _worst(cycles, by_scheme):
-    """Largest relative error of the scheme's slow amplitudes."""
+    """Return the largest relative error of the scheme's slow amplitudes."""
     pairs = zip(by_scheme, cycles, strict=True)
     ratios = [(s.amplitude / c.amplitude).sel(V_lp=SLOW.values) for s, c in pairs]
     return max(float(abs(ratio - 1.0).max()) for ratio in ratios)
 
 
 def _line(sweep, against):
-    """Slope per decade of a line through the slow amplitudes, and the largest departure."""
+    """Fit a line to the slow amplitudes: slope per decade, and the largest departure."""
     slow = sweep.amplitude.sel(V_lp=SLOW.values).values
     decades = np.log10(against.sel(V_lp=SLOW.values).values)
     fit = np.polyfit(decades, slow, 1)
@@ -139,7 +145,7 @@ def _line(sweep, against):
 
 
 def _minimum(sweep, every=1):
-    """V_lp [m/s] and value of the least amplitude, by a quartic through every so many speeds."""
+    """Return V_lp [m/s] and value of the least amplitude, by a quartic through five speeds."""
     V = np.log(MIDDLE.values[::every])
     middle = sweep.amplitude.sel(V_lp=MIDDLE.values).values[::every]
     i = min(max(int(np.argmin(middle)), 2), V.size - 3)
@@ -150,7 +156,87 @@ def _minimum(sweep, every=1):
 
 
 def _above(sweep):
-    """By how much the amplitude at 3 cm/s exceeds the smallest."""
+    """Return by how much the amplitude at 3 cm/s exceeds the smallest."""
     middle = sweep.amplitude.sel(V_lp=MIDDLE.values)
     between = make_interp_spline(np.log(MIDDLE.values), middle)
     return float(between(math.log(0.03))) / _minimum(sweep)[1] - 1
+
+
+def on_regimes(law):
+    """Measure the claims of Figs 4b and 4c, and of section 5: id -> arguments of `claim`."""
+    slider = FIG4.replace(law=law)
+    inertia = {f"inertia_in_{name}": _inertia(slider, V) for name, V in FIG4_EXAMPLES.items()}
+    return inertia | _conclusions(FIG2.replace(law=law))
+
+
+def _inertia(slider, V_lp):
+    """Measure in which part of a cycle inertia acts."""
+    period = float(limit_cycle(slider, V_lp).period)
+    step = 0.1 * V_lp, V_lp, CYCLES * period, period
+    texts = {"share": 100 * SHARE, "V_lp": V_lp}
+    return after_step(_share, slider, *step, [LARGEST]) | {"texts": texts}
+
+
+def _share(run):
+    """Return the share of a run's time in which inertia acts, linear between its points."""
+    stress = run.tau.values / parameter(run, "sigma")
+    excess = np.abs(stress - run.mu.values) - SHARE * (stress.max() - stress.min())
+    low, high = np.sort([excess[:-1], excess[1:]], axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.where(low >= 0, 1.0, np.where(high <= 0, 0.0, high / (high - low)))
+    dt = np.diff(run.time.values)
+    return float((part * dt).sum() / dt.sum())
+
+
+def _conclusions(slider):
+    """Measure the claims of section 5."""
+    stiff = [slider.replace(K=factor * slider.K_c_qs) for factor in (2.0, 10.0, 100.0)]
+    strengthening = slider.replace(b=0.9 * slider.a, K=1e-3 * slider.K_c_qs)
+    light = slider.replace(M=0.1 * slider.M)
+
+    def growth(slider, V_lp):
+        return float(stability(slider, V_lp).growth_rate)
+
+    def frequency(slider, rtol):
+        return float(limit_cycle(slider, 1.1 * slider.V_c, rtol=rtol).frequency)
+
+    return {
+        "inertia_destabilises": exact(
+            *(growth(one, FIG2_SPEEDS[-1]) for one in (slider.replace(M=0.0), slider))
+        ),
+        "any_stiffness": exact(*(growth(s, 1.01 * s.V_c) / s.V_c * s.Dc for s in stiff)),
+        "weakening_needed": exact(
+            max(growth(strengthening, V) for V in np.geomspace(1e-9, 10, 41))
+        ),
+        "less_mass": pair(
+            lambda rtol: (light.V_c / slider.V_c, frequency(light, rtol) / frequency(slider, rtol))
+        ),
+    }
+
+
+def on_slow_slip(law):
+    """Measure the claims of Fig. 6: id -> arguments of `claim`."""
+    slider = FIG6.replace(law=law)
+    slow, fast = FIG6_SPEEDS
+    fastest = float(limit_cycle(FIG4.replace(law=law), FIG4_EXAMPLES["stick_slip"]).V_max)
+
+    settled = step_response(slider, slow, fast, SETTLED, LARGEST, last=FIRST)
+    #: claim -> variable of the limit cycle; over what; the same by the scheme
+    of_the_cycle = {
+        "slow_cycle": ("amplitude", 1.0, last_cycle(settled)[0]),
+        "slow_slip": ("V_max", fastest, settled.V.max()),
+        "slow_inertia": ("inertia", 1.0, inertia(settled)),
+    }
+
+    def cycle(name, over, scheme):
+        measured = pair(lambda rtol: limit_cycle(slider, fast, rtol=rtol)[name] / over)
+        return measured | by_scheme(lambda omega_dt: scheme / over, slider, LARGEST)
+
+    return {
+        "eta_fig6": exact(slider.eta(fast)),
+        "K_over_K_c_fig6": exact(slider.K / slider.K_c(fast)),
+        **{name: cycle(*row) for name, row in of_the_cycle.items()},
+        "first_drop_inertia": after_step(
+            inertia, slider, slow, fast, FIRST, FIRST, [LARGEST, FINER]
+        ),
+    }

@@ -11,7 +11,7 @@ from ..dynamics.results import parameter
 from .claim import TIGHT, after_step, by_scheme, exact, pair
 from .fig3 import UNSTABLE
 from .parameters import FIG1, FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START, FIG3_M, FIG3_V_LP
-from .scheme_map import FINER, LARGEST, LAST, critical_velocity, step_response, time_step
+from .scheme import FINER, LARGEST, LAST, critical_velocity, step_response, time_step
 
 RTOL = 1e-8, 1e-6  # of the map; the second shows that the first is enough
 STIFFNESS = 1e5  # 1/m, the paper's K/sigma in Fig. 1
@@ -19,7 +19,7 @@ POINTS = 4001  # of a response in Fig. 1
 
 
 def on_friction(law):
-    """The claims of Fig. 1, a rigid drive's e-fold step: id -> what `claim` takes as measured."""
+    """Measure the claims of Fig. 1, a rigid drive's e-fold step: id -> arguments of `claim`."""
     slider = FIG1.replace(law=law)
     a, b, Dc, mu0 = slider.a, slider.b, slider.Dc, slider.mu0
     reach = 30 * Dc  # exp(-30) of the fall is rounding
@@ -47,7 +47,7 @@ def on_friction(law):
 
 
 def _friction(slider, reach):
-    """mu after an e-fold step from V0, at even slips of the load point up to `reach` [m]."""
+    """Return mu after an e-fold step from V0, at even slips of the load point to `reach` [m]."""
     V = math.e * slider.V0
     times = np.linspace(0.0, reach / V, POINTS)
     step = {"V_start": slider.V0, "times": times, "rtol": TIGHT}
@@ -55,7 +55,7 @@ def _friction(slider, reach):
 
 
 def on_steps(law):
-    """The claims of Fig. 2: id -> what `claim` takes as measured."""
+    """Measure the claims of Fig. 2: id -> arguments of `claim`."""
     slider = FIG2.replace(law=law)
     rates = [float(stability(slider, V).growth_rate) for V in FIG2_SPEEDS]
     at_V_c = abs(float(stability(slider, slider.V_c).growth_rate))
@@ -79,26 +79,26 @@ def on_steps(law):
 
 
 def _swing(slider, rtol):
-    """Largest V/V_lp after each step."""
+    """Return the largest V/V_lp after each step."""
     V_lp = xarray.DataArray(FIG2_SPEEDS, dims="V_lp")
     run = simulate(slider, Loading.constant(V_lp), 1.0, V_start=FIG2_START, rtol=rtol)
     return run.V_max.values / V_lp.values
 
 
 def _fate(slider, V_lp):
-    """Whether the oscillation after the step to V_lp has died out."""
+    """Measure the oscillation that is left after the step to V_lp."""
     times = FIG2_DURATION + np.linspace(-LAST, 0.0, 2001)
     step = FIG2_START, V_lp, FIG2_DURATION, LAST
     return after_step(_amplitude, slider, *step, [LARGEST, FINER], times)
 
 
 def _amplitude(run):
-    """Max - min of tau/sigma over what was saved."""
+    """Return max - min of tau/sigma in a run."""
     return float(run.tau.max() - run.tau.min()) / parameter(run, "sigma")
 
 
 def _cycle(slider, V_lp):
-    """Smallest and largest velocity [mm/s] of the limit cycle."""
+    """Measure the smallest and largest velocity [mm/s] of the limit cycle."""
 
     def measure(rtol):
         cycle = limit_cycle(slider, V_lp, rtol=rtol)
@@ -112,14 +112,14 @@ def _cycle(slider, V_lp):
 
 
 def on_map(law):
-    """The claims of Fig. 3: id -> what `claim` takes as measured."""
+    """Measure the claims of Fig. 3: id -> arguments of `claim`."""
     slider = FIG2.replace(law=law, M=logspace("M", *FIG3_M))
     V_lp = logspace("V_lp", *FIG3_V_LP)
     above = V_lp > slider.V_c
 
     @functools.cache
     def amplitude(rtol):
-        """Amplitude of the last oscillation, 10 s after the step."""
+        """Return the amplitude of the last oscillation, 10 s after the step."""
         loading = Loading.constant(V_lp)
         run = simulate(slider, loading, FIG2_DURATION, V_start=FIG2_START, rtol=rtol)
         return run.amplitude
@@ -142,13 +142,13 @@ def on_map(law):
 
 
 def _is_wrong(slider, V_lp, omega_dt):
-    """Whether the scheme puts a case of Fig. 3 on the wrong side of V_c."""
+    """Return whether the scheme puts a case of Fig. 3 on the wrong side of V_c."""
     run = step_response(slider, FIG2_START, V_lp, FIG2_DURATION, omega_dt)
     return (_amplitude(run) > UNSTABLE) != (V_lp > slider.V_c)
 
 
 def _cases_by_scheme(law, V_lp):
-    """Cases on the right side by the scheme, and how many its large step puts on the wrong one."""
+    """Count the cases on the right side by the scheme, and those that its large step gets wrong."""
     sliders = [FIG2.replace(law=law, M=float(M)) for M in logspace("M", *FIG3_M)]
     every = [(slider, V) for slider in sliders for V in V_lp.values.tolist()]
     wrong = [case for case in every if _is_wrong(*case, LARGEST)]

@@ -7,7 +7,7 @@ from importlib.metadata import version
 from ..files import replace
 from ..friction.laws import law_name
 from ..plot.labels import LAWS
-from . import claims_cycles, claims_regimes, claims_steps
+from . import claims_cycles, claims_steps
 from .claim import CLOSED_FORM, SENTENCES, claim, statements
 
 #: what measures the claims: functions of a law that give id -> what `claim` takes
@@ -16,8 +16,8 @@ MEASUREMENTS = [
     claims_steps.on_steps,
     claims_steps.on_map,
     claims_cycles.on_cycles,
-    claims_regimes.on_regimes,
-    claims_regimes.on_slow_slip,
+    claims_cycles.on_regimes,
+    claims_cycles.on_slow_slip,
 ]
 STYLES = {
     "agrees": "green",
@@ -32,10 +32,10 @@ FIELDS = "id where claim paper covers unit scheme converged error error_from ver
 
 
 def claims(law="slip", measurements=MEASUREMENTS):
-    """Check the claims of the paper, in its order: list of `Claim`, for all or some measurements.
+    """Check the claims of the paper, in its order, by all or some measurements; list of `Claim`.
 
-    The paper's text, and all of its numbers, are about the slip law; what it says in words is put
-    to the aging law too, with which its supplement repeats runs.  ParameterError for another law.
+    The paper's text and numbers are about the slip law; its words are tested under the aging law
+    too, with which its supplement repeats runs.
     """
     law = law_name(law)
     measured = {name: row for measure in measurements for name, row in measure(law).items()}
@@ -44,12 +44,12 @@ def claims(law="slip", measurements=MEASUREMENTS):
 
 
 def number(value):
-    """A finite number as text: whole if it is and is below 1e6, else to 5 digits."""
+    """Return a finite number as text: whole if it is and is below 1e6, else to 5 digits."""
     return f"{value:.0f}" if value == round(value) and abs(value) < 1e6 else f"{value:.5g}"
 
 
 def quantity(values, unit):
-    """Values and their unit as text."""
+    """Return values and their unit as text."""
     return f"{', '.join(map(number, values))} {unit}".rstrip()
 
 
@@ -63,7 +63,7 @@ def _between(bounds):
 
 
 def cells(row):
-    """Lines (list) of what the paper says, the scheme's values, the converged ones; ["-"]: none."""
+    """Return lines on the paper, the scheme and converged values, three lists; ["-"] if none."""
     paper = [row.paper, f"taken as {', '.join(map(_between, row.covers))}"] if row.covers else ["-"]
     scheme = []
     for (omega_dt, *dt), values in row.scheme.items():
@@ -75,40 +75,31 @@ def cells(row):
 
 
 def tally(rows):
-    """How many rows have each verdict that any has, as text."""
+    """Return as text how many rows have each verdict."""
     counts = {verdict: sum(row.verdict == verdict for row in rows) for verdict in STYLES}
     return "; ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
 
 
 def terminal(rows, law):
-    """A rich Table of the rows: notes below each claim, and the values of each below each other."""
+    """Return a rich Table of the rows, with the values of each claim below each other."""
     from rich.table import Table
     from rich.text import Text
 
     first, *sources, last = HEADINGS
-    table = Table(
-        *(first, "Values", last),
-        title=f"Claims, {LAWS[law].name}",
-        caption=tally(rows),
-        show_lines=True,
-        expand=True,
-    )
-    for column, ratio in zip(table.columns, (5, 6, 2), strict=True):
-        column.ratio = ratio
+    look = {"caption": tally(rows), "show_lines": True, "expand": True}
+    table = Table(title=f"Claims, {LAWS[law].name}", **look)
+    for heading, ratio in ((first, 5), ("Values", 6), (last, 2)):
+        table.add_column(heading, ratio=ratio)
     for row in rows:
-        about = Text(f"{row.claim} ").append(f"[{row.where}]", "dim")
-        if row.note:
-            about.append(f"\n{row.note}", "italic")
-        values = Text()
-        for source, lines in zip(sources, cells(row), strict=True):
-            values.append(f"{source}: ", "bold").append("; ".join(lines) + "\n")
-        values.right_crop()
-        table.add_row(about, values, Text(row.verdict, STYLES[row.verdict]))
+        about = Text(f"{row.claim} [{row.where}]\n").append(row.note, "italic")
+        values = zip(sources, cells(row), strict=True)
+        text = "\n".join(f"{source}: {'; '.join(lines)}" for source, lines in values)
+        table.add_row(about, Text(text), Text(row.verdict, STYLES[row.verdict]))
     return table
 
 
 def markdown(rows, law):
-    """The table as Markdown text: one table, then the notes and how errors were estimated."""
+    """Return the table as Markdown, then the notes and how errors were estimated."""
     lines = [
         f"# Claims, {LAWS[law].name}",
         "",
@@ -129,7 +120,7 @@ def markdown(rows, law):
 
 
 def record(rows, law):
-    """The table as a dict that JSON can hold; an open end of a range is null."""
+    """Return the table as a dict that JSON can hold; an open end of a range is null."""
     return {
         "paper": "doi:10.1016/j.jmps.2018.08.026",
         "law": law,
@@ -140,22 +131,19 @@ def record(rows, law):
 
 
 def _plain(row):
-    """A row as a dict: null for what the paper does not give, and for an open end of a range."""
-    values = {name: getattr(row, name) for name in FIELDS}
-    return values | {
-        "paper": row.paper or None,
-        "covers": [[x if math.isfinite(x) else None for x in ends] for ends in row.covers] or None,
-        "unit": row.unit or "1",
-        "scheme": [
-            {"omega_dt": omega_dt, "dt": dt, "values": by_scheme}
-            for (omega_dt, *dt), by_scheme in row.scheme.items()
-        ],
-        "note": row.note or None,
-    }
+    """Return a row as a dict: null for what the paper does not give."""
+    scheme = [
+        {"omega_dt": omega_dt, "dt": dt, "values": by_scheme}
+        for (omega_dt, *dt), by_scheme in row.scheme.items()
+    ]
+    covers = [[x if math.isfinite(x) else None for x in ends] for ends in row.covers]
+    values = {name: getattr(row, name) for name in FIELDS} | {"scheme": scheme}
+    or_null = {"paper": row.paper or None, "covers": covers or None, "note": row.note or None}
+    return values | or_null | {"unit": row.unit or "1"}
 
 
 def write(rows, law, out):
-    """Write the table as claims_<law>.md and .json into a folder that exists; list of the paths."""
+    """Write the table as claims_<law>.md and .json into an existing folder; return the paths."""
     text = json.dumps(record(rows, law), indent=2, allow_nan=False) + "\n"
     return [
         replace(out / f"claims_{law}.md", lambda path: path.write_text(markdown(rows, law))),

@@ -6,7 +6,7 @@ import xarray
 from .. import Loading, plot, simulate
 from ..plot.labels import LAWS as STYLES
 from ..plot.layout import figure, styled
-from .laws import LAWS
+from .figures import LAWS
 from .parameters import FIG1
 
 MICRO = plot.PREFIXES[-6]
@@ -14,7 +14,7 @@ BEFORE, AFTER = 2.0, 8.0  # slip shown, in Dc
 
 
 def compute(_):
-    """Friction against slip [m] since the step, for both laws: dimensions ``law``, ``time``."""
+    """Compute friction against slip [m] since the step, along ``law`` and ``time``."""
     t_step = BEFORE * FIG1.Dc / FIG1.V0
     V = np.e * FIG1.V0
     # Both sides of the jump, then evenly spaced slip.
@@ -31,7 +31,7 @@ def compute(_):
 
 @styled
 def draw(data):
-    """Friction against slip with a, b, a - b and Dc marked; the spring-slider in an inset."""
+    """Draw friction against slip with a, b, a - b and Dc; the spring-slider in an inset."""
     a, b, Dc, mu0 = (plot.parameter(data, symbol) for symbol in ("a", "b", "Dc", "mu0"))
     rigid = r", $V = e\,V_0$, rigid drive ($K = \infty$, $M = 0$)"
     fig = figure(data, 3.9, "a b Dc V0", rigid)
@@ -63,7 +63,7 @@ def draw(data):
 
 
 def _arrow(ax, start, end, text):
-    """A double arrow with its text to the left, or, where it lies, to the right."""
+    """Draw a double arrow with its text to the left, or to the right if it is horizontal."""
     style = {"arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "lw": 0.9}
     ax.annotate("", start, end, arrowprops=style)
     if start[1] == end[1]:
@@ -73,7 +73,7 @@ def _arrow(ax, start, end, text):
 
 
 def _sketch(ax):
-    """The spring-slider: block on its base, spring, load point."""
+    """Draw the spring-slider: block on its base, spring, load point."""
     ax.set(xlim=(0, 10), ylim=(0, 4), aspect="equal")
     ax.axis("off")
     ax.plot([0.2, 9.8], [1, 1], "k", lw=1)

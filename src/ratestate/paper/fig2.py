@@ -13,7 +13,7 @@ COLORS = ["k", plot.RED, plot.BLUE]
 
 
 def compute(law):
-    """The runs, along ``V_lp`` and ``time`` (0 at the step), and each one's critical stiffness."""
+    """Compute the runs, along ``V_lp`` and ``time`` (0 at the step), and their K_c."""
     slider = FIG2.replace(law=law)
     V_lp = xarray.DataArray(FIG2_SPEEDS, dims="V_lp")
     # The first drop needs 0.1 ms; the oscillation of 50 Hz that follows has 40 points a cycle.
@@ -32,7 +32,7 @@ def compute(law):
 
 @styled
 def draw(data):
-    """(a) tau/sigma against time, with its end and the phase plane inset; (b) K_c beside K."""
+    """Draw (a) tau/sigma against time, its end and the phase plane; (b) K_c and K."""
     start = plot.value_text("V", float(data.V_start), unit_of=1e-3)
     fig = figure(data, 6.2, "a b Dc sigma M K", f", stepped from {start}")
     top, bottom = fig.subplots(2, 1, height_ratios=[3.3, 1], sharex=True)
@@ -58,7 +58,7 @@ def draw(data):
 
 
 def _late(ax, runs, sigma):
-    """Zoom on the last tenth of a second."""
+    """Draw the last tenth of a second."""
     for run, color in runs:
         end = run.sel(time=slice(9.9, None))
         ax.plot(end.time, end.tau / sigma, color=color, lw=0.9)
@@ -68,7 +68,7 @@ def _late(ax, runs, sigma):
 
 
 def _phases(ax, runs, title, alpha):
-    """The two steps near V_c over all 10 s, and their steady points."""
+    """Draw the two steps near V_c over all 10 s, and their steady points."""
     for run, color in runs[1:]:
         plot.phase(run.sel(time=slice(0.0, None)), ax, color=color, lw=0.3, alpha=alpha)
     plot.phase(run.sel(time=slice(9.97, None)), ax, color="navy", lw=1.3)
@@ -76,7 +76,7 @@ def _phases(ax, runs, title, alpha):
 
 
 def _stiffness(ax, runs, K):
-    """Critical stiffness before and after each step."""
+    """Draw the critical stiffness before and after each step."""
     for (run, color), va in zip(runs, ("bottom", "top", "bottom"), strict=True):
         steps = np.array([run.K_c_start, run.K_c_start, run.K_c, run.K_c]) / 1e6
         ax.plot([-0.1, 0, 0, 10], steps, color=color, lw=1.2)

@@ -14,7 +14,7 @@ UNSTABLE = 1e-4
 
 
 def compute(law):
-    """Amplitudes 10 s after the step, and of the limit cycles: dimensions ``M``, ``V_lp``."""
+    """Compute amplitudes 10 s after the step, and of limit cycles, along ``M`` and ``V_lp``."""
     slider = FIG2.replace(law=law, M=logspace("M", *FIG3_M))
     V_lp = logspace("V_lp", *FIG3_V_LP)
     loading = Loading.steps(FIG2_START, (T_STEP, V_lp))
@@ -34,7 +34,7 @@ def compute(law):
 
 @styled
 def draw(data):
-    """Empty circles where sliding is stable, filled ones by amplitude where not; V_c(M)."""
+    """Draw empty circles for stable sliding, filled ones by amplitude otherwise; V_c(M)."""
     start = plot.value_text("V", float(data.V_start), unit_of=1e-3)
     fig = figure(data, 4.7, "a b Dc sigma K", f", stepped from {start}")
     ax = fig.subplots()

@@ -14,7 +14,7 @@ NAMES = {"stick_slip": "stick-slip", "harmonic": "quasi-harmonic oscillation"}
 
 
 def compute(law):
-    """Limit cycles along ``K`` and ``V_lp``; two as traces along times of their own."""
+    """Compute limit cycles along ``K`` and ``V_lp``; two as traces along their own times."""
     data = sweep(law, FIG4_V_LP)
     for name, V_lp in FIG4_EXAMPLES.items():
         run = example(FIG4.replace(law=law), V_lp)
@@ -24,7 +24,7 @@ def compute(law):
 
 
 def sweep(law, between):
-    """Limit cycles along ``K`` and ``V_lp`` between two speeds [m/s], with eta, f_n and K_c_qs."""
+    """Compute limit cycles along ``K`` and ``V_lp`` between two speeds, eta, f_n and K_c_qs."""
     first, last = between
     V_lp = logspace("V_lp", first, last, round(PER_DECADE * np.log10(last / first)) + 1)
     slider = FIG4.replace(law=law, K=xarray.DataArray(FIG4_K, dims="K"))
@@ -34,7 +34,7 @@ def sweep(law, between):
 
 
 def example(slider, V_lp):
-    """The last cycles of a run that has settled: tau and mu at the solver's steps, from time 0."""
+    """Return tau and mu in the last cycles of a settled run, from time 0."""
     period = float(limit_cycle(slider, V_lp).period)
     t_end = 40.0 * period
     run = simulate(slider, Loading.constant(V_lp), t_end, V_start=0.1 * V_lp, rtol=1e-8)
@@ -43,7 +43,7 @@ def example(slider, V_lp):
 
 
 def steepest(run):
-    """The run with time counted from where, in its middle half, tau falls fastest."""
+    """Return the run with time counted from where, in its middle half, tau falls fastest."""
     first, last = (float(run.time[i]) for i in (0, -1))
     margin = (last - first) / 4
     rate = run.tau.differentiate("time").sel(time=slice(first + margin, last - margin))
@@ -52,7 +52,7 @@ def steepest(run):
 
 @styled
 def draw(data):
-    """(a) amplitude and eta against V_lp; (b) a stick-slip cycle, (c) a quasi-harmonic one."""
+    """Draw (a) amplitude and eta against V_lp, (b) stick-slip, (c) quasi-harmonic motion."""
     fig = figure(data, 6.2, "a b Dc sigma M")
     axes = fig.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=[1.2, 1])
     for color, K in zip(("k", plot.GRAY), data.K.values, strict=True):
@@ -84,7 +84,7 @@ def draw(data):
 
 
 def _coefficient(ax, data):
-    """eta on an axis of its own, with eta = 1 marked."""
+    """Draw eta on an axis of its own, with eta = 1 marked."""
     ax.loglog(data.V_lp, data.eta, color=plot.BLUE, lw=1.2)
     one = float(np.exp(np.interp(0.0, np.log(data.eta), np.log(data.V_lp))))
     ax.plot(one, 1.0, "o", color=plot.BLUE, mfc="w", ms=5)
@@ -97,7 +97,7 @@ def _coefficient(ax, data):
 
 
 def _slip_phase(ax, run, half):
-    """A drop of the stick-slip cycle, in the room made above it."""
+    """Draw a drop of the stick-slip cycle in an inset above it."""
     low, high = ax.get_ylim()
     ticks = [tick for tick in ax.get_yticks() if low < tick < high]
     ax.set(ylim=(low, high + 0.95 * (high - low)), yticks=ticks[:: 1 + len(ticks) // 6])

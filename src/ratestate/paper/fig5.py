@@ -7,13 +7,13 @@ from .parameters import FIG4_V_LP, FIG5_V_LP
 
 
 def compute(law):
-    """The limit cycles of Fig. 4 and ten times faster ones: dimensions ``K``, ``V_lp``."""
+    """Compute the limit cycles of Fig. 4 and ten times faster ones."""
     return sweep(law, FIG5_V_LP)
 
 
 @styled
 def draw(data):
-    """Amplitude against frequency with f_n in red; the inset adds the larger loading rates."""
+    """Draw amplitude against frequency and f_n; the inset adds the larger loading rates."""
     first, last = plot.value_text("V_lp", float(data.V_lp[0])), float(data.V_lp[-1])
     speeds = f", {first} to {FIG4_V_LP[1]:g} m/s, inset to {last:g} m/s"
     fig = figure(data, 4.2, "a b Dc sigma M", speeds)

@@ -13,7 +13,7 @@ CYCLES = 4.5  # kept at the end
 
 
 def compute(law):
-    """The run at the solver's steps, its first seconds and its last cycles: ``time``."""
+    """Compute the first seconds and the last cycles of the run, at the solver's steps."""
     slider = FIG6.replace(law=law)
     slow, fast = FIG6_SPEEDS
     run = simulate(slider, Loading.steps(slow, (T_STEP, fast)), T_END, rtol=1e-8)
@@ -30,14 +30,14 @@ def compute(law):
 
 
 def inertia(run):
-    """Largest |tau/sigma - mu| of a run over max - min of tau/sigma (float, dimensionless)."""
+    """Return the largest |tau/sigma - mu| of a run, divided by max - min of tau/sigma."""
     stress = run.tau / plot.parameter(run, "sigma")
     return float(abs(stress - run.mu).max() / (stress.max() - stress.min()))
 
 
 @styled
 def draw(data):
-    """tau/sigma and mu after the step, and once settled; a drop of each in the insets."""
+    """Draw tau/sigma and mu after the step, and once settled; a drop of each in the insets."""
     K = plot.parameter(data, "K")
     more = f" = {K / float(data.K_c_qs):.5g} {plot.label('K_c_qs')}"
     fig = figure(data, 4.4, "a b Dc sigma M K", more)
@@ -63,7 +63,7 @@ def draw(data):
 
 
 def _drop(ax, run, half, text):
-    """The steepest fall of the stress in a run, from `half` seconds before to as long after."""
+    """Draw the steepest fall of the stress in a run, `half` seconds before and after."""
     plot.trace(steepest(run).sel(time=slice(-half, half)), ax)
     share = inertia(run)
     ax.set_ylabel("")

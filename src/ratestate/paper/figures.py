@@ -1,4 +1,4 @@
-"""The paper's figures, and those beyond it, as figures.toml lists them; how they become files.
+"""The figures of the paper and beyond, as figures.toml lists them, and how they become files.
 
 The command line, its help and the tests read this list.  Nothing heavy is imported before a figure
 is made.
@@ -8,6 +8,9 @@ import importlib
 import tomllib
 from pathlib import Path
 from typing import NamedTuple
+
+#: friction laws of the paper
+LAWS = ("slip", "aging")
 
 
 class Figure(NamedTuple):
@@ -20,20 +23,20 @@ class Figure(NamedTuple):
     both_laws: bool = False
 
     def stem(self, law):
-        """Name of its files: "fig2_slip"; without the law where it shows both."""
+        """Return the name of its files: "fig2_slip"; without the law if it shows both."""
         return self.module if self.both_laws else f"{self.module}_{law}"
 
     def compute(self, law):
-        """The Dataset of its numbers; without effect of the law where it shows both."""
-        from ..plot.labels import LAWS
+        """Return the Dataset of its numbers; the law has no effect if it shows both."""
+        from ..plot.labels import LAWS as STYLES
 
-        laws = "both evolution laws" if self.both_laws else LAWS[law].name
+        laws = "both evolution laws" if self.both_laws else STYLES[law].name
         source = "Im, Marone & Elsworth (2019), doi:10.1016/j.jmps.2018.08.026"
         data = self._imported().compute(law)
         return data.assign_attrs(title=f"{self.title}; {laws}", references=source)
 
     def draw(self, data):
-        """The matplotlib Figure of what `compute` gives."""
+        """Draw the matplotlib Figure of these numbers."""
         return self._imported().draw(data)
 
     def _imported(self):
@@ -41,7 +44,7 @@ class Figure(NamedTuple):
 
 
 def _listed():
-    """The rows of figures.toml; those of the paper have a number."""
+    """Yield the rows of figures.toml; figures of the paper have a number."""
     rows = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
     for key, row in rows.items():
         own = {"module": f"fig{key}", "name": f"Fig. {key}"} if key.isdigit() else {"module": key}
@@ -54,16 +57,16 @@ BEYOND = {key: figure for key, figure in FIGURES.items() if figure.help}
 
 
 def make(key, law, out):
-    """Compute and draw a figure of `FIGURES`, and `write` it; list of paths.  Others: KeyError."""
+    """Compute, draw and `write` a figure of `FIGURES`; return the paths."""
     figure = FIGURES[key]
     data = figure.compute(law)
     return write(data, figure.draw(data), out, figure.stem(law))
 
 
 def write(data, fig, out, name):
-    """Write a figure and its numbers as NAME.png, .pdf and .nc into a folder, made if missing.
+    """Write a figure and its numbers as NAME.png, .pdf and .nc into a folder; return the paths.
 
-    Files of these names are replaced, each at once, or OSError is raised; list of their paths.
+    The folder is made if missing; each file replaces an old one at once.
     """
     from .. import files, plot
 

@@ -1,13 +1,29 @@
-"""The error of the paper's scheme against its time step: critical velocity and limit cycle."""
+"""What the paper's scheme (eqs 8, 9) does at a given time step: its V_c and limit cycles; a figure.
+
+Steps are given as omega dt, omega = sqrt(K/M): 0.1 is the largest that the script published by
+the scheme's author accepts without a warning.
+"""
+
+import math
 
 import numpy as np
 import xarray
+from scipy.interpolate import CubicHermiteSpline
 
-from .. import limit_cycle, plot
+from .. import Loading, SolverError, limit_cycle, plot
+from ..dynamics.results import parameter
 from ..plot.layout import figure, letters, styled
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
-from .scheme_map import critical_velocity, last_cycle, step_response, time_step
+from .scheme_run import im2017, numbers_of, state_of, step
 
+LARGEST, FINER = 0.1, 0.01  # omega dt
+LAST = 0.1  # s at the end of a step of Fig. 2 that show how it oscillates: two cycles or more
+#: law -> whether the author's script takes its state by backward Euler
+EULER = {"slip": False, "aging": True}
+# Steps of ln V, psi and u/A to difference the map: rounding then costs 1e-8 of a multiplier.
+PERTURBATION = 1e-5
+# Parts of V_c between which the scheme's critical velocity is searched for.
+BRACKET = (0.2, 1.05)
 V_LP = FIG2_SPEEDS[-1]
 OMEGA_DT = [0.1, 0.07, 0.05, 0.035, 0.025, 0.02, 1 / 60, 0.0125, 0.01, 1 / 160, 1 / 320]
 VARIANTS = {"slip": ["exact"], "aging": ["exact", "euler"]}
@@ -32,8 +48,97 @@ PANELS = {
 PAPER_RANGE = (2.6e-3, 4.0e-3)  # m/s
 
 
+def time_step(slider, omega_dt):
+    """Return the time step dt [s] that is omega_dt in units of sqrt(M/K)."""
+    return omega_dt * math.sqrt(slider.M / slider.K)
+
+
+def multiplier(slider, V_lp, omega_dt, euler):
+    """Return the spectral radius of one step, linearised about the scheme's own steady sliding.
+
+    If it is above 1, steady sliding is unstable.  Raises SolverError if the scheme has no step.
+    """
+    numbers = A, B, h, one_c, sine = numbers_of(slider, time_step(slider, omega_dt))
+    v, w = math.log(V_lp / slider.Dc), V_lp / slider.Dc
+    # the spring's stress there is not the friction, but the one with which eq. 8 repeats itself
+    steady = np.array([(A - B) * v + ((1.0 - one_c) * h - sine) * w / one_c, v, -v])
+
+    def after(y):
+        x, speed, psi = y.tolist()
+        *new, found = step(state_of(slider, euler), x, speed, psi, w * h, numbers)
+        if not found:
+            raise SolverError(f"the scheme has no step at omega dt = {omega_dt:g}; reduce it")
+        return np.array(new)
+
+    moves = PERTURBATION * np.diag([A, 1.0, 1.0])
+    columns = [(after(steady + one) - after(steady - one)) / (2.0 * one.sum()) for one in moves]
+    return float(np.abs(np.linalg.eigvals(np.transpose(columns))).max())
+
+
+def critical_velocity(slider, omega_dt, euler=None):
+    """Return the V_lp [m/s], to 1e-7 V_c, at which the scheme's steady sliding turns unstable.
+
+    Raises SolverError if it is not between 0.2 and 1.05 V_c of eq. 10, or the scheme has no step.
+    V_c = 0 or inf is returned as it is.  euler : as in `EULER` by default
+    """
+    V_c, euler = float(slider.V_c), EULER[slider.law] if euler is None else euler
+    if V_c in (0.0, math.inf):
+        return V_c
+    # the scheme is anti-damped: its V_c lies below the true one
+    low, high = (part * V_c for part in BRACKET)
+    for V_lp, stable in ((low, True), (high, False)):
+        if (multiplier(slider, V_lp, omega_dt, euler) < 1.0) != stable:
+            raise SolverError(
+                f"the scheme's steady sliding is {'unstable' if stable else 'stable'} at "
+                f"V_lp = {V_lp:.4g} m/s = {V_lp / V_c:.3g} V_c, at omega dt = {omega_dt:g}: its "
+                f"critical velocity is not between {BRACKET[0]:g} and {BRACKET[1]:g} V_c; reduce "
+                f"omega dt"
+            )
+    while high - low > 1e-7 * V_c:
+        middle = 0.5 * (low + high)
+        if multiplier(slider, middle, omega_dt, euler) < 1.0:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def step_response(slider, V_start, V_lp, duration, omega_dt, euler=None, last=LAST):
+    """Run the scheme through a velocity step at t = 0; return its steps in the `last` [s].
+
+    It ends at the first step not before `duration` [s].  euler : as in `EULER` by default
+    """
+    dt = time_step(slider, omega_dt)
+    n = math.ceil(duration / dt)
+    euler = EULER[slider.law] if euler is None else euler
+    run = im2017(slider, Loading.constant(V_lp), n * dt, dt, V_start=V_start, euler=euler)
+    return run.isel(time=slice(n - math.ceil(last / dt), None))
+
+
+def last_cycle(run):
+    """Return amplitude of tau/sigma [1] and frequency [Hz] of the last cycle in a run.
+
+    Between two steps tau is the cubic that has its slopes there.
+    """
+    t, tau = run.time.values, run.tau.values
+    slope = parameter(run, "K") * (run.V_load - run.V).values
+    rises = slope > 0.0
+
+    def turn(i):
+        """Return when tau turns between steps i and i + 1, and its value there."""
+        two = slice(i, i + 2)
+        piece = CubicHermiteSpline(t[two], tau[two], slope[two])
+        (at,) = piece.derivative().roots(extrapolate=False)
+        return at, piece(at)
+
+    one, other = np.flatnonzero(rises[:-1] & ~rises[1:])[-2:]
+    between = np.flatnonzero(~rises[one:other] & rises[one + 1 : other + 1])[-1]
+    (start, _), (_, lowest), (end, highest) = map(turn, (one, one + between, other))
+    return float(highest - lowest) / parameter(run, "sigma"), 1.0 / float(end - start)
+
+
 def compute(law):
-    """`PANELS` along ``scheme`` and ``omega_dt``, and what they tend to: ``V_c``, ``cycle_...``."""
+    """Compute `PANELS` along ``scheme`` and ``omega_dt``, and their limits."""
     slider = FIG2.replace(law=law)
     cycle = limit_cycle(slider, V_LP, rtol=1e-10)
     found = np.array([[_measure(slider, od, one) for od in OMEGA_DT] for one in VARIANTS[law]])
@@ -59,7 +164,7 @@ def compute(law):
 
 
 def _measure(slider, omega_dt, variant):
-    """V_c, V_min, V_max and amplitude of the scheme."""
+    """Return V_c, V_min, V_max and amplitude of the scheme."""
     euler = variant == "euler"
     run = step_response(slider, FIG2_START, V_LP, FIG2_DURATION, omega_dt, euler)
     V_c = critical_velocity(slider, omega_dt, euler)
@@ -68,7 +173,7 @@ def _measure(slider, omega_dt, variant):
 
 @styled
 def draw(data):
-    """(a) critical velocity, (b) the limit cycle's velocities, (c) its amplitude."""
+    """Draw (a) critical velocity, (b) the limit cycle's velocities, (c) its amplitude."""
     dt = 1e6 * float(data.dt[0])
     step = rf"$\omega\,\Delta t$ = {OMEGA_DT[0]:g} is {dt:.0f} {plot.PREFIXES[-6]}s"
     fig = figure(data, 3.6, "a b Dc sigma M K", f"; {step}")

@@ -27,7 +27,7 @@ from ..model.names import keywords_checked
 from ..model.quantities import attrs
 from ..model.slider import check_slider
 from ..model.units import is_array, to_si
-from .laws import LAWS
+from .figures import LAWS
 
 SLIP, AGING, EULER = range(3)
 MAX_ITERATIONS = 200
@@ -35,8 +35,8 @@ MAX_ITERATIONS = 200
 BYTES = 88
 
 
-class Steps(NamedTuple):
-    """What `_march` works on."""
+class SchemeSteps(NamedTuple):
+    """The data of `_march`."""
 
     state: int  # SLIP, AGING, or EULER: aging by backward Euler
     numbers: np.ndarray  # (7,) `numbers_of` a step, load-point speed at the start, its rate
@@ -57,14 +57,14 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     t_end : float, str or pint.Quantity
         End of the run [s], > 0.
     dt : float, str or pint.Quantity
-        Time step [s], at most pi sqrt(M/K).  Where the time between two changes of the loading is
-        no multiple of it, the steps there are a little shorter.
+        Time step [s], at most pi sqrt(M/K).  Steps are a little shorter if the time between two
+        changes of the loading is not a multiple of it.
     V_start : float, str or pint.Quantity, optional
         The run starts in steady sliding at this speed [m/s], > 0; by default at the first speed of
         the loading.
     euler : bool
-        Take the state of the aging law by backward Euler, as in the script that the scheme's author
-        published.  By default the state is advanced exactly for constant V.
+        Advance the state of the aging law by backward Euler, as in the script that the scheme's
+        author published.  By default the state is advanced exactly for constant V.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
 
 
 def _check(slider, loading, dt, euler):
-    """Raise ParameterError for what the scheme cannot run."""
+    """Check that the scheme can run this slider and loading."""
     needs = {
         "law='aging' for euler=True": slider.law == "aging" or not euler,
         "law='slip' or 'aging'": slider.law in LAWS,
@@ -138,26 +138,20 @@ def _check(slider, loading, dt, euler):
 
 
 def state_of(slider, euler):
-    """How the state is advanced: SLIP, AGING or EULER."""
+    """Return how the state is advanced: SLIP, AGING or EULER."""
     return SLIP if slider.law == "slip" else EULER if euler else AGING
 
 
-def friction_numbers(slider):
-    """A and B."""
-    unit = slider.sigma / (slider.K * slider.Dc)
-    return slider.a * unit, slider.b * unit
-
-
 def numbers_of(slider, h):
-    """A, B, the step h, 1 - cos(omega h) and sin(omega h)/omega: what `step` needs."""
-    omega = math.sqrt(slider.K / slider.M)
+    """Return A, B, the step h, 1 - cos(omega h) and sin(omega h)/omega, for `step`."""
+    omega, unit = math.sqrt(slider.K / slider.M), slider.sigma / (slider.K * slider.Dc)
     one_c = 2.0 * math.sin(0.5 * omega * h) ** 2
-    return *friction_numbers(slider), h, one_c, math.sin(omega * h) / omega
+    return slider.a * unit, slider.b * unit, h, one_c, math.sin(omega * h) / omega
 
 
 def _run(state, slider, loading, t_end, dt, V_start):
-    """Times (n,) and u, v, psi (n, 3) from t = 0 on."""
-    A, B = friction_numbers(slider)
+    """Return times (n,) and u, v, psi (n, 3) from t = 0 on."""
+    A, B, *_ = numbers_of(slider, dt)
     v = math.log(V_start / slider.Dc)
     t, y = [np.zeros(1)], [np.array([[(A - B) * v, v, -v]])]
     ends = np.minimum(np.append(loading.t[1:], math.inf), t_end)
@@ -166,7 +160,7 @@ def _run(state, slider, loading, t_end, dt, V_start):
             continue
         n = max(1, math.ceil((end - start) / dt - 1e-9))
         numbers = *numbers_of(slider, (end - start) / n), V / slider.Dc, rate / slider.Dc
-        steps = Steps(state, np.array(numbers), y[-1][-1].copy(), np.full((n, 3), np.nan))
+        steps = SchemeSteps(state, np.array(numbers), y[-1][-1].copy(), np.full((n, 3), np.nan))
         t.append(np.linspace(start, end, n + 1)[1:])
         y.append(steps.out)
         if not Program(_march, steps)(n):
@@ -179,7 +173,7 @@ def _run(state, slider, loading, t_end, dt, V_start):
 
 
 def _march(run, n):
-    """Take n steps; whether there is a solution at the end of each."""
+    """Take n steps; return whether there is a solution at the end of each."""
     numbers = (run.numbers[0], run.numbers[1], run.numbers[2], run.numbers[3], run.numbers[4])
     h, V, rate = run.numbers[2], run.numbers[5], run.numbers[6]
     u, v, psi = run.y[0], run.y[1], run.y[2]
@@ -195,7 +189,7 @@ def _march(run, n):
 
 
 def step(state, u, v, psi, advance, numbers):
-    """u, v, psi at the end of a step, and whether they could be solved for.
+    """Return u, v, psi at the end of a step, and whether they could be solved for.
 
     The unknown is v.  Newton's method is kept inside a bracket: the mismatch of eq. 9 runs from
     -inf to inf with v, so a root exists; moves are limited to 2 so that none can overflow.
@@ -232,7 +226,7 @@ def step(state, u, v, psi, advance, numbers):
 
 
 def advance_state(state, psi, v, w, h):
-    """psi after h at the constant velocity w = e**v, and its derivative by v."""
+    """Return psi after h at the constant velocity w = e**v, and its derivative by v."""
     z = w * h
     decay = exp(-z)
     if state == SLIP:
@@ -247,7 +241,7 @@ def advance_state(state, psi, v, w, h):
 
 
 def _variables(slider, loading, t, states):
-    """The variables of the result, name -> (dimension, values, attributes)."""
+    """Return the variables of the result, name -> (dimension, values, attributes)."""
     u, v, psi = states.T
     shift = math.log(slider.Dc / slider.V0)
     mu_1 = slider.mu0 + (slider.a - slider.b) * shift

@@ -10,10 +10,14 @@ import re
 from collections.abc import Callable, Hashable
 
 from ..dynamics.cycles.limit_cycle import limit_cycle, limit_cycle_call
-from ..dynamics.frequency_response import frequency_response, frequency_response_call
+from ..dynamics.simulation.settings import undisturbed_warning
 from ..dynamics.simulation.simulate import simulate, simulate_call
-from ..dynamics.simulation.undisturbed import undisturbed_warning
-from ..dynamics.steady_sliding import stability, stability_call
+from ..dynamics.steady_sliding import (
+    frequency_response,
+    frequency_response_call,
+    stability,
+    stability_call,
+)
 from ..errors import ParameterError
 from ..model.arrays import isel
 from ..model.initial_state import initial_state

@@ -7,13 +7,22 @@ import pytest
 from scipy.optimize import brentq
 
 from ratestate.dynamics.continuation import arclength
-from ratestate.dynamics.continuation.arclength import Steps
-from ratestate.dynamics.continuation.bifurcations import locate, without_noise
-from ratestate.dynamics.continuation.newton import Problem, fixed_point
+from ratestate.dynamics.continuation.bifurcations import (
+    FixedPointProblem,
+    fixed_point,
+    locate,
+    without_noise,
+)
+
+
+@pytest.fixture(autouse=True)
+def long_steps(monkeypatch):
+    """Steps as long as the curvature of the branch allows."""
+    monkeypatch.setattr(arclength, "LARGEST_STEP", 0.2)
 
 
 def follow(evaluate, u0, p0, *, stop, scale, tol=1e-8, noise=1e-10, **options):
-    problem = Problem(evaluate, np.asarray(scale), tol, noise)
+    problem = FixedPointProblem(evaluate, np.asarray(scale), tol, noise)
     return arclength.follow_branch(problem, np.asarray(u0), p0, stop, **options)
 
 
@@ -414,8 +423,10 @@ def test_a_stop_at_the_edge_of_the_map_is_reached():
     assert branch.points[-1].p == 2.71
 
 
-def test_noise_makes_no_folds():
+def test_noise_makes_no_folds(monkeypatch):
     """p rises to 0.1 and then varies by 1e-11, a hundredth of what is known of it."""
+
+    monkeypatch.setattr(arclength, "LARGEST_STEP", 0.02)
 
     def rise(u):
         return 0.1 * (1 - np.exp(-60 * (1 - u))) + 1e-11 * np.sin(40 * (1 - u))
@@ -433,7 +444,6 @@ def test_noise_makes_no_folds():
             amplitude=less(0.1),
             noise=noise,
             tol=1e-13,
-            steps=Steps(largest=0.02),
         )
         for noise in (EXACT, 1e-9)
     ]
@@ -495,7 +505,9 @@ def test_evaluations():
 @pytest.mark.parametrize("upside_down", [False, True])
 def test_a_special_point_is_located_fast_where_its_test_is_steep(upside_down):
     """Plain false position needs over a hundred trials of u^9 - 1 on 0.1 to 2, Illinois 22."""
-    problem = Problem(line(lambda u, p: 0.5 * (u + p), lambda u, p: 0 * u + 0.5), 1.0, 1e-9, EXACT)
+    problem = FixedPointProblem(
+        line(lambda u, p: 0.5 * (u + p), lambda u, p: 0 * u + 0.5), 1.0, 1e-9, EXACT
+    )
     constant_p, along, trials = np.array([0.0, 1.0]), np.ones(2), []
     ends = [
         fixed_point(
@@ -513,9 +525,10 @@ def test_a_special_point_is_located_fast_where_its_test_is_steep(upside_down):
     assert len(trials) < 40
 
 
-def test_limits_of_steps_and_points():
-    steps = Steps(first=0.01, smallest=1e-4, largest=0.05)
-    branch = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0], steps=steps)
+def test_limits_of_steps_and_points(monkeypatch):
+    for name, length in (("FIRST", 0.01), ("SMALLEST", 1e-4), ("LARGEST", 0.05)):
+        monkeypatch.setattr(arclength, f"{name}_STEP", length)
+    branch = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0])
     assert specials(branch) == ["fold", "fold", "stop"]
     length = lengths(branch, 1.0)
     assert length[0] == pytest.approx(0.01, rel=0.02)

@@ -10,7 +10,7 @@ import xarray as xr
 
 import ratestate as rs
 from ratestate import NotConverged, ParameterError, continue_cycle, limit_cycle
-from ratestate.dynamics.continuation.arclength import Steps
+from ratestate.dynamics.continuation import arclength
 from ratestate.dynamics.continuation.family import PARAMETERS, Family
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
@@ -459,10 +459,8 @@ def test_stop_out_of_reach(monkeypatch):
     """At Dc = 1e-19 m double precision ends; what was found comes along."""
     names = list(strip().data_vars)  # cached for other tests: with the steps as they are
     # shorter steps creep on through the rounding errors
-    monkeypatch.setattr(
-        "ratestate.dynamics.continuation.family.STEPS",
-        Steps(first=0.12, smallest=0.03, largest=0.12),
-    )
+    for name, length in (("FIRST", 0.12), ("SMALLEST", 0.03), ("LARGEST", 0.12)):
+        monkeypatch.setattr(arclength, f"{name}_STEP", length)
     with pytest.raises(NotConverged, match=r"before it gets to 1e-30 \(no convergence\)") as caught:
         continue_cycle(FIG2, "Dc", 1e-18, 1e-30, V_lp=1e-2)
     best = caught.value.best

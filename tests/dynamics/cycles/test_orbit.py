@@ -5,7 +5,7 @@ import pytest
 from naive import Naive
 
 import ratestate as rs
-from ratestate.dynamics.cycles.orbit import cycle_and_orbit, orbit
+from ratestate.dynamics.cycles.limit_cycle import cycle_and_orbit, orbit
 from ratestate.paper.parameters import FIG2, FIG4, FIG6
 
 CASES = {

@@ -11,9 +11,8 @@ from scipy.integrate import solve_ivp
 
 import ratestate as rs
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
-from ratestate.dynamics.cycles.iterates import iterated_map
 from ratestate.dynamics.cycles.measure import refine
-from ratestate.dynamics.cycles.shooting import multipliers, return_map
+from ratestate.dynamics.cycles.shooting import iterated_map, multipliers, return_map
 from ratestate.dynamics.cycles.system import state
 from ratestate.dynamics.verdict import verdict
 from ratestate.engine.model import FINISHED, NO_CONVERGENCE

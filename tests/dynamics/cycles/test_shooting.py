@@ -8,9 +8,8 @@ from dimensionless import P1, P4B, jacobian, make_system, random_sliders, rates
 from naive import top
 from scipy.integrate import solve_ivp
 
-from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
+from ratestate.dynamics.cycles.attractor import LocalMap, _leap, find_attractors, steady_start
 from ratestate.dynamics.cycles.measure import measure
-from ratestate.dynamics.cycles.search_step import LocalMap, _leap
 from ratestate.dynamics.cycles.shooting import Returns, multipliers, newton_step, return_map
 from ratestate.dynamics.cycles.system import one_length_system, state, system_of
 from ratestate.engine.model import FINISHED, STEADY_SLIDING

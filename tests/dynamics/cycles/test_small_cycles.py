@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.small_cycles import curvature, small_cycle
 from ratestate.friction.laws import friction_law, one_length_laws
-from ratestate.paper.laws import LAWS
+from ratestate.paper.figures import LAWS
 
 laws = st.sampled_from(sorted(LAWS))
 

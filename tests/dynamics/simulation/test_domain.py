@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import ratestate as rs
-from ratestate.dynamics.cycles.orbit import orbit
+from ratestate.dynamics.cycles.limit_cycle import orbit
 from ratestate.dynamics.verdict import verdict
 from ratestate.errors import RunWarning
 from ratestate.friction.formulas import friction

@@ -20,7 +20,7 @@ from ratestate import ParameterError, SolverError, files
 from ratestate.interfaces import cli, scenario, templates
 from ratestate.interfaces.cli import main
 from ratestate.interfaces.cli.command import group_of, parameters_of
-from ratestate.paper import atlas, claims_table, figures
+from ratestate.paper import atlas_figure, claims_table, figures
 from ratestate.paper.claim import Claim, exact
 
 ROW = Claim(id="x", where="sec. 1", claim="Water is wet.", paper="wet", unit="", **exact(1.0))
@@ -53,7 +53,7 @@ def charted(monkeypatch):
         asked.append((law, options))
         return [out / f"atlas_{law}.png"]
 
-    monkeypatch.setattr(atlas, "make", make)
+    monkeypatch.setattr(atlas_figure, "make", make)
     return asked
 
 

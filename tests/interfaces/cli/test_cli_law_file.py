@@ -16,7 +16,7 @@ from ratestate.interfaces import explorer
 from ratestate.interfaces.cli import main, run_fit
 from ratestate.interfaces.cli.fit_report import _python
 from ratestate.model.quantities import QUANTITIES
-from ratestate.paper import atlas, figures
+from ratestate.paper import atlas_figure, figures
 
 TEXT = """[slider]
 a = 0.003
@@ -111,7 +111,9 @@ def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, law_file, monkey
     """Figures of a law without parameters of its own, which the paper does not give."""
     plain, asked = rs.register(law_file(PLAIN, "plain.py")), []
     monkeypatch.setattr(figures, "make", lambda key, law, out: asked.append(law) or [])
-    monkeypatch.setattr(atlas, "make", lambda law, out, **own: asked.append((law, own)) or [])
+    monkeypatch.setattr(
+        atlas_figure, "make", lambda law, out, **own: asked.append((law, own)) or []
+    )
     assert call("figures", "2", "--law-file", "plain.py").exit_code == 0
     refused = call("figures", "2", "--law-file", "mine.py")
     assert f"'{mine}' needs m, which the paper does not give" in words(refused.stderr)

@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import ratestate as rs
-from ratestate.dynamics.cycles.orbit import orbit
+from ratestate.dynamics.cycles.limit_cycle import orbit
 from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.engine.backend import Stopped
 from ratestate.friction.laws import LAWS

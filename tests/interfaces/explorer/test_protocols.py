@@ -8,7 +8,7 @@ from ratestate.basin import escape
 from scipy.integrate import solve_ivp
 
 import ratestate as rs
-from ratestate.dynamics.cycles.orbit import orbit
+from ratestate.dynamics.cycles.limit_cycle import orbit
 from ratestate.interfaces import scenario
 from ratestate.interfaces.explorer.computation import picture
 from ratestate.interfaces.explorer.computation.budget import Deadline

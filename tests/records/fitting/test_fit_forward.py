@@ -7,7 +7,7 @@ from scipy.linalg import cholesky, solve_triangular
 from synthetic_records import SLIDER, STEP, correlated, power_law, record
 
 import ratestate as rs
-from ratestate.paper.laws import LAWS
+from ratestate.paper.figures import LAWS
 from ratestate.records.fitting.forward import Forward, _difference
 from ratestate.records.fitting.record import record_of
 from ratestate.records.kit.estimated_noise import (

@@ -4,8 +4,9 @@ import numpy as np
 import xarray
 
 from ...engine.backend import check_stopped
-from ...engine.model import FINISHED
+from ...engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ...errors import NotConverged
+from ...friction import linear_stability
 from ...friction.composition import composed_law
 from ...model.arrays import Batch
 from ...model.names import keywords_checked
@@ -13,17 +14,19 @@ from ...model.parameters import parameter_to_si
 from ...model.quantities import QUANTITIES, attrs
 from ...model.slider import check_slider
 from ...model.units import is_array, to_si
-from ..cycles.variables import VARIABLES, cycle_variables
+from ..cycles.attractor import find_attractors, steady_start
+from ..cycles.limit_cycle import VARIABLES, cycle_variables
+from ..cycles.small_cycles import hopf_curvature, small_cycle
+from ..cycles.system import linear_section
 from ..progress import bar
 from ..recipe import record_scenario
 from ..refusals import refusal, sentence
 from ..simulation.settings import checked_rtol
-from .branch_start import beginning, hopf_measures, hopf_near
+from .bifurcations import NO_CONVERGENCE, NO_RETURN
 from .family import PARAMETERS, Family
-from .newton import NO_CONVERGENCE, NO_RETURN
 
-# Amplitude of ln V below which a branch ends at a Hopf point.
-END_AMPLITUDE = 0.02
+# Amplitudes of ln V at which a branch leaves its Hopf point, and below which it ends at one.
+START_AMPLITUDE, END_AMPLITUDE = 0.03, 0.02
 MAX_POINTS = 1000
 #: ends of a branch that is not whole
 PREMATURE = (NO_RETURN, NO_CONVERGENCE, "max_points")
@@ -33,15 +36,15 @@ PREMATURE = (NO_RETURN, NO_CONVERGENCE, "max_points")
 def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     """Follow a limit cycle, stable or not, while one parameter goes from start to stop.
 
-    Begins with the cycle that `limit_cycle` finds at `start`; where that is steady sliding, at
-    the Hopf point between start and stop.  Goes by pseudo-arclength in the parameter's logarithm
-    (Keller 1977), so it passes the folds where the parameter turns back.  Ends at `stop`, at a Hopf
-    point, or on coming back to `start`.
+    The branch begins with the cycle that `limit_cycle` finds at `start`; if that is steady sliding,
+    it begins at the Hopf point between start and stop.  Pseudo-arclength continuation in the
+    parameter's logarithm (Keller 1977) takes it through folds, where the parameter turns back.  It
+    ends at `stop`, at a Hopf point, or when it comes back to `start`.
 
     Parameters
     ----------
     slider : SpringSlider
-        One slider, no sweep; M > 0.
+        One slider, not a sweep; M > 0.
     parameter : {"V_lp", "K", "M", "sigma", "a", "b", "Dc"} or a parameter of the law alone
         What changes along the branch.
     start, stop : float, str or pint.Quantity
@@ -57,24 +60,23 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         In the dimension ``point``, in order along the branch: the parameter under its own name,
         the variables of `limit_cycle`, and ``special``: "hopf" (amplitude 0), "fold" (two cycles
         meet), "period_doubling", "torus", "start" or "stop" at an end that is none of these, and
-        "" everywhere else.  The attribute ``parameter`` names the parameter.  Under laws of one
-        length there is no torus: the product of the multipliers is below
-        exp(-(1 + 1/eta) V_lp period/Dc).
+        "" everywhere else.  The attribute ``parameter`` names the parameter.  Laws of one length
+        have no torus: the product of the multipliers is below exp(-(1 + 1/eta) V_lp period/Dc).
         ``error`` bounds the difference from this branch's own cycle at exactly the parameter
-        returned; at a fold, from the cycle there.  Where amplitudes change much faster than the
-        parameter, as on a canard or near a Hopf point of all but no curvature, it grows in
-        proportion, and may exceed `rtol`: the parameter's last digit then matters.
+        returned; at a fold, from the cycle there.  It may exceed `rtol` if amplitudes change much
+        faster than the parameter, as on a canard or near a Hopf point of almost no curvature: the
+        parameter's last digit then matters.
 
     Raises
     ------
     ParameterError
-        An input that cannot be used; a law of one length with b <= a, where there is no
-        instability; M = 0, K = inf; a law without second derivatives; steady sliding reached at
-        `start` and no Hopf point between.
+        An input that cannot be used; a law of one length with b <= a, which has no instability;
+        M = 0, K = inf; a law without second derivatives; steady sliding reached at `start` and no
+        Hopf point between.
     NotConverged
         The motion at `start` is neither steady sliding nor a cycle that closes after one return, or
-        the Hopf point is all but degenerate (``best`` is None); or the branch could not be followed
-        to its end, and ``best`` holds it as far as it was found.
+        the Hopf point is almost degenerate (``best`` is None); or the branch could not be followed
+        to its end, and ``best`` holds the part that was found.
 
     Examples
     --------
@@ -87,7 +89,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     family, ends = checked_family(slider, parameter, start, stop, V_lp, rtol)
     p_start, p_stop = np.log([*ends.values()])
     with bar("continue_cycle") as progress:
-        begin = beginning(family, p_start, p_stop)
+        U, p, hopf = _beginning(family, p_start, p_stop)
 
         def advance(point):
             check_stopped()  # kernels of one orbit at a time are too short to look
@@ -95,21 +97,21 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
                 progress(float(np.clip((point.p - p_start) / (p_stop - p_start), 0.0, 1.0)))
 
         branch = family.branch(
-            begin.U,
-            begin.p,
+            U,
+            p,
             stop=p_stop,
             start=p_start,
-            along=None if begin.hopf is None else np.append(begin.U, 0.0),
+            along=None if hopf is None else np.append(U, 0.0),
             amplitude=lambda point: family.amplitude(point.u, point.p) - END_AMPLITUDE,
             max_points=MAX_POINTS,
             progress=advance,
         )
-    result = _dataset(family, branch, begin.hopf, ends)
+    result = _dataset(family, branch, hopf, ends)
     V_lp = None if parameter == "V_lp" else family.values["V_lp"]
     settings = {"parameter": parameter, **ends, "V_lp": V_lp, "rtol": rtol}
     record_scenario(result, "continue_cycle", slider, **settings)
     if branch.end in PREMATURE:
-        last = np.exp(branch.points[-1].p if branch.points else begin.p)
+        last = np.exp(branch.points[-1].p if branch.points else p)
         reason = sentence(f"branch_ends.{branch.end}", max_points=MAX_POINTS)
         values = {"last": last, "stop": ends["stop"], "end": branch.end, "reason": reason}
         raise NotConverged(sentence("branch_ends.early", parameter=parameter, **values), result)
@@ -117,7 +119,7 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
 
 
 def _dataset(family, branch, hopf, ends):
-    """The result: measures of a branch's points, with the Hopf points at its ends.
+    """Return the measures of a branch's points, with the Hopf points at its ends, as a Dataset.
 
     ends : the parameter's values at "start" and "stop", of which p is the rounded logarithm
     """
@@ -129,12 +131,13 @@ def _dataset(family, branch, hopf, ends):
     along = measures.pop("parameter")
     hopf_points = [] if hopf is None else [(0, hopf)]
     if branch.end == "hopf":
-        hopf_points.append((len(points), hopf_near(family, points[-1].p)))
+        hopf_points.append((len(points), _hopf_near(family, points[-1].p)))
     for index, p in reversed(hopf_points):
         special.insert(index, "hopf")
         along = np.insert(along, index, np.exp(p))
-        for name, value in hopf_measures(family, p).items():
-            measures[name] = np.insert(measures[name], index, value[0], axis=0)
+        vanishing = _hopf_measures(family, p)
+        for name, value in measures.items():
+            measures[name] = np.insert(value, index, vanishing.get(name, 0.0), axis=0)
     values = family.values | {
         family.parameter: xarray.DataArray(along, dims="point", attrs=attrs(family.parameter))
     }
@@ -151,15 +154,12 @@ def _dataset(family, branch, hopf, ends):
 
 
 def check_rtol(rtol):
-    """Raise ParameterError for an rtol that is no number from 1e-10 to 1e-4."""
+    """Check that rtol is a number from 1e-10 to 1e-4."""
     checked_rtol(rtol, "1e-10", "1e-4", "1e-8")
 
 
 def checked_family(slider, parameter, start, stop, V_lp, rtol):
-    """`Family` and {"start": ..., "stop": ...} [SI], from the arguments of `continue_cycle`.
-
-    ParameterError for any that it refuses before it looks for a cycle.
-    """
+    """Return the `Family` and {"start": ..., "stop": ...} [SI], from checked arguments."""
     law = check_slider(slider).friction_law
     parameters = (*PARAMETERS, *law.parameters)
     if not isinstance(parameter, str) or parameter not in parameters:
@@ -191,3 +191,88 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
     if not system.may_cycle.any():
         raise refusal("branch.strengthening", beta=system.beta[0])
     return family, ends
+
+
+# Where a branch begins and ends
+
+
+def _beginning(family, p_start, p_stop):
+    """Return U (k,) and p of the first cycle, and p of the Hopf point before it, or None.
+
+    It is the cycle reached from steady sliding at V_lp/10 for p_start; or, if this ends in steady
+    sliding, a small cycle beside a Hopf point between p_start and p_stop.
+    """
+    system = family.system(p_start)
+    if system.may_cycle[0]:
+        attractor = find_attractors(system, steady_start(system), family.rtol, None)
+        status, returns = int(attractor.status[0]), int(attractor.n_returns[0])
+        if status == FINISHED and returns > 1:
+            raise NotConverged(sentence("branch_begins.doubled", returns=returns), None)
+        if status == FINISHED:
+            return family.chart(attractor.u, [p_start])[0], p_start, None
+        if status != STEADY_SLIDING:
+            name, text = STATUSES[status]
+            raise NotConverged(sentence("branch_begins.no_cycle", name=name, text=text), None)
+    if (family.margin(p_start) > 0.0) == (family.margin(p_stop) > 0.0):
+        start, stop = np.exp([p_start, p_stop])
+        values = {"parameter": family.parameter, "start": start, "stop": stop}
+        raise refusal("branch_begins.no_hopf_between", **values)
+    return _beginning_at_hopf(family, _sign_change(family.margin, p_start, p_stop))
+
+
+def _hopf_near(family, p):
+    """Return p of a Hopf point near this one; raise NotConverged if none is within 82.
+
+    Under a law of one length there is at most one: the margin of eq. 6 is monotone in every
+    parameter.
+    """
+    for reach in 0.01 * 2.0 ** np.arange(14):
+        low, high = p - reach, p + reach
+        if (family.margin(low) > 0.0) != (family.margin(high) > 0.0):
+            return _sign_change(family.margin, low, high)
+    values = {"parameter": family.parameter, "value": np.exp(p)}
+    raise NotConverged(sentence("branch_begins.no_hopf_near", **values), None)
+
+
+def _beginning_at_hopf(family, hopf):
+    """Return U and p of a small cycle beside the Hopf point, and p of this.
+
+    Harmonic balance gives the cycle if it knows the law, else the linear equations give one from
+    which Newton's method goes on.
+    """
+    at = family.system(hopf)
+    margin = START_AMPLITUDE**2 * float(hopf_curvature(at)[0])
+    step = 1e-3
+    while (family.margin(hopf - step) > margin) == (family.margin(hopf + step) > margin):
+        step *= 2.0
+    p = _sign_change(lambda q: family.margin(q) - margin, hopf - step, hopf + step)
+    system = family.system(p)
+    if system.friction_law.one_length:
+        cycle = small_cycle(system.law, system.kappa, system.beta, system.eta)
+        u = np.stack([cycle.psi, cycle.G], axis=1)
+    else:
+        u = START_AMPLITUDE * linear_section(system)
+    if not np.isfinite(u).all():
+        values = {"parameter": family.parameter, "value": np.exp(hopf), "eta": at.eta[0]}
+        raise NotConverged(sentence("branch_begins.degenerate_hopf", **values), None)
+    return family.chart(u, [p])[0], p, hopf
+
+
+def _hopf_measures(family, p):
+    """Return those measures of the vanishing cycle at a Hopf point that are not 0."""
+    at = family.system(p)
+    omega = at.critical.omega
+    period = 2.0 * np.pi / omega[0]
+    modes = linear_stability.modes(at.friction_law, at.coefficients, at.kappa, at.eta)
+    # The two modes that oscillate become the trivial multiplier and another 1.
+    others = linear_stability.other_modes(modes, omega)[0]
+    multipliers = np.append(1.0, np.exp(others * period))
+    return {"period": period, "multipliers": multipliers, "fundamental": 1.0, "returns": 1.0}
+
+
+def _sign_change(function, low, high):
+    """Return where a function changes its sign between low and high, by bisection to rounding."""
+    rising = function(high) > 0.0
+    while low != (middle := 0.5 * (low + high)) != high:
+        low, high = (low, middle) if (function(middle) > 0.0) == rising else (middle, high)
+    return middle

@@ -1,14 +1,13 @@
 """How far beyond K_c a limit cycle coexists with stable steady sliding: K_fold.
 
-Where the Hopf bifurcation is subcritical, the branch of cycles that begins there leads to larger
-stiffness, turns back in a fold, and goes on as the stable cycles of softer springs.  Between K_c
-and the fold, steady sliding and a cycle are both stable.  Beyond the Bautin point the branch begins
-towards softer springs; with b/a above some 7 it may still come back to stiffer
-ones.
+From a subcritical Hopf bifurcation the branch of cycles leads to larger stiffness, turns back in a
+fold, and goes on as the stable cycles of softer springs.  Between K_c and the fold, steady sliding
+and a cycle are both stable.  Beyond the Bautin point the branch begins towards softer springs; with
+b/a above some 7 it may still come back to stiffer ones.
 
-As a function of the stiffness the branch folds; as a function of the cycle's size it does not.  So
-the size is given, as psi at the stress maximum, and the stiffness is found at which the cycle
-closes: the fold is the maximum of that stiffness.
+The branch folds as a function of the stiffness, but not of the cycle's size.  So the size is given,
+as psi at the stress maximum, and Newton's method finds the stiffness at which the cycle closes: the
+fold is the maximum of that stiffness.
 """
 
 from typing import NamedTuple
@@ -30,7 +29,7 @@ MAX_SIZES, FLOOR = 40, -0.03
 ROUGH, FINE = 1e-2, 1e-5
 # Steps of Newton's method, and of the search between two sizes.
 MAX_NEWTON_STEPS, MAX_SEARCH_STEPS = 12, 40
-# Tolerance of a step in x, v and psi, over eta, and the loosest: K_fold/K_c - 1 is of eta's order.
+# Tolerance of a step divided by eta, and the loosest: K_fold/K_c - 1 is of the order of eta.
 TOL, LOOSEST = 1e-6, 1e-9
 # Below this eta the strip is narrower than 1e-4 K_c, and G is lost in the errors of a return.
 LEAST_ETA = 1e-6
@@ -39,17 +38,14 @@ LEAST_EXCESS = 1e-7
 
 
 class Folds(NamedTuple):
-    """The cycles of n sliders at which their branches fold; NaN where they do not."""
+    """The cycles of n sliders at which their branches fold; NaN if they do not."""
 
     kappa: np.ndarray  # (n,) K Dc/(a sigma)
     u: np.ndarray  # (n, 2) psi and G = dv/dT at the stress maximum
 
 
-class Cycles(NamedTuple):
-    """A limit cycle of each of n sliders, stable or not; NaN where Newton's method failed.
-
-    All dimensionless.
-    """
+class SizedCycles(NamedTuple):
+    """A limit cycle of each of n sliders, dimensionless; NaN if Newton's method failed."""
 
     psi: np.ndarray  # (n,) at the stress maximum
     G: np.ndarray  # (n,) dv/dT there
@@ -58,29 +54,28 @@ class Cycles(NamedTuple):
     excess_slope: np.ndarray  # (n,)
 
     def of_size(self, psi):
-        """`Cycles`: those of these psi (n,) > 0, estimated to first order in ln psi."""
+        """Return the cycles of these psi (n,) > 0, estimated to first order in ln psi."""
         change = np.log(psi / self.psi)
         G = self.G * np.exp(self.G_slope / self.G * change)
         return self._replace(psi=psi, G=G, excess=self.excess + self.excess_slope * change)
 
     def where(self, condition, other):
-        """`Cycles`: these where the condition (n,) holds, and the others elsewhere."""
-        return Cycles(*(np.where(condition, x, y) for x, y in zip(self, other, strict=True)))
+        """Return these cycles where the condition (n,) holds, and the others elsewhere."""
+        return SizedCycles(*(np.where(condition, x, y) for x, y in zip(self, other, strict=True)))
 
 
 def folds(law, beta, eta):
-    """`Folds` at the largest stiffness at which a limit cycle coexists with stable steady sliding.
+    """Return the `Folds`, at the largest stiffness with a cycle beside stable steady sliding.
 
-    K_fold/K_c - 1 to a relative error of 1e-4; NaN where no cycle of the branch from the Hopf point
-    has K > K_c (1 + 1e-7), and at eta < 1e-6.  ParameterError for an unknown
-    law.
+    K_fold/K_c - 1 has a relative error of 1e-4.  It is NaN if no cycle of the branch from the Hopf
+    point has K > K_c (1 + 1e-7), and at eta < 1e-6.
 
     beta, eta : b/a > 1 and M V_lp^2/(a sigma Dc) >= 0, not checked; (n,), or one of them a float
     """
     beta, eta = np.broadcast_arrays(np.asarray(beta, float), np.asarray(eta, float))
     curvatures = law_curvatures(law)
     which = np.flatnonzero(eta >= LEAST_ETA)
-    top = np.full((len(Cycles._fields), len(eta)), np.nan)
+    top = np.full((len(SizedCycles._fields), len(eta)), np.nan)
     b1 = beta[which] - 1.0
     linear = linearisation(friction_law(law), (beta[which],))
     slope, _ = growth_slopes(linear, b1 * (1.0 + eta[which]), eta[which], np.sqrt(b1))
@@ -88,7 +83,7 @@ def folds(law, beta, eta):
     brackets = _bracket_maximum(law, beta[which], eta[which], curvature)
     folding = np.isfinite(brackets[0].psi)
     which = which[folding]
-    left, right = (Cycles(*np.array(side)[:, folding]) for side in brackets)
+    left, right = (SizedCycles(*np.array(side)[:, folding]) for side in brackets)
     top[:, which] = _maximum(law, beta[which], eta[which], left, right)
     psi, G, excess = np.where(top[2] > LEAST_EXCESS, top[:3], np.nan)
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + excess)
@@ -96,31 +91,31 @@ def folds(law, beta, eta):
 
 
 def _bracket_maximum(law, beta, eta, curvature):
-    """Neighbours in size between which the stiffness is largest, `Cycles` each; NaN without.
+    """Return neighbours in size between which the stiffness is largest; NaN if there are none.
 
     curvature : (n,) (K/K_c - 1)/r^2 of the cycles of vanishing amplitude r of ln V
     """
     psi, excess = SMALLEST * np.sqrt(beta - 1.0) / beta, curvature * SMALLEST**2
     G = beta * psi
-    cycles = _closed(law, beta, eta, Cycles(psi, G, excess, G, 2.0 * excess), ROUGH)
-    nothing = Cycles(*np.full((len(cycles), len(eta)), np.nan))
+    cycles = _closed(law, beta, eta, SizedCycles(psi, G, excess, G, 2.0 * excess), ROUGH)
+    nothing = SizedCycles(*np.full((len(cycles), len(eta)), np.nan))
     left, right = nothing, nothing
     for _ in range(MAX_SIZES):
         going = cycles.excess > FLOOR
         if not going.any():
             break
         guess = cycles.of_size(RATIO * cycles.psi).where(going, nothing)
-        last, cycles = cycles, _closed(law, beta, eta, guess, ROUGH)
-        between = (last.excess_slope > 0.0) & (cycles.excess_slope <= 0.0)
-        left, right = last.where(between, left), cycles.where(between, right)
+        previous, cycles = cycles, _closed(law, beta, eta, guess, ROUGH)
+        between = (previous.excess_slope > 0.0) & (cycles.excess_slope <= 0.0)
+        left, right = previous.where(between, left), cycles.where(between, right)
     return left, right
 
 
 def _maximum(law, beta, eta, left, right):
-    """The cycles with the stiffest springs between those on the left and on the right.
+    """Return the cycles with the stiffest springs between those on the left and on the right.
 
-    By the `illinois` method for the slope of the stiffness.  Where eta is small that is steeper by
-    decades on the right: with its arc tangent the search halves the interval.
+    The `illinois` method finds where the slope of the stiffness is 0.  At small eta this is steeper
+    by decades on the right: with its arc tangent the search halves the interval.
     """
     scale = np.maximum(np.abs(left.excess), eta * 1e-6)
     left, right = (_closed(law, beta, eta, side, FINE) for side in (left, right))
@@ -142,7 +137,7 @@ def _maximum(law, beta, eta, left, right):
 
 
 def _closed(law, beta, eta, guess, accuracy):
-    """The cycles of given psi near a guess, by Newton's method for G and K; `Cycles`."""
+    """Return the cycles of given psi near a guess, by Newton's method for G and K."""
     psi, G, excess = (np.array(values) for values in guess[:3])
     result = np.full((len(guess), len(psi)), np.nan)
     rows = np.flatnonzero(np.isfinite(psi * G * excess))
@@ -160,25 +155,20 @@ def _closed(law, beta, eta, guess, accuracy):
         closed = rows[done]
         result[:, closed] = psi[closed], G[closed], excess[closed], *(psi[closed] * slope[:, done])
         rows = rows[~done & np.isfinite(step).all(axis=0)]
-    return Cycles(*result)
+    return SizedCycles(*result)
 
 
 def _linearised(law, beta, eta, psi, G, excess):
-    """(2, n) steps of G and K/K_c - 1 that close a cycle, and their slopes over psi.
-
-    NaN where an orbit does not come back.
-    """
+    """Return the steps (2, n) of G and K/K_c - 1 that close a cycle, and their slopes over psi."""
     n = len(eta)
     tol = np.clip(TOL * eta, TIGHTEST, LOOSEST)
     h = np.sqrt(tol)
 
-    def twice(values):
-        return np.concatenate([values, values])
-
     kappa = (beta - 1.0) * (1.0 + eta) * (1.0 + np.stack([excess, excess + h]))
-    system = one_length_system(law, kappa.ravel(), twice(beta), twice(eta), np.full(2 * n, np.inf))
-    u = twice(np.stack([psi, G], axis=1))
-    returns = return_map(system, state(system, u), twice(tol))
+    twice = [np.tile(values, 2) for values in (beta, eta, np.full(n, np.inf))]
+    system = one_length_system(law, kappa.ravel(), *twice)
+    u = np.tile(np.stack([psi, G], axis=1), (2, 1))
+    returns = return_map(system, state(system, u), np.tile(tol, 2))
     gap = returns.image - u
     by_psi, by_G = np.moveaxis(returns.jacobian[:n] - np.eye(2), -1, 0)
     by_K = (gap[n:] - gap[:n]) / h[:, None]
@@ -190,5 +180,5 @@ def _linearised(law, beta, eta, psi, G, excess):
 
 
 def _cross(first, second):
-    """(n,) determinants of columns (n, 2)."""
+    """Return the determinants (n,) of columns (n, 2)."""
     return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

@@ -1,4 +1,4 @@
-"""The function `limit_cycle`: the attractor of a steadily driven slider, and its multipliers."""
+"""The functions `limit_cycle` and `orbit`: the attractor of a steadily driven slider."""
 
 import dataclasses
 import functools
@@ -8,35 +8,47 @@ import numpy as np
 import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
+from ...friction.linear_stability import is_stable
 from ...model.arrays import Batch
 from ...model.initial_state import check_speed_ratio
+from ...model.loading import Loading
 from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, check_slider
 from ...model.units import to_si
 from ..progress import bar
 from ..recipe import record_scenario
 from ..refusals import refusal
+from ..results import columns, domain_variables, status_variable
 from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
+from ..simulation.simulate import SimulateCall
 from .attractor import SLOWER, find_attractors, steady_start
 from .measure import refine
-from .system import system_of
-from .variables import VARIABLES, cycle_variables
+from .system import state, system_of
 
+#: names of the result, which a dimension or coordinate of the sweep cannot have
+VARIABLES = (
+    "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
+    " multipliers_error multiplier stable residual error V_max_error V_min_error returns mu_min"
+    " reversal_margin outside_domain status"
+).split()
 # Relative error beyond which an answer is refused.
 WORST = 1e-2
 # Sliders at a time: enough to fill every lane, few enough to hold in memory.
 CHUNK = 1 << 15
+# Tolerance of an orbit divided by rtol of the cycle and its amplitude of tau/(a sigma); the loosest
+# that draws smooth curves, and the tightest that is above rounding.
+FINER, LOOSEST, TIGHTEST = 0.1, 1e-7, 1e-13
 
 
 @keywords_checked
 def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
-    """The cycle that a slider reaches from steady sliding at V_start.
+    """Find the cycle that a slider reaches from steady sliding at V_start.
 
-    By shooting: Newton's method on the return map of the section V = V_lp, where the stress has
-    its maximum, with the map's derivative from the variational equations.  The motion from the
-    start on decides which of several cycles, or steady sliding, it is; where it alternates, large
-    and small in turn, the cycle is that of 2, 4, ... returns to the section (period doubling).
+    The method is shooting: Newton's method on the return map of the section V = V_lp, where the
+    stress has its maximum, with the map's derivative from the variational equations.  The motion
+    from the start on decides which of several cycles, or steady sliding, it is.  If the stress
+    maxima alternate, the cycle closes after 2, 4, ... returns to the section (period doubling).
 
     Parameters
     ----------
@@ -46,8 +58,8 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         Load-point velocity [m/s], > 0.
     V_start : float, str, pint.Quantity or DataArray, optional
         Slip velocity of the steady sliding from which the motion starts [m/s], > 0 and not V_lp;
-        V_lp/10 by default.  From others a slider may come to another cycle, or without mass not
-        run away.
+        V_lp/10 by default.  From another start a slider may reach another cycle, or without mass
+        not run away.
     rtol : float
         Relative accuracy of amplitude and period, from 1e-12 to 1e-2.
 
@@ -57,30 +69,30 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         In the sweep's dimensions:
 
         - ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min of tau/sigma), ``V_max``
-          and ``V_min`` [m/s], ``inertia`` (max |tau/sigma - mu| over the amplitude);
+          and ``V_min`` [m/s], ``inertia`` (max |tau/sigma - mu| divided by the amplitude);
         - ``slow_fraction``, the part of the period in which V < V_lp/10, and ``fundamental``, the
           share, in the variance of tau, of the harmonic with one oscillation a return (1:
           harmonic, 6/pi^2: sawtooth);
         - ``multipliers``, complex, in the dimension ``multiplier``: the Floquet multipliers
-          beside the trivial 1, one more than the law has states, the largest first, by which small
-          distances from the cycle change in a period.  Their product is the exponential of the
-          integrated trace of the Jacobian; below 1e-8 no more than that is certain.
-          ``multipliers_error`` is the estimated error of each, absolute; with cut-offs it may
-          exceed rtol;
+          beside the trivial 1, one more than the law has states, the largest first.  Small
+          distances from the cycle change by these factors in a period.  The product is the
+          exponential of the integrated trace of the Jacobian; below 1e-8 only the product is
+          certain.  ``multipliers_error`` is the estimated absolute error of each; with cut-offs it
+          may exceed rtol;
         - ``outside_domain`` (int8 with CF flags), whether the motion leaves the domain of the
-          friction law, since friction would have to push (``mu_min``, its smallest mu, is
-          negative), or since the spring pulls back harder than friction can hold
-          (``reversal_margin``, the smallest tau/sigma + mu, is);
+          friction law: friction would have to push (its smallest mu, ``mu_min``, is negative), or
+          the spring pulls back harder than friction can hold (the smallest tau/sigma + mu,
+          ``reversal_margin``, is negative);
         - ``stable``, whether small disturbances decay;
         - ``residual``, the relative distance by which the cycle fails to close, and ``error``, the
-          estimated relative error of amplitude and period, rounding of the parameters included,
-          which a canard multiplies by up to 1e7 and more; ``V_max_error`` and ``V_min_error``,
-          those of the speeds, which may exceed rtol where they span decades (a V_min below
-          1e-260 V_lp is not told from rest);
+          estimated relative error of amplitude and period, with rounding of the parameters, which
+          a canard multiplies by up to 1e7 and more; ``V_max_error`` and ``V_min_error``, the errors
+          of the speeds, which may exceed rtol if they span decades (a V_min below 1e-260 V_lp
+          counts as rest);
         - ``returns``, how many returns to the section make the period: 1, 2, 4, ... up to 32, all
-          of them counted in the other variables; 0 where there is no cycle;
+          of them counted in the other variables; 0 if there is no cycle;
         - ``status`` (int8 with CF flags).  0 is a cycle; 1 is steady sliding: amplitude, inertia
-          and error are 0, V_max = V_min = V_lp, what only a cycle has is NaN.
+          and error are 0, V_max = V_min = V_lp, and variables that only a cycle has are NaN.
 
     Raises
     ------
@@ -89,8 +101,8 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
     QuasiStaticInstability
         M = 0, and the motion runs into an instability.
     NotConverged
-        The motion settles into no cycle of 1, 2, 4, ... 32 returns, or double precision does not
-        fix it to 1 %; ``best`` holds the last return.
+        The motion settles into no cycle of 1, 2, 4, ... 32 returns, or double precision limits
+        its accuracy to worse than 1 %; ``best`` holds the last return.
     SolverError
         Any other failure.  In a sweep such cases are NaN, with their status.
 
@@ -114,10 +126,7 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
 
 
 def limit_cycle_call(slider, V_lp, *, V_start=None, rtol):
-    """`LimitCycleCall` with these arguments of `limit_cycle`; ParameterError where one is wrong.
-
-    Whether their dimensions and coordinates fit together shows in its `batch`.
-    """
+    """Return the `LimitCycleCall` with these arguments of `limit_cycle`, checked one by one."""
     rtol = checked_rtol(rtol, "1e-12", "1e-2", "1e-8")
     V_lp = to_si("V_lp", V_lp)
     if V_start is not None:
@@ -140,8 +149,8 @@ class LimitCycleCall:
     def batch(self):
         """`Batch` of the slider's parameters, V_lp and V_start.
 
-        ParameterError where dimensions or coordinates clash with each other or with the result's,
-        or V_start is beyond 1e-260 or 1e260 times V_lp.
+        Raises ParameterError if dimensions or coordinates clash with each other or with the
+        result's, and if V_start is beyond 1e-260 or 1e260 times V_lp.
         """
         start = {} if self.V_start is None else {"V_start": self.V_start}
         batch = Batch({**self.slider.values, "V_lp": self.V_lp, **start}, reserved=VARIABLES)
@@ -151,44 +160,47 @@ class LimitCycleCall:
         return batch
 
     def blank(self):
-        """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
-        status = np.full(self.batch.n, NO_CONVERGENCE)
-        return cycle_variables(self.slider.friction_law, self.batch, status, {}, stable=False)
+        """Return the variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
+        return self.variables(np.full(self.batch.n, NO_CONVERGENCE), {})
 
     def run(self, progress=None):
-        """The result's variables, name -> Variable in the dimensions of the sweep.
+        """Return the variables, name -> Variable in the dimensions of the sweep.
 
-        A case without a cycle raises nothing: it has its status.
+        A case without a cycle raises no error: it has its status.
         """
         return self.variables(*self.find_cycles(progress))
 
     def variables(self, status, measures):
-        """The variables of `run`, from the results of `find_cycles`."""
+        """Return the variables of `run` from the results of `find_cycles`."""
         # An attractor is stable, though the multipliers of the smallest cycles round to 1.
         stable = status == FINISHED
         return cycle_variables(self.slider.friction_law, self.batch, status, measures, stable)
 
     def find_cycles(self, progress=None):
-        """Status (n,) of all cases, and the measures of their cycles as by `refine`, of (n, ...).
+        """Return the status (n,) of all cases, and the measures of their cycles as by `refine`.
 
-        They are NaN where the status is no cycle, but for a single case that has not converged; and
-        {} where no case can have a cycle (K = inf, or steady sliding stable at any K).
+        Measures are NaN if the status is not a cycle, except for a single case that has not
+        converged.  They are {} if no case can have a cycle (K = inf, or steady sliding stable at
+        any K).
         """
-        n, alone = self.batch.n, self.batch.is_single
+        n, is_single = self.batch.n, self.batch.is_single
         system = system_of(self.slider.friction_law.name, **self.batch.columns)
         status = np.full(n, STEADY_SLIDING)
         may_cycle = np.flatnonzero(system.may_cycle)
+        slower = np.full(n, SLOWER)
+        if self.V_start is not None:
+            slower = self.batch.flat("V_lp") / self.batch.flat("V_start")
         measures: dict = {}
         for first in range(0, len(may_cycle), CHUNK):
             which = may_cycle[first : first + CHUNK]
             part = system.at(which)
-            before, share = first / len(may_cycle), len(which) / len(may_cycle)
-            advance = progress and (lambda done, b=before, s=share: progress(b + s * done))
-            start = steady_start(part, self._slower(which))
+            done, share = first / len(may_cycle), len(which) / len(may_cycle)
+            advance = progress and (lambda x, d=done, s=share: progress(d + s * x))
+            start = steady_start(part, slower[which])
             attractors = find_attractors(part, start, self.rtol, advance)
             status[which] = attractors.status
             cycle = attractors.status == FINISHED
-            cycle |= alone & (attractors.status == NO_CONVERGENCE)
+            cycle |= is_single & (attractors.status == NO_CONVERGENCE)
             values = refine(part.at(cycle), attractors.at(cycle), self.rtol)
             for name, value in values.items():
                 empty = np.full((n, *value.shape[1:]), np.nan, value.dtype)
@@ -198,15 +210,9 @@ class LimitCycleCall:
             good = (measures["error"] <= WORST) & (np.abs(measures["multipliers"][:, 0]) < 1.0)
             doubtful = (status == FINISHED) & ~good
             status[doubtful] = NO_CONVERGENCE
-            for value in () if alone else measures.values():
+            for value in () if is_single else measures.values():
                 value[doubtful] = np.nan
         return status, measures
-
-    def _slower(self, which):
-        """V_lp over V_start of these cases, (n,) or one number."""
-        if self.V_start is None:
-            return SLOWER
-        return (self.batch.flat("V_lp") / self.batch.flat("V_start"))[which]
 
     def dataset(self, variables):
         """Return these variables of all cases as a Dataset with coordinates and scenario."""
@@ -216,7 +222,125 @@ class LimitCycleCall:
         return result
 
     def refuse_failure(self, result):
-        """Raise the exception for a single case without an answer; nothing for a sweep."""
+        """Raise the exception for a single case without an answer; a sweep raises none."""
         if self.batch.is_single and (status := int(result.status)) > STEADY_SLIDING:
             best = result if status == NO_CONVERGENCE else None
             raise failure("limit_cycle", self.slider, status, best=best)
+
+
+def cycle_variables(law, batch, status, measures, stable):
+    """Return the variables of `limit_cycle`, name -> Variable [SI], from measures of cycles.
+
+    batch : of the sliders and V_lp
+    measures : as from `measure`, name -> (n,) or (n, k), NaN without a cycle; or empty
+    stable : (n,) whether the cycles are stable
+    """
+    p, V, steady = columns(batch), batch.flat("V_lp"), status == STEADY_SLIDING
+    nothing = np.full(batch.n, np.nan)
+
+    def measured(name, if_steady=np.nan):
+        return np.where(steady, if_steady, measures.get(name, nothing))
+
+    period, amplitude = measured("period") * p.Dc / V, measured("amplitude", 0.0)
+    at_V, psi = law.coefficient_arrays(V, batch.columns), law.reference_state
+    steady_v = law.v_at(1.0, psi, at_V)
+    of_law = {symbol: batch.flat(symbol) for symbol in law.symbols}
+    steadily = is_stable(law, V, sigma=p.sigma, K=p.K, M=p.M, **of_law)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values = {
+            "period": period,
+            "frequency": 1.0 / period,
+            "amplitude": p.a * amplitude,
+            "V_max": V * law.speed(measured("v_max", steady_v), psi, at_V),
+            "V_min": V * law.speed(measured("v_min", steady_v), psi, at_V),
+            "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),
+            "slow_fraction": measured("slow_fraction", 0.0),
+            "fundamental": measured("fundamental"),
+            "stable": np.where(steady, steadily, stable),
+            "residual": measured("residual", 0.0),
+            "error": measured("error", 0.0),
+            "V_max_error": measured("v_max_error", 0.0),
+            "V_min_error": measured("v_min_error", 0.0),
+            "returns": np.nan_to_num(measured("returns", 0.0)).astype(np.int16),
+        }
+    variables = {name: batch.variable(value, name) for name, value in values.items()}
+    mu = law.reference_friction(V, batch.columns)
+    at = law.steady(at_V)
+    lowest = mu + p.a * measured("f_min", at.R), 2.0 * mu + p.a * measured("xf_min", at.R + at.S)
+    variables |= domain_variables(law, batch, *lowest)
+    without = np.full((batch.n, 1 + len(law.states)), np.nan)
+    for name, dtype in (("multipliers", complex), ("multipliers_error", float)):
+        value = measures.get(name, without.astype(dtype))
+        variables[name] = batch.variable(value, name, "multiplier")
+    return variables | {"status": status_variable(batch, status)}
+
+
+def orbit(slider, V_lp, *, rtol=1e-8):
+    """Compute one period of the cycle that `limit_cycle` finds.
+
+    Parameters
+    ----------
+    slider : SpringSlider
+        One slider, not a sweep.
+    V_lp : float, str or pint.Quantity
+        Load-point velocity [m/s], > 0.
+    rtol : float
+        Relative accuracy of the cycle, from 1e-12 to 1e-2.
+
+    Returns
+    -------
+    xarray.Dataset
+        As from `simulate`, at the solver's own steps along ``time``: ``V`` [m/s], ``theta`` [s],
+        ``tau`` [Pa], ``mu`` and the rest.  It begins at the maximum of the stress, where V = V_lp,
+        and ends there one period later.  For steady sliding it is one point, at time 0.
+
+    Raises
+    ------
+    ParameterError, QuasiStaticInstability, NotConverged, SolverError
+        As `limit_cycle`; also for a sweep.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> run = orbit(slider, "3.2 mm/s")
+    >>> round(float(run.time[-1]), 5)  # s, the period
+    0.01976
+    """
+    return cycle_and_orbit(slider, V_lp, rtol=rtol)[1]
+
+
+def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
+    """Return the results of `limit_cycle` and `orbit`, two Datasets, from one search.
+
+    progress : callable, optional, given the fraction done after every return; it may raise
+    """
+    call = limit_cycle_call(slider, V_lp, rtol=rtol)
+    if not call.batch.is_single:
+        dims = ", ".join(map(str, call.batch.dims))
+        raise refusal("cycles.orbit_of_sweep", slider=slider, dims=dims)
+    status, measures = call.find_cycles(progress)
+    cycle = call.dataset(call.variables(status, measures))
+    call.refuse_failure(cycle)
+    if status[0] == STEADY_SLIDING:
+        loading, time = Loading.constant(call.V_lp), slider.Dc / call.V_lp
+        return cycle, SimulateCall(slider, loading, time, times=np.zeros(1)).result()
+    return cycle, _period(slider, call, measures, rtol, progress)
+
+
+def _period(slider, call, measures, rtol, progress):
+    """Simulate one period from the section on."""
+    law, columns = slider.friction_law, call.batch.columns
+    system, u, V_lp = system_of(law.name, **columns), measures["u"], call.V_lp
+    x, _, *psi = state(system, u).T
+    states = law.log_states(0.0, tuple(psi), system.coefficients)
+    initial = {"V_initial": V_lp}
+    for name, distance, log_state in zip(law.states, law.lengths, states, strict=True):
+        initial[f"{name}_initial"] = getattr(slider, distance) / V_lp * np.exp(log_state[0])
+    if slider.M > 0.0:  # else these determine the stress
+        steady = law.reference_friction(np.array([V_lp]), columns)[0]
+        initial["tau_initial"] = slider.sigma * (steady + slider.a * x[0])
+    period = measures["period"][0] * slider.Dc / V_lp
+    tol = np.clip(FINER * rtol * min(1.0, measures["amplitude"][0]), TIGHTEST, LOOSEST)
+    run = SimulateCall(slider, Loading.constant(V_lp), period, initial=initial, rtol=float(tol))
+    return run.result(progress)

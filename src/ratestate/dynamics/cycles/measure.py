@@ -1,35 +1,52 @@
-"""Measures of a limit cycle and their errors, from one period of it and its derivatives."""
+"""Measures of a limit cycle and their errors, from one period of it and its derivatives.
+
+On a canard amplitude and period change, relatively, ten million times as much as the stiffness
+does.  There the last digit of a parameter, or the rounding of a return, limits how accurate an
+amplitude is.
+"""
+
+import dataclasses
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...engine.model import FINISHED
 from ...friction.stability import steady_modes
-from .search_step import FINER
-from .sensitivity import (
-    backward_error,
-    coarser_orbits,
-    difference,
-    orbits_of_one_period,
-    stiffness_sensitivity,
+from .attractor import FINER
+from .shooting import (
+    Returns,
+    change_along,
+    effective_tolerance,
+    iterated_map,
+    multipliers,
+    newton_step,
 )
-from .shooting import change_along, effective_tolerance, multipliers, newton_step
-from .system import distance, frequency, small_amplitude, tightest
+from .system import System, distance, small_amplitude, tightest
 
 # Safety factor of the error estimate; relative errors, due to rounding, of a return and a number.
 SAFETY, ROUNDING_OF_RETURN, EPS = 3.0, 60.0 * 2.0**-52, 2.0**-52
-# The error of a multiplier, which is absolute, over the relative one that is asked for.
+# Allowed error of a multiplier, which is absolute, divided by the relative accuracy requested.
 OF_MULTIPLIER = 3.0
 # Measurements, each with finer returns than the last, of a cycle that is not accurate enough yet.
 MAX_REFINEMENTS = 8
 # A share of the fundamental may exceed 1 by this much, by the errors of integrals.
 UNRESOLVED = 1e-2
+# Relative change of a parameter in difference quotients: the smallest, and divided by the tolerance
+# of a return.  A canard may be all over within 1e-7, and multiplies the errors of a return by as
+# much.
+LEAST_CHANGE, CHANGE = 1e-9, 1e3
+# Errors as equivalent relative changes of K: of a step, divided by its tolerance, and of rounding,
+# in the parameters and in a return.
+STEP_ERROR, ROUNDING_ERROR = 0.3, 5.0 * 2.0**-52
+# Ratio of the tolerances of two orbits whose difference shows the errors that steps accumulate.
+COARSER = 2.0
 
 
 def refine(system, cycles, rtol):
-    """`measure`, repeated with finer returns where errors are too large.
+    """Return `measure`, repeated with finer returns while errors are too large.
 
-    They are too large if `error` exceeds rtol or `multipliers_error` three times rtol.  At most
-    `MAX_REFINEMENTS` times and down to rounding: the error may stay larger.
+    They are too large if `error` exceeds rtol or `multipliers_error` three times rtol.  After
+    `MAX_REFINEMENTS` repetitions, or at the limit of rounding, the error may stay larger.
 
     cycles : `CycleEstimates`, refined in place
     """
@@ -43,44 +60,45 @@ def refine(system, cycles, rtol):
             break
         finer = cycles.tol[worse] * np.clip(rtol / errors[worse], 0.01, 0.3)
         cycles.tol[worse] = np.maximum(finer, floor[worse])
-        # (where there is no cycle Newton's step may lead to where V falls)
+        # (if there is no cycle, Newton's step may lead to where V falls)
         known = worse & (measures["u"][:, -1] > 0.0)
         cycles.u[known] = measures["u"][known]
         cycles.period[known] = measures["period"][known]
         for name, value in measure(system.at(worse), cycles.at(worse)).items():
             measures[name][worse] = value
     small = np.flatnonzero(cycles.error > 0.0)
-    if not len(small):
-        return measures
+    if len(small):
+        _improve_multipliers(system.at(small), measures, small)
+    return measures
+
+
+def _improve_multipliers(system, measures, small):
+    """Replace the larger multiplier of the smallest cycles, which a return would round to 1.
+
+    With dr/dT = g r + l r^3, g the growth rate of steady sliding, a distance from r^2 = -g/l grows
+    at the rate -2 g.  The relative error of the multiplier's distance from 1 is some r^2.
+
+    small : numbers of the cycles of this system
+    """
     found, of_found = measures["multipliers"][small], measures["multipliers_error"][small]
-    first = _small_cycle_multiplier(system.at(small), measures["period"][small])
+    modes = steady_modes(system.eta, system.kappa, system.beta, system.margin)
+    first = np.exp(-2.0 * modes[:, 0].real * measures["period"][small])
     off = SAFETY * np.abs(first - found[:, 0])
     better = off < of_found[:, 0]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         second = np.prod(found, axis=1) / first
     measures["multipliers"][small[better]] = np.stack([first, second], axis=1)[better]
     measures["multipliers_error"][small[better], 0] = off[better]
-    return measures
-
-
-def _small_cycle_multiplier(system, period):
-    """(n,) larger multiplier of the smallest cycles, which a return would round to 1.
-
-    With dr/dT = g r + l r^3, g the growth rate of steady sliding, a distance from r^2 = -g/l grows
-    at the rate -2 g.  The relative error of the multiplier's distance from 1 is some r^2.
-    """
-    modes = steady_modes(system.eta, system.kappa, system.beta, system.margin)
-    return np.exp(-2.0 * modes[:, 0].real * period)
 
 
 def measure(system, cycles):
-    """Measures of the `CycleEstimates`, name -> (n,) or (n, 2); NaN where an orbit did not return.
+    """Return measures of the `CycleEstimates`, name -> (n,) or (n, k); NaN if an orbit got lost.
 
-    In units of a (stress), Dc/V_lp (time) and ln V_lp (speeds).  One more period is followed, with
-    finer steps than those that led to the estimate.  The step of Newton's method that is left is
-    taken to first order, for period, amplitude and speeds.  Estimates that come with an error are
-    known better, or under another condition than constant parameters, and are not corrected.
-    The time below V_lp/10, for ``slow_fraction``, is summed in `engine.waveform`.
+    The units are a (stress), Dc/V_lp (time) and ln V_lp (speeds).  One more period is followed,
+    with finer steps than those that led to the estimate, and period, amplitude and speeds are
+    corrected by the remaining step of Newton's method, to first order.  Estimates with an error > 0
+    are not corrected: they are more accurate, or hold for another condition than constant
+    parameters.  `engine.waveform` sums the time below V_lp/10, for ``slow_fraction``.
     """
     u, fixed = cycles.u, cycles.error > 0.0
     tol = np.maximum(FINER * cycles.tol, tightest(system, u))
@@ -101,13 +119,13 @@ def measure(system, cycles):
         values["fundamental"] = _fundamental_share(numbers)
         values["residual"] = distance(system, returns.image - u) / distance(system, u)
         values["returns"] = cycles.n_returns.astype(float)
-        # A cycle whose amplitude or period the correction removes was none.
+        # If the correction removes amplitude or period, there was no cycle.
         whole = np.array([values["amplitude"], values["period"]])
         whole = np.where((whole > 0.0).all(axis=0), whole, 0.0)
         changes = np.stack([*np.abs([larger, longer]) / whole, *np.abs([v_max, v_min])], axis=1)
         errors, values["multipliers_error"] = _errors(orbits, values["multipliers"], changes)
-        # By Parseval's theorem the share is at most 1.  Where it is not, steps were too long for
-        # the waveform, whose speeds differ by seventy decades and more, and nothing is known of it.
+        # By Parseval's theorem the share is at most 1.  If it is larger, steps were too long for
+        # the waveform, whose speeds differ by seventy decades and more.
         excess = values["fundamental"] - 1.0
         errors = np.maximum(errors, np.where(excess > UNRESOLVED, excess, 0.0))
     values |= dict(zip(("error", "v_max_error", "v_min_error"), errors, strict=True))
@@ -119,7 +137,7 @@ def measure(system, cycles):
 
 
 def _fundamental_share(numbers):
-    """(n,) share of the fundamental in the variance of the stress."""
+    """Return the share of the fundamental in the variance of the stress."""
     mean = numbers["mean"] / numbers["period"]
     variance = numbers["square"] / numbers["period"] - mean**2
     wave = (numbers["cosine"] ** 2 + numbers["sine"] ** 2) / numbers["period"] ** 2
@@ -127,14 +145,12 @@ def _fundamental_share(numbers):
 
 
 def _errors(orbits, floquet, changes):
-    """(3, n) relative errors: the larger one of amplitude and period, of V_max, and of V_min.
+    """Return relative errors (3, n) and the absolute errors (n, k) of the multipliers `floquet`.
 
-    Also the errors (n, k) of the multipliers, which are those of the orbit that was followed.
-
-    Each relative error is the sum of four parts.  Errors go with the tolerance, so what Newton's
-    step leaves is smaller than its change by the ratio of this orbit's tolerance to the estimate's.
-    The others are the errors that steps accumulate, the smallest error of a return, and that of the
-    parameters.
+    The first three are the larger one of amplitude and period, V_max, and V_min.  Each is the sum
+    of four parts: what Newton's step leaves, the errors that steps accumulate, the smallest error
+    of a return, and the error of the parameters.  Errors go with the tolerance, so Newton's step
+    leaves its own change times the ratio of the tolerances of this orbit and the estimate.
 
     changes : (n, 4) relative changes of amplitude, period, V_max and V_min by Newton's step
     """
@@ -144,14 +160,14 @@ def _errors(orbits, floquet, changes):
     finer = tol / np.maximum(tol, cycles.tol)
     attraction = np.where(fixed, 1.0, np.minimum(1.0, np.abs(1.0 - floquet[:, 0])))
     scale = np.minimum(1.0, np.abs(small_amplitude(system, cycles.u)))
-    # Where the stress is large and the cycle hardly attracts, rounding can feign a cycle.
-    feigned = ROUNDING_OF_RETURN * distance(system, cycles.u) > 1e-4 * attraction
+    # If the stress is large and the cycle hardly attracts, rounding can make a false cycle.
+    false = ROUNDING_OF_RETURN * distance(system, cycles.u) > 1e-4 * attraction
     absolute = _rounding_of_state(system, orbits.returns.numbers["steps"])
     rounding = ROUNDING_OF_RETURN + np.where(fixed, 0.0, absolute / scale)
-    least = tol / scale + np.where(feigned & ~fixed, np.inf, rounding / attraction)
+    least = tol / scale + np.where(false & ~fixed, np.inf, rounding / attraction)
     accumulated, of_multipliers = _accumulated_errors(orbits, floquet)
     accumulated = np.where(fixed[:, None], 0.0, accumulated)
-    by_stiffness = backward_error(system, tol)[:, None] * stiffness_sensitivity(orbits)
+    by_stiffness = backward_error(system, tol)[:, None] * _stiffness_sensitivity(orbits)
     by_stiffness = np.where(fixed[:, None], 0.0, by_stiffness)
 
     def column(values):
@@ -164,29 +180,28 @@ def _errors(orbits, floquet, changes):
 
 
 def _rounding_of_state(system, steps):
-    """Return the error of ln V (n,) that rounding in the steps (n,) of a return adds up to.
+    """Return the error of ln V (n,) to which rounding in the steps (n,) of a return adds up.
 
     Each step rounds V/V_lp relative to 1, and x, v and psi relative to their steady values, such as
     mu/a under regularized friction, however small the cycle is.  Independent errors add up like
     the root of their number.  An error of stress changes the amplitude of ln V by omega/kappa.
     """
     x, v, psi = system.rest[:, :1], system.rest[:, 1:2], system.rest[:, 2:]
-    per_stress = (frequency(system) / system.kappa)[:, None]
+    per_stress = (system.omega / system.kappa)[:, None]
     sizes = np.concatenate([v, per_stress * x, per_stress * system.weights[:, :-1] * psi], axis=1)
     return EPS * np.sqrt(steps) * np.maximum(1.0, np.abs(sizes).max(axis=1))
 
 
 def _accumulated_errors(orbits, floquet):
-    """(n, 4) errors of amplitude, period, V_max and V_min that the steps of an orbit add up to.
+    """Return the errors of amplitude, period, V_max and V_min (n, 4) that steps add up to.
 
-    Also those (n, k) of its multipliers `floquet`, which the steps' tolerance does not bound.
+    Also returns the errors of the multipliers `floquet` (n, k), which the tolerance does not bound.
 
-    Estimated from a coarser orbit, no finer than the one that led to the estimate: steps may
-    accumulate many times the error of one, as V falls over decades, or in the stress of b/a near
-    1, which changes little while ln V and psi change much.  Errors go with the tolerance.  Those
-    of extreme speeds, which arise in a few steps, do so less evenly, and may cancel in one orbit
-    but not in another: they are scaled by the root of the ratio of tolerances, and their parts are
-    added without their signs.
+    The estimate compares with a coarser orbit: steps may accumulate many times the error of one, as
+    V falls over decades, or in the stress at b/a near 1, which changes little while ln V and psi
+    change much.  Errors go with the tolerance.  Errors of extreme speeds, which arise in a few
+    steps, do so less evenly, and may cancel in one orbit but not in another: they are scaled by the
+    root of the ratio of tolerances, and their parts are added without their signs.
     """
     coarse, finer = coarser_orbits(orbits, orbits.cycles.tol)
     u, finer = orbits.cycles.u, finer[:, None]
@@ -196,3 +211,97 @@ def _accumulated_errors(orbits, floquet):
     apart = (np.abs(at_u) + change_along(np.abs(gradients), np.abs(step)))[:, 2:]
     of_multipliers = np.abs(multipliers(coarse.returns) - floquet)
     return np.concatenate([finer * together, np.sqrt(finer) * apart], axis=1), of_multipliers
+
+
+def _stiffness_sensitivity(orbits):
+    """Return |d ln(measure)/d ln K| (n, 4) of amplitude, period, V_max and V_min.
+
+    It is not finite if the cycle is at a fold, or its orbit did not come back.
+    """
+    u, by_K = orbits.cycles.u, stiffness_derivatives(orbits)
+    du = newton_step(orbits.returns._replace(image=u + by_K.image), u)
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.abs(change_along(orbits.by_u, du) + by_K.measures)
+
+
+# Orbits of one period and how they differ, also for points of a branch
+
+
+class Orbits(NamedTuple):
+    """Orbits of n sliders from points near their cycles, for one period, with extremes recorded.
+
+    If an orbit did not come back, only `returns` shows it.
+    """
+
+    system: System
+    cycles: Any  # `CycleEstimates`, at whose u the orbits begin
+    tol: np.ndarray  # (n,)
+    returns: Returns
+    measures: np.ndarray  # (n, 4) logarithms of amplitude (of x), period, V_max and V_min
+    by_u: np.ndarray  # (n, 4, k) their derivatives by the first u
+
+
+class Difference(NamedTuple):
+    """By how much orbits from the same u differ, or this divided by the size of the cause."""
+
+    image: np.ndarray  # (n, k) of the next u; NaN if one of them did not come back
+    measures: np.ndarray  # (n, 4) of `Orbits.measures`; means nothing if `image` is NaN
+
+
+def orbits_of_one_period(system, cycles, tol, *, waveform=False):
+    """Return the `Orbits` of the `CycleEstimates` at the tolerance tol, with waveform or not."""
+    period = cycles.period if waveform else None
+    returns = iterated_map(system, cycles.u, tol, cycles.n_returns, observe=True, period=period)
+    numbers, gradients = returns.numbers, returns.gradients
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        amplitude, period = numbers["x_high"] - numbers["x_low"], numbers["period"]
+        by_u = [
+            (gradients["x_high"] - gradients["x_low"]) / amplitude[:, None],
+            gradients["period"] / period[:, None],
+            gradients["v_max"],
+            gradients["v_min"],
+        ]
+        values = [np.log(amplitude), np.log(period), numbers["v_max"], numbers["v_min"]]
+    return Orbits(system, cycles, tol, returns, np.stack(values, axis=1), np.stack(by_u, axis=1))
+
+
+def difference(orbits, reference):
+    """Return the `Difference` of two sets of orbits."""
+    images = orbits.returns.image - reference.returns.image
+    return Difference(images, orbits.measures - reference.measures)
+
+
+def coarser_orbits(orbits, tol):
+    """Return the same orbits at the larger tolerance tol (n,) or more, and a factor (n,) <= 1/2.
+
+    The accumulated errors of the first orbits are this factor times the difference between both.
+    """
+    fine = effective_tolerance(orbits.returns, orbits.tol)
+    coarse = np.maximum(tol, COARSER * fine)
+    return orbits_of_one_period(orbits.system, orbits.cycles, coarse), fine / coarse
+
+
+def parameter_derivatives(orbits, changed):
+    """Return the `Difference` per change of a parameter's logarithm at constant u.
+
+    changed : factor (n,) -> `System` of the sliders with the parameter multiplied by it
+    """
+    h = np.maximum(LEAST_CHANGE, CHANGE * orbits.tol)
+    others = orbits_of_one_period(changed(1.0 + h), orbits.cycles, orbits.tol)
+    return Difference(*(values / h[:, None] for values in difference(others, orbits)))
+
+
+def stiffness_derivatives(orbits):
+    """Return `parameter_derivatives` with respect to ln K."""
+    system = orbits.system
+    return parameter_derivatives(
+        orbits, lambda by: dataclasses.replace(system, kappa=system.kappa * by)
+    )
+
+
+def backward_error(system, tol):
+    """Return the relative change of K that is equivalent to the errors of a return.
+
+    The rounding of b/a counts the more, the smaller b - a is than b; inf at b = a.
+    """
+    return STEP_ERROR * tol + ROUNDING_ERROR * system.cancellation

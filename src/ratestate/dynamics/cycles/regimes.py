@@ -17,27 +17,27 @@ STEADY, SLOW, STICK_SLIP, HARMONIC, UNKNOWN = REGIMES = (
     "quasi-harmonic",
     "unknown",
 )
-# Largest inertial force over the amplitude at which it counts as negligible; of damping likewise.
+# Inertial force and stress of damping, divided by the amplitude, below which they are negligible.
 SLOW_INERTIA = 0.1
-# Share of the fundamental in the variance of the stress from which a cycle counts as harmonic:
-# that of a sawtooth is 6/pi^2 = 0.61, that of a sine 1.
+# Share of the fundamental in the variance of the stress from which a cycle counts as harmonic: a
+# sawtooth has 6/pi^2 = 0.61, a sine 1.
 HARMONIC_SHARE = 0.87
 
 
 def classify(cycle):
-    """What kind of sliding each case is, by its measured cycle and by the paper's criterion.
+    """Name the regime of each case, by its measured cycle and by the paper's criterion.
 
-    By the cycle, in this order: "steady" where there is none; "slow stick-slip" where inertia is
-    negligible throughout, ``inertia`` < 0.1, and the stress of damping at V_max is too, beside the
-    amplitude; "quasi-harmonic" where the fundamental's share in the
-    variance of the stress is at least 0.87; "stick-slip" otherwise; "unknown" where the cycle is
-    unknown.  By the paper (sec. 4.2): stick-slip where eta < 1, quasi-harmonic where eta >= 1.
-    The transitions are gradual: Figs 4 and 6 of the paper come out as it names them, and between
-    them the thresholds are a convention.
+    The rules for the measured cycle, in this order, are: "steady" if there is no cycle;
+    "slow stick-slip" if inertia is negligible (``inertia`` < 0.1), and the stress of damping at
+    V_max is below 0.1 times the amplitude; "quasi-harmonic" if the fundamental's share in the
+    variance of the stress is at least 0.87; "stick-slip" otherwise.  It is "unknown" if the cycle
+    is unknown.  The paper's criterion (sec. 4.2) is stick-slip for eta < 1 and quasi-harmonic for
+    eta >= 1.  Both give Figs 4 and 6 of the paper the paper's names.  The transitions are gradual,
+    and the thresholds between them are a convention.
 
-    ``slow_fraction`` and ``V_max`` are returned, but not used as criteria.  The paper's stick-slip
-    need not stick: where state needs slip, cycles of eta between 0.005 and 1 are never slower than
-    V_lp/10.  V_max/V_lp falls through all regimes without a step.
+    ``slow_fraction`` and ``V_max`` are returned, but are not criteria.  The paper's stick-slip need
+    not stick: if state needs slip to evolve, cycles of eta between 0.005 and 1 are never slower
+    than V_lp/10.  V_max/V_lp falls through all regimes without a step.
 
     Parameters
     ----------
@@ -48,14 +48,14 @@ def classify(cycle):
     -------
     xarray.Dataset
         In the dimensions of `cycle`: ``regime`` and ``regime_by_eta`` (strings), ``agree`` (bool:
-        both name the same, slow stick-slip counting as stick-slip; False where unknown), ``eta``,
-        and from `cycle` ``inertia``, ``fundamental``, ``slow_fraction`` and ``V_max`` [m/s].
-        Attributes: the thresholds.
+        whether both are equal, with slow stick-slip as stick-slip; False if unknown), ``eta``, and
+        from `cycle` ``inertia``, ``fundamental``, ``slow_fraction`` and ``V_max`` [m/s].  The
+        attributes have the thresholds.
 
     Raises
     ------
     ParameterError
-        `cycle` is no such result, has lost its attributes, or has a dimension called "eta".
+        `cycle` is not such a result, has lost its attributes, or has a dimension called "eta".
 
     Examples
     --------
@@ -72,8 +72,10 @@ def classify(cycle):
     if "eta" in cycle.dims:
         raise refusal("regimes.eta")
     measured = cycle[["inertia", "fundamental", "slow_fraction", "V_max"]]
-    eta_of_case = _eta(cycle)
-    regime = regimes_of(cycle, parameter(cycle, "damping"), parameter(cycle, "sigma"))
+    V_lp, a, Dc, sigma, M = (parameter(cycle, s) for s in ("V_lp", "a", "Dc", "sigma", "M"))
+    eta_of_case = xarray.ones_like(cycle.inertia) * eta(V_lp, a=a, Dc=Dc, sigma=sigma, M=M)
+    eta_of_case = eta_of_case.transpose(*cycle.inertia.dims).reset_coords(drop=True)
+    regime = regimes_of(cycle, parameter(cycle, "damping"), sigma)
     without = np.isin(regime, [STEADY, UNKNOWN])
     by_eta = np.select([without, eta_of_case < 1.0], [regime, STICK_SLIP], HARMONIC)
     coarse_regime = np.where(regime == SLOW, STICK_SLIP, regime)
@@ -82,7 +84,7 @@ def classify(cycle):
         regime=(dims, regime, attrs("regime")),
         regime_by_eta=(dims, by_eta, attrs("regime_by_eta")),
         agree=(dims, (coarse_regime == by_eta) & (regime != UNKNOWN), attrs("agree")),
-        eta=eta_of_case,
+        eta=eta_of_case.assign_attrs(attrs("eta")),
     )
     result.attrs = {
         **cycle.attrs,
@@ -94,7 +96,7 @@ def classify(cycle):
 
 
 def regimes_of(cycle, damping, sigma):
-    """The regimes by the measured cycles, as `classify` names them.
+    """Return the regimes by the measured cycles, as `classify` names them.
 
     cycle : mapping from the variables of `limit_cycle`, status among them, to arrays or numbers
     damping, sigma : of the sliders, in SI
@@ -106,11 +108,3 @@ def regimes_of(cycle, damping, sigma):
     harmonic = cycle["fundamental"] >= HARMONIC_SHARE
     conditions = [status == STEADY_SLIDING, np.logical_not(has_cycle), slow, harmonic]
     return np.select(conditions, [STEADY, UNKNOWN, SLOW, HARMONIC], STICK_SLIP)
-
-
-def _eta(cycle):
-    """eta of each case (eq. 7), as a DataArray like the variables of the result."""
-    V_lp, *rest = (parameter(cycle, symbol) for symbol in ("V_lp", "a", "Dc", "sigma", "M"))
-    value = eta(V_lp, **dict(zip(("a", "Dc", "sigma", "M"), rest, strict=True)))
-    broadcast = (xarray.ones_like(cycle.inertia) * value).transpose(*cycle.inertia.dims)
-    return broadcast.reset_coords(drop=True).assign_attrs(attrs("eta"))

@@ -1,8 +1,8 @@
 """The return map: from one stress maximum of a steadily driven slider to the next.
 
-A return begins and ends on the section V = V_lp, V rising, at points u = (psi - psi_ss, G), whose
-units and symbols system.py has.  A limit cycle is a fixed point of the map from u to the next u, or
-of an iterate of it (iterates.py).
+A return begins and ends on the section V = V_lp, V rising, at points u whose units and symbols
+system.py has.  A limit cycle that closes after m returns is a fixed point of the m-th iterate of
+the map.
 """
 
 from typing import NamedTuple
@@ -14,44 +14,46 @@ from ...engine.lanes import ROUNDING
 from ...engine.model import FINISHED
 from ...engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
 from ...friction.point import point_at
-from .system import is_slaved
+from .system import is_slaved, state
 
-# A hundred times what a stick-slip cycle over 20 decades of V takes.
+# A hundred times the steps of a stick-slip cycle over 20 decades of V.
 MAX_STEPS_OF_RETURN = 2e5
 # Complex numbers below this have no inverse.
 TINY = np.finfo(float).tiny
+#: numbers that add up over several returns
+SUMS = ("period", "trace", "slow", "mean", "square", "steps")
 
 
 class Returns(NamedTuple):
     """One return of each of n sliders, in units of Dc/V_lp (time) and a sigma (stress).
 
-    Where it did not come back to the section only `image` is NaN: `jacobian` and `numbers` are
-    those of the place where it ended.
+    If the slider did not come back to the section, `image` is NaN, and `jacobian` and `numbers`
+    belong to the place where the orbit ended.
     """
 
-    status: np.ndarray  # engine.model; FINISHED where it came back
+    status: np.ndarray  # engine.model; FINISHED if it came back
     image: np.ndarray  # (n, k) the next u
     jacobian: np.ndarray  # (n, k, k) d image/d u
-    #: engine.return_map.RETURN_NUMBERS, and x_high, the stress at which it began; name -> (n,)
+    #: engine.return_map.RETURN_NUMBERS, and x_high, the stress at the start; name -> (n,)
     numbers: dict
     #: derivatives of engine.return_map.DERIVATIVES and of x_high by u, name -> (n, k)
     gradients: dict
 
     @property
     def came_back(self):
-        """(n,) whether it came back to the section."""
+        """Whether each slider came back to the section."""
         return self.status == FINISHED
 
 
 def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
-    """`Returns` of sliders from y (n, 3) to their next stress maximum.
+    """Return the `Returns` of sliders from y (n, len(y)) to their next stress maximum.
 
-    STEADY_SLIDING where `steady_tol` stops it; after 200,000 steps STEP_LIMIT.
+    The status is STEADY_SLIDING if `steady_tol` stopped it, STEP_LIMIT after 200,000 steps.
 
     atol : (n,) tolerance of a step in x, v and psi
     steady_tol : (n,) distance from steady sliding at which to stop
-    observe : whether extremes are recorded, which else mean nothing
-    period : (n,) periods assumed for the waveform; without them that means nothing
+    observe : whether extremes are recorded; else they mean nothing
+    period : (n,) periods assumed for the waveform; without them it means nothing
     """
     n, k = len(y), y.shape[1] - 1
     _, by_psi = system.slopes(y[:, 2:])
@@ -88,7 +90,7 @@ def return_map(system, y, atol, *, steady_tol=0.0, observe=False, period=None):
 
 
 def _jacobian(system, psi, G, d_x, d_psi):
-    """(n, k, k) derivatives of the next u; of G by the rates if inertia is lost in rounding.
+    """Return d(next u)/d u; the row of G comes from the rates if rounding hides inertia.
 
     psi, G : (n, n_states) and (n,) at the return
     d_x, d_psi : (n, k) and (n, n_states, k) derivatives by u
@@ -105,18 +107,71 @@ def _jacobian(system, psi, G, d_x, d_psi):
     return np.concatenate([d_psi, d_G[:, None]], axis=1)
 
 
+def iterated_map(system, u, atol, count, *, steady_tol=0.0, observe=False, period=None):
+    """Return the `Returns` of `count` (n,) >= 1 returns in a row from u (n, k).
+
+    Numbers, gradients and `period` belong to all returns together.  x_high is the largest stress
+    maximum from u on, but not the last one, which on a cycle is the first again.  A slider that
+    does not come back keeps the status of that return.  Other arguments are as in `return_map`.
+    """
+    n = len(u)
+    atol, steady_tol = np.broadcast_to(atol, n), np.broadcast_to(steady_tol, n)
+    each = np.ones(n) if period is None else period / count
+
+    def once(which, u):
+        """Return one return of the sliders with these numbers."""
+        part = system.at(which)
+        y, assumed = state(part, u), None if period is None else each[which]
+        options = {"steady_tol": steady_tol[which], "observe": observe, "period": assumed}
+        return return_map(part, y, atol[which], **options)
+
+    returns = once(np.arange(n), u)
+    for number in range(1, int(count.max(initial=1))):
+        which = np.flatnonzero((count > number) & returns.came_back)
+        _append(returns, which, once(which, returns.image[which]), 2.0 * np.pi / each[which])
+    return returns
+
+
+def _append(returns, which, more, omega):
+    """Extend the returns of these sliders by one more return, in place.
+
+    omega : (n,) angular frequency of the waveform
+    """
+    old = {name: values[which] for name, values in returns.numbers.items()}
+    previous, new = returns.jacobian[which], more.numbers
+    joined = dict(new)
+    for name in SUMS:
+        joined[name] = old[name] + new[name]
+    joined["g_max"] = np.maximum(old["g_max"], new["g_max"])
+    for name in ("f_min", "xf_min"):
+        joined[name] = np.minimum(old[name], new[name])
+    slopes = {name: np.einsum("ni,nij->nj", d, previous) for name, d in more.gradients.items()}
+    slopes["period"] = returns.gradients["period"][which] + slopes["period"]
+    for name, sign in (("x_low", -1.0), ("x_high", 1.0), ("v_min", -1.0), ("v_max", 1.0)):
+        is_new = sign * new[name] > sign * old[name]
+        joined[name] = np.where(is_new, new[name], old[name])
+        slopes[name] = np.where(is_new[:, None], slopes[name], returns.gradients[name][which])
+    shifted = np.exp(1j * omega * old["period"]) * (new["cosine"] + 1j * new["sine"])
+    joined["cosine"], joined["sine"] = old["cosine"] + shifted.real, old["sine"] + shifted.imag
+    for found, values in ((returns.numbers, joined), (returns.gradients, slopes)):
+        for name, value in values.items():
+            found[name][which] = value
+    returns.status[which], returns.image[which] = more.status, more.image
+    returns.jacobian[which] = more.jacobian @ previous
+
+
 def change_along(gradients, step):
-    """(n, m) first-order changes, by a step (n, k), of what has the gradients (n, m, k)."""
-    # (no product of matrices: numpy rounds it otherwise for one case than for several)
+    """Return the first-order changes (n, m) by a step (n, k), from gradients (n, m, k)."""
+    # (not a product of matrices: numpy rounds it otherwise for one case than for several)
     return sum(gradients[:, :, i] * step[:, i, None] for i in range(step.shape[1]))
 
 
 def multipliers(returns):
-    """(n, k) complex Floquet multipliers beside the trivial 1, the largest first.
+    """Return the complex Floquet multipliers (n, k) beside the trivial 1, the largest first.
 
-    Their sum is the trace of the map's derivative, their product, by Liouville's formula, the
-    exponential of the integrated trace of the Jacobian.  So the smallest one has digits even where
-    it is far below the errors of the derivative.  Without mass it is 0.
+    Their sum is the trace of the map's derivative; their product is, by Liouville's formula, the
+    exponential of the integrated trace of the Jacobian.  So the smallest one is accurate even if it
+    is far below the errors of the derivative.  Without mass it is 0.
     """
     with np.errstate(over="ignore", invalid="ignore"):  # (NaN where it did not come back)
         product = np.exp(np.nan_to_num(returns.numbers["trace"], nan=-np.inf))
@@ -125,27 +180,28 @@ def multipliers(returns):
         half = 0.5 * np.trace(returns.jacobian, axis1=1, axis2=2)
     root = np.sqrt(half.astype(complex) ** 2 - product)
     first = half + np.where(half < 0.0, -root, root)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        second = np.where(np.abs(first) < TINY, 0.0, product / first)
-    return np.stack([first, second], axis=1)
+    return np.stack([first, _quotient(product, first)], axis=1)
 
 
 def _many_multipliers(jacobian, product):
-    """`multipliers` of maps in more than two dimensions, the last one by the product of all."""
+    """Return the multipliers in more than two dimensions, the last one from their product."""
     finite = np.isfinite(jacobian).all(axis=(1, 2))
     found = np.linalg.eigvals(np.where(finite[:, None, None], jacobian, 0.0)).astype(complex)
     found = np.take_along_axis(found, np.argsort(-np.abs(found), axis=1, kind="stable"), axis=1)
-    others = np.prod(found[:, :-1], axis=1)
-    alone = found[:, -1].imag == 0.0  # (else it is one of a pair, and known as well as that)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        last = np.where(np.abs(others) < TINY, 0.0, product / others)
-    found[:, -1] = np.where(alone, last, found[:, -1])
+    last = _quotient(product, np.prod(found[:, :-1], axis=1))
+    # One of a complex pair is as accurate as the other.
+    found[:, -1] = np.where(found[:, -1].imag == 0.0, last, found[:, -1])
     found[~finite] = np.nan
     return found
 
 
+def _quotient(product, others):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        return np.where(np.abs(others) < TINY, 0.0, product / others)
+
+
 def effective_tolerance(returns, tol):
-    """(n,) tolerance that the steps of these returns kept, which rounding bounds from below.
+    """Return the tolerance that the steps of these returns kept; rounding bounds it from below.
 
     The returns must have their extremes recorded, which is not checked.
     """
@@ -154,7 +210,7 @@ def effective_tolerance(returns, tol):
 
 
 def newton_step(returns, u):
-    """(n, k) step of Newton's method from u to the fixed point; not finite where it has none."""
+    """Return the step (n, k) of Newton's method from u to the fixed point; not finite if none."""
     matrix, off = np.eye(u.shape[1]) - returns.jacobian, returns.image - u
     if u.shape[1] == 2:
         (a, b), (c, d) = np.moveaxis(matrix, 0, -1)
@@ -165,7 +221,7 @@ def newton_step(returns, u):
 
 
 def solve_each(matrices, vectors):
-    """(n, k) solutions of n linear systems (n, k, k), (n, k); NaN where there is not just one."""
+    """Solve n linear systems (n, k, k), (n, k); the solution is NaN if it is not unique."""
     solvable = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(vectors).all(axis=1)
     solvable[solvable] = np.linalg.det(matrices[solvable]) != 0.0
     solution = np.full(vectors.shape, np.nan)

@@ -1,6 +1,7 @@
-"""A batch in the engine's terms: dimensionless cases, an order that fills lanes, failures."""
+"""A batch for the engine: dimensionless cases, tables of the loading, runs, failures."""
 
 import numpy as np
+import xarray
 
 from ...engine import dispatch
 from ...engine.model import (
@@ -11,23 +12,26 @@ from ...engine.model import (
     RUNAWAY,
     STATUSES,
     Cases,
+    Loads,
 )
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
+from ...model.arrays import as_column
+from ...model.units import is_array
 from ..refusals import sentence
 from ..results import columns
 
-# [m/s] Beyond this a quasi-static run that does not slow down (`laws`) has met its instability.
+# Speed [m/s] beyond which a quasi-static run that does not slow down has met its instability.
 V_LIMIT = 3e8
-# Some 10 s of a case alone, and 10,000 cycles or more: beyond it a run counts as stuck.
+# Steps after which a run counts as stuck: some 10 s of a case alone, and 10,000 cycles or more.
 MAX_STEPS = 1e7
 
 
 def engine_cases(law, batch, y0, *, t_end, loading, times, rtol, observe=1.0):
-    """`Cases` of a batch that holds the slider's parameters; nothing is checked here.
+    """Return the `Cases` of a batch of sliders; nothing is checked here.
 
-    law : of `LAWS`; y0 : (n, len(y)) x, v, psi at t = 0; t_end : (n,) [s]
+    y0, t_end : (n, len(y)) x, v, psi at t = 0, and (n,) [s]
     loading, times : (n,) rows of the tables of load histories and of saved times
-    observe : 1 where extremes of V, friction and the inertial force are wanted
+    observe : 1 to record extremes of V, friction and the inertial force
     """
     p = columns(batch)
     settings = {"observe": observe, "max_steps": MAX_STEPS, "rtol": rtol}
@@ -51,20 +55,61 @@ def engine_cases(law, batch, y0, *, t_end, loading, times, rtol, observe=1.0):
     )
 
 
-def run_cases(method, law, cases, loads, save_times, which, progress=None):
-    """March the cases with these numbers; `Results` of all n cases.
+def engine_loads(batch, loading):
+    """Return the `Loads` of a loading, and the row (n,) of each case in its tables."""
+    if (stress := loading.normal_stress) is None:
+        table, rows = batch.rows(loading.V)
+        return Loads(loading.t, table, batch.rows(loading.rate)[0]), rows
+    t = np.union1d(loading.t, stress.t)
+    known = stress.with_sigma(batch.values["sigma"])
+    series = [*_speeds_at(loading, t), *_stresses_at(known, t)]
+    if any(map(is_array, series)):  # then all get the same dimensions
+        arrays = [as_column(column).drop_vars("segment", errors="ignore") for column in series]
+        series = [array.transpose(..., "segment") for array in xarray.broadcast(*arrays)]
+    (V, rows), *others = (batch.rows(column) for column in series)
+    return Loads(t, V, *(table for table, _ in others)), rows
 
-    Of the others they are NaN, with the status RUNNING.  method : a name in `METHODS`
-    law : of `LAWS`
+
+def comes_to_rest(loads, rows, t_end):
+    """Return whether the load point (n,) rests at any time before t_end, (n,) [s].
+
+    loads, rows : `Loads`, and the row of each case in its tables
+    """
+    ends, V, rate = np.append(loads.t[1:], np.inf), loads.V, loads.rate
+    slows = rate < 0.0
+    stop = (loads.t - V / np.where(slows, rate, 1.0)) * (1.0 - 1e-15)  # (rounding)
+    rest = np.where(slows & (stop < ends), stop, np.inf)
+    return np.where(V > 0.0, rest, loads.t).min(axis=1)[rows] < t_end
+
+
+def _speeds_at(loading, t):
+    """Return speed and acceleration at the start of the segments that begin at t."""
+    k = loading.speed.segments_at(t)
+    V, rate = loading.V[..., k], loading.rate[..., k]
+    return np.maximum(V + rate * (t - loading.t[k]), 0.0), rate
+
+
+def _stresses_at(stress, t):
+    """Return normal stress without its sinusoid at both ends of the segments that begin at t."""
+    k = stress.segments_at(t)
+    start, end = stress.start[..., k], stress.end[..., k]
+    ends = t, np.append(t[1:], t[-1])  # (in the last segment it is constant)
+    return (start + (x - stress.t[k]) / stress.durations[k] * (end - start) for x in ends)
+
+
+def run_cases(method, law, cases, loads, save_times, which, progress=None):
+    """March the cases with these numbers; return the `Results` of all n cases.
+
+    Those of the others are NaN, with the status RUNNING.  method : a name in `METHODS`
     """
     order = which[np.argsort(-cost(cases, loads)[which], kind="stable")]
     return dispatch.run_march(METHODS[method], law, cases, loads, save_times, order, progress)
 
 
 def run_path(method, law, cases, loads, progress=None):
-    """March the one case, keeping each step: times (m,) [s], states (1, m, 3), `Results`.
+    """March one case; return the times (m,) [s] and states (1, m, len(y)) of each step, `Results`.
 
-    From t = 0 on; if the run fails, up to there, where its final state then is.
+    A run that fails ends with its last step, which is also its final state.
     """
     path, results = dispatch.run_path(METHODS[method], law, cases, loads, progress)
     if results.status[0] != FINISHED:
@@ -76,15 +121,15 @@ def run_path(method, law, cases, loads, progress=None):
         for k in (at, np.minimum(at + 1, len(breaks) - 1)):
             t = np.where(np.abs(t - breaks[k]) <= 1e-15 * breaks[k], breaks[k], t)
     t = np.minimum(t, cases.t_end[0])
-    before = np.append(t[1:] == t[:-1], False)  # where the state jumps, the last time before it
-    return np.where(before, np.nextafter(t, 0.0), t), path[None, :, 1:], results
+    jumps = np.append(t[1:] == t[:-1], False)  # the state before a jump: the last time before it
+    return np.where(jumps, np.nextafter(t, 0.0), t), path[None, :, 1:], results
 
 
 def cost(cases, loads):
-    """(n,) estimated duration of each case, in slips of Dc at the load point's fastest speed.
+    """Return the estimated cost (n,) of each case, by which long cases are put first.
 
-    Or in radians at the natural frequency if these are fewer.  It serves only to put long cases
-    first.
+    It is a number of slips of Dc at the load point's fastest speed, or of radians at the natural
+    frequency if these are fewer.
     """
     fastest = loads.V.max(axis=1)[cases.loading] / cases.V0
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -94,12 +139,11 @@ def cost(cases, loads):
 
 
 def failure(function, slider, status, t=None, best=None, loading=None):
-    """The exception, to be raised, for a single case that ended with this status without an answer.
+    """Return the exception, to be raised, for a single case that ended with this status.
 
-    RIGID_REST: ParameterError; RUNAWAY: QuasiStaticInstability; NO_CONVERGENCE: NotConverged; any
-    other: SolverError.
-
-    function : its name; t : when it ended [s], or None; best : what the exception carries
+    function : its name
+    t : when it ended [s], or None
+    best : what the exception carries
     loading : of a run, the `Loading`, whose normal stress at t counts
     """
     name, text = STATUSES[int(status)]

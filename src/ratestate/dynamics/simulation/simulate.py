@@ -22,16 +22,15 @@ from ..progress import bar
 from ..recipe import record_scenario
 from ..refusals import refusal
 from .cases import failure
-from .motion import blank_motion, motion_variables, move
-from .settings import check_normal_stress, saved_times, solver_settings
-from .undisturbed import undisturbed_warning
+from .run_batch import blank_motion, motion_variables, move
+from .settings import check_normal_stress, saved_times, solver_settings, undisturbed_warning
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
 VARIABLES = (
     "V delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
     " returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
 ).split()
-# Memory of a case at each time: seven variables of the result, three of the engine's; two more for
+# Memory of a case at each time: seven variables of the result, three of the engine; two more for
 # each state but the first.
 BYTES, BYTES_OF_STATE = 80, 16
 
@@ -48,7 +47,7 @@ def simulate(
     rtol=1e-6,
     method="auto",
 ):
-    """March a slider, or a sweep of sliders, under a load-point history (eqs 1-4).
+    """Compute the motion of a slider, or of a sweep, under a load-point history (eqs 1-4).
 
     Parameters
     ----------
@@ -62,59 +61,61 @@ def simulate(
         The run starts in steady sliding at this speed [m/s], > 0; by default at the loading's
         first, which must then be > 0.
     initial : dict, optional
-        Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override those of the steady start.
-        Where M = 0 two of them fix the third: V and theta, or V and tau, or theta and tau.
-        With friction="regularized" V may be 0 or negative.
-        Where K = inf V is the load point's speed, and theta or tau fixes the other.
+        Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override the steady start.
+        If M = 0, two of them determine the third.  If K = inf, V is the load point's speed, and
+        theta and tau determine each other.  With friction="regularized" V may be 0 or negative.
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
         differ): 1-D, or a DataArray with the dimension ``time`` and those of the sweep.  By
-        default the solver's own steps for one slider, with seven times more inside those of Taylor
-        series, and the final state for a sweep.
+        default one slider is saved at the solver's own steps, with seven more times inside each
+        step of Taylor series, and a sweep at its end.
     rtol : float
         Error allowed in a step, in tau/(a sigma), ln V and ln theta: 1e-13 to 0.1, by default
         1e-6.  If K = inf it is at most 1e-12.
     method : {"auto", "rodas5p"}
-        Taylor series of order 12 where the motion is not stiff and the law's formulas are sums,
-        products, quotients and exponentials of speed and state, and Rodas5P elsewhere; or Rodas5P
-        alone.  The paper's own scheme is `ratestate.paper.im2017`.
+        "auto" takes Taylor series of order 12 while the motion is not stiff, if the law's formulas
+        are sums, products, quotients and exponentials of speed and state, and Rodas5P otherwise.
+        The paper's own scheme is `ratestate.paper.im2017`.
 
     Returns
     -------
     xarray.Dataset
-        In the sweep's dimensions, then ``time``: ``V`` and ``V_load`` (slider and load point,
-        [m/s]), ``theta`` [s], ``delta`` and ``delta_lp`` [m], ``tau`` [Pa] (the spring's),
-        ``mu`` (eq. 1 for these V and theta; NaN where one of them is beyond double precision),
-        and ``sigma`` [Pa] if the loading changes it; tau/sigma is then tau over this sigma.
-        Per case: ``status`` (int8 with CF flags; 0 finished), ``steps``,
-        ``energy_residual`` (load work less stored and dissipated energy, divided by the
-        sum of their sizes),
-        ``cycles`` (stress maxima after the first since the last jump in the loading),
-        ``amplitude`` (max - min of tau/sigma, not counting the maximum at which it begins) and
-        ``frequency`` [Hz] of the last period (0 if there is none or if its amplitude is below
-        10 a rtol), ``returns`` (how many of those maxima make that period: 1, or more, up to 32,
-        if unequal ones follow each other in a fixed order throughout the later half of the last
-        64 and do not leave it; 0 if they do so in none: then amplitude is that of this half, and
-        frequency how many there are in a second; 1 also if there are too few to tell, below 20 or
-        so), ``V_max`` and ``V_min`` [m/s] of the run, ``inertial_force`` (its
-        largest |M dV/dt|/sigma, without damping |tau/sigma - mu|; this and amplitude are over sigma
-        at t = 0).  Without mass V_max may be inf: beyond double precision, and yet a motion that
-        comes back.
-        ``outside_domain`` (int8 with CF flags): whether the run leaves the domain of the friction
-        law, since friction would have to push (``mu_min``, its smallest mu, is negative), or since
-        the spring pulls back harder than friction can hold (``reversal_margin``, the smallest
-        tau/sigma + mu, is; where sigma varies, of (tau + sigma mu)/sigma(0)).  Both smallest
-        values are found between the solver's steps as well.
-        With friction="regularized" slip then reverses, V_min is negative, and nothing is outside.
-        delta_lp(0) = 0 and delta(0) = -tau(0)/K (0 where K = inf).
+        In the sweep's dimensions, then ``time``:
+
+        - ``V`` and ``V_load`` (slider and load point, [m/s]), ``theta`` [s];
+        - ``delta`` and ``delta_lp`` [m]; delta_lp(0) = 0, and delta(0) = -tau(0)/K;
+        - ``tau`` [Pa] of the spring, and ``mu`` (eq. 1 for these V and theta; NaN if one of them is
+          beyond double precision);
+        - ``sigma`` [Pa] if the loading changes it; tau/sigma is then tau divided by this sigma.
+
+        Per case:
+
+        - ``status`` (int8 with CF flags; 0 finished), ``steps``, and ``energy_residual`` (load work
+          less stored and dissipated energy, divided by the sum of their sizes);
+        - ``cycles``, the number of stress maxima after the first since the last jump in the
+          loading;
+        - ``amplitude`` (max - min of tau/sigma(0), without the first maximum) and ``frequency``
+          [Hz] of the last period; 0 if there is none, or its amplitude is below 10 a rtol;
+        - ``returns``, the number of maxima in this period: 1, or up to 32 if unequal maxima follow
+          each other in a fixed order throughout the later half of the last 64; 0 if they have no
+          such order, and then amplitude is that of this half, and frequency the number of maxima in
+          a second; 1 also if there are too few to tell, below 20 or so;
+        - ``V_max`` and ``V_min`` [m/s] of the run; without mass V_max may be inf, beyond double
+          precision, in a motion that comes back;
+        - ``inertial_force``, the largest |M dV/dt|/sigma(0) (without damping |tau/sigma - mu|);
+        - ``outside_domain`` (int8 with CF flags), whether the run leaves the domain of the friction
+          law: friction would have to push (its smallest mu, ``mu_min``, is negative), or the spring
+          pulls back harder than friction can hold (the smallest (tau + sigma mu)/sigma(0),
+          ``reversal_margin``, is negative).  Both are also searched for between the solver's
+          steps.  With friction="regularized" slip reverses instead, and V_min is negative.
 
     Raises
     ------
     ParameterError
         An input that cannot be used.
     QuasiStaticInstability
-        M = 0, and no quasi-static motion exists beyond some time before t_end.  Its attribute
-        ``best`` is the run up to that time, at the solver's own steps.
+        M = 0, and the quasi-static equations have no solution beyond some time before t_end.
+        Its attribute ``best`` is the run up to that time, at the solver's own steps.
     SolverError
         Any other run without an answer.  In a sweep the motion of such cases is NaN, with their
         status.
@@ -122,7 +123,7 @@ def simulate(
     Warns
     -----
     RunWarning
-        The run starts on steady sliding that is unstable, and nothing disturbs it: the load point's
+        The run starts exactly on unstable steady sliding, and nothing disturbs it: the load point's
         speed is constant, and neither V_start nor `initial` differs from steady sliding.
 
     Examples
@@ -144,11 +145,7 @@ def simulate(
 
 
 def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method):
-    """`SimulateCall` with these arguments of `simulate`; ParameterError where one is wrong.
-
-    Whether their dimensions fit together, and a start at rest, shows in its `batch`; whether
-    initial values contradict each other, when it runs.
-    """
+    """Return the `SimulateCall` with these arguments of `simulate`, checked one by one."""
     check_slider(slider)
     if not isinstance(loading, Loading):
         raise refusal("simulate.loading", loading=loading)
@@ -174,12 +171,14 @@ class SimulateCall:
     times: Any = None
     rtol: float = 1e-6
     method: str = "auto"
+    # methods: the `BatchMotion` of all cases, and the variables of `run` from it
+    move, variables = move, motion_variables
 
     @functools.cached_property
     def batch(self):
-        """`Batch` of the slider's parameters, t_end, V_start and what `initial` gives.
+        """`Batch` of the slider's parameters, t_end, V_start and the initial values.
 
-        ParameterError where dimensions or coordinates clash, or there is no V_start > 0.
+        Raises ParameterError if dimensions or coordinates clash, or if V_start is 0.
         """
         start = self.loading.V_first if self.V_start is None else self.V_start
         if not np.all(np.greater(start, 0.0)):
@@ -217,7 +216,7 @@ class SimulateCall:
         )
 
     def result(self, progress=None):
-        """The Dataset; raises for a single case that failed."""
+        """Return the Dataset; raise the exception of a single case that failed."""
         motion = self.move(progress)
         if self.batch.is_single and (status := motion.status[0]) != FINISHED:
             best = self._up_to_runaway(motion) if status == RUNAWAY else None
@@ -226,29 +225,21 @@ class SimulateCall:
         return self.dataset(self.variables(motion))
 
     def _up_to_runaway(self, motion):
-        """The run up to where it ran away, as a Dataset; None where its own steps are too many."""
-        call = dataclasses.replace(self, times=None)  # no saved time is that of the instability
+        """Return the run up to the runaway as a Dataset; None if it has too many own steps."""
+        call = dataclasses.replace(self, times=None)  # the runaway is between saved times
         motion = motion if self.times is None else call.move(None)
         return call.dataset(call.variables(motion)) if motion.status[0] == RUNAWAY else None
 
     def run(self, progress=None):
-        """The result's variables, name -> Variable in the dimensions of the sweep, then time.
+        """Return the variables, name -> Variable in the dimensions of the sweep, then time.
 
-        A case that fails raises nothing: it has its status.
+        A case that fails raises no error: it has its status.
         """
         return self.variables(self.move(progress))
 
     def blank(self):
-        """The variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
+        """Return the variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
         return self.variables(blank_motion(self.slider.friction_law, self.batch, self.times))
-
-    def move(self, progress):
-        """The `Motion` of all cases."""
-        return move(self, progress)
-
-    def variables(self, motion):
-        """The variables of `run`, from this motion."""
-        return motion_variables(self, motion)
 
     def dataset(self, variables):
         """Return these variables of all cases as a Dataset with coordinates and scenario."""

@@ -5,8 +5,7 @@ from pathlib import Path
 import typer
 
 from ...friction.laws import friction_law, own_parameters
-from ...paper.figures import FIGURES
-from ...paper.laws import LAWS
+from ...paper.figures import FIGURES, LAWS
 from .command import laws_of, own_values
 from .output import make_writable, print_json, print_rich, reporting_files
 
@@ -84,7 +83,7 @@ def atlas(
     except ValueError as error:
         raise typer.BadParameter(f"{error}: give plain numbers", param_hint="--set") from None
     make_writable(out)
-    from ...paper.atlas import make
+    from ...paper.atlas_figure import make
 
     files = list[Path]()
     for each in laws:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import xarray
 
 from ...dynamics.results import parameter
-from ...dynamics.simulation.undisturbed import OTHER_START
+from ...dynamics.simulation.settings import OTHER_START
 from ...dynamics.verdict import Verdict, verdict, verdict_of_cycle
 from ...dynamics.verdict_sentences import RUNAWAY
 from ...engine.model import FINISHED

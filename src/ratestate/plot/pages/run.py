@@ -1,6 +1,6 @@
 """The pages of runs and of a limit cycle: stress, speed against time, and the phase plane."""
 
-from ...dynamics.cycles.orbit import orbit
+from ...dynamics.cycles.limit_cycle import orbit
 from ...dynamics.cycles.regimes import classify
 from ...dynamics.results import parameter, slider_parameters
 from ...dynamics.steady_sliding import stability

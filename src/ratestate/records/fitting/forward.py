@@ -8,8 +8,7 @@ differences of 3e-5, derivatives are accurate to 1e-6.  Fits of cycles use `marc
 
 import numpy as np
 
-from ...dynamics.simulation.cases import V_LIMIT
-from ...dynamics.simulation.loads import comes_to_rest, engine_loads
+from ...dynamics.simulation.cases import V_LIMIT, comes_to_rest, engine_loads
 from ...engine import dispatch
 from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
 from ...errors import ParameterError

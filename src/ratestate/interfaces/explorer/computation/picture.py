@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
-from ....dynamics.cycles.orbit import cycle_and_orbit
+from ....dynamics.cycles.limit_cycle import cycle_and_orbit
 from ....dynamics.simulation.cases import failure
 from ....dynamics.steady_sliding import stability
 from ....dynamics.verdict import Verdict, result_or_error, verdict_of_cycle

@@ -1,4 +1,4 @@
-"""A batch of runs: converted for the engine, run, and converted back to units."""
+"""A batch of runs: converted to the engine's units, run, and converted back."""
 
 from functools import partial
 from types import SimpleNamespace
@@ -13,34 +13,30 @@ from ...friction.expressions import LIMIT
 from ...model.initial_state import initial_state
 from ...model.quantities import attrs
 from ...model.units import is_array
-from ..domain import domain_variables
-from ..results import columns, status_variable
-from .cases import engine_cases, run_cases, run_path
-from .loads import comes_to_rest, engine_loads
+from ..results import columns, domain_variables, status_variable
+from .cases import comes_to_rest, engine_cases, engine_loads, run_cases, run_path
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny
 
 
-class Motion(NamedTuple):
+class BatchMotion(NamedTuple):
     """The motion of a batch of n cases, at m times each."""
 
-    t: np.ndarray  # (m,) or, where each case has its own, (n, m) [s]
-    states: (
-        np.ndarray
-    )  # (n, m, len(y)) x, v, psi; NaN where a case failed, but for a path of own steps
+    t: np.ndarray  # (m,) or, if each case has its own, (n, m) [s]
+    #: (n, m, len(y)) x, v, psi; NaN if a case failed, except for a path of own steps
+    states: np.ndarray
     numbers: dict  # name (engine.model.NUMBERS, "energy_residual") -> (n,)
     status: np.ndarray  # (n,) int, engine.model
 
 
 def move(call, progress):
-    """The `Motion` of all cases of a `simulate.SimulateCall`.
+    """Return the `BatchMotion` of all cases of a `SimulateCall`; a case that fails raises no error.
 
-    Saved at its times, or, where it has none, the own steps of a single case, else the final state.
-    A case that fails raises nothing.  ParameterError where initial values contradict each other.
+    It is saved at the call's times, or without them at the own steps of a single case, and at the
+    end of a sweep.  Raises ParameterError if initial values contradict each other.
     """
-    batch, loading, times = call.batch, call.loading, call.times
-    law = call.law
+    batch, loading, times, law = call.batch, call.loading, call.times, call.law
     loads, rows = engine_loads(batch, loading)
     y0 = initial_state(call.slider.friction_law, batch, loads.V[rows, 0])
     t_end = batch.flat("t_end")
@@ -54,18 +50,15 @@ def move(call, progress):
         which = np.flatnonzero(~rests)
         results = run_cases(call.method, law, cases, loads, save_times, which, progress)
         results.status[rests] = RIGID_REST
-        t = saved_at(batch, times)
+        t = _saved_at(batch, times)
         states = results.final[:, None] if times is None else results.saved
     numbers = dict(zip(NUMBERS, results.numbers.T.copy(), strict=True))
-    numbers["energy_residual"] = energy_residual(law, batch, loading, cases, y0, results)
-    return Motion(t, states, numbers, results.status)
+    numbers["energy_residual"] = _energy_residual(law, batch, loading, cases, y0, results)
+    return BatchMotion(t, states, numbers, results.status)
 
 
-def saved_at(batch, times):
-    """Times at which the cases are saved [s]: (m,) or, where each has its own, (n, m).
-
-    times : as for `move`; None saves the end
-    """
+def _saved_at(batch, times):
+    """Return the saved times [s]: (m,) or, if each case has its own, (n, m)."""
     if times is None:
         t_end = batch.flat("t_end")
         return t_end[:, None] if is_array(batch.values["t_end"]) else t_end[:1]
@@ -74,20 +67,20 @@ def saved_at(batch, times):
 
 
 def blank_motion(law, batch, times):
-    """The `Motion` of a batch that has not been run: NaN, status NO_CONVERGENCE."""
-    t = saved_at(batch, times)
+    """Return the `BatchMotion` of a batch that has not been run: NaN, status NO_CONVERGENCE."""
+    t = _saved_at(batch, times)
     nothing = np.full(batch.n, np.nan)
     numbers = dict.fromkeys((*NUMBERS, "energy_residual"), nothing)
     states = np.full((batch.n, t.shape[-1], 2 + len(law.states)), np.nan)
-    return Motion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
+    return BatchMotion(t, states, numbers, np.full(batch.n, NO_CONVERGENCE))
 
 
-def energy_residual(law, batch, loading, cases, y0, results):
-    """(n,) (load work - dissipation - change of stored energy)/(sum of their sizes) [1].
+def _energy_residual(law, batch, loading, cases, y0, results):
+    """Return (load work - dissipation - change of stored energy)/(sum of their sizes) [1].
 
-    All of them in units of a sigma Dc per area; the parts that mu_ref contributes to work,
-    dissipation and spring energy cancel exactly, since slip is delta_lp - tau/K.  Where K = inf
-    the load point's work is all there is, which is not integrated: 0.
+    The unit of all is a sigma Dc per area.  The parts that mu_ref contributes to work, dissipation
+    and spring energy cancel exactly, since slip is delta_lp - tau/K.  It is 0 if K = inf: the work
+    of the load point is not integrated then.
     """
     x0, v0, *psi0 = y0.T
     x1, v1, *psi1 = results.final.T
@@ -117,11 +110,10 @@ def energy_residual(law, batch, loading, cases, y0, results):
 
 
 def motion_variables(call, motion):
-    """The variables of the result of a `simulate.SimulateCall`, name -> Variable [SI].
+    """Return the variables of the result of a `SimulateCall`, name -> Variable [SI].
 
-    ``time``, or ``t`` where each case has its own times, is among them.  Of a case without states
-    they are NaN, but ``steps`` are those taken, ``returns`` is 0, ``outside_domain`` -1, and
-    ``delta_lp`` and ``V_load`` are the loading's.
+    They include ``time``, or ``t`` if each case has its own times.  A failed case has NaN, but not
+    for ``steps``, ``returns`` (0), ``outside_domain`` (-1), ``delta_lp`` and ``V_load``.
     """
     variables = _series(call.slider, call.batch, call.loading, motion)
     variables["status"] = status_variable(call.batch, motion.status)
@@ -135,32 +127,31 @@ def motion_variables(call, motion):
 
 
 def _series(slider, batch, loading, motion):
-    """The variables along time, as name -> Variable in the sweep's dimensions and ``time``."""
+    """Return the variables along time, name -> Variable in the sweep's dimensions and ``time``."""
     law, sigma = slider.friction_law, slider.sigma
     p = SimpleNamespace(**{symbol: values[:, None] for symbol, values in batch.columns.items()})
-    x, v, *psi = np.moveaxis(motion.states, -1, 0)
-    psi = tuple(psi)
+    x, v, *states = np.moveaxis(motion.states, -1, 0)
+    psi = tuple(states)
     coefficients = law.coefficient_arrays(p.V0, vars(p))
     t = np.broadcast_to(motion.t, x.shape)
     mu_ref = law.reference_friction(p.V0, vars(p))
     tau = p.sigma * (mu_ref + p.a * x)
     delta_lp = batch.evaluate(loading.delta_lp, t)
-    w = law.speed(v, psi, coefficients)
-    V = p.V0 * w
+    V = p.V0 * law.speed(v, psi, coefficients)
     logs = law.log_states(v, psi, coefficients)
     with np.errstate(over="ignore"):
-        states = {
+        ages = {
             name: getattr(p, D) / p.V0 * np.exp(state)
             for name, D, state in zip(law.states, law.lengths, logs, strict=True)
         }
         friction = law.at(v, psi, coefficients).R
     # Beyond double precision V and theta differ from those that friction was computed from.
     in_range = law.reverses | ((v >= -LIMIT) & (V >= SMALLEST) & (np.inf > V))
-    for theta in states.values():
+    for theta in ages.values():
         in_range &= (theta >= SMALLEST) & (theta < np.inf)
     values = {
         "V": V,
-        **states,
+        **ages,
         "delta": delta_lp - tau / p.K,
         "delta_lp": delta_lp,
         "V_load": batch.evaluate(loading.V_load, t),
@@ -177,11 +168,11 @@ def _series(slider, batch, loading, motion):
 
 
 def _observables(law, batch, motion, rtol):
-    """The variables that have one value a case, as name -> Variable."""
+    """Return the variables that have one value a case, name -> Variable."""
     p, numbers = columns(batch), motion.numbers
     mu_ref = law.reference_friction(p.V0, batch.columns)
     coefficients = law.coefficient_arrays(p.V0, batch.columns)
-    # rtol bounds the error of a step in x, tau/sigma over a: below it a cycle is no cycle.
+    # rtol bounds the error of a step in x = tau/(a sigma): a smaller oscillation is not a cycle.
     counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         frequency = p.V0 / p.Dc / numbers["period"]

@@ -18,10 +18,9 @@ MAPS = {
 
 
 def make(law, out, *, b_over_a=2.0, n=200, **parameters):
-    """Compute and draw the atlas for one law, and `write` it; list of paths.
+    """Compute, draw and `write` the atlas for one law; return the paths.
 
-    n : points along either axis; see `ratestate.atlas.atlas`
-    parameters : those of the law's own, and M, as there
+    n, parameters : as of `ratestate.atlas.atlas`
     """
     data = atlas(b_over_a, law, n=n, **parameters)
     return write(data, draw(data), out, f"atlas_{law}")
@@ -29,7 +28,7 @@ def make(law, out, *, b_over_a=2.0, n=200, **parameters):
 
 @styled
 def draw(data):
-    """(a) regimes; (b) the same close to K_c; (c-e) amplitude, slip per cycle, largest velocity."""
+    """Draw (a) regimes, (b) close to K_c, (c-e) amplitude, slip per cycle, largest velocity."""
     title = f"Limit cycles of a spring-slider, {LAWS[data.attrs['law']].name}"
     by_eta = "eta" in data.dims  # else a law with a speed of its own
     up = "two decades up" if by_eta else "one decade up"
@@ -57,7 +56,7 @@ def draw(data):
 
 
 def _name_regimes(ax):
-    """Write the regimes where they are, speeds, and the paper's sliders; a line for a legend."""
+    """Label the regimes and speeds, and draw the paper's sliders; return a line for a legend."""
     speed = ax.secondary_yaxis("right", functions=(np.sqrt, np.square))
     speed.set_ylabel(r"$V_{lp}$ over that at which $\eta = 1$")
     for x, y, text in (
@@ -69,7 +68,7 @@ def _name_regimes(ax):
 
 
 def _references(ax):
-    """Draw the sliders of the paper's Figs 2, 4 and 6 over their speeds; a line for a legend."""
+    """Draw the sliders of Figs 2, 4 and 6 over their speeds; return a line for a legend."""
     for slider, K, speeds, name, shift in (
         (FIG2, FIG2.K, FIG2_SPEEDS, "Fig. 2", (5, -3)),
         (FIG4, FIG4_K[0], FIG4_V_LP, "", (0, 0)),

@@ -1,3 +1,0 @@
-"""The friction laws of the paper, by name."""
-
-LAWS = ("slip", "aging")
