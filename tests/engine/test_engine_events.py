@@ -108,22 +108,17 @@ def test_crossing_of_the_load_point_speed(roots, at, sign, terms):
     assert crossing(c, 3.0, 0.0) == pytest.approx(at, abs=near)
 
 
-def test_a_crossing_from_where_the_middle_is_flat():
-    """(s - 1/2)^3 - 0.027."""
-    c = np.array([-0.152, 0.75, -1.5, 1.0, 0.0])
-    assert crossing(c, 1.0, 0.0) == pytest.approx(0.8, abs=1e-13)
-
-
-def test_a_crossing_of_a_load_point_that_speeds_up():
-    """From 0.01 below ln(2), v meets ln(2 + 2 s) at s = 1/2, where both are ln(3)."""
-    c = np.array([np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0])
-    assert crossing(c, 2.0, 2.0) == pytest.approx(0.5, abs=1e-12)
-
-
-def test_a_crossing_of_a_load_point_that_starts_from_rest():
-    """ln(0) is no number; v meets ln(2 s) at s = 1/2."""
-    c = np.array([1.0, -2.0, 0.0, 0.0, 0.0])
-    assert crossing(c, 0.0, 2.0) == pytest.approx(0.5, abs=1e-12)
+@pytest.mark.parametrize(
+    ("c", "load", "at"),
+    [
+        ((-0.152, 0.75, -1.5, 1.0, 0.0), (1.0, 0.0), 0.8),  # (s - 1/2)^3 - 0.027, flat at 1/2
+        # from 0.01 below ln(2), v meets ln(2 + 2 s) where both are ln(3)
+        ((np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0), (2.0, 2.0), 0.5),
+        ((1.0, -2.0, 0.0, 0.0, 0.0), (0.0, 2.0), 0.5),  # from rest, whose logarithm is no number
+    ],
+)
+def test_a_crossing_of_a_load_point(c, load, at):
+    assert crossing(np.array(c), *load) == pytest.approx(at, abs=1e-12)
 
 
 def extreme_value(c, parts, h, law, p):

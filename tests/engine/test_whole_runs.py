@@ -1,4 +1,4 @@
-"""Whole runs as machine code and as plain Python, compared sweep by sweep."""
+"""Whole runs of which the control is machine code and plain Python, compared sweep by sweep."""
 
 import ctypes
 
@@ -9,7 +9,7 @@ from plain_python import Pairs
 import ratestate as rs
 from ratestate.engine.programs import units_of
 from ratestate.engine.rows import OUTPUT
-from ratestate.engine.units import in_python, lane_units
+from ratestate.engine.units import lane_units
 
 
 def called_from_python(law, kind):
@@ -34,13 +34,6 @@ def called_from_python(law, kind):
     return kind(**{name: function(name, address) for name, address in addresses.items()})
 
 
-#: the control has no contraction (a b + c in one rounding), but logarithms of its own; units have
-#: (as Python they take 0.1 s a sweep)
-UNITS = pytest.mark.parametrize(
-    ("units", "near", "every"),
-    [(called_from_python, 4e-16, 1), (in_python, 1e-7, 4)],
-    ids=["control", "all"],
-)
 LAWS = pytest.mark.parametrize("law", ["slip", "two-state-aging"])
 SLIDER = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 9e8}
 
@@ -56,19 +49,17 @@ def loading():
 
 
 @LAWS
-@UNITS
-def test_a_path(law, units, near, every, monkeypatch):
-    pairs = Pairs(monkeypatch, units, near, every)
+def test_a_path(law, monkeypatch):
+    pairs = Pairs(monkeypatch, called_from_python)
     path = rs.simulate(slider(law), loading(), 0.015, V_start=9e-3, rtol=1e-4)
     assert int(path.steps) > 40
     assert pairs.sweeps > 40
 
 
 @LAWS
-@UNITS
-def test_saved_times_of_a_batch(law, units, near, every, monkeypatch):
+def test_saved_times_of_a_batch(law, monkeypatch):
     """Two sliders, one of which vibrates (steps of the Taylor method) and returns to V = V_lp."""
-    pairs = Pairs(monkeypatch, units, near, every)
+    pairs = Pairs(monkeypatch, called_from_python)
     many = slider(law, M=rs.logspace("M", 1e2, 1e5, 2))
     times = np.linspace(0.0, 0.01, 8)
     run = rs.simulate(many, rs.Loading.constant(1e-1), 0.01, V_start=0.08, times=times, rtol=1e-4)
@@ -76,10 +67,8 @@ def test_saved_times_of_a_batch(law, units, near, every, monkeypatch):
     assert pairs.sweeps > 40
 
 
-@pytest.mark.parametrize("law", ["slip"])
-@UNITS
-def test_a_limit_cycle(law, units, near, every, monkeypatch):
-    pairs = Pairs(monkeypatch, units, near, every, most=80)
-    cycle = rs.limit_cycle(slider(law), 1e-2, rtol=1e-4)
+def test_a_limit_cycle(monkeypatch):
+    pairs = Pairs(monkeypatch, called_from_python, most=80)
+    cycle = rs.limit_cycle(slider("slip"), 1e-2, rtol=1e-4)
     assert int(cycle.status) == 0
     assert pairs.sweeps > 40
