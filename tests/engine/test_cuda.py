@@ -45,18 +45,8 @@ MORE = [
 RTOL, CLOSE = 1e-10, 1e-9
 N = 22  # sliders simulated
 LOADING = rs.Loading.steps(1e-3, (2e-4, 1e-2), (6e-4, 0.0), (1e-3, 0.1))
-SIMULATED = [
-    "V",
-    "theta",
-    "tau",
-    "delta",
-    "V_max",
-    "V_min",
-    "inertial_force",
-    "mu_min",
-    "amplitude",
-]
-SIMULATED += ["frequency", "cycles", "energy_residual", "status", "steps"]
+SIMULATED = ["V", "theta", "tau", "delta", "V_max", "V_min", "inertial_force", "mu_min"]
+SIMULATED += ["amplitude", "frequency", "cycles", "energy_residual", "status", "steps"]
 
 THREAD_OF_HOST = """
 @number = internal global i32 0

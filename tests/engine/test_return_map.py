@@ -222,15 +222,7 @@ def test_step_limit(monkeypatch):
 
 @LAWS
 def test_a_return_goes_from_maximum_to_maximum(law):
-    """From anywhere to the next rise of V through V_lp; from one to the next, not to itself."""
-    system, y = random_sliders(law, 24)
-    assert (y[:, 1] == 0).all()
-    returns = return_map(system, y, 1e-8)
-    numbers = returns.numbers
-    assert (numbers["G"] > 0).all()
-    assert (numbers["x_low"] < numbers["x"]).all()
-    assert (numbers["period"] > 2).all()
-    # from a state between two maxima to the second of them
+    """From one maximum to the next, not to itself; from between two of them to the second."""
     smooth, y = random_sliders(law, 4, 1.0)
     returns = return_map(smooth, y, 1e-11)
     period = returns.numbers["period"]
