@@ -108,26 +108,31 @@ def test_crossing_of_the_load_point_speed(roots, at, sign, terms):
     assert crossing(c, 3.0, 0.0) == pytest.approx(at, abs=near)
 
 
-def test_a_crossing_from_where_the_middle_is_flat():
-    """(s - 1/2)^3 - 0.027."""
-    c = np.array([-0.152, 0.75, -1.5, 1.0, 0.0])
-    assert crossing(c, 1.0, 0.0) == pytest.approx(0.8, abs=1e-13)
+@pytest.mark.parametrize(
+    ("c", "load", "at"),
+    [
+        ((-0.152, 0.75, -1.5, 1.0, 0.0), (1.0, 0.0), 0.8),  # (s - 1/2)^3 - 0.027, flat at 1/2
+        # from 0.01 below ln(2), v meets ln(2 + 2 s) where both are ln(3)
+        ((np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0), (2.0, 2.0), 0.5),
+        ((1.0, -2.0, 0.0, 0.0, 0.0), (0.0, 2.0), 0.5),  # from rest, whose logarithm is no number
+    ],
+)
+def test_a_crossing_of_a_load_point(c, load, at):
+    assert crossing(np.array(c), *load) == pytest.approx(at, abs=1e-12)
 
 
-def test_a_crossing_of_a_load_point_that_speeds_up():
-    """From 0.01 below ln(2), v meets ln(2 + 2 s) at s = 1/2, where both are ln(3)."""
-    c = np.array([np.log(2.0) - 0.01, np.log(2.25) + 0.02, 0.0, 0.0, 0.0])
-    assert crossing(c, 2.0, 2.0) == pytest.approx(0.5, abs=1e-12)
-
-
-def test_a_crossing_of_a_load_point_that_starts_from_rest():
-    """ln(0) is no number; v meets ln(2 s) at s = 1/2."""
-    c = np.array([1.0, -2.0, 0.0, 0.0, 0.0])
-    assert crossing(c, 0.0, 2.0) == pytest.approx(0.5, abs=1e-12)
-
-
-def extreme_value(c, parts, h, law, p):
-    return events.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
+def count_extremes(force, c, parts, h, law, p):
+    """Compare the extreme force of a step with a dense grid; return the extremes inside."""
+    found = events.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
+    rises = np.diff(force) > 0.0
+    inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])
+    if rises[0] != rises[-1]:
+        assert np.abs(force[inner] - found).min() < 1e-8 * np.abs(force).max()
+        return inner.size
+    slope = np.abs(np.diff(force)[[0, -1]])  # nearer to zero at the end that is meant
+    assert abs(slope[0] / slope[1] - 1.0) > 1e-3  # else the grid cannot tell
+    assert found == pytest.approx(force[0 if slope[0] < slope[1] else -1], rel=1e-13, abs=1e-13)
+    return 0
 
 
 class Viscous(SlipLaw):
@@ -151,11 +156,8 @@ UNITS = {"a": 1.0, "Dc": 1.0, "mu0": 0.6, "V0": 1.0, "sigma": 1.0, "damping": 0.
     ids=["x - S", "f", "x + N"],
 )
 def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
-    """Where the slope has one sign at both ends, that at the end where it is nearer to zero."""
     rng, law = np.random.default_rng(12), composed(law, damped=damped)
-    h = 0.7
-    s = np.linspace(0.0, 1.0, 20_001)
-    changes = {0: 0, 1: 0, 3: 0}
+    s, h, counts = np.linspace(0.0, 1.0, 20_001), 0.7, []
     for _ in range(70):
         c, b = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
         p = law.coefficients(1.0, SimpleNamespace(b=b, **UNITS))
@@ -163,28 +165,16 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
         friction = v + b * psi + (0.3 * np.expm1(v) if isinstance(law, Viscous) else 0.0)
         stress = friction + (0.2 * np.exp(v) if damped else 0.0)
         force = parts[0] * x + parts[1] * stress + (parts[2] + parts[3]) * friction
-        found = extreme_value(c, parts, h, law, p)
-        rises = np.diff(force) > 0.0
-        if rises[0] == rises[-1]:
-            changes[0] += 1
-            slope = np.abs(np.diff(force)[[0, -1]])
-            assert abs(slope[0] / slope[1] - 1.0) > 1e-3  # else the grid cannot tell
-            end = force[0] if slope[0] < slope[1] else force[-1]
-            assert found == pytest.approx(end, rel=1e-13, abs=1e-13)
-        else:
-            inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])
-            changes[len(inner)] += 1
-            size = np.abs(force).max()
-            assert np.abs(force[inner] - found).min() < 1e-8 * size
-    assert changes[0] > 15
-    assert changes[1] > 15
+        counts.append(count_extremes(force, c, parts, h, law, p))
+    assert counts.count(0) > 15
+    assert counts.count(1) > 15
 
 
 @pytest.mark.parametrize("parts", [(1.0, -1.0, 0.0, 0.0), (1.0, 0.0, 1.0, 0.0)])
 def test_extreme_forces_where_normal_stress_varies(parts):
     """N = s R + (s - 1) mu_ref/a, s = 1.1 + 0.2 T + 0.1 sin(2 pi (0.3 + T))."""
     rng, law = np.random.default_rng(13), under_varying_stress(SlipLaw())
-    s, h, minima = np.linspace(0.0, 1.0, 100_001), 0.4, 0
+    s, h, counts = np.linspace(0.0, 1.0, 100_001), 0.4, []
     for _ in range(40):
         c, beta = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
         own = (beta, 1.0, 3.0, 0.0, 0.0, 1.1, 0.2, 0.1, 1.0, 0.3, 1.0, 0.0, 0.0)
@@ -193,10 +183,5 @@ def test_extreme_forces_where_normal_stress_varies(parts):
         ratio = 1.1 + 0.2 * h * s + 0.1 * np.sin(2.0 * np.pi * (0.3 + h * s))
         strength = ratio * (v + beta * psi) + (ratio - 1.0) * 3.0
         force = x + (parts[1] + parts[2]) * strength
-        found = extreme_value(c, parts, h, law, p)
-        rises = np.diff(force) > 0.0
-        if rises[0] != rises[-1]:
-            inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])
-            minima += 1
-            assert np.abs(force[inner] - found).min() < 1e-8 * np.abs(force).max()
-    assert minima > 12
+        counts.append(count_extremes(force, c, parts, h, law, p))
+    assert counts.count(1) > 12

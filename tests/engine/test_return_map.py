@@ -8,13 +8,12 @@ from dimensionless import P1, P2, P4A, P4B, jacobian, make_system, random_slider
 from scipy.integrate import solve_ivp
 
 import ratestate as rs
+from ratestate.dynamics.cycles import shooting
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.shooting import multipliers, return_map
 from ratestate.dynamics.cycles.system import state
 from ratestate.engine import dispatch
 from ratestate.engine.model import FINISHED, NOT_FINITE, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
-from ratestate.engine.return_map import RETURN_NUMBERS, Starts
-from ratestate.friction.laws import LAWS as ROWS
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 
@@ -123,6 +122,17 @@ class Return:
         self.jacobian = np.array([[z[2], (z[0] - beta * z[2]) / eta] for z in moved]).T
 
 
+def both_returns(law, parameters, method, rtol):
+    """Find the cycle and return its return map, the numbers of this, and SciPy's return."""
+    system = make_system(law, *parameters)
+    attractors = find_attractors(system, steady_start(system), 1e-10, None)
+    assert attractors.status == FINISHED
+    returns = return_map(system, state(system, attractors.u), 1e-12)
+    numbers = {name: value[0] for name, value in returns.numbers.items()}
+    exact = Return(law, *parameters, attractors.u[0], 1.2 * numbers["period"], method, rtol)
+    return returns, numbers, exact
+
+
 # K Dc/(a sigma), b/a and eta of numerics.md, section 5
 
 
@@ -140,15 +150,9 @@ class Return:
 )
 def test_derivative_of_smooth_cycles(law, parameters):
     """Against DOP853 through the variational equations: both multipliers, Liouville's product."""
-    system = make_system(law, *parameters)
-    attractors = find_attractors(system, steady_start(system), 1e-10, None)
-    assert attractors.status == FINISHED
-    u = attractors.u[0]
-    returns = return_map(system, state(system, attractors.u), 1e-12)
-    numbers = {name: value[0] for name, value in returns.numbers.items()}
-    exact = Return(law, *parameters, u, 1.2 * numbers["period"], "DOP853", 1e-13)
-    assert numbers["period"] == pytest.approx(exact.period, rel=1e-11)
-    assert numbers["x_low"] == pytest.approx(exact.x_low, rel=1e-11)
+    returns, numbers, exact = both_returns(law, parameters, "DOP853", 1e-13)
+    for name in ("period", "x_low"):
+        assert numbers[name] == pytest.approx(getattr(exact, name), rel=1e-11)
     np.testing.assert_allclose(returns.image[0], exact.image, rtol=1e-10)
     np.testing.assert_allclose(
         returns.jacobian[0], exact.jacobian, rtol=0, atol=1e-9 * np.abs(exact.jacobian).max()
@@ -172,13 +176,9 @@ def test_derivative_of_smooth_cycles(law, parameters):
 )
 def test_derivative_of_stick_slip(law, parameters, multiplier):
     """Against Radau; rounding of x - beta psi over eta leaves it no digits of G."""
-    system = make_system(law, *parameters)
-    attractors = find_attractors(system, steady_start(system), 1e-10, None)
-    returns = return_map(system, state(system, attractors.u), 1e-12)
-    numbers = {name: value[0] for name, value in returns.numbers.items()}
-    exact = Return(law, *parameters, attractors.u[0], 1.2 * numbers["period"], "Radau", 3e-9)
-    assert numbers["period"] == pytest.approx(exact.period, rel=1e-10)
-    assert numbers["x_low"] == pytest.approx(exact.x_low, rel=1e-10)
+    returns, numbers, exact = both_returns(law, parameters, "Radau", 3e-9)
+    for name in ("period", "x_low"):
+        assert numbers[name] == pytest.approx(getattr(exact, name), rel=1e-10)
     assert returns.image[0, 0] == pytest.approx(exact.image[0], rel=1e-10)
     assert numbers["trace"] == pytest.approx(exact.trace, rel=1e-9)
     theirs = np.linalg.eigvals(exact.jacobian)
@@ -211,42 +211,18 @@ def test_statuses(law):
     assert return_map(system, y, 1e-6).status[1] == FINISHED
 
 
-def test_step_limit():
-    n = 3
-    ones, zeros = np.ones(n), np.zeros(n)
-    steps = np.array([5.0, 12.0, 1e6])
-    y = np.tile([0.1, -1.0, 1.0], (n, 1))
-    starts = Starts(
-        kappa=0.5 * ones,
-        p=2 * np.ones((n, 1)),
-        eta=ones,
-        y=y,
-        perturbations=np.zeros((n, 2, 3)),
-        steady=np.zeros((n, 3)),
-        unstable=ones,
-        atol=1e-6 * ones,
-        steady_tol=zeros,
-        observe=zeros,
-        period=ones,
-        v_limit=np.inf * ones,
-        max_steps=steps,
-    )
-    returns = dispatch.run_returns(ROWS["slip"], starts)
-    assert returns.status.tolist() == [STEP_LIMIT, STEP_LIMIT, FINISHED]
-    assert returns.numbers[:2, RETURN_NUMBERS.index("steps")].tolist() == [5, 12]
+def test_step_limit(monkeypatch):
+    system, y = random_sliders("slip", 3)
+    for most in (5, 12):
+        monkeypatch.setattr(shooting, "MAX_STEPS_OF_RETURN", most)
+        returns = return_map(system, y, 1e-6)
+        assert returns.status.tolist() == [STEP_LIMIT] * 3
+        assert returns.numbers["steps"].tolist() == [most] * 3
 
 
 @LAWS
 def test_a_return_goes_from_maximum_to_maximum(law):
-    """From anywhere to the next rise of V through V_lp; from one to the next, not to itself."""
-    system, y = random_sliders(law, 24)
-    assert (y[:, 1] == 0).all()
-    returns = return_map(system, y, 1e-8)
-    numbers = returns.numbers
-    assert (numbers["G"] > 0).all()
-    assert (numbers["x_low"] < numbers["x"]).all()
-    assert (numbers["period"] > 2).all()
-    # from a state between two maxima to the second of them
+    """From one maximum to the next, not to itself; from between two of them to the second."""
     smooth, y = random_sliders(law, 4, 1.0)
     returns = return_map(smooth, y, 1e-11)
     period = returns.numbers["period"]

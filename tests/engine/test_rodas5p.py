@@ -1,27 +1,21 @@
 """Rodas5P: its tableau by algebra, one step against a plain one, observed orders."""
 
 import functools
-import math
 
 import mpmath
 import numpy as np
 import pytest
 from machine_control import Formula
-from naive import Naive
+from naive import FIG2, Naive
+from published_step import A, C, published_step
 
 import ratestate as rs
 from ratestate.engine import rodas5p as R
 from ratestate.friction.laws import LAWS
 from ratestate.friction.point import point_at
 
-# The published (transformed) coefficients as full matrices: stage i starts from y + sum_j A_ij k_j.
-A, C = np.zeros((9, 8)), np.zeros((8, 8))
-for i, row in enumerate(R.A):
-    A[i, : len(row)] = row
-for i, row in enumerate(R.C):
-    C[i, : len(row)] = row
-# ... and what they stand for (Hairer & Wanner 1996, IV.7): coefficients of the untransformed
-# method, in 40 digits, so that what residuals show is the tableau's rounding and not that of this
+# Coefficients of the untransformed method (Hairer & Wanner 1996, IV.7), in 40 digits: residuals
+# show the rounding of the tableau alone.
 with mpmath.workdps(40):
     INVERSE = (mpmath.matrix(np.eye(8)) / mpmath.mpf(R.GAMMA) - mpmath.matrix(C)) ** -1
     EXACT = np.array(INVERSE.tolist())
@@ -130,16 +124,6 @@ def step(y, w_lp, ramp, h, system):
     return step_of(law)(tuple(y), w_lp, ramp, h, kappa, eta0, p)
 
 
-def plain_step(f, jacobian, f_t, y, h):
-    """Take a step on dy/dt = f(t, y) as in the books: y_new, error, K_1 to K_3."""
-    solve = np.linalg.inv(np.eye(len(y)) / (R.GAMMA * h) - jacobian)
-    k = np.zeros((8, len(y)))
-    for i in range(8):
-        value = f(NODES[i] * h, y + A[i] @ k)
-        k[i] = solve @ (value + C[i] @ k / h + h * R.D[i] * f_t)
-    return y + A[8] @ k, k[7], np.array(R.H) @ k
-
-
 @pytest.mark.parametrize("law", ["slip", "aging"])
 @pytest.mark.parametrize("eta0", [0.02, 1.0, 50.0])
 def test_one_step_equals_the_published_method(law, eta0):
@@ -156,7 +140,7 @@ def test_one_step_equals_the_published_method(law, eta0):
         return np.array(twin.rates(t, y, speed))
 
     f_t = np.array([kappa * ramp, 0, 0])
-    y_new, error, dense = plain_step(f, twin.jacobian(0, y, speed), f_t, y, h)
+    y_new, error, dense = published_step(f, twin.jacobian(0, y, speed), f_t, y, h)
     (y_got, w_got, e_got), error_got, dense_got, _, _ = step(
         tuple(y), w_lp, ramp, h, (LAWS[law], kappa, eta0, (beta,))
     )
@@ -195,52 +179,7 @@ def test_observed_order(law, eta0, n):
     assert 4.8 < works < 5.2
 
 
-def plain_march(n, f, jacobian, f_t, y, t_end):
-    h = t_end / n
-    for i in range(n):
-        t = i * h
-
-        def g(s, y, t=t):
-            return f(t + s, y)
-
-        y, _, _ = plain_step(g, jacobian(t, y), f_t(t, y), y, h)
-    return y
-
-
-@pytest.mark.parametrize("problem", ["van der Pol", "forced logistic", "Lotka-Volterra"])
-def test_order_of_the_tableau_on_other_problems(problem):
-    """The coefficients themselves, free of anything that is special about friction."""
-    f, jacobian, f_t, y, t_end = {
-        "van der Pol": (
-            lambda t, y: np.array([y[1], (1 - y[0] ** 2) * y[1] - y[0]]),
-            lambda t, y: np.array([[0, 1], [-2 * y[0] * y[1] - 1, 1 - y[0] ** 2]]),
-            lambda t, y: np.zeros(2),
-            np.array([2.0, 0.0]),
-            2.0,
-        ),
-        "forced logistic": (
-            lambda t, y: y * (1 - y) * np.cos(t) + np.exp(-t),
-            lambda t, y: np.array([[(1 - 2 * y[0]) * np.cos(t)]]),
-            lambda t, y: -y * (1 - y) * np.sin(t) - np.exp(-t),
-            np.array([0.3]),
-            3.0,
-        ),
-        "Lotka-Volterra": (
-            lambda t, y: np.array([y[0] * (1 - y[1]), y[1] * (y[0] - 1)]),
-            lambda t, y: np.array([[1 - y[1], -y[0]], [y[1], y[0] - 1]]),
-            lambda t, y: np.zeros(2),
-            np.array([1.5, 0.7]),
-            4.0,
-        ),
-    }[problem]
-    exact = plain_march(640, f, jacobian, f_t, y, t_end)
-    errors = [np.abs(plain_march(n, f, jacobian, f_t, y, t_end) - exact).max() for n in (40, 80)]
-    assert 4.7 < math.log2(errors[0] / errors[1]) < 5.3
-
-
 # Orders seen by a user ----------------------------------------------------------------------------
-
-STABLE = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 3000.0, "K": 9e8, "V0": 1e-9}
 
 
 def final(slider, t_end, **settings):
@@ -253,7 +192,7 @@ def final(slider, t_end, **settings):
 @pytest.mark.parametrize("law", ["slip", "aging"])
 def test_error_follows_the_tolerance(law):
     """Error per unit time of an adaptive fifth-order method: about rtol**(5/5), and it is met."""
-    slider = rs.SpringSlider(**STABLE, law=law)
+    slider = rs.SpringSlider(**FIG2, law=law)
     exact = final(slider, 0.1, rtol=1e-13)
     rtols = np.array([1e-4, 1e-6, 1e-8, 1e-10])
     found = [final(slider, 0.1, rtol=r, method="rodas5p") for r in rtols]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dimensionless import jacobian, rates
 from machine_control import Formula
-from test_rodas5p import A, C
+from published_step import published_step
 
 from ratestate.engine import rodas5p as R
 from ratestate.engine import tangent as T
@@ -20,25 +20,15 @@ SMALLEST = 1e-30  # an imaginary part whose square vanishes
 
 
 class Step(NamedTuple):
-    """The result of `tangent.step`, and y of `new`."""
+    """The result of `tangent.step` with two perturbations."""
 
-    new: tuple
-    z: tuple
+    y: tuple
+    w_and_e: tuple
+    z1: tuple
+    z2: tuple
     error: tuple
     dense: tuple
     trace: float
-
-    @property
-    def y(self):
-        return self.new[0]
-
-    @property
-    def z1(self):
-        return self.z[0]
-
-    @property
-    def z2(self):
-        return self.z[1]
 
 
 @functools.cache
@@ -46,8 +36,8 @@ def steps_of(law):
     """Return `tangent.step`, with two perturbations, and `rodas5p.step`, compiled."""
 
     def step(y, z, h, kappa, eta, p):
-        new, *others = T.step(point_at(law, p, y, kappa, eta), z, h)
-        return (new.y, new.w, new.e), *others
+        new, z, *others = T.step(point_at(law, p, y, kappa, eta), z, h)
+        return new.y, (new.w, *new.e), *z, *others
 
     def base_step(y, h, kappa, eta, p):
         new, *others = R.step(point_at(law, p, y, kappa, eta), 1.0, 0.0, h)
@@ -74,19 +64,18 @@ def base_step(y, h, system):
 def plain_step(y, h, f, J):
     """Return y_new and the integral of the trace of J, which is a fourth variable."""
     n = len(y)
-    matrix = np.zeros((n + 1, n + 1), complex)
+    matrix = np.zeros((n + 1, n + 1), np.result_type(y))
     matrix[:n, :n] = J(y)
-    for j in range(n):  # gradient of the trace
+    for j in range(n) if np.isrealobj(y) else ():  # gradient of the trace
         there = np.array(y, complex)
         there[j] += 1j * SMALLEST
-        matrix[n, j] = np.trace(J(there)).imag / SMALLEST if np.isrealobj(y) else 0.0
-    solve = np.linalg.inv(np.eye(n + 1) / (R.GAMMA * h) - matrix)
-    k = np.zeros((8, n + 1), complex)
-    for i in range(8):
-        u = y + A[i] @ k[:, :n]
-        k[i] = solve @ (np.append(f(u), np.trace(J(u))) + C[i] @ k / h)
-    total = A[8] @ k
-    return y + total[:n], total[n]
+        matrix[n, j] = np.trace(J(there)).imag / SMALLEST
+
+    def rates(_, u):
+        return np.append(f(u[:n]), np.trace(J(u[:n])))
+
+    end, *_ = published_step(rates, matrix, 0.0, np.append(y, 0.0), h)
+    return end[:n], end[n]
 
 
 def system_of(law, kappa, beta, eta):
@@ -118,8 +107,8 @@ def test_derivative_of_the_method(law):
         got = step(y, y1, y2, h, system)
         y_new, trace = plain_step(y, h, f, J)
         rounding = 1e-13 * (1 + 0.01 / eta)
-        np.testing.assert_allclose(got.y, y_new.real, rtol=0, atol=rounding)
-        assert got.trace == pytest.approx(trace.real, rel=100 * rounding)
+        np.testing.assert_allclose(got.y, y_new, rtol=0, atol=rounding)
+        assert got.trace == pytest.approx(trace, rel=100 * rounding)
         for along, z in ((y1, got.z1), (y2, got.z2)):
             moved, _ = plain_step(y + 1j * SMALLEST * along, h, f, J)
             exact = moved.imag / SMALLEST
@@ -138,7 +127,7 @@ def test_base_step_is_that_of_a_march(law, eta):
         ours = step(y, (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), h, system)
         (y_new, w, e), error, dense, _, _ = base_step(tuple(y), h, system)
         np.testing.assert_allclose(ours.y, y_new, rtol=0, atol=1e-13)
-        np.testing.assert_allclose((ours.new[1], *ours.new[2]), (w, *e), rtol=1e-13)
+        np.testing.assert_allclose(ours.w_and_e, (w, *e), rtol=1e-13)
         assert len(e) == (law == "aging")
         np.testing.assert_allclose(ours.error, error, rtol=0, atol=1e-12)
         np.testing.assert_allclose(ours.dense, dense, rtol=0, atol=1e-11)
@@ -189,42 +178,3 @@ def test_derivative_of_the_engines_step(law, place):
             assert v == pytest.approx(x - beta * psi, rel=1e-14, abs=1e-14)
             for z in (got.z1, got.z2):
                 assert z[1] == pytest.approx(z[0] - beta * z[2], rel=1e-13, abs=1e-13)
-
-
-@LAWS
-def test_perturbations_are_independent(law):
-    y, h, system = random_step(law, np.random.default_rng(24))
-    a, b = (0.3, -1.1, 0.7), (-0.2, 0.4, 1.3)
-    one, other = step(y, a, b, h, system), step(y, b, a, h, system)
-    np.testing.assert_allclose((one.z1, one.z2), (other.z2, other.z1), rtol=1e-13)
-    both = step(y, np.add(a, b), 1e8 * np.array(a), h, system)
-    np.testing.assert_allclose(both.z1, np.add(one.z1, one.z2), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(both.z2, 1e8 * np.array(one.z1), rtol=1e-13)
-
-
-def march_fixed(law, eta, n, t_end=3.0):
-    """Return perturbations along x, v and psi at the end of a march, and the trace."""
-    y, h, system = (0.5, -0.3, 0.2), t_end / n, system_of(law, 0.8, 1.6, eta)
-    a, b, c = np.eye(3)
-    trace = 0.0
-    for _ in range(n):
-        c = step(y, c, b, h, system).z1
-        found = step(y, a, b, h, system)
-        y, a, b, trace = found.y, found.z1, found.z2, trace + found.trace
-    return np.array([a, b, c]).T, trace
-
-
-@LAWS
-@pytest.mark.parametrize(("eta", "n"), [(0.5, 100), (5.0, 20)])
-def test_order_of_the_tangent_and_of_the_trace(law, eta, n):
-    """Fifth, as of the state; and by Liouville's formula the trace is that of the determinant."""
-    exact, exact_trace = march_fixed(law, eta, 2560)
-    assert np.linalg.det(exact) == pytest.approx(math.exp(exact_trace), rel=1e-11)
-    tangents, traces = [], []
-    for m in (n, 2 * n):
-        found, trace = march_fixed(law, eta, m)
-        tangents.append(np.abs(found - exact).max())
-        traces.append(abs(trace - exact_trace))
-    assert 4.8 < math.log2(tangents[0] / tangents[1]) < 5.2
-    assert 4.8 < math.log2(traces[0] / traces[1]) < 5.2
-    assert traces[0] > 1e-12  # else rounding would be what is measured
