@@ -54,15 +54,6 @@ class Ending(StabilityCall):
         return super().run(progress)
 
 
-class Foreign(StabilityCall):
-    """Raises an error that no solver has, if there are bad cases."""
-
-    def run(self, progress=None):
-        if bad(self):
-            raise ZeroDivisionError("of one case")
-        return super().run(progress)
-
-
 class Held(StabilityCall):
     """Ends, on a worker, once a file is there."""
 

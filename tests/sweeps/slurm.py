@@ -120,10 +120,11 @@ def out_of_time(folder, scenario, expected):
     assert re.search(r"SLURM jobs lost: job \d+ \(TIMEOUT, TimeLimit\); 0 submitted instead", text)
     assert re.search(r"error: no SLURM job is left.* more replacements=N", text)
     done = sweep.done()
-    chunks = sum(name.startswith("sweep/done/c/") for name in expected)
+    chunks = sum(name.startswith("status/c/") for name in expected)
     assert 0 < done < chunks, f"a part must be done by then, not {done} of {chunks} chunks"
     CONSOLE.print(f"{done} chunks are done; rs.sweep(..., slurm='jobs=2,{JOB}') goes on")
-    stamps = {path: path.stat().st_mtime_ns for path in (sweep.store / "sweep/done/c").iterdir()}
+    marks = [sweep.store / "status/c" / block for block in chunks_done(sweep.store)]
+    stamps = {path: path.stat().st_mtime_ns for path in marks}
     asked = load(folder / "rig.toml")
     with contextlib.chdir(folder):
         how = {"slurm": f"jobs=2,{JOB}", "store": "rig.zarr", "chunk": CHUNK}

@@ -11,7 +11,7 @@ import ratestate as rs
 from ratestate.dynamics.steady_sliding import StabilityCall, stability_call
 from ratestate.engine.model import CRASHED
 from ratestate.interfaces.cli import main
-from ratestate.sweeps import calls, subprocesses, task, writing
+from ratestate.sweeps import calls, tasks, writing
 from ratestate.sweeps.chunks import Chunks
 from ratestate.sweeps.solve import form_of
 from ratestate.sweeps.status import store_status
@@ -91,7 +91,7 @@ def test_only_chunks_with_crashed_cases_are_done_again(path):
 def test_an_interrupted_retry_is_gone_on_with(path, monkeypatch):
     with broken():
         sweep(path)
-    write = task.write
+    write = tasks.write
 
     def interrupted(store, i, variables):
         if i == 1:
@@ -99,8 +99,8 @@ def test_an_interrupted_retry_is_gone_on_with(path, monkeypatch):
         write(store, i, variables)
 
     with monkeypatch.context() as patch:
-        patch.setattr(task, "write", interrupted)
-        patch.setattr("ratestate.sweeps.task.cores", lambda: 1)
+        patch.setattr(tasks, "write", interrupted)
+        patch.setattr("ratestate.sweeps.tasks.cores", lambda: 1)
         with pytest.raises(KeyboardInterrupt):
             sweep(path, retry_crashed=True)
     assert store_status(path).chunks_done == 1
@@ -115,8 +115,8 @@ def test_a_retry_without_room_keeps_what_is_there(path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(writing, "to_disk", full)
-        with pytest.raises(rs.StoreError, match="make room"):
+        patch.setattr(writing, "_sync", full)
+        with pytest.raises(rs.StoreError, match="Make room"):
             sweep(path, retry_crashed=True)
     assert_whole(sweep(path, retry_crashed=True))
 
@@ -152,10 +152,10 @@ def test_an_error_of_compiling_ends_a_sweep_and_is_not_stored(path):
 
 
 def test_so_it_does_in_a_process_of_its_own(monkeypatch):
-    monkeypatch.setattr(subprocesses, "GRACE", 0.0)
+    monkeypatch.setattr(tasks, "GRACE", 0.0)
     call = stability_call(SLIDER.replace(M=MASSES[[0, 1, 3]]), 1e-5)
     uncompiled = Uncompiled(**vars(call))
     chunks, specs = Chunks({"M": 3}, (3,)), form_of(call).specs
-    tasks = subprocesses.SubprocessTasks(chunks, specs, None, "cpu")
+    apart = tasks.SubprocessTasks(chunks, specs, None, "cpu")
     with pytest.raises(rs.CompilationError, match="spanner"):
-        tasks.do(0, uncompiled)
+        apart.do(0, uncompiled)

@@ -11,7 +11,6 @@ from ..engine.model import CRASHED, FINISHED, STATUSES, STEADY_SLIDING
 from ..errors import RateStateError
 from ..model.arrays import isel
 from ..model.quantities import attrs
-from .chunks import halves
 
 #: statuses of cases that have an answer
 ANSWERED = (FINISHED, STEADY_SLIDING)
@@ -48,6 +47,11 @@ class Form(NamedTuple):
 
     specs: dict  # name -> `VariableSpec`
     static: dict  # name -> variable, for those common to all cases, such as saved times
+
+    @property
+    def swept(self):
+        """The specifications of variables that differ between cases."""
+        return {name: spec for name, spec in self.specs.items() if name not in self.static}
 
 
 def form_of(call):
@@ -123,6 +127,16 @@ def concatenate(parts, dim):
         else:
             whole[name] = one
     return whole
+
+
+def halves(sizes):
+    """Return the longest dimension of a block, and its halves: a list of {dimension: slice}.
+
+    The first half is empty in a block of one case.
+    """
+    dim = max(sizes, key=sizes.__getitem__)
+    middle = sizes[dim] // 2
+    return dim, [{dim: slice(0, middle)}, {dim: slice(middle, sizes[dim])}]
 
 
 def count_failed(variables):
