@@ -11,24 +11,20 @@ import threading
 import time
 import types
 
-import numpy as np
 import pytest
 import xarray
-from misbehaving import BAD, Deadly, Ending, Slow
+from misbehaving import Deadly, Slow
 from user_laws import MINE
 
 import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall, limit_cycle, limit_cycle_call
 from ratestate.dynamics.results import versions
-from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
 from ratestate.model.arrays import isel
-from ratestate.sweeps import calls, cluster, inputs, progress, tasks
+from ratestate.sweeps import calls, cluster, inputs, progress
 from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.chunks import chunks_of
-from ratestate.sweeps.solve import form_of, solve
 from ratestate.sweeps.status import store_status
-from ratestate.sweeps.tasks import SubprocessTasks, Tasks
 
 M = rs.logspace("M", 1e2, 1e5, 24)
 V_LP = rs.logspace("V_lp", 2e-3, 1e-1, 2)
@@ -86,7 +82,7 @@ def client():
         "distributed.deploy.lost-worker-timeout": "1h",
         # Workers, and those that come for the dead, are forks of a process that has imported much.
         "distributed.worker.multiprocessing-method": "forkserver",
-        # A chunk that kills two workers is solved apart (four, unless this is set).
+        # A chunk may kill one worker (three, unless this is set).
         "distributed.scheduler.allowed-failures": 1,
     }
     with dask.config.set(settings):
@@ -191,7 +187,7 @@ def test_the_same_bits_as_here(client, verb, store, tmp_path):
 
 
 def test_workers_are_given_a_users_law(client, law_file):
-    """By its source, on a cluster and in a process of their own: its file may be gone."""
+    """By its source: its file may be gone."""
     path = law_file(MINE)
     slider = SLIDER.replace(law=rs.register(path), m=xarray.DataArray([1.0, 1.5], dims="m"))
     path.unlink()
@@ -200,10 +196,6 @@ def test_workers_are_given_a_users_law(client, law_file):
     assert "@" in json.loads(here.attrs["slider"])["law"]
     found = rs.sweep("stability", slider, client=client, chunk=5, **how)
     xarray.testing.assert_identical(found.load(), here)
-    _, call = calls.call_of("stability", slider, {"V_lp": 3e-3})
-    specs = form_of(call).specs
-    answer = SubprocessTasks(None, specs, None, "cpu").solve(isel(call, {"M": slice(0, 2)}))
-    np.testing.assert_array_equal(answer["K_c"].values, here.K_c.isel(M=slice(0, 2)).values)
 
 
 def test_chunks_by_a_probe(client, alone):
@@ -235,82 +227,13 @@ def test_a_killed_worker_costs_nothing(client, cycles, alone, once_done):
     xarray.testing.assert_identical(found, alone)
 
 
-def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path, monkeypatch):
+def test_cases_that_kill_several_workers_end_the_sweep(client, cycles, alone, tmp_path):
     cycles(Deadly)
-    monkeypatch.setattr(cluster, "AHEAD", 1)  # a bad chunk has no other with it
-    before = deaths(client)
-    # chunks so small that a bad one costs few processes
-    found = sweep("limit_cycle", client=client, chunk=4, store=tmp_path / "x.zarr")
-    where = np.zeros(found.status.shape, bool)
-    where[tuple(zip(*BAD, strict=True))] = True
-    assert np.array_equal(found.status == CRASHED, where)
-    for i, j in BAD:
-        assert "its process died, SIGKILL" in found.message.item(i, j)
-        assert np.isnan(found.period[i, j])
-    good = xarray.DataArray(~where, dims=found.status.dims)
-    xarray.testing.assert_identical(found.load().where(good), alone.where(good))
-    assert deaths(client) > before
-    there = store_status(tmp_path / "x.zarr")
-    assert (there.done, there.failed) == (48, 2)
-
-
-@pytest.mark.parametrize(("killed", "enough"), [(3, True), (4, False)])
-def test_workers_that_die_of_no_case(monkeypatch, killed, enough):
-    """A chunk that kills several workers is solved apart, and given up with the fourth time."""
-    from distributed import KilledWorker
-
-    sent = []
-
-    class Work:
-        def __init__(self, *_):
-            self.under_way = {}
-
-        def look(self):
-            return 1
-
-        def send(self, i, function, *arguments):
-            sent.append(type(function.__self__))
-            self.under_way = {i: function}
-
-        def finished(self):
-            self.under_way = {}
-
-            def result():
-                if len(sent) <= killed:
-                    raise KilledWorker("task", None, 1)
-                return "outcome"
-
-            return [(0, types.SimpleNamespace(result=result))]
-
-        def close(self):
-            pass
-
-    monkeypatch.setattr(cluster, "Work", Work)
-    _, call = calls.call_of("limit_cycle", SLIDER, ARGUMENTS["limit_cycle"])
-    whole = Tasks(chunks_of(call.batch.sizes, 48), {}, None, "cpu")
-    report = types.SimpleNamespace(refresh=lambda: None)
-    outcomes = cluster.Cluster(None, "cpu").outcomes(whole, call, [0], report, {})
-    if enough:
-        assert list(outcomes) == ["outcome"]
-    else:
-        with pytest.raises(rs.SolverError, match="Workers die again and again"):
-            list(outcomes)
-    assert sent == [Tasks] + 3 * [SubprocessTasks]
-
-
-def test_the_case_that_kills_is_found_by_halving(monkeypatch):
-    """It is not blamed for a signal to end, which a whole job may get; a kill needs a moment."""
-    slept = []
-    monkeypatch.setattr(tasks.time, "sleep", slept.append)
-    _, call = calls.call_of("stability", SLIDER.replace(M=M[4:6]), ARGUMENTS["stability"])
-    specs = form_of(call).specs
-    part = Ending(call.slider, call.V_lp)
-    found, whole = SubprocessTasks(None, specs, None, "cpu").solve(part), solve(call, specs)
-    assert found["status"].values.tolist() == [[0, 0], [0, CRASHED]]
-    assert "its process died, SIGKILL" in found["message"].values[1, 1]
-    growth = [one["growth_rate"].values.ravel()[:3] for one in (found, whole)]
-    np.testing.assert_allclose(*growth, rtol=1e-14)
-    assert slept.count(tasks.GRACE) == 1
+    path = tmp_path / "x.zarr"
+    with pytest.raises(rs.SolverError, match="Several workers died with the same cases"):
+        sweep("limit_cycle", client=client, chunk=4, store=path)
+    cycles(LimitCycleCall)
+    xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
 
 
 # --------------------------------------------------------------------------- a cluster that is lost
@@ -353,7 +276,7 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
     cycles(Slow)
     monkeypatch.setattr(cluster, "PATIENCE", 0.1)
     said = "ratestate: the cluster has no workers. Waiting for some ...\n"
-    Slow.most, look, heard = 0, cluster.Work.look, []
+    Slow.most, look, heard = 0, cluster.Cluster._look, []
 
     def interrupt(work):
         heard.append(capfd.readouterr().err)
@@ -362,10 +285,10 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
         return look(work)
 
     with local_cluster(0) as client:
-        monkeypatch.setattr(cluster.Work, "look", interrupt)
+        monkeypatch.setattr(cluster.Cluster, "_look", interrupt)
         with pytest.raises(KeyboardInterrupt):
             sweep("limit_cycle", client=client, chunk=4)
-        monkeypatch.setattr(cluster.Work, "look", look)
+        monkeypatch.setattr(cluster.Cluster, "_look", look)
         assert "".join(heard) == said
         with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
             found = sweep("limit_cycle", client=client, chunk=2)

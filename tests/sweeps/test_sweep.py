@@ -277,6 +277,17 @@ def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
         assert np.array_equal(found[name].isel(M=good), variable, equal_nan=True), name
 
 
+def test_an_error_of_compiling_ends_a_sweep_and_is_not_stored(monkeypatch, tmp_path):
+    def uncompiled(self, progress=None):
+        raise rs.CompilationError("spanner")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(StabilityCall, "run", uncompiled)
+        with pytest.raises(rs.CompilationError, match="spanner"):
+            sweep("stability", V_lp=V_LP, store=tmp_path / "x.zarr")
+    assert (sweep("stability", V_lp=V_LP, store=tmp_path / "x.zarr").status == 0).all()
+
+
 @pytest.mark.parametrize("other", [BAD, 1e3])
 def test_the_first_case_may_raise(raising, other):
     slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, other], dims="M"))
@@ -345,7 +356,6 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
         ({"store": "s3://bucket/x.zarr"}, "must be the path of a folder"),
         ({"slider": 3}, "slider = 3 is not a SpringSlider"),
         ({"slider": SLIDER.replace(M=1e3), "V_lp": 1e-3}, "nothing to sweep over"),
-        ({"retry_crashed": 1}, "retry_crashed = 1 must be True or False"),
         ({"chunk": 0}, "chunk = 0 must be a number of cases"),
         ({"chunk": 1.5}, "chunk = 1.5 must"),
         ({"chunk": True}, "chunk = True must"),

@@ -14,23 +14,19 @@ import numpy as np
 
 from ..engine import backend
 from ..engine.rows import LANES
-from ..errors import RateStateError
 from ..model.arrays import isel
 from .solve import bytes_per_case, solve
 
 # Number of cases in the sample; seconds of computing after which a part of it is enough.
-SAMPLE = 256
-BUDGET = 0.02
+SAMPLE, BUDGET = 256, 0.02
 # Shortest and longest time of a chunk [s]: below, overhead shows; a power failure costs the other.
 SECONDS = (1.0, 10.0)
 # Chunks for each worker in a long sweep; largest size of a chunk in bytes.
-CHUNKS_PER_WORKER = 16
-MOST_BYTES = 1 << 27
+CHUNKS_PER_WORKER, MOST_BYTES = 16, 1 << 27
 # Towards the end of a chunk lanes idle: a tenth of the time if it has 8 times as many cases as
 # there are lanes.  A chunk has so many, or fewer if they take longer than LONGEST [s], but never
 # fewer cases than lanes.
-CASES_TO_FILL_LANES = 8 * LANES
-LONGEST = 600.0
+CASES_TO_FILL_LANES, LONGEST = 8 * LANES, 600.0
 # A GPU works on this many cases in parallel.
 CASES_ON_GPU = 1 << 17
 
@@ -140,12 +136,7 @@ def cases_per_chunk(request):
     if request.device == "cuda":
         return min(n, CASES_ON_GPU, fits)
     sample = sample_of(request.call, min(SAMPLE, fits))
-    try:
-        case_seconds = max(request.backend.run(seconds_per_case, sample, specs), 1e-9)
-    except RateStateError:
-        raise
-    except Exception:  # a case of the sample killed its worker, so the cost is unknown
-        case_seconds = LONGEST
+    case_seconds = max(request.backend.run(seconds_per_case, sample, specs), 1e-9)
     full = float(np.clip(LONGEST / case_seconds, LANES, CASES_TO_FILL_LANES))
     if request.backend.shared and n < 2 * workers * full:
         return min(n, fits, math.ceil(LONGEST * workers / case_seconds))

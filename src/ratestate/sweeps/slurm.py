@@ -7,9 +7,7 @@ of jobs, and has dask-jobqueue submit others for those that have ended.
 
 import contextlib
 import re
-import shutil
 import subprocess
-import tempfile
 import time
 
 from ..errors import ParameterError, SolverError
@@ -34,10 +32,9 @@ POLL, HANGS = 15.0, 20.0
 @contextlib.contextmanager
 def slurm_cluster(text, device):
     """Give the `Cluster` of new SLURM jobs, which are cancelled in the end; see `job_cluster`."""
-    options = _options(text)
     distributed = import_extra("distributed")
     with job_cluster(text) as workers, distributed.Client(workers) as client:
-        yield Cluster(client, device, Jobs(workers, options))
+        yield Cluster(client, device, Jobs(workers, _options(text)))
 
 
 def job_cluster(text):
@@ -51,28 +48,11 @@ def job_cluster(text):
     """
     dask_jobqueue = import_extra("dask_jobqueue")
     import dask
-
-    options = {key: value for key, value in _options(text).items() if key not in OF_JOBS}
-    # Another sweep may have the usual port.
-    own = dask.config.get("jobqueue.slurm.scheduler-options")
-    scheduler = {"dashboard_address": ":0"} | own
-    try:
-        return dask_jobqueue.SLURMCluster(
-            **options, scheduler_options=scheduler, job_cls=_job_class()
-        )
-    except (ValueError, OSError, RuntimeError) as error:
-        raise _refusal("no_cluster", text=text, error=error) from error
-
-
-def _job_class():
-    """Return dask-jobqueue's class of jobs, with the reason if sbatch refuses one.
-
-    Without that, a cluster with such a job could not be closed.
-    """
-    from dask_jobqueue.slurm import SLURMJob
     from distributed.core import Status
 
-    class Job(SLURMJob):
+    class Job(dask_jobqueue.slurm.SLURMJob):
+        """A job that says why sbatch refused it; Dask could not close a cluster with it."""
+
         refused = ""
 
         async def start(self):
@@ -80,54 +60,52 @@ def _job_class():
                 await super().start()
             except (RuntimeError, ValueError, OSError) as error:
                 # dask-jobqueue quotes the whole call; the message of sbatch comes last
-                self.refused = "; ".join(str(error).rpartition("stderr:")[-1].split("\n")).strip(
-                    "; "
-                )
+                self.refused = str(error).rpartition("stderr:")[-1].strip()
                 self.status = Status.running  # as Dask expects
 
-    return Job
+    options = {key: value for key, value in _options(text).items() if key not in OF_JOBS}
+    # Another sweep may have the usual port.
+    own = dask.config.get("jobqueue.slurm.scheduler-options")
+    options["scheduler_options"] = {"dashboard_address": ":0"} | own
+    try:
+        return dask_jobqueue.SLURMCluster(**options, job_cls=Job)
+    except (ValueError, OSError, RuntimeError) as error:
+        raise _refusal("no_cluster", text=text, error=error) from error
 
 
 def _options(text):
     """Return the options in a string, with those of the site and defaults: name -> value."""
     import_extra("dask_jobqueue")  # this also loads its configuration
-    import dask
-    from dask.utils import parse_bytes
+    from dask import config, utils
 
-    site = dask.config.get("jobqueue.slurm")
-    site = {key: site[key] for key in ("cores", "memory", "processes") if site.get(key) is not None}
-    options = {"jobs": 1, "wait": WAIT} | site | _split(text)
+    site = config.get("jobqueue.slurm")
+    options = {"jobs": 1, "wait": WAIT}
+    options |= {key: site[key] for key in ("cores", "memory", "processes") if site.get(key)}
+    if not isinstance(text, str):
+        raise _refusal("text", text=text)
+    for item in re.split(r",(?=\s*\w+\s*=)", text):  # values may hold commas
+        key, equals, value = (part.strip() for part in item.partition("="))
+        if not equals or not value or key not in {*OF_JOBS, *OF_A_JOB}:
+            raise _refusal("key", item=item, keys=", ".join([*OF_JOBS, *OF_A_JOB]))
+        options[key] = value
     for key in LEAST.keys() & options.keys():
         if not (str(options[key]).isdecimal() and int(options[key]) >= LEAST[key]):
             raise _refusal("integer", key=key, value=options[key], least=LEAST[key])
         options[key] = int(options[key])
     if missing := [key for key in ("cores", "memory") if key not in options]:
         raise _refusal("missing", keys=" and ".join(missing))
-    # One process for each core: a case that kills its process then kills no others.
+    try:
+        utils.parse_bytes(options["memory"])
+    except (ValueError, TypeError):
+        raise _refusal("memory", memory=options["memory"]) from None
+    if not re.fullmatch(r"(\d+-)?\d+:\d+:\d+", options["wait"]):
+        raise _refusal("wait", wait=options["wait"])
+    days, hours, minutes, seconds = map(int, re.findall(r"\d+", f"0-{options['wait']}")[-4:])
+    options["wait"] = 86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds
     default = {"replacements": REPLACEMENTS * options["jobs"], "processes": options["cores"]}
     options = default | options
     if options["cores"] % options["processes"]:
         raise _refusal("processes", **options)
-    try:
-        parse_bytes(options["memory"])
-    except (ValueError, TypeError):
-        raise _refusal("memory", **options) from None
-    if not re.fullmatch(r"(\d+-)?\d+:\d+:\d+", options["wait"]):
-        raise _refusal("time", value=options["wait"])
-    days, hours, minutes, seconds = map(int, re.findall(r"\d+", f"0-{options['wait']}")[-4:])
-    return options | {"wait": 86400.0 * days + 3600.0 * hours + 60.0 * minutes + seconds}
-
-
-def _split(text):
-    """Return the options in a string, name -> string."""
-    if not isinstance(text, str):
-        raise _refusal("text", text=text)
-    options = {}
-    for item in re.split(r",(?=\s*\w+\s*=)", text):  # values may hold commas
-        key, equals, value = (part.strip() for part in item.partition("="))
-        if not equals or not value or key not in {*OF_JOBS, *OF_A_JOB}:
-            raise _refusal("key", item=item, keys=", ".join([*OF_JOBS, *OF_A_JOB]))
-        options[key] = value
     return options
 
 
@@ -139,8 +117,7 @@ def _refusal(why, **values):
 class Jobs:
     """Keeps a cluster of `job_cluster` at its number of jobs, which it submits.
 
-    ParameterError if SLURM would refuse them.  Lost jobs are replaced once any worker has come:
-    without, all jobs would fail in the same way.
+    Lost jobs are replaced once any worker has come: without, all jobs would fail in the same way.
     """
 
     def __init__(self, cluster, options):
@@ -148,7 +125,6 @@ class Jobs:
         self.thread_count = options["jobs"] * options["cores"]
         self.replacements = self.replacements_left = options["replacements"]
         self.last_worker, self.last_query, self.had_worker = time.monotonic(), -POLL, False
-        _check_script(cluster.job_script())
         cluster.scale(jobs=self.number)
 
     def maintain(self):
@@ -166,29 +142,24 @@ class Jobs:
         lost = {name: f"one refused ({job.refused})" for name, job in jobs.items() if job.refused}
         ids = {name: job.job_id for name, job in jobs.items() if job.job_id}
         states = squeue(ids.values())
-        if states is not None:  # SLURM answers
-            # it forgets a job some minutes after its end
-            described = {name: (job, states.get(job, "COMPLETED")) for name, job in ids.items()}
-            lost |= {
-                name: f"job {job} ({state})"
-                for name, (job, state) in described.items()
-                if state.partition(",")[0] in ENDED
-            }
+        for name, job in {} if states is None else ids.items():
+            state = states.get(job, "COMPLETED")  # SLURM forgets a job some minutes after its end
+            if state.partition(",")[0] in ENDED:
+                lost[name] = f"job {job} ({state})"
         if lost:
             self._replace(lost)
         if now - self.last_worker > self.wait:
             waiting = [f"job {job} ({(states or {}).get(job, 'unknown')})" for job in ids.values()]
-            what = ", ".join(waiting) or "no job is submitted"
-            raise SolverError(sentence("slurm.no_worker", wait=self.wait, jobs=what))
+            raise SolverError(sentence("slurm.no_worker", wait=self.wait, jobs=", ".join(waiting)))
 
     def _replace(self, lost):
         """Submit others for lost jobs, Dask's name -> why; SolverError if no job is left."""
         more = min(len(lost), self.replacements_left) if self.had_worker else 0
         self.replacements_left -= more
         self.cluster.sync(self.cluster.scale_down, list(lost))
-        remaining = len(self.cluster.worker_spec) + more
         what = {"lost": ", ".join(lost.values()), "more": more, "left": self.replacements_left}
         to_stderr("ratestate: " + sentence("slurm.lost", **what))
+        remaining = len(self.cluster.worker_spec) + more
         if not remaining:
             name = "used_up" if self.had_worker else "fruitless"
             what = {"lost": [*lost.values()][-1], "replacements": self.replacements}
@@ -198,10 +169,7 @@ class Jobs:
 
 
 def squeue(ids):
-    """Return state and reason of the jobs that SLURM knows: id -> text.
-
-    None if it does not answer.
-    """
+    """Return state and reason of the jobs that SLURM knows, id -> text; None without an answer."""
     command = ["squeue", "--noheader", "--states=all", "--format=%i|%T|%r"]
     command.append("--jobs=" + ",".join(ids))
     try:
@@ -212,19 +180,5 @@ def squeue(ids):
         return {} if "Invalid job id" in answer.stderr else None
     rows = (line.strip().split("|") for line in answer.stdout.splitlines() if line.strip())
     return {
-        job: state if reason in ("", "None") else f"{state}, {reason}"
-        for job, state, reason in rows
+        job: state + (f", {why}" if why not in ("", "None") else "") for job, state, why in rows
     }
-
-
-def _check_script(script):
-    """Raise ParameterError unless SLURM would take this job."""
-    if not shutil.which("sbatch"):
-        raise _refusal("no_command")
-    with tempfile.NamedTemporaryFile("w", suffix=".sh") as file:
-        file.write(script)
-        file.flush()
-        command = ["sbatch", "--test-only", file.name]
-        answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    if answer.returncode:
-        raise _refusal("refused", error=answer.stderr.strip(), script=script)

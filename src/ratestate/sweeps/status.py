@@ -1,7 +1,6 @@
 """The status of a store: cases done, failed cases, versions, damage."""
 
 import math
-from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -42,7 +41,7 @@ def store_status(path, verify=False):
         flaws = store.flaws() if verify else []
         done = store.done()
         done[[flaw.chunk for flaw in flaws if flaw.chunk is not None]] = False
-        counts = sum(store.statuses(done).values(), Counter[int]())
+        counts = store.statuses(done)
     processor = record.get("processor", {})
     return StoreStatus(
         path=path,
@@ -64,9 +63,8 @@ def store_status(path, verify=False):
 def failures(data, most=20):
     """Return failed cases of a sweep's result, and their number: (list of the first `most`, int).
 
-    A case that failed has neither finished nor slides steadily.  Cases that have not been computed
-    do not count.  Each is (labels, name of the status, message).  Labels are a dict from dimension
-    to label, or to index if there is no label.
+    Each case is (labels, name of the status, message).  Labels are a dict from dimension to label,
+    or to index if there is no label.
     """
     status = data["status"].values
     where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))

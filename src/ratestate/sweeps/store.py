@@ -1,26 +1,23 @@
 """A store of a sweep: a Zarr group on disk, which holds the result as xarray reads it.
 
-=========================  ========================================================================
-``zarr.json``              metadata; a sweep that writes to the store holds the lock of this file
-``NAME/c/...``             a variable of the result, with one file for each chunk
-``sweep/zarr.json``        record: function and arguments, sizes, shape of chunks, device, versions,
-                           processor, variables
-=========================  ========================================================================
+=================  ================================================================================
+``zarr.json``      metadata; a sweep that writes to the store holds the lock of this file
+``NAME/c/...``     a variable of the result, with one file for each chunk
+``sweep/``         record: arguments, sizes, shape of chunks, versions, processor, variables
+=================  ================================================================================
 
 States of a store, and what a kill leaves:
 
 1. The store is being made in the hidden folder ``.NAME.partial`` beside it.  It is renamed when all
-   metadata and coordinates are on the disk.  They are never written again.  A kill leaves
-   the hidden folder, which the next sweep takes over.
+   metadata and coordinates are on the disk.  They are never written again.  A kill leaves the
+   hidden folder, which the next sweep takes over.
 2. A chunk is not done: it has no file of ``status``.  A kill may leave some of its other files,
    which are written again.
 3. A chunk is done: its file of ``status``, which is written last, exists.
 
-A file exists only as a whole, because it is written as ``*.partial`` and then renamed.  Damage that
-happens later is detected when a file is missing, or when zarr finds that it does not agree with the
-checksum of its codec.  Such files are computed again if they belong to a chunk.
-
-Stores of earlier versions mark the chunks that are done in ``sweep/done``.  They can be read.
+A file exists only as a whole: zarr writes ``*.partial`` and renames it.  Damage that happens later
+shows when a file is missing, or does not agree with the checksum of its codec.  The chunk is then
+computed again.
 """
 
 import contextlib
@@ -60,9 +57,8 @@ class Flaw(NamedTuple):
     how: str  # "missing" or "damaged"
 
     def __str__(self):
-        name, _, block = self.key.partition("/c")
-        where = f"chunk {self.chunk}" if self.chunk is not None else f"block {block or 'of all'}"
-        return f"variable {name}, {where} ({self.key}) is {self.how}"
+        chunk = "" if self.chunk is None else f", chunk {self.chunk}"
+        return f"variable {self.key.partition('/c')[0]}{chunk} ({self.key}) is {self.how}"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,6 +73,13 @@ class Store:
         """Return the `Store` at a path; raise one of `DAMAGE` if there is none (see `reading`)."""
         refuse_zarr_2(path)
         return cls(path, json.loads((path / SWEEP_GROUP / METADATA).read_text())["attributes"])
+
+    @property
+    def arguments(self):
+        """Arguments of the sweep; StoreError if an earlier version, which records none, made it."""
+        if "arguments" not in self.record:
+            raise StoreError(sentence("store.old", path=self.path))
+        return self.record["arguments"]
 
     @functools.cached_property
     def chunks(self):
@@ -106,39 +109,27 @@ class Store:
         swept = {name for name, own in dims.items() if self.record["sizes"].keys() & {*(own or ())}}
         return {name: dims[name] for name in swept - coordinates}
 
-    @property
-    def is_old(self):
-        """Whether an earlier version made the store, so that it can be read but not resumed."""
-        return "processor" not in self.record
-
-    @property
-    def arguments(self):
-        """Arguments of the sweep, name -> text; StoreError if an earlier version made the store."""
-        if self.is_old:
-            raise StoreError(sentence("store.old", path=self.path))
-        return self.record["arguments"]
-
-    def mark(self, i):
-        """Return the path of the file that shows that chunk i is done."""
-        if self.is_old:
-            return self.path / SWEEP_GROUP / "done" / "c" / str(i)
-        return self.path / key_of("status", self.chunks.index(i))
-
     def done(self):
         """Return which chunks are done: (chunks,) bool."""
-        return np.array([self.mark(i).exists() for i in range(self.chunks.number)])
+        marks = (key_of("status", self.chunks.index(i)) for i in range(self.chunks.number))
+        return np.array([(self.path / mark).exists() for mark in marks])
 
     def flaws(self, contents=True):
         """Return a list of `Flaw`: files that the store must have and that are not intact.
 
         contents : read all files; if False, find missing files only
         """
-        return [
-            Flaw(key_of(name, block), chunk, how)
-            for name, block, chunk in self._blocks()
-            if (how := self._flaw(name, block, contents))
-            and not (self.is_old and chunk is None and how == "missing")  # some were not written
-        ]
+        flaws = []
+        for name, block, chunk in self._blocks():
+            key = key_of(name, block)
+            if not (self.path / key).exists():
+                flaws.append(Flaw(key, chunk, "missing"))
+            elif contents:
+                try:
+                    self.arrays[name].blocks[block] if block else self.arrays[name][...]
+                except DAMAGE:
+                    flaws.append(Flaw(key, chunk, "damaged"))
+        return flaws
 
     def _blocks(self):
         """Yield name of the variable, index of the block, and chunk, for each file."""
@@ -149,27 +140,12 @@ class Store:
             for name, block in self.chunks.blocks(i, self.dims).items():
                 yield name, block, i
 
-    def _flaw(self, name, block, contents):
-        """Return what is wrong with a file: "missing", "damaged" or "" for nothing."""
-        if not (self.path / key_of(name, block)).exists():
-            return "missing"
-        with contextlib.suppress(*DAMAGE):
-            if contents:
-                array = self.arrays[name]
-                array.blocks[block] if block else array[...]
-            return ""
-        return "damaged"
-
     def statuses(self, done):
-        """Return the `Counter` of the statuses of cases of each chunk that is done: chunk -> it.
-
-        done : (chunks,) bool
-        """
-        blocks = self.arrays["status"].blocks
-        return {
-            i: Counter(blocks[self.chunks.index(i)].ravel().tolist())
-            for i in np.flatnonzero(done).tolist()
-        }
+        """Return a `Counter` of the statuses of cases in the chunks `done`, (chunks,) bool."""
+        blocks, counts = self.arrays["status"].blocks, Counter[int]()
+        for i in np.flatnonzero(done).tolist():
+            counts.update(blocks[self.chunks.index(i)].ravel().tolist())
+        return counts
 
 
 def key_of(name, block):
@@ -197,30 +173,29 @@ def reading(path):
         yield
     except RateStateError:
         raise
-    except PermissionError as error:
-        raise StoreError(sentence("store.unreadable", path=path, error=error.strerror)) from error
     except DAMAGE as error:
         raise StoreError(_reason(path, error)) from error
 
 
 def _reason(path, error):
     """Return why a store cannot be read, as text."""
+    if isinstance(error, PermissionError):
+        return sentence("store.unreadable", path=path, error=error.strerror)
     if not path.exists():
         return sentence("store.nothing", path=path)
     if not (path / SWEEP_GROUP).is_dir():
         return sentence("store.none", path=path)
     with contextlib.suppress(*DAMAGE):
-        store = Store.open(path)
-        if flaws := store.flaws():
-            return damage_message(store, flaws)
+        if flaws := Store.open(path).flaws():
+            return damage_message(path, flaws)
     return sentence("damage.record", path=path, why=f"{type(error).__name__}: {error}")
 
 
-def damage_message(store, flaws):
+def damage_message(path, flaws):
     """Return the message about flawed files of a store, a list of `Flaw`."""
-    lasting = [flaw for flaw in flaws if flaw.chunk is None or store.is_old]
+    lasting = [flaw for flaw in flaws if flaw.chunk is None]
     name = "damage.lasting" if lasting else "damage.chunks"
-    return sentence(name, path=store.path, lines=as_lines(lasting or flaws))
+    return sentence(name, path=path, lines=as_lines(lasting or flaws))
 
 
 def as_lines(lines, most=20):
@@ -230,10 +205,7 @@ def as_lines(lines, most=20):
 
 
 def device_attrs(device):
-    """Return attributes of a result that name its device; none for a CPU.
-
-    A GPU gives other last digits.
-    """
+    """Return attributes of a result that name its device, because a GPU gives other last digits."""
     return {} if device == "cpu" else {"device": device}
 
 
@@ -245,8 +217,9 @@ def open_result(path):
     """
     with reading(path):
         store = Store.open(path)
-        if missing := store.flaws(contents=False):
-            raise StoreError(damage_message(store, missing))
+        old = "arguments" not in store.record  # its chunks were done later than their status
+        if missing := [] if old else store.flaws(contents=False):
+            raise StoreError(damage_message(path, missing))
         data = xarray.open_zarr(path, chunks=None, decode_cf=False, zarr_format=3)
         if not store.done().all():
             for variable in data.data_vars.values():

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from ..engine import backend as engine
-from ..engine.model import CRASHED
 from ..errors import ParameterError, RunWarning, StoreError
 from ..machine import check_fits
 from ..model.units import is_integer
@@ -26,7 +25,7 @@ from .solve import ANSWERED, bytes_per_case, form_of
 from .status import store_status
 from .store import METADATA, Store, as_lines, damage_message, device_attrs, open_result, reading
 from .tasks import Tasks, Threads
-from .writing import create, exclusive_lock, mark_undone
+from .writing import create, exclusive_lock
 
 
 def sweep(
@@ -38,7 +37,6 @@ def sweep(
     chunk=None,
     progress=True,
     device="cpu",
-    retry_crashed=False,
     slurm=None,
     **arguments,
 ):
@@ -56,22 +54,17 @@ def sweep(
     slider : SpringSlider
         With DataArrays for parameters, or none.
     store : str or path, optional
-        Folder of a Zarr store, such as "x.zarr", which is made if it does not exist.  If the same
-        sweep began it, it is resumed: only what is not done is computed.  Without a store the
-        result is kept in memory.
+        Folder of a Zarr store, such as "x.zarr", which is made, or resumed if the same sweep began
+        it.  Without a store the result is kept in memory.
     client : dask.distributed.Client, optional
         Cluster that does the work; its workers must see the store under the same path.  Without
         a client all cores of this machine do it.
     chunk : int, optional
-        Cases that are solved, and stored, at a time.  By default as many as take some seconds,
-        measured on a sample.
+        Cases that are solved, and stored, at a time.  By default as many as take some seconds.
     progress : bool
         Whether to show progress on stderr: a bar on a terminal, else a line now and then.
     device : {"cpu", "cuda"}
         "cuda": an NVIDIA GPU (of each worker, with a client).
-    retry_crashed : bool
-        Whether to compute again the cases with the status ``crashed`` in the store, for example
-        after their cause has been removed.
     slurm : str, optional
         SLURM jobs that do the work, instead of a client's workers, such as
         "jobs=10,cores=16,memory=32GB,walltime=02:00:00".  For the other options, lost jobs and
@@ -86,16 +79,15 @@ def sweep(
         raises nothing: its ``status`` is neither 0 nor 1, and the variable ``message``, "" for all
         others, says why.  Its numbers are NaN, its flags and counts 0; but ``outside_domain`` is
         -1, and ``steps`` are those taken unless it crashed.  With a store this is the
-        opened store, which reads numbers when they are used; messages are read at once, up to ten
-        million.
+        opened store, which reads numbers when they are used.
 
     Raises
     ------
     ParameterError
         An argument that cannot be used, for any case; nothing to sweep over.
     StoreError
-        The store belongs to another sweep, or was begun by other versions or on another kind of
-        processor (differences are listed), is in use, or cannot be read or written.
+        The store belongs to another sweep, or was begun by other programs or on another kind of
+        processor, is in use, or cannot be read or written.
     SolverError
         The cluster is lost, no SLURM job is left, or none starts.
     KeyboardInterrupt
@@ -124,12 +116,14 @@ def sweep(
         raise ParameterError(sentence("call.client", client=client))
     if chunk is not None and not (is_integer(chunk) and chunk >= 1):
         raise ParameterError(sentence("call.chunk", chunk=chunk))
-    for option, value in {"progress": progress, "retry_crashed": retry_crashed}.items():
-        if not isinstance(value, bool):
-            raise ParameterError(f"{option} = {value!r} must be True or False")
-    if retry_crashed and store is None:
-        raise ParameterError(sentence("call.retry"))
-    with _backend(device, client, slurm) as backend, engine.use(device=device):
+    if not isinstance(progress, bool):
+        raise ParameterError(f"progress = {progress!r} must be True or False")
+    if slurm is not None:
+        context: Any = slurm_cluster(slurm, device)
+    else:
+        own = Threads(device) if client is None else Cluster(client, device)
+        context = contextlib.nullcontext(own)
+    with context as backend, engine.use(device=device):
         request = Request(name, call, chunk, device, backend, progress)
         if store is None:
             size = call.batch.n * bytes_per_case(request.form.swept)
@@ -140,21 +134,14 @@ def sweep(
             return _in_memory(request)
         path = _folder(store, backend)
         try:
-            return _in_store(request, path, retry_crashed)
+            return _in_store(request, path)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(_interrupted(path)) from None
 
 
-def _backend(device, client, slurm):
-    """Return a context that gives the backend: `Threads`, or the `Cluster` of a client or jobs."""
-    if slurm is not None:
-        return slurm_cluster(slurm, device)
-    return contextlib.nullcontext(Threads(device) if client is None else Cluster(client, device))
-
-
 @dataclasses.dataclass(frozen=True)
 class Request:
-    """What a sweep is to compute, and where; checked by `sweep`, not here."""
+    """What a sweep is to compute, and where; checked by `sweep`."""
 
     name: str  # of the function
     call: Any  # its checked call
@@ -173,32 +160,21 @@ class Request:
         """`origin` of this process or, with a cluster, of a worker."""
         return self.backend.run(origin, self.device)
 
-    @functools.cached_property
-    def arguments(self):
-        """`arguments_of` the call."""
-        return arguments_of(self.name, self.call)
-
     def record(self, chunks):
         """Return the record of a store for these chunks."""
-        variables = {
-            name: f"{spec.dtype} over ({', '.join(spec.dims)})"
-            for name, spec in self.form.specs.items()
-        }
+        specs = self.form.specs.items()
         return {
             "verb": self.name,
-            "arguments": self.arguments,
+            "arguments": arguments_of(self.name, self.call),
             "sizes": chunks.sizes,
             "chunk": list(chunks.shape),
             "device": self.device,
-            "variables": variables,
+            "variables": {k: f"{spec.dtype} over ({', '.join(spec.dims)})" for k, spec in specs},
             **self.origin,
         }
 
     def divide(self):
-        """Return the `Chunks` of the sweep; measures the cost of a case if `chunk` is None.
-
-        ParameterError if the arguments of a case contradict each other.
-        """
+        """Return the `Chunks`; ParameterError if the arguments of a case contradict each other."""
         chunks = chunks_of(self.call.batch.sizes, self.chunk or cases_per_chunk(self))
         check_cases(self.call, chunks)
         return chunks
@@ -206,7 +182,6 @@ class Request:
     def outcomes(self, chunks, done, store=None, failed=0):
         """Solve all chunks that are not done; yield each `Outcome` when it is ready.
 
-        store : `Store`, or None
         failed : number of failed cases among those done
         """
         lean = store and dataclasses.replace(store)  # without the arrays that it has opened
@@ -233,17 +208,17 @@ def _in_memory(request):
     return request.call.dataset(variables).assign_attrs(device_attrs(request.device))
 
 
-def _in_store(request, path, retry_crashed):
+def _in_store(request, path):
     """Return the result in a store, which is made or resumed."""
     with reading(path):
         exists = path.exists()
     if not exists:
         create(path, request, request.divide())
     store = _matching_store(request, path)
-    if retry_crashed or not store.done().all() or store.flaws():
+    if not store.done().all() or store.flaws():
         with exclusive_lock(path / METADATA, path):
             store = _matching_store(request, path)  # another sweep may have held the lock before
-            done, failed = _prepare(store, request, retry_crashed)
+            done, failed = _prepare(store, request)
             for _ in request.outcomes(store.chunks, done, store, failed):
                 pass
     return open_result(path)
@@ -253,7 +228,7 @@ def _matching_store(request, path):
     """Return the `Store` at a path; StoreError, with the differences, if it is of another sweep."""
     with reading(path):
         store = Store.open(path)
-        lines = differences(store.arguments, request.arguments)
+        lines = differences(store.arguments, arguments_of(request.name, request.call))
         lines += differences({"device": store.record["device"]}, {"device": request.device})
         sizes, shape = store.chunks.sizes, store.chunks.shape
     if request.chunk is not None and chunks_of(sizes, request.chunk).shape != shape:
@@ -263,11 +238,11 @@ def _matching_store(request, path):
     return store
 
 
-def _prepare(store, request, retry_crashed):
+def _prepare(store, request):
     """Return which chunks of a store are kept, (chunks,) bool, and how many of their cases failed.
 
-    The process must hold the lock of the store.  StoreError if what computes would give other last
-    digits or variables than the store has, or if files made with the store are damaged.
+    StoreError if what computes would give other last digits or variables than the store has, or if
+    files made with the store are damaged.
     """
     now = request.record(store.chunks)
     with reading(store.path):
@@ -277,20 +252,15 @@ def _prepare(store, request, retry_crashed):
             raise StoreError(sentence("origin.refused", path=store.path, lines=as_lines(lines)))
         done, flaws = store.done(), store.flaws()
         if any(flaw.chunk is None for flaw in flaws):
-            raise StoreError(damage_message(store, flaws))
+            raise StoreError(damage_message(store.path, flaws))
         done[[flaw.chunk for flaw in flaws]] = False
-        statuses = store.statuses(done)
+        counts = store.statuses(done)
     for partial in store.path.rglob("*.partial"):  # of writers that were killed
         partial.unlink(missing_ok=True)
     if flaws:
         text = sentence("damage.repaired", path=store.path, lines=as_lines(flaws))
         warnings.warn(text, RuntimeWarning, stacklevel=5)
-    if retry_crashed:
-        crashed = [i for i, counts in statuses.items() if counts[CRASHED]]
-        mark_undone(store, crashed)
-        done[crashed] = False
-    remaining = [counts for i, counts in statuses.items() if done[i]]
-    return done, sum(n for one in remaining for code, n in one.items() if code not in ANSWERED)
+    return done, sum(n for code, n in counts.items() if code not in ANSWERED)
 
 
 def _interrupted(path):

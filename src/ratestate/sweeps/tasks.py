@@ -1,25 +1,20 @@
-"""Chunks of a sweep solved and stored: on threads, by a worker, or in a process of their own."""
+"""Chunks of a sweep solved and stored: on threads, or by a worker."""
 
 import itertools
 import threading
-import time
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
 from typing import Any, NamedTuple
 
 from ..engine import backend
-from ..errors import SolverError, StoreError
-from ..machine import Child, ChildDied, cores
+from ..errors import StoreError
+from ..machine import cores
 from ..model.arrays import isel
 from . import sentence
 from .chunks import Chunks
 from .inputs import origin, origin_differences
-from .solve import concatenate, count_failed, crashed_variables, halves, solve
+from .solve import count_failed, solve
 from .store import as_lines
 from .writing import write
-
-# Seconds to wait before a case is blamed for the end of its process: if the worker is being killed
-# too (SLURM kills all processes of a job), it is dead by then.
-GRACE = 1.0
 
 
 class Outcome(NamedTuple):
@@ -38,17 +33,13 @@ class Tasks(NamedTuple):
     store: Any  # `Store`, or None
     device: str
 
-    def solve(self, part, progress=None):
-        """Return the variables of all cases of the call `part`."""
-        return solve(part, self.specs, progress)
-
     def do(self, i, part, progress=None, threads=1, stop=None):
         """Solve chunk i, whose cases are those of the call `part`; return its `Outcome`.
 
         If there is a store, its variables go there; StoreError if they cannot be written.
         """
         with backend.use(threads=threads, stop=stop, device=self.device):
-            variables = self.solve(part, progress)
+            variables = solve(part, self.specs, progress)
         failed = count_failed(variables)
         if self.store is None:
             return Outcome(i, failed, variables)
@@ -57,13 +48,9 @@ class Tasks(NamedTuple):
 
 
 class Threads:
-    """Threads of this process, on which a sweep runs by default.
+    """Threads of this process, on which a sweep runs by default; else see `cluster.Cluster`."""
 
-    A backend of a sweep has ``shared``, whether all threads can work on one chunk, ``thread_count``
-    and the methods ``run`` and ``outcomes``.  The other backend is `cluster.Cluster`.
-    """
-
-    shared = True
+    shared = True  # whether all threads can work on one chunk
 
     def __init__(self, device):
         if device == "cuda":
@@ -80,12 +67,10 @@ class Threads:
         """Call a function where the work is to be done, and return its result."""
         return function(*arguments)
 
-    def outcomes(self, tasks, call, numbers, report, expected=None):
+    def outcomes(self, tasks, call, numbers, report, _=None):
         """Solve the chunks with these numbers; yield each `Outcome` when it is ready, in any order.
 
         Closing the generator stops those under way.
-
-        expected : origin of a cluster's workers; all threads have that of this process
         """
         workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
         threads = -(-cores() // workers)
@@ -119,32 +104,3 @@ def call_on_worker(expected, device, function, *arguments):
         raise StoreError(sentence("origin.worker", lines=as_lines(lines)))
     with backend.use(threads=1, device=device):
         return function(*arguments)
-
-
-class SubprocessTasks(Tasks):
-    """Tasks that a worker runs in a process of their own, because they may kill it."""
-
-    def solve(self, part, progress=None):
-        """Return the variables of all cases of the call `part`.
-
-        A case that kills its process is found by halving, and gets the status ``crashed``.
-        SolverError if no process can be started.
-        """
-        with Child(_solve) as child:
-            try:
-                return child.call((self.device, self.specs, part))
-            except ChildDied:
-                ending = child.ending()
-                if not child.ready:
-                    raise SolverError(sentence("cluster.subprocess", ending=ending)) from None
-        if part.batch.n == 1:
-            time.sleep(GRACE)
-            return crashed_variables(part, self.specs, f"its process died, {ending}")
-        dim, pieces = halves(part.batch.sizes)
-        return concatenate([self.solve(isel(part, piece)) for piece in pieces], dim)
-
-
-def _solve(task):
-    device, specs, part = task
-    with backend.use(threads=1, device=device):
-        return solve(part, specs)

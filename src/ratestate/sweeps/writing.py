@@ -7,13 +7,11 @@ import contextlib
 import fcntl
 import os
 import shutil
-import uuid
 import warnings
-from pathlib import Path
+from typing import Any
 
 import zarr
 from zarr.codecs import ZstdCodec
-from zarr.core.buffer import default_buffer_prototype
 from zarr.storage import MemoryStore
 
 from ..errors import StoreError
@@ -38,9 +36,7 @@ CODEC = ZstdCodec(level=0, checksum=True)
 def exclusive_lock(file, path, flags=0):
     """Lock a file of the store at a path; the system unlocks it if the process is killed.
 
-    StoreError if another sweep has the lock, or the file is missing or cannot be written to.
-
-    flags : for opening the file, beside those for reading and writing
+    StoreError if another sweep has the lock, or the file cannot be opened with these flags.
     """
     try:
         handle = os.open(file, os.O_RDWR | flags)
@@ -64,10 +60,7 @@ def exclusive_lock(file, path, flags=0):
 
 
 def create(path, request, chunks):
-    """Make a store without results; StoreError if that is not possible.
-
-    If another sweep has made one there meanwhile, it stays as it is.
-    """
+    """Make a store without results, unless another sweep has made one there meanwhile."""
     partial = path.with_name(f".{path.name}.partial")
     try:
         partial.mkdir(exist_ok=True)
@@ -75,9 +68,12 @@ def create(path, request, chunks):
             _clear(partial)  # of what a sweep left that was killed
             try:
                 if not path.exists():
-                    _fill(partial, _contents(request, chunks))
+                    for key, content in _contents(request, chunks).items():
+                        (partial / key).parent.mkdir(parents=True, exist_ok=True)
+                        (partial / key).write_bytes(content)
+                    _sync(partial, [*partial.rglob("*")])
                     partial.rename(path)
-                    _sync([path.parent])
+                    _sync(path.parent, [path])
             finally:
                 with contextlib.suppress(FileNotFoundError):
                     _clear(partial)
@@ -94,14 +90,6 @@ def _clear(folder):
     for one in folder.iterdir():
         if one.is_dir():
             shutil.rmtree(one)
-
-
-def _fill(folder, contents):
-    """Write files into a folder, and have the system write them to the disk: key -> bytes."""
-    for key, content in contents.items():
-        (folder / key).parent.mkdir(parents=True, exist_ok=True)
-        _write_file(folder / key, content)
-    _sync([folder, *(one for one in folder.rglob("*") if one.is_dir())])
 
 
 def _contents(request, chunks):
@@ -159,79 +147,31 @@ def write(store, i, variables):
     If that fails (StoreError) the store lacks this chunk, and nothing else.
     """
     path = store.path
-    with _write_errors(path):
+    try:
         present = Store.open(path)
         if present.record != store.record:  # a worker may not have noticed
             raise StoreError(sentence("store.replaced", path=path))
+        group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=True)
         blocks = present.chunks.blocks(i, present.dims)
         for names in (blocks.keys() - {"status"}, ["status"]):
-            folders = set()
             for name in names:
-                content = _encoded(present.arrays[name], blocks[name], variables[name].values)
-                folders |= _put(path, key_of(name, blocks[name]), content)
-            _sync(folders)
-
-
-def _encoded(array, block, values):
-    """Return the content (bytes) of the file with a block of a zarr array."""
-    contents = array.metadata.to_buffer_dict(default_buffer_prototype())
-    copy = zarr.open_array(MemoryStore(contents), mode="r+", zarr_format=3)
-    copy.with_config({"write_empty_chunks": True}).blocks[block] = values
-    (content,) = (buffer.to_bytes() for key, buffer in contents.items() if key != METADATA)
-    return content
-
-
-def _put(path, key, content):
-    """Write a file of the store at a path; return the folders that it is in.
-
-    The folder of its variable must exist: a store that is gone is not made again.
-    """
-    file, *_, variable, _ = (path / one for one in (key, *Path(key).parents))
-    folders = {one for one in file.parents if variable in (one, *one.parents)}
-    for folder in sorted(folders - {variable}):
-        folder.mkdir(exist_ok=True)
-    partial = file.with_name(f"{file.name}.{uuid.uuid4().hex}.partial")
-    try:
-        _write_file(partial, content)
-        partial.replace(file)
-    finally:
-        partial.unlink(missing_ok=True)
-    return folders
-
-
-def mark_undone(store, numbers):
-    """Have the chunks with these numbers computed again; StoreError if that cannot be written."""
-    with _write_errors(store.path):
-        for i in numbers:
-            store.mark(i).unlink()
-        _sync({store.mark(i).parent for i in numbers})
-
-
-@contextlib.contextmanager
-def _write_errors(path):
-    """Turn any error from writing into a StoreError."""
-    try:
-        yield
+                # (zarr omits files that hold only fill values; here a missing file means a loss)
+                array = group[name].with_config({"write_empty_chunks": True})
+                array.blocks[blocks[name]] = variables[name].values
+            _sync(path, [path / key_of(name, blocks[name]) for name in names])
     except StoreError:
         raise
-    except FileNotFoundError as error:
+    except (FileNotFoundError, KeyError) as error:
         raise StoreError(sentence("store.vanished", path=path)) from error
     except OSError as error:
         raise StoreError(sentence("store.full", path=path, error=error)) from error
 
 
-def _write_file(file, content):
-    """Write bytes to a file, and have the system write them to the disk."""
-    with file.open("wb") as handle:
-        handle.write(content)
-        handle.flush()
-        os.fsync(handle.fileno())
-
-
-def _sync(folders):
-    """Have the system write the entries of folders to the disk."""
-    for folder in folders:
-        handle = os.open(folder, os.O_RDONLY)
+def _sync(top, files):
+    """Have the system write files, and their folders up to `top`, to the disk."""
+    folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
+    for file in {*files, *folders}:
+        handle = os.open(file, os.O_RDONLY)
         try:
             os.fsync(handle)
         finally:

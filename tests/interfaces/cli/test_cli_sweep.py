@@ -98,11 +98,14 @@ def sweeps(monkeypatch, tmp_path):
         def __exit__(self, *_):
             pass
 
+    def client(address, timeout):
+        return contextlib.nullcontext(address)
+
     stand_ins = {
         "sweep": {"sweep": sweep},
         "status": {"store_status": store_status, "failures": failures},
         "slurm": {"job_cluster": Cluster},
-        "cluster": {"client_of": contextlib.nullcontext},
+        "cluster": {"import_extra": lambda module: types.SimpleNamespace(Client=client)},
     }
     for name, functions in stand_ins.items():
         module = types.ModuleType(f"ratestate.sweeps.{name}")
@@ -125,7 +128,6 @@ def test_the_file_s_sweep_is_run(sweeps, file, tmp_path):
         "chunk": None,
         "progress": True,
         "device": "cpu",
-        "retry_crashed": False,
     }
     assert result.stdout == f"6 cases in {tmp_path}/x.zarr: 4 cycles, 2 steady sliding, 0 failed\n"
 

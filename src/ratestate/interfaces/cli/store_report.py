@@ -38,7 +38,7 @@ def print_status(
     verify : read all files; if any is damaged, a StoreError follows what is printed
     """
     from ...sweeps.status import store_status
-    from ...sweeps.store import Store, damage_message
+    from ...sweeps.store import damage_message
 
     status = store_status(store, verify)
     differences = _differences(store, file, law_file) if file else []
@@ -52,7 +52,7 @@ def print_status(
         lines = [f"{label:<9} {text}" for label, text in rows.items()]
         print_line("\n".join([*lines, *(f"  {line}" for line in differences)]))
     if status.flaws:
-        raise StoreError(damage_message(Store.open(store), status.flaws))
+        raise StoreError(damage_message(store, status.flaws))
 
 
 def _print_json(status: "StoreStatus", **more: Any) -> None:

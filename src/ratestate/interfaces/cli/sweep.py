@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import typer
 
+from ...errors import ParameterError
 from .exits import SOME_FAILED, on_interrupt
 from .output import print_line
 from .store_report import interrupted_message, print_outcome, print_status
@@ -24,7 +25,6 @@ def sweep(
     scheduler: str | None = None,
     slurm: str | None = None,
     job_script: bool = False,
-    retry_crashed: bool = False,
     device: Device = "cpu",
     out: Path | None = None,
     plot: Path | None = None,
@@ -71,7 +71,7 @@ def sweep(
             output = output_paths(scenario, out, plot)
             with _client(scheduler) as client:
                 how: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
-                how |= {"device": device, "retry_crashed": retry_crashed, **scenario.settings}
+                how |= {"device": device, **scenario.settings}
                 result = run(scenario.verb, scenario.slider, store=store, progress=True, **how)
                 number = print_outcome(store, result, json)
                 write_numbers(in_numbers(result, own_units), output)
@@ -84,6 +84,12 @@ def _client(scheduler: str | None) -> Any:
     """Return a context with the client of a Dask scheduler, or with None."""
     if not scheduler:
         return contextlib.nullcontext()
-    from ...sweeps.cluster import client_of
+    from ...sweeps.cluster import import_extra
 
-    return client_of(scheduler)
+    try:
+        return import_extra("distributed").Client(scheduler, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise ParameterError(
+            f"scheduler = {scheduler!r} does not answer ({error}). Start one with "
+            f"'dask scheduler', and give the address that it prints."
+        ) from error
