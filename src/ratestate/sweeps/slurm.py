@@ -9,6 +9,7 @@ import contextlib
 import re
 import subprocess
 import time
+from typing import Any
 
 from ..errors import ParameterError, SolverError
 from . import sentence
@@ -46,11 +47,12 @@ def job_cluster(text):
 
     text : options such as "jobs=10,cores=16,memory=32GB"
     """
-    dask_jobqueue = import_extra("dask_jobqueue")
+    import_extra("dask_jobqueue")
     import dask
+    from dask_jobqueue.slurm import SLURMCluster, SLURMJob
     from distributed.core import Status
 
-    class Job(dask_jobqueue.slurm.SLURMJob):
+    class Job(SLURMJob):
         """A job that says why sbatch refused it; Dask could not close a cluster with it."""
 
         refused = ""
@@ -66,9 +68,9 @@ def job_cluster(text):
     options = {key: value for key, value in _options(text).items() if key not in OF_JOBS}
     # Another sweep may have the usual port.
     own = dask.config.get("jobqueue.slurm.scheduler-options")
-    options["scheduler_options"] = {"dashboard_address": ":0"} | own
+    options |= {"scheduler_options": {"dashboard_address": ":0"} | own, "job_cls": Job}
     try:
-        return dask_jobqueue.SLURMCluster(**options, job_cls=Job)
+        return SLURMCluster(**options)
     except (ValueError, OSError, RuntimeError) as error:
         raise _refusal("no_cluster", text=text, error=error) from error
 
@@ -79,7 +81,7 @@ def _options(text):
     from dask import config, utils
 
     site = config.get("jobqueue.slurm")
-    options = {"jobs": 1, "wait": WAIT}
+    options: dict[str, Any] = {"jobs": 1, "wait": WAIT}
     options |= {key: site[key] for key in ("cores", "memory", "processes") if site.get(key)}
     if not isinstance(text, str):
         raise _refusal("text", text=text)
