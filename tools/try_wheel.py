@@ -25,7 +25,6 @@ BUILD = ROOT / "tools" / "build.lock"
 IMPORT_ALL = """
 import importlib, pkgutil, ratestate
 names = [module.name for module in pkgutil.walk_packages(ratestate.__path__, "ratestate.")]
-names.remove("ratestate.sweeps.job_cluster")  # of classes that the extra `cluster` brings
 for name in names:
     importlib.import_module(name)
 print(len(names))

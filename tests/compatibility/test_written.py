@@ -82,19 +82,15 @@ def store(tmp_path):
 
 
 def test_store(store, capsys):
+    """It is read, with values and provenance, and not resumed."""
     main(["sweep", "--store", str(store), "--status", "--verify"], standalone_mode=False)
-    assert "all files are as they were written" in capsys.readouterr().out
-    before = xarray.open_zarr(store).load()
+    said = capsys.readouterr().out
+    assert "all files are intact" in said
+    assert "versions  ratestate 0.1.0, " in said
+    before = files.read(store)
     assert before.status.values.tolist() == [[1, 0, 0], [1, 0, 0], [0, 0, 0], [0, 0, 0]]
-    same_numbers(swept(store), before)  # all is there, and read
-
-
-def test_a_store_that_lacks_a_chunk(store):
-    """It is gone on with; as mixed, since kernels of now may be others."""
-    before = xarray.open_zarr(store).load()
-    (store / "period/c/0/0").unlink()
-    with pytest.warns(RuntimeWarning) as caught:
-        same_numbers(swept(store, mixed=True), before)
-    missing = "variable period, chunk 0 (period/c/0/0) is missing"
-    assert any(missing in str(one.message) for one in caught)
-    assert (store / "period/c/0/0").exists()
+    xarray.testing.assert_identical(before, xarray.open_zarr(store).load())
+    assert "slider" in before.attrs
+    same_numbers(swept(None), before)
+    with pytest.raises(rs.StoreError, match="written by an earlier version"):
+        swept(store)

@@ -27,7 +27,7 @@ RESULTS = {
 }
 
 
-def swept(store, mixed=False):
-    """The sweep of the store, begun or gone on with."""
+def swept(store):
+    """The sweep of the store, begun or resumed."""
     slider = SLIDER.replace(**AXES)
-    return rs.sweep(rs.limit_cycle, slider, V_lp=V_LP, store=store, chunk=6, mixed=mixed)
+    return rs.sweep(rs.limit_cycle, slider, V_lp=V_LP, store=store, chunk=6)

@@ -25,7 +25,7 @@ from ratestate.engine.model import FINISHED, RUNAWAY, STEADY_SLIDING, STEP_LIMIT
 from ratestate.engine.return_map import DERIVATIVES, RETURN_NUMBERS, Starts
 from ratestate.friction.laws import friction_law
 from ratestate.sweeps.calls import call_of
-from ratestate.sweeps.origin import processor
+from ratestate.sweeps.inputs import origin
 
 OF_LAW = {"b2": 1e-3, "Dc2": 5e-5}
 #: under laws of one state and of two, with and without exponentials in their rates, without
@@ -305,8 +305,8 @@ def test_progress_and_interruption():
 
 def test_the_processor_of_a_store_names_the_gpu():
     with emulated():
-        found = processor("cuda")
-    assert found == processor("cpu") | {"gpu": "Emulator, compute capability 9.0"}
+        found = origin("cuda")["processor"]
+    assert found == origin("cpu")["processor"] | {"gpu": "Emulator, compute capability 9.0"}
 
 
 # PTX ----------------------------------------------------------------------------------------------

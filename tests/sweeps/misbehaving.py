@@ -42,27 +42,6 @@ class Deadly(LimitCycleCall):
         return super().run(progress)
 
 
-class Ending(StabilityCall):
-    """Is ended by signals if there are bad cases: asked to end, then killed."""
-
-    def run(self, progress=None):
-        if self.batch.n == 1:
-            os.kill(os.getpid(), signal.SIGTERM)
-            os.kill(os.getpid(), signal.SIGINT)
-        if bad(self):
-            os.kill(os.getpid(), signal.SIGKILL)
-        return super().run(progress)
-
-
-class Foreign(StabilityCall):
-    """Raises an error that no solver has, if there are bad cases."""
-
-    def run(self, progress=None):
-        if bad(self):
-            raise ZeroDivisionError("of one case")
-        return super().run(progress)
-
-
 class Held(StabilityCall):
     """Ends, on a worker, once a file is there."""
 

@@ -11,32 +11,20 @@ import threading
 import time
 import types
 
-import numpy as np
 import pytest
 import xarray
-from misbehaving import BAD, Deadly, Ending, Foreign, Slow, bad
+from misbehaving import Deadly, Slow
 from user_laws import MINE
 
 import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import LimitCycleCall, limit_cycle, limit_cycle_call
 from ratestate.dynamics.results import versions
-from ratestate.engine.model import CRASHED
 from ratestate.errors import StoreError
 from ratestate.model.arrays import isel
-from ratestate.sweeps import (
-    calls,
-    cluster,
-    cluster_work,
-    origin,
-    progress,
-    request,
-    subprocesses,
-)
+from ratestate.sweeps import calls, cluster, inputs, progress
+from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.chunks import chunks_of
-from ratestate.sweeps.solve import form_of, solve
 from ratestate.sweeps.status import store_status
-from ratestate.sweeps.subprocesses import SubprocessTasks
-from ratestate.sweeps.task import Tasks
 
 M = rs.logspace("M", 1e2, 1e5, 24)
 V_LP = rs.logspace("V_lp", 2e-3, 1e-1, 2)
@@ -80,7 +68,7 @@ def cycles(monkeypatch):
 
 
 #: beside Dask, what workers have imported before they are forked
-IMPORTED = ["ratestate.sweeps.task", "ratestate.sweeps.subprocesses", "ratestate.sweeps.calls"]
+IMPORTED = ["ratestate.sweeps.tasks", "ratestate.sweeps.calls"]
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +82,8 @@ def client():
         "distributed.deploy.lost-worker-timeout": "1h",
         # Workers, and those that come for the dead, are forks of a process that has imported much.
         "distributed.worker.multiprocessing-method": "forkserver",
+        # A chunk may kill one worker (three, unless this is set).
+        "distributed.scheduler.allowed-failures": 1,
     }
     with dask.config.set(settings):
         get_mp_context().set_forkserver_preload(["distributed.nanny", *IMPORTED])
@@ -175,7 +165,7 @@ def once_done(monkeypatch):
 @pytest.fixture(autouse=True)
 def often(monkeypatch):
     """Look after workers all the time."""
-    monkeypatch.setattr(cluster_work, "LOOK", 0.05)
+    monkeypatch.setattr(cluster, "LOOK", 0.05)
 
 
 def deaths(client):
@@ -197,7 +187,7 @@ def test_the_same_bits_as_here(client, verb, store, tmp_path):
 
 
 def test_workers_are_given_a_users_law(client, law_file):
-    """By its source, on a cluster and in a process of their own: its file may be gone."""
+    """By its source: its file may be gone."""
     path = law_file(MINE)
     slider = SLIDER.replace(law=rs.register(path), m=xarray.DataArray([1.0, 1.5], dims="m"))
     path.unlink()
@@ -206,11 +196,6 @@ def test_workers_are_given_a_users_law(client, law_file):
     assert "@" in json.loads(here.attrs["scenario"])["slider"]["law"]
     found = rs.sweep("stability", slider, client=client, chunk=5, **how)
     xarray.testing.assert_identical(found.load(), here)
-    _, call = calls.call_of("stability", slider, {"V_lp": 3e-3})
-    specs = form_of(call).specs
-    with contextlib.closing(subprocesses._Process("cpu", specs)) as process:
-        answer = process.solve(isel(call, {"M": slice(0, 2)}))
-    np.testing.assert_array_equal(answer["K_c"].values, here.K_c.isel(M=slice(0, 2)).values)
 
 
 def test_chunks_by_a_probe(client, alone):
@@ -228,137 +213,27 @@ def test_a_task_weighs_what_its_cases_do():
 # --------------------------------------------------------------------------------- workers that die
 
 
-def test_a_killed_worker_costs_nothing(client, cycles, alone, once_done, monkeypatch):
+def test_a_killed_worker_costs_nothing(client, cycles, alone, once_done):
     cycles(Slow)
-    before, lost, lost_tasks = deaths(client), [], cluster_work.Work.lost_tasks
+    before = deaths(client)
 
     def kill():
         pids, tasks = client.run(os.getpid), client.processing()
         os.kill(pids[max(pids, key=lambda worker: len(tasks[worker]))], signal.SIGKILL)
 
-    def watched(work):
-        found = lost_tasks(work)
-        lost.extend(found)
-        return found
-
-    monkeypatch.setattr(cluster_work.Work, "lost_tasks", watched)
     once_done(4, kill)
     found = sweep("limit_cycle", client=client, chunk=4)
     assert deaths(client) == before + 1
-    assert 1 <= len(lost) <= 2
     xarray.testing.assert_identical(found, alone)
 
 
-def test_cases_that_kill_their_worker_are_found(client, cycles, alone, tmp_path, monkeypatch):
+def test_cases_that_kill_several_workers_end_the_sweep(client, cycles, alone, tmp_path):
     cycles(Deadly)
-    monkeypatch.setattr(cluster, "AHEAD", 1)  # a bad chunk has no other with it
-    before = deaths(client)
-    # chunks so small that a bad one costs few processes
-    found = sweep("limit_cycle", client=client, chunk=4, store=tmp_path / "x.zarr")
-    where = np.zeros(found.status.shape, bool)
-    where[tuple(zip(*BAD, strict=True))] = True
-    assert np.array_equal(found.status == CRASHED, where)
-    for i, j in BAD:
-        assert "its process died, SIGKILL" in found.message.item(i, j)
-        assert np.isnan(found.period[i, j])
-    good = xarray.DataArray(~where, dims=found.status.dims)
-    xarray.testing.assert_identical(found.load().where(good), alone.where(good))
-    assert 1 <= deaths(client) - before <= 12  # each chunk once; more where the machine is slow
-    there = store_status(tmp_path / "x.zarr")
-    assert (there.done, there.failed) == (48, 2)
-
-
-@pytest.mark.parametrize(("deaths", "enough"), [(4, True), (5, False)])
-def test_workers_that_die_of_no_case(monkeypatch, deaths, enough):
-    """A chunk whose worker dies is done apart, and given up with the fifth."""
-
-    class Work:
-        """The one chunk kills its worker so many times, however it is done."""
-
-        def __init__(self, *_):
-            self.sent, self.deaths, self.under_way = [], deaths, {}
-
-        def thread_count(self):
-            return 1
-
-        def send(self, i, function, *arguments):
-            self.sent.append(type(function.__self__))
-            self.under_way = {"task": i}
-
-        @property
-        def unfinished(self):
-            return bool(self.under_way)
-
-        def lost_tasks(self):
-            self.deaths -= 1
-            return [(0, False)] if self.deaths >= 0 else []
-
-        def finished(self):
-            if self.deaths >= 0:
-                return []
-            self.under_way = {}
-            return [(0, types.SimpleNamespace(result=lambda: self.sent))]
-
-        def close(self):
-            pass
-
-    monkeypatch.setattr(cluster_work, "Work", Work)
-    _, call = calls.call_of("limit_cycle", SLIDER, ARGUMENTS["limit_cycle"])
-    chunks = chunks_of(call.batch.sizes, 48)
-    tasks, report = Tasks(chunks, {}, None, "cpu"), types.SimpleNamespace(refresh=lambda: None)
-    outcomes = cluster.Cluster(None, "cpu").outcomes(tasks, call, [0], report, None)
-    if enough:
-        assert list(outcomes) == [[Tasks] + 4 * [SubprocessTasks]]
-    else:
-        with pytest.raises(rs.SolverError, match="workers die, one after the other"):
-            list(outcomes)
-
-
-def test_the_case_that_kills_is_found_by_halving(monkeypatch):
-    """An eighth is tried, and divided further only if it kills."""
-    _, call = calls.call_of("stability", SLIDER, ARGUMENTS["stability"])
-    specs, tried = form_of(call).specs, []
-    monkeypatch.setattr(subprocesses, "GRACE", 0.0)
-
-    class Process:
-        failure = "its process died"
-
-        def solve(self, part):
-            tried.append((part.batch.n, bad(part)))
-            return None if bad(part) else solve(part, specs)
-
-    found, whole = subprocesses._solve_divided(Process(), call, specs), solve(call, specs)
-    where = np.zeros(found["status"].shape, bool)
-    where[tuple(zip(*BAD, strict=True))] = True
-    assert np.array_equal(found["status"] == CRASHED, where)
-    growth = whole["growth_rate"].values
-    np.testing.assert_allclose(found["growth_rate"].values[~where], growth[~where], rtol=1e-14)
-    assert sum(n for n, killed in tried if not killed) == 46
-    assert sorted(n for n, killed in tried if killed) == [1, 1, 6, 6]
-
-
-def test_a_case_is_not_blamed_for_what_ends_its_worker_too(monkeypatch):
-    """Who asks a whole job to end asks its processes, too; who kills it needs a moment."""
-    _, call = calls.call_of("stability", SLIDER.replace(M=M[5:6]), ARGUMENTS["stability"])
-    specs, slept = form_of(call).specs, []
-    monkeypatch.setattr(subprocesses.time, "sleep", slept.append)
-    with contextlib.closing(subprocesses._Process("cpu", specs)) as process:
-        found = subprocesses._solve_divided(process, Ending(call.slider, call.V_lp), specs)
-    assert found["status"].values.tolist() == [[0, CRASHED]]
-    assert found["growth_rate"].values[0, 0] == pytest.approx(
-        solve(call, specs)["growth_rate"].values[0, 0], rel=1e-14
-    )
-    assert slept.count(subprocesses.GRACE) == 1
-
-
-def test_a_case_is_blamed_for_an_error_that_no_solver_has(monkeypatch):
-    _, call = calls.call_of("stability", SLIDER.replace(M=M[5:6]), ARGUMENTS["stability"])
-    monkeypatch.setattr(subprocesses, "GRACE", 0.0)
-    with contextlib.closing(subprocesses._Process("cpu", form_of(call).specs)) as process:
-        part = Foreign(call.slider, call.V_lp)
-        found = subprocesses._solve_divided(process, part, form_of(call).specs)
-    assert found["status"].values.tolist() == [[0, CRASHED]]
-    assert "ZeroDivisionError: of one case" in found["message"].values[0, 1]
+    path = tmp_path / "x.zarr"
+    with pytest.raises(rs.SolverError, match="Several workers died with the same cases"):
+        sweep("limit_cycle", client=client, chunk=4, store=path)
+    cycles(LimitCycleCall)
+    xarray.testing.assert_identical(sweep("limit_cycle", store=path).load(), alone)
 
 
 # --------------------------------------------------------------------------- a cluster that is lost
@@ -369,7 +244,7 @@ def test_a_cluster_that_closes(cycles, alone, once_done, tmp_path):
     path = tmp_path / "x.zarr"
     with local_cluster(1) as client:
         once_done(8, client.cluster.close)
-        with pytest.raises(rs.SolverError, match=r"cluster is lost .* run the same sweep again"):
+        with pytest.raises(rs.SolverError, match=r"cluster is lost .* Run the same sweep again"):
             sweep("limit_cycle", client=client, chunk=4, store=path)
     assert 8 <= store_status(path).done < 48
     cycles(LimitCycleCall)
@@ -399,9 +274,9 @@ def test_an_interrupt_ends_it_soon(client, cycles, alone, once_done, tmp_path):
 
 def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, capfd):
     cycles(Slow)
-    monkeypatch.setattr(cluster_work, "PATIENCE", 0.1)
-    said = "ratestate: the cluster has no workers; waiting for some ...\n"
-    Slow.most, look, heard = 0, cluster_work.Work.thread_count, []
+    monkeypatch.setattr(cluster, "PATIENCE", 0.1)
+    said = "ratestate: the cluster has no workers. Waiting for some ...\n"
+    Slow.most, look, heard = 0, cluster.Cluster._look, []
 
     def interrupt(work):
         heard.append(capfd.readouterr().err)
@@ -410,10 +285,10 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
         return look(work)
 
     with local_cluster(0) as client:
-        monkeypatch.setattr(cluster_work.Work, "thread_count", interrupt)
+        monkeypatch.setattr(cluster.Cluster, "_look", interrupt)
         with pytest.raises(KeyboardInterrupt):
             sweep("limit_cycle", client=client, chunk=4)
-        monkeypatch.setattr(cluster_work.Work, "thread_count", look)
+        monkeypatch.setattr(cluster.Cluster, "_look", look)
         assert "".join(heard) == said
         with meanwhile(lambda: client.cluster.scale(4), lambda: capfd.readouterr().err == said):
             found = sweep("limit_cycle", client=client, chunk=2)
@@ -426,20 +301,18 @@ def test_without_workers_it_waits_until_they_come(cycles, alone, monkeypatch, ca
 
 def test_workers_of_another_version_are_refused(client, monkeypatch):
     other = json.loads(versions()) | {"numpy": "1.0"}
-    monkeypatch.setattr(cluster_work, "versions", lambda: json.dumps(other))
-    with pytest.raises(StoreError, match=r"'numpy': '2\..*expected, .*'numpy': '1\.0'"):
+    monkeypatch.setattr(cluster, "versions", lambda: json.dumps(other))
+    with pytest.raises(StoreError, match=r"(?s)A worker has other.*numpy: 1\.0 .*, 2\..* now"):
         sweep("limit_cycle", client=client)
 
 
-def test_workers_of_two_kinds_are_refused_unless_mixed(client, monkeypatch):
+def test_workers_of_two_kinds_are_refused(client, monkeypatch):
     """The one that was asked first is of another kind than those that work."""
-    first = origin.origin("cpu")
+    first = inputs.origin("cpu")
     first["processor"] |= {"cpu": "i386"}
-    monkeypatch.setattr(request, "origin", {"cpu": first}.get)  # which workers can be sent
-    with pytest.raises(StoreError, match=r"(?s)workers of one kind.*processor: i386"):
+    monkeypatch.setattr(sweep_module, "origin", {"cpu": first}.get)  # which workers can be sent
+    with pytest.raises(StoreError, match=r"(?s)Use workers of one kind.*processor, cpu: i386"):
         sweep("stability", client=client, chunk=24)
-    found = sweep("stability", client=client, chunk=24, mixed=True)
-    xarray.testing.assert_identical(found, sweep("stability"))
 
 
 def test_workers_that_lack_a_program_are_refused(client, cycles, monkeypatch):
@@ -447,7 +320,7 @@ def test_workers_that_lack_a_program_are_refused(client, cycles, monkeypatch):
     monkeypatch.setitem(sys.modules, "only_here", module)
     module.Here = type("Here", (LimitCycleCall,), {"__module__": "only_here"})
     cycles(module.Here)
-    with pytest.raises(rs.SolverError, match=r"only_here.*needs the same programs"):
+    with pytest.raises(rs.SolverError, match=r"only_here.*Install the same programs"):
         sweep("limit_cycle", client=client, chunk=8)
 
 

@@ -18,8 +18,7 @@ SENTENCES = {
 #: function -> what it puts before the name of a sentence, and the values that it adds
 FILLED_BY = {
     "sentence": ("", set()),
-    "_refusal": ("batch.", {"example", "system", "label"}),
-    "_warn": ("", {"path", "lines"}),
+    "_refusal": ("slurm.", set()),
 }
 
 

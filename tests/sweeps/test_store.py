@@ -1,7 +1,6 @@
 """Stores of sweeps: what is put in comes out, and no accident takes it away."""
 
 import contextlib
-import fcntl
 import itertools
 import os
 import shutil
@@ -9,7 +8,6 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import warnings
 from pathlib import Path
 
@@ -24,12 +22,11 @@ from torture import SMALL, Here, same, torture
 import ratestate as rs
 from ratestate.errors import ParameterError, StoreError
 from ratestate.files import read
-from ratestate.sweeps import create as create_module
-from ratestate.sweeps import store as store_module
-from ratestate.sweeps import task, writing
-from ratestate.sweeps.lock import exclusive_lock
+from ratestate.sweeps import sweep as sweep_module
+from ratestate.sweeps import tasks, writing
 from ratestate.sweeps.status import failures, store_status
-from ratestate.sweeps.writing import NO_RESULT
+from ratestate.sweeps.store import NO_RESULT, Store
+from ratestate.sweeps.writing import exclusive_lock
 
 POINT = {"a": 0.003, "b": 0.006, "Dc": "10 um", "sigma": "2 MPa", "K": "900 MPa/m"}
 # 16 cases in 8 chunks: (M, V_lp) in blocks of (1, 2).
@@ -41,7 +38,7 @@ WHOLE = 16  # all cases in one chunk: where it does not matter, that is quick
 def sweep(path=None, verb="stability", *, chunk=CHUNK, **changes):
     """Sweep with the parameters above, but for these."""
     values = POINT | AXES | changes
-    own = {"V_lp", "rtol", "loading", "t_end", "times", "initial", "V_start", "mixed"}
+    own = {"V_lp", "rtol", "loading", "t_end", "times", "initial", "V_start"}
     slider = rs.SpringSlider(**{k: v for k, v in values.items() if k not in own})
     arguments = {k: v for k, v in values.items() if k in own}
     if "loading" in arguments:
@@ -72,13 +69,13 @@ def solved(before):
     """Within, `before(number of the call)` is called before each chunk is solved."""
     numbers = itertools.count()
     with pytest.MonkeyPatch.context() as patch:
-        solve = task.solve
+        solve = tasks.solve
 
         def solving(*arguments):
             before(next(numbers))
             return solve(*arguments)
 
-        patch.setattr(task, "solve", solving)
+        patch.setattr(tasks, "solve", solving)
         yield
 
 
@@ -128,7 +125,7 @@ def test_survives_kills(tmp_path):
 
 def test_an_interrupted_sweep_is_gone_on_with(begun, expected):
     before = {file: file.stat().st_mtime_ns for file in files(begun)}
-    done = zarr.open_array(begun / "sweep/done")[:]
+    done = Store.open(begun).done()
     assert 4 <= done.sum() <= 6
     numbers = []
     with solved(numbers.append):
@@ -141,89 +138,55 @@ def test_an_interrupted_sweep_is_gone_on_with(begun, expected):
     assert len(numbers) == CHUNKS - done.sum()
 
 
-def test_a_chunk_is_on_disk_before_it_is_called_done(path, monkeypatch):
-    synced, seen, handles = [], [], {}
-    replace, open_file = Path.replace, os.open
+def test_the_status_of_a_chunk_is_written_when_all_else_is_on_the_disk(path, monkeypatch):
+    synced, before, rename = set(), {}, Path.replace
 
-    def remember_open(file, *how, **more):
-        handle = open_file(file, *how, **more)
-        handles[handle] = Path(file)
-        return handle
+    def remember_replace(file, target):
+        before[target] = set(synced)
+        return rename(file, target)
 
-    def remember_fsync(handle):
-        synced.append(handles[handle])
-
-    def remember_replace(self, target):
-        seen.append((Path(target), list(synced)))
-        return replace(self, target)
-
-    monkeypatch.setattr(os, "open", remember_open)
-    monkeypatch.setattr(os, "fsync", remember_fsync)
+    monkeypatch.setattr(os, "fsync", lambda handle: synced.add(os.fstat(handle).st_ino))
     monkeypatch.setattr(Path, "replace", remember_replace)
-    monkeypatch.setattr("ratestate.sweeps.task.cores", lambda: 1)
+    monkeypatch.setattr("ratestate.sweeps.tasks.cores", lambda: 1)
     sweep(path)
-    written = {target for target, _ in seen if path in target.parents}
-    # the first time that each was written
-    flags = {file: before for file, before in reversed(seen) if "sweep/done/c" in str(file)}
-    assert len(flags) == CHUNKS
-    for flag, before in flags.items():
-        i, j = divmod(int(flag.name), 2)
+    marks = {file: on_disk for file, on_disk in before.items() if file.parts[-4] == "status"}
+    assert len(marks) == CHUNKS
+    for mark, on_disk in marks.items():
+        i, j = mark.parts[-2:]
         keys = [f"c/{i}/{j}", f"c/{i}/{j}/0"]
-        keys += ([] if j else [f"f_n/c/{i}"]) + ([] if i else [f"omega_c/c/{j}"])
-        keys += [f"sweep/manifest/c/{flag.name}"]
-        results = [file for file in written if str(file).endswith(tuple(keys))]
-        assert len(results) >= 5 + (j == 0) + (i == 0)
-        for file in results:
-            assert file in before
-            # and so are the folders that name it, up to those that were made with the store
-            for folder in itertools.takewhile(lambda one: one != path, file.parents):
-                assert folder in before, folder
-        assert flag in synced
+        keys += ([] if int(j) else [f"f_n/c/{i}"]) + ([] if int(i) else [f"omega_c/c/{j}"])
+        others = [file for file in before if str(file).endswith(tuple(keys)) and file != mark]
+        assert len(others) >= 4 + (j == "0") + (i == "0")
+        for file in others:  # and so are the folders that name it, up to the array's
+            folders = itertools.takewhile(lambda one: one.parent != path, file.parents)
+            for one in (file, *folders):
+                assert one.stat().st_ino in on_disk, one
+        assert mark.stat().st_ino in synced
 
 
 def test_files_cut_off_by_a_kill_are_removed(begun, expected):
-    for name in ("growth_rate/c/3/1.0123.partial", "sweep/done/c/7.0123.partial"):
-        (begun / name).parent.mkdir(exist_ok=True, parents=True)
-        (begun / name).write_bytes(b"half a chu")
+    left = begun / "growth_rate/c/3/1.0123.partial"
+    left.parent.mkdir(exist_ok=True)
+    left.write_bytes(b"half a chu")
     assert_same(sweep(begun), expected)
     assert leftovers(begun) == []
 
 
-def test_half_a_store_left_by_a_kill_is_removed(tmp_path):
-    name = "x[1]*.zarr"  # no pattern
-    left = tmp_path / f".{name}.0123.partial"
-    (left / "M").mkdir(parents=True)
-    (left / "zarr.json").write_text("{")
-    sweep(tmp_path / name, chunk=WHOLE)
-    assert not left.exists()
-
-
-def test_half_a_store_is_removed_when_another_sweep_made_the_store(begun):
-    left = begun.parent / f".{begun.name}.0123.partial"
-    left.mkdir()
-    sweep(begun)
-    assert not left.exists()
-
-
-def test_stores_that_are_being_made_by_others_stay(tmp_path):
-    other = tmp_path / ".x.zarr.0123.partial"
-    other.mkdir()
-    sweep(tmp_path / "y.zarr", chunk=WHOLE)
-    assert other.exists()
-    handle = create_module.lock_folder(other)
-    sweep(tmp_path / "x.zarr", chunk=WHOLE)
-    os.close(handle)
-    assert other.exists()
+def test_half_a_store_left_by_a_kill_is_made_anew(path, expected):
+    left = path.with_name(f".{path.name}.partial")
+    (left / "other").mkdir(parents=True)
+    (left / "zarr.json").write_text("{" * 10_000)
+    assert_same(sweep(path), expected)
+    assert [*path.parent.iterdir()] == [path]
+    assert not (path / "other").exists()
 
 
 # Gone ---------------------------------------------------------------------------------------------
 
 
 MOMENTS = {
-    "a chunk is solved": (task, "solve", 3),
-    "a file is written": (writing._Present, "set_sync", 20),
-    "files are synced": (writing, "to_disk", 5),
-    "files are summed up": (writing, "manifest_entry", 3),
+    "a chunk is solved": (tasks, "solve", 3),
+    "files are synced": (writing, "_sync", 5),
 }
 
 
@@ -239,7 +202,7 @@ def vanishing(moment, vanish):
         return function(*arguments)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ratestate.sweeps.task.cores", lambda: 1)
+        patch.setattr("ratestate.sweeps.tasks.cores", lambda: 1)
         patch.setattr(owner, name, called)
         yield
 
@@ -255,7 +218,7 @@ def test_a_store_that_vanishes_is_not_made_again(moment, path):
 def test_a_store_that_was_renamed_is_gone_on_with(path, expected):
     kept = path.with_name("kept")
     gone = pytest.raises(StoreError, match=r"x\.zarr is gone, or a part of it.*Put it back")
-    with vanishing("a file is written", lambda: path.rename(kept)), gone:
+    with vanishing("files are synced", lambda: path.rename(kept)), gone:
         sweep(path)
     assert [*path.parent.iterdir()] == [kept]
     kept.rename(path)
@@ -263,14 +226,17 @@ def test_a_store_that_was_renamed_is_gone_on_with(path, expected):
     assert_same(sweep(path), expected)
 
 
-def test_an_array_that_vanishes_is_not_made_again(path):
+def test_an_array_that_vanishes_is_computed_again(path, expected, monkeypatch):
+    monkeypatch.setattr("ratestate.sweeps.tasks.cores", lambda: 1)
+
     def remove(number):
         if number == 3:
             shutil.rmtree(path / "K_c")
 
-    with solved(remove), pytest.raises(StoreError, match=r"x\.zarr is gone, or a part of it"):
+    with solved(remove), pytest.raises(StoreError, match="Run the same sweep again"):
         sweep(path)
-    assert not (path / "K_c").exists()
+    with pytest.warns(RuntimeWarning, match="variable K_c"):
+        assert_same(sweep(path), expected)
 
 
 # Interrupted --------------------------------------------------------------------------------------
@@ -281,13 +247,13 @@ def test_an_interrupted_sweep_says_how_to_go_on(path, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("ratestate.sweeps.request.SweepRequest.divide", interrupt)
+        patch.setattr("ratestate.sweeps.sweep.Request.divide", interrupt)
         with pytest.raises(
             KeyboardInterrupt, match=r"Nothing is stored in .*x\.zarr\. Run the same"
         ):
             sweep(path)
     assert not path.exists()
-    monkeypatch.setattr("ratestate.sweeps.task.cores", lambda: 1)
+    monkeypatch.setattr("ratestate.sweeps.tasks.cores", lambda: 1)
 
     def later(number):
         if number == 3:
@@ -307,7 +273,7 @@ def test_no_room_for_a_chunk(path):
     asked["chunk"] = 10000
     with largest_file(50_000), pytest.raises(StoreError, match="File too large") as error:
         sweep(path, **asked)
-    assert "make room" in str(error.value)
+    assert "Make room" in str(error.value)
     assert "run the same sweep again" in str(error.value)
     assert store_status(path).done == 0
     assert leftovers(path.parent) == []
@@ -324,7 +290,7 @@ def test_no_room_for_a_store(path):
 
 @pytest.fixture
 def disk(tmp_path):
-    """A disk of 1 MB, and how to give it another size."""
+    """A disk of 600 kB, and how to give it another size."""
     place = tmp_path / "disk"
     place.mkdir()
 
@@ -333,7 +299,7 @@ def disk(tmp_path):
         return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
     try:
-        mounted = mount("-t", "tmpfs", "-o", "size=1m")
+        mounted = mount("-t", "tmpfs", "-o", "size=600k")
     except FileNotFoundError:
         mounted = False
     if not mounted:
@@ -350,19 +316,18 @@ def test_a_full_disk(disk):
     for _ in range(2):  # again without room: no better, no worse
         with pytest.raises(StoreError, match="No space left on device") as error:
             sweep(path, **asked)
-        assert "make room" in str(error.value)
+        assert "Make room" in str(error.value)
         assert "run the same sweep again" in str(error.value)
         assert leftovers(place) == []
         there = store_status(path)
         assert 3 <= there.chunks_done < there.chunks == 20
-        done = zarr.open_array(path / "sweep/done")[:].reshape(4, 5).repeat(2, axis=1)
+        done = Store.open(path).done().reshape(4, 5).repeat(2, axis=1)
         part = xr.open_zarr(path, chunks=None)
         for name in ("growth_rate", "eigenvalues", "status", "K_c"):
             where = done if part[name].ndim > 1 else done.any(axis=1)
             assert same(part[name].values[where], whole[name].values[where])
-    flags = list((path / "sweep/done/c").iterdir())
-    results = [path / f"growth_rate/c/{int(flag.name) // 5}/{int(flag.name) % 5}" for flag in flags]
-    before = {file: file.stat().st_mtime_ns for file in flags + results}
+    marks = [one for one in (path / "status/c").rglob("*") if one.is_file()]
+    before = {file: file.stat().st_mtime_ns for file in marks}
     assert resize("8m")
     assert_same(sweep(path, **asked), whole)
     assert {file: file.stat().st_mtime_ns for file in before} == before
@@ -412,8 +377,7 @@ def test_read_only_or_in_use_by_another_process(begun):
         folder.chmod(0o755)
         shutil.copytree(begun, folder / "x.zarr")
         shutil.copytree(begun, folder / "half.zarr")
-        for path in (folder / "half.zarr/sweep").rglob("*"):
-            path.chmod(0o777)  # the lock, the flags: all but the results
+        (folder / "half.zarr/zarr.json").chmod(0o777)  # the lock: all but the results
         (folder / "closed").mkdir(mode=0o700)
         shutil.copytree(begun, folder / "closed/x.zarr")
         if os.getuid():
@@ -427,17 +391,18 @@ def test_read_only_or_in_use_by_another_process(begun):
             path.chmod(0o777)
         stores = ["x.zarr", "half.zarr", "new.zarr", "closed/x.zarr", "closed/new.zarr"]
         command = [sys.executable, "-c", OTHERS, name, *stores, "busy.zarr"]
-        with exclusive_lock(folder / "busy.zarr/sweep/zarr.json", "busy.zarr"):
+        with exclusive_lock(folder / "busy.zarr/zarr.json", "busy.zarr"):
             done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=name)
         assert done.returncode == 0, done.stderr
         store, half, new, closed, closed_new, busy, rest = done.stdout.splitlines()
-        assert store.startswith("x.zarr cannot be written to (Permission denied); mend")
-        assert "what it holds is whole" in store
+        assert store.startswith(
+            "x.zarr cannot be written to (Permission denied). Its results are intact"
+        )
         assert half.startswith("half.zarr cannot be written to ([Errno 13] Permission denied")
         assert new.startswith("new.zarr cannot be made (Permission denied)")
         assert closed.startswith("closed/x.zarr cannot be read (Permission denied)")
         assert "(Permission denied)" in closed_new
-        assert busy.startswith("another sweep is writing to busy.zarr; wait until")
+        assert busy.startswith("Another sweep is writing to busy.zarr. Wait until")
         assert rest == f"{store_status(begun).chunks_done} {store_status(begun).done}"
         assert files(folder / "x.zarr") == before
 
@@ -467,7 +432,7 @@ def test_two_threads_on_a_store(begun, expected):
     with solved(pause):
         thread = in_thread(begun, outcomes)
         assert running.wait(20)
-        with pytest.raises(StoreError, match=r"another sweep is writing to .*x.zarr; wait until"):
+        with pytest.raises(StoreError, match=r"Another sweep is writing to .*x.zarr. Wait until"):
             sweep(begun)
         go_on.set()
         thread.join(20)
@@ -478,147 +443,78 @@ def test_two_threads_on_a_store(begun, expected):
 # zarr's warnings: filters are common to all threads, and come and go with any of them
 @pytest.mark.filterwarnings("ignore:Consolidated metadata is", "ignore:The data type")
 def test_two_threads_make_a_store(path, expected, monkeypatch):
-    both, outcomes = threading.Barrier(2, timeout=20), []
-    fill = create_module._write_static
+    contents, outcomes = writing._contents, []
 
-    def wait_for_the_other(*arguments):
-        fill(*arguments)
-        with contextlib.suppress(threading.BrokenBarrierError):
-            both.wait()
+    def contents_while_another_begins(*arguments):
+        monkeypatch.setattr(writing, "_contents", contents)
+        in_thread(path, outcomes).join(20)
+        return contents(*arguments)
 
-    monkeypatch.setattr(create_module, "_write_static", wait_for_the_other)
-    threads = [in_thread(path, outcomes) for _ in range(2)]
-    for thread in threads:
-        thread.join(30)
-    errors = [outcome for outcome in outcomes if isinstance(outcome, Exception)]
-    assert len(errors) < 2
-    for outcome in outcomes:
-        if isinstance(outcome, Exception):
-            assert is_clear(outcome, path)
-        else:
-            assert_same(outcome, expected)
-    assert leftovers(path.parent) == []
+    monkeypatch.setattr(writing, "_contents", contents_while_another_begins)
     assert_same(sweep(path), expected)
+    (error,) = outcomes
+    assert str(error).startswith(f"Another sweep is writing to {path}.")
+    assert [*path.parent.iterdir()] == [path]
 
 
-def is_clear(error, path):
-    """Whether an error says that another sweep has the store."""
-    known = (f"another sweep is writing to {path};", f"another sweep made {path} meanwhile;")
-    return isinstance(error, StoreError) and str(error).startswith(known)
+def test_a_store_that_another_sweep_makes_meanwhile_stays(path, expected, monkeypatch):
+    outcomes = []
 
+    def create_too_late(*arguments):
+        monkeypatch.setattr(sweep_module, "create", writing.create)
+        in_thread(path, outcomes).join(20)
+        writing.create(*arguments)
 
-def test_the_half_made_store_of_another_thread_stays(path, monkeypatch):
-    """It is not mistaken for one that a kill left, however early the other looks."""
-    lock_folder, first, outcomes = create_module.lock_folder, threading.Event(), []
-
-    def look_before(folder):
-        if not first.is_set():
-            first.set()
-            in_thread(path, outcomes).join(10)
-        return lock_folder(folder)
-
-    monkeypatch.setattr(create_module, "lock_folder", look_before)
-    in_thread(path, outcomes).join(20)
-    assert len(outcomes) == 2
-    errors = [outcome for outcome in outcomes if isinstance(outcome, Exception)]
-    assert len(errors) < 2
-    assert all(is_clear(error, path) for error in errors), errors
-    assert leftovers(path.parent) == []
-
-
-def test_a_store_is_whole_or_absent(path, monkeypatch, expected):
-    """Another sweep looks for what a kill left just as this one takes hold of its half store."""
-    lock_folder, fill, inputs_of = (
-        create_module.lock_folder,
-        create_module._write_static,
-        create_module.inputs_of,
-    )
-    main, outcomes, looked = threading.main_thread(), [], threading.Event()
-    folders = []
-
-    def hold_what_another_looks_at(folder):
-        folders.append(folder)
-        if len(folders) > 1:
-            return lock_folder(folder)
-        handle = os.open(folder, os.O_RDONLY)
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        threading.Timer(0.2, os.close, [handle]).start()
-        try:
-            return lock_folder(folder)
-        finally:
-            time.sleep(0.3)
-
-    def fill_until_full(*arguments):
-        if threading.current_thread() is not main:
-            raise OSError(28, "No space left on device")
-        fill(*arguments)
-
-    def look_meanwhile(*arguments):
-        if threading.current_thread() is main and not looked.is_set():
-            looked.set()
-            in_thread(path, outcomes).join(10)
-        return inputs_of(*arguments)
-
-    monkeypatch.setattr(create_module, "lock_folder", hold_what_another_looks_at)
-    monkeypatch.setattr(create_module, "_write_static", fill_until_full)
-    monkeypatch.setattr(create_module, "inputs_of", look_meanwhile)
+    monkeypatch.setattr(sweep_module, "create", create_too_late)
     assert_same(sweep(path), expected)
-    assert [type(outcome) for outcome in outcomes] == [StoreError]
-    assert leftovers(path.parent) == []
+    assert_same(outcomes[0], expected)
+    assert [*path.parent.iterdir()] == [path]
 
 
 # Another sweep ------------------------------------------------------------------------------------
 
 
-def test_of_other_parameters(begun):
-    before = files(begun)
+def differences(path, verb="stability", **changes):
+    """What differs in a sweep that is refused: name -> the line of the message."""
+    before = files(path)
     with pytest.raises(StoreError) as error:
-        sweep(
-            begun,
-            a=0.004,
-            M=AXES["M"] * 1.5,
-            V_lp=rs.logspace("V_lp", 1e-3, 1e-1, 4),
-            sigma=rs.logspace("sigma", 1e6, 2e6, 2),
-            law="aging",
-            chunk=4,
-        )
+        sweep(path, verb, **changes)
     first, *lines = str(error.value).splitlines()
-    assert first.startswith(f"{begun} holds another sweep; give this one a store of its own")
-    found = {line.strip().partition(":")[0]: line for line in lines}
+    assert first.startswith(f"{path} holds another sweep. Give this sweep a store of its own")
+    assert files(path) == before
+    return {line.strip().partition(":")[0]: line for line in lines}
+
+
+def test_of_other_parameters(begun):
+    M, V_lp = AXES["M"] * 1.5, rs.logspace("V_lp", 1e-3, 1e-1, 4)
+    sigma = rs.logspace("sigma", 1e6, 2e6, 2)
+    found = differences(begun, a=0.004, M=M, V_lp=V_lp, sigma=sigma, law="aging", chunk=4)
     assert set(found) == {"a", "M", "V_lp", "sigma", "law", "chunk"}
     assert "0.003 in the store, 0.004 now" in found["a"]
-    assert "4 of 4 values differ, first at M[0]: 100.0 kg/m^2 in the store, 150.0" in found["M"]
-    assert "3 of 4 values differ, first at V_lp[1]: " in found["V_lp"]
-    assert "2000000.0 Pa in the store, <sigma: 2; 1e+06 to 2e+06 Pa> now" in found["sigma"]
+    assert "<M: 4; 100 to 10000 kg/m^2; SHA-256" in found["M"]
+    assert "in the store, <M: 4; 150 to 15000 kg/m^2; SHA-256" in found["M"]
+    assert "2000000.0 Pa in the store, <sigma: 2; 1e+06 to 2e+06 Pa; SHA" in found["sigma"]
     assert "slip in the store, aging now" in found["law"]
     assert "(1, 2) cases in the store, chunk=4 now" in found["chunk"]
-    assert files(begun) == before
 
 
 def test_of_a_slider_that_differs_in_the_last_bit(begun):
     slider, symbols = rs.SpringSlider(**POINT), ["a", "b", "Dc", "sigma", "K", "mu0", "V0"]
-    with pytest.raises(StoreError) as error:
-        sweep(begun, **{one: float(np.nextafter(getattr(slider, one), 1e99)) for one in symbols})
-    found = {line.strip().partition(":")[0] for line in str(error.value).splitlines()[1:]}
-    assert found == {*symbols}
+    changes = {one: float(np.nextafter(getattr(slider, one), 1e99)) for one in symbols}
+    assert differences(begun, **changes).keys() == {*symbols}
 
 
-def test_of_an_axis_that_differs_in_the_last_bit(begun):
+def test_of_an_axis_that_differs_in_the_last_bit_or_in_its_name(begun):
     V_lp = AXES["V_lp"].copy()
     V_lp[2] = np.nextafter(V_lp[2], 1.0)
-    with pytest.raises(StoreError, match=r"V_lp: 1 of 4 values differ, first at V_lp\[2\]"):
-        sweep(begun, V_lp=xr.DataArray(V_lp.values, dims="V_lp"))
-
-
-def test_of_another_dimension(begun):
+    assert differences(begun, V_lp=V_lp).keys() == {"V_lp"}  # its labels are the same
     M = xr.DataArray(AXES["M"].values, dims="depth")
-    with pytest.raises(StoreError, match=r"M: <M: 4; .*> in the store, <depth: 4; .*> now"):
-        sweep(begun, M=M)
+    assert "<M: 4; " in (line := differences(begun, M=M)["M"])
+    assert "<depth: 4; " in line
 
 
 def test_of_another_verb(begun):
-    with pytest.raises(StoreError, match="verb: stability in the store, limit_cycle now"):
-        sweep(begun, "limit_cycle")
+    assert "stability in the store, limit_cycle now" in differences(begun, "limit_cycle")["verb"]
 
 
 MOTION = {
@@ -650,9 +546,7 @@ def motion(tmp_path_factory):
     ],
 )
 def test_of_another_motion(motion, changed, named):
-    with pytest.raises(StoreError) as error:
-        sweep(motion, "simulate", **MOTION | changed)
-    assert {line.strip().partition(":")[0] for line in str(error.value).splitlines()[1:]} == named
+    assert differences(motion, "simulate", **MOTION | changed).keys() == named
 
 
 # No store, or a damaged one -----------------------------------------------------------------------
@@ -681,7 +575,7 @@ def test_what_is_no_store_stays_as_it_is(path, put):
     put(path)
     before = files(path.parent)
     for use in (sweep, store_status):
-        with pytest.raises(StoreError, match=r"x.zarr is no store of a sweep"):
+        with pytest.raises(StoreError, match=r"x.zarr is not a store of a sweep"):
             use(path)
     assert files(path.parent) == before
     assert list(path.parent.iterdir()) == [path]
@@ -694,7 +588,7 @@ def test_no_folder_to_make_a_store_in(tmp_path):
     with pytest.raises(StoreError, match=r"x.zarr cannot be made \(Not a directory\)"):
         sweep(tmp_path / "file/x.zarr")
     with pytest.raises(
-        StoreError, match=r"there is nothing at .*x.zarr: no sweep has stored a chunk"
+        StoreError, match=r"There is nothing at .*x.zarr\. No sweep has stored a chunk"
     ):
         store_status(tmp_path / "missing/x.zarr")
 
@@ -703,73 +597,6 @@ def test_relative_paths_and_text(tmp_path, monkeypatch, expected):
     monkeypatch.chdir(tmp_path)
     assert_same(sweep("x.zarr"), expected)
     assert [path.name for path in tmp_path.iterdir()] == ["x.zarr"]
-
-
-RECORDS = [
-    "sweep/zarr.json",
-    "sweep/inputs/zarr.json",
-    "sweep/inputs/M/zarr.json",
-    "sweep/inputs/M/c/0",
-]
-
-
-@pytest.mark.filterwarnings("ignore:Object at")  # zarr's way of saying that it is lost
-@pytest.mark.parametrize("name", RECORDS)
-@pytest.mark.parametrize("use", [sweep, store_status], ids=["sweep", "held"])
-def test_records_cut_short_or_lost(begun, name, use):
-    content = (begun / name).read_bytes()
-    for length in (0, 1, len(content) // 2, len(content) - 1):
-        (begun / name).write_bytes(content[:length])
-        with pytest.raises(StoreError, match=r"x.zarr"):
-            use(begun)
-    (begun / name).unlink()
-    with pytest.raises(StoreError, match=r"x.zarr"):
-        use(begun)
-
-
-def flipped(file):
-    """Flip bits of a file, a byte at a time: the first, one more, or all; and mend it again."""
-    content = file.read_bytes()
-    for i, mask in zip(range(len(content)), itertools.cycle((0x01, 0x40, 0xFF))):
-        file.write_bytes(content[:i] + bytes([content[i] ^ mask]) + content[i + 1 :])
-        yield i
-    file.write_bytes(content)
-
-
-def test_a_flipped_bit_is_an_error_and_no_number(path):
-    M = xr.DataArray([0.0, 100.0, 3000.0, 1e4], {"M": [1, 2, 3, 4]}, dims="M")
-    sweep(path, "limit_cycle", M=M, V_lp=1e-2, chunk=4)
-    for name in ("M", "amplitude", "multipliers", "status", "message"):
-        array = zarr.open_array(path / name)
-        before = array[:]
-        file = next(file for file in (path / name / "c").rglob("*") if file.is_file())
-        for i in flipped(file):
-            try:
-                found = array[:]
-            except Exception:  # zarr's, of many kinds
-                continue
-            assert same(found, before), f"byte {i} of {name}"
-
-
-def test_a_flipped_bit_in_the_parameters(begun):
-    for _ in flipped(begun / "sweep/inputs/M/c/0"):
-        try:
-            _, inputs = store_module.read_record(begun)
-        except StoreError:
-            continue
-        np.testing.assert_array_equal(inputs.M, AXES["M"])
-
-
-def test_a_flipped_bit_in_a_flag_calls_nothing_done(begun):
-    done = zarr.open_array(begun / "sweep/done")[:]
-    flag = begun / f"sweep/done/c/{np.flatnonzero(done)[0]}"
-    array = zarr.open_array(begun / "sweep/done")
-    for i in flipped(flag):
-        try:
-            found = array[:]
-        except Exception:
-            continue
-        assert not (found & ~done).any(), f"byte {i}"
 
 
 # Read again ---------------------------------------------------------------------------------------
@@ -885,7 +712,7 @@ def test_held_and_failures_of_part_of_a_sweep(path):
     M = xr.DataArray([0.0, 100.0, 3000.0, 1e4], dims="M")
     asked = {"M": M, "V_lp": rs.logspace("V_lp", 1e-3, 1e-1, 4)}
     interrupted(path, after=5, verb="limit_cycle", **asked)
-    done = zarr.open_array(path / "sweep/done")[:]
+    done = Store.open(path).done()
     assert 4 <= done.sum() <= 6
     whole = sweep(None, "limit_cycle", **asked)
     where = done.reshape(4, 2).repeat(2, axis=1)

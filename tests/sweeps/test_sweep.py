@@ -26,12 +26,13 @@ from ratestate.dynamics.steady_sliding import StabilityCall
 from ratestate.engine import backend, dispatch
 from ratestate.engine.model import CRASHED, RUNAWAY, STATUSES
 from ratestate.errors import RunWarning
-from ratestate.sweeps import chunk_size, progress, task
+from ratestate.sweeps import chunks as chunks_module
+from ratestate.sweeps import progress, tasks
 from ratestate.sweeps.calls import call_of
-from ratestate.sweeps.chunks import Chunks, chunks_of, halves
-from ratestate.sweeps.solve import VariableSpec, form_of, solve
+from ratestate.sweeps.chunks import Chunks, chunks_of, sample_of
+from ratestate.sweeps.solve import VariableSpec, form_of, halves, solve
 from ratestate.sweeps.status import failures
-from ratestate.sweeps.task import Outcome
+from ratestate.sweeps.tasks import Outcome
 
 FIG2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 9e8}
 SLIDER = rs.SpringSlider(**FIG2, M=rs.logspace("M", 100, 1e5, 3))
@@ -92,14 +93,13 @@ def test_halves_are_the_whole(sizes):
 
 @given(sizes)
 def test_a_sample_lies_all_over_the_sweep(sizes):
-    slices = chunk_size.sample_indices(sizes, chunk_size.SAMPLE)
-    assert slices.keys() == sizes.keys()
-    assert math.prod(map(len, slices.values())) <= 2 * chunk_size.SAMPLE
-    for dim, found in slices.items():
-        assert found == sorted(set(found))
-        assert found[0] == 0
-        assert found[-1] == (sizes[dim] - 1 if len(found) > 1 else 0)
-        assert len(found) == sizes[dim] or len(found) > 1 or len(sizes) > 3
+    arrays = {dim: xarray.DataArray(np.ones(n), dims=dim) for dim, n in sizes.items()}
+    mass = 1e3 * math.prod(arrays.values())
+    call = call_of("stability", SLIDER.replace(M=mass), {"V_lp": 1e-3})[1]
+    found = sample_of(call, 256).batch.sizes
+    assert found.keys() == sizes.keys()
+    assert 1 <= math.prod(found.values()) <= 256
+    assert all(n > 1 or sizes[dim] == 1 for dim, n in found.items())
 
 
 def here_and_now(function, *arguments):
@@ -124,11 +124,12 @@ KINDS = {"period": VariableSpec(("case",), np.dtype(float), {}, {})}
     ],
 )
 def test_chunks_take_seconds(monkeypatch, seconds, n, workers, cases):
-    monkeypatch.setattr(chunk_size, "seconds_per_case", lambda *_: seconds)
+    monkeypatch.setattr(chunks_module, "seconds_per_case", lambda *_: seconds)
+    monkeypatch.setattr(chunks_module, "sample_of", lambda *_: None)
     call, form = SimpleNamespace(batch=SimpleNamespace(n=n, sizes={})), SimpleNamespace(specs=KINDS)
     backend = SimpleNamespace(shared=True, thread_count=workers, run=here_and_now)
     request = SimpleNamespace(call=call, form=form, device="cpu", backend=backend)
-    assert chunk_size.cases_per_chunk(request) == cases
+    assert chunks_module.cases_per_chunk(request) == cases
 
 
 def test_a_probe_stops_in_time():
@@ -137,7 +138,7 @@ def test_a_probe_stops_in_time():
     call = call_of("simulate", slider, how)[1]
     solve(dataclasses.replace(call, t_end=1e-3), {})  # compile
     begin = time.perf_counter()
-    a_case = chunk_size.seconds_per_case(call, form_of(call).specs)
+    a_case = chunks_module.seconds_per_case(call, form_of(call).specs)
     spent = time.perf_counter() - begin
     assert a_case > 1e-3
     assert spent < 30 * a_case  # there are 30 cases
@@ -276,6 +277,17 @@ def test_a_case_that_raises_is_found(raising, chunk, store, tmp_path):
         assert np.array_equal(found[name].isel(M=good), variable, equal_nan=True), name
 
 
+def test_an_error_of_compiling_ends_a_sweep_and_is_not_stored(monkeypatch, tmp_path):
+    def uncompiled(self, progress=None):
+        raise rs.CompilationError("spanner")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(StabilityCall, "run", uncompiled)
+        with pytest.raises(rs.CompilationError, match="spanner"):
+            sweep("stability", V_lp=V_LP, store=tmp_path / "x.zarr")
+    assert (sweep("stability", V_lp=V_LP, store=tmp_path / "x.zarr").status == 0).all()
+
+
 @pytest.mark.parametrize("other", [BAD, 1e3])
 def test_the_first_case_may_raise(raising, other):
     slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([BAD, other], dims="M"))
@@ -325,7 +337,7 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
 @pytest.mark.parametrize(
     ("how", "message"),
     [
-        ({"verb": "hopf"}, "verb = 'hopf' cannot be swept; choose one of limit_cycle, simulate"),
+        ({"verb": "hopf"}, "verb = 'hopf' cannot be swept. Choose one of limit_cycle, simulate"),
         ({"verb": rs.hopf}, "cannot be swept"),
         ({"V_lp": None}, "V_lp"),
         ({"V_lpp": 1.0}, "has no parameter V_lpp"),
@@ -339,13 +351,11 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
             {"slider": SLIDER.replace(M=xarray.DataArray([1e3], {"x": [object()]}, ("x",)))},
             "'x' has labels that cannot be stored",
         ),
-        ({"client": "tcp://1"}, r"client = 'tcp://1' is no dask.distributed.Client"),
+        ({"client": "tcp://1"}, r"client = 'tcp://1' is not a dask.distributed.Client"),
         ({"store": 3}, "store = 3 must be the path of a folder"),
         ({"store": "s3://bucket/x.zarr"}, "must be the path of a folder"),
         ({"slider": 3}, "slider = 3 is not a SpringSlider"),
         ({"slider": SLIDER.replace(M=1e3), "V_lp": 1e-3}, "nothing to sweep over"),
-        ({"mixed": "yes"}, "mixed = 'yes' must be True or False"),
-        ({"retry_crashed": 1}, "retry_crashed = 1 must be True or False"),
         ({"chunk": 0}, "chunk = 0 must be a number of cases"),
         ({"chunk": 1.5}, "chunk = 1.5 must"),
         ({"chunk": True}, "chunk = True must"),
@@ -390,7 +400,7 @@ def test_kernels_stop_when_told(monkeypatch, cores):
     [("cpu", [0, 1, 2], 2), ("cpu", [1], 6), ("cuda", [0, 1, 2], 6)],  # a GPU has one at a time
 )
 def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
-    monkeypatch.setattr(task, "cores", lambda: 6)
+    monkeypatch.setattr(tasks, "cores", lambda: 6)
     seen = []
 
     class Tasks:
@@ -408,7 +418,7 @@ def test_threads_share_the_cores(monkeypatch, kind, numbers, threads):
         refresh = staticmethod(lambda: None)
 
     call = call_of("limit_cycle", SLIDER, {"V_lp": 1e-3})[1]
-    found = list(task.Threads("cpu").outcomes(Tasks(), call, numbers, Report()))
+    found = list(tasks.Threads("cpu").outcomes(Tasks(), call, numbers, Report()))
     assert sorted(outcome.chunk for outcome in found) == numbers
     assert sorted(seen) == [(i, 1, threads) for i in numbers]
 

@@ -150,11 +150,10 @@ def files_in_sibling(store):
 
 
 def chunks_done(store):
-    """Names of the flags of a store's chunks."""
-    try:
-        return {flag.name for flag in (store / "sweep/done/c").iterdir() if flag.name.isdecimal()}
-    except FileNotFoundError:
-        return set()
+    """Blocks, such as "0/1", of the statuses in a store: those of the chunks that are done."""
+    folder = store / "status/c"
+    found = (one.relative_to(folder) for one in folder.rglob("*") if one.is_file())
+    return {str(block) for block in found if block.suffix != ".partial"}
 
 
 def contents(store):
@@ -184,24 +183,14 @@ class Reference:
         self.chunks = chunks_done(run.store)
         self.of_chunk = self._files_of_chunks()
         # files of a store in which nothing is done yet
-        self.to_begin_with = len(self.files) - sum(1 + len(own) for own in self.of_chunk.values())
+        self.to_begin_with = len(self.files) - sum(map(len, self.of_chunk.values()))
 
     def _files_of_chunks(self):
-        """Name of a chunk's flag -> the files that must be there before it is."""
-        status = sorted(
-            (tuple(map(int, name.split("/")[2:])), name.removeprefix("status/"))
-            for name in self.files
-            if name.startswith("status/c/")
-        )
-        assert len(status) == len(self.chunks), "each chunk has a file of statuses"
-        own = [{name for name in self.files if _is_of(name, key)} for _, key in status]
-        return {str(i): {*names, f"sweep/manifest/c/{i}"} for i, names in enumerate(own)}
-
-
-def _is_of(name, key):
-    """Whether a file, such as V_max/c/0/1 or multipliers/c/0/1/0, belongs to the chunk c/0/1."""
-    variable, _, rest = name.partition("/")
-    return variable != "sweep" and (rest == key or rest.startswith(f"{key}/"))
+        """Block of a chunk -> its files, such as V_max/c/0/1 or multipliers/c/0/1/0."""
+        return {
+            block: {name for name in self.files if f"{name}/".find(f"/c/{block}/") > 0}
+            for block in self.chunks
+        }
 
 
 class Victim:
@@ -212,7 +201,7 @@ class Victim:
         (folder / "sweep.toml").write_text(size.scenario)
         self.folder, self.size, self.reference = folder, size, reference
         self.store = folder / "x.zarr"
-        self.stamps: dict = {}  # flag or result of a chunk that is done -> when and where written
+        self.stamps: dict = {}  # file of a chunk that is done -> when and where written
         self.wrong: list = []
         self.kills = 0
 
@@ -233,9 +222,7 @@ class Victim:
         for name, stamp in self.stamps.items():
             if self._stamp(name) != stamp:
                 self.wrong.append(f"{name} was done before, and was written again")
-        kept = {f"sweep/done/c/{i}" for i in done}.union(
-            *(self.reference.of_chunk[i] for i in done)
-        )
+        kept = set().union(*(self.reference.of_chunk[i] for i in done))
         self.stamps = {name: self._stamp(name) for name in kept & whole.keys()}
         if not self.store.exists():
             return "half a store" if siblings(self.store) else "no store yet"
@@ -256,7 +243,10 @@ class Victim:
     def strike(self, dice):
         """Run the command and kill it at a moment that the dice choose; what was aimed at."""
         run, timing = Run(self.folder, self.size), self.reference.timing
-        left = sorted(self.reference.chunks - chunks_done(self.store), key=int)
+        left = sorted(
+            self.reference.chunks - chunks_done(self.store),
+            key=lambda block: [*map(int, block.split("/"))],
+        )
         made = self.store.exists()
         aim = dice.choice(["any moment", "a chunk", "a chunk" if made else "creation"])
         if aim == "creation":

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from ..errors import ParameterError
 
-#: group with the checksums of a result's Zarr folder
-CHECKSUMS = "checksums"
+#: group with the checksums of a result's Zarr folder; attribute with digests
+CHECKSUMS, DIGESTS = "checksums", "sha256"
 #: endings of files with pictures
 PICTURES = (".png", ".pdf")
 
@@ -108,14 +108,11 @@ def writing(path):
 
 def _is_replaceable(path):
     """Whether a folder holds a result that `write` made, and nothing but its files."""
-    from ..sweeps.legacy import METADATA
-    from ..sweeps.manifest import RECORDS
-
-    record = path / CHECKSUMS / METADATA
+    record = path / CHECKSUMS / "zarr.json"
     try:
         known = {
             record,
-            *(path / key for key in json.loads(record.read_text())["attributes"][RECORDS]),
+            *(path / key for key in json.loads(record.read_text())["attributes"][DIGESTS]),
         }
     except (OSError, ValueError, KeyError, TypeError):
         return False

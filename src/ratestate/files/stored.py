@@ -13,10 +13,10 @@ import numpy as np
 from ..errors import ParameterError
 from ..records.kit.processes import read_isolated
 from ..records.reading.open_table import refuse_other_files
-from .place import CHECKSUMS
+from .place import CHECKSUMS, DIGESTS
 
-#: attribute of a file with digests as JSON; the name there of the file's own attributes
-DIGESTS, OWN = "sha256", ""
+#: name of a NetCDF file's own attributes among its digests
+OWN = ""
 #: suffix -> what of a complex array it is
 PARTS = {"real": ("real part", np.real), "imag": ("imaginary part", np.imag)}
 
@@ -119,7 +119,6 @@ def write_zarr(data, path):
     """Write a Dataset as a Zarr group, and in it a group with the SHA-256 of each file."""
     import zarr
 
-    from ..sweeps.manifest import RECORDS, digests_of, keys_in
     from ..sweeps.store import python_text, zarr_3_warnings_ignored
 
     if CHECKSUMS in data.variables:
@@ -131,8 +130,16 @@ def write_zarr(data, path):
         data.to_zarr(path, mode="w-", zarr_format=3, consolidated=False)
         checksums = zarr.open_group(path, mode="r+", zarr_format=3).create_group(CHECKSUMS)
         zarr.consolidate_metadata(path)  # which names the group too: it cannot be lost unnoticed
-        keys = [key for key in keys_in(path) if not key.startswith(f"{CHECKSUMS}/")]
-        checksums.attrs[RECORDS] = digests_of(path, keys)
+        files = [one for one in path.rglob("*") if one.is_file()]
+        keys = sorted(one.relative_to(path).as_posix() for one in files)
+        checksums.attrs[DIGESTS] = {
+            key: _file_digest(path / key) for key in keys if not key.startswith(f"{CHECKSUMS}/")
+        }
+
+
+def _file_digest(file):
+    """Return the SHA-256 of a file; "" if there is none."""
+    return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
 
 
 def read_zarr(path):
@@ -143,10 +150,7 @@ def read_zarr(path):
     import xarray
     import zarr
 
-    from ..sweeps import sentence
-    from ..sweeps.manifest import RECORDS, File, as_lines, flaws_among
-    from ..sweeps.record import refuse_zarr_2
-    from ..sweeps.store import load_result, python_text
+    from ..sweeps.store import as_lines, load_result, python_text, refuse_zarr_2
 
     refuse_zarr_2(path)
     if (path / "sweep").is_dir():  # such a store knows itself what must be in it
@@ -154,10 +158,16 @@ def read_zarr(path):
     # a damaged list of the groups may lack this one, and it may be lost itself: either is enough
     how: Any = {"mode": "r", "zarr_format": 3}
     if (path / CHECKSUMS).exists() or CHECKSUMS in zarr.open_group(path, **how):
-        digests: Any = zarr.open_group(path / CHECKSUMS, **how).attrs[RECORDS]
-        files = [File(key, digest=digest) for key, digest in digests.items()]
-        if flaws := flaws_among(path, files):
-            raise ParameterError(sentence("damage.hopeless", path=path, lines=as_lines(flaws)))
+        digests: Any = zarr.open_group(path / CHECKSUMS, **how).attrs[DIGESTS]
+        found = {key: _file_digest(path / key) for key in digests}
+        if flaws := [
+            f"{key} is {'damaged' if found[key] else 'missing'}"
+            for key, digest in digests.items()
+            if found[key] != digest
+        ]:
+            raise ParameterError(
+                f"{path} is damaged. Put these files back from a copy:{as_lines(flaws)}"
+            )
     with xarray.open_zarr(path, chunks=None, zarr_format=3) as opened:
         return python_text(opened.load())
 

@@ -1,8 +1,8 @@
 """The functions that can be swept, and their checked calls, which can be divided into parts.
 
 A call is a frozen dataclass of arguments in SI.  ``batch`` broadcasts them, ``run()`` returns the
-variables of all cases, ``blank()`` the same without answers, ``dataset(variables)`` the result;
-`arrays.isel` selects a part of it.
+variables of all cases, ``blank()`` returns them without answers, ``dataset(variables)`` returns the
+result.  `arrays.isel` selects a part of it.
 """
 
 import inspect
@@ -41,12 +41,10 @@ AT_A_TIME = 100_000
 
 
 def call_of(verb, slider, arguments):
-    """Name of a function that can be swept, given as such or by name, and its checked call.
+    """Return the name of a function that can be swept, given as such or by name, and its call.
 
-    ParameterError for another function, arguments that it refuses, nothing to sweep over, a sweep
-    of no cases, and names or labels of coordinates that a result or store cannot have.
-
-    arguments : dict, all but the slider
+    ParameterError for another function, arguments that it refuses, nothing to sweep over, and names
+    or labels of coordinates that a result or store cannot have.
     """
     known: dict[Hashable, str] = {name: name for name in FUNCTIONS}
     known |= {function: name for name, (function, _) in FUNCTIONS.items()}
@@ -83,10 +81,7 @@ def _check_names(call):
 
 
 def check_cases(call, chunks):
-    """Raise ParameterError for any case whose initial values contradict each other.
-
-    Only `simulate` has some; other calls pass.
-    """
+    """Raise ParameterError if initial values of any case contradict each other."""
     if getattr(call, "initial", None):
         for slices in chunks:
             part = isel(call, slices)

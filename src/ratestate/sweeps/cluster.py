@@ -1,95 +1,159 @@
-"""Where a sweep runs if not here: on the workers of a Dask cluster, of which any may die."""
+"""The workers of a Dask cluster, on which a sweep can run and of which any may die.
 
+Dask gives the tasks of a worker that died to others, unless several workers died with a task.
+"""
+
+import asyncio
+import contextlib
 import itertools
-from collections import Counter
+import json
+import pickle
+import time
+from typing import Any, NamedTuple
 
-from ..errors import RateStateError, SolverError
+from ..dynamics.recipe import versions
+from ..errors import ParameterError, RateStateError, SolverError
 from ..model.arrays import isel
 from . import sentence
-from .cluster_work import jobs_of, working
-from .subprocesses import SubprocessTasks
+from .progress import to_stderr
+from .tasks import call_on_worker
 
 # Chunks under way for each thread of the cluster, so that no thread waits for its next one.
 AHEAD = 2
-# Workers that may die with a chunk: the first, and those that then solve it in a subprocess.
-MOST_DEATHS = 4
+# Seconds between two checks for finished tasks; between two checks for workers; until a message
+# says that there are no workers.
+TICK, LOOK, PATIENCE = 0.05, 1.0, 3.0
 
 
 class Cluster:
-    """The workers of a Dask cluster, as a backend of a sweep: see `task.Threads`."""
+    """The workers of a Dask cluster, as a backend of a sweep: see `tasks.Threads`.
+
+    jobs : `slurm.Jobs` of the workers, or None
+    """
 
     shared = False
 
-    def __init__(self, client, device):
-        self.client, self.device = client, device
+    def __init__(self, client, device, jobs=None):
+        self.client, self.device, self.jobs = client, device, jobs
+        self.threads, self.last_worker, self.last_look = 0, time.monotonic(), -LOOK
 
     @property
     def thread_count(self):
         """Number of threads that the cluster has or, with jobs, will have; at least 1."""
-        jobs = jobs_of(self.client)
-        return max(1, jobs.thread_count if jobs else sum(self.client.nthreads().values()))
+        if self.jobs:
+            return self.jobs.thread_count
+        return max(1, sum(self.client.nthreads().values()))
 
     def run(self, function, *arguments):
-        """Have a worker call a function, with kernels on one thread, and return its result.
+        """Have a worker call a function, with kernels on one thread, and return its result."""
+        calls = iter([(function, *arguments)])
+        with contextlib.closing(
+            self._results(calls, {"versions": json.loads(versions())})
+        ) as found:
+            return next(found)
 
-        An error of ratestate's own in the function is raised here.  SolverError for any other,
-        and where the cluster is lost; KilledWorker where the function kills several workers.
-        """
-        with working(self.client, self.device) as work:
-            work.send(0, function, *arguments)
-            while not (ended := work.finished()):
-                work.thread_count()
-            return _result_of(ended[0][1])
-
-    def outcomes(self, tasks, call, numbers, report, processor):
+    def outcomes(self, tasks, call, numbers, report, expected):
         """Solve the chunks with these numbers; yield each `Outcome` when it is ready.
 
-        All workers must have this kind of processor, if it is not None, else StoreError.  A chunk
-        whose worker died is solved again by `SubprocessTasks`, where it cannot kill the worker; one
-        whose worker ended with its job is simply solved again.  SolverError where workers die with
-        one chunk more than `MOST_DEATHS` times, and where the cluster is lost.
+        StoreError unless workers have the expected origin.  SolverError if the cluster is lost.
         """
-        from distributed import KilledWorker
+        calls = ((tasks.do, i, isel(call, tasks.chunks.slices(i))) for i in numbers)
+        yield from self._results(calls, expected, report.refresh)
 
-        waiting, deaths = iter(numbers), Counter[int]()
+    def _results(self, calls, expected, refresh=lambda: None):
+        """Have workers do calls, each a function and its arguments; yield results in any order."""
+        from distributed import CancelledError
+        from distributed.client import ClosedClientError
 
-        def send(i):
-            how = SubprocessTasks(*tasks) if deaths[i] else tasks
-            work.send(i, how.do, i, isel(call, tasks.chunks.slices(i)))
-
-        def retry_in_subprocess(i):
-            deaths[i] += 1
-            if deaths[i] > MOST_DEATHS:
-                raise SolverError(sentence("cluster.workers_die"))
-            send(i)
-
-        with working(self.client, self.device, processor) as work:
+        under_way: dict = {}  # future of a call -> future of its answer here
+        try:
             while True:
-                free = AHEAD * max(1, work.thread_count()) - len(work.under_way)
-                for i in itertools.islice(waiting, max(0, free)):
-                    send(i)
-                if not work.unfinished:
+                free = AHEAD * max(1, self._look()) - len(under_way)
+                for call in itertools.islice(calls, max(0, free)):
+                    future, answer = self._submit(expected, call)
+                    under_way[future] = answer
+                if not under_way:
                     return
-                for i, job_ended in work.lost_tasks():
-                    send(i) if job_ended else retry_in_subprocess(i)
-                for i, answer in work.finished():
-                    try:
-                        outcome = _result_of(answer)
-                    except KilledWorker:  # it killed several before their deaths were noted here
-                        retry_in_subprocess(i)
-                    else:
-                        yield outcome
-                report.refresh()
+                ended = [future for future, answer in under_way.items() if answer.done()]
+                for future in ended:
+                    yield _result_of(under_way.pop(future))
+                if not ended:
+                    time.sleep(TICK)
+                refresh()
+        except RateStateError:
+            raise
+        except (CancelledError, ClosedClientError, OSError) as error:
+            reason = getattr(error, "reason", error)
+            raise SolverError(sentence("cluster.lost", error=reason)) from error
+        finally:
+            if self.client.status == "running":
+                self.client.cancel([*under_way])
+
+    def _submit(self, expected, call):
+        """Have a worker do a call; return its future, and that of its answer here."""
+        task = _CallWhenUnpickled(call_on_worker, (expected, self.device, *call))
+        future = self.client.submit(pickle.loads, pickle.dumps(task), pure=False)
+        # An answer may be lost with its worker, and then takes long to be computed again.  Waiting
+        # for it with `future.result()` would hide other answers, and that there are no workers.
+        fetched = self.client.gather(future, asynchronous=True)
+        loop = self.client.loop.asyncio_loop
+        return future, asyncio.run_coroutine_threadsafe(fetched, loop)
+
+    def _look(self):
+        """Return the number of threads of the cluster, as of the last second.
+
+        ConnectionError if the scheduler is gone; SolverError if no job is left.
+        """
+        now = time.monotonic()
+        if now - self.last_look < LOOK:
+            return self.threads
+        if self.client.status != "running":
+            raise ConnectionError("its scheduler is gone")
+        self.last_look, self.threads = now, sum(self.client.nthreads().values())
+        if self.threads:
+            self.last_worker = now
+        elif now - self.last_worker > PATIENCE:
+            self.last_worker = float("inf")  # one message is enough
+            to_stderr("ratestate: the cluster has no workers. Waiting for some ...")
+        if self.jobs:
+            self.jobs.maintain()
+        return self.threads
+
+
+class _CallWhenUnpickled(NamedTuple):
+    """A call that takes place where this is unpickled: in the task.
+
+    So the scheduler need not be able to import the function, and a worker that cannot import it
+    fails in this task only.  If Dask did the unpickling, such a worker would die.
+    """
+
+    function: Any
+    arguments: tuple
+
+    def __reduce__(self):
+        return self.function, self.arguments
 
 
 def _result_of(answer):
-    """The result of a task that has ended; what it raised but should not becomes a SolverError."""
+    """Return the result of a task that has ended; an unexpected error becomes a SolverError."""
     from distributed import CancelledError, KilledWorker
 
     try:
         return answer.result()
-    except (RateStateError, CancelledError, KilledWorker):
+    except (RateStateError, CancelledError):
         raise
+    except KilledWorker as error:
+        raise SolverError(sentence("cluster.workers_die")) from error
     except Exception as error:
         what = f"{type(error).__name__}: {error}"
         raise SolverError(sentence("cluster.worker", error=what)) from error
+
+
+def import_extra(module):
+    """Import a module that the extra `cluster` installs."""
+    from importlib import import_module
+
+    try:
+        return import_module(module)
+    except ImportError:
+        raise ParameterError(sentence("cluster.not_installed", module=module)) from None

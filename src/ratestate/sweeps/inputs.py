@@ -1,49 +1,53 @@
-"""The inputs of a sweep: recorded in its store, and compared before it is resumed."""
+"""What a sweep is begun with: its arguments, and what decides the last digits of its results.
+
+A store records both as texts.  They are compared before it is resumed.
+"""
 
 import dataclasses
 import hashlib
 import json
 
 import numpy as np
-import xarray
 
+from ..dynamics.recipe import versions
+from ..engine.cuda_driver import gpu_name
+from ..engine.machine_code import processor as this_processor
 from ..model.quantities import QUANTITIES
 from ..model.units import is_array
 
 
-def inputs_of(name, call):
-    """Arguments [SI] of a call of function `name`, as Dataset: numbers as variables.
+def arguments_of(name, call):
+    """Return the arguments [SI] of a call of function `name`, and coordinates: name -> text.
 
-    All else are attributes, and what is None is left out.
+    Texts of different values differ.  Arguments that are None are left out.
     """
-    variables, texts = {}, {"verb": name}
+    texts = {"verb": name}
     for name, value in _leaves(call):
+        unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
+        unit = "" if unit == "1" else f" {unit}"
         if is_array(value):
-            variables[name] = _variable(name, value.dims, value.values)
+            texts[name] = _summary(value.values, value.sizes, unit)
+        elif isinstance(value, np.ndarray) and value.ndim:
+            texts[name] = _summary(value, {}, unit)
         elif isinstance(value, np.ndarray | float | int):
-            variables[name] = _variable(name, range(np.ndim(value)), np.asarray(value, float))
+            texts[name] = f"{float(value)!r}{unit}"
         elif value is not None:
-            texts[name] = value
-    for dim, value in call.dataset({}).coords.items():
-        name = f"coordinate {dim}"
-        if value.dtype.kind in "biuf":
-            variables[name] = _variable(name, value.dims, value.values)
-        else:  # texts, dates
-            texts[name] = _label_summary(value)
-    return xarray.Dataset(variables, attrs=texts)
+            texts[name] = str(value)
+    coords = call.dataset({}).coords.items()
+    return texts | {f"coordinate {dim}": _summary(x.values, x.sizes) for dim, x in coords}
 
 
-def _variable(name, dims, values):
-    """A variable with its own dimensions, since those of the sweep may be named like variables."""
-    return xarray.Variable([f"{name}, {dim}" for dim in dims], values)
-
-
-def _label_summary(labels):
-    """Labels as a string: the first few, and a digest of all."""
-    texts = labels.values.astype(str).ravel().tolist()
-    digest = hashlib.sha256(json.dumps(texts).encode()).hexdigest()[:16]
-    more = ", ..." if len(texts) > 5 else ""
-    return f"{', '.join(texts[:5])}{more} ({len(texts)} labels, SHA-256 {digest})"
+def _summary(values, sizes, unit=""):
+    """Return an array in short, with a digest: two that differ in the last bit have other texts."""
+    if values.dtype.kind in "biuf":
+        found = f"{values.min():.6g} to {values.max():.6g}{unit}"
+        content = np.ascontiguousarray(values).tobytes()
+    else:  # texts, dates
+        texts = values.astype(str).ravel().tolist()
+        found = ", ".join(texts[:5]) + (", ..." if len(texts) > 5 else "")
+        content = json.dumps(texts).encode()
+    along = ", ".join(f"{dim}: {n}" for dim, n in sizes.items()) or f"{values.size} values"
+    return f"<{along}; {found}; SHA-256 {hashlib.sha256(content).hexdigest()[:16]}>"
 
 
 def _leaves(value, name=""):
@@ -60,64 +64,38 @@ def _leaves(value, name=""):
         yield from _leaves(part, inside.removesuffix("_initial"))
 
 
-def checksum(inputs):
-    """SHA-256 of all inputs, a Dataset from `inputs_of`; hexadecimal text."""
-    digest = hashlib.sha256(json.dumps(inputs.attrs, sort_keys=True).encode())
-    for name in sorted(inputs.variables):
-        variable = inputs.variables[name]
-        digest.update(f"{name} {variable.dims} {variable.shape}".encode())
-        digest.update(np.ascontiguousarray(variable.values, float).tobytes())
-    return digest.hexdigest()
+def origin(device):
+    """Return what decides the last digits of this process's results: versions and processor.
+
+    Each is a dict of texts.  A kind of processor is that for which code is compiled: LLVM's names
+    of target and processor, the features that code may use, and the GPU.
+    """
+    target, cpu, features = this_processor()
+    used = {f"feature {one[1:]}": "used" for one in features.split(",") if one.startswith("+")}
+    gpu = {} if device == "cpu" else {"gpu": gpu_name()}
+    return {
+        "versions": json.loads(versions()),
+        "processor": {"target": target, "cpu": cpu, **gpu, **used},
+    }
 
 
-def input_differences(stored, requested):
-    """Differences between two Datasets from `inputs_of`, as a list of lines; [] if they agree."""
-    lines = []
-    for name in sorted({*stored.attrs, *requested.attrs}):
-        old, new = stored.attrs.get(name, "not given"), requested.attrs.get(name, "not given")
-        if old != new:
-            lines.append(f"{name}: {old} in the store, {new} now")
-    changed = {}
-    for name in sorted({*stored.variables, *requested.variables}):
-        old, new = stored.variables.get(name), requested.variables.get(name)
-        if old is None or not old.equals(new):
-            changed[name] = f"{name}: {_difference(name, old, new)}"
+def origin_differences(stored, now):
+    """Return the differences of two origins that may change last digits, as a list of lines.
+
+    Another version of ratestate alone does not count: its kernels have a digest of their own.
+    """
+    lines = differences(stored["versions"], now["versions"], "version of ")
+    if len(lines) == 1 and lines[0].startswith("version of ratestate:"):
+        lines = []
+    return lines + differences(stored["processor"], now["processor"], "processor, ")
+
+
+def differences(stored, now, label=""):
+    """Return the differences between two dicts of texts, as a list of lines."""
+    changed = {name for name in {*stored, *now} if stored.get(name) != now.get(name)}
     # (the coordinate of an axis differs whenever the axis does)
-    repeated = {f"coordinate {name}" for name in changed}
-    return lines + [line for name, line in changed.items() if name not in repeated]
-
-
-def _difference(name, stored, requested):
-    """How two variables differ, of which one may be None."""
-    sizes = [list(one.sizes.items()) for one in (stored, requested) if one is not None]
-    if len(sizes) < 2 or sizes[0] != sizes[1]:
-        return f"{_summary(name, stored)} in the store, {_summary(name, requested)} now"
-    old, new = stored.values, requested.values
-    differing = np.argwhere((old != new) & ~(np.isnan(old) & np.isnan(new)))
-    first = tuple(differing[0])
-    pair = f"{_number(name, old[first])} in the store, {_number(name, new[first])} now"
-    if not first:
-        return pair
-    dims = [dim.removeprefix(f"{name}, ") for dim in stored.dims]
-    index = ", ".join(f"{dim}[{i}]" for dim, i in zip(dims, first, strict=True))
-    return f"{len(differing)} of {old.size} values differ, first at {index}: {pair}"
-
-
-def _summary(name, variable):
-    """A variable, or None, in short."""
-    if variable is None:
-        return "not given"
-    if not variable.dims:
-        return _number(name, variable.values)
-    sizes = [f"{dim.removeprefix(f'{name}, ')}: {n}" for dim, n in variable.sizes.items()]
-    low, high = np.min(variable.values), np.max(variable.values)
-    return f"<{', '.join(sizes)}; {low:.6g} to {high:.6g}{_unit(name)}>"
-
-
-def _number(name, value):
-    return f"{value.item()!r}{_unit(name)}"
-
-
-def _unit(name):
-    unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
-    return "" if unit == "1" else f" {unit}"
+    changed -= {f"coordinate {name}" for name in changed}
+    return [
+        f"{label}{name}: {stored.get(name, 'none')} in the store, {now.get(name, 'none')} now"
+        for name in sorted(changed)
+    ]

@@ -13,7 +13,7 @@ LOG_EVERY = 30.0
 
 
 class ProgressReport(Bar):
-    """Counts the cases of a sweep; shows cases done, failures, rate and time left on stderr.
+    """Shows cases done, failures, rate and time left on stderr.
 
     done : which chunks earlier sessions did, (chunks,) bool; failed: how many cases of these failed
     """

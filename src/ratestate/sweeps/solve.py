@@ -11,7 +11,6 @@ from ..engine.model import CRASHED, FINISHED, STATUSES, STEADY_SLIDING
 from ..errors import RateStateError
 from ..model.arrays import isel
 from ..model.quantities import attrs
-from .chunks import halves
 
 #: statuses of cases that have an answer
 ANSWERED = (FINISHED, STEADY_SLIDING)
@@ -27,10 +26,7 @@ class VariableSpec(NamedTuple):
 
     @property
     def missing(self) -> Any:
-        """The value of a case without an answer: NaN if the type has it, else 0, False or "".
-
-        But -1, "unknown", of flags that have it.
-        """
+        """The value of a case without an answer: NaN, -1 for flags that have it, 0, False or ""."""
         if self.dtype.kind in "fc":
             return self.dtype.type(np.nan)
         if -1 in self.attrs.get("flag_values", ()):
@@ -38,7 +34,7 @@ class VariableSpec(NamedTuple):
         return "" if self.dtype == object else self.dtype.type(0)
 
     def empty(self, sizes):
-        """A Variable without answers; sizes: dimension of the sweep -> number of values."""
+        """Return a Variable without answers; sizes: dimension of the sweep -> number of values."""
         shape = [{**sizes, **self.own}[dim] for dim in self.dims]
         return xarray.Variable(self.dims, np.full(shape, self.missing, self.dtype), self.attrs)
 
@@ -49,9 +45,14 @@ class Form(NamedTuple):
     specs: dict  # name -> `VariableSpec`
     static: dict  # name -> variable, for those common to all cases, such as saved times
 
+    @property
+    def swept(self):
+        """The specifications of variables that differ between cases."""
+        return {name: spec for name, spec in self.specs.items() if name not in self.static}
+
 
 def form_of(call):
-    """`Form` of a call's result."""
+    """Return the `Form` of a call's result."""
     dims = call.batch.dims
     first = isel(call, {dim: slice(0, 1) for dim in dims})
     specs, static = {}, {}
@@ -64,13 +65,13 @@ def form_of(call):
 
 
 def solve(call, specs, progress=None):
-    """Variables of all cases of a call, name -> Variable, ``status`` and ``message`` among them.
+    """Return variables of all cases of a call, ``status`` and ``message`` among them.
 
-    A case that raises an error is found by halving, and gets the status ``crashed``; only
+    A case that raises an error is found by halving, and gets the status ``crashed``.  Only
     `RateStateError`, which concerns them all, and `Stopped` are raised.
 
     specs : variable -> `VariableSpec`
-    progress : is called with the fraction of the cases done, if given
+    progress : called with the fraction of the cases done, or None
     """
     try:
         return with_messages(call.run(progress), call.batch)
@@ -84,10 +85,9 @@ def solve(call, specs, progress=None):
 
 
 def with_messages(variables, batch):
-    """These variables with ``status``, if it is not among them, and ``message``, in a new dict.
+    """Return variables with ``status``, FINISHED if they have none, and ``message``.
 
-    A status that is added is FINISHED; a message says why a case failed, "" where it did not.
-    KeyError where a status is not in `STATUSES`, such as -1.
+    A message says why a case failed, or is "".
     """
     if "status" not in variables:
         done = np.full(batch.shape, FINISHED, np.int8)
@@ -100,10 +100,7 @@ def with_messages(variables, batch):
 
 
 def crashed_variables(call, specs, message):
-    """Variables of a call whose cases all have the status ``crashed``, for this reason (str).
-
-    All else is `VariableSpec.missing`.
-    """
+    """Return variables of a call whose cases all have the status ``crashed``, for this reason."""
     sizes = call.batch.sizes
     variables = {name: spec.empty(sizes) for name, spec in specs.items()}
     variables["status"][...] = CRASHED
@@ -112,7 +109,7 @@ def crashed_variables(call, specs, message):
 
 
 def concatenate(parts, dim):
-    """Variables, name -> Variable, of a list of two parts of a sweep, adjacent along dim."""
+    """Return the variables of a list of two parts of a sweep, adjacent along dim."""
     whole = {}
     for name, one in parts[0].items():
         other = parts[1][name]
@@ -125,14 +122,18 @@ def concatenate(parts, dim):
     return whole
 
 
-def count_failed(variables):
-    """Number of cases that are neither finished nor steady sliding, those not computed (-1) too.
+def halves(sizes):
+    """Return the longest dimension of a block, and its halves: a list of {dimension: slice}."""
+    dim = max(sizes, key=sizes.__getitem__)
+    middle = sizes[dim] // 2
+    return dim, [{dim: slice(0, middle)}, {dim: slice(middle, sizes[dim])}]
 
-    By ``status``, which must be among the variables.
-    """
+
+def count_failed(variables):
+    """Return the number of cases that are neither finished nor steady sliding, by ``status``."""
     return int((~np.isin(variables["status"].values, ANSWERED)).sum())
 
 
 def bytes_per_case(specs):
-    """Bytes of memory that the result of a case takes, an int; 8 for each text."""
+    """Return the bytes of memory that the result of a case takes; 8 for each text."""
     return sum(spec.dtype.itemsize * math.prod(spec.own.values()) for spec in specs.values())

@@ -1,18 +1,14 @@
 """The status of a store: cases done, failed cases, versions, damage."""
 
-import json
 import math
-from collections import Counter
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import zarr
 
-from ..engine.model import CRASHED, STATUSES, STEADY_SLIDING
-from .manifest import Checked
+from ..engine.model import STATUSES, STEADY_SLIDING
 from .solve import ANSWERED
-from .store import as_store_error, read_record
+from .store import Store, reading
 
 
 class StoreStatus(NamedTuple):
@@ -28,84 +24,47 @@ class StoreStatus(NamedTuple):
     chunks: int
     chunks_done: int
     versions: dict  # of the programs that made it
+    processor: str  # that made it; "" if it was not recorded
     size: int  # bytes on disk
-    origins: list  # dicts: versions, processor (None: not recorded) and number of chunks of each
-    flaws: list | None  # strings: files that are damaged or missing; None: not verified
+    flaws: list | None  # of `Flaw`, files that are damaged or missing; None: not verified
 
 
 def store_status(path, verify=False):
-    """`StoreStatus` of the store at a path; StoreError if there is none, or it cannot be read.
+    """Return the `StoreStatus` of the store at a path; StoreError if it cannot be read.
 
-    verify : read all files and compare checksums; chunks with flaws then count as not done
+    verify : read all files and check them; chunks with flaws then count as not done
     """
     path = Path(path)
-    record, _ = read_record(path)
-    chunks, attrs = record.chunks, record.attrs
-    with as_store_error(path):
-        flaws = record.flaws if verify else []
-        done = record.intact(flaws)
-        statuses = _statuses(Checked(path, files=record.files), chunks, done)
-    counts = sum(statuses.values(), Counter[int]())
+    with reading(path):
+        store = Store.open(path)
+        chunks, record = store.chunks, store.record
+        flaws = store.flaws() if verify else []
+        done = store.done()
+        done[[flaw.chunk for flaw in flaws if flaw.chunk is not None]] = False
+        counts = store.statuses(done)
+    processor = record.get("processor", {})
     return StoreStatus(
         path=path,
-        verb=attrs["verb"],
+        verb=record["verb"],
         dims=chunks.sizes,
         cases=math.prod(chunks.sizes.values()),
         done=counts.total(),
-        failed=_failed(counts),
+        failed=counts.total() - sum(counts[code] for code in ANSWERED),
         steady=counts[STEADY_SLIDING],
         chunks=chunks.number,
-        chunks_done=len(statuses),
-        versions=attrs["versions"],
+        chunks_done=int(done.sum()),
+        versions=record["versions"],
+        processor="; ".join(processor[key] for key in ("cpu", "gpu") if key in processor),
         size=sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
-        origins=_origins([record.entries.get(i, attrs) for i in statuses]),
-        flaws=list(map(str, flaws)) if verify else None,
+        flaws=flaws if verify else None,
     )
 
 
-def _origins(entries):
-    """The origins in entries of chunks, each with the number of its chunks."""
-    counts = Counter[str]()
-    for entry in entries:
-        origin = {"versions": entry["versions"], "processor": entry.get("processor")}
-        counts[json.dumps(origin, sort_keys=True)] += 1
-    return [json.loads(origin) | {"chunks": n} for origin, n in counts.items()]
-
-
-def failed_cases_in(store):
-    """Number of cases neither finished nor steady sliding in the chunks that a `Store` has done."""
-    with as_store_error(store.path):
-        return sum(map(_failed, _statuses(store.path, store.chunks, store.done).values()))
-
-
-def crashed_chunks_in(store):
-    """List of numbers of the chunks with cases that crashed, of those that a `Store` has done."""
-    with as_store_error(store.path):
-        statuses = _statuses(store.path, store.chunks, store.done)
-    return [i for i, counts in statuses.items() if counts[CRASHED]]
-
-
-def _statuses(source, chunks, done):
-    """Chunk -> `Counter` of the statuses of its cases, for those that are done."""
-    group: Any = zarr.open_group(source, mode="r", zarr_format=3, use_consolidated=False)
-    status = group["status"]
-    statuses: dict[int, Counter[int]] = {}
-    for i in np.flatnonzero(done).tolist():
-        found = np.unique(status[tuple(chunks.slices(i).values())], return_counts=True)
-        statuses[i] = Counter(dict(zip(*(part.tolist() for part in found), strict=True)))
-    return statuses
-
-
-def _failed(counts):
-    return sum(count for code, count in counts.items() if code not in ANSWERED)
-
-
 def failures(data, most=20):
-    """Failed cases of a sweep's result, and their number: (list of the first `most`, int).
+    """Return failed cases of a sweep's result, and their number: (list of the first `most`, int).
 
-    Failed: neither finished nor steady sliding; cases not yet computed (-1) do not count.  Each is
-    (labels, name of the status, message); labels: dimension -> label, or index where there is no
-    label.
+    Each case is (labels, name of the status, message).  Labels are a dict from dimension to label,
+    or to index if there is no label.
     """
     status = data["status"].values
     where = np.argwhere((status >= 0) & ~np.isin(status, ANSWERED))

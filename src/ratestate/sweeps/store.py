@@ -1,114 +1,227 @@
-"""A store of a sweep on disk, a Zarr group: what it says of itself, and its result.
+"""A store of a sweep: a Zarr group on disk, which holds the result as xarray reads it.
 
-The group holds the result as xarray reads it.  Its subgroup ``sweep`` has the rest: ``inputs``, the
-shape of chunks, versions, ``done``, one flag a chunk, and ``manifest``, the checksum and origin of
-each file.
+=================  ================================================================================
+``zarr.json``      metadata; a sweep that writes to the store holds the lock of this file
+``NAME/c/...``     a variable of the result, with one file for each chunk
+``sweep/``         record: arguments, sizes, shape of chunks, versions, processor, variables
+=================  ================================================================================
+
+States of a store, and what a kill leaves:
+
+1. The store is being made in the hidden folder ``.NAME.partial`` beside it.  It is renamed when all
+   metadata and coordinates are on the disk.  They are never written again.  A kill leaves the
+   hidden folder, which the next sweep takes over.
+2. A chunk is not done: it has no file of ``status``.  A kill may leave some of its other files,
+   which are written again.
+3. A chunk is done: its file of ``status``, which is written last, exists.
+
+A file exists only as a whole: zarr writes ``*.partial`` and renames it.  Damage that happens later
+shows when a file is missing, or does not agree with the checksum of its codec.  The chunk is then
+computed again.
 """
 
 import contextlib
+import dataclasses
+import functools
+import json
 import warnings
-from typing import Any
+from collections import Counter
+from pathlib import Path
+from typing import Any, NamedTuple
 
+import numpy as np
 import xarray
+import zarr
 
 from ..errors import RateStateError, StoreError
 from . import sentence
-from .chunks import chunks_of
-from .inputs import checksum, input_differences, inputs_of
-from .legacy import DAMAGE, SWEEP_GROUP
-from .manifest import Checked, as_lines, damage_message
-from .record import Record
-from .writing import FILL_VALUES
+from .chunks import Chunks
 
+SWEEP_GROUP, METADATA = "sweep", "zarr.json"
+#: errors that zarr, its codecs and xarray raise for damaged files
+DAMAGE = (OSError, KeyError, TypeError, ValueError, RuntimeError)
+# A file of numbers that is absent is read as this, netCDF's fill value, which no result has.
+# Readers shall see it, so it is not declared as a missing value.
+NO_RESULT = 9.969209968386869e36
+# The same by kind of number; for integers it is the status of a case that has not been done.
+FILL_VALUES = {"f": NO_RESULT, "c": complex(NO_RESULT, NO_RESULT), "i": -1}
 # Up to so many cases all messages are read at once.
 MOST_MESSAGES = 10**7
 
 
-@contextlib.contextmanager
-def as_store_error(path):
-    """Context manager: an error from reading a damaged store, or no store, becomes a StoreError.
+class Flaw(NamedTuple):
+    """A file of a store that is missing or damaged."""
 
-    Other errors go on as they are: those of this package, and those of stores whose files are all
-    as they were written.
+    key: str  # its path within the store
+    chunk: int | None  # None: it was made with the store
+    how: str  # "missing" or "damaged"
+
+    def __str__(self):
+        chunk = "" if self.chunk is None else f", chunk {self.chunk}"
+        return f"variable {self.key.partition('/c')[0]}{chunk} ({self.key}) is {self.how}"
+
+
+@dataclasses.dataclass(frozen=True)
+class Store:
+    """The store at a path; `record` is the content of ``sweep/zarr.json``."""
+
+    path: Path
+    record: dict
+
+    @classmethod
+    def open(cls, path):
+        """Return the `Store` at a path; raise one of `DAMAGE` if there is none (see `reading`)."""
+        refuse_zarr_2(path)
+        return cls(path, json.loads((path / SWEEP_GROUP / METADATA).read_text())["attributes"])
+
+    @property
+    def arguments(self):
+        """Arguments of the sweep; StoreError if an earlier version, which records none, made it."""
+        if "arguments" not in self.record:
+            raise StoreError(sentence("store.old", path=self.path))
+        return self.record["arguments"]
+
+    @functools.cached_property
+    def chunks(self):
+        """`Chunks` of the sweep; StoreError if they are not those of the variables."""
+        chunks = Chunks(self.record["sizes"], tuple(self.record["chunk"]))
+        status = self.arrays["status"]
+        if (status.shape, status.chunks) != (tuple(chunks.sizes.values()), chunks.shape):
+            raise StoreError(sentence("damage.record", path=self.path, why="sizes do not agree"))
+        return chunks
+
+    @functools.cached_property
+    def group(self) -> Any:
+        """The zarr group, whose metadata include those of all arrays."""
+        return zarr.open_group(self.path, mode="r", zarr_format=3, use_consolidated=True)
+
+    @functools.cached_property
+    def arrays(self):
+        """Name -> zarr array, for all variables and coordinates."""
+        return dict(self.group.arrays())
+
+    @functools.cached_property
+    def dims(self):
+        """Name -> dimensions, for the variables that chunks write."""
+        # the time of a run is a coordinate, but also a result
+        coordinates = {*self.record["sizes"], *self.group.attrs["coordinates"].split()} - {"t"}
+        dims = {name: array.metadata.dimension_names for name, array in self.arrays.items()}
+        swept = {name for name, own in dims.items() if self.record["sizes"].keys() & {*(own or ())}}
+        return {name: dims[name] for name in swept - coordinates}
+
+    def done(self):
+        """Return which chunks are done: (chunks,) bool."""
+        marks = (key_of("status", self.chunks.index(i)) for i in range(self.chunks.number))
+        return np.array([(self.path / mark).exists() for mark in marks])
+
+    def flaws(self, contents=True):
+        """Return a list of `Flaw`: files that the store must have and that are not intact.
+
+        contents : read all files; if False, find missing files only
+        """
+        flaws = []
+        for name, block, chunk in self._blocks():
+            key = key_of(name, block)
+            if not (self.path / key).exists():
+                flaws.append(Flaw(key, chunk, "missing"))
+            elif contents:
+                try:
+                    self.arrays[name].blocks[block] if block else self.arrays[name][...]
+                except DAMAGE:
+                    flaws.append(Flaw(key, chunk, "damaged"))
+        return flaws
+
+    def _blocks(self):
+        """Yield name of the variable, index of the block, and chunk, for each file."""
+        for name in self.arrays.keys() - self.dims.keys():
+            for block in np.ndindex(self.arrays[name].cdata_shape):
+                yield name, block, None
+        for i in np.flatnonzero(self.done()).tolist():
+            for name, block in self.chunks.blocks(i, self.dims).items():
+                yield name, block, i
+
+    def statuses(self, done):
+        """Return a `Counter` of the statuses of cases in the chunks `done`, (chunks,) bool."""
+        blocks, counts = self.arrays["status"].blocks, Counter[int]()
+        for i in np.flatnonzero(done).tolist():
+            counts.update(blocks[self.chunks.index(i)].ravel().tolist())
+        return counts
+
+
+def key_of(name, block):
+    """Return the path within a store of the file with a block of a variable."""
+    return "/".join([name, "c", *map(str, block)])
+
+
+def refuse_zarr_2(path):
+    """Raise StoreError if a Zarr folder, or an array that it lists, is in format 2.
+
+    A codec of that format, pickle, runs whatever code a file holds.  Format 3 has no such codec.
     """
+    formats = [2] if (path / ".zgroup").exists() or (path / ".zarray").exists() else []
+    with contextlib.suppress(OSError, ValueError):  # it is not there, or damaged
+        text = (path / METADATA).read_text()
+        json.loads(text, object_hook=lambda node: formats.append(node.get("zarr_format", 3)))
+    if any(one != 3 for one in formats):
+        raise StoreError(sentence("store.zarr_2", path=path))
+
+
+@contextlib.contextmanager
+def reading(path):
+    """Turn an error from reading a store that is damaged, or absent, into a StoreError."""
     try:
         yield
     except RateStateError:
         raise
-    except PermissionError as error:
-        raise StoreError(sentence("store.unreadable", path=path, error=error.strerror)) from error
     except DAMAGE as error:
-        if message := _damage(path, error):
-            raise StoreError(message) from error
-        raise
+        raise StoreError(_reason(path, error)) from error
 
 
-def _damage(path, error):
-    """The message about an error from reading a store; "" if no file of it is to blame."""
+def _reason(path, error):
+    """Return why a store cannot be read, as text."""
+    if isinstance(error, PermissionError):
+        return sentence("store.unreadable", path=path, error=error.strerror)
     if not path.exists():
         return sentence("store.nothing", path=path)
     if not (path / SWEEP_GROUP).is_dir():
-        return sentence("store.none", path=path, error=error)
-    try:
-        flaws = Record(path).flaws
-    except DAMAGE:
-        return sentence("damage.inputs", path=path, why=f"{SWEEP_GROUP}: {error}")
-    inputs = f"{SWEEP_GROUP}/inputs/"
-    if lost := [file for file in flaws if file.key.startswith(inputs)]:
-        return sentence("damage.inputs", path=path, why=lost[0])
-    if flaws:
-        return damage_message(path, flaws)
-    of_system = isinstance(error, OSError)
-    return sentence("store.unreadable", path=path, error=error) if of_system else ""
+        return sentence("store.none", path=path)
+    with contextlib.suppress(*DAMAGE):
+        if flaws := Store.open(path).flaws():
+            return damage_message(path, flaws)
+    return sentence("damage.record", path=path, why=f"{type(error).__name__}: {error}")
 
 
-def read_record(path):
-    """The `Record` of a store, and the inputs of its sweep (Dataset).
-
-    StoreError if there is no store, or one of them is damaged; other files are not checked.
-    """
-    with as_store_error(path):
-        record = Record(path)
-        how: dict[str, Any] = {"consolidated": False, "decode_cf": False, "zarr_format": 3}
-        group = f"{SWEEP_GROUP}/inputs"
-        with xarray.open_zarr(path, group=group, chunks=None, **how) as data:
-            inputs = data.load()
-    needed = {"verb", "sizes", "chunk", "device", "checksum", "versions"}
-    if not needed <= {*record.attrs} or checksum(inputs) != record.attrs["checksum"]:
-        raise StoreError(sentence("damage.inputs", path=path, why="its checksum is another"))
-    return record, inputs
+def damage_message(path, flaws):
+    """Return the message about flawed files of a store, a list of `Flaw`."""
+    lasting = [flaw for flaw in flaws if flaw.chunk is None]
+    name = "damage.lasting" if lasting else "damage.chunks"
+    return sentence(name, path=path, lines=as_lines(lasting or flaws))
 
 
-def matching_record(path, request):
-    """The `Record` of a store; StoreError, with the differences, if it is of another sweep."""
-    record, inputs = read_record(path)
-    lines = input_differences(inputs, inputs_of(request.name, request.call))
-    chunks, device, chunk = record.chunks, record.attrs["device"], request.chunk
-    if request.device != device:
-        lines.append(f"device: {device} in the store, {request.device} now")
-    if chunk is not None and chunks_of(chunks.sizes, chunk).shape != chunks.shape:
-        lines.append(f"chunk: blocks of {chunks.shape} cases in the store, chunk={chunk} now")
-    if lines:
-        raise StoreError(sentence("store.other_sweep", path=path, lines=as_lines(lines)))
-    return record
+def as_lines(lines, most=20):
+    """Return text to append to a message: the first of these lines, and how many more."""
+    more = [f"and {len(lines) - most} more"] if len(lines) > most else []
+    return "".join(f"\n  {line}" for line in [*lines[:most], *more])
 
 
 def device_attrs(device):
-    """Attributes of a result that name its device, {} for a CPU: a GPU differs in last digits."""
+    """Return attributes of a result that name its device, because a GPU gives other last digits."""
     return {} if device == "cpu" else {"device": device}
 
 
 def open_result(path):
-    """The result in a store, a Dataset, read and checked when it is used.
+    """Return the result in a store, a Dataset that reads numbers when they are used.
 
-    Of cases not done integers are -1, the status too, and all else NaN, False or "".  StoreError if
-    it cannot be opened, and on use if a file is damaged or missing.
+    If cases are not done, their integers are -1, the status too, and all else NaN, False or "".
+    StoreError if the store cannot be opened, or a file is missing.
     """
-    with as_store_error(path):
-        record = Record(path)
-        checked = Checked(path, files=record.files)
-        data = xarray.open_zarr(checked, chunks=None, decode_cf=False, zarr_format=3)
-        if not record.done.all():
+    with reading(path):
+        store = Store.open(path)
+        old = "arguments" not in store.record  # its chunks were done later than their status
+        if missing := [] if old else store.flaws(contents=False):
+            raise StoreError(damage_message(path, missing))
+        data = xarray.open_zarr(path, chunks=None, decode_cf=False, zarr_format=3)
+        if not store.done().all():
             for variable in data.data_vars.values():
                 if variable.dtype.kind in "fc":
                     variable.attrs["_FillValue"] = FILL_VALUES[variable.dtype.kind]
@@ -119,23 +232,20 @@ def open_result(path):
 
 
 def load_result(path):
-    """The result in a store, a Dataset in memory; StoreError if a file is damaged or missing."""
-    with as_store_error(path):
+    """Return the result in a store, in memory; StoreError if a file is damaged or missing."""
+    with reading(path):
         return open_result(path).load()
 
 
 def python_text(data):
-    """The same with text as Python has it: Zarr 3 specifies no other, and xarray masks no other."""
+    """Return a Dataset with Python's text: Zarr 3 specifies no other, and xarray masks no other."""
     texts = {k: v.astype(object) for k, v in data.variables.items() if v.dtype.kind in "UT"}
     return data.assign(texts)
 
 
 @contextlib.contextmanager
 def zarr_3_warnings_ignored():
-    """Context manager without UserWarnings: zarr's are of text and consolidated metadata.
-
-    All readers of Zarr 3 know these.
-    """
+    """Ignore zarr's UserWarnings on text and consolidated metadata, which Zarr 3 readers know."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         yield

@@ -1,8 +1,12 @@
 """The function `sweep`: another function for any number of cases, resumed after interruptions."""
 
+import contextlib
+import dataclasses
+import functools
 import os
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,17 +15,17 @@ from ..errors import ParameterError, RunWarning, StoreError
 from ..machine import check_fits
 from ..model.units import is_integer
 from . import sentence
-from .backends import backend_of
-from .calls import call_of, check_device, undisturbed
-from .create import create, remove_abandoned
-from .legacy import SWEEP_GROUP
-from .lock import exclusive_lock
-from .request import SweepRequest
-from .resume import resume_store
-from .solve import bytes_per_case
-from .status import crashed_chunks_in, failed_cases_in, store_status
-from .store import as_store_error, device_attrs, matching_record, open_result
-from .writing import mark_undone
+from .calls import call_of, check_cases, check_device, undisturbed
+from .chunks import cases_per_chunk, chunks_of
+from .cluster import Cluster
+from .inputs import arguments_of, differences, origin, origin_differences
+from .progress import ProgressReport
+from .slurm import slurm_cluster
+from .solve import ANSWERED, bytes_per_case, form_of
+from .status import store_status
+from .store import METADATA, Store, as_lines, damage_message, device_attrs, open_result, reading
+from .tasks import Tasks, Threads
+from .writing import create, exclusive_lock
 
 
 def sweep(
@@ -33,17 +37,15 @@ def sweep(
     chunk=None,
     progress=True,
     device="cpu",
-    retry_crashed=False,
     slurm=None,
-    mixed=False,
     **arguments,
 ):
     """Call another function for all named DataArrays among its arguments, in chunks.
 
     Each case gives the same result, bit for bit, however the sweep is divided, and on any number
     of cores, threads or machines of one kind (processors of different kinds differ in their last
-    digits).  A case that fails spoils no other.  Files of a store that are missing or damaged are
-    computed again, with a RuntimeWarning.
+    digits).  A case that fails does not affect the others.  Chunks of a store whose files are
+    missing or damaged are computed again, with a RuntimeWarning.
 
     Parameters
     ----------
@@ -52,30 +54,21 @@ def sweep(
     slider : SpringSlider
         With DataArrays for parameters, or none.
     store : str or path, optional
-        Folder of a Zarr store, such as "x.zarr", made if there is none.  A store that the same
-        sweep began is resumed: what is done is not done again.  Without a store the result is kept
-        in memory.
+        Folder of a Zarr store, such as "x.zarr", which is made, or resumed if the same sweep began
+        it.  Without a store the result is kept in memory.
     client : dask.distributed.Client, optional
         Cluster that does the work; its workers must see the store under the same path.  Without
         a client all cores of this machine do it.
     chunk : int, optional
-        Cases that are solved, and stored, at a time.  By default as many as take some seconds,
-        measured on a sample.
+        Cases that are solved, and stored, at a time.  By default as many as take some seconds.
     progress : bool
         Whether to show progress on stderr: a bar on a terminal, else a line now and then.
     device : {"cpu", "cuda"}
         "cuda": an NVIDIA GPU (of each worker, with a client).
-    retry_crashed : bool
-        Whether to compute again the cases with the status ``crashed`` in the store, for example
-        after their cause has been removed.
     slurm : str, optional
         SLURM jobs that do the work, instead of a client's workers, such as
         "jobs=10,cores=16,memory=32GB,walltime=02:00:00".  For the other options, lost jobs and
         dask-jobqueue's configuration see :doc:`Run on SLURM </howto/slurm>`.
-    mixed : bool
-        Whether the last digits of cases may depend on what computed them: whether to resume a
-        store that other versions or another kind of processor began, and to use workers of several
-        kinds.  The store records the versions and the processor of each chunk.
     **arguments
         The function's other arguments.
 
@@ -86,17 +79,15 @@ def sweep(
         raises nothing: its ``status`` is neither 0 nor 1, and the variable ``message``, "" for all
         others, says why.  Its numbers are NaN, its flags and counts 0; but ``outside_domain`` is
         -1, and ``steps`` are those taken unless it crashed.  With a store this is the
-        opened store, which reads numbers when they are used; messages are read at once, up to ten
-        million.
+        opened store, which reads numbers when they are used.
 
     Raises
     ------
     ParameterError
         An argument that cannot be used, for any case; nothing to sweep over.
     StoreError
-        The store belongs to another sweep, or was begun by other versions or on another kind of
-        processor (differences are listed), is in use, or cannot be read or written; nothing in it
-        is lost.
+        The store belongs to another sweep, or was begun by other programs or on another kind of
+        processor, is in use, or cannot be read or written.
     SolverError
         The cluster is lost, no SLURM job is left, or none starts.
     KeyboardInterrupt
@@ -120,82 +111,160 @@ def sweep(
     name, call = call_of(verb, slider, arguments)
     check_device(name, call, device)
     if client is not None and slurm is not None:
-        raise ParameterError("client and slurm both say who does the work; give one of them")
+        raise ParameterError(sentence("call.both"))
     if client is not None and not hasattr(client, "nthreads"):
         raise ParameterError(sentence("call.client", client=client))
     if chunk is not None and not (is_integer(chunk) and chunk >= 1):
         raise ParameterError(sentence("call.chunk", chunk=chunk))
-    switches = {"progress": progress, "retry_crashed": retry_crashed, "mixed": mixed}
-    for option, value in switches.items():
-        if not isinstance(value, bool):
-            raise ParameterError(f"{option} = {value!r} must be True or False")
-    if retry_crashed and store is None:
-        raise ParameterError(sentence("call.retry"))
-    with backend_of(device, client, slurm) as backend, engine.use(device=device):
-        request = SweepRequest(name, call, chunk, device, mixed, backend, progress)
+    if not isinstance(progress, bool):
+        raise ParameterError(f"progress = {progress!r} must be True or False")
+    if slurm is not None:
+        context: Any = slurm_cluster(slurm, device)
+    else:
+        own = Threads(device) if client is None else Cluster(client, device)
+        context = contextlib.nullcontext(own)
+    with context as backend, engine.use(device=device):
+        request = Request(name, call, chunk, device, backend, progress)
         if store is None:
-            _check_fits(request)
+            size = call.batch.n * bytes_per_case(request.form.swept)
+            check_fits(size, f"the results of {call.batch.n:,} cases", "Give a store.")
         if text := undisturbed(name, call):
             warnings.warn(text, RunWarning, stacklevel=2)
         if store is None:
             return _in_memory(request)
         path = _folder(store, backend)
         try:
-            return _in_store(request, path, retry_crashed)
+            return _in_store(request, path)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(_interrupted(path)) from None
 
 
-def _check_fits(request):
-    """Raise ParameterError if the result takes more memory than there is."""
-    cases, own = request.call.batch.n, _own(request)
-    check_fits(cases * bytes_per_case(own), f"the results of {cases:,} cases", "Give a store.")
+@dataclasses.dataclass(frozen=True)
+class Request:
+    """What a sweep is to compute, and where; checked by `sweep`."""
 
+    name: str  # of the function
+    call: Any  # its checked call
+    chunk: int | None  # cases of a chunk; None: chosen by `cases_per_chunk`
+    device: str
+    backend: Any  # `Threads` or `Cluster`
+    progress: bool
 
-def _own(request):
-    """Name -> specification of the variables that each case has."""
-    specs, static = request.form
-    return {name: spec for name, spec in specs.items() if name not in static}
+    @functools.cached_property
+    def form(self):
+        """`Form` of the result."""
+        return form_of(self.call)
+
+    @functools.cached_property
+    def origin(self):
+        """`origin` of this process or, with a cluster, of a worker."""
+        return self.backend.run(origin, self.device)
+
+    def record(self, chunks):
+        """Return the record of a store for these chunks."""
+        specs = self.form.specs.items()
+        return {
+            "verb": self.name,
+            "arguments": arguments_of(self.name, self.call),
+            "sizes": chunks.sizes,
+            "chunk": list(chunks.shape),
+            "device": self.device,
+            "variables": {k: f"{spec.dtype} over ({', '.join(spec.dims)})" for k, spec in specs},
+            **self.origin,
+        }
+
+    def divide(self):
+        """Return the `Chunks`; ParameterError if the arguments of a case contradict each other."""
+        chunks = chunks_of(self.call.batch.sizes, self.chunk or cases_per_chunk(self))
+        check_cases(self.call, chunks)
+        return chunks
+
+    def outcomes(self, chunks, done, store=None, failed=0):
+        """Solve all chunks that are not done; yield each `Outcome` when it is ready.
+
+        failed : number of failed cases among those done
+        """
+        lean = store and dataclasses.replace(store)  # without the arrays that it has opened
+        tasks = Tasks(chunks, self.form.specs, lean, self.device)
+        numbers = np.flatnonzero(~done).tolist()
+        label = f"sweep of {self.name}"
+        with ProgressReport(label, chunks, done, failed, quiet=not self.progress) as report:
+            outcomes = self.backend.outcomes(tasks, self.call, numbers, report, self.origin)
+            with contextlib.closing(outcomes):
+                for outcome in outcomes:
+                    report.finished(outcome)
+                    yield outcome
 
 
 def _in_memory(request):
-    """The result, assembled from its chunks."""
-    (specs, static), own = request.form, _own(request)
-    chunks = request.divide()
-    variables = {name: spec.empty(chunks.sizes) for name, spec in specs.items()} | static
+    """Return the result, assembled from its chunks."""
+    form, chunks = request.form, request.divide()
+    variables = {name: spec.empty(chunks.sizes) for name, spec in form.specs.items()} | form.static
     for outcome in request.outcomes(chunks, np.zeros(chunks.number, bool)):
         slices = chunks.slices(outcome.chunk)
-        for name in own:
+        for name in form.swept:
             part = outcome.variables[name]
-            where = tuple(slices.get(dim, slice(None)) for dim in part.dims)
-            variables[name].values[where] = part.values
+            variables[name][{dim: slices[dim] for dim in part.dims if dim in slices}] = part
     return request.call.dataset(variables).assign_attrs(device_attrs(request.device))
 
 
-def _in_store(request, path, retry_crashed):
-    """The result in a store, which is made or resumed."""
-    remove_abandoned(path)
-    with as_store_error(path):
+def _in_store(request, path):
+    """Return the result in a store, which is made or resumed."""
+    with reading(path):
         exists = path.exists()
     if not exists:
         create(path, request, request.divide())
-    record = matching_record(path, request)
-    with as_store_error(path):
-        incomplete = retry_crashed or record.metadata_flaws or not record.done.all()
-        resumes = incomplete or record.flaws  # last, since these take reading the whole store
-    if resumes:
-        with exclusive_lock(path / SWEEP_GROUP / "zarr.json", path):
-            # read again, since another sweep may have held the lock before
-            store = resume_store(path, request)
-            if retry_crashed:
-                store = mark_undone(store, crashed_chunks_in(store))
-            for _ in request.outcomes(store.chunks, store.done, store, failed_cases_in(store)):
+    store = _matching_store(request, path)
+    if not store.done().all() or store.flaws():
+        with exclusive_lock(path / METADATA, path):
+            store = _matching_store(request, path)  # another sweep may have held the lock before
+            done, failed = _prepare(store, request)
+            for _ in request.outcomes(store.chunks, done, store, failed):
                 pass
     return open_result(path)
 
 
+def _matching_store(request, path):
+    """Return the `Store` at a path; StoreError, with the differences, if it is of another sweep."""
+    with reading(path):
+        store = Store.open(path)
+        lines = differences(store.arguments, arguments_of(request.name, request.call))
+        lines += differences({"device": store.record["device"]}, {"device": request.device})
+        sizes, shape = store.chunks.sizes, store.chunks.shape
+    if request.chunk is not None and chunks_of(sizes, request.chunk).shape != shape:
+        lines.append(f"chunk: blocks of {shape} cases in the store, chunk={request.chunk} now")
+    if lines:
+        raise StoreError(sentence("store.other_sweep", path=path, lines=as_lines(lines)))
+    return store
+
+
+def _prepare(store, request):
+    """Return which chunks of a store are kept, (chunks,) bool, and how many of their cases failed.
+
+    StoreError if what computes would give other last digits or variables than the store has, or if
+    files made with the store are damaged.
+    """
+    now = request.record(store.chunks)
+    with reading(store.path):
+        lines = origin_differences(store.record, now)
+        lines += differences(store.record["variables"], now["variables"], "variable ")
+        if lines:
+            raise StoreError(sentence("origin.refused", path=store.path, lines=as_lines(lines)))
+        done, flaws = store.done(), store.flaws()
+        if any(flaw.chunk is None for flaw in flaws):
+            raise StoreError(damage_message(store.path, flaws))
+        done[[flaw.chunk for flaw in flaws]] = False
+        counts = store.statuses(done)
+    for partial in store.path.rglob("*.partial"):  # of writers that were killed
+        partial.unlink(missing_ok=True)
+    if flaws:
+        text = sentence("damage.repaired", path=store.path, lines=as_lines(flaws))
+        warnings.warn(text, RuntimeWarning, stacklevel=5)
+    return done, sum(n for code, n in counts.items() if code not in ANSWERED)
+
+
 def _interrupted(path):
-    """What an interrupted sweep has stored, and how to go on, as text."""
+    """Return what an interrupted sweep has stored, and how to go on, as text."""
     if not path.exists():
         return sentence("interrupted.nothing", path=path)
     try:
@@ -206,7 +275,7 @@ def _interrupted(path):
 
 
 def _folder(store, backend):
-    """The path of a store; ParameterError if it cannot be one."""
+    """Return the path of a store; ParameterError if it cannot be one."""
     if not isinstance(store, str | os.PathLike) or "://" in os.fspath(store):
         raise ParameterError(sentence("call.path", store=store))
     path = Path(store).expanduser()

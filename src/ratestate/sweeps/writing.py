@@ -1,74 +1,164 @@
-"""Chunks written into a store, so that any interruption leaves it intact.
+"""Writing a store: it is made, its chunks are written, and a lock keeps other sweeps away.
 
-A chunk has one file for each variable, written by one task.  These files, and the chunk's entry in
-the manifest, reach the disk before its flag does.  A temporary file is written and renamed, so that
-a file is complete or absent.
+The module `store` says what is written in which order.
 """
 
 import contextlib
+import fcntl
 import os
-import uuid
-from pathlib import Path
-from typing import Any, NamedTuple
+import shutil
+import warnings
+from typing import Any
 
-import numpy as np
 import zarr
-from zarr.storage import LocalStore
+from zarr.codecs import ZstdCodec
+from zarr.storage import MemoryStore
 
 from ..errors import StoreError
 from . import sentence
-from .chunks import Chunks
-from .legacy import SWEEP_GROUP, array_and_block
-from .manifest import MANIFEST, manifest_entry
-from .origin import origin
+from .store import (
+    FILL_VALUES,
+    METADATA,
+    NO_RESULT,
+    SWEEP_GROUP,
+    Store,
+    device_attrs,
+    key_of,
+    python_text,
+    zarr_3_warnings_ignored,
+)
 
-# A file of numbers that is absent is read as this, netCDF's fill value, which no result has.
-# Readers shall see it, so it is not declared as a missing value.
-NO_RESULT = 9.969209968386869e36
-# By kind of number; that of integers is the status of a case that has not been done.
-FILL_VALUES = {"f": NO_RESULT, "c": complex(NO_RESULT, NO_RESULT), "i": -1}
-
-
-class Store(NamedTuple):
-    """An open store."""
-
-    path: Path
-    chunks: Chunks
-    done: np.ndarray  # (chunks,) bool, when it was opened
-    checksum: str  # of its inputs, SHA-256
-    variables: frozenset  # names of those that it has arrays for
-
-
-class _Present(LocalStore):
-    """A store that is there, whose folder and arrays are not made again if they have vanished."""
-
-    def __init__(self, root, *, read_only=False):
-        super().__init__(root, read_only=read_only)
-        self._is_open = True  # (opening it would make its folder)
-
-    async def set(self, key, value):
-        """Write a file, as a whole; FileNotFoundError if the array that it is part of is gone."""
-        self.set_sync(key, value)
-
-    def set_sync(self, key, value):
-        """As `set`."""
-        path, array = self.root / key, self.root / array_and_block(key)[0]
-        for folder in reversed(path.parents):
-            if array in folder.parents:
-                folder.mkdir(exist_ok=True)
-        partial = path.with_suffix(f".{uuid.uuid4().hex}.partial")
-        try:
-            partial.write_bytes(value.as_buffer_like())
-            partial.replace(path)
-        finally:
-            partial.unlink(missing_ok=True)
+# The checksum in each file reveals damage; a higher level would hardly make files smaller.
+CODEC = ZstdCodec(level=0, checksum=True)
 
 
 @contextlib.contextmanager
-def _as_write_error(path):
-    """Turn any error from writing into a StoreError."""
+def exclusive_lock(file, path, flags=0):
+    """Lock a file of the store at a path; the system unlocks it if the process is killed.
+
+    StoreError if another sweep has the lock, or the file cannot be opened with these flags.
+    """
     try:
+        handle = os.open(file, os.O_RDWR | flags)
+    except OSError as error:
+        message = sentence("store.unwritable", path=path, error=error.strerror)
+        raise StoreError(message) from error
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise StoreError(sentence("store.in_use", path=path)) from None
+        except OSError as error:  # some network file systems have no locks
+            message = sentence("store.no_lock", path=path, error=error.strerror)
+            warnings.warn(message, RuntimeWarning, stacklevel=4)
         yield
+    finally:
+        os.close(handle)
+
+
+# A store is made ----------------------------------------------------------------------------------
+
+
+def create(path, request, chunks):
+    """Make a store without results, unless another sweep has made one there meanwhile."""
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        partial.mkdir(exist_ok=True)
+        with exclusive_lock(partial / METADATA, path, os.O_CREAT):
+            _clear(partial)  # of what a sweep left that was killed
+            try:
+                if not path.exists():
+                    for key, content in _contents(request, chunks).items():
+                        (partial / key).parent.mkdir(parents=True, exist_ok=True)
+                        (partial / key).write_bytes(content)
+                    _sync(partial, [*partial.rglob("*")])
+                    partial.rename(path)
+                    _sync(path.parent, [path])
+            finally:
+                with contextlib.suppress(FileNotFoundError):
+                    _clear(partial)
+                    (partial / METADATA).unlink()  # last, since it is locked
+                    partial.rmdir()
+    except StoreError:
+        raise
+    except OSError as error:
+        raise StoreError(sentence("store.unmade", path=path, error=error.strerror)) from error
+
+
+def _clear(folder):
+    """Remove the folders in a folder."""
+    for one in folder.iterdir():
+        if one.is_dir():
+            shutil.rmtree(one)
+
+
+def _contents(request, chunks):
+    """Return the files of a store without results: key -> bytes."""
+    files: dict = {}
+    memory = MemoryStore(files)
+    with zarr_3_warnings_ignored():
+        _add_result(memory, request, chunks)
+        group = zarr.open_group(memory, mode="r+", zarr_format=3).create_group(SWEEP_GROUP)
+        group.attrs.update(request.record(chunks))
+        zarr.consolidate_metadata(memory)
+    return {key: buffer.to_bytes() for key, buffer in files.items()}
+
+
+def _add_result(memory, request, chunks):
+    """Add what is known of the result before it is computed, and arrays for the rest."""
+    call, form = request.call, request.form
+    result = python_text(call.dataset(form.static).drop_attrs(deep=False))
+    group = zarr.open_group(memory, mode="a", zarr_format=3)
+    encoding: dict = {name: {"compressors": [CODEC]} for name in result.variables}
+    for name, variable in result.variables.items():
+        if variable.dtype.kind == "f":
+            encoding[name] |= {"fill_value": NO_RESULT, "_FillValue": None}
+    # (without empty chunks a missing file could not be told from one of zeros)
+    how = {"mode": "a", "consolidated": False, "zarr_format": 3, "write_empty_chunks": True}
+    result.to_zarr(memory, encoding=encoding, **how)
+    for name, spec in form.swept.items():
+        _add_variable(group, name, spec, chunks)
+    attributes = call.dataset({}).attrs | device_attrs(request.device)
+    coordinates = {*result.coords, *({"t"} & form.specs.keys())} - {*result.dims}
+    group.attrs.update(attributes | {"coordinates": " ".join(sorted(coordinates))})
+
+
+def _add_variable(group, name, spec, chunks):
+    """Add the array of a variable, with a file for each chunk."""
+    sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
+    group.create_array(
+        name,
+        shape=[{**sizes, **spec.own}[dim] for dim in spec.dims],
+        chunks=[{**shape, **spec.own}[dim] for dim in spec.dims],
+        dtype=str if spec.dtype == object else spec.dtype,
+        fill_value=FILL_VALUES.get(spec.dtype.kind, spec.missing),
+        dimension_names=spec.dims,
+        attributes={k: v.tolist() if hasattr(v, "tolist") else v for k, v in spec.attrs.items()},
+        compressors=[CODEC],
+    )
+
+
+# Chunks are written -------------------------------------------------------------------------------
+
+
+def write(store, i, variables):
+    """Write the variables of chunk i into a `Store`, ``status`` last.
+
+    If that fails (StoreError) the store lacks this chunk, and nothing else.
+    """
+    path = store.path
+    try:
+        present = Store.open(path)
+        if present.record != store.record:  # a worker may not have noticed
+            raise StoreError(sentence("store.replaced", path=path))
+        group: Any = zarr.open_group(path, mode="r+", zarr_format=3, use_consolidated=True)
+        blocks = present.chunks.blocks(i, present.dims)
+        for names in (blocks.keys() - {"status"}, ["status"]):
+            for name in names:
+                # (zarr omits files that hold only fill values; here a missing file means a loss)
+                array = group[name].with_config({"write_empty_chunks": True})
+                array.blocks[blocks[name]] = variables[name].values
+            _sync(path, [path / key_of(name, blocks[name]) for name in names])
     except StoreError:
         raise
     except (FileNotFoundError, KeyError) as error:
@@ -77,52 +167,8 @@ def _as_write_error(path):
         raise StoreError(sentence("store.full", path=path, error=error)) from error
 
 
-def write(store, i, variables):
-    """Write the variables of chunk i into an open store, and set its flag.
-
-    If that fails (StoreError) the store lacks this chunk, and nothing else.
-    """
-    path, slices = store.path, store.chunks.slices(i)
-    dims = {name: v.dims for name, v in variables.items() if name in store.variables}
-    keys = store.chunks.file_keys(i, dims)
-    with _as_write_error(path):
-        path.stat()  # raises, if it is gone, what a worker can send; zarr's own error it cannot
-        present = _Present(path)
-        group: Any = zarr.open_group(present, mode="r+", zarr_format=3, use_consolidated=False)
-        attrs = group[SWEEP_GROUP].attrs
-        if attrs["checksum"] != store.checksum:  # a worker may not have noticed
-            raise StoreError(sentence("store.replaced", path=path))
-        for name in keys:
-            where = tuple(slices.get(dim, slice(None)) for dim in dims[name])
-            # (zarr omits files that hold only fill values; here a missing file must mean a loss)
-            group[name].with_config({"write_empty_chunks": True})[where] = variables[name].values
-        group[MANIFEST][i] = manifest_entry(path, keys.values(), i, origin(attrs["device"]))
-        to_disk([path / key for key in (*keys.values(), f"{MANIFEST}/c/{i}")], path)
-        group[f"{SWEEP_GROUP}/done"][i] = True
-        to_disk([path / SWEEP_GROUP / "done" / "c" / str(i)], path)
-
-
-def mark_undone(store, numbers):
-    """Clear the flags of these chunks (list of int), so that they are computed again.
-
-    Returns the `Store` without them; StoreError if it cannot be written to.
-    """
-    done = store.done.copy()
-    done[numbers] = False
-    with _as_write_error(store.path):
-        group: Any = zarr.open_group(_Present(store.path), mode="r+", zarr_format=3)
-        flags = group[f"{SWEEP_GROUP}/done"]
-        for i in numbers:  # (zarr removes the files)
-            flags[i] = False
-        to_disk([store.path / SWEEP_GROUP / "done" / "c"], store.path)
-    return store._replace(done=done)
-
-
-def to_disk(files, top):
-    """Have the system write files, and their folders up to `top`, to the disk; OSError if it fails.
-
-    files : list of paths within `top`, all there
-    """
+def _sync(top, files):
+    """Have the system write files, and their folders up to `top`, to the disk."""
     folders = {one for file in files for one in file.parents if one.is_relative_to(top)}
     for file in {*files, *folders}:
         handle = os.open(file, os.O_RDONLY)

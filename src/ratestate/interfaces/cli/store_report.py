@@ -37,8 +37,8 @@ def print_status(
 
     verify : read all files; if any is damaged, a StoreError follows what is printed
     """
-    from ...sweeps.manifest import damage_message
     from ...sweeps.status import store_status
+    from ...sweeps.store import damage_message
 
     status = store_status(store, verify)
     differences = _differences(store, file, law_file) if file else []
@@ -57,7 +57,8 @@ def print_status(
 
 def _print_json(status: "StoreStatus", **more: Any) -> None:
     """Print the status of a store, and more, as JSON."""
-    print_json(status._asdict() | {"path": str(status.path)} | more)
+    flaws = None if status.flaws is None else list(map(str, status.flaws))
+    print_json(status._asdict() | {"path": str(status.path), "flaws": flaws} | more)
 
 
 def _rows(status: "StoreStatus") -> dict[str, str]:
@@ -71,32 +72,16 @@ def _rows(status: "StoreStatus") -> dict[str, str]:
         "failed": str(status.failed),
         "steady": str(status.steady),
         "chunks": f"{status.chunks_done} of {status.chunks}",
-        "versions": _versions(status.versions),
+        "versions": ", ".join(f"{name} {version}" for name, version in status.versions.items()),
         "size": _size(status.size),
     }
-    if status.origins:
-        rows["processor"] = _origins(status.origins)
+    if status.processor:
+        rows["processor"] = status.processor
     if status.flaws:
         rows["verified"] = f"damaged or missing files: {len(status.flaws)}"
     elif status.flaws is not None:
-        rows["verified"] = "all files are as they were written"
+        rows["verified"] = "all files are intact"
     return rows
-
-
-def _versions(versions: dict[str, str]) -> str:
-    return ", ".join(f"{name} {version}" for name, version in versions.items())
-
-
-def _origins(origins: list[dict[str, Any]]) -> str:
-    """The kinds of processor that made a store; of several, also chunks and versions."""
-    from ...sweeps.origin import processor_name
-
-    if len(origins) == 1:
-        return processor_name(origins[0]["processor"])
-    return "; ".join(
-        f"{processor_name(one['processor'])}: {one['chunks']} chunks ({_versions(one['versions'])})"
-        for one in origins
-    )
 
 
 def _size(size: int) -> str:
@@ -108,13 +93,13 @@ def _size(size: int) -> str:
 def _differences(store: Path, file: Path, law_file: Path | None) -> list[str]:
     """Differences of a file's sweep from a store's, as lines."""
     from ...sweeps.calls import call_of
-    from ...sweeps.inputs import input_differences, inputs_of
-    from ...sweeps.store import read_record
+    from ...sweeps.inputs import arguments_of, differences
+    from ...sweeps.store import Store
     from .run_scenario import load_scenario
 
     scenario = load_scenario(file, None, law_file)
     call = call_of(scenario.verb, scenario.slider, scenario.settings)
-    return input_differences(read_record(store)[1], inputs_of(*call))
+    return differences(Store.open(store).arguments, arguments_of(*call))
 
 
 def _summary(status: "StoreStatus") -> str:

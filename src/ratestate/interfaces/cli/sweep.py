@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 import typer
 
+from ...errors import ParameterError
 from .exits import SOME_FAILED, on_interrupt
 from .output import print_line
 from .store_report import interrupted_message, print_outcome, print_status
@@ -21,11 +22,9 @@ def sweep(
     chunk: int | None = None,
     status: bool = False,
     verify: bool = False,
-    mixed: bool = False,
     scheduler: str | None = None,
     slurm: str | None = None,
     job_script: bool = False,
-    retry_crashed: bool = False,
     device: Device = "cpu",
     out: Path | None = None,
     plot: Path | None = None,
@@ -46,9 +45,9 @@ def sweep(
         raise typer.BadParameter("it needs --status", param_hint="--verify")
     with on_interrupt(lambda: interrupted_message(store)):
         if slurm and job_script:
-            from ...sweeps.backends import job_cluster
+            from ...sweeps.slurm import job_cluster
 
-            with job_cluster(slurm, start=False) as cluster:
+            with job_cluster(slurm) as cluster:
                 print_line(cluster.job_script())
         elif status:
             print_status(store, file, law_file, json, verify)
@@ -70,9 +69,9 @@ def sweep(
             own_units = wanted_units(units)
             scenario = load_scenario(file, None, law_file)
             output = output_paths(scenario, out, plot)
-            with _client(scheduler, slurm) as client:
-                how: dict[str, Any] = {"client": client, "chunk": chunk, "device": device}
-                how |= {"mixed": mixed, "retry_crashed": retry_crashed, **scenario.settings}
+            with _client(scheduler) as client:
+                how: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
+                how |= {"device": device, **scenario.settings}
                 result = run(scenario.verb, scenario.slider, store=store, progress=True, **how)
                 number = print_outcome(store, result, json)
                 write_numbers(in_numbers(result, own_units), output)
@@ -81,10 +80,16 @@ def sweep(
                 raise typer.Exit(SOME_FAILED)
 
 
-def _client(scheduler: str | None, slurm: str | None) -> Any:
-    """A context with the requested Dask client; with None for threads of this process."""
-    if not (slurm or scheduler):
+def _client(scheduler: str | None) -> Any:
+    """Return a context with the client of a Dask scheduler, or with None."""
+    if not scheduler:
         return contextlib.nullcontext()
-    from ...sweeps.backends import client_of, job_client
+    from ...sweeps.cluster import import_extra
 
-    return job_client(slurm) if slurm else client_of(scheduler)
+    try:
+        return import_extra("distributed").Client(scheduler, timeout="10s")
+    except (OSError, ValueError) as error:
+        raise ParameterError(
+            f"scheduler = {scheduler!r} does not answer ({error}). Start one with "
+            f"'dask scheduler', and give the address that it prints."
+        ) from error

@@ -1,4 +1,4 @@
-"""Chunks of a sweep solved, and stored if there is a store: on threads, or by a worker."""
+"""Chunks of a sweep solved and stored: on threads, or by a worker."""
 
 import itertools
 import threading
@@ -11,9 +11,9 @@ from ..machine import cores
 from ..model.arrays import isel
 from . import sentence
 from .chunks import Chunks
-from .manifest import as_lines
-from .origin import origin, origin_differences
+from .inputs import origin, origin_differences
 from .solve import count_failed, solve
+from .store import as_lines
 from .writing import write
 
 
@@ -33,31 +33,24 @@ class Tasks(NamedTuple):
     store: Any  # `Store`, or None
     device: str
 
-    def outcome(self, i, variables):
-        """Store the variables of chunk i, if there is a store; return its `Outcome`.
-
-        StoreError if they cannot be written.
-        """
-        number = count_failed(variables)
-        if self.store is None:
-            return Outcome(i, number, variables)
-        write(self.store, i, variables)
-        return Outcome(i, number, None)
-
     def do(self, i, part, progress=None, threads=1, stop=None):
-        """Solve chunk i, whose cases are those of the call `part`; return its `Outcome`."""
+        """Solve chunk i, whose cases are those of the call `part`; return its `Outcome`.
+
+        If there is a store, its variables go there; StoreError if they cannot be written.
+        """
         with backend.use(threads=threads, stop=stop, device=self.device):
-            return self.outcome(i, solve(part, self.specs, progress))
+            variables = solve(part, self.specs, progress)
+        failed = count_failed(variables)
+        if self.store is None:
+            return Outcome(i, failed, variables)
+        write(self.store, i, variables)
+        return Outcome(i, failed, None)
 
 
 class Threads:
-    """Threads of this process: where a sweep runs by default.
+    """Threads of this process, on which a sweep runs by default; else see `cluster.Cluster`."""
 
-    A backend of a sweep has ``shared``, whether all threads can work on one chunk, ``thread_count``
-    and the methods ``run`` and ``outcomes``; the other one is `cluster.Cluster`.
-    """
-
-    shared = True
+    shared = True  # whether all threads can work on one chunk
 
     def __init__(self, device):
         if device == "cuda":
@@ -74,12 +67,10 @@ class Threads:
         """Call a function where the work is to be done, and return its result."""
         return function(*arguments)
 
-    def outcomes(self, tasks, call, numbers, report, processor=None):
+    def outcomes(self, tasks, call, numbers, report, _=None):
         """Solve the chunks with these numbers; yield each `Outcome` when it is ready, in any order.
 
         Closing the generator stops those under way.
-
-        processor : for clusters, whose workers may differ; here all have the same
         """
         workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
         threads = -(-cores() // workers)
@@ -106,14 +97,10 @@ class Threads:
 def call_on_worker(expected, device, function, *arguments):
     """Call a function in a worker process, and return its result.
 
-    StoreError unless the process has the expected `origin`, of which None as ``processor`` admits
-    any.
+    StoreError unless the process has the expected origin.  If that lacks a processor, any will do.
     """
     now = origin(device)
-    if now["versions"] != expected["versions"]:
-        versions = {"now": now["versions"], "expected": expected["versions"]}
-        raise StoreError(sentence("origin.worker_version", **versions))
-    if lines := origin_differences(expected, now):
+    if lines := origin_differences({"processor": now["processor"]} | expected, now):
         raise StoreError(sentence("origin.worker", lines=as_lines(lines)))
     with backend.use(threads=1, device=device):
         return function(*arguments)
