@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from ratestate import ParameterError
 from ratestate.friction import formulas as rsf
-from ratestate.paper import laws as paper
+from ratestate.paper.figures import LAWS as LAWS_OF_PAPER
 
-LAWS = list(paper.LAWS)
+LAWS = list(LAWS_OF_PAPER)
 FRICTION = {"a": 0.003, "b": 0.006, "mu0": 0.6, "V0": 1e-9, "Dc": 1e-5}
 #: eqs 2 and 3 as printed
 TEXTBOOK = {
