@@ -7,6 +7,8 @@ import sys
 import time
 from typing import Any
 
+from ..engine import backend
+
 PATIENCE = 1.0  # s
 
 
@@ -69,10 +71,11 @@ class Bar:
 def bar(label):
     """Context manager: a function of the fraction done, drawn as `Bar`; None without a terminal.
 
-    The second of work counts from its first call on, when kernels have been compiled.
+    If `backend.use` was given a function, it is that function.  The second of work counts from the
+    first call on, when kernels have been compiled.
     """
-    if not on_terminal():
-        yield None
+    if (progress := backend.current().progress) or not on_terminal():
+        yield progress
         return
     with Bar(label) as drawn:
         drawn.begin = math.inf

@@ -33,7 +33,7 @@ class Verdict:
         Load-point velocity [m/s].
     regime : str
         "steady", "slow stick-slip", "stick-slip" or "quasi-harmonic" (see
-        `ratestate.regimes.classify`): what is reached from steady sliding at a tenth of the speed.
+        `ratestate.classify`): what is reached from steady sliding at a tenth of the speed.
         Without mass (M = 0) also "runaway": no motion beyond some time; and "conditionally
         stable" where that start runs away but small disturbances of steady sliding die.
         "unknown" where the search failed, as the text says.
@@ -129,7 +129,7 @@ class Verdict:
         return "\n".join(self.sentences)
 
 
-def verdict(slider, V_lp):
+def verdict(slider, V_lp, cycle=None):
     """What a slider does when driven at V_lp: its regime, the numbers behind it, and words.
 
     Parameters
@@ -138,6 +138,8 @@ def verdict(slider, V_lp):
         One slider, no sweep.
     V_lp : float, str or pint.Quantity
         Load-point velocity [m/s], > 0.
+    cycle : xarray.Dataset or SolverError, optional
+        What `limit_cycle` returned or raised for this slider and speed, if it was called before.
 
     Returns
     -------
@@ -160,24 +162,11 @@ def verdict(slider, V_lp):
     V_lp = to_si("V_lp", V_lp)
     if is_array(V_lp) or any(map(is_array, check_slider(slider).values.values())):
         raise refusal("verdict.of_sweep", slider=slider)
-    cycle = result_or_error(lambda: limit_cycle(slider, V_lp))
-    return verdict_of_cycle(slider, V_lp, cycle)
-
-
-def result_or_error(search):
-    """What a search for a limit cycle returns, or the SolverError that it raises."""
-    try:
-        return search()
-    except SolverError as error:
-        return error
-
-
-def verdict_of_cycle(slider, V_lp, cycle):
-    """The `verdict` of a slider whose cycle has been searched for already.
-
-    slider, V_lp : one slider and one speed [m/s], which must be those of the cycle; not checked
-    cycle : the result of `limit_cycle`, also one of steady sliding, or the SolverError it raised
-    """
+    if cycle is None:
+        try:
+            cycle = limit_cycle(slider, V_lp)
+        except SolverError as error:
+            cycle = error
     cycle = in_si(cycle)
     steady = stability_call(slider, V_lp).run()
     names: tuple[str, ...] = ("K_c", "K_c_qs", "V_c", "V_c_upper", "eta", "f_n")

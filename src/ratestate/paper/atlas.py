@@ -20,7 +20,7 @@ MAPS = {
 def make(law, out, *, b_over_a=2.0, n=200, **parameters):
     """Compute and draw the atlas for one law, and `write` it; list of paths.
 
-    n : points along either axis; see `ratestate.atlas.atlas`
+    n : points along either axis; see `ratestate.atlas`
     parameters : those of the law's own, and M, as there
     """
     data = atlas(b_over_a, law, n=n, **parameters)

@@ -4,6 +4,7 @@ import numpy as np
 
 from ...engine.model import STEADY_SLIDING
 from ...model.loading import Loading
+from ..progress import bar
 from ..refusals import refusal
 from ..simulation.simulate import SimulateCall
 from .limit_cycle import limit_cycle_call
@@ -14,7 +15,7 @@ from .system import state, system_of
 FINER, LOOSEST, TIGHTEST = 0.1, 1e-7, 1e-13
 
 
-def orbit(slider, V_lp, *, rtol=1e-8):
+def orbit(slider, V_lp, *, rtol=1e-8, return_cycle=False):
     """One period of the cycle that `limit_cycle` finds.
 
     Parameters
@@ -25,10 +26,12 @@ def orbit(slider, V_lp, *, rtol=1e-8):
         Load-point velocity [m/s], > 0.
     rtol : float
         Relative accuracy of the cycle, from 1e-12 to 1e-2.
+    return_cycle : bool
+        Whether to return the result of `limit_cycle` too, from the same search.
 
     Returns
     -------
-    xarray.Dataset
+    xarray.Dataset, or two of these if `return_cycle`
         As from `simulate`, at the solver's own steps along ``time``: ``V`` [m/s], ``theta`` [s],
         ``tau`` [Pa], ``mu`` and the rest.  It begins where V = V_lp and the stress has its
         maximum, and ends there one period later.  For steady sliding it is one point, at time 0.
@@ -46,14 +49,13 @@ def orbit(slider, V_lp, *, rtol=1e-8):
     >>> round(float(run.time[-1]), 5)  # s, the period
     0.01976
     """
-    return cycle_and_orbit(slider, V_lp, rtol=rtol)[1]
+    with bar("orbit") as progress:
+        run, cycle = _run_and_cycle(slider, V_lp, rtol, progress)
+    return (run, cycle) if return_cycle else run
 
 
-def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
-    """The results of `limit_cycle` and `orbit`, two Datasets, from one search; raises as `orbit`.
-
-    progress : callable, optional, given the fraction done after every return; it may raise
-    """
+def _run_and_cycle(slider, V_lp, rtol, progress):
+    """One period and the result of `limit_cycle`, two Datasets."""
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
     if not call.batch.is_single:
         dims = ", ".join(map(str, call.batch.dims))
@@ -63,8 +65,8 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
     call.refuse_failure(cycle)
     if status[0] == STEADY_SLIDING:
         loading, time = Loading.constant(call.V_lp), slider.Dc / call.V_lp
-        return cycle, SimulateCall(slider, loading, time, times=np.zeros(1)).result()
-    return cycle, _period(slider, call, measures, rtol, progress)
+        return SimulateCall(slider, loading, time, times=np.zeros(1)).result(), cycle
+    return _period(slider, call, measures, rtol, progress), cycle
 
 
 def _period(slider, call, measures, rtol, progress):

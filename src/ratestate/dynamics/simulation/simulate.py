@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ...engine.model import FINISHED, RUNAWAY
+from ...engine.model import FINISHED
 from ...errors import RunWarning
 from ...friction.composition import under_varying_stress
 from ...machine import check_fits
@@ -114,11 +114,11 @@ def simulate(
     ParameterError
         An input that cannot be used.
     QuasiStaticInstability
-        M = 0, and no quasi-static motion exists beyond some time before t_end.  Its attribute
-        ``best`` is the run up to that time, at the solver's own steps.
+        M = 0, and no quasi-static motion exists beyond some time before t_end.
     SolverError
-        Any other run without an answer.  In a sweep the motion of such cases is NaN, with their
-        status.
+        Any other run without an answer.  The attribute ``best`` of both errors is the run up to
+        where it ended, at the solver's own steps.  In a sweep the motion of such cases is NaN,
+        with their status.
 
     Warns
     -----
@@ -221,16 +221,15 @@ class SimulateCall:
         """The Dataset; raises for a single case that failed."""
         motion = self.move(progress)
         if self.batch.is_single and (status := motion.status[0]) != FINISHED:
-            best = self._up_to_runaway(motion) if status == RUNAWAY else None
-            t = motion.numbers["t"][0]
+            t, best = motion.numbers["t"][0], self._up_to_failure(motion)
             raise failure("simulate", self.slider, status, t, best, self.loading)
         return self.dataset(self.variables(motion))
 
-    def _up_to_runaway(self, motion):
-        """The run up to where it ran away, as a Dataset; None where its own steps are too many."""
-        call = dataclasses.replace(self, times=None)  # no saved time is that of the instability
-        motion = motion if self.times is None else call.move(None)
-        return call.dataset(call.variables(motion)) if motion.status[0] == RUNAWAY else None
+    def _up_to_failure(self, motion):
+        """The run up to where it failed, as a Dataset; None where its own steps are too many."""
+        call, status = dataclasses.replace(self, times=None), motion.status[0]
+        motion = motion if self.times is None else call.move(None)  # no saved time is the failure's
+        return call.dataset(call.variables(motion)) if motion.status[0] == status else None
 
     def run(self, progress=None):
         """The result's variables, name -> Variable in the dimensions of the sweep, then time.
