@@ -4,7 +4,8 @@
 
 The wheel is built from the source distribution.  Beside each come the dependencies that its own
 metadata names, in the versions of requirements.lock, and nothing else; it is used in a folder
-outside of this one, first without extras and then with the extra `explorer`.  git tells which files belong to the package; uv builds and installs.
+outside of this one, first without extras and then with the extra `explorer`.  git tells which files
+belong to the package; uv builds and installs.
 """
 
 import os

@@ -3,8 +3,10 @@
 import io
 import json
 import re
+from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 import ratestate as rs
 
@@ -14,8 +16,6 @@ from .state import with_unit
 
 #: seconds that the reading may take
 SECONDS = 60.0
-#: what the page lets a person choose, keyword arguments of `read_lab`
-CHOICES = ("columns", "units", "time")
 LONGEST = 255  # characters of a file's name
 #: table of an error's sentence -> what helps on the page, in place of an argument of `read_lab`
 REMEDIES = {
@@ -28,13 +28,19 @@ REMEDIES = {
 }
 
 
+class Choices(BaseModel, extra="forbid", strict=True):
+    """What the page lets a person choose, keyword arguments of `read_lab`."""
+
+    columns: dict[str, Any] = {}
+    units: dict[str, Any] = {}
+    time: list[str | None] = []
+
+
 def choices_of(text):
-    """The choices in a JSON object, as keyword arguments of `read_lab`; `wire.BadQuestion`."""
-    choices = wire.json_object(text)
-    if not choices.keys() <= {*CHOICES}:
-        raise wire.BadQuestion(f"a record is read with {', '.join(CHOICES)} only")
-    if isinstance(times := choices.get("time"), list):
-        choices["time"] = [with_unit("t", t) if isinstance(t, str) else t for t in times]
+    """Return the choices in a JSON text as keyword arguments of `read_lab`; `wire.BadQuestion`."""
+    choices = wire.checked(Choices, text).model_dump(exclude_unset=True)
+    if "time" in choices:
+        choices["time"] = [t and with_unit("t", t) for t in choices["time"]]
     return choices
 
 

@@ -114,7 +114,7 @@ class Session:
     async def take(self, text):
         """Put a question into its queue; answer an invalid message with its problem."""
         try:
-            question = wire.question(text)
+            question = wire.checked(wire.Question, text)
         except wire.BadQuestion as error:
             await self.send(wire.answer(None, "problem", problems={"": str(error)}))
             self.nonsense += 1

@@ -22,14 +22,14 @@ All numbers are float64: a small cycle is a part in 1e8 of tau/sigma, and time m
 A number that JSON cannot represent is the string "Infinity", "-Infinity" or "NaN" in the header.
 """
 
-import json
 import struct
-from typing import Any, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic.dataclasses import dataclass
 from pydantic_core import to_json
 
-from .branch import ALONG
 from .charts import SPAN
 
 #: kind of file -> its name and type
@@ -46,76 +46,52 @@ FILES = {
 PINS = 3
 LONGEST = 4096 * (1 + PINS)
 ASKS = ("picture", "chart", "window", "branch", "slide-hold-slide", *FILES)
-LARGEST_ID = 2**53
-
-
-class Question(NamedTuple):
-    """A question of a page."""
-
-    id: int
-    ask: str
-    entries: Any
-    along: str = ""  # of "branch"
-    window: tuple[float, ...] = ()  # of "window"
-    pinned: tuple[Any, ...] = ()  # of a figure, and of a page
-    hold: Any = None  # of "slide-hold-slide"
 
 
 class BadQuestion(Exception):
-    """A message that is no question."""
+    """A message that is not a question."""
 
 
-def question(text):
-    """The `Question` in a message; BadQuestion, with the reason, if it is invalid."""
-    message = json_object(text)
-    number, ask = message.get("id"), message.get("ask")
-    if type(number) is not int or not 0 <= number <= LARGEST_ID:
-        raise BadQuestion("id must be a whole number from 0 on")
-    if not isinstance(ask, str) or ask not in ASKS:
-        raise BadQuestion(f"ask must be one of {', '.join(ASKS)}")
-    along = _along(message.get("along")) if ask == "branch" else ""
-    window = _window(message.get("window")) if ask == "window" else ()
-    pinned = _pinned(message.get("pinned", []))
-    return Question(number, ask, message.get("entries"), along, window, pinned, message.get("hold"))
+@dataclass(frozen=True, config=ConfigDict(strict=True))
+class Question:
+    """A question of a page."""
+
+    id: Annotated[int, Field(ge=0, le=2**53)]
+    ask: str
+    entries: Any = None
+    along: Literal["", "K", "V_lp", "M"] = ""  # of "branch"
+    window: tuple[float, float, float, float] | tuple[()] = ()  # of "window"
+    pinned: Annotated[tuple[Any, ...], Field(max_length=PINS)] = ()  # of a figure, and of a page
+    hold: Any = None  # of "slide-hold-slide"
+
+    @model_validator(mode="after")
+    def _fits(self):
+        if self.ask not in ASKS:
+            raise ValueError(f"ask must be one of {', '.join(ASKS)}")
+        if self.ask == "branch" and not self.along:
+            raise ValueError("a branch needs along")
+        if self.ask == "window" and not _is_in_map(*self.window):
+            raise ValueError("window must be [first, last K/K_c_qs, first, last eta] in the map")
+        return self
 
 
-def _along(value):
-    """The parameter of a branch."""
-    if not isinstance(value, str) or value not in ALONG:
-        raise BadQuestion(f"along must be one of {', '.join(ALONG)}")
-    return value
+def _is_in_map(*limits):
+    """Return whether there are limits of a window, inside the map."""
+    if not limits:
+        return False
+    ends = zip((SPAN["ratio"], SPAN["eta"]), (limits[:2], limits[2:]), strict=True)
+    return all(first <= low < high <= last for (first, last), (low, high) in ends)
 
 
-def _window(value):
-    """The part of the map that is asked for, a tuple: it can be a key of what is cached."""
-    numbers = isinstance(value, list) and all(type(x) in (int, float) for x in value)
-    if not numbers or len(value) != 4:
-        raise BadQuestion("window must be [first, last K/K_c_qs, first, last eta]")
-    for name, low, high in (("ratio", *value[:2]), ("eta", *value[2:])):
-        first, last = SPAN[name]
-        if not first <= low < high <= last:
-            raise BadQuestion(f"window must be inside the map, {first:g} to {last:g}")
-    return tuple(map(float, value))
-
-
-def _pinned(value):
-    """Entries of runs kept beside another, a tuple."""
-    if not isinstance(value, list) or len(value) > PINS:
-        raise BadQuestion(f"pinned must be a list of {PINS} objects of entries at most")
-    return tuple(value)
-
-
-def json_object(text):
-    """The JSON object in a text, as a dict; BadQuestion, with the reason, if there is none."""
+def checked(kind, text):
+    """Return what a JSON text holds, of a kind that pydantic knows; BadQuestion if it does not."""
     if len(text) > LONGEST:
         raise BadQuestion(f"a message may have {LONGEST} characters at most")
     try:
-        found = json.loads(text, parse_constant=_refuse)
-    except (ValueError, RecursionError):
-        raise BadQuestion("the message is not JSON") from None
-    if not isinstance(found, dict):
-        raise BadQuestion("the message is not a JSON object")
-    return found
+        return TypeAdapter(kind).validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise BadQuestion(" ".join([*map(str, first["loc"]), first["msg"]])) from None
 
 
 def answer(number, kind, arrays=None, content=b"", **header):
@@ -136,7 +112,3 @@ def answer(number, kind, arrays=None, content=b"", **header):
 def json_bytes(value):
     """Return a value, which may have numbers of NumPy in it, as strict JSON."""
     return to_json(value, inf_nan_mode="strings", fallback=lambda number: number.tolist())
-
-
-def _refuse(constant):
-    raise ValueError(constant)

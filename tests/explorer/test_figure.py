@@ -158,11 +158,10 @@ class TestPinned:
 
     def test_a_question_holds_three(self):
         text = '{"id": 1, "ask": "svg", "entries": {}, "pinned": [%s]}'
-        assert len(wire.question(text % "{}, {}, {}").pinned) == 3
-        with pytest.raises(wire.BadQuestion, match="at most"):
-            wire.question(text % "{}, {}, {}, {}")
-        with pytest.raises(wire.BadQuestion, match="list of 3"):
-            wire.question(text.replace("[%s]", '"many"'))
+        assert len(wire.checked(wire.Question, text % "{}, {}, {}").pinned) == 3
+        for wrong in (text % "{}, {}, {}, {}", text.replace("[%s]", '"many"')):
+            with pytest.raises(wire.BadQuestion, match="pinned"):
+                wire.checked(wire.Question, wrong)
 
 
 def _told(svg):

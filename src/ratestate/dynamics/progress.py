@@ -71,11 +71,22 @@ class Bar:
 def bar(label):
     """Context manager: a function of the fraction done, drawn as `Bar`; None without a terminal.
 
-    If `backend.use` was given a function, it is that function.  The second of work counts from the
-    first call on, when kernels have been compiled.
+    With a function of `backend.use`, or an event that stops the work, it calls that function and
+    raises `Stopped`: kernels of one orbit at a time are too short to look.  The second of work
+    counts from the first call on, when kernels have been compiled.
     """
-    if (progress := backend.current().progress) or not on_terminal():
-        yield progress
+    settings = backend.current()
+    if settings.progress or settings.stop:
+
+        def report(fraction):
+            backend.check_stopped()
+            if settings.progress:
+                settings.progress(fraction)
+
+        yield report
+        return
+    if not on_terminal():
+        yield None
         return
     with Bar(label) as drawn:
         drawn.begin = math.inf

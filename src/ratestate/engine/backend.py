@@ -47,7 +47,8 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
     threads : int, optional
         Number of threads; by default one per core.
     stop : threading.Event, optional
-        Ends the calculations: they raise `Stopped` within some milliseconds after it is set.
+        Ends the calculations: they raise `Stopped` some milliseconds after it is set, unless they
+        are done before.
     device : {"cpu", "cuda"}, optional
         Where sweeps run; by default "cpu".
     progress : callable, optional
@@ -61,11 +62,11 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
     Examples
     --------
     >>> import threading, ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
     >>> stop = threading.Event()
     >>> stop.set()  # another thread would do this
-    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
     >>> with rs.backend.use(stop=stop):
-    ...     rs.limit_cycle(slider, "3.2 mm/s")
+    ...     rs.orbit(slider, "3.2 mm/s")
     Traceback (most recent call last):
     ratestate.engine.backend.Stopped
     """
