@@ -37,7 +37,7 @@ def check_stopped():
 
 @contextlib.contextmanager
 def use(*, threads=None, stop=None, device="cpu", progress=None):
-    """Run the calculations that this thread starts inside a `with` block with these settings.
+    """Run the calculations that this thread starts inside a block with these settings.
 
     A setting that is left out has its default, whatever an enclosing `use` says.  The device is not
     checked here: `sweep` does that.

@@ -22,8 +22,8 @@ def explorer_package():
 def explore(slider, V_lp):
     """Open the explorer with a slider: in a notebook, the page itself with all its parameters.
 
-    A thread of this process serves it on 127.0.0.1, for the browser of this machine only, until
-    `Page.close` or the end of the process.
+    A thread of this process serves the page on 127.0.0.1, for the browser of this machine only.
+    The page's method ``close`` ends the thread; otherwise the end of the process does.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def explore(slider, V_lp):
     Raises
     ------
     ParameterError
-        No slider, arrays, or values that the page cannot show; or the extra `explorer` is not
+        No slider, arrays, or values that the page cannot show; or the extra "explorer" is not
         installed.
 
     Notes

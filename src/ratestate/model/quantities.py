@@ -35,7 +35,7 @@ class Quantity(NamedTuple):
     long_name : str
         Name for plots and messages.
     bound : {"", "> 0", ">= 0"}
-        Range that `to_si` checks.
+        Range that `ratestate.units.to_si` checks.
     example : str
         An example, if the example of the unit would mislead.
     may_be_inf : bool
@@ -191,7 +191,7 @@ def long_time_unit(seconds):
 
 
 def readable(symbol, value, digits=4):
-    """Return a value [SI] as text that `to_si` reads, with a suitable unit.
+    """Return a value [SI] as text that `ratestate.units.to_si` reads, with a suitable unit.
 
     inf, NaN and values that are too small for any prefix have the SI unit.
 
