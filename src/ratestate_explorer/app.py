@@ -38,7 +38,7 @@ HEADERS = {
 
 
 def app_of(port, frames):
-    """The ASGI application, for a server at this port of 127.0.0.1.
+    """Return the ASGI application, for a server at this port of 127.0.0.1.
 
     frames : the pages that may have it in a frame, as a policy writes them
     """
@@ -105,7 +105,7 @@ class Guard:
             await refusal(scope, receive, send_with_headers)
 
     def _is_own(self, scope):
-        """Whether a request is for this page, and not from another."""
+        """Return whether a request is for this page, and not from another page."""
         headers = Headers(scope=scope)
         hosts, origins = headers.getlist("host"), headers.getlist("origin")
         own_origin = all(origin in self.origins for origin in origins)

@@ -36,7 +36,7 @@ class Axis(NamedTuple):
     stable_at_low: bool
 
     def courses(self):
-        """Where to follow branches, list of (start, stop): over each unstable interval.
+        """Return where to follow branches, list of (start, stop): over each unstable interval.
 
         From the stable side of a Hopf point, or from end to end where there is none.  Between two
         Hopf points the branches from both meet in the middle.
@@ -57,7 +57,7 @@ class Axis(NamedTuple):
 
 
 def branch(state, along, deadline):
-    """Header and arrays of the answer to "branch" (wire.py).
+    """Return header and arrays of the answer to "branch" (wire.py).
 
     The arrays hold all pieces of branches, one after another: the parameter, amplitude, V_max, and
     whether the cycles between a point and the next are stable.  What could not be followed is
@@ -87,7 +87,7 @@ def branch(state, along, deadline):
 
 
 def axis_of(slider, V_lp, along):
-    """The `Axis` of the diagram of a slider at a speed."""
+    """Return the `Axis` of the diagram of a slider at a speed."""
     value = V_lp if along == "V_lp" else getattr(slider, along)
     there = 0.0 < value < np.inf
     anchor = value if there else _scale(slider, V_lp, along)
@@ -108,26 +108,26 @@ def axis_of(slider, V_lp, along):
 
 
 def _scale(slider, V_lp, along):
-    """A value [SI] for a K of inf, K_c, or for an M of 0, that of eta = 1."""
+    """Return K_c [Pa/m] in place of K = inf, or the M of eta = 1 in place of M = 0."""
     if along == "K":
         return max(float(slider.K_c(V_lp)), slider.sigma * slider.a / slider.Dc)
     return slider.a * slider.sigma * slider.Dc / V_lp**2
 
 
 def _rounded_decades(value, side):
-    """Ends so many decades or more to either side of a value, on half decades."""
+    """Return ends so many decades or more to either side of a value, on half decades."""
     at = np.log10(value)
     ends = np.floor(2.0 * (at - side)) / 2.0, np.ceil(2.0 * (at + side)) / 2.0
     return tuple(float(10.0**end) for end in ends)
 
 
 def _at(slider, V_lp, along, value):
-    """The slider and the speed with this value of the parameter, a float or an array."""
+    """Return the slider and the speed with this value of the parameter, a float or an array."""
     return (slider, value) if along == "V_lp" else (slider.replace(**{along: value}), V_lp)
 
 
 def _stability(slider, V_lp, along, low, high):
-    """Where the stability of steady sliding changes from low to high, a list; and it at low."""
+    """Return where the stability of steady sliding changes, a list; and whether low is stable."""
 
     def stable(p):
         at, V = _at(slider, V_lp, along, xarray.DataArray(np.exp(p), dims="parameter"))
@@ -148,7 +148,7 @@ def _stability(slider, V_lp, along, low, high):
 
 @functools.lru_cache(CACHED_BRANCHES)
 def _pieces(slider, V_lp, along, axis):
-    """The pieces of branches along an axis, a tuple of Datasets, and what is wrong with them."""
+    """Return the pieces of branches along an axis, a tuple of Datasets, and their problems."""
     courses = axis.courses()
     if not courses:
         return (), "Steady sliding is stable all along, and no limit cycle begins here."
@@ -161,9 +161,9 @@ def _pieces(slider, V_lp, along, axis):
 
 
 def _followed(slider, V_lp, along, start, stop):
-    """A branch, as far as it was found, or None; and a sentence if that is not to its end.
+    """Return a branch as far as it was found, or None; and a sentence if it is not complete.
 
-    Where it cannot be followed from the Hopf point, it is from the other end.
+    If it cannot be followed from the Hopf point, it is followed from the other end.
     """
     best, note = None, ""
     for first, last, rtol in ((start, stop, RTOL), (start, stop, FINE_RTOL), (stop, start, RTOL)):
@@ -179,7 +179,7 @@ def _followed(slider, V_lp, along, start, stop):
 
 
 def _columns(piece, along):
-    """What is drawn of each point of a piece: name -> (n,)."""
+    """Return what is drawn of each point of a piece: name -> (n,)."""
     names = {"parameter": along, "amplitude": "amplitude", "V_max": "V_max"}
     return {name: piece[of].values for name, of in names.items()}
 
@@ -194,7 +194,7 @@ def _stable(piece):
 
 
 def _curves(pieces, along):
-    """Arrays of all pieces together."""
+    """Return the arrays of all pieces together."""
     all_columns = [_columns(piece, along) | {"stable": _stable(piece)} for piece in pieces]
     names = ("parameter", "amplitude", "V_max", "stable")
     return {name: np.concatenate([[], *(c[name] for c in all_columns)]) for name in names}

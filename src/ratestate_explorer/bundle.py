@@ -28,7 +28,7 @@ _TITLE = "<title>ratestate explorer</title>"
 
 
 def bundle(title, line, recording):
-    """The page as one HTML text, which says in a line that it is saved.
+    """Return the page as one HTML text, with a line that says that it is saved.
 
     title : plain text
     line : HTML
@@ -53,7 +53,7 @@ def bundle(title, line, recording):
 
 
 def served():
-    """Path -> text and type of the page, its style and its script."""
+    """Return path -> (text, type) of the page, its style and its script."""
     page, style, code = _parts()
     page = _STYLE.sub("", page)
     links = '<link rel="stylesheet" href="page.css">\n<script type="module" src="page.js"></script>'
@@ -65,7 +65,7 @@ def served():
 
 
 def _parts():
-    """The text of the page as it was written; its styles and its modules as one text each."""
+    """Return the text of the page as written; its styles and its modules as one text each."""
     page = (STATIC / "index.html").read_text(encoding="utf-8")
     style = "".join(_text(path) for path in _STYLE.findall(page))
     (main,) = _MAIN.findall(page)
@@ -73,7 +73,7 @@ def _parts():
 
 
 def _script(main):
-    """All modules that this one needs, and itself, as one script."""
+    """Return a module and all modules that it needs as one script."""
     names: dict[str, str] = {}
     functions: list[str] = []
 
@@ -105,17 +105,17 @@ def _script(main):
 
 
 def _licence(comment):
-    """A comment if it is that of a copyright, or nothing."""
+    """Return a comment if it names a copyright, or ""."""
     return comment[0] if "Copyright" in comment[0] else ""
 
 
 def _beside(path, other):
-    """The path of a module that another imports."""
+    """Return the path of a module that another module imports."""
     return posixpath.normpath(posixpath.join(posixpath.dirname(path), other))
 
 
 def _text(path):
-    """A file of the page, which may not end the element that it is put into."""
+    """Return a file of the page; ValueError if it would end the element that it is put into."""
     text = (STATIC / path).read_text(encoding="utf-8")
     if "</" in text and re.search("</(script|style)", text, re.IGNORECASE):
         raise ValueError(f"{path} has the end of an element in it")
@@ -123,11 +123,11 @@ def _text(path):
 
 
 def _data(path, of_type):
-    """A file as a data: URL."""
+    """Return a file as a data: URL."""
     return f"data:{of_type};base64,{base64.b64encode((STATIC / path).read_bytes()).decode()}"
 
 
 def _hash(text):
-    """A text's hash, by which a policy allows it."""
+    """Return the hash of a text, with which a policy allows it."""
     digest = hashlib.sha256(text.encode()).digest()
     return f"'sha256-{base64.b64encode(digest).decode()}'"

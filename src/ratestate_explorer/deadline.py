@@ -32,7 +32,7 @@ class Deadline(threading.Event):
         self._first = self._first or self._part
 
     def is_set(self):
-        """Whether the time is up, or `set` was called; before the first `start` only the latter."""
+        """Return whether `set` was called or, after the first `start`, the time is up."""
         if super().is_set() or self._part is None:
             return super().is_set()
         return _spent(self._part) > self.seconds or _spent(self._first) > self.whole

@@ -12,7 +12,7 @@ MOST_ROWS = 200_000
 
 
 def export(question, deadline):
-    """dict of a file: its name, type and content (bytes); the question asks for one of `FILES`.
+    """Return name, type and content (bytes) of a file, a dict; the question names one of `FILES`.
 
     ParameterError for more than `MOST_ROWS`, and where a figure has no run; `TimeUp` past the
     deadline, backend.Stopped if cancelled.
@@ -33,7 +33,7 @@ def export(question, deadline):
 
 
 def _pinned(question):
-    """The states of the runs kept beside that of a question; ParameterError for bad ones."""
+    """Return the states of the runs kept for comparison; ParameterError if one is invalid."""
     try:
         return [state_of(entries) for entries in question.pinned]
     except BadEntries as error:

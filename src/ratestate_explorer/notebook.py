@@ -50,7 +50,7 @@ _lock = threading.Lock()
 
 
 def _server():
-    """The `_Server` of this process, begun if there is none."""
+    """Return the `_Server` of this process; start it if there is none."""
     global _running
     with _lock:
         if _running is None or not _running.thread.is_alive():  # it is not in a forked process

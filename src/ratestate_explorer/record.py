@@ -45,7 +45,7 @@ def choices_of(text):
 
 
 def answer_record(name, contents, choices, stop):
-    """The answer, of kind "record", to a file of this name with these bytes.
+    """Return the answer, of kind "record", to a file of this name with these bytes.
 
     It has the `quantities` for which a column can be chosen, the file's columns, [[title, unit],
     ...], and which of them was `chosen`, symbol -> number from 1; and either the record or the
@@ -67,7 +67,7 @@ def answer_record(name, contents, choices, stop):
 
 
 def quantities():
-    """list of dicts, of each quantity that a column can be: symbol, name, and a unit to suggest."""
+    """Return list of dicts, one a quantity of columns: symbol, name, and example of a unit."""
     return [
         {"symbol": symbol, "name": rs.quantities.QUANTITIES[symbol].long_name, "unit": unit}
         for symbol, unit in rs.lab.EXAMPLE_UNIT.items()
@@ -75,7 +75,7 @@ def quantities():
 
 
 def _problem(found):
-    """What is wrong, with a remedy that the page has."""
+    """Return what is wrong, with a remedy that the page has."""
     table = found.error.sentence.partition(".")[0]
     own = REMEDIES.get(table) if found.columns else None
     what = re.split(r"; |\. (?=[A-Z])", str(found.error), maxsplit=1)[0]
@@ -97,7 +97,7 @@ def _begin(record):
 
 
 def conditions(record):
-    """dict of what the page's fields can take from a record, in SI; None where it has it not.
+    """Return what the page's fields can take from a record, a dict in SI; None if it is missing.
 
     time : of the first step from one speed to another, neither 0; or as `_begin`
     V_from, V_lp : before and after it; without a step V_lp is the first speed that is not 0

@@ -35,7 +35,7 @@ def serve(port=None, open_browser=True, fragment=""):
 
 
 def server_at(listening, frames="'none'"):
-    """The server of the page, for a listening socket; frames : as of `app.app_of`."""
+    """Return the server of the page, for a listening socket; frames : as for `app.app_of`."""
     import uvicorn
 
     from .app import ImpatientProtocol, app_of

@@ -22,19 +22,21 @@ class Refused(Exception):
 
 
 async def take_record(request):
-    """The answer to a POST of a file, whose query has `page`, `name` and perhaps `choices`.
+    """Answer a POST of a file, whose query has `page`, `name` and perhaps `choices`.
 
     ``page`` is the token that the page was greeted with; ``choices`` is a JSON object.  Of a page's
     files the newest is read: an earlier one, and that of a page that has gone, is given up.
     """
     try:
         session = _session(request)
-        choices = _choices(request)
+        choices = choices_of(request.query_params.get("choices", "{}"))
         _check_length(request)
         stop = session.begin_record()
         contents = await _contents(request, stop)
     except Refused as refused:
         return _response(wire.answer(None, "record", problem=str(refused)), refused.status)
+    except wire.BadQuestion as error:
+        return _response(wire.answer(None, "record", problem=str(error)), 400)
     except ClientDisconnect:
         return Response(status_code=400)
     name = request.query_params.get("name", "")
@@ -46,19 +48,12 @@ async def take_record(request):
 
 
 def _session(request):
-    """The connection of the page that sends."""
+    """Return the connection of the page that sends."""
     page = request.query_params.get("page", "")
     for session in request.app.state.shared.sessions:
         if session.token == page:
             return session
     raise Refused(403, "this page is not connected to ratestate; wait until it is, and try again")
-
-
-def _choices(request):
-    try:
-        return choices_of(request.query_params.get("choices", "{}"))
-    except wire.BadQuestion as error:
-        raise Refused(400, str(error)) from None
 
 
 def _check_length(request):
@@ -69,7 +64,7 @@ def _check_length(request):
 
 
 async def _contents(request, stop):
-    """The bytes of the file; Refused once it is no longer wanted."""
+    """Return the bytes of the file; Refused if it is not wanted any more."""
     contents = bytearray()
     try:
         async with asyncio.timeout(SECONDS):
@@ -85,7 +80,7 @@ async def _contents(request, stop):
 
 
 def too_large():
-    """What is said of a file that is too large."""
+    """Return the message for a file that is too large."""
     return (
         f"the file is larger than the {LARGEST / 1e6:g} MB that the page takes; leave out what is "
         f"not of interest, or take every tenth row; read_lab in Python has no such limit"
@@ -93,7 +88,7 @@ def too_large():
 
 
 async def _unless_gone(request, work, stop):
-    """The result of work, which is stopped once the page no longer waits for it."""
+    """Return the result of work, which is stopped if the page does not wait for it any more."""
 
     async def gone():
         while (await request.receive())["type"] != "http.disconnect":

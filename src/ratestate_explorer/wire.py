@@ -7,8 +7,8 @@ A question is one text message of at most `LONGEST` characters, a JSON object::
 ``ask`` is one of `ASKS`; ``id`` is an integer that the answer repeats; entries are strings as
 typed, with units or in SI.  A "branch" also has ``along``, one of `branch.ALONG`; a "window" has
 ``window``, part of the map: [first, last K/K_c_qs, first, last eta]; a "slide-hold-slide" has
-``hold``, a time as typed.  A figure or a page may also
-have ``pinned``, a list of at most `PINS` such objects of entries: of runs that are kept beside it.
+``hold``, a time as typed.  A figure or a page may also have ``pinned``, a list of at most `PINS`
+such objects of entries, of runs that are kept for comparison.
 
 An answer is one binary message, little-endian::
 
@@ -95,7 +95,7 @@ def checked(kind, text):
 
 
 def answer(number, kind, arrays=None, content=b"", **header):
-    """An answer's bytes; `number` is the id of the question, None if there was none.
+    """Return an answer as bytes; `number` is the id of the question, None if there was none.
 
     arrays : name -> (n,) of float or bool
     content : bytes, of a file
