@@ -49,7 +49,7 @@ cuda: .venv/.ready ## assemble the kernels for NVIDIA GPUs, of which none is nee
 
 # Tests that use the dependencies most.
 QUICK := tests/files/test_files.py tests/sweeps/test_store.py tests/model \
-    tests/interfaces/explorer/test_impatient.py
+    tests/explorer/test_impatient.py
 
 lowest: .venv/.uv-$(UV_VERSION) ## run some tests with the lowest versions that pyproject.toml admits
 	$(UV) venv --quiet --clear build/lowest

@@ -100,6 +100,9 @@ print("ratestate" in sys.modules)
     assert run(code, *codes) == ["False"]
 
 
-@pytest.mark.parametrize("home", sorted(set(ratestate._HOMES.values())))
+DOCUMENTED = {*ratestate._HOMES.values(), *ratestate._MODULES.values(), "laws", "plot.runs"}
+
+
+@pytest.mark.parametrize("home", sorted(DOCUMENTED))
 def test_examples_in_docstrings(home):
     assert doctest.testmod(importlib.import_module(f"ratestate.{home}")).failed == 0

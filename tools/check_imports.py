@@ -1,13 +1,15 @@
-"""Ends with an error where modules import each other in a circle, or scripts what is not there.
+"""Check imports: no circles, no names that are missing, and no private names in the explorer.
 
 Imports inside functions and those for types alone count too, which the contracts of import-linter
-leave aside; scripts are those of benchmarks, docs and tools, which no test runs:
+leave aside.  Scripts in benchmarks, docs and tools, which no test runs, import what is there.  The
+explorer uses only names of `ratestate` that docs/reference/api.rst documents:
 ``python tools/check_imports.py``.
 """
 
 import ast
 import graphlib
 import importlib
+import re
 import sys
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import grimp
 
 ROOT = Path(__file__).parents[1]
 SCRIPTS = ("benchmarks", "docs", "tools")
+EXPLORER, REFERENCE = ROOT / "src/ratestate_explorer", ROOT / "docs/reference/api.rst"
 
 
 def circle(graph):
@@ -50,13 +53,37 @@ def exists(name):
     return True
 
 
+def private(module, documented):
+    """Names of `ratestate` that a module uses, and that are not documented."""
+    text = module.read_text("utf-8")
+    used = [name.replace("rs.", "ratestate.", 1) for name in re.findall(r"\brs(?:\.\w+)+", text)]
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "ratestate":
+            used += [f"{node.module}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Import):
+            used += [alias.name for alias in node.names if alias.name.startswith("ratestate.")]
+    for name in used:  # a class is documented with its methods
+        if not any(f"{name}.".startswith(f"{known}.") for known in documented):
+            yield f"{module.relative_to(ROOT)}: {name}"
+
+
+def documented_names():
+    """What the reference documents: objects, and names that its text gives with their module."""
+    text = REFERENCE.read_text("utf-8")
+    objects = re.findall(r"^\.\. auto\w+:: (ratestate\.[\w.]+)", text, re.MULTILINE)
+    return {*objects, *re.findall(r"``(ratestate\.\w+\.\w+)``", text)}
+
+
 def main():
-    graph = grimp.build_graph("ratestate", cache_dir=None)
+    graph = grimp.build_graph("ratestate", "ratestate_explorer", cache_dir=None)
     if found := circle(graph):
         sys.exit(f"error: a circle of imports: {' -> '.join(found)}")
     scripts = [script for folder in SCRIPTS for script in (ROOT / folder).rglob("*.py")]
     if lost := [name for script in scripts for name in absent(script)]:
         sys.exit(f"error: scripts import what is not there: {', '.join(lost)}")
+    known = documented_names()
+    if found := [name for file in EXPLORER.glob("*.py") for name in private(file, known)]:
+        sys.exit(f"error: the explorer uses what is not documented: {', '.join(found)}")
     print(f"{len(graph.modules)} modules, {graph.count_imports()} imports, no circle")
 
 

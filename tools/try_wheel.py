@@ -4,7 +4,8 @@
 
 The wheel is built from the source distribution.  Beside each come the dependencies that its own
 metadata names, in the versions of requirements.lock, and nothing else; it is used in a folder
-outside of this one.  git tells which files belong to the package; uv builds and installs.
+outside of this one, first without extras and then with the extra `explorer`.  git tells which files
+belong to the package; uv builds and installs.
 """
 
 import os
@@ -71,8 +72,13 @@ def try_archives(folder):
             home = Path(place) / "env"
             tool("uv", "venv", "--python", sys.executable, home)
             how = ("--constraint", LOCK, "--build-constraint", BUILD)
-            tool("uv", "pip", "install", "--python", home, *how, archive)
+            install = ("uv", "pip", "install", "--python", home, *how)
+            tool(*install, archive)
             works(home / "bin", Path(place), version=wheel.name.split("-")[1])
+            needs_the_extra(home / "bin/ratestate", Path(place))
+            tool(*install, f"ratestate[explorer] @ {archive.as_uri()}")
+            page = explored(home / "bin/ratestate", Path(place))
+            say(f"ratestate explore: a page of {page} bytes")
 
 
 # Inside -------------------------------------------------------------------------------------------
@@ -135,15 +141,22 @@ def works(programs, folder, version):
     say(f"ratestate run lab.toml: {times} times")
     use("ratestate", "fit", "record.txt", "--out", "fitted")
     say("ratestate fit record.txt")
-    page = explored(programs / "ratestate", empty, alone(folder))
-    say(f"ratestate explore: a page of {page} bytes")
 
 
-def explored(program, folder, environment):
+def needs_the_extra(program, folder):
+    """The explorer says what to install."""
+    command = [program, "explore", "--no-browser"]
+    done = subprocess.run(command, env=alone(folder), capture_output=True, text=True, check=False)
+    if done.returncode == 0 or "pip install 'ratestate[explorer]'" not in done.stderr:
+        raise Failed(f"without its extra, ratestate explore says {done.stderr!r}")
+    say("ratestate explore without its extra: it says what to install")
+
+
+def explored(program, folder):
     """The size of the explorer's page, as its server gives it."""
     command = [program, "explore", "--no-browser", "--port", "0"]
     with subprocess.Popen(
-        command, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True
+        command, cwd=folder, env=alone(folder), stdout=subprocess.PIPE, text=True
     ) as server:
         try:
             told = server.stdout.readline()

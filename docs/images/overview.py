@@ -9,7 +9,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from matplotlib.patches import Circle, Rectangle
-from ratestate.orbit import orbit
 
 import ratestate as rs
 from ratestate.paper.parameters import FIG4
@@ -99,7 +98,7 @@ def draw_motions(axes):
         if slider is STIFF:
             t, tau = np.array([0.0, 7.0]), np.zeros(2)
         else:
-            cycle = orbit(slider, speed)
+            cycle = rs.orbit(slider, speed)
             period = float(cycle.time[-1])
             t = np.concatenate([cycle.time + i * period for i in range(3)])
             tau = np.tile(cycle.tau / slider.sigma, 3)

@@ -14,12 +14,16 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .dynamics.atlas import atlas
+    from .dynamics.basin import escape
     from .dynamics.continuation.branch import continue_cycle
-    from .dynamics.cycles.limit_cycle import limit_cycle
+    from .dynamics.cycles.limit_cycle import limit_cycle, orbit
+    from .dynamics.cycles.regimes import classify
     from .dynamics.hopf import bautin, hopf
     from .dynamics.simulation.simulate import simulate
     from .dynamics.stabilize import stabilize
     from .dynamics.steady_sliding import frequency_response, stability
+    from .dynamics.verdict import verdict
     from .errors import (
         NotConverged,
         ParameterError,
@@ -28,7 +32,7 @@ if TYPE_CHECKING:
         SolverError,
     )
     from .friction.law import FrictionLaw
-    from .interfaces.explorer.notebook import explore
+    from .interfaces.explorer import explore
     from .model.conversion import in_units
     from .model.loading import Loading
     from .model.parameters import logspace
@@ -51,8 +55,11 @@ __all__ = [
     "RateStateError",
     "SolverError",
     "SpringSlider",
+    "atlas",
     "bautin",
+    "classify",
     "continue_cycle",
+    "escape",
     "events",
     "explore",
     "fit",
@@ -63,6 +70,7 @@ __all__ = [
     "limit_cycle",
     "logspace",
     "machine_stiffness",
+    "orbit",
     "read_lab",
     "register",
     "simulate",
@@ -70,6 +78,7 @@ __all__ = [
     "stabilize",
     "summary",
     "sweep",
+    "verdict",
 ]
 
 #: public name -> module that defines it
@@ -87,10 +96,14 @@ _HOMES = {
     "SolverError": "errors",
     "SpringSlider": "model.slider",
     "StoreError": "errors",
+    "Verdict": "dynamics.verdict",
+    "atlas": "dynamics.atlas",
     "bautin": "dynamics.hopf",
+    "classify": "dynamics.cycles.regimes",
     "continue_cycle": "dynamics.continuation.branch",
+    "escape": "dynamics.basin",
     "events": "records.stick_slip",
-    "explore": "interfaces.explorer.notebook",
+    "explore": "interfaces.explorer",
     "fit": "records.fitting.fit",
     "frequency_response": "dynamics.steady_sliding",
     "healing": "records.healing.healing",
@@ -99,6 +112,7 @@ _HOMES = {
     "limit_cycle": "dynamics.cycles.limit_cycle",
     "logspace": "model.parameters",
     "machine_stiffness": "records.machine.machine_stiffness",
+    "orbit": "dynamics.cycles.limit_cycle",
     "read_lab": "records.reading",
     "register": "model.user_laws",
     "simulate": "dynamics.simulation.simulate",
@@ -106,24 +120,23 @@ _HOMES = {
     "stabilize": "dynamics.stabilize",
     "summary": "report",
     "sweep": "sweeps.sweep",
+    "verdict": "dynamics.verdict",
 }
 #: packages that are where they are documented
 _PACKAGES = ("files", "laws", "paper", "plot")
 #: module as it is documented, and was when all modules lay side by side -> where it is now
 _MODULES = {
-    "atlas": "dynamics.atlas",
-    "basin": "dynamics.basin",
+    "backend": "engine.backend",
     "fitting": "records.fitting",
     "formulas": "friction.formulas",
     "hopf": "dynamics.hopf",
     "lab": "records.reading",
-    "orbit": "dynamics.cycles.limit_cycle",
+    "quantities": "model.quantities",
     "quasi_static": "friction.quasi_static",
-    "regimes": "dynamics.cycles.regimes",
     "scenario": "interfaces.scenario",
     "simulate": "dynamics.simulation.simulate",
     "stability": "friction.stability",
-    "verdict": "dynamics.verdict",
+    "units": "model.units",
 }
 
 

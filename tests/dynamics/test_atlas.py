@@ -195,6 +195,14 @@ def test_boundary_and_bifurcation(charts, law):
     np.testing.assert_array_equal(data.lyapunov_1 < 0, data.type == "supercritical")
 
 
+def test_a_part_of_it():
+    part = atlas(2.0, n=3, rtol=1e-4, eta=(0.1, 10.0), K_over_K_c_qs=(0.5, 2.0), transition=False)
+    assert part.eta.values == pytest.approx([0.1, 1.0, 10.0])
+    assert part.K_over_K_c_qs.values == pytest.approx([0.5, 1.0, 2.0])
+    assert not any(name.endswith("_close") for name in part.variables)
+    assert part.K_c_over_K_c_qs.values == pytest.approx([1.1, 2.0, 11.0])
+
+
 def test_another_b_over_a():
     data = atlas(5.0, "aging", n=12)
     assert data.b_over_a == 5.0

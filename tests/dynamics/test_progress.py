@@ -5,7 +5,9 @@ import sys
 
 import pytest
 
+import ratestate as rs
 from ratestate.dynamics import progress
+from ratestate.paper.parameters import FIG2
 
 
 class Terminal(io.StringIO):
@@ -55,3 +57,15 @@ def test_a_bar_appears_after_a_second_of_work(monkeypatch):
         now[0] = 131.0
         update(0.25)
     assert shown == [(0.25, " 25%, 3 s left")]
+
+
+def test_a_function_of_the_user_replaces_the_bar():
+    told = []
+    loading = rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s"))
+    with rs.backend.use(progress=told.append):
+        rs.simulate(FIG2, loading, t_end=11)
+        assert told[-1] == 1.0
+        told.clear()
+        rs.orbit(FIG2, "3.2 mm/s")
+    assert told
+    assert told == sorted(told)

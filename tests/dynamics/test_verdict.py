@@ -11,7 +11,7 @@ import ratestate as rs
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.limit_cycle import limit_cycle
 from ratestate.dynamics.steady_sliding import stability
-from ratestate.dynamics.verdict import verdict, verdict_of_cycle
+from ratestate.dynamics.verdict import verdict
 from ratestate.model.quantities import POWERS, QUANTITIES, readable
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG1, FIG2, FIG4, FIG6
@@ -129,11 +129,11 @@ def test_a_search_without_an_answer_is_told(monkeypatch):
 
 def test_a_search_that_was_stopped_says_by_what():
     error = rs.SolverError("the search was ended after 1 s\nSpringSlider(...)")
-    assert verdict_of_cycle(FIG2, 3.2e-3, error).sentences[0] == (
+    assert verdict(FIG2, 3.2e-3, error).sentences[0] == (
         "The attractor is not known: the search was ended after 1 s."
     )
     assert (
-        verdict_of_cycle(FIG2, 1e-3, error)
+        verdict(FIG2, 1e-3, error)
         .sentences[0]
         .endswith("is not known: the search was ended after 1 s.")
     )

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from ratestate.scenario import from_result, loads, python, toml
-from ratestate.verdict import verdict
 
 import ratestate as rs
 from ratestate.dynamics.whole_contact import whole_contact
@@ -59,10 +58,10 @@ def test_nothing_without_area_and_no_acceleration_without_mass(cycle):
 
 
 def test_the_verdict_states_the_force(cycle):
-    answer = verdict(SLIDER, "3.2 mm/s")
+    answer = rs.verdict(SLIDER, "3.2 mm/s")
     assert answer.force_amplitude == pytest.approx(4000 * float(cycle.amplitude), rel=1e-6)
     assert ", force 4.939 N, V between" in answer.sentences[0]
-    without = verdict(SLIDER.replace(area=None), "3.2 mm/s")
+    without = rs.verdict(SLIDER.replace(area=None), "3.2 mm/s")
     assert without.force_amplitude is None
     assert "force" not in without.sentences[0]
 

@@ -8,7 +8,7 @@ import threading
 import numpy as np
 from websockets.sync.client import connect
 
-from ratestate.interfaces.explorer.service import server
+from ratestate_explorer import server
 
 
 def read(message):

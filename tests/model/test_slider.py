@@ -124,3 +124,15 @@ def test_copies_of_a_slider_have_its_class():
         assert same == rig
     assert rig.replace(b2=0.002) != rig
     assert SpringSlider.__match_args__ == ()
+
+
+def test_steady_stress_is_friction_and_damping():
+    slider = SpringSlider(
+        a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", mu0=0.6, V0=1e-6
+    )
+    friction = 0.6 - 0.003 * np.log(1e3)
+    assert slider.steady_stress("1 mm/s") == pytest.approx(friction, rel=1e-14)
+    damped = slider.replace(damping=xr.DataArray([0.0, 1e6], dims="damping"))
+    assert damped.steady_stress(1e-3).values == pytest.approx(
+        [friction, friction + 5e-4], rel=1e-14
+    )

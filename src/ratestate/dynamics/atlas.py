@@ -29,7 +29,18 @@ SPEEDS = (1e-6, 1e4)
 CLOSE = (0.5, 1e-5)
 
 
-def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
+def atlas(
+    b_over_a=2.0,
+    law=DEFAULT,
+    *,
+    n=200,
+    rtol=1e-6,
+    eta=ETA,
+    K_over_K_c_qs=STIFFNESS,
+    transition=True,
+    M=None,
+    **parameters,
+):
     """Compute limit cycles and regimes over K/K_c_qs and eta, and how sliding loses stability.
 
     Under a law with a speed of its own the axes are K and V_lp.
@@ -41,9 +52,13 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
     law : str
         Friction law.
     n : int
-        Points along either axis, at least 2; half as many columns close to K_c.
+        Points along either axis, at least 2.
     rtol : float
         Relative accuracy of the cycles.
+    eta, K_over_K_c_qs : pair of float
+        First and last value along the axes, to map a part only.
+    transition : bool
+        Whether to add columns close to K_c, half as many as n.
     M : float
         Only for a law with a speed of its own: eta at V_lp = 1, >= 0.
     **parameters : float
@@ -56,8 +71,9 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
         - Along ``eta`` and ``K_over_K_c_qs``: ``amplitude_over_a``, ``slip_per_cycle`` (V_lp
           period/Dc), ``frequency_over_f_n``, ``V_max_over_V_lp``, ``inertia``, ``fundamental``,
           ``slow_fraction``, ``regime`` (int8 with CF flags) and ``agree`` (see
-          `ratestate.regimes.classify`) and ``status`` of the cycle that `limit_cycle` reaches.
-        - The same with the suffix ``_close`` along ``eta`` and ``K_over_K_c`` below 1.
+          `ratestate.classify`) and ``status`` of the cycle that `limit_cycle` reaches.
+        - With `transition`, the same with the suffix ``_close`` along ``eta`` and ``K_over_K_c``
+          below 1.
         - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` [V_lp/Dc] and ``type`` of the Hopf
           bifurcation there, and ``K_fold_over_K_c_qs``, up to which a limit cycle coexists with
           stable steady sliding; NaN if none does, and for laws that are not of one length.
@@ -95,40 +111,41 @@ def atlas(b_over_a=2.0, law=DEFAULT, *, n=200, rtol=1e-6, M=None, **parameters):
     slider = SpringSlider(**units, b=b_over_a, M=mass, law=law, **parameters)
     if slider.friction_law.has_speed_scale != (M is not None):
         raise refusal(f"atlas.{'mass' if M is None else 'no_mass'}", law=slider.law)
-    sliders, V_lp, rows = _rows(slider, n)
-    data = _map(sliders, V_lp, rows, n, rtol)
+    sliders, V_lp, rows = _rows(slider, eta, n)
+    ratio = logspace("K_over_K_c_qs", K_over_K_c_qs[0], K_over_K_c_qs[1], n)
+    data = _map(sliders, V_lp, rows, ratio, transition, rtol)
     data = data.assign_coords(b_over_a=((), b_over_a, attrs("b_over_a")))
     data.attrs = provenance("atlas", slider, rtol=rtol, n=n, law=slider.law)
     return data
 
 
-def _rows(slider, n):
+def _rows(slider, eta, n):
     """Return sliders and load-point speeds along the dimension ``row``, and its coordinates."""
     if slider.friction_law.has_speed_scale:
         speeds = logspace("V_lp", *SPEEDS, n)
         V_lp = xarray.DataArray(speeds.values, dims="row")
         eta = ("V_lp", slider.M * speeds.values**2, attrs("eta"))
         return slider, V_lp, {"V_lp": speeds.V_lp, "eta": eta}
-    eta = logspace("eta", *ETA, n)
-    return slider.replace(M=xarray.DataArray(eta.values, dims="row")), 1.0, {"eta": eta.eta}
+    values = logspace("eta", eta[0], eta[1], n)
+    return slider.replace(M=xarray.DataArray(values.values, dims="row")), 1.0, {"eta": values.eta}
 
 
-def _map(slider, V_lp, rows, n, rtol):
+def _map(slider, V_lp, rows, ratio, transition, rtol):
     """Return the atlas of sliders along ``row``, with these coordinates, the first its own."""
     critical = slider.K_c(V_lp)
     reference = float(np.max(slider.replace(M=0.0).K_c(V_lp)))
     if not np.min(critical) > 0.0:
         raise refusal("atlas.stable", law=slider.law)
-    ratio = logspace("K_over_K_c_qs", *STIFFNESS, n)
-    gap = np.geomspace(*CLOSE, max(n // 2, 2))
-    close = xarray.DataArray(1.0 - gap, {"K_over_K_c": 1.0 - gap}, ("K_over_K_c",))
-    whole = _cycles_and_regimes(slider.replace(K=ratio * reference), V_lp, rtol)
-    near = _cycles_and_regimes(slider.replace(K=close * critical), V_lp, rtol)
-    near = near.rename({name: f"{name}_close" for name in near.data_vars})
-    data = whole.merge(near).merge(_transition(slider, V_lp, critical / reference))
+    data = _cycles_and_regimes(slider.replace(K=ratio * reference), V_lp, rtol)
+    if transition:
+        gap = np.geomspace(*CLOSE, max(ratio.size // 2, 2))
+        close = xarray.DataArray(1.0 - gap, {"K_over_K_c": 1.0 - gap}, ("K_over_K_c",))
+        near = _cycles_and_regimes(slider.replace(K=close * critical), V_lp, rtol)
+        data = data.merge(near.rename({name: f"{name}_close" for name in near.data_vars}))
+    data = data.merge(_transition(slider, V_lp, critical / reference))
     dim = next(iter(rows))
     data = data.rename(row=dim).transpose(dim, ...).assign_coords(rows)
-    for name in ("K_over_K_c_qs", "K_over_K_c"):
+    for name in {"K_over_K_c_qs", "K_over_K_c"} & {*data.coords}:
         data[name].attrs = attrs(name)
     return data
 

@@ -93,9 +93,8 @@ def escape(slider, V_lp):
     Examples
     --------
     >>> import ratestate as rs
-    >>> from ratestate.basin import escape
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="630 MPa/m", M=0)
-    >>> edge = escape(slider, "1 um/s")
+    >>> edge = rs.escape(slider, "1 um/s")
     >>> str(edge.outcome.values), round(float(edge.step_up), 2)
     ('runaway', 2.11)
     """

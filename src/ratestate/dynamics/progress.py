@@ -7,6 +7,8 @@ import sys
 import time
 from typing import Any
 
+from ..engine import backend
+
 PATIENCE = 1.0  # s
 
 
@@ -62,8 +64,20 @@ class Bar:
 def bar(label):
     """Give a function that draws the fraction done as `Bar`; None without a terminal.
 
-    The second of work counts from its first call on, when kernels have been compiled.
+    With a function of `backend.use`, or an event that stops the work, it calls that function and
+    raises `Stopped`: kernels of one orbit at a time are too short to look.  The second of work
+    counts from the first call on, when kernels have been compiled.
     """
+    settings = backend.current()
+    if settings.progress or settings.stop:
+
+        def report(fraction):
+            backend.check_stopped()
+            if settings.progress:
+                settings.progress(fraction)
+
+        yield report
+        return
     if not on_terminal():
         yield None
         return

@@ -33,7 +33,7 @@ class Verdict:
         Load-point velocity [m/s].
     regime : str
         "steady", "slow stick-slip", "stick-slip" or "quasi-harmonic" (see
-        `ratestate.regimes.classify`): what is reached from steady sliding at a tenth of the speed.
+        `ratestate.classify`): what is reached from steady sliding at a tenth of the speed.
         Without mass (M = 0) also "runaway", a motion that ends at some time; and "conditionally
         stable" if that start runs away but small disturbances of steady sliding decay.
         "unknown" if the search failed, as the text says.
@@ -125,7 +125,7 @@ class Verdict:
         return "\n".join(self.sentences)
 
 
-def verdict(slider, V_lp):
+def verdict(slider, V_lp, cycle=None):
     """Find what a slider does when driven at V_lp: its regime, numbers and sentences.
 
     Parameters
@@ -134,6 +134,8 @@ def verdict(slider, V_lp):
         One slider, not a sweep.
     V_lp : float, str or pint.Quantity
         Load-point velocity [m/s], > 0.
+    cycle : xarray.Dataset or SolverError, optional
+        What `limit_cycle` returned or raised for this slider and speed, if it was called before.
 
     Returns
     -------
@@ -156,24 +158,11 @@ def verdict(slider, V_lp):
     V_lp = to_si("V_lp", V_lp)
     if is_array(V_lp) or any(map(is_array, check_slider(slider).values.values())):
         raise refusal("verdict.of_sweep", slider=slider)
-    cycle = result_or_error(lambda: limit_cycle(slider, V_lp))
-    return verdict_of_cycle(slider, V_lp, cycle)
-
-
-def result_or_error(search):
-    """Return what a search for a limit cycle returns, or the SolverError that it raises."""
-    try:
-        return search()
-    except SolverError as error:
-        return error
-
-
-def verdict_of_cycle(slider, V_lp, cycle):
-    """Return the `verdict` of a slider from the result of `limit_cycle`.
-
-    slider, V_lp : the slider and the speed [m/s] of the cycle, not checked
-    cycle : the result, also one of steady sliding, or the SolverError that was raised
-    """
+    if cycle is None:
+        try:
+            cycle = limit_cycle(slider, V_lp)
+        except SolverError as error:
+            cycle = error
     cycle = in_si(cycle)
     steady = stability_call(slider, V_lp).run()
     of_sliding = "K_c K_c_qs V_c V_c_upper eta f_n growth_rate omega".split()

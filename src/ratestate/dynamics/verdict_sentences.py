@@ -11,7 +11,7 @@ from ..model.quantities import readable, readable_multiplier, readable_time
 from .cycles.regimes import HARMONIC, STEADY, UNKNOWN
 from .results import outside_domain
 
-#: more regimes than in `ratestate.regimes`, both without mass: V grows without bound; it grows
+#: regimes besides those of `classify`, both without mass: V grows without bound; it grows
 #: so after a large disturbance only
 RUNAWAY, CONDITIONAL = "runaway", "conditionally stable"
 # Inertia is negligible where eta is below the digits of K_c in the text, and below this part of the

@@ -1,24 +1,26 @@
-"""Where kernels run: on how many threads, on which device, and until when."""
+"""Settings of the kernels: threads, device, an event that stops them, progress."""
 
 import contextlib
 import contextvars
 import threading
+from collections.abc import Callable
 from typing import NamedTuple
 
 
 class Backend(NamedTuple):
-    """Settings of kernels: threads (None: one per core), stop event, "cpu" or "cuda"."""
+    """Settings of kernels; `use` describes them."""
 
     threads: int | None = None
     stop: threading.Event | None = None
     device: str = "cpu"
+    progress: Callable[[float], object] | None = None
 
 
 _current: contextvars.ContextVar[Backend] = contextvars.ContextVar("backend")
 
 
 class Stopped(Exception):
-    """The event `Backend.stop` was set before the kernels had finished."""
+    """A calculation was stopped by the event of `ratestate.backend.use`."""
 
 
 def current():
@@ -34,13 +36,41 @@ def check_stopped():
 
 
 @contextlib.contextmanager
-def use(**settings):
-    """Run the kernels that this thread starts inside on `Backend(**settings)`.
+def use(*, threads=None, stop=None, device="cpu", progress=None):
+    """Run the calculations that this thread starts inside a block with these settings.
 
     A setting that is left out has its default, whatever an enclosing `use` says.  The device is not
     checked here: `sweep` does that.
+
+    Parameters
+    ----------
+    threads : int, optional
+        Number of threads; by default one per core.
+    stop : threading.Event, optional
+        Ends the calculations: they raise `Stopped` some milliseconds after it is set, unless they
+        are done before.
+    device : {"cpu", "cuda"}, optional
+        Where sweeps run; by default "cpu".
+    progress : callable, optional
+        Called with the fraction done (0 to 1), in place of a progress bar.
+
+    Yields
+    ------
+    None
+        Nothing.
+
+    Examples
+    --------
+    >>> import threading, ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    >>> stop = threading.Event()
+    >>> stop.set()  # another thread would do this
+    >>> with rs.backend.use(stop=stop):
+    ...     rs.orbit(slider, "3.2 mm/s")
+    Traceback (most recent call last):
+    ratestate.engine.backend.Stopped
     """
-    token = _current.set(Backend(**settings))
+    token = _current.set(Backend(threads, stop, device, progress))
     try:
         yield
     finally:

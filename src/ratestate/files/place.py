@@ -18,10 +18,26 @@ PICTURES = (".png", ".pdf")
 
 
 def checked_path(path, endings):
-    """A Path, ~ expanded, at which a file with one of these endings (".nc", ...) can be put.
+    """Check that a file can be written at a path, before the work for it begins.
 
-    ParameterError: another ending, a folder (but one that `write` made), or no parent folder;
-    OSError: no file can be made there, which is tried.  A file that exists is accepted.
+    Parameters
+    ----------
+    path : str or Path
+        The file, which may exist.
+    endings : tuple of str
+        Endings that its name may have, such as ".nc".
+
+    Returns
+    -------
+    Path
+        The path, with ~ expanded.
+
+    Raises
+    ------
+    ParameterError
+        Another ending, a folder (except one that `write` made), or no parent folder.
+    OSError
+        A file cannot be made there, which is tried.
     """
     path = Path(path).expanduser()
     ending = path.suffix.lower()
@@ -51,13 +67,23 @@ def listed(endings):
 
 
 def replace(path, write):
-    """Have `write` make a file or folder beside `path`, and rename it: nobody finds half a file.
+    """Write a file or folder beside `path` and rename it, so that nobody finds half a file.
 
-    Returns `path`, whose place is not checked here (`checked_path`).  What `write` raises is
-    raised, an OSError as one about `path`; what was there before is then as it was.  What takes the
-    place of a file or folder has its permissions; a link stays, and what it points to is replaced.
+    If `write` fails, the previous file stays.  The new file has the permissions of the previous
+    one.  If the path is a link, it stays, and the file that it points to is replaced.
 
-    write : function of the Path at which to make it
+    Parameters
+    ----------
+    path : Path
+        The file or folder, which is not checked (see `checked_path`).
+    write : callable
+        Function of a Path, which makes the file or folder there.  An OSError in it is raised as
+        one about `path`.
+
+    Returns
+    -------
+    Path
+        The path.
     """
     place = _real(path)
     partial = place.with_name(f".{path.stem}.{uuid.uuid4().hex}.partial{path.suffix}")

@@ -1,10 +1,9 @@
 """Ways in beside Python.
 
-=============== =============================================================
-``scenario``    scenario files: what may be in one, and what is wrong with it
-``templates``   scenario files to start from, and their data
-``cli``         the command line, ``ratestate``
-``explorer``    the page in the browser
-``strict_json`` JSON of both: what stands for NaN, inf and complex numbers
-=============== =============================================================
+============= =============================================================
+``scenario``  scenario files: what may be in one, and what is wrong with it
+``templates`` scenario files to start from, and their data
+``cli``       the command line, ``ratestate``
+``explorer``  the function `explore`, and the package that it needs
+============= =============================================================
 """

@@ -26,12 +26,26 @@ LONG_TIMES = {"years": 365.25 * 86400.0, "days": 86400.0, "hours": 3600.0}
 
 
 class Quantity(NamedTuple):
-    """A row of `QUANTITIES`: unit, name for plots, and the range that `to_si` checks."""
+    """A row of `QUANTITIES`.
+
+    Attributes
+    ----------
+    unit : str
+        SI unit; "1" for a pure number.
+    long_name : str
+        Name for plots and messages.
+    bound : {"", "> 0", ">= 0"}
+        Range that `ratestate.units.to_si` checks.
+    example : str
+        An example, if the example of the unit would mislead.
+    may_be_inf : bool
+        Whether inf is a value.
+    """
 
     unit: str
     long_name: str
-    bound: str = ""  # "", "> 0" or ">= 0"
-    example: str = ""  # replaces the example in KINDS
+    bound: str = ""
+    example: str = ""
     may_be_inf: bool = False
 
 
@@ -61,15 +75,47 @@ def attrs(symbol):
     return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
 
 
+def example(symbol):
+    """Return a value of a quantity as a user would write it, in quotation marks if it has a unit.
+
+    Parameters
+    ----------
+    symbol : str
+        Symbol of the quantity.
+
+    Returns
+    -------
+    str
+        The value.
+
+    Examples
+    --------
+    >>> example("V_lp")
+    "'3.2 mm/s'"
+    """
+    quantity = QUANTITIES[symbol]
+    return quantity.example or KINDS[quantity.unit][1]
+
+
 def remedy(symbol):
     """Return the remedy for an unusable value of a quantity: its kind, and an example.
 
+    Parameters
+    ----------
+    symbol : str
+        Symbol of the quantity.
+
+    Returns
+    -------
+    str
+        A sentence.
+
+    Examples
+    --------
     >>> remedy("Dc")
     "Give a length such as '10 um'."
     """
-    quantity = QUANTITIES[symbol]
-    kind, example = KINDS[quantity.unit]
-    return f"Give {kind} such as {quantity.example or example}."
+    return f"Give {KINDS[QUANTITIES[symbol].unit][0]} such as {example(symbol)}."
 
 
 def power_of(unit, value):
@@ -94,6 +140,25 @@ def prefixed_unit(unit, power, prefixes=PREFIXES):
     ('mm/s', 'cm^2')
     """
     return prefixes[power // 2 if unit == "m^2" else power] + unit
+
+
+def prefixes():
+    """Return the prefixes with which values of each unit are shown.
+
+    Returns
+    -------
+    dict
+        Unit -> [(power of ten, prefix), ...], the largest first.
+
+    Examples
+    --------
+    >>> prefixes()["m/s"]
+    [(0, ''), (-3, 'm'), (-6, 'u'), (-9, 'n')]
+    """
+    return {
+        unit: [(power, prefixed_unit(unit, power).removesuffix(unit)) for power in powers]
+        for unit, powers in POWERS.items()
+    }
 
 
 def exact_text(symbol, value):
@@ -126,10 +191,26 @@ def long_time_unit(seconds):
 
 
 def readable(symbol, value, digits=4):
-    """Return a value [SI] as text that `to_si` reads, with a suitable unit.
+    """Return a value [SI] as text that `ratestate.units.to_si` reads, with a suitable unit.
 
     inf, NaN and values that are too small for any prefix have the SI unit.
 
+    Parameters
+    ----------
+    symbol : str
+        Symbol of the quantity.
+    value : float
+        Value in SI.
+    digits : int
+        Significant digits.
+
+    Returns
+    -------
+    str
+        The text.
+
+    Examples
+    --------
     >>> readable("V_lp", 0.0032)
     '3.2 mm/s'
     """

@@ -348,6 +348,26 @@ class SpringSlider:
         """
         return named("eta", eta(self._speed_in_si(V), **self._pick("a", "Dc", "sigma", "M")))
 
+    def steady_stress(self, V):
+        """Return tau/sigma in steady sliding at V: friction, and damping if there is any.
+
+        Parameters
+        ----------
+        V : float, str, pint.Quantity or DataArray
+            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+
+        Returns
+        -------
+        float or DataArray
+            tau/sigma [1].
+        """
+
+        def of_law(law, V, **values):
+            return law.steady_tau(V, values)
+
+        values = self._pick("sigma", "mu0", "V0")
+        return self._evaluate("tau_by_sigma", of_law, V=self._speed_in_si(V), **values)
+
     def _evaluate(self, symbol, function, part=None, **given):
         """Return the result, or a part of it, of a function of linear stability."""
 

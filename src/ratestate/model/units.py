@@ -80,16 +80,30 @@ def named(symbol, value):
 
 
 def to_si(symbol, value, *, label=None, bound=None):
-    """Convert a value of a quantity to SI and check it: float, or DataArray.
+    """Convert a value of a quantity to SI, and check it.
 
-    The name of the DataArray is the symbol.  If its only dimension has this name too, and has no
-    coordinate or the given values as coordinate, its SI values become the coordinate.  Raises
-    ParameterError for a wrong type, unit or range, for NaN, and for a dimension whose name cannot
-    be used.
+    Parameters
+    ----------
+    symbol : str
+        Symbol of the quantity.
+    value : float, str, pint.Quantity or DataArray
+        The value; in SI if it is a number, or has no attribute ``units``.
+    label : str, optional
+        Name of the value in messages; by default the symbol.
+    bound : {"", "> 0", ">= 0"}, optional
+        Range of the value; by default the bound in `QUANTITIES`.
 
-    value : float, str, pint.Quantity or DataArray; in SI if it has no unit or attribute ``units``
-    label : name of the value in messages, by default the symbol
-    bound : "", "> 0" or ">= 0", instead of the bound in `QUANTITIES`
+    Returns
+    -------
+    float or DataArray
+        The value in SI.  The name of a DataArray is the symbol.  If its only dimension has this
+        name too, and has no coordinate or the given values as coordinate, the SI values become the
+        coordinate.
+
+    Raises
+    ------
+    ParameterError
+        If type, unit or range are wrong, for NaN, and if a dimension has a reserved name.
     """
     label = label or symbol
     if is_array(value):

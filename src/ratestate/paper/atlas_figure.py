@@ -20,7 +20,8 @@ MAPS = {
 def make(law, out, *, b_over_a=2.0, n=200, **parameters):
     """Compute, draw and `write` the atlas for one law; return the paths.
 
-    n, parameters : as of `ratestate.atlas.atlas`
+    n : points along either axis
+    parameters : parameters of the law, and M, as in `ratestate.atlas`
     """
     data = atlas(b_over_a, law, n=n, **parameters)
     return write(data, draw(data), out, f"atlas_{law}")

@@ -32,6 +32,8 @@ from .layout import save
 from .motion import amplitudes, phase, trace
 from .pages import page
 from .pages.fit import fit
+from .pages.overview import overview
+from .runs import since
 
 __all__ = [
     "AMPLITUDE",
@@ -46,11 +48,13 @@ __all__ = [
     "contours",
     "fit",
     "label",
+    "overview",
     "page",
     "parameter",
     "phase",
     "prefixed",
     "save",
+    "since",
     "trace",
     "transition",
     "value_text",

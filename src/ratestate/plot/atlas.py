@@ -22,7 +22,7 @@ def atlas(data, ax):
     Parameters
     ----------
     data : xarray.Dataset
-        From `ratestate.atlas.atlas`.
+        From `ratestate.atlas`.
     ax : matplotlib.axes.Axes
         Axes to draw into.
 
@@ -43,7 +43,7 @@ def transition(data, ax):
     Parameters
     ----------
     data : xarray.Dataset
-        From `ratestate.atlas.atlas`.
+        From `ratestate.atlas`.
     ax : matplotlib.axes.Axes
         Axes to draw into.
 
@@ -72,7 +72,7 @@ def contours(data, name, ax, levels):
     Parameters
     ----------
     data : xarray.Dataset
-        From `ratestate.atlas.atlas`.
+        From `ratestate.atlas`.
     name : str
         The variable, such as "period"; left out where sliding is steady.
     ax : matplotlib.axes.Axes

@@ -54,7 +54,20 @@ def named_runs(runs):
 
 
 def since(run, t_zero):
-    """A run with time 0 at another of its times [s], which the attribute ``t_zero`` keeps."""
+    """Return a run with its time 0 at another time; the attribute ``t_zero`` keeps that.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        From `simulate`.
+    t_zero : float
+        A time of the run [s].
+
+    Returns
+    -------
+    xarray.Dataset
+        The run, with ``time`` counted from there.
+    """
     time = (run.time - t_zero).assign_attrs(run.time.attrs)
     return run.assign_coords(time=time).assign_attrs(t_zero=t_zero)
 

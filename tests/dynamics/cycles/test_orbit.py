@@ -5,7 +5,7 @@ import pytest
 from naive import Naive
 
 import ratestate as rs
-from ratestate.dynamics.cycles.limit_cycle import cycle_and_orbit, orbit
+from ratestate import orbit
 from ratestate.paper.parameters import FIG2, FIG4, FIG6
 
 CASES = {
@@ -22,7 +22,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_it_closes_and_measures_as_the_cycle(name):
     slider, V_lp = CASES[name]
-    cycle, run = cycle_and_orbit(slider, V_lp)
+    run, cycle = orbit(slider, V_lp, return_cycle=True)
     stress = run.tau / slider.sigma
     ends = np.array([stress, slider.a * np.log(run.V), slider.b * np.log(run.theta)])[:, [0, -1]]
     amplitude = float(cycle.amplitude)

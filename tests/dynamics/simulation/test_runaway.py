@@ -11,6 +11,7 @@ import ratestate as rs
 from ratestate import files
 from ratestate.errors import NotConverged, SolverError
 from ratestate.interfaces import scenario
+from ratestate.paper.parameters import FIG2
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="500 MPa/m")
 LOADING = rs.Loading.constant("10 um/s")
@@ -92,3 +93,13 @@ def test_in_a_sweep_it_is_as_any_failed_case():
     for name in ("V", "V_max", "amplitude", "energy_residual"):
         failed = np.isnan(runs[name]).any([dim for dim in runs[name].dims if dim != "K"])
         assert failed.values.tolist() == [True, False], name
+
+
+def test_any_run_that_fails_has_its_motion_up_to_there(monkeypatch):
+    monkeypatch.setattr("ratestate.engine.dispatch.MAX_PATH_ROWS", 300)
+    loading = rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s"))
+    with pytest.raises(SolverError, match="step_limit") as caught:
+        rs.simulate(FIG2, loading, t_end=11)
+    run = caught.value.best
+    assert 1.0 < float(run.time[-1]) < 11.0
+    assert float(run.V[-1]) > 1e-3

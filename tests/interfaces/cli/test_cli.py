@@ -138,7 +138,7 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
             result = call(*arguments)
             assert result.exit_code == 0, (line, result.output)
 
-    monkeypatch.setattr("ratestate.interfaces.explorer.serve", lambda **how: served.append(how))
+    monkeypatch.setattr("ratestate_explorer.serve", lambda **how: served.append(how))
     monkeypatch.chdir(tmp_path)
     for name in ("record", "fig3"):
         assert call("init", name).exit_code == 0
@@ -163,10 +163,10 @@ def test_examples_work_when_copied(made, charted, monkeypatch, tmp_path):
 
 
 def test_the_explorer_opens_with_a_files_slider(tmp_path, monkeypatch):
-    from ratestate.interfaces.explorer.page_state.entries import state_of
+    from ratestate_explorer.entries import state_of
 
     served = []
-    monkeypatch.setattr("ratestate.interfaces.explorer.serve", lambda **how: served.append(how))
+    monkeypatch.setattr("ratestate_explorer.serve", lambda **how: served.append(how))
     rig = tmp_path / "rig.toml"
     lines = """[slider]
 a = 0.003

@@ -12,7 +12,6 @@ from user_laws import MINE, PLAIN
 import ratestate as rs
 from ratestate import files
 from ratestate.friction.laws import LAW_NAMES, LAWS
-from ratestate.interfaces import explorer
 from ratestate.interfaces.cli import main, run_fit
 from ratestate.interfaces.cli.fit_report import _python
 from ratestate.model.quantities import QUANTITIES
@@ -142,7 +141,7 @@ def test_a_fit_is_of_the_law_of_the_file_and_its_report_registers_it(mine, monke
 
 def test_the_explorer_opens_with_the_law_of_the_file(mine, monkeypatch):
     opened = []
-    monkeypatch.setattr(explorer, "serve", lambda **how: opened.append(how["fragment"]))
+    monkeypatch.setattr("ratestate_explorer.serve", lambda **how: opened.append(how["fragment"]))
     assert call("explore", "mine.toml", "--law-file", "mine.py").exit_code == 0
     assert f"law={mine.replace('@', '%40')}&" in opened[0] + "&"
     assert "m=1.5" in opened[0]

@@ -36,7 +36,7 @@ CONTENTS = {"r.csv": text().encode(), "r.h5": hdf5()}
 
 
 def tried(name, contents, **choices):
-    return try_reading(MemoryFile(name, contents), choices, 60.0, threading.Event())
+    return try_reading(MemoryFile(name, contents), choices, seconds=60.0)
 
 
 @pytest.mark.parametrize("name", ["r.csv", "r.h5"])

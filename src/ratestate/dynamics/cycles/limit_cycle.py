@@ -275,7 +275,7 @@ def cycle_variables(law, batch, status, measures, stable):
     return variables | {"status": status_variable(batch, status)}
 
 
-def orbit(slider, V_lp, *, rtol=1e-8):
+def orbit(slider, V_lp, *, rtol=1e-8, return_cycle=False):
     """Compute one period of the cycle that `limit_cycle` finds.
 
     Parameters
@@ -286,10 +286,12 @@ def orbit(slider, V_lp, *, rtol=1e-8):
         Load-point velocity [m/s], > 0.
     rtol : float
         Relative accuracy of the cycle, from 1e-12 to 1e-2.
+    return_cycle : bool
+        Whether to return the result of `limit_cycle` too, from the same search.
 
     Returns
     -------
-    xarray.Dataset
+    xarray.Dataset, or two of these if `return_cycle`
         As from `simulate`, at the solver's own steps along ``time``: ``V`` [m/s], ``theta`` [s],
         ``tau`` [Pa], ``mu`` and the rest.  It begins at the maximum of the stress, where V = V_lp,
         and ends there one period later.  For steady sliding it is one point, at time 0.
@@ -307,14 +309,13 @@ def orbit(slider, V_lp, *, rtol=1e-8):
     >>> round(float(run.time[-1]), 5)  # s, the period
     0.01976
     """
-    return cycle_and_orbit(slider, V_lp, rtol=rtol)[1]
+    with bar("orbit") as progress:
+        run, cycle = _run_and_cycle(slider, V_lp, rtol, progress)
+    return (run, cycle) if return_cycle else run
 
 
-def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
-    """Return the results of `limit_cycle` and `orbit`, two Datasets, from one search.
-
-    progress : callable, optional, given the fraction done after every return; it may raise
-    """
+def _run_and_cycle(slider, V_lp, rtol, progress):
+    """Return one period and the result of `limit_cycle`, two Datasets."""
     call = limit_cycle_call(slider, V_lp, rtol=rtol)
     if not call.batch.is_single:
         dims = ", ".join(map(str, call.batch.dims))
@@ -324,8 +325,8 @@ def cycle_and_orbit(slider, V_lp, *, rtol=1e-8, progress=None):
     call.refuse_failure(cycle)
     if status[0] == STEADY_SLIDING:
         loading, time = Loading.constant(call.V_lp), slider.Dc / call.V_lp
-        return cycle, SimulateCall(slider, loading, time, times=np.zeros(1)).result()
-    return cycle, _period(slider, call, measures, rtol, progress)
+        return SimulateCall(slider, loading, time, times=np.zeros(1)).result(), cycle
+    return _period(slider, call, measures, rtol, progress), cycle
 
 
 def _period(slider, call, measures, rtol, progress):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from ...engine.model import FINISHED, RUNAWAY
+from ...engine.model import FINISHED
 from ...errors import RunWarning
 from ...friction.composition import under_varying_stress
 from ...machine import check_fits
@@ -115,10 +115,10 @@ def simulate(
         An input that cannot be used.
     QuasiStaticInstability
         M = 0, and the quasi-static equations have no solution beyond some time before t_end.
-        Its attribute ``best`` is the run up to that time, at the solver's own steps.
     SolverError
-        Any other run without an answer.  In a sweep the motion of such cases is NaN, with their
-        status.
+        Any other run without an answer.  The attribute ``best`` of both errors is the run up to
+        where it ended, at the solver's own steps.  In a sweep the motion of such cases is NaN,
+        with their status.
 
     Warns
     -----
@@ -219,16 +219,15 @@ class SimulateCall:
         """Return the Dataset; raise the exception of a single case that failed."""
         motion = self.move(progress)
         if self.batch.is_single and (status := motion.status[0]) != FINISHED:
-            best = self._up_to_runaway(motion) if status == RUNAWAY else None
-            t = motion.numbers["t"][0]
+            t, best = motion.numbers["t"][0], self._up_to_failure(motion)
             raise failure("simulate", self.slider, status, t, best, self.loading)
         return self.dataset(self.variables(motion))
 
-    def _up_to_runaway(self, motion):
-        """Return the run up to the runaway as a Dataset; None if it has too many own steps."""
-        call = dataclasses.replace(self, times=None)  # the runaway is between saved times
-        motion = motion if self.times is None else call.move(None)
-        return call.dataset(call.variables(motion)) if motion.status[0] == RUNAWAY else None
+    def _up_to_failure(self, motion):
+        """Return the run up to its failure as a Dataset; None if it has too many own steps."""
+        call, status = dataclasses.replace(self, times=None), motion.status[0]
+        motion = motion if self.times is None else call.move(None)  # no saved time is the failure's
+        return call.dataset(call.variables(motion)) if motion.status[0] == status else None
 
     def run(self, progress=None):
         """Return the variables, name -> Variable in the dimensions of the sweep, then time.

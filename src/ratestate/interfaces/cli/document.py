@@ -18,7 +18,7 @@ NESTED = (
 
 
 def document(result: xarray.Dataset, verdict: VerdictText | None) -> dict[str, Any]:
-    """A result for `strict_json`: numbers in SI, null for what is unknown.
+    """A result for `print_json`: numbers in SI, null for what is unknown.
 
     Keys: ``ratestate`` (version), ``title``, ``dims`` (name -> size), ``coords`` and
     ``data_vars`` (name -> ``dims``, ``attrs`` with ``units`` and ``long_name``, ``data``; complex

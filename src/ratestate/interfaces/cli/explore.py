@@ -6,6 +6,7 @@ from pathlib import Path
 import typer
 
 from ...errors import ParameterError
+from ..explorer import explorer_package
 from .command import register_file
 from .exits import INTERRUPTED
 from .output import print_line
@@ -26,6 +27,7 @@ def explore(
 
     Example: ratestate explore --port 8765
     """
+    explorer = explorer_package()
     if file is None:
         register_file(law_file)
         opened = None
@@ -38,13 +40,11 @@ def explore(
                 f"{given} is for serving the page, and --save writes it to a file instead",
                 "Leave out one of them.",
             )
-        print_line(f"wrote {_saved(save, opened)}", err=True)
+        print_line(f"wrote {_saved(explorer, save, opened)}", err=True)
         return
-    from ..explorer import fragment_of, serve
-
     try:
-        fragment = fragment_of(*opened) if opened else ""
-        serve(port=port, open_browser=not no_browser, fragment=fragment)
+        fragment = explorer.fragment_of(*opened) if opened else ""
+        explorer.serve(port=port, open_browser=not no_browser, fragment=fragment)
     except KeyboardInterrupt:
         typer.echo("interrupted; the explorer has ended", err=True)
         os._exit(INTERRUPTED)  # at once, without waiting for threads that compute or compile
@@ -66,10 +66,8 @@ def _opened(file, law_file):
     return scenario.slider, scenario.settings["V_lp"]
 
 
-def _saved(path, opened):
-    """Save the page with a slider, or as it opens without one; the file's Path."""
-    from ..explorer.messages.menus import presets
-    from ..explorer.notebook import explore
-    from ..explorer.sharing.standalone import save_page
-
-    return explore(*opened).save(path) if opened else save_page(path, presets()[0]["entries"])
+def _saved(explorer, path, opened):
+    """Save the page with a slider, or as it opens without one; return the file's Path."""
+    if opened:
+        return explorer.Page(*opened).save(path)
+    return explorer.save_page(path, explorer.presets()[0]["entries"])

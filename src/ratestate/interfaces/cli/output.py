@@ -1,6 +1,8 @@
 """Output of commands: text and tables on stdout, folders, and messages on the files made."""
 
 import contextlib
+import json
+import math
 import os
 import sys
 import tempfile
@@ -13,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ...errors import RunWarning
-from ..strict_json import strict_json
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -41,8 +42,26 @@ def warnings_as_lines() -> Iterator[None]:
 
 
 def print_json(value: Any) -> None:
-    """Print a value as one JSON document, NaN as null."""
-    print_line(strict_json(value))
+    """Print a value as one JSON document, without Python's extensions of JSON.
+
+    Complex numbers become pairs, infinite ones the strings "inf" and "-inf", and NaN null.
+    """
+    print_line(json.dumps(_json_value(value), allow_nan=False))
+
+
+def _json_value(value: Any) -> Any:
+    """Return a value converted to types that JSON has."""
+    if isinstance(value, dict):
+        return {str(key): _json_value(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_json_value(one) for one in value]
+    if isinstance(value, complex):
+        return [_json_value(value.real), _json_value(value.imag)]
+    if hasattr(value, "tolist"):  # of NumPy
+        return _json_value(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value
 
 
 def print_rich(*what: Any) -> None:

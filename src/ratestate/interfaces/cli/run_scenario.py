@@ -7,7 +7,7 @@ import typer
 import xarray
 
 from ...dynamics.progress import on_terminal
-from ...dynamics.verdict import verdict_of_cycle
+from ...dynamics.verdict import verdict
 from ...dynamics.whole_contact import whole_contact
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
@@ -132,8 +132,8 @@ def compute(scenario: Scenario) -> xarray.Dataset:
         except (NotConverged, QuasiStaticInstability) as error:
             if scenario.verb != "limit_cycle":
                 raise
-            verdict = verdict_of_cycle(scenario.slider, scenario.settings["V_lp"], error)
-            message = f"no cycle is found.\n{verdict.text}\n{scenario.slider!r}"
+            found = verdict(scenario.slider, scenario.settings["V_lp"], error)
+            message = f"no cycle is found.\n{found.text}\n{scenario.slider!r}"
             raise SolverError(message) from error
     from ...sweeps.calls import call_of
     from ...sweeps.solve import bytes_per_case, form_of

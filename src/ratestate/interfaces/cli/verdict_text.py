@@ -8,7 +8,7 @@ import xarray
 
 from ...dynamics.results import parameter
 from ...dynamics.simulation.settings import OTHER_START
-from ...dynamics.verdict import Verdict, verdict, verdict_of_cycle
+from ...dynamics.verdict import Verdict, verdict
 from ...dynamics.verdict_sentences import RUNAWAY
 from ...engine.model import FINISHED
 from ...engine.model import RUNAWAY as RAN_AWAY
@@ -39,7 +39,7 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
         case "continue_cycle" | "frequency_response":
             return None
         case "limit_cycle":
-            return _on_attractor(verdict_of_cycle(slider, settings["V_lp"], result))
+            return _on_attractor(verdict(slider, settings["V_lp"], result))
         case "stability":
             return _on_attractor(verdict(slider, settings["V_lp"]))
     loading = settings["loading"]

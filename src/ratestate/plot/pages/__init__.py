@@ -2,6 +2,7 @@
 
 ====================== ====================================================
 ``run``, ``panels``    runs and a limit cycle: stress, speed, phase plane
+``overview``           a run with its limit cycle, and its place on the atlas
 ``stability``          K_c at all speeds, and the least stable mode
 ``response``           a frequency response: gains and phases
 ``sweep``, ``regions`` lines or maps of a sweep; V_c and regimes on a map

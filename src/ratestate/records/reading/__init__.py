@@ -1,7 +1,7 @@
 """Read a laboratory's files as a Dataset that includes the history of the load point.
 
 =============================== =================================================================
-``read``                        the function `read_lab`; `try_reading` for the explorer's page
+``read``                        the functions `read_lab` and `try_reading`
 ``assembly``                    builds the record from tables, in the order of all steps below;
                                 joins the files of one experiment
 ``lab_format``                  a laboratory's format, saved as TOML; the function `describe`
@@ -23,6 +23,7 @@
 
 from ..load_point.segments import find_segments
 from .lab_format import describe
-from .read import read_lab
+from .read import Attempt, read_lab, try_reading
+from .titles import EXAMPLE_UNIT
 
-__all__ = ["describe", "find_segments", "read_lab"]
+__all__ = ["EXAMPLE_UNIT", "Attempt", "describe", "find_segments", "read_lab", "try_reading"]

@@ -1,4 +1,4 @@
-"""Read the files of a laboratory: `read_lab`, and `try_reading` for the explorer's page."""
+"""Read the files of a laboratory: `read_lab`, and `try_reading` for programs with a time limit."""
 
 import warnings
 from typing import Any, NamedTuple
@@ -110,22 +110,50 @@ def read_lab(
 
 
 class Attempt(NamedTuple):
-    """The columns of a file, and either its record or the error."""
+    """The columns of a file, and either its record or the error.
 
-    columns: list[tuple[str, str]]  # title and unit of each column, "" if missing; [] if no table
-    chosen: dict[str, int]  # symbol -> number of its column, from 1; {} if it is ambiguous
-    record: Any  # the Dataset of `read_lab`, or None
-    error: ParameterError | None  # None if there is a record
+    Attributes
+    ----------
+    columns : list of pairs
+        Title and unit of each column, "" if missing; empty if the file is not a table.
+    chosen : dict
+        Quantity -> number of its column, from 1; empty if the choice is ambiguous.
+    record : xarray.Dataset or None
+        The result of `read_lab`.
+    error : ParameterError or None
+        Why there is no record.
+    """
+
+    columns: list[tuple[str, str]]
+    chosen: dict[str, int]
+    record: Any
+    error: ParameterError | None
 
 
-def try_reading(file, choices, seconds, stop):
-    """Return the `Attempt` to read a `MemoryFile`, in a separate process; write no file.
+def try_reading(file, choices, *, seconds, stop=None):
+    """Try to read a record in a separate process, with a time limit; no file is written.
 
-    choices : dict, keyword arguments of `read_lab`
-    seconds, stop : as for `read_isolated`
+    Parameters
+    ----------
+    file : binary file
+        An open file, such as an `io.BytesIO`, perhaps with a ``name``.
+    choices : dict
+        Any of the arguments ``columns``, ``units`` and ``time`` of `read_lab`.
+    seconds : float
+        Time limit [s].
+    stop : threading.Event, optional
+        Ends the reading when it is set.
+
+    Returns
+    -------
+    Attempt
+        The columns of the file, even if they cannot be read as a record, and the record or the
+        error.
     """
     try:
-        return read_isolated(_try_reading, file, "a record", choices, seconds=seconds, stop=stop)
+        return read_isolated(
+            _try_reading, as_file(file), "a record", choices, seconds=seconds, stop=stop
+        )
     except ParameterError as error:
         return Attempt([], {}, None, error)
 

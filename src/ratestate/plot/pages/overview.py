@@ -1,0 +1,119 @@
+"""The function `overview`: a run with its limit cycle, other runs, and its place on the atlas."""
+
+import itertools
+
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.transforms import offset_copy
+
+from ...dynamics.results import normal_stress
+from ..atlas import atlas
+from ..labels import BLUE, GRAY, label, prefixed
+from ..layout import ABOVE, dress, letters
+from ..motion import trace
+from ..prose import mathematics, wrapped
+from ..runs import NamedRun, named_runs
+from .panels import NARROW, plane, speed
+
+#: width, height, and height for each further run [inches]; width of text, size of letters [points]
+WIDTH, HEIGHT, ROW, LINE, LETTER = 7.2, 5.2, 0.2, 505.0, 8.0
+#: height of ticks and label below axes [points], and the look of a legend there
+FOOT, LEGEND = 25.0, {"fontsize": 7.5, "frameon": False}
+#: title of the map
+MAP = rf"regimes, contours of {label('V_max')}/{label('V_lp')}"
+#: colours of other runs, which are behind the run
+MUTED = ("#7a3fb5", "#0e7c66", "#a85b00")
+
+
+def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
+    """Draw a run, its limit cycle and its place on the map of regimes.
+
+    The function changes no settings of matplotlib, so that other threads may draw meanwhile.
+
+    Parameters
+    ----------
+    run : xarray.Dataset
+        One slider's, from `simulate`.
+    verdict : ratestate.Verdict
+        Of the slider and its last load-point velocity.
+    orbit : xarray.Dataset, optional
+        From `ratestate.orbit`, for the phase plane.
+    others : list of xarray.Dataset
+        Up to 3 runs of `simulate`, drawn behind the run up to its end.
+    chart : xarray.Dataset, optional
+        From `ratestate.atlas`, for b/a of the slider.
+    caption : list of list of str
+        Paragraphs above the panels, each as texts that a line may end after.  Symbols and powers
+        of ten in them are written as mathematics.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Stress, speed, phase plane and, with a chart, the map.
+    """
+    size = WIDTH, HEIGHT + ROW * len(others)
+    fig = Figure(figsize=size, layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
+    lines = [wrapped([mathematics(text) for text in texts], LINE, LETTER) for texts in caption]
+    fig.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=LETTER)
+    left, right = fig.subfigures(1, 2, squeeze=False, width_ratios=[1.4, 1])[0]
+    stresses, speeds = left.subplots(2, 1, sharex=True)
+    phase, *maps = right.subplots(1 if chart is None else 2, 1, squeeze=False)[:, 0]
+    kept = _kept(run, others)
+    behind = [one._replace(name="_") for one in kept]
+    _stress(stresses, run, kept)
+    speed([NamedRun(run, "slip", {"color": BLUE}), *behind], speeds)
+    speeds.legend(ncols=2, **ABOVE)
+    cycle = [] if orbit is None else [NamedRun(orbit, "limit cycle", {"color": BLUE, "lw": 1.4})]
+    runs = [*behind, NamedRun(run, "run", {"color": GRAY, "lw": 0.6}), *cycle]
+    plane(runs, phase, named=True)
+    phase.legend(**_below(phase))
+    for ax in maps:
+        _map(ax, chart, verdict)
+    letters([stresses, speeds, phase, *maps], "stress", "speed", "phase plane", MAP)
+    if kept:
+        names = ["the run shown", *(one.name for one in kept)]
+        handles = [stresses.lines[0], *stresses.lines[-len(kept) :]]
+        fig.legend(handles, names, loc="outside lower left", **LEGEND)
+    dress(fig)
+    return fig
+
+
+def _kept(run, others):
+    """`NamedRun` of each other run, named by what differs, up to the end of the run."""
+    _, *named = named_runs([run, *others])
+    ends = [one.run.isel(time=one.run.time.values <= run.time.values[-1]) for one in named]
+    looks = itertools.cycle(MUTED)
+    return [
+        NamedRun(end, one.name, {"color": color, "lw": 0.9, "zorder": 1.5})
+        for end, one, color in zip(ends, named, looks, strict=False)
+    ]
+
+
+def _stress(ax, run, kept):
+    trace(run, ax)
+    ax.set_xlabel("")  # the axis of the speeds, below, has it
+    ax.legend(ncols=2, **ABOVE)
+    factor, _ = prefixed("s", float(abs(run.time).max()))
+    for one, _, line in kept:
+        ax.plot(factor * one.time, one.tau / normal_stress(one), **line)
+
+
+def _map(ax, chart, verdict):
+    """Draw the regimes with the slider as a point, hollow at the edge if it is beyond the map."""
+    handles = atlas(chart, ax)
+    ends = ax.get_xlim(), ax.get_ylim()
+    at = verdict.slider.K / verdict.K_c_qs, verdict.eta
+    inside = [min(max(x, low), high) for x, (low, high) in zip(at, ends, strict=True)]
+    beyond = tuple(inside) != at
+    name = "this slider, beyond the map" if beyond else "this slider"
+    look = {"mfc": "w" if beyond else "k", "mec": "k", "ms": 5, "ls": "", "zorder": 6}
+    handles += ax.plot(*inside, "o", label=name, clip_on=False, **look)
+    names = [str(one.get_label()).replace(" (", "\n(").replace(", ", ",\n") for one in handles]
+    ax.legend(handles, names, **_below(ax))
+
+
+def _below(ax):
+    """Return the place of a legend below axes and their label."""
+    foot = offset_copy(ax.transAxes, ax.get_figure(root=True), y=-FOOT, units="points")
+    at = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": foot, "ncols": 2}
+    return LEGEND | NARROW | at | {"columnspacing": 1.2}

@@ -1,0 +1,163 @@
+"""One page's connection: its questions go into queues, the answers back."""
+
+import asyncio
+import secrets
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
+from starlette.websockets import WebSocketDisconnect
+
+from . import branch, charts, picture, upload, wire
+from .answers import (
+    answer_branch,
+    answer_chart,
+    answer_picture,
+    answer_rows,
+    answer_window,
+    run_job,
+)
+from .entries import BadEntries, state_of
+from .exports import export
+from .menus import example, offers, presets
+from .queues import Kernels, QuestionQueue, kind_of
+
+# Downloads: how many may wait; seconds for one, and for each part of its work.
+CAPACITY, SECONDS, PART_SECONDS = 8, 10.0, 2.0
+# The same for a saved page, which has three bifurcation diagrams in it.
+PAGE_SECONDS, PAGE_PART_SECONDS = 90.0, branch.SECONDS
+# After so many invalid messages in a row the connection is closed.
+NONSENSE, REFUSED = 20, 1008
+# Seconds for which a picture is still computed after a newer one is requested.
+PATIENCE = 0.4
+
+
+class SharedWork:
+    """Shared by all pages: threads, and the kernels."""
+
+    def __init__(self):
+        self.pool = ThreadPoolExecutor(2, "explorer")
+        self.chart_pool = ThreadPoolExecutor(1, "explorer-chart")
+        self.file_pool = ThreadPoolExecutor(1, "explorer-file")
+        self.record_pool = ThreadPoolExecutor(1, "explorer-record")
+        self.kernels = Kernels(self.pool, warm_up)
+        self.sessions: set[Session] = set()
+
+    async def warm(self):
+        """Prepare what the presets need."""
+        for kind in dict.fromkeys(kind_of(state_of(preset["entries"])) for preset in presets()):
+            await self.kernels.prepare(kind)
+
+    def close(self):
+        """End all work."""
+        self.kernels.close()
+        for session in self.sessions:
+            session.stop()
+        for pool in (self.pool, self.chart_pool, self.file_pool, self.record_pool):
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+class Session:
+    """A page's connection."""
+
+    def __init__(self, shared, socket):
+        self.shared, self.socket, self.send_lock = shared, socket, asyncio.Lock()
+        self.nonsense = 0
+        self.token = secrets.token_urlsafe(16)  # names the page when it sends a file
+        self.record_stop = threading.Event()  # of the record that is being read
+        surveys = [partial(answer_chart, size=size) for size in charts.SIZES]
+        in_pool = partial(QuestionQueue, shared.pool, seconds=picture.SECONDS)
+        of_charts = partial(QuestionQueue, shared.chart_pool, seconds=charts.SECONDS, patience=0.0)
+        of_files = partial(QuestionQueue, shared.file_pool, [answer_file], capacity=CAPACITY)
+        self.queues = dict.fromkeys(wire.FILES, of_files(seconds=PART_SECONDS, whole=SECONDS)) | {
+            "picture": in_pool([answer_picture], patience=PATIENCE),
+            "slide-hold-slide": in_pool([answer_rows]),
+            "chart": of_charts(surveys),
+            "window": of_charts([answer_window]),
+            "branch": of_charts([answer_branch], seconds=branch.SECONDS),
+            "page": of_files(seconds=PAGE_PART_SECONDS, whole=PAGE_SECONDS),
+        }
+
+    async def serve(self):
+        """Answer until the page is gone."""
+        self.shared.sessions.add(self)
+        queues = {*self.queues.values()}
+        tasks = [asyncio.create_task(queue.work(self.prepare, self.send)) for queue in queues]
+        try:
+            header = {"page": self.token, "largest_file": upload.LARGEST}
+            header |= {"too_large": upload.too_large(), **offers(presets())}
+            await self.send(wire.answer(None, "hello", **header))
+            while (message := await self.socket.receive())["type"] != "websocket.disconnect":
+                await self.take(message.get("text") or "")
+        except WebSocketDisconnect:
+            pass
+        finally:
+            self.shared.sessions.discard(self)
+            self.stop()
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def prepare(self, question):
+        """Wait for the kernels that a question needs, and tell the page so."""
+        kernels = self.shared.kernels
+        try:
+            kinds = {kind_of(state_of(texts)) for texts in (question.entries, *question.pinned)}
+        except BadEntries:
+            return  # the answer says why
+        for kind in kinds:
+            if not kernels.are_ready(kind):
+                await self.send(wire.answer(None, "preparing"))
+                await kernels.prepare(kind)
+                await self.send(wire.answer(None, "ready"))
+
+    async def take(self, text):
+        """Put a question into its queue; answer an invalid message with its problem."""
+        try:
+            question = wire.checked(wire.Question, text)
+        except wire.BadQuestion as error:
+            await self.send(wire.answer(None, "problem", problems={"": str(error)}))
+            self.nonsense += 1
+            if self.nonsense >= NONSENSE:
+                await self.socket.close(REFUSED, "these are no questions")
+                raise WebSocketDisconnect(REFUSED) from None
+            return
+        self.nonsense = 0
+        dropped = self.queues[question.ask].take(question)
+        if dropped and dropped.ask in wire.FILES:
+            problems = {"": "too many downloads were waiting; this one was dropped"}
+            await self.send(wire.answer(dropped.id, "problem", problems=problems))
+
+    async def send(self, message):
+        """Send an answer, one at a time."""
+        async with self.send_lock:
+            await self.socket.send_bytes(message)
+
+    def stop(self):
+        """Stop what is being computed for this page."""
+        for queue in self.queues.values():
+            queue.deadline.set()
+        self.record_stop.set()
+
+    def begin_record(self):
+        """Stop reading an earlier record; return the threading.Event that stops a new one."""
+        self.record_stop.set()
+        self.record_stop = threading.Event()
+        return self.record_stop
+
+
+def answer_file(question, deadline):
+    """Answer a download."""
+    file = export(question, deadline)
+    return wire.answer(question.id, "file", **file)
+
+
+def warm_up(kind, deadline):
+    """Do all work once for a `Kind`; backend.Stopped if it was cancelled."""
+    entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.own}
+    entries |= {"law": kind.law, "friction": kind.friction}
+    if kind.sigma_varies:
+        entries["sigma_from"] = example("sigma")
+    question = wire.Question(0, "picture", entries)
+    for job in (answer_picture, partial(answer_chart, size=2)):
+        run_job(job, question, deadline)

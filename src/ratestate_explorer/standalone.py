@@ -1,0 +1,95 @@
+"""The page as one HTML file, with the answers that it shows inside: it opens without a server."""
+
+import base64
+import datetime
+from functools import partial
+from html import escape
+from importlib.metadata import version
+from urllib.parse import urlencode
+
+import ratestate as rs
+
+from . import branch, charts, wire
+from .answers import answer_branch, answer_chart, picture_of, run_job
+from .bundle import bundle
+from .deadline import Deadline, TimeUp
+from .entries import PORT, address_of, state_of
+from .menus import offers
+
+#: seconds of each part of the work where no page waits for it
+SECONDS = 300.0
+ENDINGS = (".html",)
+#: what the page says of itself; its address is that of an explorer at the usual port
+LINE = """\
+<b>Saved page</b> of {date}, by ratestate {version}: what it shows cannot be changed. To go on \
+from it, run <code>ratestate explore</code>, then <a href="{live}">open this slider there</a>."""
+
+
+def standalone(entries, pinned, deadline):
+    """Return the page as HTML text: a slider, and others beside it, none of which can change.
+
+    entries : as `entries.state_of` reads them; pinned : list of such
+
+    `BadEntries`; `TimeUp` past the deadline, backend.Stopped if it was cancelled.
+    """
+    header, first = _picture(entries, deadline)
+    live = address_of(PORT, urlencode(_texts(entries)))
+    starts = [{"name": "saved", "title": "as saved", "entries": _texts(entries)}]
+    rows = [
+        _row("hello", None, wire.answer(None, "hello", **offers(starts), live=live)),
+        _row("picture", entries, first),
+        *(_row("picture", texts, _picture(texts, deadline)[1]) for texts in pinned),
+        _row("chart", entries, _chart(entries, deadline)),
+        *(_row("branch", entries, _branch(entries, p, deadline), along=p) for p in branch.ALONG),
+    ]
+    made = {"date": datetime.date.today().isoformat(), "version": version("ratestate")}
+    line = LINE.format(**{name: escape(text) for name, text in (made | {"live": live}).items()})
+    return bundle(header["sentences"][0], line, wire.json_bytes(rows).decode())
+
+
+def save_page(path, entries, pinned=()):
+    """Write the page to an HTML file, whole or not at all; return its Path.
+
+    entries, pinned : as of `standalone`, and valid; SolverError if they take too long
+    """
+    path = rs.files.checked_path(path, ENDINGS)
+    key = charts.key_of(state_of(entries).slider)
+    if charts.is_mapped(key):
+        charts.survey(*key, charts.SIZES[-1])  # it is found at once then
+    try:
+        text = standalone(entries, pinned, Deadline(SECONDS))
+    except TimeUp:
+        raise rs.SolverError(
+            f"a part of what the page shows takes more than {SECONDS:g} s of computing; nothing "
+            f"was saved"
+        ) from None
+    return rs.files.replace(path, lambda partial: partial.write_text(text, encoding="utf-8"))
+
+
+def _row(ask, entries, answer, **more):
+    """Return what js/server/recording.js plays if the page asks this."""
+    return {"ask": ask, "entries": entries, "answer": base64.b64encode(answer).decode(), **more}
+
+
+def _texts(entries):
+    """Return the entries that have a text."""
+    return {name: text for name, text in entries.items() if isinstance(text, str)}
+
+
+def _picture(entries, deadline):
+    """Return header and bytes of the answer to "picture"."""
+    header, arrays = picture_of(entries, deadline)
+    return header, wire.answer(1, "picture", arrays, **header)
+
+
+def _chart(entries, deadline):
+    """Return the answer to "chart", or why there is none."""
+    size = charts.size_in_time(state_of(entries).slider, deadline) or charts.SIZES[0]
+    answer = partial(answer_chart, size=size)
+    return run_job(answer, wire.Question(1, "chart", entries), deadline)[0]
+
+
+def _branch(entries, along, deadline):
+    """Return the answer to "branch"."""
+    question = wire.Question(1, "branch", entries, along=along)
+    return run_job(answer_branch, question, deadline)[0]

@@ -1,0 +1,111 @@
+"""Laws, forms of friction and damping on the page."""
+
+import ratestate as rs
+from ratestate.paper.parameters import FIG4
+
+INNER = "all => all.map(e => e.innerHTML)"
+
+
+def test_friction_has_forms_with_fields_of_their_own(show):
+    shown = show()
+    enabled = "#friction option:not([disabled])"
+    assert shown.page.eval_on_selector_all(enabled, INNER) == ["log", "cut-off", "regularized"]
+    assert not shown.page.is_visible("#entry-V2")
+    shown.page.select_option("#friction", "cut-off")
+    shown.wait()
+    assert (
+        shown.page.inner_html(".field:has(#entry-V2) .symbol [data-meaning]")
+        == "<i>V</i><sub>2</sub>"
+    )
+    shown.type("V1", "1 m/s")
+    shown.type("V2", "2 um/s")
+    shown.wait()
+    cycle = rs.limit_cycle(FIG4.replace(friction="cut-off", V1=1.0, V2=2e-6), 1e-4)
+    assert shown.numbers["amplitude of \u03c4/\u03c3"] == f"{float(cycle.amplitude):.4g}"
+    # a law that it does not go with has its own; what was typed waits for its form
+    shown.page.select_option("#law", "nagata")
+    shown.wait()
+    assert shown.page.input_value("#friction") == "log"
+    assert shown.page.eval_on_selector_all(enabled, INNER) == ["log"]
+    assert not shown.page.is_visible("#entry-V2")
+    shown.page.select_option("#law", "slip")
+    shown.page.select_option("#friction", "cut-off")
+    shown.wait()
+    assert shown.entry("V2") == "2 \u00b5m/s"
+
+
+def test_a_link_whose_friction_does_not_go_with_its_law(show):
+    shown = show("law=flash-heating")  # which needs to have none
+    texts = "inputs => inputs.map(input => input.value)"
+    fields = shown.page.eval_on_selector_all(".field input", texts)
+    assert shown.page.input_value("#friction") == "regularized"
+    shown.go("law=flash-heating&friction=log")
+    assert "does not go with law = 'flash-heating'" in shown.text("#problem-friction")
+    assert shown.text("#stale") == "Shown: the last valid values; correct friction."
+    assert shown.page.is_visible("#entry-V_w")
+    shown.page.select_option("#friction", "regularized")
+    shown.wait()
+    assert not shown.page.is_visible("#problem-friction")
+    assert shown.page.eval_on_selector_all(".field input", texts) == fields
+    assert len(fields) >= 20
+
+
+def test_a_law_has_its_own_fields(show):
+    shown = show()
+    own = ["b2", "Dc2"]
+    assert not any(shown.page.is_visible(f"#entry-{symbol}") for symbol in own)
+    shown.page.select_option("#law", label="two-state slip law")
+    shown.wait()
+    assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 \u00b5m"]
+    labels = shown.page.eval_on_selector_all(
+        "#own .field:not([hidden]) .symbol [data-meaning]", INNER
+    )
+    assert labels[:2] == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
+    assert labels[2:] == ["damping", "<i>\u03b1</i>"]
+    shown.type("b2", "-0.001")
+    shown.wait()
+    slider = FIG4.replace(law="two-state-slip", b2=-0.001, Dc2=1e-4)
+    K_c = float(rs.stability(slider, 1e-4).K_c)
+    assert shown.numbers["Kc"] == f"{K_c / 1e9:.4g} GPa/m"
+    shown.page.focus("#slider-b2")
+    shown.page.keyboard.press("PageUp")  # larger, of the same sign
+    shown.wait()
+    assert float(shown.entry("b2")) < -0.001
+    shown.page.wait_for_selector("#map-note:not([hidden])")
+    assert "has no map of regimes" in shown.text("#map-note")
+    shown.type("Dc2", "2 MPa")
+    shown.page.wait_for_selector("#problem-Dc2:not([hidden])")
+    shown.type("Dc2", "0.2 mm")
+    shown.page.wait_for_function("() => location.href.includes('Dc2=0.2+mm')")
+    link = shown.page.evaluate("location.href")
+    # another law has none of them, nor has the link; and they come back as they were
+    shown.page.select_option("#law", "aging")
+    shown.wait()
+    shown.page.wait_for_function("() => !location.href.includes('Dc2')")
+    assert not any(shown.page.is_visible(f"#entry-{symbol}") for symbol in own)
+    shown.page.select_option("#law", "two-state-slip")
+    shown.wait()
+    assert shown.entry("Dc2") == "0.2 mm"
+    other = show(link.partition("#")[2])
+    assert other.page.input_value("#law") == "two-state-slip"
+    assert other.entry("Dc2") == "0.2 mm"
+
+
+def test_damping_and_a_law_file(show):
+    shown = show()
+    assert shown.entry("damping") == "0 Pa s/m"
+    shown.type("damping", "3 MPa s/m")
+    shown.wait()
+    slider = FIG4.replace(damping=3e6)
+    assert shown.numbers["Kc"] == f"{slider.K_c(1e-4) / 1e9:.4g} GPa/m"
+    shown.page.wait_for_function("() => location.href.includes('damping=3+MPa+s%2Fm')")
+    shown.page.select_option("#presets", index=2)
+    shown.wait()
+    assert shown.entry("damping") == "0 Pa s/m"
+    # a law file is in the menu
+    shown.page.select_option("#presets", index=1)
+    name = shown.page.eval_on_selector("#law option[value^=mine]", "option => option.value")
+    shown.page.select_option("#law", name)
+    shown.wait()
+    assert shown.entry("m") == "1.5"
+    assert "peak-to-peak" in shown.text("#headline")

@@ -1,0 +1,840 @@
+"""The explorer's server: what it answers, what it refuses, what it can bear."""
+
+import contextlib
+import http.client
+import json
+import threading
+import time
+
+import numpy as np
+import pytest
+from explorer_server import page, read, served
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from user_laws import MINE
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+import ratestate as rs
+from ratestate.dynamics.cycles.limit_cycle import orbit
+from ratestate.dynamics.simulation.simulate import SimulateCall
+from ratestate.engine.backend import Stopped
+from ratestate.friction.laws import LAWS
+from ratestate.interfaces import scenario
+from ratestate.model.units import to_si
+from ratestate.paper.parameters import FIG2, FIG4
+from ratestate_explorer import (
+    answers,
+    charts,
+    entries,
+    exports,
+    menus,
+    motion,
+    picture,
+    server,
+    session,
+    wire,
+)
+from ratestate_explorer.app import MOST_PAGES, Guard
+from ratestate_explorer.deadline import Deadline
+from ratestate_explorer.entries import PageState, entries_of
+from ratestate_explorer.menus import presets
+from ratestate_explorer.picture import MOST_SENT
+from ratestate_explorer.queues import Kind, kind_of
+
+STICK_SLIP = presets()[0]["entries"]
+VIBRATION = entries_of(PageState(FIG2, 3.2e-3))
+RUNAWAY = VIBRATION | {"M": "0 kg/m^2", "K": "500 MPa/m"}
+
+
+def exported(kind, texts):
+    return exports.export(wire.Question(1, kind, texts), Deadline(60.0))["content"].decode()
+
+
+def painted(texts, seconds=10.0):
+    return picture.picture(entries.state_of(texts), Deadline(seconds))
+
+
+class TestEntries:
+    def test_texts_make_a_slider(self):
+        state = entries.state_of(VIBRATION | {"V_from": "0.1 mm/s"})
+        assert state.slider == FIG2
+        assert (state.V_lp, state.V_from) == (3.2e-3, 1e-4)
+
+    @pytest.mark.parametrize(
+        ("field", "text", "said"),
+        [
+            ("K", "900 MPa", "K = '900 MPa' is a stress [Pa]; expected a stiffness [Pa/m] such as"),
+            ("a", "-1", "a = '-1' must be > 0"),
+            ("Dc", "ten", "is not a number with a unit"),
+            ("M", "", "M = '' is not a number with a unit; expected a mass per area"),
+            ("M", "1" * 65, "M has no text of at most 64 characters"),
+            ("sigma", 3, "sigma has no text"),
+            ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0; expected a speed"),
+            ("law", "dry", "law = 'dry' is unknown; choose slip or aging or flash-heating"),
+            ("K", "1 m**9**9**9**9/Pa", "unknown unit"),
+        ],
+    )
+    def test_what_is_wrong_is_said_of_its_field(self, field, text, said):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | {field: text})
+        assert list(caught.value.problems) == [field]
+        assert said in caught.value.problems[field]
+
+    @pytest.mark.parametrize(
+        ("symbol", "text", "value"),
+        [("M", "500", 500.0), ("M", "0", 0.0), ("K", "inf", np.inf), ("V_lp", " 1.e-4 ", 1e-4)],
+    )
+    def test_a_number_without_a_unit_is_in_SI(self, symbol, text, value):
+        assert entries.values_of(VIBRATION | {symbol: text})[symbol] == value
+
+    @pytest.mark.parametrize("text", ["1_000", "5 5", "nan", "1e", "-5", "1e400", "1e-400", "1e21"])
+    def test_not_every_text_is_a_number(self, text):
+        assert entries.values_of(VIBRATION | {"M": text}) is None
+
+    def test_all_problems_at_once(self):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of({})
+        assert set(caught.value.problems) == {*entries.SYMBOLS, "law"}
+
+    def test_presets_are_the_papers(self):
+        assert all(entries.state_of(preset["entries"]) for preset in presets())
+        assert entries.state_of(STICK_SLIP).slider == FIG4
+
+
+#: law -> texts of its own parameters, and the form of friction that it is for
+OWN = {
+    name: {s: menus.example(s) for s in law.parameters} | {"friction": law.form}
+    for name, law in LAWS.items()
+}
+
+
+class TestLaws:
+    @pytest.mark.parametrize("law", LAWS)
+    def test_every_law_is_shown(self, law):
+        """The page shows what the library finds, from a step between two motions."""
+        texts = STICK_SLIP | OWN[law] | {"law": law, "K": "300 MPa/m", "V_from": "50 um/s"}
+        state = entries.state_of(texts)
+        assert {s: state.values[s] for s in OWN[law]} == {
+            s: text if s == "friction" else to_si(s, text) for s, text in OWN[law].items()
+        }
+        # (also compiles what the picture, of which the time is limited, needs)
+        cycle = rs.limit_cycle(state.slider, state.V_lp)
+        largest = float(orbit(state.slider, state.V_from).tau.max() / state.slider.sigma)
+        stiff = state.slider.replace(K=1e13)
+        settled = rs.simulate(stiff, rs.Loading.constant(1e-4), 1e-3, V_start=1e-4)
+        steady = rs.stability(state.slider, state.V_lp)
+        header, arrays = painted(texts)
+        assert header["numbers"]["regime"] == "stick-slip"
+        assert header["numbers"]["period"] == pytest.approx(float(cycle.period), rel=1e-6)
+        assert header["values"]["law"] == law
+        assert header["numbers"]["K_c"] == float(steady.K_c)
+        assert header["steady"] == pytest.approx(float(settled.mu[0]), rel=1e-12)
+        # until the step, at the stress maximum, it is on the cycle at the speed before
+        step = np.searchsorted(arrays["run_time"], 0.0)
+        assert arrays["run_stress"][step] == pytest.approx(largest, rel=1e-6)
+        text = exported("scenario", texts)
+        assert scenario.loads(text).slider == state.slider
+
+    @pytest.mark.parametrize("law", LAWS)
+    def test_the_map_has_its_K_c(self, law):
+        state = entries.state_of(VIBRATION | OWN[law] | {"law": law})
+        steady = rs.stability(state.slider, state.V_lp)
+        line = charts.line(state.slider, state.V_lp, float(steady.K_c_qs))
+        at = np.interp(np.log(float(steady.eta)), np.log(line["line_eta"]), line["line_ratio"])
+        assert at == pytest.approx(float(steady.K_c / steady.K_c_qs), rel=1e-2)
+
+    def test_the_map_of_regimes_says_for_which_laws_it_is(self):
+        state = entries.state_of(VIBRATION | OWN["nagata"] | {"law": "nagata"})
+        assert charts.key_of(state.slider) == ("nagata",)
+        with pytest.raises(rs.ParameterError, match="has no map of regimes"):
+            charts.chart(state.slider, 4, Deadline(60.0))
+
+    def test_laws_and_their_fields_are_told(self, law_file):
+        name = rs.register(law_file(MINE))
+        told = {row["name"]: row for row in menus.menu()}
+        assert list(told) == [*LAWS]
+        own = ["b2", "Dc2", "damping", "alpha"]
+        assert told["two-state-slip"]["forms"] == {
+            "log": own,
+            "cut-off": ["b2", "Dc2", "V1", "V2", "damping", "alpha"],
+            "regularized": own,
+        }
+        assert [*told["nagata"]["forms"]] == ["log"]
+        assert [*told["flash-heating"]["forms"]] == ["regularized"]
+        assert told["two-state-slip"]["label"] == LAWS["two-state-slip"].label
+        assert {"aging", "dieterich"} <= {*told["aging"]["names"]}
+        assert told[name]["names"] == (name, "mine")
+        fields = {row["symbol"]: row for row in menus.fields(entries.state_of(VIBRATION).values)}
+        assert list(fields)[: len(entries.SYMBOLS)] == [*entries.SYMBOLS]
+        assert fields["Dc2"] == {
+            "symbol": "Dc2",
+            "name": "critical slip distance of the second state",
+            "unit": "m",
+            "usual": 1e-4,
+            "text": "100 um",
+            "marked": False,
+        }
+        assert [s for s, row in fields.items() if row["marked"]] == ["M", "K", "V_lp"]
+        assert fields["m"]["text"] == "1.5"
+        assert (fields["V2"]["unit"], fields["alpha"]["text"]) == ("m/s", "0")
+
+    def test_a_users_law_is_known_if_it_was_registered(self, law_file):
+        path = law_file(MINE)
+        texts = VIBRATION | {"law": "mine", "m": "1.5"}
+        with pytest.raises(entries.BadEntries, match="law = 'mine' is unknown; choose slip or"):
+            entries.state_of(texts)
+        name = rs.register(path)
+        slider = entries.state_of(texts).slider
+        assert (slider.law, slider.m) == (name, 1.5)
+        shown = entries_of(PageState(slider, 1e-3))
+        header, arrays = painted(shown, seconds=120.0)  # it may be compiled
+        assert header["sentences"][0].startswith("Steady sliding at 1 mm/s")
+        assert arrays["run_time"].size > 10
+
+    @pytest.mark.parametrize("more", [{"law": "mine@12345678"}, {"law_file": "mine.py"}])
+    def test_no_page_has_a_law_file_run(self, more, law_file, tmp_path, monkeypatch):
+        law_file("raise SystemExit")
+        monkeypatch.chdir(tmp_path)
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | more)
+        (said,) = caught.value.problems.values()
+        assert said.startswith(f"law = '{more.get('law', 'slip')}' is unknown; choose slip or")
+        assert said.endswith("with your own law: ratestate explore --law-file FILE.py")
+
+    def test_parameters_that_do_not_go_together_are_said_of_the_law(self):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | {"law": "nagata", "c": "2.0", "b": "0"})
+        assert caught.value.problems == {
+            "law": "law = 'nagata': b = 0 where c > 0; give another b, or c = 0"
+        }
+
+
+class TestFriction:
+    """Forms of friction, damping, and what a step of normal stress does."""
+
+    def test_a_form_of_friction_brings_its_fields(self):
+        texts = VIBRATION | {"friction": "Cut-off", "V1": "10 m/s", "V2": "1 um/s"}
+        state = entries.state_of(texts)
+        assert (state.slider.friction, state.slider.V2) == ("cut-off", 1e-6)
+        assert state.values["friction"] == "cut-off"
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | {"friction": "cut-off", "V1": "10 m/s"})
+        assert list(caught.value.problems) == ["V2"]
+
+    @pytest.mark.parametrize(
+        ("law", "friction", "said"),
+        [
+            ("slip", "asinh", "friction = 'asinh' does not go with law = 'slip'; choose log or"),
+            ("slip", 3, "friction = '3' does not go"),
+            ("slip", "x" * 900, f"friction = '{'x' * 64}' does not go"),
+            ("nagata", "cut-off", "friction = 'cut-off' does not go with law = 'nagata'"),
+            ("flash-heating", "log", "friction = 'log' does not go with law = 'flash-heating'"),
+        ],
+    )
+    def test_one_that_does_not_go_is_said_of_its_menu(self, law, friction, said):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | OWN[law] | {"law": law, "friction": friction})
+        assert list(caught.value.problems) == ["friction"]
+        assert said in caught.value.problems["friction"]
+
+    def test_without_one_it_is_that_of_the_law(self):
+        own = OWN["flash-heating"] | {"law": "flash-heating"}
+        old, own = (
+            {name: text for name, text in texts.items() if name not in ("friction", "alpha")}
+            for texts in (VIBRATION, own)
+        )
+        assert entries.state_of(old).slider == FIG2
+        heated = entries.state_of(old | own)
+        assert heated.slider.friction == "regularized"
+
+    def test_kernels_are_those_of_what_is_shown(self):
+        plain = kind_of(entries.state_of(VIBRATION))
+        assert plain == ("slip", "log", (), False)
+        changes = [
+            {"friction": "regularized"},
+            {"damping": "1 kPa s/m"},
+            {"sigma_from": "3 MPa"},
+            {"law": "aging"},
+        ]
+        kinds = {kind_of(entries.state_of(VIBRATION | change)) for change in changes}
+        assert len(kinds | {plain}) == 5
+        assert kind_of(entries.state_of(VIBRATION | {"a": "0.004"})) == plain
+
+    def test_a_step_of_normal_stress_is_what_simulate_gives(self):
+        """From steady sliding, under Linker and Dieterich's law: friction falls at the step."""
+        slider = FIG2.replace(alpha=0.2)
+        texts = entries_of(PageState(slider, 1e-4, sigma_from=0.9 * slider.sigma))
+        state = entries.state_of(texts)
+        assert state.before == PageState(slider.replace(sigma=0.9 * slider.sigma), 1e-4)
+        header, arrays = painted(texts, seconds=120.0)  # it may be compiled
+        assert header["values"]["sigma_from"] == pytest.approx(0.9 * slider.sigma, rel=1e-15)
+        before = arrays["run_time"] < 0.0
+        steady = 0.6 - 0.003 * np.log(1e5)
+        assert arrays["run_stress"][before] == pytest.approx(steady, rel=1e-9)
+        # tau and V stay across the jump; theta falls by (sigma/sigma_from)^(-alpha/b)
+        first = np.flatnonzero(~before)[0]
+        assert arrays["run_stress"][first] == pytest.approx(0.9 * steady, rel=1e-9)
+        fall = slider.alpha * np.log(1.0 / 0.9)
+        assert arrays["run_mu"][first] == pytest.approx(steady - fall, rel=1e-9)
+        assert arrays["run_stress"][-1] == pytest.approx(steady, rel=1e-4)
+        assert exported("scenario", texts).count("sigma_steps") == 1
+
+    def test_the_map_is_refused_for_a_form_by_its_name(self):
+        slider = FIG2.replace(friction="regularized", damping=1e3)
+        with pytest.raises(rs.ParameterError) as caught:
+            charts.chart(slider, 4, Deadline(60.0))
+        assert str(caught.value).startswith(
+            "law = 'slip' with friction = 'regularized' and damping = 1000 Pa s/m has no map"
+        )
+
+    def test_speed_and_normal_stress_step_together(self):
+        texts = VIBRATION | {"V_lp": "50 um/s", "V_from": "0.1 mm/s", "sigma_from": "1.9 MPa"}
+        texts["K"] = "900 MPa/m"
+        _, arrays = painted(texts, seconds=120.0)
+        before = arrays["run_time"] < 0.0
+        assert arrays["run_V"][before] == pytest.approx(1e-4, rel=1e-6)
+        assert arrays["run_V"][-1] == pytest.approx(5e-5, rel=1e-3)
+        first = np.flatnonzero(~before)[0]
+        assert arrays["run_stress"][first] == pytest.approx(
+            arrays["run_stress"][0] * 1.9 / 2.0, rel=1e-6
+        )
+
+
+class TestWire:
+    def test_answers_are_as_described(self):
+        arrays = {"x": np.arange(3), "y": np.array([True])}
+        header, found = read(
+            wire.answer(7, "picture", arrays, big=np.inf, n=np.int64(3), text="\u00b5")
+        )
+        assert header == {
+            "id": 7,
+            "kind": "picture",
+            "big": "Infinity",
+            "n": 3,
+            "text": "\u00b5",
+        }
+        assert found["x"].tolist() == [0.0, 1.0, 2.0]
+        assert found["y"].tolist() == [1.0]
+
+    def test_questions(self):
+        found = wire.checked(wire.Question, '{"id": 3, "ask": "csv", "entries": 1}')
+        assert (found.id, found.ask, found.entries) == (3, "csv", 1)
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            *("", "{", "[]", "null", "[" * 4000, '{"id": NaN, "ask": "csv"}', "9" * 4090),
+            *(
+                '{"id": true, "ask": "csv"}',
+                '{"id": -1, "ask": "csv"}',
+                '{"id": 1e3, "ask": "csv"}',
+            ),
+            *('{"id": 1, "ask": "rm"}', '{"id": 1, "ask": ["csv"]}', " " * (wire.LONGEST + 1)),
+        ],
+    )
+    def test_what_is_no_question_is_refused(self, text):
+        with pytest.raises(wire.BadQuestion):
+            wire.checked(wire.Question, text)
+
+
+class TestPicture:
+    def test_it_shows_the_run_and_the_cycle(self):
+        header, arrays = painted(STICK_SLIP)
+        cycle = rs.limit_cycle(FIG4, 1e-4)
+        assert header["numbers"]["period"] == pytest.approx(float(cycle.period), rel=1e-7)
+        assert arrays["cycle_time"][-1] == pytest.approx(float(cycle.period), rel=1e-7)
+        for name in ("run", "cycle"):
+            late = arrays[f"{name}_stress"][len(arrays[f"{name}_stress"]) // 2 :]
+            assert np.ptp(late) == pytest.approx(float(cycle.amplitude), rel=2e-3)
+        # it begins in steady sliding at a tenth of the speed
+        assert arrays["run_V"][0] == pytest.approx(1e-5, rel=1e-12)
+        assert arrays["run_stress"][0] == pytest.approx(0.6 - 0.003 * np.log(1e4), rel=1e-12)
+        assert header["steady"] == pytest.approx(0.6 - 0.003 * np.log(1e5), rel=1e-12)
+
+    def test_a_step_is_at_time_0(self):
+        _, arrays = painted(VIBRATION | {"V_from": "0.1 mm/s"})
+        before = arrays["run_time"] < 0.0
+        assert 0.1 < -arrays["run_time"][0] / np.ptp(arrays["run_time"]) < 0.25
+        assert arrays["run_V"][before] == pytest.approx(1e-4, rel=1e-4)
+        assert arrays["run_V"][~before].max() > 1e-2
+
+    def test_a_step_from_a_cycle_is_at_its_stress_maximum(self):
+        _, arrays = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
+        cycle = rs.limit_cycle(FIG4, 1e-4)
+        at = int(np.argmin(np.abs(arrays["run_time"])))
+        before = arrays["run_time"] <= 0.0
+        assert arrays["run_time"][at] == 0.0
+        assert arrays["run_V"][at] == pytest.approx(1e-4, rel=0.02)
+        assert arrays["run_stress"][before].max() == pytest.approx(
+            arrays["run_stress"][at], rel=1e-6
+        )
+        assert -arrays["run_time"][0] <= 3.0 * float(cycle.period) * (1 + 1e-5)
+
+    @pytest.mark.parametrize("V_from", ["50 um/s", "10 nm/s", "1 nm/s", "1e-12 m/s", "1e-15 m/s"])
+    def test_a_fifth_of_the_time_shown_is_before_a_step(self, V_from):
+        """However slow the motion before: there it rests at its stress maximum."""
+        _, arrays = painted(STICK_SLIP | {"V_from": V_from})
+        time, tau = arrays["run_time"], arrays["run_stress"]
+        assert -time[0] / np.ptp(time) == pytest.approx(0.2, rel=1e-4)
+        before = orbit(FIG4, to_si("V_lp", V_from))
+        at = np.searchsorted(time, 0.0)
+        assert time[at] == 0.0
+        assert tau[at] == pytest.approx(float(before.tau[0] / FIG4.sigma), rel=1e-6)
+        assert arrays["run_V"][at] == pytest.approx(to_si("V_lp", V_from), rel=1e-3)
+        # what comes after the step is seen: slips of the cycle
+        assert arrays["run_V"][time > 0.0].max() > 1e-2
+
+    def test_after_a_large_step_of_normal_stress_the_spring_is_seen_to_reload(self):
+        """It takes mu (sigma - sigma_from)/(K V_lp), here 17 s, to slip at all."""
+        header, arrays = painted(STICK_SLIP | {"sigma_from": "1.3 MPa"}, seconds=120.0)
+        period = header["numbers"]["period"]
+        reloading = 0.6 * (4e6 - 1.3e6) / (0.96e9 * 1e-4)
+        assert 5.0 < (arrays["run_time"][-1] - reloading) / period < 7.0
+        late = arrays["run_time"] > reloading + 2.0 * period
+        assert np.ptp(arrays["run_stress"][late]) == pytest.approx(
+            header["numbers"]["amplitude"], rel=0.01
+        )
+
+    def test_a_runaway_is_shown_as_far_as_it_comes(self):
+        header, arrays = painted(RUNAWAY)
+        assert header["numbers"]["regime"] == "runaway"
+        assert "quasi_static_instability" in header["notes"][0]
+        assert "SpringSlider" not in header["notes"][0]
+        assert arrays["run_V"][-1] > 1e3
+        assert "cycle_V" not in arrays
+
+    def test_a_run_that_has_not_settled_says_so(self):
+        near = painted(VIBRATION | {"V_lp": "3.16228 mm/s"})  # V_c is 3.162278 mm/s
+        told = [text for text in near[0]["notes"] if "has not decayed" in text]
+        assert told == [
+            "The run shown is 40 cycles long, and its transient has not decayed by then."
+        ]
+        period = near[0]["numbers"]["period"]
+        assert near[1]["run_time"][-1] == pytest.approx(40.0 * period, rel=1e-5)
+        assert painted(STICK_SLIP)[0]["notes"] == []
+        damped, arrays = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
+        assert "oscillations long, and its transient has not decayed" in damped["notes"][0]
+        late = arrays["run_V"][arrays["run_time"] > 0.95 * arrays["run_time"][-1]]
+        assert np.ptp(late) > 1e-3 * 3.16e-3
+
+    def test_a_start_that_was_not_found_is_said(self, monkeypatch):
+        attractor = picture._attractor
+
+        def fails_before(slider, V, watch):
+            return (rs.SolverError("none"), None) if V == 1e-4 else attractor(slider, V, watch)
+
+        monkeypatch.setattr(picture, "_attractor", fails_before)
+        header, _ = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
+        assert "No limit cycle was found at the speed and normal stress" in header["notes"][0]
+
+    def test_work_is_cut_and_that_is_said(self):
+        header, arrays = painted(STICK_SLIP, seconds=0.0)
+        assert "the search was ended after 0 s" in header["sentences"][0]
+        assert header["numbers"]["regime"] == "unknown"
+        assert header["notes"][0].startswith("No run is shown: of ")
+        assert arrays["run_time"].size == 0
+
+    def test_a_long_run_is_cut_where_time_is_up(self, monkeypatch):
+        monkeypatch.setattr("ratestate_explorer.motion.SLIP", 1e9)  # some minutes' work
+        monkeypatch.setattr(picture, "_attractor", lambda *_: (rs.SolverError("none"), None))
+        begin = time.monotonic()
+        header, arrays = painted(VIBRATION, seconds=0.2)
+        assert "The run is cut at" in header["notes"][0]
+        assert 100 < arrays["run_time"].size <= MOST_SENT
+        assert time.monotonic() - begin < 20.0
+
+    def test_a_run_that_got_nowhere_is_not_tried_again(self, monkeypatch):
+        tried = []
+
+        def stopped(call, watch):
+            tried.append(call.t_end)
+            watch(0.0)
+            raise Stopped
+
+        monkeypatch.setattr(picture, "_attractor", lambda *_: (rs.SolverError("none"), None))
+        monkeypatch.setattr(SimulateCall, "move", stopped)
+        header, arrays = painted(VIBRATION)
+        assert len(tried) == 1
+        assert header["notes"][0].startswith("No run is shown: of ")
+        assert arrays["run_time"].size == 0
+
+    def test_a_cancelled_picture_gives_nothing(self):
+        deadline = Deadline(10.0)
+        deadline.set()
+        with pytest.raises(Stopped):
+            picture.picture(entries.state_of(STICK_SLIP), deadline)
+
+    def test_a_cancelled_run_gives_nothing(self, monkeypatch):
+        deadline = Deadline(60.0)
+
+        def attractor(*_):
+            deadline.set()
+            return rs.SolverError("none"), None
+
+        monkeypatch.setattr(motion, "SLIP", 1e9)
+        monkeypatch.setattr(picture, "_attractor", attractor)
+        with pytest.raises(Stopped):
+            picture.picture(entries.state_of(VIBRATION), deadline)
+
+    def test_a_failure_of_the_program_is_an_answer_too(self, caplog):
+        def fails(question, deadline):
+            raise ZeroDivisionError("a bug")
+
+        reply, failed = answers.run_job(fails, wire.Question(3, "csv", {}), Deadline(1.0))
+        header, _ = read(reply)
+        assert failed
+        assert (header["id"], header["kind"]) == (3, "problem")
+        assert "the explorer failed" in header["problems"][""]
+        assert "a bug" in caplog.text
+        caplog.clear()
+        ended = Deadline(1.0)
+        ended.set()
+        with pytest.raises(Stopped):
+            answers.run_job(fails, wire.Question(3, "csv", {}), ended)
+        assert caplog.text == ""
+
+    @pytest.mark.parametrize(("worked", "ended"), [(0.9, False), (1.1, True)])
+    def test_on_a_busy_machine_a_deadline_counts_work(self, worked, ended, monkeypatch):
+        """Time of the processor, but for a tenth of all time at least; never more than all."""
+        now = {"monotonic": 5.0, "process_time": 3.0}
+        for name in now:
+            monkeypatch.setattr(time, name, lambda name=name: now[name])
+        deadline = Deadline(1.0)
+        deadline.start()
+        now["monotonic"] += 4.0
+        now["process_time"] += worked
+        assert deadline.is_set() == ended
+        now["monotonic"] += 7.0  # 11 s in all
+        assert deadline.is_set()
+        deadline.start()
+        now["process_time"] += 100.0  # by other questions
+        now["monotonic"] += 0.9
+        assert not deadline.is_set()
+
+    def test_a_deadline_of_parts_has_an_end(self):
+        deadline = Deadline(60.0, whole=0.05)
+        begin = time.monotonic()
+        while not deadline.is_set() and time.monotonic() < begin + 5.0:
+            deadline.start()
+            time.sleep(0.01)
+        assert 0.04 < time.monotonic() - begin < 5.0
+
+
+class TestExports:
+    def test_the_same_run_in_all_forms(self, tmp_path):
+        shown = STICK_SLIP | {"V_from": "50 um/s"}
+        texts = {ask: exported(ask, shown) for ask in ("scenario", "python", "csv")}
+        file = tmp_path / "ratestate.toml"
+        file.write_text(texts["scenario"])
+        loaded = scenario.run(scenario.load(file))
+        lines: dict = {}
+        exec(texts["python"], lines)
+        numbers = np.genfromtxt(texts["csv"].splitlines(), delimiter=",", skip_header=1)
+        header = texts["csv"].split("\n")[0].split(",")
+        written = next(v for v in lines.values() if hasattr(v, "data_vars"))
+        assert np.array_equal(loaded.tau, written.tau)
+        assert np.array_equal(numbers[:, header.index("tau [Pa]")], loaded.tau)
+        assert numbers[:, 0].tolist() == loaded.time.values.tolist()
+
+    def test_a_run_that_ends_early_is_written_as_far_as_it_comes(self):
+        text = exported("csv", RUNAWAY)
+        numbers = np.genfromtxt(text.splitlines(), delimiter=",", names=True)
+        _, arrays = painted(RUNAWAY)
+        assert numbers["time_s"][-1] == arrays["run_time"][-1]
+        assert numbers["V_ms"][-1] > 1e3
+
+    def test_long_tables_are_refused_in_words(self, monkeypatch):
+        monkeypatch.setattr(exports, "MOST_ROWS", 100)
+        with pytest.raises(rs.ParameterError, match="rows, more than the 100 of a download"):
+            exported("csv", VIBRATION)
+
+
+class TestCharts:
+    def test_a_chart_is_the_atlas_and_is_kept(self):
+        slider = entries.state_of(STICK_SLIP).slider
+        header, arrays = charts.chart(slider, 4, Deadline(60.0))
+        assert header["key"] == ("slip", 1.6)
+        assert arrays["regime"].size == 16
+        begin = time.perf_counter()
+        again = charts.chart(slider.replace(a=0.0050001), 4, Deadline(0.0))
+        assert again[1].keys() == arrays.keys()
+        assert all(np.array_equal(again[1][name], arrays[name], equal_nan=True) for name in arrays)
+        assert time.perf_counter() - begin < 1.0
+
+    def test_the_curve_is_eq_6(self):
+        line = charts.line(FIG4, 1e-4, FIG4.K_c_qs)
+        assert np.allclose(line["line_ratio"], 1.0 + line["line_eta"], rtol=1e-14)
+        assert charts.SPAN["eta"] == (line["line_eta"][0], line["line_eta"][-1])
+        assert charts.line(FIG4.replace(b=0.001), 1e-4, -1.0)["line_eta"].size == 0
+
+    def test_it_is_bounded(self):
+        slider = entries.state_of(VIBRATION).slider
+        with pytest.raises(rs.ParameterError, match="60 x 60 points of the map take more than 0 s"):
+            charts.chart(slider, 60, Deadline(0.0))
+        cancelled = Deadline(60.0)
+        cancelled.set()
+        with pytest.raises(Stopped):
+            charts.chart(slider, 60, cancelled)
+
+    @pytest.mark.parametrize(
+        ("a", "b", "ratio"),
+        [
+            (0.008, 0.009, 1.125),
+            (0.008, 0.013, 1.625),
+            (0.008, 0.00801, 1.00125),
+            (0.001, 0.1, 100.0),
+            (0.008, 0.008, None),
+            (0.008, -0.001, None),
+        ],
+    )
+    def test_a_picture_names_its_chart(self, a, b, ratio):
+        key = charts.key_of(FIG4.replace(a=a, b=b))
+        assert (key and key[1]) == (pytest.approx(ratio, rel=1e-12) if ratio else None)
+
+    def test_friction_that_strengthens_has_none(self):
+        with pytest.raises(rs.ParameterError, match="b <= a"):
+            charts.chart(FIG4.replace(b=0.001), 4, Deadline(60.0))
+
+
+@pytest.fixture(scope="module")
+def port():
+    with served() as found:
+        yield found
+
+
+def others():
+    """Threads that are none of the explorer's pools."""
+    return {t.name for t in threading.enumerate() if not t.name.startswith("explorer")}
+
+
+def drained(socket):
+    """Read until the connection ends."""
+    while True:
+        socket.recv(20)
+
+
+def answered(socket, number, kinds=("picture", "problem", "file")):
+    """The answer to the question of this id."""
+    while True:
+        header, arrays = read(socket.recv(60))
+        if header["id"] == number and header["kind"] in kinds:
+            return header, arrays
+
+
+def ask(socket, number, what="picture", texts=VIBRATION):
+    socket.send(json.dumps({"id": number, "ask": what, "entries": texts}))
+
+
+class TestServer:
+    def test_questions_are_answered(self, port):
+        with page(port) as socket:
+            ask(socket, 1)
+            header, arrays = answered(socket, 1)
+            assert header["numbers"]["regime"] == "quasi-harmonic"
+            assert arrays["run_time"].size > 100
+            ask(socket, 2, texts=VIBRATION | {"K": "900 MPa"})
+            assert "is a stress" in answered(socket, 2)[0]["problems"]["K"]
+            ask(socket, 3, "python")
+            assert b"rs.simulate(" in answered(socket, 3)[0]["content"]
+
+    def test_the_newest_question_wins(self, port):
+        with page(port) as socket:
+            for number in range(1, 41):
+                ask(socket, number)
+            seen = []
+            while 40 not in seen:
+                header, _ = read(socket.recv(60))
+                seen += [header["id"]] if header["kind"] == "picture" else []
+            assert seen == sorted(seen)
+            assert len(seen) < 40
+
+    def test_too_many_downloads_are_said(self, port):
+        with page(port) as socket:
+            for number in range(1, 61):
+                ask(socket, number, "csv")
+            kinds = {}
+            while 60 not in kinds or len(kinds) < 60:
+                header, _ = read(socket.recv(60))
+                if header["kind"] not in (
+                    "preparing",
+                    "ready",
+                ):  # come to a page that is opened early
+                    kinds[header["id"]] = header["kind"]
+            assert set(kinds.values()) == {"file", "problem"}
+            assert kinds[60] == "file"
+
+    def test_downloads_hold_no_picture_up(self, port, monkeypatch):
+        free, begun = threading.Event(), threading.Event()
+
+        def export(*_):
+            begun.set()
+            assert free.wait(60)
+            return {"name": "a", "type": "text/plain", "content": b"b"}
+
+        monkeypatch.setattr(session, "export", export)
+        with page(port) as first, page(port) as second, page(port) as third:
+            for socket in (first, second):
+                ask(socket, 1, "csv")
+            assert begun.wait(30)
+            ask(third, 1)
+            assert answered(third, 1)[0]["kind"] == "picture"
+            free.set()
+            assert answered(second, 1)[0]["kind"] == "file"
+
+    def test_nonsense_is_shown_the_door(self, port):
+        with page(port) as socket:
+            for _ in range(session.NONSENSE - 1):
+                socket.send("nonsense")
+            ask(socket, 1)
+            assert answered(socket, 1)[0]["kind"] == "picture"
+            for _ in range(session.NONSENSE):
+                socket.send("nonsense")
+            with pytest.raises(ConnectionClosed, match="these are no questions"):
+                drained(socket)
+
+    def test_a_chart_comes_twice(self, port, monkeypatch):
+        monkeypatch.setattr(charts, "SIZES", (2, 3))
+        with page(port) as socket:
+            ask(socket, 1, "chart")
+            sizes = [answered(socket, 1, ("chart",))[0]["size"] for _ in range(2)]
+            assert sizes == [2, 3]
+
+    @pytest.mark.parametrize(
+        "origin", [None, "http://evil.example", "https://127.0.0.1", "null", "http://127.0.0.1:1"]
+    )
+    def test_other_origins_are_refused(self, port, origin):
+        with pytest.raises(InvalidStatus) as caught, page(port, origin=origin):
+            pass
+        assert caught.value.response.status_code == 403
+
+    @pytest.mark.parametrize("host", ["evil.example", "127.0.0.1", "127.0.0.1:1", ""])
+    def test_other_hosts_are_refused(self, port, host):
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+        connection.request("GET", "/", headers={"Host": host})
+        response = connection.getresponse()
+        assert (response.status, response.read()) == (403, b"not this host's page")
+        connection.close()
+
+    def test_the_page_asks_nobody_else(self, port):
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
+        connection.request("GET", "/")
+        response = connection.getresponse()
+        policy = response.headers["Content-Security-Policy"]
+        assert response.status == 200
+        assert policy.startswith("default-src 'none'; script-src 'self'")
+        assert b"http://" not in response.read()
+        above = ("/..", "/%2e%2e", "/..%2f", "/js/../..", "/")
+        away = [f"{path}/service/app.py" for path in above]
+        for path in ("/vendor/uPlot.LICENSE", "/docs", *away):
+            status = 200 if path.startswith("/vendor") else 404
+            connection.request("GET", path)
+            response = connection.getresponse()
+            response.read()
+            assert response.status == status, path
+        connection.close()
+
+    def test_over_long_messages_close_the_page_alone(self, port):
+        with page(port) as other, page(port) as socket:
+            socket.send("x" * 100_000)
+            with pytest.raises(ConnectionClosed):
+                drained(socket)
+            ask(other, 1)
+            assert answered(other, 1)[0]["kind"] == "picture"
+
+    def test_too_many_pages_are_refused(self, port):
+        with contextlib.ExitStack() as stack:
+            for _ in range(MOST_PAGES):
+                stack.enter_context(page(port))
+            uri, origin = f"ws://127.0.0.1:{port}/socket", f"http://127.0.0.1:{port}"
+            with connect(uri, origin=origin) as socket:
+                with pytest.raises(ConnectionClosed) as caught:
+                    socket.recv(20)
+                assert caught.value.rcvd.code == 1013
+                assert "too many pages" in caught.value.rcvd.reason
+
+    def test_nothing_is_left_of_pages_that_left(self, port):
+        with page(port) as socket:
+            ask(socket, 1)
+            answered(socket, 1)
+        time.sleep(0.2)
+        before = others()
+        for _ in range(10):
+            with page(port) as socket:
+                ask(socket, 1, "csv")
+                ask(socket, 2)
+        deadline = time.monotonic() + 20.0
+        while others() - before and time.monotonic() < deadline:
+            time.sleep(0.05)
+        assert others() <= before
+        ours = [t for t in threading.enumerate() if t.name.startswith("explorer")]
+        assert len(ours) <= 4  # those of the pools stay
+
+    def test_any_message_is_borne(self, port, monkeypatch):
+        monkeypatch.setattr(session, "NONSENSE", 10**6)
+        values = st.recursive(
+            st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+            lambda inner: (
+                st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4)
+            ),
+            max_leaves=12,
+        )
+        numbers = ["1e308", "1e-320", "nan", "inf", "-0", "1e999 m", "1 mm/s", "2"]
+        texts = st.sampled_from([*numbers, "0 for 1", "1e9 at 1e9 for 1e9; 1e-9 for 1e-9"])
+        field = st.sampled_from([*entries.SYMBOLS, "law", *entries.EXPERIMENT, "id", "ask"])
+        questions = st.builds(
+            lambda ask, changed: json.dumps(
+                {"id": 5, "ask": ask, "entries": {**VIBRATION, **changed}}
+            ),
+            st.sampled_from(wire.ASKS),
+            st.dictionaries(field, texts | values, max_size=3),
+        )
+        messages = st.one_of(
+            st.binary(max_size=200),
+            st.text(max_size=200),
+            values.map(lambda value: json.dumps(value)),
+            questions,
+        )
+        with page(port) as socket:
+
+            @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+            @given(messages)
+            def send(message):
+                socket.send(message)
+
+            send()
+            ask(socket, 77)
+            told = []
+            while (header := read(socket.recv(60))[0])["id"] != 77:
+                told += header.get("problems", {}).values()
+            assert header["kind"] == "picture"
+            assert [text for text in told if "the explorer failed" in text] == []
+
+
+class TestServe:
+    def test_what_is_prepared_ends_with_the_server(self, monkeypatch, caplog):
+        monkeypatch.setattr(session, "answer_chart", lambda *_, **__: 1 / 0)
+        shared = session.SharedWork()
+        shared.close()
+        begin = time.monotonic()
+        with pytest.raises(Stopped):
+            session.warm_up(Kind("slip", "log", (), False), shared.kernels.deadline)
+        assert time.monotonic() - begin < 10.0
+        assert caplog.text == ""
+
+    def test_browsers_leave_port_80_out(self):
+        assert {"127.0.0.1", "localhost:80"} <= Guard(None, 80).hosts
+        assert "http://localhost" in Guard(None, 80).origins
+        assert "127.0.0.1" not in Guard(None, 8080).hosts
+
+    def test_a_port_in_use_is_said(self, port):
+        with pytest.raises(rs.ParameterError, match=f"port = {port} is in use; give another"):
+            server.listen(port)
+        for bad in (-1, 70000, "80", True):
+            with pytest.raises(rs.ParameterError, match="whole number from 0 to 65535"):
+                server.listen(bad)
+
+    def test_without_a_wish_any_port_will_do(self):
+        with server.listen() as first, server.listen() as second:
+            assert first.getsockname() != second.getsockname()
+            assert first.getsockname()[0] == "127.0.0.1"

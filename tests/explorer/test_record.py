@@ -1,0 +1,290 @@
+"""Laboratory records that a page sends: what is drawn of them, what is refused."""
+
+import http.client
+import io
+import json
+import threading
+import time
+from urllib.parse import urlencode
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+from explorer_server import page, read, served
+
+from ratestate import machine
+from ratestate_explorer import record, upload, wire
+from ratestate_explorer.picture import MOST_SENT
+
+T = np.arange(9000) * 0.1
+X = np.where(T < 400, 3 * T, 10 * T - 2800)
+MU = 0.6 + 1e-3 * np.sin(T) - 0.01 * (T == 500.0)
+HEADER = ("Time(s)", "disp_um", "mu", "normal stress (MPa)")
+
+
+def text(header=HEADER):
+    columns = T, X, MU, np.full_like(T, 20.0)
+    rows = (",".join(f"{x:.6f}" for x in row) for row in zip(*columns, strict=True))
+    return "\n".join([",".join(header), *rows]).encode()
+
+
+GOOD = text()
+
+
+@pytest.fixture
+def without_child(monkeypatch):
+    """Read records in this process: a child takes up to 2 s."""
+    monkeypatch.setattr(machine, "is_child", True)
+
+
+def answered(contents, name="r.csv", **choices):
+    return read(record.answer_record(name, contents, choices, threading.Event()))
+
+
+def test_what_is_drawn_of_a_record():
+    header, arrays = answered(GOOD)
+    assert (header["kind"], header["id"], header["name"]) == ("record", None, "r.csv")
+    assert header["problem"] == ""
+    assert header["found"] == "velocity step 3.00 -> 10.0 um/s at 400.0 s (1200 um)"
+    assert header["notes"] == []
+    units = ["s", "um", "", "MPa"]
+    assert header["columns"] == [list(column) for column in zip(HEADER, units, strict=True)]
+    assert header["chosen"] == {"time": 1, "delta_lp": 2, "friction": 3, "sigma": 4}
+    assert set(arrays) == {"time", "friction", "segment_t", "segment_V"}
+    assert 1000 < arrays["time"].size == arrays["friction"].size <= MOST_SENT < T.size
+    assert arrays["friction"].min() == pytest.approx(MU.min(), abs=1e-6)
+    np.testing.assert_allclose(arrays["segment_t"], [0.0, 400.0], rtol=1e-9)
+    np.testing.assert_allclose(arrays["segment_V"], [3e-6, 1e-5], rtol=1e-9)
+    assert header["begin"] == arrays["segment_t"][1]
+    V_from, V_lp = arrays["segment_V"]
+    step = {"time": header["begin"], "V_from": V_from, "V_lp": V_lp, "sigma": 2e7}
+    assert header["conditions"] == step
+
+
+@pytest.mark.parametrize(
+    ("V", "begin", "expected"),
+    [
+        ([1e-6], 5.0, (5.0, None, 1e-6)),
+        ([0.0], 5.0, (5.0, None, None)),
+        ([1e-6, 0.0, 1e-6], 15.0, (15.0, None, 1e-6)),
+        ([1e-6, 0.0, 2e-6, 3e-6], 15.0, (35.0, 2e-6, 3e-6)),
+        ([0.0, 2e-6], 15.0, (15.0, None, 2e-6)),
+    ],
+)
+def test_conditions_of_a_record(V, begin, expected):
+    t = 5.0 + 10.0 * np.arange(len(V))
+    found = xr.Dataset({"segment_t": ("segment", t), "segment_V": ("segment", V)})
+    assert record._begin(found) == begin
+    names = ("time", "V_from", "V_lp", "sigma")
+    assert record.conditions(found) == dict(zip(names, (*expected, None), strict=True))
+
+
+def test_what_is_missing_can_be_chosen(without_child):
+    contents = text(("clock", "channel A", "channel B", "load"))
+    header, arrays = answered(contents)
+    assert header["problem"] == "no column is known as time; choose the column below"
+    assert (header["columns"][1], arrays, header["chosen"]) == (["channel A", ""], {}, {})
+    columns = {"time": 1, "delta_lp": 2, "friction": 3}
+    header, _ = answered(contents, columns=columns)
+    wrong = "the column 'clock' (time) has no unit; choose its unit, or another column, below"
+    assert (header["problem"], header["chosen"]) == (wrong, columns)
+    units = {"time": "s", "delta_lp": "um"}
+    header, arrays = answered(contents, columns=columns, units=units, time=["100 s", None])
+    assert header["problem"] == ""
+    assert arrays["time"][0] == 100.0
+    header, _ = answered(contents, columns=columns, units=units, time=["1000 s", None])
+    assert header["problem"].endswith("; give other times below")
+
+
+@pytest.mark.parametrize(
+    ("name", "contents", "problem"),
+    [
+        ("r.png", b"\x89PNG\r\n\x1a\n" + bytes(99), "r.png is neither text nor HDF5 nor MAT. Save"),
+        ("", b"", "the file is empty. A record has rows such as"),
+        (
+            "r" * 300 + ".csv",
+            b"PK\x03\x04",
+            "r" * 251 + ".csv is a spreadsheet or an archive. Save",
+        ),
+    ],
+)
+def test_what_is_no_record(without_child, name, contents, problem):
+    header, arrays = answered(contents, name)
+    assert header["problem"].startswith(problem)
+    assert (header["columns"], header["chosen"], arrays) == ([], {}, {})
+
+
+def test_a_small_file_that_unpacks_to_a_large_one():
+    stored = io.BytesIO()
+    with h5py.File(stored, "w") as file:
+        file.create_dataset("time_s", shape=(10**10,), dtype="f8", chunks=(10**6,))
+    header, _ = answered(stored.getvalue(), "r.h5")
+    assert "r.h5 is damaged: 'time_s' would take 8e+10 bytes" in header["problem"]
+
+
+@pytest.mark.parametrize("text", ["[]", "{", '{"path": "/etc/passwd"}', '{"time": NaN}'])
+def test_choices_are_few(text):
+    with pytest.raises(wire.BadQuestion):
+        record.choices_of(text)
+    assert record.choices_of('{"time": [null, "1 s"]}') == {"time": [None, "1 s"]}
+
+
+@pytest.fixture(scope="module")
+def port():
+    with served() as found:
+        yield found
+
+
+def sent(port, page, contents=GOOD, origin="own", **query):
+    """Status and answer (its bytes where it is not the page's) of a POST of a file."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    origin = f"http://127.0.0.1:{port}" if origin == "own" else origin
+    target = "/record?" + urlencode({"page": page, "name": "r.csv"} | query)
+    connection.request("POST", target, contents, {"Origin": origin} if origin else {})
+    response = connection.getresponse()
+    body, kind = response.read(), response.headers["Content-Type"]
+    connection.close()
+    return response.status, read(body) if kind == "application/octet-stream" else body
+
+
+def read_at_once(monkeypatch):
+    """A file that has come is read in no time."""
+    monkeypatch.setattr(upload, "answer_record", lambda *_: wire.answer(None, "record"))
+
+
+class TestServer:
+    def test_a_record_is_read_and_not_stored(self, port, tmp_path, monkeypatch):
+        monkeypatch.setenv("TMPDIR", str(tmp_path))
+        with page(port) as socket:
+            choices = json.dumps({"time": ["100 s", None]})
+            status, (header, arrays) = sent(port, socket.greeting["page"], choices=choices)
+        assert (status, header["problem"], header["name"]) == (200, "", "r.csv")
+        assert arrays["time"][0] == 100.0
+        assert list(tmp_path.iterdir()) == []
+
+    @pytest.mark.parametrize("origin", [None, "http://evil.example", "null"])
+    def test_other_pages_send_nothing(self, port, origin):
+        with page(port) as socket:
+            found = sent(port, socket.greeting["page"], origin=origin)
+        assert found == (403, b"not this host's page")
+
+    def test_who_is_not_connected_sends_nothing(self, port):
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            status, (header, _) = sent(port, own[:-1])
+            assert (status, header["problem"][:26]) == (403, "this page is not connected")
+            status, (header, _) = sent(port, own, choices="nonsense")
+            assert (status, header["problem"][:12]) == (400, "Invalid JSON")
+            assert len(own) >= 20
+            assert socket.greeting["largest_file"] == 50_000_000
+            assert "larger than the 50 MB" in socket.greeting["too_large"]
+
+    @pytest.mark.parametrize("counted", [True, False])
+    def test_a_file_may_be_so_large(self, port, monkeypatch, counted):
+        monkeypatch.setattr(upload, "LARGEST", len(GOOD))
+        read_at_once(monkeypatch)
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            for contents, expected in ((GOOD, 200), (GOOD + b"\n", 413)):
+                body = contents if counted else iter([contents[:1000], contents[1000:]])
+                status, (header, _) = sent(port, own, body)
+                assert status == expected
+            assert "larger than the 0.3" in header["problem"]
+
+    def test_a_file_must_come_in_time(self, port, monkeypatch):
+        monkeypatch.setattr(upload, "SECONDS", 0.3)
+
+        def slow():
+            yield GOOD[:1000]
+            time.sleep(0.6)
+
+        with page(port) as socket:
+            status, (header, _) = sent(port, socket.greeting["page"], slow())
+        assert (status, header["problem"][:34]) == (408, "the file did not arrive within 0.3")
+
+    def test_the_newest_file_of_a_page_is_read(self, port, monkeypatch):
+        begun, stopped = threading.Event(), []
+
+        def answer(name, contents, choices, stop):
+            begun.set()
+            stopped.append(stop.wait(20.0 if name == "first" else 0.0))
+            return wire.answer(None, "record", name=name)
+
+        monkeypatch.setattr(upload, "answer_record", answer)
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            first = threading.Thread(target=sent, args=(port, own), kwargs={"name": "first"})
+            first.start()
+            assert begun.wait(20.0)
+            assert sent(port, own, name="second")[1][0]["name"] == "second"
+            first.join(20.0)
+        assert stopped == [True, False]
+
+    def test_an_earlier_file_is_not_waited_for(self, port, monkeypatch):
+        read_at_once(monkeypatch)
+        arriving, sent_since = threading.Event(), threading.Event()
+        answers = []
+
+        def slow():
+            yield GOOD[:1000]
+            arriving.set()
+            sent_since.wait(20.0)
+            yield GOOD[1000:2000]
+            time.sleep(0.2)
+            yield GOOD[2000:]
+
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            first = threading.Thread(target=lambda: answers.append(sent(port, own, slow())))
+            first.start()
+            assert arriving.wait(20.0)
+            assert sent(port, own)[0] == 200
+            sent_since.set()
+            first.join(20.0)
+        status, (header, _) = answers[0]
+        assert (status, header["problem"]) == (
+            409,
+            "another file was sent after this one, or its page has gone",
+        )
+
+    def test_a_file_too_large_stops_no_other(self, port, monkeypatch):
+        begun, stops = threading.Event(), []
+
+        def answer(name, contents, choices, stop):
+            begun.set()
+            stops.append(stop.wait(1.0))
+            return wire.answer(None, "record", name=name)
+
+        monkeypatch.setattr(upload, "answer_record", answer)
+        monkeypatch.setattr(upload, "LARGEST", len(GOOD))
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            first = threading.Thread(target=sent, args=(port, own), kwargs={"name": "first"})
+            first.start()
+            assert begun.wait(20.0)
+            assert sent(port, own, GOOD + b"1")[0] == 413
+            first.join(20.0)
+        assert stops == [False]
+
+    @pytest.mark.parametrize("leaves", ["page", "request"])
+    def test_nothing_is_read_for_who_has_gone(self, port, monkeypatch, leaves):
+        begun, ended = threading.Event(), threading.Event()
+
+        def answer(name, contents, choices, stop):
+            begun.set()
+            if stop.wait(20.0):
+                ended.set()
+            return b""
+
+        monkeypatch.setattr(upload, "answer_record", answer)
+        with page(port) as socket:
+            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+            target = f"/record?page={socket.greeting['page']}"
+            connection.request("POST", target, GOOD, {"Origin": f"http://127.0.0.1:{port}"})
+            assert begun.wait(20.0)
+            if leaves == "request":
+                connection.close()
+                assert ended.wait(10.0)
+        assert ended.wait(10.0)
+        connection.close()
