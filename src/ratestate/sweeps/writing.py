@@ -121,8 +121,8 @@ def _add_result(memory, request, chunks):
         attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in spec.attrs.items()}
         group.create_array(
             name,
-            shape=[{**sizes, **spec.own}[dim] for dim in spec.dims],
-            chunks=[{**shape, **spec.own}[dim] for dim in spec.dims],
+            shape=tuple({**sizes, **spec.own}[dim] for dim in spec.dims),
+            chunks=tuple({**shape, **spec.own}[dim] for dim in spec.dims),
             dtype=str if spec.dtype == object else spec.dtype,
             fill_value=FILL_VALUES.get(spec.dtype.kind, spec.missing),
             dimension_names=spec.dims,
