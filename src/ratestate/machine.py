@@ -4,7 +4,7 @@ A process in a container or in a scheduler's job sees all cores and all memory o
 its control group (cgroup) limits it.  Version 1 of cgroups has a tree of folders for each resource;
 version 2 has one tree.
 
-A child process computes one item after the other, for records, files and sweeps.  It is a new
+A child process computes one item after the other, for records and files.  It is a new
 interpreter that imports only the function's module (0.3 s).  It is not a fork, because other
 threads may run.  It does not import ``__main__``, so scripts need no guard.  It reads pickled items
 from its stdin, and returns a pickled result or exception for each.

@@ -150,11 +150,12 @@ def read_zarr(path):
     import xarray
     import zarr
 
-    from ..sweeps.store import as_lines, load_result, python_text, refuse_zarr_2
+    from ..sweeps.store import as_lines, open_result, python_text, reading, refuse_zarr_2
 
     refuse_zarr_2(path)
     if (path / "sweep").is_dir():  # such a store knows itself what must be in it
-        return python_text(load_result(path))
+        with reading(path):
+            return python_text(open_result(path).load())
     # a damaged list of the groups may lack this one, and it may be lost itself: either is enough
     how: Any = {"mode": "r", "zarr_format": 3}
     if (path / CHECKSUMS).exists() or CHECKSUMS in zarr.open_group(path, **how):

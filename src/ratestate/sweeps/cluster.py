@@ -76,7 +76,9 @@ class Cluster:
                     return
                 ended = [future for future, answer in under_way.items() if answer.done()]
                 for future in ended:
-                    yield _result_of(under_way.pop(future))
+                    result = _result_of(under_way[future])  # one that raises is cancelled below
+                    del under_way[future]
+                    yield result
                 if not ended:
                     time.sleep(TICK)
                 refresh()

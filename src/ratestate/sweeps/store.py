@@ -115,10 +115,7 @@ class Store:
         return np.array([(self.path / mark).exists() for mark in marks])
 
     def flaws(self, contents=True):
-        """Return a list of `Flaw`: files that the store must have and that are not intact.
-
-        contents : read all files; if False, find missing files only
-        """
+        """Return a list of `Flaw`: missing files and, if contents are read, damaged ones."""
         flaws = []
         for name, block, chunk in self._blocks():
             key = key_of(name, block)
@@ -229,12 +226,6 @@ def open_result(path):
         if data["message"].size > MOST_MESSAGES:
             return data
         return data.assign(message=data["message"].astype(object))  # see `python_text`
-
-
-def load_result(path):
-    """Return the result in a store, in memory; StoreError if a file is damaged or missing."""
-    with reading(path):
-        return open_result(path).load()
 
 
 def python_text(data):

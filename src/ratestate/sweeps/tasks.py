@@ -67,10 +67,10 @@ class Threads:
         """Call a function where the work is to be done, and return its result."""
         return function(*arguments)
 
-    def outcomes(self, tasks, call, numbers, report, _=None):
+    def outcomes(self, tasks, call, numbers, report, expected=None):
         """Solve the chunks with these numbers; yield each `Outcome` when it is ready, in any order.
 
-        Closing the generator stops those under way.
+        Closing the generator stops those under way.  All threads have the expected origin.
         """
         workers = max(1, min(cores(), len(numbers))) if tasks.device == "cpu" else 1
         threads = -(-cores() // workers)

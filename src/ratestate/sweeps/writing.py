@@ -116,36 +116,29 @@ def _add_result(memory, request, chunks):
     # (without empty chunks a missing file could not be told from one of zeros)
     how = {"mode": "a", "consolidated": False, "zarr_format": 3, "write_empty_chunks": True}
     result.to_zarr(memory, encoding=encoding, **how)
+    sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
     for name, spec in form.swept.items():
-        _add_variable(group, name, spec, chunks)
+        attrs = {k: v.tolist() if hasattr(v, "tolist") else v for k, v in spec.attrs.items()}
+        group.create_array(
+            name,
+            shape=tuple({**sizes, **spec.own}[dim] for dim in spec.dims),
+            chunks=tuple({**shape, **spec.own}[dim] for dim in spec.dims),
+            dtype=str if spec.dtype == object else spec.dtype,
+            fill_value=FILL_VALUES.get(spec.dtype.kind, spec.missing),
+            dimension_names=spec.dims,
+            attributes=attrs,
+            compressors=[CODEC],
+        )
     attributes = call.dataset({}).attrs | device_attrs(request.device)
     coordinates = {*result.coords, *({"t"} & form.specs.keys())} - {*result.dims}
     group.attrs.update(attributes | {"coordinates": " ".join(sorted(coordinates))})
-
-
-def _add_variable(group, name, spec, chunks):
-    """Add the array of a variable, with a file for each chunk."""
-    sizes, shape = chunks.sizes, dict(zip(chunks.sizes, chunks.shape, strict=True))
-    group.create_array(
-        name,
-        shape=[{**sizes, **spec.own}[dim] for dim in spec.dims],
-        chunks=[{**shape, **spec.own}[dim] for dim in spec.dims],
-        dtype=str if spec.dtype == object else spec.dtype,
-        fill_value=FILL_VALUES.get(spec.dtype.kind, spec.missing),
-        dimension_names=spec.dims,
-        attributes={k: v.tolist() if hasattr(v, "tolist") else v for k, v in spec.attrs.items()},
-        compressors=[CODEC],
-    )
 
 
 # Chunks are written -------------------------------------------------------------------------------
 
 
 def write(store, i, variables):
-    """Write the variables of chunk i into a `Store`, ``status`` last.
-
-    If that fails (StoreError) the store lacks this chunk, and nothing else.
-    """
+    """Write the variables of chunk i into a `Store`, ``status`` last; StoreError if that fails."""
     path = store.path
     try:
         present = Store.open(path)
