@@ -98,7 +98,7 @@ def test_too_large_a_request_is_refused_with_its_size(monkeypatch):
     with pytest.raises(rs.ParameterError, match=told) as error:
         rs.simulate(slider, loading, 1.0, times=times)
     assert re.search("Save fewer times, or .* store", str(error.value))
-    with pytest.raises(rs.ParameterError, match=r"100,000 cases take 56\d GB.*give a store"):
+    with pytest.raises(rs.ParameterError, match=r"100,000 cases take 56\d GB.*Give a store"):
         rs.sweep(rs.simulate, slider, loading=loading, t_end=1.0, times=times, progress=False)
 
 

@@ -205,7 +205,7 @@ def test_altered_attributes_of_a_fit(results):
     readers = {
         parameters_of: ("slider",),
         fitting.slider_of: ("title", "slider"),
-        fitting.summary: ("source", "found", "notes", "comparison"),
+        rs.summary: ("source", "found", "notes", "comparison"),
     }
     for reader, names in readers.items():
         reader(results["fit"])

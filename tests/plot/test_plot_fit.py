@@ -175,7 +175,7 @@ def test_into_axes_that_are_given(both):
 
 
 def test_what_is_no_fit_is_refused(both):
-    with pytest.raises(ParameterError, match="the Dataset that fit gives"):
+    with pytest.raises(ParameterError, match="the Dataset that fit returns"):
         plot.fit(both.drop_attrs())
     with pytest.raises(ParameterError, match="x = 'slip' is unknown"):
         plot.fit(both, x="slip")

@@ -462,7 +462,7 @@ def test_a_page_shows_one_branch():
         plot.page(two)
     plot.page(two.isel(K=1))
     for few in (0, 1):
-        with pytest.raises(ParameterError, match=f"from 2 points on, and has {few}"):
+        with pytest.raises(ParameterError, match=f"has {few} points, too few"):
             plot.page(two.isel(K=1, point=slice(few)))
 
 

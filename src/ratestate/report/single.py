@@ -122,7 +122,7 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
         remark = f"{hopf}, if K were {change} to K_c at this speed"
         rows.append(row("omega_c", result.omega_c, remark))
     blocks = table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows, units)
-    return blocks if bool(result.stable) else [*blocks, Text(), *_remedies(result, units)]
+    return [*blocks, Text(), *_remedies(result, units)] if holds == "unstable" else blocks
 
 
 def _remedies(result: xarray.Dataset, units: Units) -> list[Any]:

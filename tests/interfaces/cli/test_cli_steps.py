@@ -116,8 +116,9 @@ def test_warnings_of_every_law_are_in_the_report_once(folder, result):
                 assert text.count(one) == warnings_with(result, one)
     count = sum(len(one.splitlines()) for one in result.warnings.sel(law="aging").values.tolist())
     assert count > 1
-    assert f"aging law: {count} warnings, in report.md and steps.csv, which --out" in done.stdout
-    assert "variable" not in done.stdout
+    assert (
+        f"aging law: {count} warnings, in the variable warnings of the result, and" in done.stdout
+    )
 
 
 def warnings_with(result, text):

@@ -15,6 +15,9 @@ from .exits import SOME_FAILED
 from .output import folder, names_of, print_line, reporting_files, write_text
 from .reading import FileReading, Reading, noise_of
 
+if TYPE_CHECKING:
+    import xarray
+
 Trend = Literal["slip", "time", "none"]
 
 
@@ -37,7 +40,7 @@ def events(
     given = {"K": K, "M": M, "sigma": sigma}
     given = {name: value for name, value in given.items() if value is not None}
 
-    def evaluate(record: xarray.Dataset) -> xarray.Dataset:
+    def evaluate(record: "xarray.Dataset") -> "xarray.Dataset":
         # what the format says of the machine holds where nothing else is given
         return find_events(record, **json_texts.loads(record.attrs.get("machine", "{}")) | given)
 
@@ -66,7 +69,7 @@ def healing(
     settings = {"trend": None if trend == "none" else trend, "noise": noise_of(noise)}
     fitted = read(slider) if slider else None
 
-    def evaluate(record: xarray.Dataset) -> xarray.Dataset:
+    def evaluate(record: "xarray.Dataset") -> "xarray.Dataset":
         return find_healing(record, fitted, **settings)
 
     result = _evaluate("healing", evaluate, "hold", files, reading, out, json)
@@ -88,7 +91,7 @@ def stiffness(
     """
     from ...records.machine.machine_stiffness import machine_stiffness
 
-    def evaluate(record: xarray.Dataset) -> xarray.Dataset:
+    def evaluate(record: "xarray.Dataset") -> "xarray.Dataset":
         return machine_stiffness(record, sigma)
 
     _evaluate("stiffness", evaluate, "slope", files, reading, out, json)
@@ -113,13 +116,13 @@ def describe(
 
 def _evaluate(
     name: str,
-    evaluate: Callable[[xarray.Dataset], xarray.Dataset],
+    evaluate: "Callable[[xarray.Dataset], xarray.Dataset]",
     dim: str,
     files: list[Path],
     reading: Reading,
     out: Path | None,
     json: bool,
-) -> xarray.Dataset:
+) -> "xarray.Dataset":
     """Read a record, evaluate it, write the files into the folder, if any, and print the result."""
     from ...report import summary
     from .document import document
@@ -138,7 +141,7 @@ def _evaluate(
 @contextlib.contextmanager
 def _reported(
     what: str, files: list[Path], reading: Reading, out: Path | None
-) -> Iterator[tuple[xarray.Dataset, list[Path]]]:
+) -> "Iterator[tuple[xarray.Dataset, list[Path]]]":
     """The record in these files, and a list that takes the files made; both reported on stderr."""
     from ...records.reading import read_lab
 
@@ -150,7 +153,7 @@ def _reported(
         yield record, made
 
 
-def _write_all(result: xarray.Dataset, out: Path | None, name: str, dim: str) -> list[Path]:
+def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) -> list[Path]:
     """Write a result as NAME.nc and NAME.png, and its tables; the paths.
 
     NAME.csv has a row for each value along a dimension, NAME_summary.csv one for each quantity of
@@ -171,7 +174,7 @@ def _write_all(result: xarray.Dataset, out: Path | None, name: str, dim: str) ->
     ]
 
 
-def _by_law(result: xarray.Dataset, dim: str) -> xarray.Dataset:
+def _by_law(result: "xarray.Dataset", dim: str) -> "xarray.Dataset":
     """A result with a variable along the dimension alone for each law, where it has several."""
     table = result.copy()
     for name, variable in result.data_vars.items():
