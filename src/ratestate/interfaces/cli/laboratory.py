@@ -5,10 +5,9 @@ import json as json_texts
 import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import typer
-import xarray
 
 from ...errors import RecordWarning
 from .exits import SOME_FAILED
