@@ -1,16 +1,16 @@
 """Sweeps of any size: divided into chunks, spread over cores or a cluster, kept in a store.
 
-==================== =============================================================================
-``sweep``            the function `sweep`
-``calls``, ``chunks``what can be swept; how it is divided
-``solve``, ``tasks`` all cases of a part; chunks on threads, on workers or in a child process
+====================== ===========================================================================
+``sweep``              the function `sweep`
+``calls``, ``chunks``  functions that can be swept; how a sweep is divided
+``solve``, ``tasks``   all cases of a chunk; chunks on threads or on a worker
 ``cluster``, ``slurm`` chunks on a Dask cluster; a Dask cluster made of SLURM jobs
-``inputs``           what a sweep is begun with, compared before a store is resumed
+``inputs``             arguments and origin of a sweep, compared before a store is resumed
 ``store``, ``writing`` a store: its states and how it is read; how it is made and written
-``status``           how much of a sweep a store holds
-``progress``         the progress bar
-``messages.toml``    messages, filled in by `sentence`
-==================== =============================================================================
+``status``             how much of a sweep a store holds
+``progress``           the progress bar
+``messages.toml``      messages, filled in by `sentence`
+====================== ===========================================================================
 """
 
 from pathlib import Path

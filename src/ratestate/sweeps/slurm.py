@@ -112,7 +112,6 @@ def _options(text):
 
 
 def _refusal(why, **values):
-    """Return the error about options of jobs, with this sentence."""
     return ParameterError(sentence(f"slurm.{why}", **values))
 
 

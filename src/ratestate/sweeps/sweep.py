@@ -144,7 +144,7 @@ class Request:
     """What a sweep is to compute, and where; checked by `sweep`."""
 
     name: str  # of the function
-    call: Any  # its checked call
+    call: Any
     chunk: int | None  # cases of a chunk; None: chosen by `cases_per_chunk`
     device: str
     backend: Any  # `Threads` or `Cluster`

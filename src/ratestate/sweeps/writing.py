@@ -86,7 +86,6 @@ def create(path, request, chunks):
 
 
 def _clear(folder):
-    """Remove the folders in a folder."""
     for one in folder.iterdir():
         if one.is_dir():
             shutil.rmtree(one)
