@@ -103,11 +103,12 @@ class Store:
     @functools.cached_property
     def dims(self):
         """Name -> dimensions, for the variables that chunks write."""
-        # the time of a run is a coordinate, but also a result
-        coordinates = {*self.record["sizes"], *self.group.attrs["coordinates"].split()} - {"t"}
-        dims = {name: array.metadata.dimension_names for name, array in self.arrays.items()}
-        swept = {name for name, own in dims.items() if self.record["sizes"].keys() & {*(own or ())}}
-        return {name: dims[name] for name in swept - coordinates}
+        # (other variables have values of the scenario)
+        dims = {
+            name: self.arrays[name].metadata.dimension_names for name in self.record["variables"]
+        }
+        sizes = self.record["sizes"].keys()
+        return {name: own for name, own in dims.items() if sizes & {*(own or ())}}
 
     def done(self):
         """Return which chunks are done: (chunks,) bool."""
