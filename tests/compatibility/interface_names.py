@@ -31,8 +31,8 @@ RESULTS = {
         rs.SpringSlider(a=0.01, b=0.01, Dc=1e-5, sigma=2e7, K=6e10),
     ),
     "read_lab": lambda: rs.read_lab(ROOT / "src/ratestate/interfaces/templates/record.txt"),
-    "classify": lambda: named("regimes.classify")(rs.limit_cycle(SLIDER, 1e-2)),
-    "orbit": lambda: named("orbit.orbit")(SLIDER, 1e-2),
+    "classify": lambda: named("classify")(rs.limit_cycle(SLIDER, 1e-2)),
+    "orbit": lambda: named("orbit")(SLIDER, 1e-2),
 }
 TABLES = ("slider", "loading", "run", "sweep", "output")
 
@@ -75,7 +75,7 @@ def is_key(table, key):
         named("scenario.loads")(f"[{table}]\n{key} = 1\n")
     except ParameterError as error:
         lines = [line for line in str(error).splitlines() if f"[{table}] {key}:" in line]
-        refusals = ("unknown key", "wrong table", "is no parameter")
+        refusals = ("unknown key", "wrong table", "is not a parameter")
         return not any(words in line for line in lines for words in refusals)
     return True
 

@@ -490,5 +490,5 @@ def test_alpha_is_fitted_from_a_record_of_steps():
         assert result.warnings.item() == ""
     constant = record.assign(sigma=("time", np.full(1501, 5e6)))
     late = rs.Loading.steps(3e-6, (75.0, 1e-5))
-    with pytest.raises(rs.ParameterError, match="alpha is free, and normal stress is constant"):
+    with pytest.raises(rs.ParameterError, match="alpha is free, but normal stress is constant"):
         rs.fit(constant.drop_vars("delta_lp"), guess, free=free, loading=late)

@@ -64,13 +64,13 @@ class TestEntries:
     @pytest.mark.parametrize(
         ("field", "text", "said"),
         [
-            ("K", "900 MPa", "K = '900 MPa' is a stress [Pa]; expected a stiffness [Pa/m] such as"),
+            ("K", "900 MPa", "K = '900 MPa' is a stress. Give a stiffness such as"),
             ("a", "-1", "a = '-1' must be > 0"),
             ("Dc", "ten", "is not a number with a unit"),
-            ("M", "", "M = '' is not a number with a unit; expected a mass per area"),
+            ("M", "", "M = '' is not a number with a unit. Give a mass per area"),
             ("M", "1" * 65, "M has no text of at most 64 characters"),
             ("sigma", 3, "sigma has no text"),
-            ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0; expected a speed"),
+            ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0. Give a speed"),
             ("law", "dry", "law = 'dry' is unknown; choose slip or aging or flash-heating"),
             ("K", "1 m**9**9**9**9/Pa", "unknown unit"),
         ],
@@ -206,7 +206,7 @@ class TestLaws:
         with pytest.raises(entries.BadEntries) as caught:
             entries.state_of(VIBRATION | {"law": "nagata", "c": "2.0", "b": "0"})
         assert caught.value.problems == {
-            "law": "law = 'nagata': b = 0 where c > 0; give another b, or c = 0"
+            "law": "law = 'nagata' has b = 0 and c > 0. Give another b, or c = 0."
         }
 
 

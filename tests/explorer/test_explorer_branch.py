@@ -106,7 +106,11 @@ class TestBranch:
     @pytest.mark.parametrize(
         ("slider", "along", "note"),
         [
-            (FIG2.replace(M=0.0), "K", "M = 0.0 kg/m^2: a branch is of sliders with mass"),
+            (
+                FIG2.replace(M=0.0),
+                "K",
+                "M = 0.0 kg/m^2 cannot be used: a branch is",
+            ),
             (FIG2.replace(K=np.inf), "V_lp", "Steady sliding is stable all along"),
             (FIG2.replace(K=np.inf), "M", "Steady sliding is stable all along"),
             (FIG2.replace(b=0.002), "K", "Steady sliding is stable all along"),

@@ -43,11 +43,11 @@ class TestEntries:
     @pytest.mark.parametrize(
         ("text", "said"),
         [
-            ("-3 m/s for 1 s", "V of segment 1 = '-3 m/s' must be >= 0; expected a speed"),
-            ("1 m/s for 1 s; 3 MPa for 1 s", "V of segment 2 = '3 MPa' is a stress [Pa]; expected"),
-            ("1 m/s for 0 s", "duration of segment 1 = '0 s' must be > 0; expected a time [s]"),
-            ("1 m/s at 0 Pa for 1 s", "sigma of segment 1 = '0 Pa' must be > 0; expected a stress"),
-            ("1 m/s at for 1 s", "sigma of segment 1 = '' is not a number with a unit; expected"),
+            ("-3 m/s for 1 s", "V of segment 1 = '-3 m/s' must be >= 0. Give a speed"),
+            ("1 m/s for 1 s; 3 MPa for 1 s", "V of segment 2 = '3 MPa' is a stress. Give"),
+            ("1 m/s for 0 s", "duration of segment 1 = '0 s' must be > 0. Give a time"),
+            ("1 m/s at 0 Pa for 1 s", "sigma of segment 1 = '0 Pa' must be > 0. Give a stress"),
+            ("1 m/s at for 1 s", "sigma of segment 1 = '' is not a number with a unit. Give"),
             ("1 m/s; 1 m/s for 2 s", "segment 1 = '1 m/s' is not a segment; expected 'V for T' or"),
             ("1 m/s for 2 s;", "segment 2 = '' is not a segment; expected 'V for T' or 'V at"),
             ("1e21 for 1 s", "V of segment 1 = '1e21 m/s' is beyond any size"),
@@ -87,7 +87,7 @@ class TestEntries:
     def test_a_kick_is_a_factor(self, text):
         problems = problem(STEADY | {"kick": text})
         assert list(problems) == ["kick"]
-        assert "expected a number > 0 that is not 1, such as 10" in problems["kick"]
+        assert "Give a number > 0 that is not 1, such as 10" in problems["kick"]
 
     def test_they_are_read_as_they_are_written(self):
         segments = (Segment(0.0, None, 12.5), Segment(1e-6, 2.2e6, 1e3))

@@ -66,8 +66,8 @@ def stabilize(slider, V_lp, margin=1.1):
     >>> import ratestate as rs
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="1 GPa/m", M=3000)
     >>> found = stabilize(slider, "10 mm/s", margin=1.0)
-    >>> float(found.K_stable), round(float(found.M_stable), 9), float(found.V_c_with_K)
-    (3600000000.0, 400.0, 0.01)
+    >>> [round(float(found[name]), 6) for name in ("K_stable", "M_stable", "V_c_with_K")]
+    [3600000000.0, 400.0, 0.01]
     """
     slider = check_slider(slider)
     V_lp, margin = to_si("V_lp", V_lp), to_si("number", margin, label="margin", bound="> 0")

@@ -336,7 +336,7 @@ def test_a_fit_is_the_same_each_time(noisy, fitted):
     ("change", "message"),
     [
         ({"friction": 100.0}, "in per cent"),
-        ({"friction": -1.0}, "turn its sign"),
+        ({"friction": -1.0}, "Turn its sign"),
         ({"delta_lp": 1e6}, "if it is in um, divide it by 1e6"),
     ],
 )

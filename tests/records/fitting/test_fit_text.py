@@ -39,7 +39,7 @@ def test_the_summary_has_a_row_for_each_quantity(both):
     rows = [re.split(r"  +", line) for line in text.partition("Given")[0].splitlines() if line]
     by_label = {row[0]: row[1:] for row in rows}
     assert rows[0][0] == "Fit of 521 samples, slip and aging laws"
-    assert by_label[""] == ["slip law", "95 %", "aging law", "95 %"]
+    assert by_label[""] == ["slip law", "95 % interval", "aging law", "95 % interval"]
     for i, law in enumerate(("slip", "aging")):
         one = both.sel(law=law)
         error = 1e6 * float(one.standard_error.sel(parameter="Dc"))
@@ -166,7 +166,7 @@ def test_the_estimated_slider(both):
 
 
 def test_datasets_without_a_slider_or_summary_are_refused(both):
-    with pytest.raises(ParameterError, match="several laws; give law='slip' or law='aging'"):
+    with pytest.raises(ParameterError, match=r"several laws\. Give law='slip' or law='aging'"):
         fitting.slider_of(both)
     with pytest.raises(ParameterError, match="law = 'nope' is unknown"):
         fitting.slider_of(both, "nope")

@@ -270,7 +270,7 @@ def test_the_summary_has_the_numbers(one):
     [
         ({}, {"trend": "both"}, "trend = 'both' is unknown"),
         ({}, {"noise": -1.0}, "noise"),
-        ({}, {"slider": 3}, "healing wants the Dataset that fit gives"),
+        ({}, {"slider": 3}, "healing needs the Dataset that fit returns"),
         ({"friction": "tau"}, {}, "tau .* no normal stress"),
     ],
 )

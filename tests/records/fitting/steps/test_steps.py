@@ -342,9 +342,9 @@ def test_a_record_in_which_all_fits_fail_is_refused(data):
 @pytest.mark.parametrize(
     ("changed", "match"),
     [
-        ({"each": "hold"}, "each = 'hold' is unknown; choose one of None, 'step'"),
-        ({"loading": rs.Loading.steps(1e-6, (1.0, 1e-5))}, "leave it out, or fit one window"),
-        ({"against": "cycles"}, "leave out one of them"),
+        ({"each": "hold"}, r"each = 'hold' is unknown\. Choose one of None, 'step'"),
+        ({"loading": rs.Loading.steps(1e-6, (1.0, 1e-5))}, "Leave it out, or fit one window"),
+        ({"against": "cycles"}, "Leave out one of them"),
     ],
 )
 def test_settings_that_do_not_go_together(data, changed, match):
