@@ -88,14 +88,14 @@ def test_what_is_missing_can_be_chosen(without_child):
     assert (header["columns"][1], arrays, header["chosen"]) == (["channel A", ""], {}, {})
     columns = {"time": 1, "delta_lp": 2, "friction": 3}
     header, _ = answered(contents, columns=columns)
-    wrong = "the column 'clock' (time) has no unit; choose its unit, or another column, below"
+    wrong = "the column 'clock' (time) has no unit. Choose its unit, or another column, below."
     assert (header["problem"], header["chosen"]) == (wrong, columns)
     units = {"time": "s", "delta_lp": "um"}
     header, arrays = answered(contents, columns=columns, units=units, time=["100 s", None])
     assert header["problem"] == ""
     assert arrays["time"][0] == 100.0
     header, _ = answered(contents, columns=columns, units=units, time=["1000 s", None])
-    assert header["problem"].endswith("; give other times below")
+    assert header["problem"].endswith(". Give other times below.")
 
 
 @pytest.mark.parametrize(

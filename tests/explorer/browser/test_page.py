@@ -86,9 +86,7 @@ def test_a_wrong_entry_is_explained_and_the_picture_stays(show):
     before = shown.numbers
     shown.type("Dc", "10 MPa")
     message = shown.page.wait_for_selector("#problem-Dc:visible")
-    assert message.inner_text() == (
-        "Dc = '10 MPa' is a stress [Pa]; expected a length [m] such as '10 um'"
-    )
+    assert message.inner_text() == ("Dc = '10 MPa' is a stress. Give a length such as '10 um'.")
     assert shown.page.get_attribute("#entry-Dc", "aria-invalid") == "true"
     assert "problem-Dc" in shown.page.get_attribute("#entry-Dc", "aria-describedby")
     assert shown.numbers == before

@@ -134,7 +134,7 @@ def test_columns_are_chosen(show, data):
     shown = show()
     page = shown.page
     drop(shown, "r.csv", table(("clock", "channel A", "channel B"), columns))
-    assert shown.text("#record-said") == "no column is known as time; choose the column below"
+    assert shown.text("#record-said").endswith(". Choose the column below.")
     assert page.is_visible("#record-form")
     assert page.is_disabled("#record-conditions")
     for symbol, title in (("time", "clock"), ("delta_lp", "channel A"), ("friction", "channel B")):
@@ -142,7 +142,7 @@ def test_columns_are_chosen(show, data):
     page.click("#record-form button")
     page.wait_for_function(
         """() => document.querySelector('#record-said').textContent
-            .endsWith('has no unit; choose its unit, or another column, below')"""
+            .endsWith('has no unit. Choose its unit, or another column, below.')"""
     )
     page.fill("#record-unit-time", "s")
     page.fill("#record-unit-delta_lp", "mm")

@@ -343,9 +343,7 @@ def test_a_posterior_needs_dynesty(good, monkeypatch):
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(rs.ParameterError, match=r"Install 'ratestate\[posterior\]'"):
         rs.fit(good, SLIDER, ("a",), errors="posterior")
-    with pytest.raises(
-        rs.ParameterError, match="errors = 'bayes' is unknown; choose one of 'auto'"
-    ):
+    with pytest.raises(rs.ParameterError, match="errors = 'bayes' is unknown"):
         rs.fit(good, SLIDER, errors="bayes")
 
 
@@ -636,9 +634,7 @@ def test_text_on_an_unconstrained_combination(worst, text):
 
 
 def test_settings_of_samples_are_refused_for_cycles(good):
-    with pytest.raises(
-        rs.ParameterError, match="errors, noise cannot be chosen"
-    ):
+    with pytest.raises(rs.ParameterError, match="errors, noise cannot be chosen"):
         rs.fit(good, SLIDER, against="cycles", errors="profile", noise=1e-4)
     with pytest.raises(rs.ParameterError, match="does not name different laws"):
         rs.fit(good, SLIDER, law=("slip", "slip"))
