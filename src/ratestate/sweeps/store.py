@@ -103,10 +103,11 @@ class Store:
     @functools.cached_property
     def dims(self):
         """Name -> dimensions, for the variables that chunks write."""
-        # (other variables have values of the scenario)
-        dims = {
-            name: self.arrays[name].metadata.dimension_names for name in self.record["variables"]
-        }
+        # the time of a run is a coordinate, but also a result
+        coordinates = {*self.record["sizes"], *self.group.attrs["coordinates"].split()} - {"t"}
+        # other variables have values of the scenario; stores of earlier versions have none
+        names = self.record.get("variables", self.arrays).keys() - coordinates
+        dims = {name: self.arrays[name].metadata.dimension_names for name in names}
         sizes = self.record["sizes"].keys()
         return {name: own for name, own in dims.items() if sizes & {*(own or ())}}
 
