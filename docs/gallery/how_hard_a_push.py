@@ -13,14 +13,13 @@ import xarray
 
 import ratestate as rs
 from ratestate import plot
-from ratestate.dynamics import basin
 
 slider = rs.SpringSlider(
     a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", M=3000, K="606 MPa/m", law="aging"
 )
 shares = np.linspace(0.745, 0.99, 8)
 V_lp = xarray.DataArray(shares * slider.V_c, dims="V_lp")
-edge = basin.escape(slider, V_lp)
+edge = rs.escape(slider, V_lp)
 
 fig, axes = plt.subplots(1, 2)
 axes[0].plot(shares, edge.step_up, "ko-", ms=3.5)

@@ -11,14 +11,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import ratestate as rs
-from ratestate.dynamics.cycles.limit_cycle import orbit
 
 slider = rs.SpringSlider(
     a=0.005, b=0.008, Dc="10 um", mu0=0.6, V0=1e-9, sigma="4 MPa", M=100, K="960 MPa/m"
 )
 fig, ax = plt.subplots(figsize=(7.2, 4.2))
 for V, color in zip(np.geomspace(1e-5, 1, 6), plt.cm.viridis(np.linspace(0, 0.9, 6)), strict=True):
-    cycle = orbit(slider, V)
+    cycle = rs.orbit(slider, V)
     ax.semilogy(cycle.tau / slider.sigma, cycle.V / V, color=color, lw=1.2, label=f"{V:g} m/s")
 ax.set(xlabel=r"$\tau/\sigma$", ylabel="$V/V_{lp}$")
 ax.legend(title="$V_{lp}$")
