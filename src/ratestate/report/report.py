@@ -17,7 +17,7 @@ WIDTH = 110
 class Report:
     """Tables and sentences on a result.
 
-    `print` writes it as plain text, a notebook shows it, and rich prints it in the width and with
+    ``print`` writes it as plain text, a notebook shows it, and rich prints it in the width and with
     the colours of a terminal.
 
     Parameters
