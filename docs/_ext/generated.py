@@ -132,15 +132,15 @@ def keys(table):
 def _key(table, key):
     """A row: what the key stands for, and what is expected."""
     from ratestate.interfaces.scenario.known_keys import ENDINGS, choices
-    from ratestate.model.quantities import KINDS, QUANTITIES
+    from ratestate.model.quantities import KINDS, QUANTITIES, example
 
     said = WORDS.get(f"{key} {table}", WORDS.get(key))
     wanted = FORMS.get(f"{key} {table}", FORMS.get(key, ""))
     if said is None:
         quantity = QUANTITIES[key]
-        kind, example = KINDS[quantity.unit]
+        kind, _ = KINDS[quantity.unit]
         unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
-        said, wanted = quantity.long_name, f"{kind}{unit} such as {quantity.example or example}"
+        said, wanted = quantity.long_name, f"{kind}{unit} such as {example(key)}"
     elif words := choices(key):
         wanted = " or ".join(f'`"{word}"`' for word in words)
     elif table == "output":

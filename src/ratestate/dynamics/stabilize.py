@@ -96,11 +96,12 @@ def _remedies(law, damped, *, V, K, M, **values):
     own = {symbol: values[symbol] for symbol in (*law.symbols, "sigma")}
     K_stable = np.maximum(K_c(law, V, M=M, **own), 0.0)
     unit = values["a"] * values["sigma"]
+    unit_mass = unit * values["Dc"] / V**2  # at which eta is 1
 
     def stable_with_mass(M):
         return is_stable(law, V, K=K, M=M, **own)
 
-    M_stable = unit * values["Dc"] / V**2 * _edge(stable_with_mass, unit * values["Dc"] / V**2)
+    M_stable = unit_mass * _edge(stable_with_mass, unit_mass)
     M_stable = np.where(stable_with_mass(np.zeros_like(M)), M_stable, np.nan)
     others = {symbol: x for symbol, x in values.items() if symbol != "damping"}
 

@@ -31,7 +31,7 @@ SHOWN = {
 }
 
 
-def events(catalogue: xarray.Dataset, _: Any = None) -> list[Any]:
+def events(catalogue: xarray.Dataset) -> list[Any]:
     """The events, the stiffness, and the lines of stress drop, in tables and sentences."""
     units = {name: _unit_of(name, catalogue[name].values) for name in SHOWN}
     heads = [f"{text} [{units[name][1]}]" for name, text in SHOWN.items()]
@@ -122,7 +122,7 @@ def _trends(catalogue: xarray.Dataset) -> list[Text]:
     return texts
 
 
-def healing(result: xarray.Dataset, _: Any = None) -> list[Any]:
+def healing(result: xarray.Dataset) -> list[Any]:
     """The holds with healing, relaxation and predictions [1e-3]; the rates; messages on holds."""
     result = checked_result(result, "healing", "delta_mu")
     source = attributes.text(result, "source", "")
@@ -151,7 +151,7 @@ def healing(result: xarray.Dataset, _: Any = None) -> list[Any]:
     return [Text(title, style="bold"), _numbered(columns), Text(), *map(Text, rates + messages)]
 
 
-def machine(result: xarray.Dataset, _: Any = None) -> list[Any]:
+def machine(result: xarray.Dataset) -> list[Any]:
     """K, M and the damping; tables of the slopes and ring-downs; remarks."""
     result = checked_result(result, "machine_stiffness", "slope_K")
     slopes: dict[str, list[str]] = {

@@ -29,7 +29,7 @@ from .steps import (
 from .tables import GAP, FirstThatFits, plain_table
 
 
-def fit(result: xarray.Dataset, _: Any = None) -> list[Any]:
+def fit(result: xarray.Dataset) -> list[Any]:
     """The estimates under each law, of one fit or of each step, remarks and warnings."""
     laws = checked_by_law(result, "summary")
     (first, *more), below, warnings = _sentences(result, laws)

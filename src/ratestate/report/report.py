@@ -1,7 +1,7 @@
 """`Report`, and `summary`, which makes it of any result."""
 
 import io
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import xarray
@@ -83,25 +83,23 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
             f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
         )
     name = text(result, "title").removeprefix("ratestate ")
-    tables = _tables_of(name, result)
-    if tables is None:
+    return Report(_blocks(name, result, units or {}))
+
+
+def _blocks(name: str, result: xarray.Dataset, units: Mapping[str, str]) -> list[Any]:
+    """Return the blocks of the report on a result of the function with this name."""
+    if name == "fit":
+        from .fit import fit
+
+        return fit(result)
+    from . import evaluations, single, sweep
+
+    if name in evaluations.TABLES:
+        return evaluations.TABLES[name](result)
+    if name not in single.TABLES:
         raise ParameterError(
             f"the title of the Dataset, {name!r}, is not that of a result",
             "Give a Dataset as ratestate returns it.",
         )
-    return Report(tables(result, units or {}))
-
-
-def _tables_of(name: str, result: xarray.Dataset) -> Callable[..., list[Any]] | None:
-    """The function that makes the blocks of a result of the function with this name."""
-    if name == "fit":
-        from .fit import fit
-
-        return fit
-    from . import evaluations, single, sweep
-
-    if name in evaluations.TABLES:
-        return evaluations.TABLES[name]
-    if name in single.TABLES and "message" in result:
-        return sweep.cases
-    return single.TABLES.get(name)
+    tables = sweep.cases if "message" in result else single.TABLES[name]
+    return tables(result, units)

@@ -132,10 +132,10 @@ def _remedies(result: xarray.Dataset, units: Units) -> list[Any]:
     found = stabilize(SpringSlider(**known), V, MARGIN)
     area = known.get("area")
     made = plain_table("", Column("value", justify="right", no_wrap=True), "", "")
-    for symbol, of_contact, sign, remark in (
-        ("K", "stiffness", ">=", ""),
-        ("M", "mass", "<=", ""),
-        ("damping", "dashpot", ">=", "damping ratio {:.3g}"),
+    for symbol, of_contact, sign in (
+        ("K", "stiffness", ">="),
+        ("M", "mass", "<="),
+        ("damping", "dashpot", ">="),
     ):
         x = float(found[f"{symbol}_stable"])
         V_c = float(found[f"V_c_with_{symbol}"])
@@ -144,11 +144,13 @@ def _remedies(result: xarray.Dataset, units: Units) -> list[Any]:
             continue
         name, value = (of_contact, x * float(area)) if area else (symbol, x)
         text = f"{sign} {shown(name, value, units, FEW_DIGITS)}"
-        ratio = remark.format(float(found.damping_ratio_stable))
         speed = f"V_c = {shown('V_c', V_c, units, FEW_DIGITS)}"
         if V_c in ANY_SPEED:
             speed = ANY_SPEED[V_c] if V_c else "but unstable at all lower speeds"
-        made.add_row(name, Text(text), speed, ratio if "nan" not in ratio else "")
+        ratio = float(found.damping_ratio_stable) if symbol == "damping" else math.nan
+        made.add_row(
+            name, Text(text), speed, "" if math.isnan(ratio) else f"damping ratio {ratio:.3g}"
+        )
     title = f"Each alone makes it stable at {MARGIN:g} V_lp = {readable('V_lp', MARGIN * V)}"
     return [Text(title, style="bold"), made]
 

@@ -18,7 +18,7 @@ from ...friction.law_formula import LOG
 from ...friction.laws import DEFAULT, LAWS, friction_law, own_parameters
 from ...model.names import nearest, one_of
 from ...model.parameters import WHOLE_CONTACT
-from ...model.quantities import KINDS, QUANTITIES
+from ...model.quantities import example as example_of
 from ...model.slider import SpringSlider
 from .model import FUNCTIONS
 from .problems import Place
@@ -155,11 +155,7 @@ def initial(law: FrictionLaw | None) -> InlineTable:
 
 def example(key: str, table: str = "") -> str:
     """An example of a line that sets a known key, of this table if its value differs there."""
-    value = LIKE.get(f"{key} {table}") or LIKE.get(key)
-    if value is None:
-        quantity = QUANTITIES[key]
-        value = quantity.example or KINDS[quantity.unit][1]
-    return f"{key} = {value}"
+    return f"{key} = {LIKE.get(f'{key} {table}') or LIKE.get(key) or example_of(key)}"
 
 
 def known_items(
