@@ -120,7 +120,7 @@ html_theme_options = {
     "navigation_with_keys": False,
     "show_prev_next": True,
     "navbar_align": "left",
-    "header_links_before_dropdown": 7,
+    "header_links_before_dropdown": 10,
     "article_header_end": ["notebook.html"],
     "footer_start": ["copyright"],
     "footer_end": [],
@@ -128,4 +128,4 @@ html_theme_options = {
     "back_to_top_button": False,
 }
 # pages without pages below them need no list of those
-html_sidebars = {page: [] for page in ("index", "start", "primer")}
+html_sidebars = {page: [] for page in ("index", "install", "start", "coming_from", "primer")}
