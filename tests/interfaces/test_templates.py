@@ -95,6 +95,13 @@ def test_fig2():
     assert result.frequency[2] == pytest.approx(50.5948, rel=1e-4)
 
 
+def test_static_kinetic():
+    _, result = done("static-kinetic")
+    friction = result.mu
+    assert float(friction[0]) == pytest.approx(0.35, abs=1e-9)
+    assert 0.444 < float(friction.max()) < 0.45
+
+
 def test_fig3():
     scenario, result = done("fig3")
     unstable = scenario.slider.K_c(scenario.settings["V_lp"]) > scenario.slider.K

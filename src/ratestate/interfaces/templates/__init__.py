@@ -15,11 +15,14 @@ from ...friction.laws import DEFAULT, LAWS
 TEMPLATES = (
     *("lab", "brake", "fault", "record"),
     *("slide-hold-slide", "stiff-rig", "sinusoid", "recorded-loading", "brake-map"),
+    "static-kinetic",
     *("fig2", "fig3", "fig4", "fig6", "million"),
 )
 
 #: template -> its friction law, where that is not the default one
-LAW = dict.fromkeys(("lab", "fault", "slide-hold-slide", "recorded-loading", "fig6"), "aging")
+LAW = dict.fromkeys(
+    ("lab", "fault", "slide-hold-slide", "recorded-loading", "fig6", "static-kinetic"), "aging"
+)
 
 # Laws with the parameters of every slider alone.
 _LAWS = [name for name, law in LAWS.items() if not law.parameters]
