@@ -136,7 +136,7 @@ def test_every_symbol_is_in_the_glossary():
     told = {symbol: text for texts in symbols.read().values() for symbol, text in texts.items()}
     assert told.keys() == QUANTITIES.keys()
     assert symbols.symbols().count("```{glossary}") == len(symbols.read())
-    assert "\nDc\n  *critical slip distance* $D_c$ [m]. The slip over which" in symbols.symbols()
+    assert "\nDc\n  *critical slip distance* $D_c$ [m]. Slip over which" in symbols.symbols()
     of_law = "\nDc2\n  *critical slip distance of the second state* [m]. A parameter of `two-state-"
     assert of_law in symbols.symbols()
     own = {symbol for law in LAWS.values() for symbol in (*law.parameters, *law.states)}

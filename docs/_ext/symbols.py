@@ -35,7 +35,7 @@ def _of_laws(told):
     owners = {}
     for name, law in LAWS.items():
         owned = dict.fromkeys(law.parameters, "A parameter") | dict.fromkeys(law.states, "A state")
-        owned |= {f"{state}_start": "Fitted as `theta_start` is: a state" for state in law.states}
+        owned |= {f"{state}_start": "Initial value, fitted if the record does not begin in steady sliding, of a state" for state in law.states}
         for symbol, kind in owned.items():
             owners.setdefault(symbol, (kind, []))[1].append(f"`{name}`")
     return {
@@ -50,4 +50,4 @@ def _entry(symbol_and_text):
     quantity = QUANTITIES[symbol]
     letter = f" ${LETTERS[symbol]}$" if symbol in LETTERS else ""
     unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
-    return f"{symbol}\n  *{quantity.long_name}*{letter}{unit}. {text}\n"
+    return f"{symbol}\n  *{quantity.long_name}*{letter}{unit}. {text}".rstrip() + "\n"
