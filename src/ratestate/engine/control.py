@@ -114,7 +114,7 @@ def next_case(run):
 def fill_lane(run, l, i, eta0, tolerance):
     """Load the part of case i that all kernels share into lane l; clear other rows."""
     s, shape, cases = run.s, run.shape, run.cases
-    for row in range(R.RING_COLUMN + R.LANES, shape.scratch, R.LANES):
+    for row in range(R.RING_COLUMN + R.LANES, shape.z_new, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
     s[R.KAPPA + l] = cases.kappa[i]
@@ -210,7 +210,7 @@ def whole_vectors(busy, width):
 
 def move(s, shape, l, to):
     """Move the slider of column l to an idle column."""
-    for row in range(R.RING_COLUMN + R.LANES, shape.scratch, R.LANES):
+    for row in range(R.RING_COLUMN + R.LANES, shape.z_new, R.LANES):
         s[row + to] = s[row + l]
     s[R.RING_COLUMN + l], s[R.RING_COLUMN + to] = s[R.RING_COLUMN + to], s[R.RING_COLUMN + l]
     s[R.CASE + l] = IDLE

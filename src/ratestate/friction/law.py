@@ -212,6 +212,17 @@ class FrictionLaw(LawFormula):
         return self.series is not None
 
     @cached_property
+    def has_recurrences(self):
+        """Return whether every expression in the equations has Taylor coefficients in time."""
+        from .taylor import NoSeries, expand
+
+        try:
+            expand(self.motion.in_time[0], [], 0, {})
+        except NoSeries:
+            return False
+        return True
+
+    @cached_property
     def series(self):
         """Return c2, c3, ... of h(z) = -z + c2 z^2 + c3 z^3 + ..., None for any other h.
 
