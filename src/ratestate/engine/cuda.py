@@ -56,10 +56,6 @@ OLDEST = "sm_60"
 #: `run.work`, of which each thread has its own
 THREAD_WORK = Array("%work", 1, np.dtype(np.float64))
 ENTRY = """
-declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
-declare i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
-declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
-
 define internal i32 @thread() {
   %block = call i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
   %size = call i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
@@ -166,10 +162,7 @@ def kernel_of(law, kind, context):
     text = kernel_text(march_lane, context.layout(), "ptr addrspace(1)", ", ptr %work")
     entry = ENTRY.replace("WORK_SIZE", str(WORK_SIZE))
     functions = re.sub(r"define (void|\{)", r"define internal \1", f"{units}\n{text}")
-    lines = f"{functions}\n{entry}".splitlines()
-    # LLVM refuses to declare a function twice.
-    first = dict.fromkeys(line for line in lines if line.startswith("declare"))
-    return "\n".join([*first, *(line for line in lines if line not in first)])
+    return f"{functions}\n{entry}"
 
 
 def ptx(text):

@@ -22,8 +22,6 @@ import math
 
 import numpy as np
 
-from .expressions import Graph
-from .functions import exp
 from .laws import friction_law
 from .rewriting import Derivative, function_of
 from .tuples import dot
@@ -147,17 +145,14 @@ def _multilinear_forms(law):
     The vectors are (x, v, psi).  The equations are dx/dT = kappa (1 - w), eta dv/dT = g/w with
     g = x - S, and d psi/dT.  In steady sliding v and g are 0.
     """
-    graph = Graph(merges=False)
-    kappa, *p = (graph.symbol(("p", k)) for k in range(1 + law.n_coefficients))
-    names = ("v", "g", *law.states)
-    v, g, *psi = (graph.symbol(name, is_constant=False) for name in names)
-    at = law.at_speed(v, psi, p)
-    equations = [-kappa * exp(v), g * exp(-v), *at.f]
-    inputs, functions = [v, g, kappa, *psi, *p], {}
+    motion, functions = law.motion_in_speed, {}
+    graph, v, g, kappa = motion.graph, motion.v, motion.symbols["g"], motion.symbols["kappa"]
+    equations = [-kappa * motion.w, g / motion.w, *motion.f]
+    inputs = [v, g, kappa, *motion.psi, *motion.p]
     for order in (1, 2, 3):
-        y = [graph.symbol((order, name)) for name in ("x", *names[:1], *names[2:])]
-        along = Derivative(graph, {v: y[1], **dict(zip(psi, y[2:], strict=True))})
-        along.derivatives[g] = y[0] - along(at.S)
-        equations, inputs = [along(x) for x in equations], [*inputs, *y]
+        x, *y = (graph.symbol((order, name)) for name in ("x", "v", *law.states))
+        along = Derivative(graph, dict(zip((v, *motion.psi), y, strict=True)))
+        along.derivatives[g] = x - along(motion.S)
+        equations, inputs = [along(x) for x in equations], [*inputs, x, *y]
         functions[order] = function_of(equations, inputs)
     return functions
