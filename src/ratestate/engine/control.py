@@ -42,7 +42,7 @@ class Kernel(NamedTuple):
     end: Callable  # (run, l): handle a break; if the case is over, store it and set CASE to IDLE
 
 
-class Run(NamedTuple):
+class KernelRun(NamedTuple):
     """The record of a kernel; there are `SETS` sets of lanes if `taylor`, else one."""
 
     kernel: Kernel
@@ -71,7 +71,7 @@ class Run(NamedTuple):
 def run_lanes(run, budget):
     """Step the lanes until all cases are done (True) or the budget is spent (False).
 
-    run : `Run`; budget : int, sweeps over the lanes
+    run : `KernelRun`; budget : int, sweeps over the lanes
     """
     s, shape, units, kernel, position = run.s, run.shape, run.units, run.kernel, run.position
     capacity = 2 * R.LANES if run.taylor > 0 else R.LANES

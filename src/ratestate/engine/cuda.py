@@ -32,7 +32,7 @@ from . import rows as R
 from .backend import check_stopped
 from .code import unit_text
 from .compiler import Array, kernel_text
-from .control import IDLE, Run, idle_lanes, next_case
+from .control import IDLE, KernelRun, idle_lanes, next_case
 from .machine_code import optimize, target
 from .programs import LEVEL, Context
 from .rows import WORK_SIZE, add, call_lanes
@@ -129,7 +129,7 @@ def _unguarded_launches(memory, kernel, law, taylor, order, fields):
     units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
     uses_taylor = taylor and shape.terms > R.RODAS5P_TERMS
     lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, THREAD_WORK
-    run = Run(kernel, shape, units, *lanes, **fields, partly_done=partly_done)
+    run = KernelRun(kernel, shape, units, *lanes, **fields, partly_done=partly_done)
     context = Context(run, memory.address)
     name = f"{law.name}-{kernel.units.__name__}-{machine_code.short_hash(context.kinds)}-{OLDEST}"
     image = machine_code.cached_code(name, lambda: ptx(kernel_of(law, kernel.units, context)))
@@ -155,7 +155,7 @@ def _unguarded_launches(memory, kernel, law, taylor, order, fields):
 def kernel_of(law, kind, context):
     """Return the LLVM text of ``void kernel(words, budget)``.
 
-    kind : class of the law's units; context : `Context` of its `Run`
+    kind : class of the law's units; context : `Context` of its `KernelRun`
     """
     units = unit_text(law, kind, 1)
     units = units.replace("i64 %n)", "i64 %n) alwaysinline")

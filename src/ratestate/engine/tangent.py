@@ -14,9 +14,9 @@ the logarithm of a volume of states grows.
 
 import functools
 
+from ..friction.equations_of_motion import matrix_product
 from ..friction.expressions import LIMIT
 from ..friction.functions import larger, smaller, where
-from ..friction.motion import matrix_product
 from ..friction.tuples import (
     dot,
     dot_onto,
@@ -45,7 +45,7 @@ def right_hand_side(du, jacobian, k, rest, curvature, r, m):
     As V falls, the perturbation of v grows like 1/w and h shrinks like w: m/h is formed first.
 
     =================  =========================================================================
-    jacobian           Jacobian matrix at the stage, its v row times m (`motion.Motion`)
+    jacobian           Jacobian matrix at the stage, its v row times m (see `Motion`)
     k, curvature       increment of the state, and the change of the Jacobian matrix along the
                        perturbation, both at the start of the step
     rest, r            sum_j C_ij dk_j, and 1/h

@@ -30,7 +30,7 @@ ROUNDING_OF_FORCE = 1e-13
 class Point:
     """A slider at one point, in numbers of any kind.
 
-    Each list of `motion.Motion` that needs no other numbers is an attribute.
+    Each list of `equations_of_motion.Motion` that needs no other numbers is an attribute.
 
     Parameters
     ----------
