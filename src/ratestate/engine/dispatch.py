@@ -18,7 +18,7 @@ from .units import RigidUnits
 
 # Sweeps over the lanes between two checks for a stop: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
-PATH_STEPS = 2000  # the same, for a path
+PATH_STEPS = 2000  # sweeps between two checks of a path
 MAX_PATH_ROWS = 10_000_000  # 320 MB; a longer path ends with STEP_LIMIT
 
 

@@ -46,7 +46,7 @@ class Starts(NamedTuple):
 
 
 class ReturnResults(NamedTuple):
-    """Where each slider returned to the section, and numbers of the way there.
+    """Points at which the sliders returned to the section, and numbers of the way there.
 
     If the status is not FINISHED, the numbers are those at the point where the slider stopped.
     """

@@ -90,7 +90,7 @@ class LawRows(NamedTuple):
     z_new: tuple  # z at the end of a step; no row from here on is used after the step
     c: tuple  # dense output: coefficients of each of y, `ORDER` + 1 if the law has recurrences,
     # else `RODAS5P_TERMS`
-    c_z: tuple  # the same of each number of z, if the law has recurrences; directly after c
+    c_z: tuple  # dense output of each number of z, if the law has recurrences; directly after c
     # only for a march: stress maximum, preceding minimum and duration of each return, in a ring.
     # They stay in the column RING_COLUMN when the slider moves to another column (control.py).
     highs: int
@@ -185,8 +185,8 @@ def store_each(s, rows, l, values):
         write_rows(s, one, l, numbers)
 
 
-# Calls of a law's units (units.py) from the control, which is the same for all laws.  In compiled
-# code a unit is an address (compiler.py); in Python it is a function of these arguments.
+# The control calls a law's units (units.py) by these functions.  In compiled code a unit is an
+# address (compiler.py).  In Python it is a function of these arguments.
 
 #: index in `work` at which the output of a unit of one lane begins; the input begins at 0
 OUTPUT = 128

@@ -1,8 +1,8 @@
 """Steps of a return map: the state and its derivatives along some directions.
 
 A Rosenbrock method applied to y' = f(y), z' = J(y) z, with the exact Jacobian of both, is the
-derivative of the step of the same method at fixed step size.  So the matrix is the one of
-`rodas5p`, and a stage of z needs no exponential of its own:
+derivative of the method's step at fixed step size.  So y and z share one matrix
+(`rodas5p.Arrow`), and a stage of z needs no exponential of its own:
 
     (1/(gamma h) - J) dk_i = J(u_i) du_i + sum_j (C_ij/h) dk_j + (J'(y) z) k_i
 

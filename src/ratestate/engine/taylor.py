@@ -62,7 +62,7 @@ def variational_equations(law):
 def coefficients(start, w_lp, ramp):
     """Return Taylor coefficients in T of x, v, each psi, and the powers of `work_rates`.
 
-    Lists, one shorter for powers.  Arguments are those of `rodas5p.step`, in numbers of any kind.
+    They are in lists, which are one shorter for powers.  The arguments are as for `rodas5p.step`.
     """
     derivatives, powers = start.motion.in_time
     return expand(derivatives, powers, ORDER, _values(start, (w_lp, ramp)))

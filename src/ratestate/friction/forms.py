@@ -150,7 +150,7 @@ class Regularized(FrictionLaw):
             return jumps * (2.0 / (1.0 + np.abs(t))) * t
 
 
-#: name of a form, except that of eq. 1 -> its class, whose parameters are OWN_PARAMETERS
+#: name of a form other than eq. 1 -> its class, whose parameters are OWN_PARAMETERS
 FORMS: dict[str, Any] = {"cut-off": CutOff, "regularized": Regularized}
 
 
