@@ -447,6 +447,5 @@ class _Function(Code):
 
 
 def _larger_or_smaller(function, x, y):
-    """Return max or min of two numbers, as the function says."""
     test = y > x if function is max else y < x
     return test.select(y, x) if isinstance(test, Condition) else function(x, y)

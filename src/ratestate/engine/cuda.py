@@ -103,12 +103,39 @@ def run(kernel, law, taylor, order, progress, fields):
                 check_stopped()
 
 
-def _launches(*fields):
+def _launches(kernel, law, taylor, order, fields):
     """Launch until all cases are done; yield the fraction done after each launch."""
     memory = cuda_driver.Memory()
     try:
         cuda_driver.enter()
-        yield from _unguarded_launches(memory, *fields)
+        shape, n = R.shape_of(law), len(order)
+        blocks = min(-(-n // BLOCK), WARPS * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
+        s = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
+        position, partly_done = np.zeros(3, np.int64), np.zeros(1)
+        names, kind = unit_names(law, kernel.units), kernel.units
+        # "null" stands for a unit that the law does not have; LLVM deletes code that would call it.
+        units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
+        uses_taylor = taylor and shape.terms > R.RODAS5P_TERMS
+        lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, THREAD_WORK
+        run = KernelRun(kernel, shape, units, *lanes, **fields, partly_done=partly_done)
+        context = Context(run, memory.address)
+        version = machine_code.short_hash(context.kinds)
+        name = f"{law.name}-{kind.__name__}-{version}-{OLDEST}"
+        image = machine_code.cached_code(name, lambda: ptx(kernel_of(law, kernel.units, context)))
+        function = cuda_driver.function(image)
+        words, budget = ctypes.c_uint64(memory.address(context.words)), ctypes.c_int64(MIN_BUDGET)
+        while position[1] < n:
+            partly_done[0] = 0.0
+            memory.send(partly_done)
+            start = time.perf_counter()
+            cuda_driver.launch(function, blocks, BLOCK, words, budget)
+            memory.fetch(position)
+            pace = LAUNCH_SECONDS / (time.perf_counter() - start)
+            budget.value = max(MIN_BUDGET, int(budget.value * min(pace, MAX_GROWTH)))
+            memory.fetch(partly_done)
+            yield min(1.0, (position[1] + np.nan_to_num(partly_done[0])) / n)
+        for array in fields["results"]:
+            memory.fetch(array)
     except Exception as error:  # not due to a case: cases have status codes and raise nothing
         raise SolverError(
             f"The GPU failed ({type(error).__name__}: {error}). If it lacks memory, give a smaller"
@@ -116,37 +143,6 @@ def _launches(*fields):
         ) from error
     finally:
         memory.free()
-
-
-def _unguarded_launches(memory, kernel, law, taylor, order, fields):
-    """Do the work of `_launches`, without handling errors of the driver."""
-    shape, n = R.shape_of(law), len(order)
-    blocks = min(-(-n // BLOCK), WARPS * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
-    s = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
-    position, partly_done = np.zeros(3, np.int64), np.zeros(1)
-    names, kind = unit_names(law, kernel.units), kernel.units
-    # "null" stands for a unit that the law does not have; LLVM deletes code that would call it.
-    units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
-    uses_taylor = taylor and shape.terms > R.RODAS5P_TERMS
-    lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, THREAD_WORK
-    run = KernelRun(kernel, shape, units, *lanes, **fields, partly_done=partly_done)
-    context = Context(run, memory.address)
-    name = f"{law.name}-{kernel.units.__name__}-{machine_code.short_hash(context.kinds)}-{OLDEST}"
-    image = machine_code.cached_code(name, lambda: ptx(kernel_of(law, kernel.units, context)))
-    function = cuda_driver.function(image)
-    words, budget = ctypes.c_uint64(memory.address(context.words)), ctypes.c_int64(MIN_BUDGET)
-    while position[1] < n:
-        partly_done[0] = 0.0
-        memory.send(partly_done)
-        start = time.perf_counter()
-        cuda_driver.launch(function, blocks, BLOCK, words, budget)
-        memory.fetch(position)
-        pace = LAUNCH_SECONDS / (time.perf_counter() - start)
-        budget.value = max(MIN_BUDGET, int(budget.value * min(pace, MAX_GROWTH)))
-        memory.fetch(partly_done)
-        yield min(1.0, (position[1] + np.nan_to_num(partly_done[0])) / n)
-    for array in fields["results"]:
-        memory.fetch(array)
 
 
 # The kernel of a law, as LLVM text and as PTX

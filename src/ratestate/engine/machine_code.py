@@ -206,7 +206,6 @@ def _machine():
 
 
 def short_hash(value):
-    """Return a hash of the repr of a value."""
     return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
 
 

@@ -164,7 +164,6 @@ def rows_of(law):
 
 
 def read_rows(s, rows, l):
-    """Return the numbers in these rows of lane l."""
     return tuple(s[row + l] for row in rows)
 
 

@@ -173,7 +173,6 @@ def store_step(s, l, start, h, h_powers, c, lengths, other_sum):
 
 
 def try_step(s, l, law):
-    """Take one step of the lane by the Taylor method."""
     start = L.read_point(s, l, law)
     c, rates_of_work = coefficients(start, s[R.W_LP + l], s[R.RAMP + l])
     lengths = step_lengths(s, l, c)

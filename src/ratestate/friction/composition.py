@@ -89,7 +89,6 @@ class Varying(FrictionLaw):
         return (*p[:BASE], base, rate, amplitude, frequency, phase, base + wave, ds, dds)
 
     def stiffness(self, kappa, p):
-        """Return K Dc/(a sigma(t))."""
         return kappa / p[S]
 
 

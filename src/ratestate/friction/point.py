@@ -122,7 +122,6 @@ class Point:
 
     @cached_property
     def log_jump_rate(self):
-        """Return ln of the larger of the forward and backward jump rates."""
         return self.law.log_jump_rate(self.v, self.psi, self.p)
 
     @property

@@ -67,7 +67,6 @@ class Hoisting:
         self._symbols, self._copies = {}, {}
 
     def __call__(self, x):
-        """Return the new expression."""
         if x not in self._copies:
             self._copies[x] = self._hoist(x)
         return self._copies[x]
