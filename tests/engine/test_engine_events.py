@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ratestate.engine import events
 from ratestate.engine import rows as R
+from ratestate.engine import step_events as events
 from ratestate.engine.rows import WORK_SIZE
 from ratestate.engine.units import MarchUnits, in_python
 from ratestate.friction.built_in_laws import SlipLaw

@@ -27,7 +27,7 @@ def run(function, width, *columns):
     for k, one in enumerate(results):
         code.store(one, "%out", k * width)
     head, end = "define void @f(ptr %in, ptr %out) {", ["ret void", "}"]
-    text = "\n".join([*code.declarations.values(), head, *code.lines, *end])
+    text = "\n".join([head, *code.lines, *end])
     address = load_functions(compile_object(text), ["f"])["f"]
     call = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)(address)
     rows = np.stack(columns)

@@ -9,7 +9,7 @@ from machine_control import Machine
 
 from ratestate.engine import rows as R
 from ratestate.engine import waveform
-from ratestate.engine.events import last_period
+from ratestate.engine.step_events import last_period
 from ratestate.friction.laws import LAWS
 
 LAW = LAWS["slip"]

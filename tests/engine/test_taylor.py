@@ -12,7 +12,7 @@ from textbook import OF_LAW, drawn
 import ratestate as rs
 from ratestate.engine import rows as R
 from ratestate.engine import taylor as T
-from ratestate.engine.taylor import ORDER, has_recurrences
+from ratestate.engine.rows import ORDER
 from ratestate.friction.point import point_at
 
 WITH_RECURRENCES = [law for law in OF_LAW if law != "flash-heating"]
@@ -143,7 +143,7 @@ def test_rough_log2(x):
 )
 def test_which_laws_and_forms_have_recurrences(has, own):
     law = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, **own).friction_law
-    assert has_recurrences(law) == has
+    assert law.has_recurrences == has
     assert (len(R.rows_of(law).c[0]) > R.RODAS5P_TERMS) == has
 
 

@@ -45,7 +45,7 @@ class Formula:
         for k, one in enumerate(flat(found)):
             code.store(one, "%found", k)
         head = "define void @f(ptr %given, ptr %found) {"
-        text = "\n".join([*code.declarations.values(), head, *code.lines, "ret void", "}"])
+        text = "\n".join([head, *code.lines, "ret void", "}"])
         kind = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p)
         self.code = kind(load_functions(compile_object(text), ["f"])["f"])
         self.found, self.out = each(lambda _: None, found), np.empty(len(flat(found)))

@@ -36,7 +36,7 @@ class Code:
     contracts = True  # whether a sum with a product is rounded once
 
     def __init__(self, width, letter="v"):
-        self.lines, self.declarations = [], {}
+        self.lines = []
         self._written, self._width, self._letter = {}, width, letter
 
     def type(self, kind):
@@ -65,8 +65,6 @@ class Code:
         """Return the result of an LLVM function, such as "sqrt", for some numbers."""
         name = f"@llvm.{function}.{f'v{self._width}' if self._width > 1 else ''}f64"
         double = self.type(Number)
-        kinds = ", ".join([double] * len(arguments))
-        self.declarations[name] = f"declare {double} {name}({kinds})"
         texts = ", ".join(f"{double} {self.text(Number, x)}" for x in arguments)
         return self.write(f"call {double} {name}({texts})", Number)
 
@@ -253,7 +251,6 @@ def unit_text(law, kind, width):
     kind : class of the units (units.py); width : doubles of a vector
     """
     texts: list[str] = []
-    declarations: dict[str, str] = {}
     for name, bodies in lane_units(law, kind).items():
         loops = []
         for k, body in enumerate(bodies):
@@ -262,7 +259,6 @@ def unit_text(law, kind, width):
             body(lane, 0, law)
             lane.store()
             loops.append(code.lines)
-            declarations |= code.declarations
         texts.append(_loops(name, loops, width))
     for name, (body, count) in point_units(law, kind).items():
         code = Code(1)
@@ -275,8 +271,7 @@ def unit_text(law, kind, width):
             code.store(value, "%out", k)
         lines = "\n  ".join([*code.lines, "ret void"])
         texts.append(f"define void @{name}(ptr %s, ptr %in, ptr %out) {{\n  {lines}\n}}")
-        declarations |= code.declarations
-    return "\n".join([*declarations.values(), *texts, ""])
+    return "\n".join([*texts, ""])
 
 
 def _loops(name, loops, width):

@@ -96,7 +96,7 @@ def kernel_text(function, layout, pointer="ptr", extra=""):
     _, returns = program.add(function, (layout, *ints), function.__name__)
     if returns != (Condition,):
         raise TypeError(f"{function.__qualname__} must return a bool")
-    return "\n".join([*sorted(program.declarations.values()), *program.texts, "!0 = !{}", ""])
+    return "\n".join([*program.texts, "!0 = !{}", ""])
 
 
 def _map_tuples(function, x):
@@ -123,8 +123,7 @@ class _Program:
 
     def __init__(self, pointer, extra):
         self.pointer, self.words = pointer, f"{pointer} %words{extra}"
-        self.texts, self.declarations = [], {}
-        self._compiled, self._count = {}, itertools.count()
+        self.texts, self._compiled, self._count = [], {}, itertools.count()
 
     def add(self, function, arguments, name=None):
         """Return the name of a function for such arguments, and the kinds of its results."""
@@ -145,8 +144,7 @@ class _Function(Code):
 
     def __init__(self, program, function, arguments):
         super().__init__(1)
-        self.declarations, self.returns = program.declarations, None
-        self._program, self._function = program, function
+        self._program, self._function, self.returns = program, function, None
         self._parameters, self._slots = [program.words], []
         self._variables, self._ends, self._count = {}, [], itertools.count()
         tree: Any = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
@@ -449,6 +447,5 @@ class _Function(Code):
 
 
 def _larger_or_smaller(function, x, y):
-    """Return max or min of two numbers, as the function says."""
     test = y > x if function is max else y < x
     return test.select(y, x) if isinstance(test, Condition) else function(x, y)

@@ -42,7 +42,7 @@ class Kernel(NamedTuple):
     end: Callable  # (run, l): handle a break; if the case is over, store it and set CASE to IDLE
 
 
-class Run(NamedTuple):
+class KernelRun(NamedTuple):
     """The record of a kernel; there are `SETS` sets of lanes if `taylor`, else one."""
 
     kernel: Kernel
@@ -71,7 +71,7 @@ class Run(NamedTuple):
 def run_lanes(run, budget):
     """Step the lanes until all cases are done (True) or the budget is spent (False).
 
-    run : `Run`; budget : int, sweeps over the lanes
+    run : `KernelRun`; budget : int, sweeps over the lanes
     """
     s, shape, units, kernel, position = run.s, run.shape, run.units, run.kernel, run.position
     capacity = 2 * R.LANES if run.taylor > 0 else R.LANES
@@ -114,7 +114,7 @@ def next_case(run):
 def fill_lane(run, l, i, eta0, tolerance):
     """Load the part of case i that all kernels share into lane l; clear other rows."""
     s, shape, cases = run.s, run.shape, run.cases
-    for row in range(R.RING_COLUMN + R.LANES, shape.scratch, R.LANES):
+    for row in range(R.RING_COLUMN + R.LANES, shape.z_new, R.LANES):
         s[row + l] = 0.0
     s[R.CASE + l], s[R.STATUS + l] = i, RUNNING
     s[R.KAPPA + l] = cases.kappa[i]
@@ -210,7 +210,7 @@ def whole_vectors(busy, width):
 
 def move(s, shape, l, to):
     """Move the slider of column l to an idle column."""
-    for row in range(R.RING_COLUMN + R.LANES, shape.scratch, R.LANES):
+    for row in range(R.RING_COLUMN + R.LANES, shape.z_new, R.LANES):
         s[row + to] = s[row + l]
     s[R.RING_COLUMN + l], s[R.RING_COLUMN + to] = s[R.RING_COLUMN + to], s[R.RING_COLUMN + l]
     s[R.CASE + l] = IDLE

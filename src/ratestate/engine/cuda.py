@@ -32,7 +32,7 @@ from . import rows as R
 from .backend import check_stopped
 from .code import unit_text
 from .compiler import Array, kernel_text
-from .control import IDLE, Run, idle_lanes, next_case
+from .control import IDLE, KernelRun, idle_lanes, next_case
 from .machine_code import optimize, target
 from .programs import LEVEL, Context
 from .rows import WORK_SIZE, add, call_lanes
@@ -56,10 +56,6 @@ OLDEST = "sm_60"
 #: `run.work`, of which each thread has its own
 THREAD_WORK = Array("%work", 1, np.dtype(np.float64))
 ENTRY = """
-declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
-declare i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
-declare i32 @llvm.nvvm.read.ptx.sreg.tid.x()
-
 define internal i32 @thread() {
   %block = call i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
   %size = call i32 @llvm.nvvm.read.ptx.sreg.ntid.x()
@@ -107,12 +103,39 @@ def run(kernel, law, taylor, order, progress, fields):
                 check_stopped()
 
 
-def _launches(*fields):
+def _launches(kernel, law, taylor, order, fields):
     """Launch until all cases are done; yield the fraction done after each launch."""
     memory = cuda_driver.Memory()
     try:
         cuda_driver.enter()
-        yield from _unguarded_launches(memory, *fields)
+        shape, n = R.shape_of(law), len(order)
+        blocks = min(-(-n // BLOCK), WARPS * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
+        s = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
+        position, partly_done = np.zeros(3, np.int64), np.zeros(1)
+        names, kind = unit_names(law, kernel.units), kernel.units
+        # "null" stands for a unit that the law does not have; LLVM deletes code that would call it.
+        units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
+        uses_taylor = taylor and shape.terms > R.RODAS5P_TERMS
+        lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, THREAD_WORK
+        run = KernelRun(kernel, shape, units, *lanes, **fields, partly_done=partly_done)
+        context = Context(run, memory.address)
+        version = machine_code.short_hash(context.kinds)
+        name = f"{law.name}-{kind.__name__}-{version}-{OLDEST}"
+        image = machine_code.cached_code(name, lambda: ptx(kernel_of(law, kernel.units, context)))
+        function = cuda_driver.function(image)
+        words, budget = ctypes.c_uint64(memory.address(context.words)), ctypes.c_int64(MIN_BUDGET)
+        while position[1] < n:
+            partly_done[0] = 0.0
+            memory.send(partly_done)
+            start = time.perf_counter()
+            cuda_driver.launch(function, blocks, BLOCK, words, budget)
+            memory.fetch(position)
+            pace = LAUNCH_SECONDS / (time.perf_counter() - start)
+            budget.value = max(MIN_BUDGET, int(budget.value * min(pace, MAX_GROWTH)))
+            memory.fetch(partly_done)
+            yield min(1.0, (position[1] + np.nan_to_num(partly_done[0])) / n)
+        for array in fields["results"]:
+            memory.fetch(array)
     except Exception as error:  # not due to a case: cases have status codes and raise nothing
         raise SolverError(
             f"The GPU failed ({type(error).__name__}: {error}). If it lacks memory, give a smaller"
@@ -122,54 +145,20 @@ def _launches(*fields):
         memory.free()
 
 
-def _unguarded_launches(memory, kernel, law, taylor, order, fields):
-    """Do the work of `_launches`, without handling errors of the driver."""
-    shape, n = R.shape_of(law), len(order)
-    blocks = min(-(-n // BLOCK), WARPS * cuda_driver.attribute(cuda_driver.MULTIPROCESSORS))
-    s = idle_lanes(shape, -(-blocks * BLOCK // R.LANES))
-    position, partly_done = np.zeros(3, np.int64), np.zeros(1)
-    names, kind = unit_names(law, kernel.units), kernel.units
-    # "null" stands for a unit that the law does not have; LLVM deletes code that would call it.
-    units = kind(*(f"@{name}" if name in names else "null" for name in kind._fields))
-    uses_taylor = taylor and shape.terms > R.RODAS5P_TERMS
-    lanes = 1, int(uses_taylor), s, np.ascontiguousarray(order), position, THREAD_WORK
-    run = Run(kernel, shape, units, *lanes, **fields, partly_done=partly_done)
-    context = Context(run, memory.address)
-    name = f"{law.name}-{kernel.units.__name__}-{machine_code.short_hash(context.kinds)}-{OLDEST}"
-    image = machine_code.cached_code(name, lambda: ptx(kernel_of(law, kernel.units, context)))
-    function = cuda_driver.function(image)
-    words, budget = ctypes.c_uint64(memory.address(context.words)), ctypes.c_int64(MIN_BUDGET)
-    while position[1] < n:
-        partly_done[0] = 0.0
-        memory.send(partly_done)
-        start = time.perf_counter()
-        cuda_driver.launch(function, blocks, BLOCK, words, budget)
-        memory.fetch(position)
-        pace = LAUNCH_SECONDS / (time.perf_counter() - start)
-        budget.value = max(MIN_BUDGET, int(budget.value * min(pace, MAX_GROWTH)))
-        memory.fetch(partly_done)
-        yield min(1.0, (position[1] + np.nan_to_num(partly_done[0])) / n)
-    for array in fields["results"]:
-        memory.fetch(array)
-
-
 # The kernel of a law, as LLVM text and as PTX
 
 
 def kernel_of(law, kind, context):
     """Return the LLVM text of ``void kernel(words, budget)``.
 
-    kind : class of the law's units; context : `Context` of its `Run`
+    kind : class of the law's units; context : `Context` of its `KernelRun`
     """
     units = unit_text(law, kind, 1)
     units = units.replace("i64 %n)", "i64 %n) alwaysinline")
     text = kernel_text(march_lane, context.layout(), "ptr addrspace(1)", ", ptr %work")
     entry = ENTRY.replace("WORK_SIZE", str(WORK_SIZE))
     functions = re.sub(r"define (void|\{)", r"define internal \1", f"{units}\n{text}")
-    lines = f"{functions}\n{entry}".splitlines()
-    # LLVM refuses to declare a function twice.
-    first = dict.fromkeys(line for line in lines if line.startswith("declare"))
-    return "\n".join([*first, *(line for line in lines if line not in first)])
+    return f"{functions}\n{entry}"
 
 
 def ptx(text):

@@ -40,7 +40,6 @@ def device():
 
 
 def attribute(number):
-    """Return an attribute of the GPU, an int."""
     return query(ctypes.c_int, "cuDeviceGetAttribute", number, device()).value
 
 
@@ -89,11 +88,9 @@ class Memory:
         return self._copies[id(array)][0].value
 
     def send(self, array):
-        """Copy an array to the GPU."""
         self._copy("cuMemcpyHtoD_v2", array, 1)
 
     def fetch(self, array):
-        """Copy an array from the GPU, after all launches have ended."""
         self._copy("cuMemcpyDtoH_v2", array, -1)
 
     def _copy(self, name, array, order):

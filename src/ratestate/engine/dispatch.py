@@ -8,7 +8,7 @@ import numpy as np
 from ..machine import cores
 from . import backend, machine_code
 from . import rows as R
-from .control import IDLE, SETS, Run, idle_lanes, run_lanes
+from .control import IDLE, SETS, KernelRun, idle_lanes, run_lanes
 from .march import MARCH, POINTS_PER_STEP, RIGID_MARCH
 from .model import NUMBERS, STEP_LIMIT, empty_results
 from .programs import Program, units_of
@@ -18,7 +18,7 @@ from .units import RigidUnits
 
 # Sweeps over the lanes between two checks for a stop: some 20 ms in lanes, 4 ms alone.
 BUDGET = 20_000
-PATH_STEPS = 2000  # the same, for a path
+PATH_STEPS = 2000  # sweeps between two checks of a path
 MAX_PATH_ROWS = 10_000_000  # 320 MB; a longer path ends with STEP_LIMIT
 
 
@@ -153,7 +153,7 @@ class _Worker:
 
     kernel : `control.Kernel`; queue : (n,) numbers of cases
     taylor : whether steps may use the Taylor method, if the law allows
-    fields : the other fields of `control.Run`
+    fields : the other fields of `control.KernelRun`
     """
 
     def __init__(self, kernel, queue, law, taylor, **fields):
@@ -165,7 +165,7 @@ class _Worker:
         width = R.WIDTH if len(queue) > 1 else 1  # vectors would slow down a single slider
         units, queue = units_of(law, kernel.units, width), np.ascontiguousarray(queue)
         lanes = width, int(taylor), s, queue, self.position, np.zeros(WORK_SIZE)
-        self._program = Program(run_lanes, Run(kernel, shape, units, *lanes, **fields))
+        self._program = Program(run_lanes, KernelRun(kernel, shape, units, *lanes, **fields))
         machine_code.report_time()
 
     def run_sweeps(self, budget=BUDGET):

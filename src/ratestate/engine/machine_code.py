@@ -23,6 +23,7 @@ import llvmlite
 import llvmlite.binding as llvm
 
 from ..errors import CompilationError
+from ..friction.user_law import reason_of
 
 #: engines of the loaded objects, whose code exists as long as the engines do
 _LOADED: list = []
@@ -119,15 +120,10 @@ def addresses(name, make, functions):
         raise
     except Exception as error:  # not due to a case: machine code has status codes, no exceptions
         raise CompilationError(
-            f"the solver cannot be compiled on this machine ({reason(error)}). No parameter is "
+            f"the solver cannot be compiled on this machine ({reason_of(error)}). No parameter is "
             f"at fault: free memory, or install ratestate and llvmlite anew, and run the same "
             f"again."
         ) from error
-
-
-def reason(error):
-    """Return the type of an error and its first line."""
-    return f"{type(error).__name__}: {error}".splitlines()[0]
 
 
 # Cache on disk
@@ -210,7 +206,6 @@ def _machine():
 
 
 def short_hash(value):
-    """Return a hash of the repr of a value."""
     return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
 
 

@@ -4,7 +4,7 @@ import math
 
 from ..friction.expressions import LIMIT
 from ..friction.functions import log
-from . import events, lanes
+from . import lanes, step_events
 from . import rows as R
 from .control import Kernel, close_case, failure_status, fill_lane
 from .model import FINISHED, NOT_FINITE, RUNAWAY, RUNNING, Numbers
@@ -140,7 +140,7 @@ def load(run, l, i):
 
 def handle(run, l):
     """Handle the events of the lane's step, and save states at times inside it."""
-    events.handle(run, l)
+    step_events.handle(run, l)
     if lanes.has_save_time(run.s, l):
         save_inside_step(run, l)
 
@@ -166,7 +166,7 @@ def finish(run, l):
         else:
             for n in range(results.saved.shape[1]):
                 results.saved[i, n, k] = math.nan
-    amplitude, period, returns = events.last_period(run, l)
+    amplitude, period, returns = step_events.last_period(run, l)
     call_point(run.units.v_extremes, s, l, work)
     numbers = Numbers(
         t=(s[R.T + l] + s[R.T_LOW + l]) / run.cases.scale[i],
@@ -234,7 +234,7 @@ def save_inside_step(run, l):
             break
         fraction = max(fraction, 0.0)
         work[0] = fraction
-        events.state_at(run, l, fraction, work, 1)
+        step_events.state_at(run, l, fraction, work, 1)
         if run.shape.rigid:
             call_point(run.units.state, s, l, work)
             work[1], work[2] = work[OUTPUT], work[OUTPUT + 1]
@@ -266,7 +266,7 @@ def append_inside_step(run, l):
     for j in range(1, POINTS_PER_STEP):
         fraction, row = j / POINTS_PER_STEP, run.position[2]
         path[row, 0] = s[R.T + l] + (s[R.T_LOW + l] + fraction * s[R.H_USED + l])
-        events.state_at(run, l, fraction, run.work, 0)
+        step_events.state_at(run, l, fraction, run.work, 0)
         for k in range(2 + run.shape.states):
             path[row, 1 + k] = run.work[k]
         run.position[2] += 1

@@ -6,8 +6,8 @@ With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu_ref)/a and T
     dv/dT   = (x - S(v, psi))/(eta0 w)       eta0  = M V0**2/(a sigma Dc)
     dpsi/dT = f(v, psi)
 
-which is eqs 1-4 of Im, Marone & Elsworth (2019).  The friction law (friction/motion.py) gives the
-stress S that opposes motion and the rates f.  Without damping S is the friction
+These are eqs 1-4 of Im, Marone & Elsworth (2019).  The friction law gives the stress S that opposes
+motion and the rates f (friction/equations_of_motion.py).  Without damping S is the friction
 R = (mu - mu_ref)/a.  There is one psi for each state variable: y = (x, v, psi) is the state.
 g = x - S is the inertial force divided by a sigma.  If slip may reverse, w is another function of v
 and psi (friction/point.py), and the equation of v differs.
@@ -100,7 +100,7 @@ class Numbers(NamedTuple):
     v_max: float  # ln(V/V0); if slip may reverse, v at psi = 0 (`Point.reference_v_slope`)
     v_min: float
     g_max: float  # largest |g|
-    returns: float  # in the last period; 0 if there is none or it is irregular (`events`)
+    returns: float  # in the last period; 0 if there is none or it is irregular (`step_events`)
     f_min: float
     xf_min: float  # smallest x + N
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import CompilationError
+from ..friction.user_law import reason_of
 from . import machine_code
 from .code import unit_text
 from .compiler import KINDS, Array, Word, kernel_text
@@ -130,6 +131,6 @@ def _text(law, kind, width):
         return unit_text(law, kind, width)
     except Exception as error:  # a user wrote the law's methods, and they may raise anything
         raise CompilationError(
-            f"the law {law.name} cannot be compiled ({machine_code.reason(error)}). Its methods "
+            f"the law {law.name} cannot be compiled ({reason_of(error)}). Its methods "
             f"may hold arithmetic, and functions that ratestate has for laws."
         ) from error

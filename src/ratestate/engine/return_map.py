@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import events
 from . import rows as R
+from . import step_events
 from .control import Kernel, close_case, failure_status, fill_lane
 from .model import FINISHED, RUNAWAY, RUNNING, STEADY_SLIDING
 from .rows import OUTPUT, call_lanes, call_point
@@ -46,7 +46,7 @@ class Starts(NamedTuple):
 
 
 class ReturnResults(NamedTuple):
-    """Where each slider returned to the section, and numbers of the way there.
+    """Points at which the sliders returned to the section, and numbers of the way there.
 
     If the status is not FINISHED, the numbers are those at the point where the slider stopped.
     """
@@ -160,7 +160,7 @@ def refine_slow_part(run, l):
     s = run.s
     slow = s[R.W_NEW + l] < SLOW_BELOW
     if s[R.PERIOD_GUESS + l] > 0.0 and slow != (s[R.W + l] < SLOW_BELOW):
-        fraction = events.crossing(run, l, SLOW, 0.0, 1.0)
+        fraction = step_events.crossing(run, l, SLOW, 0.0, 1.0)
         s[R.SLOW_PART + l] = 1.0 - fraction if slow else fraction
 
 
@@ -190,9 +190,9 @@ def store_speed_derivatives(run, l, fraction, row):
     s, shape, work = run.s, run.shape, run.work
     n = 2 + shape.states
     if s[R.TAYLOR + l] > 0.0:
-        events.state_at(run, l, fraction, work, 0)
+        step_events.state_at(run, l, fraction, work, 0)
         for i in range(n, n * n):
-            work[i], _ = events.component(run, l, i, fraction)
+            work[i], _ = step_events.component(run, l, i, fraction)
         call_point(run.units.speed_derivatives_taylor, s, l, work)
     else:
         work[0] = fraction
@@ -210,7 +210,7 @@ def record_extremes(run, l):
     """
     s, shape = run.s, run.shape
     high, low = s[R.V_HIGH + l], s[R.V_LOW + l]
-    fraction = events.record_extremes(run, l)
+    fraction = step_events.record_extremes(run, l)
     if s[R.V_HIGH + l] > high:
         store_speed_derivatives(run, l, fraction, shape.v_high)
     elif s[R.V_LOW + l] < low:
@@ -230,7 +230,7 @@ def handle(run, l):
     s[R.LANDING_STEP + l] = 0.0
     is_above = s[R.W_NEW + l] >= 1.0
     if (s[R.W + l] < 1.0) == is_above and s[R.SINCE_CROSSING + l] > 0.0:
-        fraction = max(events.crossing(run, l, SECTION, 0.0, 1.0), NEAREST)
+        fraction = max(step_events.crossing(run, l, SECTION, 0.0, 1.0), NEAREST)
         s[R.H_PLANNED + l] = s[R.H_NEXT + l]
         s[R.H_NEXT + l] = s[R.LANDING_STEP + l] = fraction * s[R.H_USED + l]
         s[R.EVERY_STEP + l], s[R.OK + l], s[R.CHANGES + l] = 1.0, 0.0, 0.0

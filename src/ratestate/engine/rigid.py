@@ -74,7 +74,7 @@ def state(s, l, law, fraction, *inputs):
 
 
 def force(s, l, law, fraction, *inputs):
-    """Return the same as `units.force`, but ignore x and v among the inputs."""
+    """Return what `units.force` returns; x and v among the inputs are ignored."""
     n, h = 2 + len(law.states), s[R.H_USED + l]
     weights, psi, d_psi = inputs[:4], inputs[6 : 4 + n], inputs[6 + n :]
     here = point(s, l, law, fraction * h, psi)

@@ -12,12 +12,12 @@ from collections import namedtuple
 from typing import Any, NamedTuple
 
 from .machine_code import doubles_of_vector
-from .taylor import ORDER, has_recurrences
 
 LANES = 16
 #: lanes of a vector; a slider alone is computed with vectors of 1
 WIDTH = doubles_of_vector()
 RODAS5P_TERMS = 5  # coefficients of the dense output of Rodas5P, for each variable
+ORDER = 12  # of the Taylor method: degree of its polynomials in time
 RING = 64  # number of returns whose stress maxima, minima and durations a march keeps
 COMMON_ROWS = 71
 
@@ -87,11 +87,10 @@ class LawRows(NamedTuple):
     x_low: tuple  # change of the stress minimum by each perturbation
     v_high: tuple  # change of the extremes of v
     v_low: tuple
-    scratch: int  # first of the rows whose content is not used after a step
-    z_new: tuple  # z at the end of a step
+    z_new: tuple  # z at the end of a step; no row from here on is used after the step
     c: tuple  # dense output: coefficients of each of y, `ORDER` + 1 if the law has recurrences,
     # else `RODAS5P_TERMS`
-    c_z: tuple  # the same of each number of z, if the law has recurrences; directly after c
+    c_z: tuple  # dense output of each number of z, if the law has recurrences; directly after c
     # only for a march: stress maximum, preceding minimum and duration of each return, in a ring.
     # They stay in the column RING_COLUMN when the slider moves to another column (control.py).
     highs: int
@@ -137,37 +136,27 @@ def rows_of(law):
     def take(n):
         return tuple(itertools.islice(offsets, n))
 
-    n = len(law.states)
-    p, e, e_new = take(law.n_coefficients), take(law.n_stored), take(law.n_stored)
-    psi, psi_new, steady = take(n), take(n), take(2 + n)
-    z = tuple(take(2 + n) for _ in range(n + 1))
-    shifts, x_low, v_high, v_low = (take(n + 1) for _ in range(4))
-    scratch = next(offsets)
-    offsets = itertools.count(scratch, LANES)
-    z_new = tuple(take(2 + n) for _ in range(n + 1))
-    terms = ORDER + 1 if has_recurrences(law) else RODAS5P_TERMS
-    c = tuple(take(terms) for _ in range(2 + n))
-    c_z = tuple(take(terms) for one in z for _ in one) if terms > RODAS5P_TERMS else ()
-    highs, ring = next(offsets), RING * LANES
+    n, ring = len(law.states), RING * LANES
+    terms = ORDER + 1 if law.has_recurrences else RODAS5P_TERMS
+    terms_z = terms if terms > RODAS5P_TERMS else 0
     return LawRows(
-        p=p,
+        p=(p := take(law.n_coefficients)),
         history=law.history(p),
-        e=e,
-        e_new=e_new,
-        psi=psi,
+        e=take(law.n_stored),
+        e_new=take(law.n_stored),
+        psi=(psi := take(n)),
         y=(X, V, *psi),
-        y_new=(X_NEW, V_NEW, *psi_new),
-        steady=steady,
-        z=z,
-        shifts=shifts,
-        x_low=x_low,
-        v_high=v_high,
-        v_low=v_low,
-        scratch=scratch,
-        z_new=z_new,
-        c=c,
-        c_z=c_z,
-        highs=highs,
+        y_new=(X_NEW, V_NEW, *take(n)),
+        steady=take(2 + n),
+        z=tuple(take(2 + n) for _ in range(n + 1)),
+        shifts=take(n + 1),
+        x_low=take(n + 1),
+        v_high=take(n + 1),
+        v_low=take(n + 1),
+        z_new=tuple(take(2 + n) for _ in range(n + 1)),
+        c=tuple(take(terms) for _ in range(2 + n)),
+        c_z=tuple(take(terms_z) for _ in range((2 + n) * (n + 1))),
+        highs=(highs := next(offsets)),
         lows=highs + ring,
         durations=highs + 2 * ring,
         size=highs + 3 * ring,
@@ -175,7 +164,6 @@ def rows_of(law):
 
 
 def read_rows(s, rows, l):
-    """Return the numbers in these rows of lane l."""
     return tuple(s[row + l] for row in rows)
 
 
@@ -196,8 +184,8 @@ def store_each(s, rows, l, values):
         write_rows(s, one, l, numbers)
 
 
-# Calls of a law's units (units.py) from the control, which is the same for all laws.  In compiled
-# code a unit is an address (compiler.py); in Python it is a function of these arguments.
+# The control calls a law's units (units.py) by these functions.  In compiled code a unit is an
+# address (compiler.py).  In Python it is a function of these arguments.
 
 #: index in `work` at which the output of a unit of one lane begins; the input begins at 0
 OUTPUT = 128

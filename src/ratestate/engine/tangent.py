@@ -1,8 +1,8 @@
 """Steps of a return map: the state and its derivatives along some directions.
 
 A Rosenbrock method applied to y' = f(y), z' = J(y) z, with the exact Jacobian of both, is the
-derivative of the step of the same method at fixed step size.  So the matrix is the one of
-`rodas5p`, and a stage of z needs no exponential of its own:
+derivative of the method's step at fixed step size.  So y and z share one matrix
+(`rodas5p.Arrow`), and a stage of z needs no exponential of its own:
 
     (1/(gamma h) - J) dk_i = J(u_i) du_i + sum_j (C_ij/h) dk_j + (J'(y) z) k_i
 
@@ -14,9 +14,9 @@ the logarithm of a volume of states grows.
 
 import functools
 
+from ..friction.equations_of_motion import matrix_product
 from ..friction.expressions import LIMIT
 from ..friction.functions import larger, smaller, where
-from ..friction.motion import matrix_product
 from ..friction.tuples import (
     dot,
     dot_onto,
@@ -34,10 +34,9 @@ from ..friction.tuples import (
 )
 from . import lanes as L
 from . import rows as R
+from . import taylor
 from .rodas5p import A, Arrow, B, end_of_step, stage_start, stages
 from .rows import load_each, read_rows, rows_of, store_each, write_rows
-from .taylor import ORDER, integrals, norm, powers, step_length, variational_coefficients
-from .taylor_lanes import momentum_of, step_lengths, store_step
 
 
 def right_hand_side(du, jacobian, k, rest, curvature, r, m):
@@ -46,7 +45,7 @@ def right_hand_side(du, jacobian, k, rest, curvature, r, m):
     As V falls, the perturbation of v grows like 1/w and h shrinks like w: m/h is formed first.
 
     =================  =========================================================================
-    jacobian           Jacobian matrix at the stage, its v row times m (`motion.Motion`)
+    jacobian           Jacobian matrix at the stage, its v row times m (see `Motion`)
     k, curvature       increment of the state, and the change of the Jacobian matrix along the
                        perturbation, both at the start of the step
     rest, r            sum_j C_ij dk_j, and 1/h
@@ -133,27 +132,29 @@ def try_step(s, l, law):
 def try_taylor_step(s, l, law):
     """Take one step of the lane by the Taylor method, with perturbations."""
     rows, start = rows_of(law), L.read_point(s, l, law)
-    y, z, momentum = start.y, load_each(s, rows.z, l), momentum_of(s, l)
-    c, c_z, trace = variational_coefficients(start, z)
-    lengths = step_lengths(s, l, c)
+    y, z, momentum = start.y, load_each(s, rows.z, l), taylor.momentum_of(s, l)
+    c, c_z, trace = taylor.variational_coefficients(start, z)
+    lengths = taylor.step_lengths(s, l, c)
 
     def largest_of_order(k):
         """Return the largest ratio of a perturbation's coefficient to the perturbation."""
         each = zip(grouped([one[k] for one in c_z], y), z, strict=True)
-        return functools.reduce(larger, (norm(a, momentum) / norm(b, momentum) for a, b in each))
+        ratios = (taylor.norm(a, momentum) / taylor.norm(b, momentum) for a, b in each)
+        return functools.reduce(larger, ratios)
 
-    by_z = step_length(largest_of_order(ORDER), largest_of_order(ORDER - 1), s[R.TOLERANCE + l])
+    last, previous = map(largest_of_order, (R.ORDER, R.ORDER - 1))
+    by_z = taylor.step_length(last, previous, s[R.TOLERANCE + l])
     h = smaller(smaller(lengths[0], lengths[1]), by_z)
     landing = s[R.LANDING_STEP + l]
     h = where((landing > 0.0) & (landing < h), landing, h)
-    h_powers = powers(h)
+    h_powers = taylor.powers(h)
     dense = tuple(product(one, h_powers) for one in c_z)
     store_each(s, rows.c_z, l, dense)
     z_new = tuple(map(pairwise_sum, dense))
     store_each(s, rows.z_new, l, grouped(z_new, y))
-    (mean_trace,) = integrals((trace,), h_powers)
+    (mean_trace,) = taylor.integrals((trace,), h_powers)
     s[R.D_TRACE + l] = h * mean_trace
-    store_step(s, l, start, h, h_powers, c, lengths, total(z_new) + mean_trace)
+    taylor.store_step(s, l, start, h, h_powers, c, lengths, total(z_new) + mean_trace)
 
 
 def commit_lane(s, l, law):

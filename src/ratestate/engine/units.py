@@ -11,11 +11,10 @@ import numpy as np
 
 from ..friction.functions import expm1, larger, smaller, sqrt, where
 from ..friction.tuples import dot, grouped, plus, times, total
-from . import lanes, rigid, tangent, taylor_lanes, waveform
+from . import lanes, rigid, tangent, taylor, waveform
 from . import rows as R
 from .model import NOT_FINITE, RUNAWAY, SLAVED
 from .rows import OUTPUT, load_each, read_rows, rows_of, write_rows
-from .taylor import has_recurrences
 
 #: addresses of a law's units for a march on a spring; 0 if the law has no such unit
 MarchUnits = namedtuple(
@@ -208,14 +207,14 @@ def lane_units(law, kind):
     """Return name -> functions of (s, l, law) that run in turn on vectors of lanes."""
     returns, events = kind is ReturnUnits, rigid if kind is RigidUnits else lanes
     step = tangent.try_step if returns else events.try_step
-    taylor_step = tangent.try_taylor_step if returns else taylor_lanes.try_step
-    has_taylor = has_recurrences(law) and kind is not RigidUnits
+    taylor_step = tangent.try_taylor_step if returns else taylor.try_step
+    has_taylor = law.has_recurrences and kind is not RigidUnits
 
     def control(s, l, law):
         lanes.control_step(s, l)
         events.flag_events(s, l, law)
         if has_taylor:
-            taylor_lanes.choose_method(s, l, law)
+            taylor.choose_method(s, l, law)
 
     commit_tangent = [tangent.commit_lane] if returns else []
     slow = [waveform.set_slow_part] if returns else []
@@ -242,7 +241,7 @@ def point_units(law, kind):
     if kind is ReturnUnits:
         units |= {"move_to_section": (move_to_section, 0)}
         units |= {"speed_derivatives": (speed_derivatives, 1), "outcome": (outcome, 0)}
-        if has_recurrences(law):
+        if law.has_recurrences:
             units["speed_derivatives_taylor"] = speed_derivatives_taylor, n * n
         return units
     units["v_extremes"] = v_extremes, 0

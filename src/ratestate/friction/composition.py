@@ -89,7 +89,6 @@ class Varying(FrictionLaw):
         return (*p[:BASE], base, rate, amplitude, frequency, phase, base + wave, ds, dds)
 
     def stiffness(self, kappa, p):
-        """Return K Dc/(a sigma(t))."""
         return kappa / p[S]
 
 
@@ -114,21 +113,14 @@ def composed(law, form=None, damped=False):
     ParameterError if the law does not take this form.  None selects the law's own form.
     """
     form = law.form if form is None else form
-    if form != law.form:
-        if law.form != LOG:
-            raise ParameterError(
-                f"does not go with law = {law.name!r}, which needs friction = {law.form!r}",
-                "Leave friction out, or choose another law.",
-                symbol="friction",
-                value=repr(form),
-            )
-        if not takes_forms(law):
-            raise ParameterError(
-                f"does not go with law = {law.name!r}, which has a friction of its own",
-                "Leave friction out, or choose another law.",
-                symbol="friction",
-                value=repr(form),
-            )
+    if form != law.form and (law.form != LOG or not takes_forms(law)):
+        needs = f"needs friction = {law.form!r}" if law.form != LOG else "has a friction of its own"
+        raise ParameterError(
+            f"does not go with law = {law.name!r}, which {needs}",
+            "Leave friction out, or choose another law.",
+            symbol="friction",
+            value=repr(form),
+        )
     if form != LOG:
         law = _add_part(law, form)
     return _add_part(law, DAMPED) if damped else law

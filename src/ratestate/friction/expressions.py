@@ -16,7 +16,7 @@ import operator
 import threading
 from typing import Any
 
-#: held while the expressions of a law are made, so that all threads get the same ones
+#: held while the expressions of a law are made, so that all threads share them
 EXPRESSION_LOCK = threading.RLock()
 #: functions with positive values
 POSITIVE_FUNCTIONS = ("exp", "softplus", "logistic", "asinh_of_exp", "cosh")

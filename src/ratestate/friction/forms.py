@@ -49,7 +49,6 @@ class CutOff(FrictionLaw):
     )
 
     def mu(self, V, theta, ages, p, effects):
-        """Return mu from the theta_k/D_k and the b_k."""
         mu = p.mu0 - p.a * log(1.0 + p.V1 / V)
         states = zip(effects, ages, strict=True)
         return sum((b * log(1.0 + p.V2 * age) for b, age in states), mu)
@@ -108,7 +107,6 @@ class Regularized(FrictionLaw):
     one_length = False  # the closed forms hold for eq. 1
 
     def mu(self, V, theta, ages, p, effects):
-        """Return mu from the theta_k/D_k and the b_k."""
         states = eq_1(p.V0, ages, p, effects)
         return p.a * asinh(0.5 * V / p.V0 * exp(states / p.a))
 
@@ -127,21 +125,17 @@ class Regularized(FrictionLaw):
         return self.constant("barrier", p) + dot(self.evolution_effects(p), psi)
 
     def net_speed(self, v, psi, p):
-        """Return w, 1/c and (c,), see point.py."""
         t = tanh(v)
         c = bounded_exp(self.log_jump_rate(v, psi, p)) * (2.0 / (1.0 + abs(t)))
         return c * t, 1.0 / c, (c,)
 
     def log_jump_rate(self, v, psi, p):
-        """Return ln of the larger of the forward and backward jump rates."""
         return abs(v) - self.barrier(psi, p)
 
     def v_at(self, w, psi, p):
-        """Return v at the speed w, which may be an array."""
         return asinh_of_product(w, self.barrier(psi, p))
 
     def speed(self, v, psi, p):
-        """Return w as the engine computes it, for arrays, without its upper limit."""
         import numpy as np
 
         t = np.tanh(v)
@@ -150,7 +144,7 @@ class Regularized(FrictionLaw):
             return jumps * (2.0 / (1.0 + np.abs(t))) * t
 
 
-#: name of a form, except that of eq. 1 -> its class, whose parameters are OWN_PARAMETERS
+#: name of a form other than eq. 1 -> its class, whose parameters are OWN_PARAMETERS
 FORMS: dict[str, Any] = {"cut-off": CutOff, "regularized": Regularized}
 
 

@@ -10,8 +10,8 @@ a:
     resistance R = (mu - mu_ref)/a,   x = (tau/sigma - mu_ref)/a,
 
 with mu_ref, the friction at V_ref and theta_k = D_k/V_ref.  The stress S that opposes motion,
-friction and perhaps damping (`motion`), is divided by a too.  Each state is coupled to v and to
-itself, not to other states.
+friction and perhaps damping, is divided by a too (`equations_of_motion`).  Each state is coupled to
+v and to itself, not to other states.
 """
 
 import math
@@ -63,7 +63,7 @@ class FrictionLaw(LawFormula):
         """Return mu_ref, given mu at V_ref and theta_k = D_k/V_ref."""
         return mu
 
-    # Equations that follow from the formula (equations.py, motion.py), and values at a point
+    # Equations that follow from the formula (equations_of_motion.py), and values at a point
 
     @_thread_safe_property
     def equations(self):
@@ -75,14 +75,14 @@ class FrictionLaw(LawFormula):
     @_thread_safe_property
     def motion(self):
         """Return the equations of motion in the engine's variables, a `Motion`."""
-        from .motion import Motion
+        from .equations_of_motion import Motion
 
         return Motion(self, self.reverses)
 
     @_thread_safe_property
     def motion_in_speed(self):
         """Return the equations of motion with v = ln(V/V_ref), a `Motion`."""
-        from .motion import Motion
+        from .equations_of_motion import Motion
 
         return Motion(self, False) if self.reverses else self.motion
 
@@ -210,6 +210,17 @@ class FrictionLaw(LawFormula):
             if not abs(rate / math.exp(v) - h) <= ROUNDING:
                 return False
         return self.series is not None
+
+    @cached_property
+    def has_recurrences(self):
+        """Return whether every expression in the equations has Taylor coefficients in time."""
+        from .taylor import NoSeries, expand
+
+        try:
+            expand(self.motion.in_time[0], [], 0, {})
+        except NoSeries:
+            return False
+        return True
 
     @cached_property
     def series(self):

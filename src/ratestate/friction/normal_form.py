@@ -25,7 +25,7 @@ import numpy as np
 from .expressions import Graph
 from .functions import exp
 from .laws import friction_law
-from .rewriting import Derivative, function_of
+from .rewriting import Derivative, values_of
 from .tuples import dot
 
 # Rounding error of eta, beta - 1 and a law's coefficients, relative to the terms of a sum
@@ -104,8 +104,9 @@ def lyapunov_1_of_law(law, p, kappa, eta, omega):
 
     def form(*vectors):
         """Return the 2nd or 3rd derivative of the equations along 2 or 3 vectors."""
-        numbers = (x for vector in vectors for x in vector)
-        return _multilinear_forms(law)[len(vectors)](0.0, 0.0, kappa, *at.psi, *p, *numbers)
+        derivatives, inputs = _multilinear_forms(law)[len(vectors)]
+        numbers = (0.0, 0.0, kappa, *at.psi, *p, *(x for vector in vectors for x in vector))
+        return values_of(derivatives, dict(zip(inputs, numbers, strict=True)))
 
     def by_states(L, r):
         """Return sum_k S_k r_k/(L - f_k)."""
@@ -142,22 +143,21 @@ def _extended(x):
 
 @functools.cache
 def _multilinear_forms(law):
-    """Return order -> function: a derivative of the equations along `order` vectors.
+    """Return order -> derivatives of the equations along `order` vectors, and their symbols.
 
     The vectors are (x, v, psi).  The equations are dx/dT = kappa (1 - w), eta dv/dT = g/w with
     g = x - S, and d psi/dT.  In steady sliding v and g are 0.
     """
-    graph = Graph(merges=False)
+    graph = Graph(merges=False)  # of its own, so that it changes no order of terms in units
     kappa, *p = (graph.symbol(("p", k)) for k in range(1 + law.n_coefficients))
-    names = ("v", "g", *law.states)
-    v, g, *psi = (graph.symbol(name, is_constant=False) for name in names)
+    v, g, *psi = (graph.symbol(name, is_constant=False) for name in ("v", "g", *law.states))
     at = law.at_speed(v, psi, p)
     equations = [-kappa * exp(v), g * exp(-v), *at.f]
-    inputs, functions = [v, g, kappa, *psi, *p], {}
+    inputs, forms = [v, g, kappa, *psi, *p], {}
     for order in (1, 2, 3):
-        y = [graph.symbol((order, name)) for name in ("x", *names[:1], *names[2:])]
-        along = Derivative(graph, {v: y[1], **dict(zip(psi, y[2:], strict=True))})
-        along.derivatives[g] = y[0] - along(at.S)
-        equations, inputs = [along(x) for x in equations], [*inputs, *y]
-        functions[order] = function_of(equations, inputs)
-    return functions
+        x, *y = (graph.symbol((order, name)) for name in ("x", "v", *law.states))
+        along = Derivative(graph, dict(zip((v, *psi), y, strict=True)))
+        along.derivatives[g] = x - along(at.S)
+        equations, inputs = [*map(along, equations)], [*inputs, x, *y]
+        forms[order] = equations, inputs
+    return forms

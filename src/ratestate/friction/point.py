@@ -30,7 +30,7 @@ ROUNDING_OF_FORCE = 1e-13
 class Point:
     """A slider at one point, in numbers of any kind.
 
-    Each list of `motion.Motion` that needs no other numbers is an attribute.
+    Each list of `equations_of_motion.Motion` that needs no other numbers is an attribute.
 
     Parameters
     ----------
@@ -122,7 +122,6 @@ class Point:
 
     @cached_property
     def log_jump_rate(self):
-        """Return ln of the larger of the forward and backward jump rates."""
         return self.law.log_jump_rate(self.v, self.psi, self.p)
 
     @property

@@ -18,9 +18,9 @@ Slip law, slip D in units of Dc instead of time, z = x + kappa h(v):
 E is the excursion: 0 in steady sliding and positive elsewhere.  It is conserved at K = K_c_qs,
 falls above, and grows below.  Its level curves are closed, so that under the aging law every
 motion at K_c_qs is periodic.  With X = x + E the level curves of the slip law are
-E = kappa h(v) + h(X), the same curves.  (Both laws are the Lotka-Volterra equations there, in the
-time S or the slip D.)  Starts with z >= 1 under the slip law lie beyond these curves: at K_c_qs
-they run away, and V grows without bound in a finite time.  At any stiffness starts with
+E = kappa h(v) + h(X), as under the aging law.  (Both laws are the Lotka-Volterra equations there,
+in the time S or the slip D.)  Starts with z >= 1 under the slip law lie beyond these curves: at
+K_c_qs they run away, and V grows without bound in a finite time.  At any stiffness starts with
 ln(V theta/Dc) >= K/K_c_qs run away too.
 
 The edge of runaway under the slip law, with y = v + psi and e(v) = kappa (exp(-v) - 1):

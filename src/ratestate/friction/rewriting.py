@@ -67,7 +67,6 @@ class Hoisting:
         self._symbols, self._copies = {}, {}
 
     def __call__(self, x):
-        """Return the new expression."""
         if x not in self._copies:
             self._copies[x] = self._hoist(x)
         return self._copies[x]
@@ -103,29 +102,24 @@ class Hoisting:
         return self._symbols[constant]
 
 
-def function_of(roots, inputs):
-    """Return a Python function of numbers of any kind: the list of some expressions.
-
-    inputs : expressions whose values it takes, in this order: all symbols, perhaps others
-    """
-    scope = {**vars(functions), "power": _power}
-    exec(source_of(roots, inputs), scope)
-    return scope["value"]
-
-
 def values_of(roots, inputs):
-    """Return values of expressions, a list; inputs : as in `function_of` -> value."""
+    """Return the values of expressions, a list of numbers of any kind.
+
+    inputs : expression -> value, for each symbol and perhaps other expressions
+    """
     if not (roots := tuple(roots)):
         return []
     programs, key = roots[0].graph.programs, (roots, tuple(inputs))
     if key not in programs:
-        programs[key] = function_of(*key)
+        scope = {**vars(functions), "power": _power}
+        exec(source_of(*key), scope)
+        programs[key] = scope["value"]
     with np.errstate(all="ignore"):  # the side that `where` does not select may be NaN
         return programs[key](*inputs.values())
 
 
 def source_of(roots, inputs):
-    """Return the source of `function_of`, which also identifies expressions."""
+    """Return the source of a function of inputs, which also identifies the expressions in roots."""
     names = {node: f"x{k}" for k, node in enumerate(inputs)}
     lines = [f"def value({', '.join(names.values())}):"]
 

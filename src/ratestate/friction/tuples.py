@@ -13,7 +13,6 @@ def total(terms):
 
 
 def plus(x, y):
-    """Return x_i + y_i."""
     return tuple(x_i + y_i for x_i, y_i in zip(x, y, strict=True))
 
 
@@ -73,5 +72,4 @@ def largest(k):
 
 
 def select(condition, x, y):
-    """Return x if the condition is true, else y."""
     return tuple(where(condition, x_i, y_i) for x_i, y_i in zip(x, y, strict=True))

@@ -185,7 +185,6 @@ def _code_place(error, law):
 
 
 def _explain(error):
-    """Return the problem with a formula that cannot be run, and the remedy."""
     if isinstance(error, FormulaError):
         return str(error)
     if isinstance(error, AttributeError) and isinstance(error.obj, types.SimpleNamespace):
@@ -296,6 +295,5 @@ def _on_grid(x):
 
 
 def _describe_point(k):
-    """Return the k-th speed and age of the grid as text."""
     V, age = SPEEDS.flat[k // AGES.size], AGES[k % AGES.size]
     return f"V = {V:.3g} m/s and V theta/D = {np.exp(age):.3g}"

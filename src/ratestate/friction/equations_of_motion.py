@@ -11,10 +11,11 @@ Derivatives are along directions (x, omega, psi), with d omega = dw/c: derivativ
 constant psi, and derivatives by psi at constant w.
 """
 
+import functools
 from typing import Any
 
-from .expressions import EXPRESSION_LOCK
 from .rewriting import Derivative, values_of
+from .taylor import NoSeries
 from .tuples import dot
 
 #: symbols of numbers other than the state and its functions
@@ -61,7 +62,6 @@ class Motion:
 
     def __init__(self, law, reverses):
         self.law, self.equations, self.reverses = law, law.equations, reverses
-        self._lists: dict[str, Any] = {}
         self.graph = self.equations.graph
         self.v, self.w, self.psi = self.equations.v, self.equations.w, self.equations.psi
         self.symbols = {name: self._symbol(name) for name in VARYING_SYMBOLS}
@@ -73,12 +73,19 @@ class Motion:
         self.R = self.v if reverses else self.equations.resistance[0]
         self.N, self.f, self.p = self.R, self.equations.rates, (*self.equations.constants,)
         self.time_rates = {}
+        self._lists: dict[str, Any] = {}
         if law.varies:
             self._add_varying_stress()
         self.S = self.N if self.equations.zeta is None else self.N + self.equations.zeta * self.w
         self._lists |= {"S": self.S, "N": self.N, "R": self.R, "f": self.f}
         self._lists["exponents"] = self.equations.exponents
-        self._pending = iter((self._slopes, self._changes, self._without_inertia))
+        # the order in which expressions are made is the order of terms in their sums
+        self._add_slopes()
+        self._add_changes()
+        by_omega, *by_psi = self["S_slopes"]
+        slaved = -dot(by_psi, self.f) / by_omega
+        self._lists["slaved"] = slaved
+        self._lists["slaved_slopes"] = [along(slaved) for along in self._basis[2:]]
 
     def _symbol(self, name, is_constant=False):
         return self.graph.symbol(("motion", name), is_constant=is_constant)
@@ -118,26 +125,19 @@ class Motion:
             along.derivatives[symbols["F"]] = dot(effects, tuple(map(along, self.f)))
         return along
 
-    def __getitem__(self, name):
-        """Return a list.  A fixed order of making them fixes the order of terms in sums."""
-        with EXPRESSION_LOCK:
-            while name not in self._lists:
-                if (make := next(self._pending, None)) is None:
-                    raise KeyError(name)
-                self._lists |= make()
-        return self._lists[name]
-
-    def _slopes(self):
+    def _add_slopes(self):
         n, zero = 2 + len(self.psi), self.graph.number(0.0)
-        units = [[self.graph.one if j == k else zero for j in range(n)] for k in range(n)]
-        self._units, self._basis = units, [self._derivative_along(*unit) for unit in units]
+        self._units = [[self.graph.one if j == k else zero for j in range(n)] for k in range(n)]
+        self._basis = [self._derivative_along(*unit) for unit in self._units]
         _, by_omega, *by_psi = self._basis
         by_own_psi = [along(f) for along, f in zip(by_psi, self.f, strict=True)]
         S, R = ([along(force) for along in self._basis[1:]] for force in (self.S, self.R))
-        slopes = {"S_slopes": S, "R_slopes": R, "f_slopes": [[*map(by_omega, self.f)], by_own_psi]}
-        return slopes | ({"jump_growth": dot(R[1:], self.by_R)} if self.time_rates else {})
+        f_slopes = [[*map(by_omega, self.f)], by_own_psi]
+        self._lists |= {"S_slopes": S, "R_slopes": R, "f_slopes": f_slopes}
+        if self.time_rates:
+            self._lists["jump_growth"] = dot(R[1:], self.by_R)
 
-    def _changes(self):
+    def _add_changes(self):
         symbols, f, (x, v, *psi) = self.symbols, self.f, self.symbols["z"]
         at_constant_F = [self._derivative_along(*unit, with_F=False) for unit in self._units[1:]]
         along_and_time = self._derivative_along(x, v, *psi, dT=symbols["dT"])
@@ -148,7 +148,7 @@ class Motion:
             omega = v - self.t * dot(self.equations.evolution_effects, psi)
         along_z = self._derivative_along(x, omega, *psi)
         equations = [-symbols["kappa"] * self.w, v_row, *f]
-        return {
+        self._lists |= {
             "changes": [*map(along_and_time, (self.S, self.N, self.R))],
             "N_drift": [by_time(self.N)] if self.time_rates else [],
             "f_drift": [*map(by_time, f)] if self.time_rates else [],
@@ -158,10 +158,8 @@ class Motion:
             "change_of_trace": along_z(sum(self["f_slopes"][1], at_constant_F[0](v_row))),
         }
 
-    def _without_inertia(self):
-        by_omega, *by_psi = self["S_slopes"]
-        slaved = -dot(by_psi, self.f) / by_omega
-        return {"slaved": slaved, "slaved_slopes": [along(slaved) for along in self._basis[2:]]}
+    def __getitem__(self, name):
+        return self._lists[name]
 
     def values(self, name, inputs):
         """Return the values of one of the lists, in tuples; rows as dicts.
@@ -169,6 +167,19 @@ class Motion:
         inputs : symbol -> value; w and exponentials too if they are known
         """
         return _refill(self[name], iter(values_of(_flatten(self[name]), inputs)))
+
+    @functools.cached_property
+    def in_time(self):
+        """Return x, v, psi -> derivative in T, and a list of the powers of `Point.work_rates`.
+
+        NoSeries if slip may reverse or normal stress varies.
+        """
+        if self.reverses or self.time_rates:
+            raise NoSeries("slip that may reverse, or normal stress that varies")
+        x, w_lp, kappa, inverse = (self.symbols[name] for name in ("x", "w_lp", "kappa", "1/eta0"))
+        of_x_and_v = kappa * (w_lp - self.w), inverse * (x - self.S) / self.w
+        derivatives = zip((x, self.v, *self.psi), (*of_x_and_v, *self.f), strict=True)
+        return dict(derivatives), [x * w_lp, self.S * self.w]
 
 
 def _rows(equations, basis):

@@ -5,7 +5,7 @@ crossing is a stress maximum and closes a cycle.  A downward crossing is a stres
 
 The dense output of a step is a polynomial for each variable, in the fraction of the step that has
 passed, 0 to 1.  Rows of the lane buffer hold its coefficients, the constant first.  The degree is 4
-after a step of Rodas5P, and `taylor.ORDER` after a Taylor step.
+after a step of Rodas5P, and `rows.ORDER` after a Taylor step.
 
 The period of a run follows from the stress maxima and minima of its last cycles.
 """
