@@ -18,7 +18,8 @@ import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.verdict import verdict
 from ratestate.interfaces.cli import main, run_scenario
-from ratestate.interfaces.scenario import load, model
+from ratestate.interfaces.scenario import load
+from ratestate.interfaces.scenario.scenario import FUNCTIONS
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.solve import bytes_per_case, form_of
 
@@ -580,9 +581,8 @@ def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, m
     for folder in ("folder.nc", "folder.zarr"):
         lab.with_name(folder).mkdir()
     before = sorted(lab.parent.rglob("*"))
-    for verb in model.FUNCTIONS:
-        row = model.FUNCTIONS[verb]._replace(call=never)
-        monkeypatch.setitem(model.FUNCTIONS, verb, row)
+    for verb, function in [*FUNCTIONS.items()]:
+        monkeypatch.setitem(FUNCTIONS, verb, function._replace(call=never))
     result = call(*arguments)
     assert result.exit_code == 2, result.output
     assert message in " ".join(result.stderr.split())

@@ -9,12 +9,12 @@ import pytest
 from typer.testing import CliRunner
 
 import ratestate.records
-from ratestate.interfaces.cli import fit, laboratory, main
-from ratestate.interfaces.cli.reading import Reading
+from ratestate.interfaces.cli import laboratory, main
+from ratestate.interfaces.cli.options import Reading
 
 OPTIONS = {
     parameter
-    for function in (fit.fit, laboratory.events, laboratory.healing, Reading)
+    for function in (laboratory.fit, laboratory.events, laboratory.healing, Reading)
     for parameter in inspect.signature(function).parameters
 }
 FOLDER = Path(ratestate.records.__file__).parent

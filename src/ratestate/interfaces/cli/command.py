@@ -4,17 +4,14 @@ import dataclasses
 import functools
 import importlib
 import inspect
-import itertools
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ...errors import ParameterError
-from ...friction.laws import law_name
 from ...paper.figures import BEYOND
 from .exits import EXIT_CODES, exit_on_error
 from .output import warnings_as_lines
@@ -34,7 +31,7 @@ _SHARED = _TABLES.pop("shared")
 #: group of commands -> its help, and command -> the group it is in, "" for none
 GROUPS = _TABLES.pop("groups")
 _GROUP_OF = {name: table.pop("group", "") for name, table in _TABLES.items()}
-_MODULES = {name: table.pop("module", name) for name, table in _TABLES.items()}
+_MODULES = {name: table.pop("module") for name, table in _TABLES.items()}
 
 
 def functions() -> list[Callable[..., None]]:
@@ -86,64 +83,6 @@ def parameters_of(function: Callable[..., None]) -> list[inspect.Parameter]:
         options = inspect.signature(group).parameters.values() if _is_group(group) else [parameter]
         parameters += options
     return parameters
-
-
-def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[str, str]:
-    """Strings of the form NAME=TEXT as a dict; several may be in one, if there is a separator."""
-    named: dict[str, str] = {}
-    split = [text.split(separator) if separator else [text] for text in texts or []]
-    for text in itertools.chain(*split):
-        name, sign, value = (part.strip() for part in text.partition("="))
-        if not (name and sign and value):
-            raise typer.BadParameter(f"{text!r} has no NAME=...", param_hint=option)
-        named[name] = value
-    return named
-
-
-def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str]:
-    """The option --set, NAME=VALUE each, as a dict; `typer.BadParameter` for another symbol."""
-    values, known = pairs_of(texts, "--set"), [*symbols]
-    if unknown := [name for name in values if name not in known]:
-        wanted = f"expected {' or '.join(known)}" if known else "it has none"
-        raise typer.BadParameter(
-            f"{unknown[0]!r} is no parameter of the law's own; {wanted}", param_hint="--set"
-        )
-    return values
-
-
-def laws_of(
-    texts: Iterable[str], law_file: Path | None, defaults: Iterable[str]
-) -> tuple[str, ...]:
-    """The friction laws of the options --law, by name, and --law-file, which is run; each once.
-
-    `typer.BadParameter` for an unknown law, and if they lack that of the file.
-    """
-    own = register_file(law_file)
-    names = tuple(dict.fromkeys(map(_law_of, texts)))
-    if own and names and own not in names:
-        raise typer.BadParameter(
-            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}; name it too, or "
-            f"leave --law out",
-            param_hint="'--law'",
-        )
-    return names or ((own,) if own else tuple(defaults))
-
-
-def register_file(law_file: Path | None) -> str:
-    """Register the law of the option --law-file; its name, "" without a file."""
-    if law_file is None:
-        return ""
-    from ...model.user_laws import register
-
-    return register(law_file)
-
-
-def _law_of(text: str) -> str:
-    """The friction law of this name; `typer.BadParameter` for none."""
-    try:
-        return law_name(text)
-    except ParameterError as error:
-        raise typer.BadParameter(str(error), param_hint="'--law'") from None
 
 
 def _is_group(annotation: Any) -> bool:

@@ -17,9 +17,9 @@ from ...model.quantities import QUANTITIES
 from ...model.units import is_array, to_si
 from .. import scenario as scenarios
 from ..scenario import Output, Scenario
-from .command import pairs_of
 from .document import document, failed
 from .exits import FAILED, SOME_FAILED
+from .options import Outputs, pairs_of
 from .output import print_json, print_line, print_rich
 from .verdict_text import VerdictText, verdict_text
 
@@ -35,21 +35,15 @@ def load_scenario(file: Path, verb: str | None, law_file: Path | None) -> Scenar
     return scenarios.loads(text, verb, name="standard input", law_file=law_file)
 
 
-def do(
-    scenario: Scenario,
-    out: Path | None,
-    plot: Path | None,
-    json: bool,
-    units: dict[str, str] | None = None,
-) -> None:
+def do(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
     """Run a scenario, print the result, and write the requested files.
 
-    units : symbol -> the unit in which it is printed and written, as by `wanted_units`
+    Raises `typer.Exit` with code 3 after a part of a branch, or if cases failed; with code 2 after
+    a run that no quasi-static motion continues.
 
-    `typer.Exit` with code 3 after a part of a branch, or where cases failed; with code 2 after a
-    run that no quasi-static motion continues.
+    units : symbol -> the unit in which it is printed and written, as by `wanted_units`
     """
-    output = output_paths(scenario, out, plot)
+    output = output_paths(scenario, outputs.out, outputs.plot)
     problem = None
     try:
         result = compute(scenario)
@@ -60,7 +54,7 @@ def do(
     numbers = in_numbers(result, units)
     verdict = None if swept_dims(scenario) else verdict_text(scenario, result)
     write_numbers(numbers, output)
-    if json:
+    if outputs.json:
         print_json(document(numbers, verdict))
     else:
         print_report(result, verdict, units)

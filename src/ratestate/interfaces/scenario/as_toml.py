@@ -16,7 +16,7 @@ from ...model.parameters import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES, exact_text
 from ...model.units import is_array
 from ...model.user_laws import file_of_law
-from .model import FUNCTIONS, Scenario
+from .scenario import FUNCTIONS, Scenario
 
 WIDTH = 93  # characters of a line
 

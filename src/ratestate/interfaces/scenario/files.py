@@ -5,14 +5,18 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ...errors import MissingFileError
+from ...errors import MissingFileError, ParameterError
+from ...friction.composition import composed
+from ...friction.forms import form_name
+from ...friction.law import FrictionLaw
+from ...friction.laws import DEFAULT, friction_law
 from ...model.names import one_of
 from .assemble import Tables, assemble
-from .known_keys import TABLES, composed_law_of, example, tables_with
+from .known_keys import TABLES, example, tables_with
 from .law_file import take_law_file
 from .loading_table import loading_table
-from .model import FUNCTIONS, Scenario
 from .problems import Place, Problem, choice, message, refusal, report, written
+from .scenario import FUNCTIONS, Scenario
 from .tables import plain_table, sweep_table
 
 LARGEST = 10**7  # bytes
@@ -94,7 +98,7 @@ def loads(
     take_law_file(parsed, law_file, folder, problems)
     slider = plain_table("slider", parsed.get("slider", {}), problems)
     of_sweep = parsed.get("sweep", {})
-    law = composed_law_of(slider | {k: of_sweep[k] for k in ("law", "friction") if k in of_sweep})
+    law = _law_of(slider | {k: of_sweep[k] for k in ("law", "friction") if k in of_sweep})
     run = plain_table("run", parsed.get("run", {}), problems, law)
     verb_of_run = run.pop("verb", None)
     sweep = sweep_table(parsed.get("sweep"), verb, verb_of_run, problems, law)
@@ -118,6 +122,16 @@ def loads(
         lines = report(problems, TABLES, data.decode("utf-8-sig"))
         raise refusal("file.unusable", name=name, lines=lines)
     return scenario
+
+
+def _law_of(slider: dict[str, Any]) -> FrictionLaw | None:
+    """Return the law of a slider with its form of friction and damping; None if it is unknown."""
+    try:
+        law = friction_law(slider.get("law", DEFAULT))
+        form = form_name(slider.get("friction", law.form))
+        return composed(law, form, bool(slider.get("damping")))
+    except ParameterError:  # noted when the slider is read, or made
+        return None
 
 
 def _parse(text: bytes, name: str) -> dict[str, Any]:
