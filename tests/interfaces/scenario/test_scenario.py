@@ -17,13 +17,7 @@ from ratestate.interfaces.scenario import load, loads, template
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
 
-SLIDER = {
-    "a": "0.003",
-    "b": "0.006",
-    "Dc": '"10 um"',
-    "sigma": '"2 MPa"',
-    "K": '"900 MPa/m"',
-}
+SLIDER = {"a": "0.003", "b": "0.006", "Dc": '"10 um"', "sigma": '"2 MPa"', "K": '"900 MPa/m"'}
 PARAMETERS = (
     "a, b, Dc, sigma, K, M, mu0, V0, law, friction, damping, alpha, area, V_w, mu_w, V_cut, c, b2, "
     "Dc2, V1, V2, normal_force, stiffness, mass, dashpot, law_file"
@@ -403,11 +397,3 @@ def test_a_sweep_too_large_is_refused_before_it_takes_memory(read):
     assert f"are {4 * 10**30} cases" in found[1]
     wide = CYCLE | {"M": "[" + "1," * 1_000_001 + "]"}
     assert lines(read, toml(sweep=wide))[1].startswith("[sweep] M: is a list of 1000001")
-
-
-def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(rs.errors.MissingFileError):
-        load(tmp_path / "none.toml")
-    for path in (tmp_path, tmp_path / ("x" * 1000)):
-        with pytest.raises(ParameterError, match=re.escape(f"{path} cannot be read: ")):
-            load(path)

@@ -1,7 +1,6 @@
 """What the tables of a scenario file mean, and what is said of those that mean nothing."""
 
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from scenario_problems import problem_lines
 
 import ratestate as rs
 from ratestate import Loading, ParameterError
-from ratestate.interfaces.scenario import Output, from_result, load, loads, run, toml
+from ratestate.interfaces.scenario import Output, from_result, load, loads, toml
 
 SLIDER = """
 [slider]
@@ -89,10 +88,7 @@ def same(one, other):
             't = [0, 1, 1, "1 min"]\nV_lp = [1e-3, "2 mm/s", 0, 1]',
             Loading.series([0, 1, 1, 60], [1e-3, 2e-3, 0, 1]),
         ),
-        (
-            "t = { from = 0, to = 20, n = 3 }\nV_lp = [1, 2, 3]",
-            None,
-        ),
+        ("t = { from = 0, to = 20, n = 3 }\nV_lp = [1, 2, 3]", None),
     ],
 )
 def test_loadings(read, told, table, loading):
@@ -393,13 +389,6 @@ def test_settings_of_a_run(read):
     assert (scenario.output.file.name, scenario.output.plot.name) == ("x.zarr", "x.PNG")
 
 
-def test_initial_values_that_clash(told):
-    slider = SLIDER.replace("M = 3000", "M = 0")
-    text = "[loading]\nV_lp = 1\n[run]\nt_end = 1\ninitial = { V = 1, theta = 1, tau = 1 }"
-    (line,) = told(text, slider=slider)
-    assert line.startswith("[run] initial: initial V, theta and tau do not agree: without inertia")
-
-
 @pytest.mark.parametrize(
     ("table", "line"),
     [
@@ -558,10 +547,7 @@ def test_a_branch(read, told):
     assert along.settings.keys() == {"parameter", "start", "stop", "rtol"}
     for table, line in [
         ("V_lp = 1", "[sweep]: nothing between two ends"),
-        (
-            "V_lp = {from=1, to=2}\nK = {from=1, to=2}",
-            "[sweep]: V_lp and K between two ends",
-        ),
+        ("V_lp = {from=1, to=2}\nK = {from=1, to=2}", "[sweep]: V_lp and K between two ends"),
         ("V_lp = {from=1, to=2, n=3}", "[sweep] V_lp: 'n': a branch chooses its points itself"),
         ("V_lp = {from=1}", "[sweep] V_lp.to: is missing"),
         ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = 1.0 is stop too"),
@@ -620,14 +606,6 @@ def test_no_more_than_a_hundred_problems_are_told(folder):
         file.write("\n[loading]\nV_lp = 1\nsteps = [{ V_lp = 2 }]\n[run]\nt_end = 3\n")
     with pytest.raises(ParameterError, match="and 406 problems more"):
         load(path)
-
-
-def test_run_does_it(read, folder):
-    shutil.rmtree(folder / "none", ignore_errors=True)
-    result = run(read("[loading]\nV_lp = 3.2e-3\n[run]\nt_end = 0.1\nV_start = 1e-3"))
-    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3000)
-    expected = rs.simulate(slider, Loading.constant(3.2e-3), 0.1, V_start=1e-3)
-    assert result.identical(expected)
 
 
 def test_a_problem_names_its_line(read):

@@ -63,7 +63,8 @@ def _per_area(values: dict[str, Any], place: Place) -> dict[str, Any]:
 def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = None) -> Any:
     """Return the value of a known key that has no axis here; None for a problem, noted.
 
-    It is a float [SI], a str, a Path, a dict, or an array (n,); frequencies are a DataArray.
+    It is a float [SI], a str, a Path, a dict, an array (n,) of times, or frequencies as a DataArray
+    along themselves.
     """
     before = len(place.problems)
     if key == "initial":
