@@ -11,22 +11,17 @@ from urllib.parse import parse_qsl
 
 import numpy as np
 import pytest
+from command_line import call
 from matplotlib.figure import Figure
-from typer.testing import CliRunner
 
 import ratestate
 from ratestate import files
 from ratestate.interfaces import cli, scenario, templates
-from ratestate.interfaces.cli import main
 from ratestate.interfaces.cli.command import group_of, parameters_of
 from ratestate.paper import atlas_figure, claims_table, figures
 from ratestate.paper.claim import Claim, exact
 
 ROW = Claim(id="x", where="sec. 1", claim="Water is wet.", paper="wet", unit="", **exact(1.0))
-
-
-def call(*arguments):
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 @pytest.fixture

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from command_line import call
 
 import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.verdict import verdict
-from ratestate.interfaces.cli import main, run_scenario
+from ratestate.interfaces.cli import run_scenario
 from ratestate.interfaces.scenario import load
 from ratestate.interfaces.scenario.scenario import FUNCTIONS
 from ratestate.sweeps.calls import call_of
@@ -59,10 +59,6 @@ COMMANDS = {
     "cycle": ([], lambda: rs.limit_cycle(SLIDER, 3.2e-3)),
     "branch": (BRANCH, lambda: rs.continue_cycle(SLIDER, "V_lp", 3.3e-3, 3e-3)),
 }
-
-
-def call(*arguments):
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 @pytest.fixture
@@ -614,20 +610,20 @@ def test_an_error_of_reading_is_not_called_one_of_writing(lab, monkeypatch):
 
 def test_a_scenario_from_standard_input(lab):
     from_file = call("stability", lab, "--json").stdout
-    result = CliRunner().invoke(main, ["stability", "-", "--json"], input=LAB)
+    result = call("stability", "-", "--json", input=LAB)
     assert (result.exit_code, result.stdout, result.stderr) == (0, from_file, "")
     record = "t [s],V [mm/s]\n0,1\n0.01,1\n"
     lab.with_name("here.csv").write_text(record)
     loading = '[loading]\nfile = "here.csv"\ncolumns = [1, 2]\n[run]\nt_end = "10 ms"\n'
     text = LAB.split("[loading]")[0] + loading
-    assert CliRunner().invoke(main, ["run", "-"], input=text).exit_code == 0
-    result = CliRunner().invoke(main, ["run", "-"], input="x = [")
+    assert call("run", "-", input=text).exit_code == 0
+    result = call("run", "-", input="x = [")
     assert result.stderr.startswith("error: standard input is not valid TOML: line 1, 'x = [': ")
-    result = CliRunner().invoke(main, ["cycle", "-"], input="x = 1")
+    result = call("cycle", "-", input="x = 1")
     assert result.stderr.startswith(
         "error: standard input cannot be used:\nline 1, x: stands above all"
     )
-    result = CliRunner().invoke(main, ["run", "-"], input="#" * (10**7 + 1))
+    result = call("run", "-", input="#" * (10**7 + 1))
     assert "standard input cannot be read: it has 10000001 bytes, more than" in result.stderr
 
 

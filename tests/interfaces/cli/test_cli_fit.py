@@ -1,29 +1,29 @@
 """``ratestate fit``: what it prints, writes and returns."""
 
 import dataclasses
+import functools
 import json
 import re
 import tomllib
 import warnings
 from pathlib import Path
 
+import command_line
 import numpy as np
 import pytest
 from naive import FIG2
 from synthetic_records import SLIDER, STEP, record
-from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate import files
-from ratestate.interfaces.cli import command, main, run_fit
+from ratestate.interfaces.cli import command, run_fit
 from ratestate.model.quantities import with_error
 from ratestate.model.units import to_si
 
 WINDOW = ["--time", "10 s,135 s"]
 
 
-def call(*arguments):
-    return CliRunner().invoke(main, ["fit", *map(str, arguments)])
+call = functools.partial(command_line.call, "fit")
 
 
 def written(path, *, noise=3e-4, sigma=True, rows=701):

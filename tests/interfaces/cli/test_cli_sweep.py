@@ -14,11 +14,10 @@ from typing import NamedTuple
 
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from command_line import call
 
 import ratestate as rs
 from ratestate import ParameterError, files
-from ratestate.interfaces.cli import main
 from ratestate.sweeps.status import store_status
 
 SCENARIO = """
@@ -49,10 +48,6 @@ class StoreStatus(NamedTuple):
     size: int = 123_456
     processor: str = ""
     flaws: list | None = None
-
-
-def call(*arguments):
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenario_problems import problem_lines
+from scenario_problems import problem_lines, problems_of
 
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider
@@ -205,9 +205,7 @@ def test_many_problems_are_told_at_once(read):
         t_end = 3
         times = [1, "1 h"]
     """
-    with pytest.raises(ParameterError) as caught:
-        read(text)
-    lines = problem_lines(caught.value)
+    lines = problems_of(read, text)
     told = f"""\
 loose: stands above all tables. Give one of {TABLES}.
 [slder]: unknown table. Give one of {TABLES}. Did you mean [slider]?

@@ -199,7 +199,7 @@ def _evaluate(
 def _reported(
     what: str, files: list[Path], reading: Reading, out: Path | None
 ) -> "Iterator[tuple[xarray.Dataset, list[Path]]]":
-    """The record in these files, and a list that takes the files made; both reported on stderr."""
+    """Yield the record and a list that takes the files made; report both on stderr."""
     from ...records.reading import read_lab
 
     keywords = reading.keywords()
@@ -211,7 +211,7 @@ def _reported(
 
 
 def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) -> list[Path]:
-    """Write a result as NAME.nc and NAME.png, and its tables; the paths.
+    """Write a result as NAME.nc and NAME.png, and its tables; return the paths.
 
     NAME.csv has a row for each value along a dimension, NAME_summary.csv one for each quantity of
     the whole record.
@@ -232,7 +232,7 @@ def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) 
 
 
 def _by_law(result: "xarray.Dataset", dim: str) -> "xarray.Dataset":
-    """A result with a variable along the dimension alone for each law, where it has several."""
+    """Return a result whose variables of several laws are split into one for each law."""
     table = result.copy()
     for name, variable in result.data_vars.items():
         if set(variable.dims) == {"law", dim}:

@@ -1,4 +1,4 @@
-"""Options that several commands share, as groups; and options with NAME=VALUE, read.
+"""Groups of options that several commands share, and readers of options such as NAME=VALUE.
 
 A command has the options of a group by a parameter whose type is the group.
 """
@@ -19,7 +19,7 @@ Join = Literal["auto", "absolute", "restart"]
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
-    """The options on the law of a scenario, and on where and how its result goes."""
+    """Options on the law of a scenario, and on where and how its result goes."""
 
     law_file: Path | None = None
     out: Path | None = None
@@ -30,7 +30,7 @@ class Outputs:
 
 @dataclass(frozen=True, kw_only=True)
 class FileReading:
-    """The options on one file."""
+    """Options on how one file of a record is read."""
 
     time: str | None = None
     displacement: str | None = None
@@ -39,7 +39,7 @@ class FileReading:
     format_: Path | None = None
 
     def keywords(self) -> dict[str, Any]:
-        """Keywords of `read_lab` for those options that are given."""
+        """Return keywords of `read_lab` for the options that are given."""
         columns = pairs_of(self.columns, "--columns")
         reading = {
             "columns": {k: int(v) if v.isdigit() else v for k, v in columns.items()},
@@ -53,20 +53,20 @@ class FileReading:
 
 @dataclass(frozen=True, kw_only=True)
 class Reading(FileReading):
-    """The options on a record, which may be in several files."""
+    """Options on how a record is read, which may be in several files."""
 
     rows: int | None = None
     join: Join = "auto"
 
     def keywords(self) -> dict[str, Any]:
-        """Keywords of `read_lab` for those options that are given."""
+        """Return keywords of `read_lab` for the options that are given."""
         own = {"rows": self.rows, "join": None if self.join == "auto" else self.join}
         given = {name: value for name, value in own.items() if value is not None}
         return super().keywords() | given
 
 
 def noise_of(text: str | None) -> Any:
-    """The noise as `ratestate.fit` takes it."""
+    """Return the noise as `ratestate.fit` takes it."""
     if text is None or "=" not in text:
         return text
     parts = (part.partition("=") for part in text.split(","))
@@ -74,7 +74,7 @@ def noise_of(text: str | None) -> Any:
 
 
 def _window(text: str | None, option: str) -> tuple[str | None, str | None] | None:
-    """START,END as two values, either of which may be omitted."""
+    """Return START,END as two values, either of which may be omitted."""
     if text is None:
         return None
     ends = [end.strip() or None for end in text.split(",")]
@@ -87,7 +87,7 @@ def _window(text: str | None, option: str) -> tuple[str | None, str | None] | No
 
 
 def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[str, str]:
-    """Strings of the form NAME=TEXT as a dict; several may be in one, if there is a separator."""
+    """Return strings such as NAME=TEXT as a dict; a separator allows several in one string."""
     named: dict[str, str] = {}
     split = [text.split(separator) if separator else [text] for text in texts or []]
     for text in itertools.chain(*split):
@@ -99,7 +99,7 @@ def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[
 
 
 def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str]:
-    """The option --set, NAME=VALUE each, as a dict; `typer.BadParameter` for another symbol."""
+    """Return the options --set as a dict; raise `typer.BadParameter` for an unknown symbol."""
     values, known = pairs_of(texts, "--set"), [*symbols]
     if unknown := [name for name in values if name not in known]:
         wanted = f"expected {' or '.join(known)}" if known else "it has none"
@@ -112,9 +112,9 @@ def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str
 def laws_of(
     texts: Iterable[str], law_file: Path | None, defaults: Iterable[str]
 ) -> tuple[str, ...]:
-    """The friction laws of the options --law, by name, and --law-file, which is run; each once.
+    """Return the names of the friction laws in the options --law and --law-file, each once.
 
-    `typer.BadParameter` for an unknown law, and if they lack that of the file.
+    Raises `typer.BadParameter` for an unknown law, and if --law lacks the law of the file.
     """
     own = register_file(law_file)
     names = tuple(dict.fromkeys(map(_law_of, texts)))
@@ -128,7 +128,7 @@ def laws_of(
 
 
 def register_file(law_file: Path | None) -> str:
-    """Register the law of the option --law-file; its name, "" without a file."""
+    """Register the law of the option --law-file, and return its name; "" without a file."""
     if law_file is None:
         return ""
     from ...model.user_laws import register
@@ -137,7 +137,7 @@ def register_file(law_file: Path | None) -> str:
 
 
 def _law_of(text: str) -> str:
-    """The friction law of this name; `typer.BadParameter` for none."""
+    """Return the name of a friction law; raise `typer.BadParameter` if it is unknown."""
     try:
         return law_name(text)
     except ParameterError as error:

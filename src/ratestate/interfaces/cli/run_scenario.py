@@ -28,7 +28,7 @@ MOST_BYTES = 3 * 10**9
 
 
 def load_scenario(file: Path, verb: str | None, law_file: Path | None) -> Scenario:
-    """The scenario of a file, or of standard input for "-"; ParameterError if it has problems."""
+    """Return the scenario of a file, or of standard input for "-"."""
     if file != Path("-"):
         return scenarios.load(file, verb, law_file=law_file)
     text = typer.get_binary_stream("stdin").read(scenarios.LARGEST + 1)
@@ -68,9 +68,9 @@ def do(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
 
 
 def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Output:
-    """Checked paths for the result: of the options, or else of the scenario; None for none.
+    """Return checked paths for the result: of the options, or else of the scenario.
 
-    ParameterError: another ending, no such folder, or a plot of more than two axes.
+    Raises ParameterError for another ending, no such folder, or a plot of more than two axes.
     """
     file, picture = out or scenario.output.file, plot or scenario.output.plot
     if picture and len(dims := swept_dims(scenario)) > 2:
@@ -97,7 +97,7 @@ def note_sweep(scenario: Scenario) -> None:
 
 
 def swept_dims(scenario: Scenario) -> dict[str, int]:
-    """Dimensions of a scenario's sweep -> their sizes; empty for a single slider."""
+    """Return the dimensions of a scenario's sweep -> their sizes; {} for a single slider."""
     slider, settings = scenario.slider, scenario.settings
     speeds = getattr(settings.get("loading"), "V", 0.0)
     values = filter(is_array, [*slider.values.values(), *settings.values(), speeds])
@@ -106,10 +106,10 @@ def swept_dims(scenario: Scenario) -> dict[str, int]:
 
 
 def compute(scenario: Scenario) -> xarray.Dataset:
-    """The result of a scenario; a sweep uses all cores, and a failed case spoils no other.
+    """Return the result of a scenario; a sweep uses all cores, and a failed case spoils no other.
 
-    ParameterError for branches over an axis and results of more than `MOST_BYTES`; SolverError, for
-    a limit cycle with the verdict in it, if a single case has no answer.
+    Raises ParameterError for branches over an axis and results of more than `MOST_BYTES`;
+    SolverError, with the verdict on a limit cycle, if a single case has no answer.
     """
     dims = swept_dims(scenario)
     if dims and scenario.verb == "continue_cycle":
@@ -148,7 +148,7 @@ def compute(scenario: Scenario) -> xarray.Dataset:
 
 
 def wanted_units(texts: list[str] | None) -> dict[str, str]:
-    """The units of the option --units, symbol -> unit; ParameterError for one that cannot be."""
+    """Return the units of the option --units, symbol -> unit; ParameterError for a wrong one."""
     units = pairs_of(texts, "--units", separator=",")
     for symbol, unit in units.items():
         if symbol not in QUANTITIES:
@@ -158,9 +158,9 @@ def wanted_units(texts: list[str] | None) -> dict[str, str]:
 
 
 def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.Dataset:
-    """What is written and printed of a result as numbers: of the whole contact too, in these units.
+    """Return a result as it is written and printed: with the whole contact, in these units.
 
-    Units of what the result does not have are named on stderr, and have no effect.
+    Name units without a variable of the result on stderr; they have no effect.
     """
     numbers = result.assign(whole_contact(result).data_vars)
     wanted = units or {}
@@ -172,7 +172,7 @@ def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.D
 
 
 def write_numbers(numbers: xarray.Dataset, output: Output) -> None:
-    """Write what `in_numbers` gives to the output file, if there is one, and name it on stderr."""
+    """Write numbers to the output file, if there is one, and name it on stderr."""
     if output.file:
         write(numbers, output.file)
         print_line(f"wrote {output.file}", err=True)

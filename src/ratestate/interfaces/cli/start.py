@@ -100,7 +100,7 @@ def explore(
 
 
 def _opened(file, law_file):
-    """The slider and the speed of a scenario file."""
+    """Return the slider and the last speed of a scenario file."""
     from .run_scenario import load_scenario, swept_dims
 
     scenario = load_scenario(file, "stability", law_file)

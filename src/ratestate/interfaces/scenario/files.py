@@ -1,4 +1,4 @@
-"""Scenario files read."""
+"""Reads scenario files."""
 
 import re
 import tomllib
@@ -159,7 +159,7 @@ def _parse(text: bytes, name: str) -> dict[str, Any]:
 
 
 def _bytes(path: Path) -> bytes:
-    """The content of a file that exists and is not too large."""
+    """Return the content of a file that exists and is not too large."""
     try:
         size = path.stat().st_size
         if not path.is_file():
@@ -178,7 +178,7 @@ def _bytes(path: Path) -> bytes:
 
 
 def _line_of_deep_key(text: bytes) -> int:
-    """The number of the line, from 1 on, with a key of far too many parts; 0 if there is none."""
+    """Return the line, from 1 on, of a key with far too many parts; 0 if there is none."""
     for number, line in enumerate(text.split(b"\n"), 1):
         if line.count(b".") > DEEPEST and not line.lstrip().startswith(b"#"):
             for piece in re.split(rb"[,=\[\]{}#]", line):
@@ -189,7 +189,7 @@ def _line_of_deep_key(text: bytes) -> int:
 
 
 def _tables(parsed: dict[str, Any], problems: list[Problem]) -> dict[str, dict[str, Any]]:
-    """The known tables of the file; one that is not a table is replaced by an empty one."""
+    """Return the known tables of the file; an empty one replaces a value that is not a table."""
     tables: dict[str, dict[str, Any]] = {}
     known = [f"[{name}]" for name in TABLES]
     for name, table in list(parsed.items())[:MOST_TABLES]:
