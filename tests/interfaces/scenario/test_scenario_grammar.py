@@ -310,6 +310,10 @@ LOADINGS = [
     ("V_lp = 1\nsinusoid = {amplitude=1, phase=1}", "sinusoid.phase: unknown key"),
     ("sinusoid = {amplitude=1, period=1}", "V_lp: is missing"),
     ("V_lp = 1\nsteps = [{t=1, V_lp=1}]\nt = [1]", "* has steps and t"),
+    (
+        "t = [0]\nV_lp = [1]\nsteps = [{t=1, V_lp=1}]\nsinusoid = {amplitude=1, period=1}",
+        "* has steps and sinusoid and t",
+    ),
     ("t = [0, 1]", "V_lp: is missing"),
     ("t = [0, 1]\nV_lp = 1", "V_lp: 1 is not a list"),
     ("t = [0, 1]\nV_lp = [1, 2, 3]", "t: has 2 and V_lp 3 values"),

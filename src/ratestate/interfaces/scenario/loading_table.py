@@ -129,11 +129,11 @@ def loading_table(
     for key in [key for key in LOADING_TABLES if key in given]:
         read = _wave if key.endswith("sinusoid") else _steps
         calls = read(key, given[key], place.at(key), area)
-        if key == "sinusoid" and calls and loading.calls:
+        if key != "sinusoid":
+            loading.calls += calls
+        elif calls and not loading.is_record:
             where, wave = calls[0]
             loading.calls = [(where, Call("sinusoid", {"V_lp": V} | wave.arguments))]
-        elif key != "sinusoid":
-            loading.calls += calls
     loading.is_sound = len(problems) == before
     return loading
 
