@@ -1,15 +1,15 @@
 """``ratestate events``: what it prints and writes."""
 
+import functools
 import json
 
+import command_line
 import numpy as np
 import pandas
 import pytest
-from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate import files
-from ratestate.interfaces.cli import main
 
 SLIDER = rs.SpringSlider(
     a=0.005, b=0.008, Dc="10 um", sigma="4 MPa", M=100, K="600 MPa/m", law="aging"
@@ -29,8 +29,7 @@ def written(tmp_path_factory):
     return path
 
 
-def call(*arguments):
-    return CliRunner().invoke(main, ["events", *map(str, arguments)])
+call = functools.partial(command_line.call, "events")
 
 
 def test_it_prints_a_table_and_writes_files(written, tmp_path):

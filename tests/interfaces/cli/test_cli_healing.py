@@ -1,22 +1,20 @@
 """``ratestate healing``: what it prints, writes and returns; its page."""
 
+import functools
 import io
 import json
 
+import command_line
 import numpy as np
 import pandas
 import pytest
 from slide_hold_slide import noisy
-from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate import plot
-from ratestate.interfaces.cli import main
 from ratestate.interfaces.cli.summary_csv import summary_csv
 
-
-def call(*arguments):
-    return CliRunner().invoke(main, ["healing", *map(str, arguments)])
+call = functools.partial(command_line.call, "healing")
 
 
 @pytest.fixture(scope="module")

@@ -6,17 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import call
 from synthetic_records import SLIDER, STEP, record
-from typer.testing import CliRunner
 
 from ratestate import files
-from ratestate.interfaces.cli import command, main
+from ratestate.interfaces.cli import command
 from ratestate.records.reading import describe
 from ratestate.records.reading.rows import MAX_ROWS
-
-
-def call(*arguments):
-    return CliRunner().invoke(main, [*map(str, arguments)])
 
 
 @pytest.fixture(scope="module")

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
+from command_line import call
 from user_laws import MINE, PLAIN
 
 import ratestate as rs
 from ratestate import files
 from ratestate.friction.laws import LAW_NAMES, LAWS
-from ratestate.interfaces.cli import main, run_fit
+from ratestate.interfaces.cli import run_fit
 from ratestate.interfaces.cli.fit_report import _python
 from ratestate.model.quantities import QUANTITIES
 from ratestate.paper import atlas_figure, figures
@@ -49,10 +49,6 @@ def forget(name):
     for symbol in LAWS[name].parameters:
         del QUANTITIES[symbol]
     del LAWS[name], LAW_NAMES[name], LAW_NAMES[name.partition("@")[0]]
-
-
-def call(*arguments, **how):
-    return CliRunner().invoke(main, [*map(str, arguments)], **how)
 
 
 def words(text):

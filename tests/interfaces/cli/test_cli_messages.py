@@ -6,15 +6,15 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from command_line import call
 
 import ratestate.records
-from ratestate.interfaces.cli import fit, laboratory, main
-from ratestate.interfaces.cli.reading import Reading
+from ratestate.interfaces.cli import laboratory
+from ratestate.interfaces.cli.options import Reading
 
 OPTIONS = {
     parameter
-    for function in (fit.fit, laboratory.events, laboratory.healing, Reading)
+    for function in (laboratory.fit, laboratory.events, laboratory.healing, Reading)
     for parameter in inspect.signature(function).parameters
 }
 FOLDER = Path(ratestate.records.__file__).parent
@@ -55,9 +55,9 @@ def test_what_the_command_says_can_be_typed(tmp_path, head, words):
     """Its own words, with the titles of the file; given so, it is not asked for again."""
     path = tmp_path / "record.txt"
     path.write_text("\n".join([head, *(f"{i}\t{i}\t0.6" for i in range(50))]))
-    said = CliRunner().invoke(main, ["fit", str(path)])
+    said = call("fit", path)
     assert said.exit_code == 2
     assert f"(command line: {words})" in said.stderr
     option, value = words.split(" ", 1)
-    again = CliRunner().invoke(main, ["fit", str(path), option, value.replace("'", "")])
+    again = call("fit", path, option, value.replace("'", ""))
     assert words not in again.stderr

@@ -1,19 +1,17 @@
 """``ratestate stiffness``: what it prints and writes."""
 
+import functools
 import json
 
+import command_line
 import numpy as np
 import pandas
 import pytest
 from machine_records import SLIDER, clean, noisy
-from typer.testing import CliRunner
 
 import ratestate as rs
-from ratestate.interfaces.cli import main
 
-
-def call(*arguments):
-    return CliRunner().invoke(main, ["stiffness", *map(str, arguments)])
+call = functools.partial(command_line.call, "stiffness")
 
 
 @pytest.fixture(scope="module")

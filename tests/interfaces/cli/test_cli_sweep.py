@@ -14,11 +14,10 @@ from typing import NamedTuple
 
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
+from command_line import call
 
 import ratestate as rs
 from ratestate import ParameterError, files
-from ratestate.interfaces.cli import main
 from ratestate.sweeps.status import store_status
 
 SCENARIO = """
@@ -51,10 +50,6 @@ class StoreStatus(NamedTuple):
     flaws: list | None = None
 
 
-def call(*arguments):
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
-
-
 @pytest.fixture
 def file(tmp_path):
     path = tmp_path / "it.toml"
@@ -66,10 +61,7 @@ def file(tmp_path):
 def sweeps(monkeypatch, tmp_path):
     """Stand-ins for sweeps and clusters: `requests` lists the calls; the rest may be changed."""
     seen = types.SimpleNamespace(
-        requests=[],
-        status=StoreStatus(tmp_path / "x.zarr"),
-        failures=[],
-        ends=lambda: None,
+        requests=[], status=StoreStatus(tmp_path / "x.zarr"), failures=[], ends=lambda: None
     )
 
     def sweep(verb, slider, **arguments):
@@ -183,24 +175,6 @@ def test_ctrl_c(sweeps, file, tmp_path):
     assert last == f"interrupted; what was done is stored in {store}; the same command resumes"
 
 
-@pytest.mark.parametrize(
-    ("error", "message"),
-    [
-        (ParameterError("other parameters:\nM"), "error: other parameters:\nM\n"),
-        (OSError(28, "No space left on device"), "error: No space left on device\n"),
-    ],
-)
-def test_errors_are_one_message_and_exit_2(sweeps, file, tmp_path, error, message):
-    def fail():
-        raise error
-
-    sweeps.ends = fail
-    result = call("sweep", file, "--store", tmp_path / "x.zarr")
-    assert result.exit_code == 2
-    assert message in result.stderr
-    assert result.stdout == ""
-
-
 def test_a_file_with_problems_starts_nothing(sweeps, file):
     file.write_text(SCENARIO.replace("mm/s", "mm").replace("sigma", "sgima"))
     result = call("sweep", file, "--store", "x.zarr", "--slurm", "jobs=2")
@@ -283,12 +257,6 @@ def test_verify(sweeps, tmp_path):
     assert result.stdout.splitlines()[-1] == "verified  all files are intact"
 
 
-def test_what_made_a_store(sweeps, tmp_path):
-    sweeps.status = sweeps.status._replace(processor="znver4")
-    result = call("sweep", "--store", tmp_path / "x.zarr", "--status")
-    assert result.stdout.splitlines()[-1] == "processor znver4"
-
-
 def test_a_sweep_from_file_to_store(file, tmp_path):
     store = tmp_path / "x.zarr"
     for _ in range(2):  # the second finds all done
@@ -324,13 +292,6 @@ def test_files_pictures_and_json_of_a_store(file, tmp_path):
     assert (told["done"], told["differences"]) == (4, [])
 
 
-def test_where_files_go_is_checked_first(sweeps, file):
-    result = call("sweep", file, "--store", "x", "--out", "x.txt")
-    assert result.exit_code == 2
-    assert "Give a name that ends in .nc, .csv or .zarr" in result.stderr
-    assert sweeps.requests == []
-
-
 def test_status_compares_the_file_with_the_store(file, tmp_path):
     store = tmp_path / "x.zarr"
     assert call("sweep", file, "--store", store).exit_code == 0
@@ -350,24 +311,6 @@ def test_status_compares_the_file_with_the_store(file, tmp_path):
     assert result.exit_code == 2
     assert f"error: {store} holds another sweep" in result.stderr
     assert one in result.stderr
-
-
-def test_cases_that_fail_are_listed(file, tmp_path):
-    text = SCENARIO.replace("900 MPa/m", "500 MPa/m")
-    file.write_text(re.sub("M = .*", 'M = [0, "3000 kg/m^2"]', text))
-    result = call("sweep", file, "--store", tmp_path / "x.zarr")
-    assert result.exit_code == 3, result.output
-    title, *lines = result.stdout.splitlines()
-    assert title.endswith("x.zarr: 2 cycles, 2 failed")
-    places = ["M = 0 kg/m^2, V_lp = 1 mm/s", "M = 0 kg/m^2, V_lp = 10 mm/s"]
-    assert [line.split(":")[0].strip() for line in lines] == places
-    assert all(": quasi_static_instability: V grows without bound" in line for line in lines)
-
-
-def test_status_of_what_is_no_store(tmp_path):
-    result = call("sweep", "--store", tmp_path, "--status")
-    assert result.exit_code == 2
-    assert result.stderr.startswith(f"error: {tmp_path} is not a store of a sweep")
 
 
 def test_ctrl_c_ends_a_real_sweep(file, tmp_path):

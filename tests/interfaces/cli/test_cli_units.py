@@ -4,12 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from command_line import call
 from ratestate.scenario import load
-from typer.testing import CliRunner
 
 from ratestate import limit_cycle, read_lab
 from ratestate.files import read
-from ratestate.interfaces.cli import main
 
 FILE = """
 [slider]
@@ -29,10 +28,6 @@ V_start = "3 mm/s"
 """
 
 
-def ratestate(*arguments):
-    return CliRunner().invoke(main, [str(argument) for argument in arguments])
-
-
 @pytest.fixture
 def file(tmp_path):
     path = tmp_path / "contact.toml"
@@ -41,9 +36,7 @@ def file(tmp_path):
 
 
 def test_forces_and_units_in_the_report(file):
-    done = ratestate(
-        "cycle", file, "--units", "period=ms,V_max=um/s", "--units", "force_amplitude=mN"
-    )
+    done = call("cycle", file, "--units", "period=ms,V_max=um/s", "--units", "force_amplitude=mN")
     assert (done.exit_code, done.stderr) == (0, "")
     rows = dict(line.split(maxsplit=1) for line in done.stdout.splitlines() if "  " in line.strip())
     cycle = limit_cycle(load(file).slider, "3.2 mm/s")
@@ -57,7 +50,7 @@ def test_forces_and_units_in_the_report(file):
 
 def test_files_and_json_in_those_units(file, tmp_path):
     units = ["--units", "V=um/s,tau=MPa,time=ms"]
-    done = ratestate("run", file, "--out", tmp_path / "x.csv", *units, "--json")
+    done = call("run", file, "--out", tmp_path / "x.csv", *units, "--json")
     assert done.exit_code == 0, done.stderr
     document = json.loads(done.stdout)
     assert document["data_vars"]["V"]["attrs"]["units"] == "um/s"
@@ -70,7 +63,7 @@ def test_files_and_json_in_those_units(file, tmp_path):
 
 def test_the_whole_contact_in_files_and_json(file, tmp_path):
     units = ["--units", "force=kN,acceleration_max=mm/s^2"]
-    done = ratestate("run", file, "--out", tmp_path / "x.csv", *units, "--json")
+    done = call("run", file, "--out", tmp_path / "x.csv", *units, "--json")
     assert (done.exit_code, done.stderr) == (0, f"wrote {tmp_path / 'x.csv'}\n")
     data = json.loads(done.stdout)["data_vars"]
     np.testing.assert_allclose(
@@ -80,10 +73,10 @@ def test_the_whole_contact_in_files_and_json(file, tmp_path):
     assert {"force [kN]", "acceleration [m/s^2]"} < {*head}
     inertial_force = 4e6 * data["inertial_force"]["data"] / 3000.0  # on 2e-3 m^2, of 6 kg
     assert data["acceleration_max"]["data"] == pytest.approx(1e3 * inertial_force / 2.0)
-    assert ratestate("run", file, "--out", tmp_path / "x.nc", *units).exit_code == 0
+    assert call("run", file, "--out", tmp_path / "x.nc", *units).exit_code == 0
     written = read(tmp_path / "x.nc")
     assert (written.force.units, written.time.units) == ("kN", "s")
-    assert ratestate("run", "--from", tmp_path / "x.nc", "--out", tmp_path / "y.nc").exit_code == 0
+    assert call("run", "--from", tmp_path / "x.nc", "--out", tmp_path / "y.nc").exit_code == 0
     again = read(tmp_path / "y.nc")
     np.testing.assert_array_equal(again.tau, written.tau)
     np.testing.assert_allclose(again.force, 1e3 * written.force, rtol=1e-14)
@@ -101,7 +94,7 @@ def test_the_whole_contact_of_sweeps(file, tmp_path):
     file.write_text(text[: text.index("[run]")] + SWEEP)
     units = ["--units", "force_amplitude=mN,force=N"]
     for more in (["run", file], ["sweep", file, "--store", tmp_path / "x.zarr"]):
-        done = ratestate(*more, "--out", tmp_path / "x.nc", *units)
+        done = call(*more, "--out", tmp_path / "x.nc", *units)
         assert done.exit_code == 0, done.stderr
         assert "--units: this result has no force\n" in done.stderr
         data = read(tmp_path / "x.nc")
@@ -113,7 +106,7 @@ def test_the_whole_contact_of_sweeps(file, tmp_path):
 def test_without_area_nothing_is_of_the_whole_contact(file, tmp_path):
     text = FILE.replace('area = "20 cm^2"\n', "").replace("4 kN", "2 MPa")
     file.write_text(text.replace("1.8 MN/m", "900 MPa/m").replace("6 kg", "3000 kg/m^2"))
-    done = ratestate("run", file, "--units", "force=N,t=ms", "--json")
+    done = call("run", file, "--units", "force=N,t=ms", "--json")
     assert (done.exit_code, done.stderr) == (0, "--units: this result has no force\n")
     document = json.loads(done.stdout)
     assert not {"force", "acceleration"} & document["data_vars"].keys()
@@ -131,6 +124,6 @@ def test_without_area_nothing_is_of_the_whole_contact(file, tmp_path):
     ],
 )
 def test_units_that_cannot_be(file, units, code, message):
-    done = ratestate("cycle", file, "--units", units)
+    done = call("cycle", file, "--units", units)
     assert done.exit_code == code
     assert message in done.stderr

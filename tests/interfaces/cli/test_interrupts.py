@@ -56,8 +56,7 @@ def test_once():
 
 
 @pytest.mark.parametrize(
-    ("at", "after", "first"),
-    [("tidying", "tidying", ""), ("thread", "exit", "interrupted; x\n")],
+    ("at", "after", "first"), [("tidying", "tidying", ""), ("thread", "exit", "interrupted; x\n")]
 )
 def test_again(at, after, first):
     """While it tidies up, and while threads keep the process from its end."""

@@ -1,7 +1,9 @@
 """Scenarios whose friction law is in a file of the user's."""
 
+import functools
+
 import pytest
-from scenario_problems import problem_lines
+from scenario_problems import problems_of
 from user_laws import MINE, PLAIN
 
 import ratestate as rs
@@ -44,11 +46,7 @@ def write(law_file, tmp_path):
     return written
 
 
-def problems(path, **how):
-    """What is wrong with a scenario, a line each."""
-    with pytest.raises(ParameterError) as caught:
-        load(path, **how)
-    return problem_lines(caught.value)
+problems = functools.partial(problems_of, load)
 
 
 def test_the_law_of_the_file_is_the_slider_s(write, monkeypatch):

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scenario_problems import problem_lines
+from scenario_problems import problem_lines, problems_of
 
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider
@@ -17,13 +17,7 @@ from ratestate.interfaces.scenario import load, loads, template
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
 
-SLIDER = {
-    "a": "0.003",
-    "b": "0.006",
-    "Dc": '"10 um"',
-    "sigma": '"2 MPa"',
-    "K": '"900 MPa/m"',
-}
+SLIDER = {"a": "0.003", "b": "0.006", "Dc": '"10 um"', "sigma": '"2 MPa"', "K": '"900 MPa/m"'}
 PARAMETERS = (
     "a, b, Dc, sigma, K, M, mu0, V0, law, friction, damping, alpha, area, V_w, mu_w, V_cut, c, b2, "
     "Dc2, V1, V2, normal_force, stiffness, mass, dashpot, law_file"
@@ -211,9 +205,7 @@ def test_many_problems_are_told_at_once(read):
         t_end = 3
         times = [1, "1 h"]
     """
-    with pytest.raises(ParameterError) as caught:
-        read(text)
-    lines = problem_lines(caught.value)
+    lines = problems_of(read, text)
     told = f"""\
 loose: stands above all tables. Give one of {TABLES}.
 [slder]: unknown table. Give one of {TABLES}. Did you mean [slider]?
@@ -239,144 +231,73 @@ such as V_lp = '3.2 mm/s'.
 
 #: changes of a good file -> the beginning of the line that is then told
 MUTATED = [
-    # [slider]: wrong units, ranges, types
+    # an error of the Python API keeps its words
     ({"a": "-0.003"}, {}, "[slider] a: -0.003 must be > 0"),
-    ({"a": '"0.003 m"'}, {}, "[slider] a: '0.003 m' is a length"),
-    ({"a": "true"}, {}, "[slider] a: true is not one number"),
-    ({"a": '""'}, {}, "[slider] a: '' is not a number with a unit"),
-    ({"a": "nan"}, {}, "[slider] a: nan is not a number"),
     ({"b": "inf"}, {}, "[slider] b: inf must be finite"),
-    ({"b": '"six"'}, {}, "[slider] b: 'six' is not a number with a unit"),
-    ({"Dc": '"10"'}, {}, "[slider] Dc: '10' has no unit"),
     ({"Dc": '"10 furlong/s"'}, {}, "[slider] Dc: '10 furlong/s' is a speed"),
-    ({"Dc": '"10 blorp"'}, {}, "[slider] Dc: '10 blorp' has an unknown unit 'blorp'"),
-    ({"Dc": '"1e999999999 m"'}, {}, "[slider] Dc: '1e999999999 m' "),
-    ({"Dc": '"1e-999999999 m"'}, {}, "[slider] Dc: '1e-999999999 m' must be > 0"),
-    ({"Dc": "1e999"}, {}, "[slider] Dc: inf m must be finite"),
+    ({}, {"M": "[1, 2, -3]"}, "[sweep] M[2]: -3 kg/m^2 must be >= 0"),
+    ({"a": "0"}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range"),
+    # values
+    ({"a": "true"}, {}, "[slider] a: true is not one number"),
     ({"Dc": "1" + "0" * 400}, {}, "[slider] Dc: a huge integer is beyond what can be"),
     ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be"),
-    ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999"),
-    ({"Dc": '"1 m**9**9**9"'}, {}, "[slider] Dc: '1 m**9**9**9' has an unknown unit"),
-    ({"Dc": '"10 um; give"'}, {}, "[slider] Dc: '10 um; give' has an unknown unit"),
+    ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999 * is too long"),
     ({"Dc": "07:32:00"}, {}, "[slider] Dc: 07:32:00 is not one number"),
-    ({"Dc": "1979-05-27"}, {}, "[slider] Dc: 1979-05-27 is not one number"),
     ({"Dc": '[1, "10 um"]'}, {}, "[slider] Dc: a list of 2 makes an axis"),
     ({"Dc": "{ from = 1 }"}, {}, "[slider] Dc: a table makes an axis"),
-    ({"sigma": "0"}, {}, "[slider] sigma: 0 Pa must be > 0"),
-    ({"M": "-1"}, {}, "[slider] M: -1 kg/m^2 must be >= 0"),
     ({"law": '"Slip law"'}, {}, "[slider] law: 'Slip law' is unknown"),
-    ({"law": "1"}, {}, "[slider] law: 1 is unknown"),
     ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown"),
     # keys
     ({"a": None}, {}, "[slider] a: is missing"),
-    ({"Dc": None}, {}, "[slider] Dc: is missing"),
     ({"Dc": None, "dc": "1"}, {}, "[slider] dc: unknown key. Give one of * Did you mean Dc?"),
-    ({"sgima": "1"}, {}, "[slider] sgima: unknown key. Give one of * Did you mean sigma?"),
     ({"zzz": "1"}, {}, "[slider] zzz: unknown key"),
     ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key"),
     ({'""': "1"}, {}, "[slider] '': unknown key"),
     ({"t_end": "1"}, {}, "[slider] t_end: stands in the wrong table"),
     ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis"),
-    # [sweep]: the verb
+    # the verb of [sweep]
     ({}, {"verb": None}, "[sweep] verb: is missing"),
     ({}, {"verb": '"limitcycle"'}, "[sweep] verb: 'limitcycle' is unknown. * mean limit_cycle?"),
-    ({}, {"verb": '"hopf"'}, "[sweep] verb: 'hopf' is unknown"),
     ({}, {"verb": "[1]"}, "[sweep] verb: a list of 1 is unknown"),
     ({}, {"verb": '"simulate"'}, "[sweep] t_end: is missing"),
     ({}, {"V_lp": None}, "[sweep] V_lp: is missing"),
-    (
-        {},
-        {"t_end": "3"},
-        "[sweep] t_end: is not a parameter of the slider or of limit_cycle",
-    ),
-    (
-        {},
-        {"V_pl": "3"},
-        "[sweep] V_pl: is not a parameter of the slider or of * Did you mean V_lp?",
-    ),
-    (
-        {},
-        {"verb": '"stability"', "rtol": "1e-6"},
-        "[sweep] rtol: is not a parameter of the slider or",
-    ),
+    ({}, {"t_end": "3"}, "[sweep] t_end: is not a parameter of the slider or of limit_cycle"),
+    ({}, {"V_pl": "3"}, "[sweep] V_pl: is not a parameter of the slider or of * mean V_lp?"),
+    ({}, {"verb": '"stability"', "rtol": "1e-6"}, "[sweep] rtol: is not a parameter of the"),
     ({}, {"M": None}, "[sweep]: nothing has many values"),
-    # values of [sweep]
-    ({}, {"V_lp": "0"}, "[sweep] V_lp: 0 m/s must be > 0"),
-    ({}, {"V_lp": '"3.2 mm"'}, "[sweep] V_lp: '3.2 mm' is a length"),
-    ({}, {"law": '{ from = "slip" }'}, "[sweep] law: a table is unknown"),
-    ({}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range"),
-    ({}, {"rtol": "[1e-6]"}, "[sweep] rtol: a list of 1 is not one number"),
-    (
-        {"a": "0"},
-        {"rtol": "0.5"},
-        "[sweep] rtol: 0.5 is out of range",
-    ),
     # lists
+    ({}, {"law": '{ from = "slip" }'}, "[sweep] law: a table is unknown"),
+    ({}, {"rtol": "[1e-6]"}, "[sweep] rtol: a list of 1 is not one number"),
     ({}, {"M": "[]"}, "[sweep] M: is a list of 0"),
     ({}, {"M": "[[1, 2]]"}, "[sweep] M[0]: a list of 2 is not one number"),
-    ({}, {"M": "[1, 2, -3]"}, "[sweep] M[2]: -3 kg/m^2 must be >= 0"),
-    ({}, {"M": '[1, "2 m"]'}, "[sweep] M[1]: '2 m' is a length"),
-    ({}, {"M": "[nan]"}, "[sweep] M[0]: nan kg/m^2 is not a number"),
     # axes
     ({}, {"M": "{}"}, "[sweep] M.n: is missing"),
     ({}, {"M": "{ to = 3, n = 2 }"}, "[sweep] M.from: is missing"),
-    ({}, {"M": "{ from = 3, n = 2 }"}, "[sweep] M.to: is missing"),
-    ({}, {"M": "{ from = 1, to = 2 }"}, "[sweep] M.n: is missing"),
     *(
         ({}, {"M": f"{{ from = 1, to = 2, n = {n} }}"}, f"[sweep] M.n: {said} cannot be the number")
-        for n, said in {
-            "1": "1",
-            "0": "0",
-            "-3": "-3",
-            "2.0": "2.0",
-            '"12"': "'12'",
-            "true": "true",
-            "[2]": "a list of 1",
-            "1_000_000_000_000": "1000000000000",
-            "0x" + "f" * 9999: "a huge integer",
-        }.items()
+        for n, said in (
+            *(("1", "1"), ("2.0", "2.0"), ('"12"', "'12'"), ("true", "true")),
+            *(
+                ("[2]", "a list of 1"),
+                ("10_000_000", "10000000"),
+                ("0x" + "f" * 9999, "a huge integer"),
+            ),
+        )
     ),
-    (
-        {},
-        {"M": "{ from = 0, to = 2, n = 3, scale = 'log' }"},
-        "[sweep] M.from: 0 kg/m^2 must be > ",
-    ),
-    (
-        {},
-        {"M": "{ from = 1, to = -2, n = 3, scale = 'log' }"},
-        "[sweep] M.to: -2 kg/m^2 must be > ",
-    ),
+    ({}, {"M": "{ from = 0, to = 2, n = 3, scale = 'log' }"}, "[sweep] M.from: 0 kg/m^2 must be >"),
     ({}, {"M": "{ from = -1, to = 2, n = 3 }"}, "[sweep] M.from: -1 kg/m^2 must be >= 0"),
     ({}, {"K": "{ from = 1, to = inf, n = 3 }"}, "[sweep] K.to: inf is not an end of an axis"),
     ({}, {"M": "{ from = [1], to = 2, n = 3 }"}, "[sweep] M.from: a list of 1 is not one number"),
-    (
-        {},
-        {"M": "{ from = 1, to = 2, n = 3, scale = 'lin' }"},
-        "[sweep] M.scale: 'lin' is unknown",
-    ),
-    (
-        {},
-        {"M": "{ from = 1, to = 2, n = 3, scale = 3 }"},
-        "[sweep] M.scale: 3 is unknown",
-    ),
+    ({}, {"M": "{ from = 1, to = 2, n = 3, scale = 3 }"}, "[sweep] M.scale: 3 is unknown"),
     ({}, {"M": "{ form = 1, to = 2, n = 3 }"}, "[sweep] M.form: unknown key. * Did you mean from?"),
-    ({}, {"M": "{ start = 1, to = 2, n = 3 }"}, "[sweep] M.start: unknown key"),
 ]
 SIMULATED = [
-    ({"t_end": "0"}, "[sweep] t_end: 0 s must be > 0"),
-    ({"t_end": '"3 mm"'}, "[sweep] t_end: '3 mm' is a length"),
     ({"t_end": "inf"}, "[sweep] t_end: inf s must be finite"),
     ({"V_lp": "-1"}, "[sweep] V_lp: -1 m/s must be >= 0"),
-    (
-        {"V_lp": "[1, 0]"},
-        "[sweep] V_start: is missing, but at V_lp = 0 nothing slides",
-    ),
-    ({"V_start": "0"}, "[sweep] V_start: 0 m/s must be > 0"),
+    ({"V_lp": "[1, 0]"}, "[sweep] V_start: is missing, but at V_lp = 0 nothing slides"),
     ({"times": "[1, 11]"}, "[sweep] times: reaches 11 s, beyond t_end = 10 s"),
     ({"times": "[1, 1]"}, "[sweep] times: must increase"),
-    ({"times": "[]"}, "[sweep] times: is a list of 0"),
     ({"times": "[-1]"}, "[sweep] times[0]: -1 s must be >= 0"),
-    ({"times": '["1 mm"]'}, "[sweep] times[0]: '1 mm' is a length"),
     ({"times": "{from=0, to=1, n=1e6}"}, "[sweep] times.n: 1000000.0 cannot be the number"),
     ({"times": "[3]", "t_end": "[2, 4, 5]"}, "[sweep] times: reaches 3 s, beyond t_end"),
     ({"rtol": "1e-15"}, "[sweep] rtol: 1e-15 is out of range"),
@@ -474,11 +395,3 @@ def test_a_sweep_too_large_is_refused_before_it_takes_memory(read):
     assert f"are {4 * 10**30} cases" in found[1]
     wide = CYCLE | {"M": "[" + "1," * 1_000_001 + "]"}
     assert lines(read, toml(sweep=wide))[1].startswith("[sweep] M: is a list of 1000001")
-
-
-def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(rs.errors.MissingFileError):
-        load(tmp_path / "none.toml")
-    for path in (tmp_path, tmp_path / ("x" * 1000)):
-        with pytest.raises(ParameterError, match=re.escape(f"{path} cannot be read: ")):
-            load(path)

@@ -1,7 +1,6 @@
 """What the tables of a scenario file mean, and what is said of those that mean nothing."""
 
 import re
-import shutil
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ from scenario_problems import problem_lines
 
 import ratestate as rs
 from ratestate import Loading, ParameterError
-from ratestate.interfaces.scenario import Output, from_result, load, loads, run, toml
+from ratestate.interfaces.scenario import Output, from_result, load, loads, toml
 
 SLIDER = """
 [slider]
@@ -89,10 +88,7 @@ def same(one, other):
             't = [0, 1, 1, "1 min"]\nV_lp = [1e-3, "2 mm/s", 0, 1]',
             Loading.series([0, 1, 1, 60], [1e-3, 2e-3, 0, 1]),
         ),
-        (
-            "t = { from = 0, to = 20, n = 3 }\nV_lp = [1, 2, 3]",
-            None,
-        ),
+        ("t = { from = 0, to = 20, n = 3 }\nV_lp = [1, 2, 3]", None),
     ],
 )
 def test_loadings(read, told, table, loading):
@@ -119,13 +115,7 @@ RECORD = Loading.series([0, 1, 1, 2.5], [1e-6, 1e-6, 3e-6, 3e-6])
         ("a.csv", CSV, 'columns = ["time", "V_lp"]'),
         ("a.csv", CSV, "columns = [1, 2]"),
         ("a.csv", CSV, 'columns = ["time", 2]\nunits = ["s", "um/s"]'),
-        ("a.csv", CSV.replace(",", " , "), 'columns = ["time [s]", "V_lp"]'),
-        ("b.csv", CSV.replace(",", ";"), 'columns = ["time", "V_lp"]'),
-        ("b.TSV", CSV.replace(",", "\t"), 'columns = ["time", "V_lp"]'),
-        ("b.txt", "\ufeff" + CSV.replace("\n", "\r\n"), 'columns = ["time", "V_lp"]'),
-        ("b.csv", CSV.replace("[s]", "(s)").replace(" [um/s]", "(um/s)"), "columns = [1, 2]"),
         ("b.csv", CSV.split("\n", 1)[1], 'columns = [1, 2]\nunits = ["s", "um/s"]'),
-        ("b.csv", "\n" + CSV + "\n\n", 'columns = ["time", "V_lp"]'),
         ("b.txt", CSV.replace(",", ";").replace(".", ","), 'columns = ["time", "V_lp"]'),
         (
             "b.csv",
@@ -142,13 +132,10 @@ def test_records(read, folder, name, content, more):
 
 
 NO_RECORD = [
-    (
-        CSV,
-        'columns = ["tiem", "V_lp"]',
-        "columns[0]: 'tiem' is not a column",
-    ),
+    # an error of the reader of records keeps its words
+    (CSV, 'columns = ["tiem", "V_lp"]', "columns[0]: 'tiem' is not a column"),
+    ("", "columns = [1, 2]", "file: x.csv is empty"),
     (CSV, 'columns = ["time", "no unit"]', "columns[1]: 'no unit' has no unit"),
-    (CSV, "columns = [1, 4]", "columns[1]: 4 is not a column"),
     (CSV, "columns = [0, true]", "columns: a list of 2 is not a pair"),
     (CSV, "columns = [1]", "columns: a list of 1 is not a pair"),
     (CSV, "", "columns: is missing"),
@@ -156,51 +143,17 @@ NO_RECORD = [
     (CSV, 'columns = [1, 2]\nunits = ["s", "um"]', "units[1]: 'um' is a length"),
     (CSV, 'columns = [1, 2]\nunits = ["s", "x"]', "units[1]: 'x' is unknown"),
     (CSV, 'columns = [1, 2]\nunits = "s"', "units: 's' is not a pair"),
-    (
-        CSV.replace("1,3,x", "1,three,x"),
-        "columns = [1, 2]",
-        "file: line 4: 'V_lp [um/s]' has 'three'",
-    ),
-    (
-        CSV.replace("1,3,x", "1"),
-        "columns = [1, 2]",
-        "file: line 4: 'V_lp [um/s]' has nothing",
-    ),
-    (CSV.replace("1,3,x", "1,nan"), "columns = [1, 2]", "file: line 4: 'V_lp [um/s]' has 'nan'"),
+    (CSV.replace("1,3,x", "1,?,x"), "columns = [1, 2]", "file: line 4: 'V_lp [um/s]' has '?'"),
+    (CSV.replace("1,3,x", "1"), "columns = [1, 2]", "file: line 4: 'V_lp [um/s]' has nothing"),
     (CSV.replace("1,3,x", "1,-3"), "columns = [1, 2]", "file: V_lp = -3e-06 m/s at row[2] must be"),
     (CSV.replace("2.5", "0.5"), "columns = [1, 2]", "file: t[3] = 0.5 s is less than t[2] = 1.0 s"),
     (CSV + 6 * "a,b,c\n", "columns = [1, 2]", "file: and 7 cells more"),
-    (CSV.split("\n", 1)[1], "columns = [1, 2]", "columns[0]: 'column 1' has no unit"),
-    (
-        "1,2,3\n2,3,4\n",
-        'columns = ["a", 2]',
-        "columns[0]: 'a' is not a column",
-    ),
-    (
-        "a [s],a [um/s]\n1,2\n2,2",
-        'columns = ["a", 2]',
-        "columns[0]: 'a' is the name of 2 columns, numbers 1, 2",
-    ),
-    (
-        "time [s]; V [um/s]\n",
-        "columns = [1, 2]",
-        "file: x.csv has no line of numbers (it begins 'time [s]; V [um/s]') followed by another"
-        " line of as many",
-    ),
-    ("", "columns = [1, 2]", "file: x.csv is empty"),
-    (
-        "\x00,1\n",
-        "columns = [1, 2]",
-        "file: x.csv is neither text nor HDF5 nor MAT",
-    ),
-    ("a [s],b [m/s]\n1,2\n", "columns = [1, 2]", "file: x.csv has a single row of numbers"),
 ]
 
 
 @pytest.mark.parametrize(("content", "more", "line"), NO_RECORD)
 def test_bad_records(told, folder, content, more, line):
-    data = content if isinstance(content, bytes) else content.encode()
-    (folder / "x.csv").write_bytes(data)
+    (folder / "x.csv").write_text(content)
     lines = told(f'[loading]\nfile = "x.csv"\n{more}\n[run]\nt_end = 2')
     beginning = ".*".join(map(re.escape, f"[loading] {line}".split(" * ")))
     assert any(re.match(beginning, found) for found in lines), lines
@@ -231,40 +184,8 @@ def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
     assert line.startswith("[run] method: 'm; expected [s]' is unknown")
 
 
-@pytest.mark.parametrize(
-    ("unit", "meant"),
-    [
-        ("um/s # x", None),
-        ("um/s #", None),
-        ("um/s; m/s", None),
-        ("um/S", "um/s"),
-        ("MM/s", "mm/s"),
-    ],
-)
-def test_units_that_are_none(told, unit, meant):
-    (line,) = told(f'[loading]\nV_lp = "1 {unit}"\n{RUN}')
-    end = f" Did you mean {meant!r}?" if meant else ""
-    assert line.endswith(f" such as '3.2 mm/s'.{end}")
-    assert line.startswith(f"[loading] V_lp: '1 {unit}' ")
-
-
-def test_stresses_in_small_letters(told):
-    for unit in ("Mpa", "mpa", "MPA"):
-        (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("2 MPa", f"2 {unit}"))
-        assert line.endswith("such as '2 MPa'. Did you mean 'MPa'?")
-    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=SLIDER.replace("10 um", "1e1e1 um"))
-    assert line.startswith("[slider] Dc: '1e1e1 um' is not a number with a unit")
-
-
 SIZES = [
-    (
-        'V_lp = "1e12 mm/s"',
-        "[loading] V_lp: '1e12 mm/s' is beyond any usual size, 1e-50",
-    ),
-    (
-        "V_lp = 1e-300",
-        "[loading] V_lp: 1e-300 is beyond any usual size, 1e-50 to 100000 m/s",
-    ),
+    ('V_lp = "1e12 mm/s"', "[loading] V_lp: '1e12 mm/s' is beyond any usual size, 1e-50"),
     ("V_lp = 1\nsteps = [{ t = 1e19, V_lp = 1 }]", "[loading] steps[0].t: 1e+19 is beyond any"),
     ("t = [0, 20]\nV_lp = [0, 1e6]", "[loading] V_lp[1]: 1000000.0 is beyond any usual size"),
     (
@@ -284,15 +205,7 @@ def test_sizes_that_nobody_means(told, folder, table, line):
 
 @pytest.mark.parametrize(
     ("symbol", "refused"),
-    [
-        *(("a", x) for x in ("0.99e-12", "101")),
-        *(("b", x) for x in ("101", "-101")),
-        *(("Dc", x) for x in ("0.99e-15", "1.01e9")),
-        *(("sigma", x) for x in ("0.99e-9", "1.01e15")),
-        *(("K", x) for x in ("0.99e-20", "1.01e25")),
-        *(("M", x) for x in ("0.99e-20", "1.01e20")),
-        *(("mu0", "1001"), ("V0", "0.99e-50"), ("V0", "1.01e5")),
-    ],
+    [("a", "0.99e-12"), ("b", "-101"), ("Dc", "1.01e9"), ("sigma", "1.01e15"), ("V0", "0.99e-50")],
 )
 def test_sizes_of_a_slider(told, symbol, refused):
     slider = re.sub(rf"(?m)^{symbol} = .*\n", "", SLIDER) + f"{symbol} = {refused}\n"
@@ -322,21 +235,6 @@ def test_sizes_that_somebody_may_mean(read):
         assert scenario.settings["t_end"] == t_end
 
 
-@pytest.mark.parametrize(
-    ("key", "line"),
-    [
-        ("t_end = 1.01e18", "[run] t_end"),
-        ("t_end = 0.99e-20", "[run] t_end"),
-        ("t_end = 1\ninitial = { theta = 1.01e40 }", "[run] initial.theta"),
-        ("t_end = 1\ninitial = { theta = 0.99e-20 }", "[run] initial.theta"),
-    ],
-)
-def test_sizes_of_a_run(told, key, line):
-    (found,) = told(f"[loading]\nV_lp = 1\n[run]\n{key}\n")
-    assert found.startswith(f"{line}: ")
-    assert " is beyond any usual size, " in found
-
-
 def test_a_wrong_start_is_told_beside_other_problems(told):
     slider = SLIDER.replace("M = 3000", "M = 0")
     clash = "initial = { V = 1, theta = 1, tau = 1 }\n"
@@ -356,16 +254,6 @@ def test_a_wrong_start_is_told_beside_other_problems(told):
 def test_only_what_is_near_is_proposed(told):
     (line,) = told(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
     assert "Did you mean" not in line
-    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}title = 'x'")
-    assert "Did you mean" not in line
-
-
-def test_remedies_of_a_sinusoid_and_of_steps(told):
-    (line,) = told(f"[loading]\nV_lp = 1\nsinusoid = {{ amplitude = 2, period = 1 }}\n{RUN}")
-    assert line.endswith("would move back. Give an amplitude up to V_lp.")
-    steps = "steps = [{ t = 2, V_lp = 1 }, { t = 1, V_lp = 2 }]"
-    (line,) = told(f"[loading]\nV_lp = 1\n{steps}\n{RUN}")
-    assert ". Give the steps in order of time" in line
 
 
 def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
@@ -377,57 +265,34 @@ def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
     assert line == "[slider]: a and b fell out with each other. Part them."
 
 
-def test_what_a_slider_lacks_has_one_remedy(read):
-    history = f"[loading]\nV_lp = 1\nsigma_steps = [{{ t = 1, sigma = 3e6 }}]\n{RUN}"
-    with pytest.raises(ParameterError, match=r"without any heat\. Give a larger mu0, .* V_w\.$"):
-        read(history, slider=SLIDER + 'law = "flash-heating"\nV_w = 0.1\nmu_w = 0.01\nmu0 = 0.02\n')
-
-
 @pytest.mark.parametrize(
     ("file", "line"),
     [
-        ('"none.csv"', "none.csv does not exist"),
-        ('"it.toml"', "it.toml has no line of numbers"),
-        ('"folder.csv"', "folder.csv is a folder"),
         ('"Dr. X; Y.csv"', "Dr. X; Y.csv does not exist"),
+        ('"it.toml"', "it.toml has no line of numbers"),
         ("3", "3 is not the name of a file"),
         ('"' + "x" * 500 + '.csv"', "cannot be read: File name too long"),
         ("'''a\nb.csv'''", "'a\\nb.csv' is not the name of a file"),
     ],
 )
-def test_records_that_are_no_files(told, folder, file, line):
-    (folder / "folder.csv").mkdir(exist_ok=True)
+def test_records_that_are_no_files(told, file, line):
     (found,) = told(f"[loading]\nfile = {file}\ncolumns = [1, 2]\n[run]\nt_end = 2")
     assert found.startswith("[loading] file: ")
     assert line in found
 
 
-def test_a_record_too_large_is_refused_unread(told, folder):
-    with (folder / "large.csv").open("wb") as file:
-        file.truncate(10**9 + 1)  # a hole
-    (line,) = told('[loading]\nfile = "large.csv"\ncolumns = [1, 2]\n[run]\nt_end = 2')
-    assert "large.csv has 1.00 GB, more than the 1 GB that are read as text" in line
-
-
 LOADINGS = [
-    ('V_lp = "3.2 mm"', "V_lp: '3.2 mm' is a length"),
     ("V_lp = -1", "V_lp: -1 m/s must be >= 0"),
     ("V_lp = [1, 2]", "V_lp: a list of 2 makes an axis"),
     ("V_lp = { from = 1 }", "V_lp: a table makes an axis"),
     ("V_pl = 1", "V_pl: unknown key. Give one of * Did you mean V_lp?"),
     ("t_end = 1", "t_end: stands in the wrong table"),
-    ("plot = 1", "plot: stands in the wrong table"),
     ("t_ned = 1", "t_ned: unknown key. * Did you mean t_end in [run] or [sweep]?"),
     ("V_lp = 1\nsteps = []", "steps: a list of 0 is not a list of 1 to 1000 steps"),
     ("V_lp = 1\nsteps = [3]", "steps[0]: 3 is not a table"),
-    (
-        "V_lp = 1\nsteps = [{t=1}]",
-        "steps[0].V_lp: is missing",
-    ),
+    ("V_lp = 1\nsteps = [{t=1}]", "steps[0].V_lp: is missing"),
     ("V_lp = 1\nsteps = [{V_lp=1}]", "steps[0].t: is missing"),
-    ("V_lp = 1\nsteps = [{t=0, V_lp=1}]", "steps[0].t: 0 s must be > 0"),
     ("V_lp = 1\nsteps = [{t=1, V_lp='1 m'}]", "steps[0].V_lp: '1 m' is a length"),
-    ("V_lp = 1\nsteps = [{t=1, V_lp=1, ramp='1 m'}]", "steps[0].ramp: '1 m' is a length"),
     ("V_lp = 1\nsteps = [{t=1, hold=1, V_lp=1}]", "steps[0].V_lp: is given beside hold, which is"),
     ("V_lp = 1\nsteps = [{t=1, hodl=1}]", "steps[0].hodl: unknown key. * Did you mean hold?"),
     (
@@ -441,26 +306,23 @@ LOADINGS = [
         "V_lp = 1\nsinusoid = {amplitude=1, period=1, frequency=1}",
         "sinusoid.period: is given twice",
     ),
-    (
-        "V_lp = 1\nsinusoid = {amplitude=2, period=1}",
-        "sinusoid: amplitude = 2 m/s is more than V_lp",
-    ),
-    (
-        "V_lp = 1\nsinusoid = {amplitude=1, period=1e-9}",
-        "sinusoid: t_end = 10 s holds 1e+10 periods",
-    ),
+    ("V_lp = 1\nsinusoid = {amplitude=2, period=1}", "sinusoid: amplitude = 2 m/s is more than"),
     ("V_lp = 1\nsinusoid = {amplitude=1, phase=1}", "sinusoid.phase: unknown key"),
     ("sinusoid = {amplitude=1, period=1}", "V_lp: is missing"),
     ("V_lp = 1\nsteps = [{t=1, V_lp=1}]\nt = [1]", "* has steps and t"),
+    (
+        "t = [0]\nV_lp = [1]\nsteps = [{t=1, V_lp=1}]\nsinusoid = {amplitude=1, period=1}",
+        "* has steps and sinusoid and t",
+    ),
     ("t = [0, 1]", "V_lp: is missing"),
     ("t = [0, 1]\nV_lp = 1", "V_lp: 1 is not a list"),
     ("t = [0, 1]\nV_lp = [1, 2, 3]", "t: has 2 and V_lp 3 values"),
-    ("t = [0, 1, 0.5]\nV_lp = [1, 2, 3]", "t: t[2] = 0.5 s is less than t[1] = 1.0 s"),
     ('t = [0, 20]\nV_lp = [1, "2 mm"]', "V_lp[1]: '2 mm' is a length"),
-    (
-        "columns = [1, 2]\nV_lp = 1",
-        "columns: is given without file",
-    ),
+    ("columns = [1, 2]\nV_lp = 1", "columns: is given without file"),
+    ("V_lp = 1\nsigma = [1, 2]", "sigma: is given without t"),
+    ("V_lp = 1\nsigma_steps = [{t=1}]", "sigma_steps[0].sigma: is missing"),
+    ("V_lp = 1\nsigma_sinusoid = {amplitude=1}", "sigma_sinusoid.period: is missing"),
+    ("V_lp = 1\nfile = 'a.csv'\ncolumns = [1, 2]", "V_lp: is given beside file"),
     ("", "V_lp: is missing"),
 ]
 
@@ -476,25 +338,15 @@ RUNS = [
     ("t_end = 10\nV_start = 0", "V_start: 0 m/s must be > 0"),
     ("t_end = [1, 2]", "t_end: a list of 2 makes an axis"),
     ("t_end = 1e18", None),
-    ("t_end = 1e300", "t_end: 1e+300 is beyond any usual size, 1e-20 to 1e+18 s"),
-    ("t_end = inf", "t_end: inf s must be finite"),
+    ("t_end = 1.01e18", "t_end: 1.01e+18 is beyond any usual size, 1e-20 to 1e+18 s"),
+    ("t_end = 1\ninitial = { theta = 1.01e40 }", "initial.theta: 1.01e+40 is beyond any usual"),
     ("t_end = 1\ntimes = 'often'", "times: 'often' is not a number with a unit"),
-    (
-        "t_end = 1\ntimes = [2]",
-        "times: reaches 2 s, beyond t_end = 1 s",
-    ),
-    (
-        "t_end = 1\nrtol = 1",
-        "rtol: 1.0 is out of range",
-    ),
-    ("t_end = 1\nmethod = 'euler'", "method: 'euler' is unknown"),
+    ("t_end = 1\ntimes = [2]", "times: reaches 2 s, beyond t_end = 1 s"),
+    ("t_end = 1\nrtol = 1", "rtol: 1.0 is out of range"),
     ("t_end = 1\nmethod = 'im2017'", "method: 'im2017' is unknown"),
     ("t_end = 1\ndt = 1e-4", "dt: unknown key"),
     ("t_end = 1\ninitial = 3", "initial: 3 is not a table"),
-    (
-        "t_end = 1\ninitial = { mu = 1 }",
-        "initial.mu: unknown key",
-    ),
+    ("t_end = 1\ninitial = { mu = 1 }", "initial.mu: unknown key"),
     ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time"),
     ("t_end = 1\nverb = 'run'", "verb: 'run' is unknown"),
     ("t_end = 1\nV_lp = 3", "V_lp: stands in the wrong table"),
@@ -541,29 +393,15 @@ def test_settings_of_a_run(read):
     assert (scenario.output.file.name, scenario.output.plot.name) == ("x.zarr", "x.PNG")
 
 
-def test_initial_values_that_clash(told):
-    slider = SLIDER.replace("M = 3000", "M = 0")
-    text = "[loading]\nV_lp = 1\n[run]\nt_end = 1\ninitial = { V = 1, theta = 1, tau = 1 }"
-    (line,) = told(text, slider=slider)
-    assert line.startswith("[run] initial: initial V, theta and tau do not agree: without inertia")
-
-
 @pytest.mark.parametrize(
     ("table", "line"),
     [
         ("file = 3", "file: 3 is not a text"),
-        ('file = "x"', "file: 'x' has another ending"),
         ('file = "x.png"', "file: 'x.png' has another ending"),
-        (
-            'plot = "x.svg"',
-            "plot: 'x.svg' has another ending",
-        ),
+        ('plot = "x.svg"', "plot: 'x.svg' has another ending"),
         ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder"),
         ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be the name of a file"),
-        (
-            'flie = "x.nc"',
-            "flie: unknown key",
-        ),
+        ('flie = "x.nc"', "flie: unknown key"),
     ],
 )
 def test_bad_outputs(told, table, line):
@@ -713,10 +551,7 @@ def test_a_branch(read, told):
     assert along.settings.keys() == {"parameter", "start", "stop", "rtol"}
     for table, line in [
         ("V_lp = 1", "[sweep]: nothing between two ends"),
-        (
-            "V_lp = {from=1, to=2}\nK = {from=1, to=2}",
-            "[sweep]: V_lp and K between two ends",
-        ),
+        ("V_lp = {from=1, to=2}\nK = {from=1, to=2}", "[sweep]: V_lp and K between two ends"),
         ("V_lp = {from=1, to=2, n=3}", "[sweep] V_lp: 'n': a branch chooses its points itself"),
         ("V_lp = {from=1}", "[sweep] V_lp.to: is missing"),
         ("V_lp = {from=1, to=1}", "[sweep] V_lp: start = 1.0 is stop too"),
@@ -775,14 +610,6 @@ def test_no_more_than_a_hundred_problems_are_told(folder):
         file.write("\n[loading]\nV_lp = 1\nsteps = [{ V_lp = 2 }]\n[run]\nt_end = 3\n")
     with pytest.raises(ParameterError, match="and 406 problems more"):
         load(path)
-
-
-def test_run_does_it(read, folder):
-    shutil.rmtree(folder / "none", ignore_errors=True)
-    result = run(read("[loading]\nV_lp = 3.2e-3\n[run]\nt_end = 0.1\nV_start = 1e-3"))
-    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3000)
-    expected = rs.simulate(slider, Loading.constant(3.2e-3), 0.1, V_start=1e-3)
-    assert result.identical(expected)
 
 
 def test_a_problem_names_its_line(read):

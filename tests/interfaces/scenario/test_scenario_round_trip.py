@@ -216,15 +216,8 @@ def test_quantities(symbol, x):
     ("symbol", "x", "text"),
     [
         ("Dc", 1e-5, '"10 um"'),
-        ("sigma", 2e6, '"2 MPa"'),
-        ("K", 9e8, '"900 MPa/m"'),
         ("K", math.inf, "inf"),
-        ("V_lp", 3.2e-3, '"3.2 mm/s"'),
-        ("V0", 1e-9, '"1 nm/s"'),
-        ("V_lp", 1e-15, '"1e-15 m/s"'),
         ("V_lp", 0.0, '"0 m/s"'),
-        ("M", 3000.0, '"3000 kg/m^2"'),
-        ("t_end", 3600.0, '"3600 s"'),
         ("a", 0.003, "0.003"),
         ("Dc", 1 / 3, '"333.3333333333333 mm"'),
     ],
@@ -233,75 +226,44 @@ def test_quantities_read_well(symbol, x, text):
     assert quantity(symbol, x) == text
 
 
+def simulation(loading, t_end, slider=SLIDER, **more):
+    return Scenario("simulate", slider, {"loading": loading, "t_end": t_end, **more})
+
+
+MASSES = SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3))
+RIGID = SLIDER.replace(M=0, law="aging", K=np.inf, V0=1e-9)
+TWO_SPEEDS = to_si("V_lp", xr.DataArray([1e-3, 2e-3], dims="V_lp"))
 SCENARIOS = {
-    "steps": Scenario(
-        "simulate", SLIDER, {"loading": Loading.steps(1e-4, (1, 3.2e-3)), "t_end": 2.0}
+    "steps": simulation(Loading.steps(1e-4, (1, 3.2e-3)), 2.0),
+    "holds, ramps": simulation(
+        Loading.constant(1e-4).ramp(1, 1e-3, 0.5).step(1.5, 2e-3).step(2, 1e-3),
+        3.0,
+        RIGID,
+        V_start=1e-5,
     ),
-    "holds, ramps": Scenario(
-        "simulate",
-        SLIDER.replace(M=0, law="aging", K=np.inf, V0=1e-9),
-        {
-            "loading": Loading.constant(1e-4).ramp(1, 1e-3, 0.5).step(1.5, 2e-3).step(2, 1e-3),
-            "t_end": 3.0,
-            "V_start": 1e-5,
-        },
+    "sinusoid": simulation(Loading.sinusoid(1e-3, 1e-4, frequency=3, t_end=1), 1.0, rtol=1e-5),
+    "record": simulation(
+        Loading.series([0, 0.3, 0.3, 1], [1e-3, 1e-3, 0, 2e-3]),
+        0.9,
+        initial={"theta": 1.0, "tau": 1.1e6},
+        times=np.array([0.1, 0.5]),
     ),
-    "sinusoid": Scenario(
-        "simulate",
-        SLIDER,
-        {"loading": Loading.sinusoid(1e-3, 1e-4, frequency=3, t_end=1), "t_end": 1.0, "rtol": 1e-5},
+    "long record": simulation(
+        Loading.series(np.linspace(0, 1, 1500), np.linspace(1e-3, 2e-3, 1500) ** 2), 1.0
     ),
-    "record": Scenario(
-        "simulate",
-        SLIDER,
-        {
-            "loading": Loading.series([0, 0.3, 0.3, 1], [1e-3, 1e-3, 0, 2e-3]),
-            "t_end": 0.9,
-            "initial": {"theta": 1.0, "tau": 1.1e6},
-            "times": np.array([0.1, 0.5]),
-        },
+    "sweep": simulation(
+        Loading.steps(1e-4, (0.1, to_si("V_lp", rs.logspace("V_lp", 1e-3, 1e-2, 2)))), 0.2, MASSES
     ),
-    "long record": Scenario(
-        "simulate",
-        SLIDER,
-        {
-            "loading": Loading.series(np.linspace(0, 1, 1500), np.linspace(1e-3, 2e-3, 1500) ** 2),
-            "t_end": 1.0,
-        },
+    "sweep with times": simulation(
+        Loading.constant(1e-3), 0.2, MASSES, times=np.linspace(0, 0.2, 5)
     ),
-    "sweep": Scenario(
-        "simulate",
-        SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3)),
-        {
-            "loading": Loading.steps(
-                1e-4, (0.1, to_si("V_lp", rs.logspace("V_lp", 1e-3, 1e-2, 2)))
-            ),
-            "t_end": 0.2,
-        },
+    "sweep over t_end": simulation(
+        Loading.constant(1e-3),
+        to_si("t_end", xr.DataArray([0.1, 0.2], dims="t_end")),
+        V_start=to_si("V_start", xr.DataArray([1e-3, 2e-3, 3e-3], dims="V_start")),
     ),
-    "sweep with times": Scenario(
-        "simulate",
-        SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3)),
-        {"loading": Loading.constant(1e-3), "t_end": 0.2, "times": np.linspace(0, 0.2, 5)},
-    ),
-    "sweep over t_end": Scenario(
-        "simulate",
-        SLIDER,
-        {
-            "loading": Loading.constant(1e-3),
-            "t_end": to_si("t_end", xr.DataArray([0.1, 0.2], dims="t_end")),
-            "V_start": to_si("V_start", xr.DataArray([1e-3, 2e-3, 3e-3], dims="V_start")),
-        },
-    ),
-    "sweep over a sinusoid": Scenario(
-        "simulate",
-        SLIDER,
-        {
-            "loading": Loading.sinusoid(
-                to_si("V_lp", xr.DataArray([1e-3, 2e-3], dims="V_lp")), 1e-4, period=1, t_end=0.3
-            ),
-            "t_end": 0.3,
-        },
+    "sweep over a sinusoid": simulation(
+        Loading.sinusoid(TWO_SPEEDS, 1e-4, period=1, t_end=0.3), 0.3
     ),
     "cycle": Scenario("limit_cycle", SLIDER, {"V_lp": 5e-3, "rtol": 1e-7}),
     "cycles": Scenario(
@@ -324,9 +286,7 @@ SCENARIOS = {
         "stability", SLIDER.replace(K=rs.logspace("K", 1e8, 1e9, 1500)), {"V_lp": 1e-3}
     ),
     "branch": Scenario(
-        "continue_cycle",
-        SLIDER,
-        {"parameter": "V_lp", "start": 4e-3, "stop": 5e-3, "rtol": 1e-5},
+        "continue_cycle", SLIDER, {"parameter": "V_lp", "start": 4e-3, "stop": 5e-3, "rtol": 1e-5}
     ),
     "branch in K": Scenario(
         "continue_cycle",

@@ -2,13 +2,14 @@
 
 ======================================= ==========================================================
 ``command``, ``commands.toml``          which commands there are; their options and help
-``init``, ``explore``, ``paper``        commands of these names; ``figures`` and ``atlas``
-``analyses``                            ``run``, ``stability``, ``cycle`` and ``branch``
+``options``                             options that several commands share; NAME=VALUE read
+``start``                               ``init`` and ``explore``
+``analyses``                            commands on a scenario file: ``run``, ``stability``, ...
 ``run_scenario``                        what these do: outputs checked, computed, printed, written
-``fit``, ``run_fit``, ``fit_report``    its options; initial guesses and files; report.md
-``laboratory``                          ``events``, ``healing``, ``stiffness``, ``lab describe``
-``reading``                             options about a record
-``sweep``, ``store_report``             its options; what is said of a store
+``laboratory``                          commands on a record: ``fit``, ``events``, ...
+``run_fit``, ``fit_report``             initial guesses and files of a fit; report.md
+``sweep_store``, ``store_report``       ``sweep``; what is said of a store
+``paper``                               ``figures`` and ``atlas``
 ``document``                            results as JSON
 ``verdict_text``, ``verdict_text.toml`` which verdict stands beside a result
 ``output``                              how lines, tables and messages are printed

@@ -6,22 +6,10 @@ from typing import Any
 
 import typer
 
-from .command import register_file
-
-Written = Path | None  # a file to write
-LawFile = Path | None
+from .options import Outputs, register_file
 
 
-def run(
-    file: Path | None = None,
-    *,
-    source: Path | None = None,
-    law_file: LawFile = None,
-    out: Written = None,
-    plot: Written = None,
-    units: list[str] | None = None,
-    json: bool = False,
-) -> None:
+def run(file: Path | None = None, *, source: Path | None = None, outputs: Outputs) -> None:
     """Run a scenario file: its loading, or its sweep in memory.
 
     Without --out and --plot, files are written as the table [output] of the file says.
@@ -30,47 +18,30 @@ def run(
     """
     from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
-    own_units = wanted_units(units)
+    units = wanted_units(outputs.units)
     if source is not None and file is None:
         from ...files import read
         from ..scenario import from_result
 
-        register_file(law_file)
+        register_file(outputs.law_file)
         scenario = from_result(read(source))
     elif file is not None and source is None:
-        scenario = load_scenario(file, None, law_file)
+        scenario = load_scenario(file, None, outputs.law_file)
         note_sweep(scenario)
     else:
         raise typer.BadParameter("give either a file or --from RESULT", param_hint="FILE.toml")
-    do(scenario, out, plot, json, own_units)
+    do(scenario, outputs, units)
 
 
-def stability(
-    file: Path,
-    *,
-    law_file: LawFile = None,
-    out: Written = None,
-    plot: Written = None,
-    units: list[str] | None = None,
-    json: bool = False,
-) -> None:
+def stability(file: Path, *, outputs: Outputs) -> None:
     """Find whether steady sliding is stable at the load point's last speed.
 
     Example: ratestate stability lab.toml
     """
-    _do(file, "stability", law_file, out, plot, units, json)
+    _do(file, "stability", outputs)
 
 
-def response(
-    file: Path,
-    *,
-    frequency: list[str] | None = None,
-    law_file: LawFile = None,
-    out: Written = None,
-    plot: Written = None,
-    units: list[str] | None = None,
-    json: bool = False,
-) -> None:
+def response(file: Path, *, frequency: list[str] | None = None, outputs: Outputs) -> None:
     """Find how steady sliding answers to small oscillations of load point and normal stress.
 
     It is at the load point's last speed, and must be stable there.
@@ -79,23 +50,15 @@ def response(
     """
     texts = [text.strip() for one in frequency or [] for text in one.split(",")]
     given: dict[str, Any] = {"frequency": texts} if texts else {}
-    _do(file, "frequency_response", law_file, out, plot, units, json, **given)
+    _do(file, "frequency_response", outputs, **given)
 
 
-def cycle(
-    file: Path,
-    *,
-    law_file: LawFile = None,
-    out: Written = None,
-    plot: Written = None,
-    units: list[str] | None = None,
-    json: bool = False,
-) -> None:
+def cycle(file: Path, *, outputs: Outputs) -> None:
     """Find the limit cycle that the slider reaches at the load point's last speed.
 
     Example: ratestate cycle brake.toml --plot cycle.png
     """
-    _do(file, "limit_cycle", law_file, out, plot, units, json)
+    _do(file, "limit_cycle", outputs)
 
 
 def branch(
@@ -104,41 +67,28 @@ def branch(
     parameter: str | None = None,
     start: str | None = None,
     stop: str | None = None,
-    law_file: LawFile = None,
-    out: Written = None,
-    plot: Written = None,
-    units: list[str] | None = None,
-    json: bool = False,
+    outputs: Outputs,
 ) -> None:
     """Follow limit cycles, stable and unstable, while a parameter changes.
 
     Example: ratestate branch brake.toml --start "50 mm/s" --stop "3 cm/s"
     """
     if parameter is start is stop is None:
-        _do(file, "continue_cycle", law_file, out, plot, units, json)
+        _do(file, "continue_cycle", outputs)
     elif start is None or stop is None:
         raise typer.BadParameter("both are needed", param_hint="--start and --stop")
     else:
         changes = {"parameter": parameter or "V_lp", "start": start, "stop": stop}
-        _do(file, "limit_cycle", law_file, out, plot, units, json, **changes)
+        _do(file, "limit_cycle", outputs, **changes)
 
 
-def _do(
-    file: Path,
-    verb: str,
-    law_file: LawFile,
-    out: Written,
-    plot: Written,
-    units: list[str] | None,
-    json: bool,
-    **changes: Any,
-) -> None:
+def _do(file: Path, verb: str, outputs: Outputs, **changes: Any) -> None:
     """Call a function with a file's scenario, whose own verb and [output] are ignored."""
     from ..scenario import Output
     from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
-    own_units = wanted_units(units)
-    scenario = load_scenario(file, verb, law_file)
+    units = wanted_units(outputs.units)
+    scenario = load_scenario(file, verb, outputs.law_file)
     settings = scenario.settings | changes
     if "parameter" in changes:  # from a limit cycle to a branch
         verb = "continue_cycle"
@@ -146,4 +96,4 @@ def _do(
             settings.pop("V_lp")
     scenario = dataclasses.replace(scenario, verb=verb, settings=settings, output=Output())
     note_sweep(scenario)
-    do(scenario, out, plot, json, own_units)
+    do(scenario, outputs, units)

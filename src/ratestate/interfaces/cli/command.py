@@ -1,20 +1,17 @@
-"""From a function to a command, whose arguments and options are described in commands.toml."""
+"""Makes commands of functions; commands.toml describes their arguments and options."""
 
 import dataclasses
 import functools
 import importlib
 import inspect
-import itertools
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ...errors import ParameterError
-from ...friction.laws import law_name
 from ...paper.figures import BEYOND
 from .exits import EXIT_CODES, exit_on_error
 from .output import warnings_as_lines
@@ -23,7 +20,7 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of an e
 
 
 def _tables() -> dict[str, dict[str, Any]]:
-    """The tables of commands.toml; braces stand for the figures beyond the paper."""
+    """Return the tables of commands.toml, with the figures beyond the paper filled in."""
     beyond = "; ".join(f"{key}: {figure.help}" for key, figure in BEYOND.items())
     text = Path(__file__).with_name("commands.toml").read_text("utf-8")
     return tomllib.loads(text.replace("{names}", "|".join(BEYOND)).replace("{beyond}", beyond))
@@ -34,11 +31,11 @@ _SHARED = _TABLES.pop("shared")
 #: group of commands -> its help, and command -> the group it is in, "" for none
 GROUPS = _TABLES.pop("groups")
 _GROUP_OF = {name: table.pop("group", "") for name, table in _TABLES.items()}
-_MODULES = {name: table.pop("module", name) for name, table in _TABLES.items()}
+_MODULES = {name: table.pop("module") for name, table in _TABLES.items()}
 
 
 def functions() -> list[Callable[..., None]]:
-    """The functions of the commands, in the order of the help."""
+    """Return the functions of the commands, in the order of the help."""
     return [
         getattr(importlib.import_module(f".{module}", __package__), name)
         for name, module in _MODULES.items()
@@ -46,14 +43,14 @@ def functions() -> list[Callable[..., None]]:
 
 
 def group_of(function: Callable[..., None]) -> str:
-    """The group that the command of a function is in: "lab" of ``ratestate lab describe``."""
+    """Return the group of a function's command: "lab" of ``ratestate lab describe``."""
     return _GROUP_OF[function.__name__]
 
 
 def as_command(function: Callable[..., None]) -> Callable[..., None]:
-    """A function as a command: with --debug, error messages, and the exit codes in its help.
+    """Return a function as a command, with --debug, error messages, and exit codes in its help.
 
-    Its parameters are as of `parameters_of`; each is in commands.toml.
+    Its parameters are those of `parameters_of`; each is in commands.toml.
     """
     table = _SHARED | _TABLES[function.__name__]
     own = inspect.signature(function).parameters.values()
@@ -76,98 +73,36 @@ def as_command(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def parameters_of(function: Callable[..., None]) -> list[inspect.Parameter]:
-    """The parameters of a command: arguments if they are positional, else options.
+    """Return the parameters of a command: arguments if they are positional, else options.
 
     A parameter whose type is a dataclass stands for the options that are its fields.
     """
     parameters: list[inspect.Parameter] = []
     for parameter in inspect.signature(function).parameters.values():
         group = parameter.annotation
-        options = inspect.signature(group).parameters.values() if _is_group(group) else [parameter]
+        is_group = dataclasses.is_dataclass(group)
+        options = inspect.signature(group).parameters.values() if is_group else [parameter]
         parameters += options
     return parameters
 
 
-def pairs_of(texts: list[str] | None, option: str, separator: str = "") -> dict[str, str]:
-    """Strings of the form NAME=TEXT as a dict; several may be in one, if there is a separator."""
-    named: dict[str, str] = {}
-    split = [text.split(separator) if separator else [text] for text in texts or []]
-    for text in itertools.chain(*split):
-        name, sign, value = (part.strip() for part in text.partition("="))
-        if not (name and sign and value):
-            raise typer.BadParameter(f"{text!r} has no NAME=...", param_hint=option)
-        named[name] = value
-    return named
-
-
-def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str]:
-    """The option --set, NAME=VALUE each, as a dict; `typer.BadParameter` for another symbol."""
-    values, known = pairs_of(texts, "--set"), [*symbols]
-    if unknown := [name for name in values if name not in known]:
-        wanted = f"expected {' or '.join(known)}" if known else "it has none"
-        raise typer.BadParameter(
-            f"{unknown[0]!r} is no parameter of the law's own; {wanted}", param_hint="--set"
-        )
-    return values
-
-
-def laws_of(
-    texts: Iterable[str], law_file: Path | None, defaults: Iterable[str]
-) -> tuple[str, ...]:
-    """The friction laws of the options --law, by name, and --law-file, which is run; each once.
-
-    `typer.BadParameter` for an unknown law, and if they lack that of the file.
-    """
-    own = register_file(law_file)
-    names = tuple(dict.fromkeys(map(_law_of, texts)))
-    if own and names and own not in names:
-        raise typer.BadParameter(
-            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}; name it too, or "
-            f"leave --law out",
-            param_hint="'--law'",
-        )
-    return names or ((own,) if own else tuple(defaults))
-
-
-def register_file(law_file: Path | None) -> str:
-    """Register the law of the option --law-file; its name, "" without a file."""
-    if law_file is None:
-        return ""
-    from ...model.user_laws import register
-
-    return register(law_file)
-
-
-def _law_of(text: str) -> str:
-    """The friction law of this name; `typer.BadParameter` for none."""
-    try:
-        return law_name(text)
-    except ParameterError as error:
-        raise typer.BadParameter(str(error), param_hint="'--law'") from None
-
-
-def _is_group(annotation: Any) -> bool:
-    """Whether a parameter of this type is a group of options."""
-    return dataclasses.is_dataclass(annotation)
-
-
 def _argument(parameter: inspect.Parameter, values: dict[str, Any]) -> Any:
-    """What a function is given for a parameter, from the values of the command's parameters."""
-    group = parameter.annotation
-    if not _is_group(group):
+    """Return the argument of a function from the values of the command's parameters."""
+    if not dataclasses.is_dataclass(parameter.annotation):
         return values[parameter.name]
-    return group(**{name: values[name] for name in inspect.signature(group).parameters})
+    group: Any = parameter.annotation
+    return group(**{field.name: values[field.name] for field in dataclasses.fields(group)})
 
 
 def _literal(text: str) -> str:
-    """A text for typer, which takes a word in brackets, such as [output], for markup."""
+    """Escape a text for typer, which takes a word in brackets, such as [output], for markup."""
     return re.sub(r"\[(?=[a-z#/@])", r"\\[", text)
 
 
 def _described(
     parameter: inspect.Parameter, name: str = "", **description: Any
 ) -> inspect.Parameter:
-    """A parameter as typer takes it; `name` of an option that is not called as the parameter."""
+    """Return a parameter as typer takes it; `name`: of an option that has another name."""
     if "help" in description:
         description["help"] = _literal(description["help"])
     if parameter.kind is inspect.Parameter.KEYWORD_ONLY:

@@ -18,7 +18,7 @@ NESTED = (
 
 
 def document(result: xarray.Dataset, verdict: VerdictText | None) -> dict[str, Any]:
-    """A result for `print_json`: numbers in SI, null for what is unknown.
+    """Return a result for `print_json`: numbers in SI, null if unknown.
 
     Keys: ``ratestate`` (version), ``title``, ``dims`` (name -> size), ``coords`` and
     ``data_vars`` (name -> ``dims``, ``attrs`` with ``units`` and ``long_name``, ``data``; complex
@@ -39,7 +39,7 @@ def document(result: xarray.Dataset, verdict: VerdictText | None) -> dict[str, A
 
 
 def failed(result: xarray.Dataset) -> int:
-    """Number of cases without an answer, or of steps without a fit; 0 of what has neither."""
+    """Return the number of cases without an answer, or of steps without a fit."""
     if "message" not in result:
         return 0
     if "step" in result.dims:

@@ -75,7 +75,7 @@ def _second_interrupt_exits() -> Iterator[None]:
 
 
 def _message_and_status(error: Exception, options: Mapping[str, str]) -> tuple[str, int]:
-    """The message for an error, and the exit code."""
+    """Return the message for an error, and the exit code."""
     match error:
         case ParameterError():
             return f"error: {error.text(options.get(error.symbol, error.symbol))}", FAILED

@@ -1,4 +1,4 @@
-"""Commands on a laboratory's record: ``events``, ``healing``, ``stiffness``, ``lab describe``."""
+"""Commands on a record: ``fit``, ``events``, ``healing``, ``stiffness``, ``lab describe``."""
 
 import contextlib
 import json as json_texts
@@ -10,14 +10,72 @@ from typing import TYPE_CHECKING, Literal
 import typer
 
 from ...errors import RecordWarning
+from ...friction.laws import DEFAULT, friction_law, own_parameters
 from .exits import SOME_FAILED
+from .options import FileReading, Reading, laws_of, noise_of, own_values
 from .output import folder, names_of, print_line, reporting_files, write_text
-from .reading import FileReading, Reading, noise_of
 
 if TYPE_CHECKING:
     import xarray
 
+Each = Literal["step"]
+Against = Literal["time", "displacement", "cycles"]
 Trend = Literal["slip", "time", "none"]
+Start = Literal["auto", "steady", "free"]
+Errors = Literal["auto", "covariance", "profile", "posterior"]
+
+
+def fit(
+    files: list[Path],
+    *,
+    law: list[str] | None = None,
+    law_file: Path | None = None,
+    free: str = "a,b,Dc,K",
+    sigma: str | None = None,
+    a: str | None = None,
+    b: str | None = None,
+    Dc: str | None = None,
+    K: str | None = None,
+    M: str | None = None,
+    V0: str | None = None,
+    of_law: list[str] | None = None,
+    reading: Reading,
+    each: Each | None = None,
+    against: Against = "time",
+    trend: Trend = "slip",
+    start: Start = "auto",
+    noise: str | None = None,
+    errors: Errors = "auto",
+    out: Path | None = None,
+    json: bool = False,
+) -> None:
+    """Fit friction parameters to a laboratory record of velocity steps, holds or stick-slip.
+
+    It ends with code 3 where an answer carries warnings; they are printed with it.
+
+    Example: ratestate fit record.txt --each step --out fitted
+    """
+    values = {"sigma": sigma, "a": a, "b": b, "Dc": Dc, "K": K, "M": M, "V0": V0}
+    named = (name.strip() for text in law or () for name in text.split(","))
+    laws = laws_of(named, law_file, [DEFAULT])
+    fitting = {
+        "free": tuple(name.strip() for name in free.split(",") if name.strip()),
+        "law": laws if len(laws) > 1 else laws[0],
+        "each": each,
+        "against": against,
+        "trend": None if trend == "none" else trend,
+        "start": start,
+        "errors": errors,
+        "noise": noise_of(noise),
+    }
+    from .fit_report import FitRequest
+    from .run_fit import fit_and_report
+
+    values |= own_values(of_law, own_parameters(map(friction_law, laws)))
+    given = {symbol: value for symbol, value in values.items() if value is not None}
+    request = FitRequest(tuple(files), reading.keywords(), given, laws, fitting)
+    if fit_and_report(request, out, json):
+        raise typer.Exit(SOME_FAILED)
 
 
 def events(
@@ -141,7 +199,7 @@ def _evaluate(
 def _reported(
     what: str, files: list[Path], reading: Reading, out: Path | None
 ) -> "Iterator[tuple[xarray.Dataset, list[Path]]]":
-    """The record in these files, and a list that takes the files made; both reported on stderr."""
+    """Yield the record and a list that takes the files made; report both on stderr."""
     from ...records.reading import read_lab
 
     keywords = reading.keywords()
@@ -153,7 +211,7 @@ def _reported(
 
 
 def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) -> list[Path]:
-    """Write a result as NAME.nc and NAME.png, and its tables; the paths.
+    """Write a result as NAME.nc and NAME.png, and its tables; return the paths.
 
     NAME.csv has a row for each value along a dimension, NAME_summary.csv one for each quantity of
     the whole record.
@@ -174,7 +232,7 @@ def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) 
 
 
 def _by_law(result: "xarray.Dataset", dim: str) -> "xarray.Dataset":
-    """A result with a variable along the dimension alone for each law, where it has several."""
+    """Return a result whose variables of several laws are split into one for each law."""
     table = result.copy()
     for name, variable in result.data_vars.items():
         if set(variable.dims) == {"law", dim}:

@@ -6,7 +6,7 @@ import typer
 
 from ...friction.laws import friction_law, own_parameters
 from ...paper.figures import FIGURES, LAWS
-from .command import laws_of, own_values
+from .options import laws_of, own_values
 from .output import make_writable, print_json, print_rich, reporting_files
 
 OUT = Path("figures")

@@ -76,12 +76,12 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
 
 
 def _is_own(report: Path) -> bool:
-    """Whether a file is a report that `fit_and_report` has written."""
+    """Return whether `fit_and_report` has written this report."""
     return report.read_text("utf-8", errors="replace").startswith(HEADING)
 
 
 def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
-    """The fixed parameters, and initial guesses of the free ones; a default sigma is noted."""
+    """Return the fixed parameters and initial guesses of the free ones; note a default sigma."""
     # what the format says of the machine holds where nothing else is given
     given: dict[str, Any] = json.loads(record.attrs.get("machine", "{}")) | request.values
     if "sigma" not in given:

@@ -17,9 +17,9 @@ from ...model.quantities import QUANTITIES
 from ...model.units import is_array, to_si
 from .. import scenario as scenarios
 from ..scenario import Output, Scenario
-from .command import pairs_of
 from .document import document, failed
 from .exits import FAILED, SOME_FAILED
+from .options import Outputs, pairs_of
 from .output import print_json, print_line, print_rich
 from .verdict_text import VerdictText, verdict_text
 
@@ -28,28 +28,22 @@ MOST_BYTES = 3 * 10**9
 
 
 def load_scenario(file: Path, verb: str | None, law_file: Path | None) -> Scenario:
-    """The scenario of a file, or of standard input for "-"; ParameterError if it has problems."""
+    """Return the scenario of a file, or of standard input for "-"."""
     if file != Path("-"):
         return scenarios.load(file, verb, law_file=law_file)
     text = typer.get_binary_stream("stdin").read(scenarios.LARGEST + 1)
     return scenarios.loads(text, verb, name="standard input", law_file=law_file)
 
 
-def do(
-    scenario: Scenario,
-    out: Path | None,
-    plot: Path | None,
-    json: bool,
-    units: dict[str, str] | None = None,
-) -> None:
+def do(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
     """Run a scenario, print the result, and write the requested files.
 
-    units : symbol -> the unit in which it is printed and written, as by `wanted_units`
+    Raises `typer.Exit` with code 3 after a part of a branch, or if cases failed; with code 2 after
+    a run that no quasi-static motion continues.
 
-    `typer.Exit` with code 3 after a part of a branch, or where cases failed; with code 2 after a
-    run that no quasi-static motion continues.
+    units : symbol -> the unit in which it is printed and written, as by `wanted_units`
     """
-    output = output_paths(scenario, out, plot)
+    output = output_paths(scenario, outputs.out, outputs.plot)
     problem = None
     try:
         result = compute(scenario)
@@ -60,7 +54,7 @@ def do(
     numbers = in_numbers(result, units)
     verdict = None if swept_dims(scenario) else verdict_text(scenario, result)
     write_numbers(numbers, output)
-    if json:
+    if outputs.json:
         print_json(document(numbers, verdict))
     else:
         print_report(result, verdict, units)
@@ -74,9 +68,9 @@ def do(
 
 
 def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Output:
-    """Checked paths for the result: of the options, or else of the scenario; None for none.
+    """Return checked paths for the result: of the options, or else of the scenario.
 
-    ParameterError: another ending, no such folder, or a plot of more than two axes.
+    Raises ParameterError for another ending, no such folder, or a plot of more than two axes.
     """
     file, picture = out or scenario.output.file, plot or scenario.output.plot
     if picture and len(dims := swept_dims(scenario)) > 2:
@@ -103,7 +97,7 @@ def note_sweep(scenario: Scenario) -> None:
 
 
 def swept_dims(scenario: Scenario) -> dict[str, int]:
-    """Dimensions of a scenario's sweep -> their sizes; empty for a single slider."""
+    """Return the dimensions of a scenario's sweep -> their sizes; {} for a single slider."""
     slider, settings = scenario.slider, scenario.settings
     speeds = getattr(settings.get("loading"), "V", 0.0)
     values = filter(is_array, [*slider.values.values(), *settings.values(), speeds])
@@ -112,10 +106,10 @@ def swept_dims(scenario: Scenario) -> dict[str, int]:
 
 
 def compute(scenario: Scenario) -> xarray.Dataset:
-    """The result of a scenario; a sweep uses all cores, and a failed case spoils no other.
+    """Return the result of a scenario; a sweep uses all cores, and a failed case spoils no other.
 
-    ParameterError for branches over an axis and results of more than `MOST_BYTES`; SolverError, for
-    a limit cycle with the verdict in it, if a single case has no answer.
+    Raises ParameterError for branches over an axis and results of more than `MOST_BYTES`;
+    SolverError, with the verdict on a limit cycle, if a single case has no answer.
     """
     dims = swept_dims(scenario)
     if dims and scenario.verb == "continue_cycle":
@@ -154,7 +148,7 @@ def compute(scenario: Scenario) -> xarray.Dataset:
 
 
 def wanted_units(texts: list[str] | None) -> dict[str, str]:
-    """The units of the option --units, symbol -> unit; ParameterError for one that cannot be."""
+    """Return the units of the option --units, symbol -> unit; ParameterError for a wrong one."""
     units = pairs_of(texts, "--units", separator=",")
     for symbol, unit in units.items():
         if symbol not in QUANTITIES:
@@ -164,9 +158,9 @@ def wanted_units(texts: list[str] | None) -> dict[str, str]:
 
 
 def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.Dataset:
-    """What is written and printed of a result as numbers: of the whole contact too, in these units.
+    """Return a result as it is written and printed: with the whole contact, in these units.
 
-    Units of what the result does not have are named on stderr, and have no effect.
+    Name units without a variable of the result on stderr; they have no effect.
     """
     numbers = result.assign(whole_contact(result).data_vars)
     wanted = units or {}
@@ -178,7 +172,7 @@ def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.D
 
 
 def write_numbers(numbers: xarray.Dataset, output: Output) -> None:
-    """Write what `in_numbers` gives to the output file, if there is one, and name it on stderr."""
+    """Write numbers to the output file, if there is one, and name it on stderr."""
     if output.file:
         write(numbers, output.file)
         print_line(f"wrote {output.file}", err=True)

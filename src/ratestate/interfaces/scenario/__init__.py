@@ -45,15 +45,14 @@
     plot = "out.png"  # or .pdf
 
 =============================== ================================================================
-``files``                       which files are read: `load`, `loads`
+``files``, ``law_file``         which files are read: `load`, `loads`; the friction law in a file
 ``known_keys``                  which tables and keys there are, and an example of each
 ``tables``                      [slider], [run], [output] and [sweep] read
-``loading_table``, ``record``   [loading] read, and a record of times and speeds in a file
+``loading_table``               [loading] read, with a record of times and speeds in a file
 ``values``                      numbers and axes read: which magnitudes are refused
-``checks``                      which arguments do not go together
-``assemble``                    the scenario out of the tables; which of them the function takes
+``assemble``                    the scenario out of the tables; which arguments do not go together
 ``problems``, ``messages.toml`` how problems are reported, all together
-``model``                       `Scenario`, of a result too, and which functions one may call
+``scenario``                    `Scenario`, also of a result; which functions one may call
 ``as_toml``, ``as_python``      a scenario written down, with numbers that are read back exactly
 =============================== ================================================================
 """
@@ -62,7 +61,7 @@ from ..templates import TEMPLATES, template
 from .as_python import python
 from .as_toml import toml
 from .files import LARGEST, load, loads
-from .model import Output, Scenario, from_result, run
+from .scenario import Output, Scenario, from_result, run
 
 __all__ = [
     "LARGEST",

@@ -11,7 +11,7 @@ from ...model.loading import Loading
 from ...model.units import is_array
 from ...model.user_laws import file_of_law
 from .as_toml import is_own_axis, numbers, quantity
-from .model import Scenario
+from .scenario import Scenario
 
 
 def python(scenario: Scenario) -> str:

@@ -16,9 +16,10 @@ from ...model.parameters import OTHER_QUANTITIES
 from ...model.quantities import QUANTITIES, exact_text
 from ...model.units import is_array
 from ...model.user_laws import file_of_law
-from .model import FUNCTIONS, Scenario
+from .scenario import FUNCTIONS, Scenario
 
 WIDTH = 93  # characters of a line
+AS_PYTHON = "Write this scenario as Python, with ratestate.scenario.python(scenario)."
 
 
 def toml(scenario: Scenario) -> str:
@@ -108,8 +109,7 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         speeds = [call.arguments["V"] for call in (first, *events) if "V" in call.arguments]
         if any(map(is_array, speeds[:-1])):
             raise ParameterError(
-                "a scenario file can sweep no speed of a loading but the last one",
-                "Write this scenario as Python, with ratestate.scenario.python(scenario).",
+                "a scenario file can sweep no speed of a loading but the last one", AS_PYTHON
             )
         steps = [_table(call, V="V_lp", duration=call.method) for call in events]
         more = {"steps": _lines(steps)} if steps else {}
@@ -146,10 +146,7 @@ def _lines(tables: list[str]) -> str:
 def _refuse_arrays(what: str, *values: Any) -> None:
     """Raise ParameterError for values that are swept."""
     if any(map(is_array, values)):
-        raise ParameterError(
-            f"{what} cannot be swept in a scenario file",
-            "Write this scenario as Python, with ratestate.scenario.python(scenario).",
-        )
+        raise ParameterError(f"{what} cannot be swept in a scenario file", AS_PYTHON)
 
 
 def _axis(symbol: str, value: Any) -> str:
@@ -159,11 +156,9 @@ def _axis(symbol: str, value: Any) -> str:
         made_of = [f"{quantity} and {by}" for quantity, (_, by) in ways if by in value.dims]
         why = f", as it does if made of {' or of '.join(made_of)}" if made_of else ""
         raise ParameterError(
-            (
-                f"{symbol} lies along {', '.join(map(str, value.dims))}{why}, but a scenario "
-                "file can sweep a parameter along a dimension of its own only"
-            ),
-            "Write this scenario as Python, with ratestate.scenario.python(scenario).",
+            f"{symbol} lies along {', '.join(map(str, value.dims))}{why}, but a scenario file can "
+            "sweep a parameter along a dimension of its own only",
+            AS_PYTHON,
         )
     return _literal(symbol, value.values)
 

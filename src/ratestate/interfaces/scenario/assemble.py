@@ -1,4 +1,4 @@
-"""Assembles a scenario from the tables of a file, once all of them have been read."""
+"""Assembles a scenario from the tables of a file, and checks what does not go together."""
 
 import functools
 from typing import Any, NamedTuple
@@ -6,15 +6,21 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...dynamics.continuation.branch import checked_family
+from ...dynamics.simulation.settings import check_normal_stress, saved_times
+from ...model.arrays import Batch
+from ...model.initial_state import initial_state, initial_values
+from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES, parameter_to_si
 from ...model.quantities import remedy
 from ...model.slider import SpringSlider
-from .checks import check_rtol, check_run
+from ...model.units import is_array
 from .known_keys import NEEDED, example, parameter_keys
 from .loading_table import LoadingTable
-from .model import FUNCTIONS, Output, Scenario
 from .problems import Place, Problem
+from .scenario import FUNCTIONS, Output, Scenario
 from .tables import Sweep
+
+FEW = 10**5  # cases whose initial values are checked one by one
 
 
 class Tables(NamedTuple):
@@ -29,70 +35,68 @@ class Tables(NamedTuple):
     output: dict[str, Any]
 
     def table(self, name: str) -> Place:
-        """A table, for messages."""
+        """Return a table, for messages."""
         return Place((name,), self.problems)
 
     def place(self, key: str) -> Place:
-        """The key, for messages, where it is or should be: in [sweep] before [run]."""
+        """Return a key, for messages: in [sweep], which comes first, or in [run]."""
         of_sweep = key in self.sweep.values or (key not in self.run and "run" not in self.names)
         return self.table("sweep" if of_sweep and "sweep" in self.names else "run").at(key)
 
 
 def assemble(tables: Tables) -> Scenario | None:
-    """The scenario, or None if there are problems; those found here join `tables.problems`."""
+    """Return the scenario, or None if there are problems; note those that are found here."""
     slider = _slider(tables)
     verb, own, swept, branch = tables.sweep
     if swept.get("V_lp") is not None and tables.loading.is_record:
         tables.place("V_lp").add("loading.of_record", like=example("V_lp"))
     _note_missing_speed(tables)
-    of_slider = parameter_keys()
     run = dict(tables.run)
-    if verb != "frequency_response":
-        run.pop("frequency", None)
-    if own != verb:  # the meaning of rtol differs between functions
+    if own != verb:  # functions have rtol of different meanings
         run.pop("rtol", None)
     if verb == "limit_cycle" and (own != verb or "sweep" in tables.names):
         run.pop("V_start", None)  # of the run
-    settings = run | {k: v for k, v in swept.items() if k not in of_slider}
+    settings = run | {k: v for k, v in swept.items() if k not in parameter_keys()}
+    if verb:
+        check_rtol = FUNCTIONS[verb].check_rtol
+        if check_rtol and settings.get("rtol") is not None:
+            tables.place("rtol").noting(lambda: check_rtol(settings["rtol"]))
     if verb == "simulate":
+        settings.pop("frequency", None)
         V_last = settings.pop("V_lp", None)
         if "t_end" not in settings:
             tables.place("t_end").add("key.missing", wanted=remedy("t_end"))
         loading = tables.loading.build(V_last, settings.get("t_end"))
-        check_run(slider, settings, loading, tables.place)
+        _check_run(slider, settings, loading, tables)
         settings = {"loading": loading} | settings
     elif verb:
         settings = {k: v for k, v in settings.items() if k in FUNCTIONS[verb].keys}
         if branch.get("parameter") != "V_lp":
             settings = {"V_lp": _last_speed(tables)} | settings
-        if "rtol" in settings:
-            check_rtol(verb, settings["rtol"], tables.place("rtol"))
         settings = _in_si(branch, slider) | settings
     if verb == "continue_cycle" and slider is not None and branch and not tables.problems:
-        arguments = {"V_lp": None, "rtol": 1e-8} | settings
-        check = functools.partial(checked_family, slider, **arguments)
-        place = tables.table("sweep").at(branch["parameter"])
-        place.noting(check)
+        check = functools.partial(checked_family, slider, **{"V_lp": None, "rtol": 1e-8} | settings)
+        tables.table("sweep").at(branch["parameter"]).noting(check)
     if tables.problems or slider is None:
         return None
     return Scenario(verb, slider, settings, Output(**tables.output))
 
 
 def _in_si(branch: dict[str, Any], slider: SpringSlider | None) -> dict[str, Any]:
-    """The keys of a branch with its ends in SI, if they are known."""
+    """Return the keys of a branch with its ends in SI, if they are known."""
     if slider is None or None in branch.values():
         return branch
-    symbol = branch.get("parameter", "")
-    ends = {key: value for key, value in branch.items() if key != "parameter"}
-    given = slider.values
-    return branch | {key: parameter_to_si(symbol, x, given) for key, x in ends.items()}
+    symbol, given = branch.get("parameter", ""), slider.values
+    return {
+        key: x if key == "parameter" else parameter_to_si(symbol, x, given)
+        for key, x in branch.items()
+    }
 
 
 def _slider(tables: Tables) -> SpringSlider | None:
-    """The slider, or None if it cannot be made."""
-    of_slider = parameter_keys()
-    values = tables.slider | {k: v for k, v in tables.sweep.values.items() if k in of_slider}
-    followed = tables.sweep.branch
+    """Return the slider, or None if it cannot be made."""
+    swept, followed = tables.sweep.values, tables.sweep.branch
+    values = tables.slider | {k: v for k, v in swept.items() if k in parameter_keys()}
     if followed.get("parameter") in NEEDED:  # the branch begins there
         values = {followed["parameter"]: followed["start"]} | values
     place = tables.table("slider")
@@ -104,18 +108,17 @@ def _slider(tables: Tables) -> SpringSlider | None:
     before = len(tables.problems)
     given: dict[str, Any] = {}
     for key in [key for key in ("area", *OTHER_QUANTITIES) if key in values]:
-        where = tables.table("sweep" if key in tables.sweep.values else "slider").at(key)
         read = functools.partial(parameter_to_si, key, values[key], given)
+        where = tables.table("sweep" if key in swept else "slider").at(key)
         if (value := where.noting(read)) is not None:
             given[key] = value
     if len(tables.problems) > before:
         return None
-    make = functools.partial(SpringSlider, **values | given)
-    return place.noting(make)
+    return place.noting(lambda: SpringSlider(**values | given))
 
 
 def _note_missing_speed(tables: Tables) -> None:
-    """Note a missing load-point speed, or a missing one before its first step."""
+    """Note that the load-point speed is missing, or that before its first step."""
     loading = tables.loading
     swept = "V_lp" in tables.sweep.values or tables.sweep.branch.get("parameter") == "V_lp"
     if not (loading.is_record or "V_lp" in loading.given or (swept and loading.final == 0)):
@@ -124,7 +127,7 @@ def _note_missing_speed(tables: Tables) -> None:
 
 
 def _last_speed(tables: Tables) -> Any:
-    """The speed at which the loading ends, where it is not swept."""
+    """Return the last speed of the loading, or the swept ones; note a rest."""
     swept = tables.sweep.values
     place, last = tables.loading.last
     if "V_lp" in swept:
@@ -132,3 +135,52 @@ def _last_speed(tables: Tables) -> Any:
     if last is not None and not np.all(np.greater(last, 0.0)):
         place.add("loading.at_rest", verb=tables.sweep.verb, wanted=remedy("V_lp"))
     return last
+
+
+def _check_run(
+    slider: SpringSlider | None,
+    values: dict[str, Any],
+    loading: Loading | None,
+    tables: Tables,
+) -> None:
+    """Note arguments that `simulate` would refuse, of which some may be unknown or None."""
+    t_end, times, place = values.get("t_end"), values.get("times"), tables.place
+    if t_end is not None:
+        if loading is not None:
+            place("t_end").noting(lambda: loading.covers(t_end))
+        if loading is not None and slider is not None:
+            check = functools.partial(check_normal_stress, loading, slider, t_end)
+            tables.table("loading").at("sigma").noting(check)
+        place("times").noting(lambda: saved_times(times, t_end))
+    if slider is not None and values.get("initial"):
+        place("initial").noting(lambda: _check_initial(slider, values, loading))
+    if loading is None or slider is None or t_end is None:
+        return
+    if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
+        place("V_start").add("run.no_start", wanted=remedy("V_start"))
+    if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
+        tables.table("slider").at("K").add("run.rigid_rest")
+
+
+def _check_initial(slider: SpringSlider, values: dict[str, Any], loading: Loading | None) -> None:
+    """Raise ParameterError for inconsistent initial values, in sweeps that are not too large."""
+    if loading is None and np.isinf(slider.K).any():
+        return  # the slider's speed is the load point's, which is unknown
+    # (whether V, theta and tau agree depends neither on V_start nor on the loading, if K is finite)
+    speeds = Loading.constant(1.0) if loading is None else loading
+    start = values.get("V_start")
+    given = slider.values | {"V_start": 1.0 if start is None else start}
+    given |= initial_values(values["initial"], slider.friction_law)
+    batch = Batch(given, {"V_lp": speeds.V} if is_array(speeds.V) else {})
+    if batch.n <= FEW:
+        table, rows = batch.rows(speeds.V)
+        with np.errstate(divide="ignore"):
+            initial_state(slider.friction_law, batch, table[rows, 0])
+
+
+def rests(loading: Loading, t_end: float) -> bool:
+    """Return whether a load point comes to rest, in any case, before t_end [s]."""
+    used = loading.t < t_end
+    ends = np.minimum(np.append(loading.t[1:], np.inf), t_end)[used]
+    V, rate = np.asarray(loading.V)[..., used], np.asarray(loading.rate)[..., used]
+    return bool((np.minimum(V, V + rate * (ends - loading.t[used])) <= 0.0).any())

@@ -1,18 +1,22 @@
-"""Scenario files read."""
+"""Reads scenario files."""
 
 import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
-from ...errors import MissingFileError
+from ...errors import MissingFileError, ParameterError
+from ...friction.composition import composed
+from ...friction.forms import form_name
+from ...friction.law import FrictionLaw
+from ...friction.laws import DEFAULT, friction_law
 from ...model.names import one_of
 from .assemble import Tables, assemble
-from .known_keys import TABLES, composed_law_of, example, tables_with
+from .known_keys import TABLES, example, tables_with
 from .law_file import take_law_file
 from .loading_table import loading_table
-from .model import FUNCTIONS, Scenario
 from .problems import Place, Problem, choice, message, refusal, report, written
+from .scenario import FUNCTIONS, Scenario
 from .tables import plain_table, sweep_table
 
 LARGEST = 10**7  # bytes
@@ -94,7 +98,7 @@ def loads(
     take_law_file(parsed, law_file, folder, problems)
     slider = plain_table("slider", parsed.get("slider", {}), problems)
     of_sweep = parsed.get("sweep", {})
-    law = composed_law_of(slider | {k: of_sweep[k] for k in ("law", "friction") if k in of_sweep})
+    law = _law_of(slider | {k: of_sweep[k] for k in ("law", "friction") if k in of_sweep})
     run = plain_table("run", parsed.get("run", {}), problems, law)
     verb_of_run = run.pop("verb", None)
     sweep = sweep_table(parsed.get("sweep"), verb, verb_of_run, problems, law)
@@ -118,6 +122,16 @@ def loads(
         lines = report(problems, TABLES, data.decode("utf-8-sig"))
         raise refusal("file.unusable", name=name, lines=lines)
     return scenario
+
+
+def _law_of(slider: dict[str, Any]) -> FrictionLaw | None:
+    """Return the law of a slider with its form of friction and damping; None if it is unknown."""
+    try:
+        law = friction_law(slider.get("law", DEFAULT))
+        form = form_name(slider.get("friction", law.form))
+        return composed(law, form, bool(slider.get("damping")))
+    except ParameterError:  # noted when the slider is read, or made
+        return None
 
 
 def _parse(text: bytes, name: str) -> dict[str, Any]:
@@ -145,7 +159,7 @@ def _parse(text: bytes, name: str) -> dict[str, Any]:
 
 
 def _bytes(path: Path) -> bytes:
-    """The content of a file that exists and is not too large."""
+    """Return the content of a file that exists and is not too large."""
     try:
         size = path.stat().st_size
         if not path.is_file():
@@ -164,7 +178,7 @@ def _bytes(path: Path) -> bytes:
 
 
 def _line_of_deep_key(text: bytes) -> int:
-    """The number of the line, from 1 on, with a key of far too many parts; 0 if there is none."""
+    """Return the line, from 1 on, of a key with far too many parts; 0 if there is none."""
     for number, line in enumerate(text.split(b"\n"), 1):
         if line.count(b".") > DEEPEST and not line.lstrip().startswith(b"#"):
             for piece in re.split(rb"[,=\[\]{}#]", line):
@@ -175,7 +189,7 @@ def _line_of_deep_key(text: bytes) -> int:
 
 
 def _tables(parsed: dict[str, Any], problems: list[Problem]) -> dict[str, dict[str, Any]]:
-    """The known tables of the file; one that is not a table is replaced by an empty one."""
+    """Return the known tables of the file; an empty one replaces a value that is not a table."""
     tables: dict[str, dict[str, Any]] = {}
     known = [f"[{name}]" for name in TABLES]
     for name, table in list(parsed.items())[:MOST_TABLES]:

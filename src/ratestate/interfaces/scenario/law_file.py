@@ -21,60 +21,46 @@ def take_law_file(
 ) -> None:
     """Make the law of a law file the law of the slider, in tables as they are parsed.
 
-    A file that cannot be used is noted, and keys that may be of its law are taken out; if it is the
-    given one, it is a ParameterError.
+    If the file cannot be used, note it, and take out keys that may belong to its law; for the given
+    file raise ParameterError.
 
-    given : a law file in place of the scenario's own, or None
-    folder : where law files lie that the scenario names; None: those are not run
+    given : a law file that replaces the scenario's own, or None
+    folder : the folder of the law files that the scenario names; None: they are not run
     """
-    slider = tables.setdefault("slider", {})
+    slider, sweep = tables.setdefault("slider", {}), tables.get("sweep", {})
     named = slider.pop(KEY, None)
+    is_known = HASH_MARK in str(slider.get("law")) and find_law_name(slider["law"])
     if given is not None:
-        _settle(tables, register(given), str(given), problems)
-    elif named is not None and not _names_known_source(slider.get("law")):
+        name, file = register(given), str(given)
+    elif named is None or is_known:  # no file need be run
+        return
+    else:
         place = Place(("slider", KEY), problems)
-        name = place.noting(lambda: _registered(named, folder))
-        if name is None:
-            _take_out_unknown(tables)
-        else:
-            _settle(tables, name, named, problems)
+        file, name = named, place.noting(lambda: _register(named, folder)) or ""
+    if name:
+        law, own = friction_law(name), name.partition(HASH_MARK)[0]
+        for key, table in {"slider": slider, "sweep": sweep}.items():
+            other = table.pop("law", name)
+            text = str(other).lower()
+            if text not in (name, own, *law.synonyms):
+                is_edited = text.partition(HASH_MARK)[0] == own
+                kind = "law_file.edited" if is_edited else "law_file.other"
+                place = Place((key, "law"), problems)
+                place.add(kind, given=other, file=file, name=name, own=own)
+        slider["law"] = name
+        return
+    for name, table in {"slider": slider, "sweep": sweep}.items():
+        for key in [key for key in table if key not in keys_of(name) and not tables_with(key)]:
+            del table[key]
+        table.pop("law", None)
+    tables.get("run", {}).pop("initial", None)  # with the states of that law
 
 
-def _registered(named: Any, folder: Path | None) -> str:
-    """The name of the law in the file that a scenario names; ParameterError if it has none."""
+def _register(named: Any, folder: Path | None) -> str:
+    """Return the name of the law in the file that a scenario names; else raise ParameterError."""
     if not isinstance(named, str) or not named.isprintable() or len(named) > LONGEST_NAME:
         wanted = message("law_file.wanted", like=example(KEY))
         raise refusal("law_file.no_name", given=named, wanted=wanted)
     if folder is None:
         raise refusal("law_file.of_text", given=named)
     return register(folder / named)
-
-
-def _names_known_source(law: Any) -> bool:
-    """Whether a law is named with the hash of its source, and known: no file need be run."""
-    return HASH_MARK in (find_law_name(law) or "") and HASH_MARK in law
-
-
-def _settle(
-    tables: dict[str, dict[str, Any]], name: str, file: str, problems: list[Problem]
-) -> None:
-    """Make the law of this name that of the slider; a key law that names another one is noted."""
-    law, own = friction_law(name), name.partition(HASH_MARK)[0]
-    for table in ("slider", "sweep"):
-        given = tables.get(table, {}).pop("law", name)
-        text = str(given).lower()
-        if text not in (name, own, *law.synonyms):
-            is_edited = text.partition(HASH_MARK)[0] == own
-            kind = "law_file.edited" if is_edited else "law_file.other"
-            Place((table, "law"), problems).add(kind, given=given, file=file, name=name, own=own)
-    tables["slider"]["law"] = name
-
-
-def _take_out_unknown(tables: dict[str, dict[str, Any]]) -> None:
-    """Take out the law, and what may be of it: keys of no table, and the states at t = 0."""
-    for name in ("slider", "sweep"):
-        table, known = tables.get(name, {}), keys_of(name)
-        for key in [key for key in table if key not in known and not tables_with(key)]:
-            del table[key]
-        table.pop("law", None)
-    tables.get("run", {}).pop("initial", None)

@@ -35,13 +35,13 @@ class Problem(NamedTuple):
 
 
 class Place(NamedTuple):
-    """A table or key of the file, such as ``[sweep] M.from``; the problems of the whole file."""
+    """A table or key of the file, such as ``[sweep] M.from``, and all problems of the file."""
 
     path: tuple[str | int, ...]
     problems: list[Problem]
 
     def at(self, part: str | int) -> "Place":
-        """A key of this table, or an element of this list."""
+        """Return a key of this table, or an element of this list."""
         return Place((*self.path, part), self.problems)
 
     def add(self, name: str, /, **values: Any) -> None:
@@ -53,7 +53,7 @@ class Place(NamedTuple):
         self.at(key).add("key.missing", wanted=wanted or remedy(key))
 
     def noting(self, make: Callable[[], T], symbol: str = "") -> T | None:
-        """What `make` returns; None if it raises a ParameterError, which is noted."""
+        """Return what `make` returns; note a ParameterError, and return None."""
         try:
             return make()
         except ParameterError as error:
@@ -67,7 +67,7 @@ class Place(NamedTuple):
 
 
 def report(problems: list[Problem], tables: Iterable[str], text: str) -> str:
-    """Lines of the first `MOST_LINES` problems, in the order of the tables; how many more.
+    """Return lines of the first `MOST_LINES` problems, in the order of tables; how many more.
 
     text : the file, for the numbers of its lines
     """
@@ -84,7 +84,7 @@ def report(problems: list[Problem], tables: Iterable[str], text: str) -> str:
 
 
 def written(path: tuple[str | int, ...]) -> str:
-    """A table or key as messages name it: ``[loading] steps[0].V_lp``."""
+    """Return a table or key as messages name it: ``[loading] steps[0].V_lp``."""
     table, *parts = path
     name = f"[{toml_key(str(table))}]" if table else ""
     for i, part in enumerate(parts):
@@ -94,7 +94,7 @@ def written(path: tuple[str | int, ...]) -> str:
 
 
 def key_lines(text: str) -> dict[tuple[str | int, ...], int]:
-    """The number of the line, from 1 on, of each table (name,) and of its keys (name, key)."""
+    """Return the line, from 1 on, of each table (name,) and of its keys (name, key)."""
     numbers: dict[tuple[str | int, ...], int] = {}
     table = ""
     for number, line in enumerate(text.split("\n"), 1):
@@ -107,7 +107,7 @@ def key_lines(text: str) -> dict[tuple[str | int, ...], int]:
 
 
 def shown(value: Any) -> str:
-    """A value of a TOML file as messages show it: a string quoted and cut, "a table" and so on."""
+    """Return a value as messages show it: a string quoted and cut, "a table" and so on."""
     if isinstance(value, str):
         return repr(value if len(value) <= LONGEST_SHOWN else value[: LONGEST_SHOWN - 3] + "...")
     if isinstance(value, bool):
@@ -122,12 +122,12 @@ def shown(value: Any) -> str:
 
 
 def toml_key(key: str) -> str:
-    """A key as TOML writes it: in quotes if it needs them."""
+    """Return a key as TOML writes it: in quotes if it needs them."""
     return key if re.fullmatch(r"[A-Za-z0-9_-]{1,60}", key) else shown(key)
 
 
 def choice(given: Any, names: Iterable[str]) -> str:
-    """One of these names; ParameterError for anything else."""
+    """Return one of these names; ParameterError for anything else."""
     names = list(names)
     if isinstance(given, str) and given in names:
         return given

@@ -4,6 +4,8 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ...dynamics.continuation.family import PARAMETERS
 from ...friction.composition import EXTRAS
 from ...friction.law import FrictionLaw
@@ -23,9 +25,9 @@ from .known_keys import (
     own_keys,
     slider_keys,
 )
-from .model import FUNCTIONS
 from .problems import Place, Problem, choice, message, refusal, shown
-from .values import AXIS, Many, as_array, as_axis, read_ends, read_number, read_values
+from .scenario import FUNCTIONS
+from .values import AXIS, Many, read_ends, read_number, read_values
 
 LONGEST_PATH = 255  # characters
 #: cases of a sweep, at most
@@ -36,18 +38,17 @@ BRANCH = 'K = { from = "700 MPa/m", to = "300 MPa/m" }'
 def plain_table(
     name: str, table: dict[str, Any], problems: list[Problem], law: FrictionLaw | None = None
 ) -> dict[str, Any]:
-    """The values of such a table: key -> value, or None for one with a problem.
+    """Return the values of such a table: key -> value, or None for one with a problem, noted.
 
-    law : the slider's, for its values at t = 0; None where it is not known
+    law : the slider's, for its values at t = 0; None if it is unknown
     """
     place = Place((name,), problems)
     items = known_items(name, table, place)
-    values = {key: read_value(key, value, place.at(key), law) for key, value in items}
-    return _per_area(values, place)
+    return _per_area({key: read_value(key, x, place.at(key), law) for key, x in items}, place)
 
 
 def _per_area(values: dict[str, Any], place: Place) -> dict[str, Any]:
-    """The values, with mass = 6 as M = "6.0 kg", and so on; a parameter given twice is noted."""
+    """Return values with mass = 6 as M = "6.0 kg" and so on; note parameters given twice."""
     for name in WHOLE_CONTACT.keys() & values.keys():
         symbol, value = WHOLE_CONTACT[name], values.pop(name)
         if symbol in values:
@@ -60,22 +61,22 @@ def _per_area(values: dict[str, Any], place: Place) -> dict[str, Any]:
 
 
 def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = None) -> Any:
-    """The value of a known key that has no axis here: float [SI], str, Path, dict or (n,) array.
+    """Return the value of a known key that has no axis here; None for a problem, noted.
 
-    Frequencies are a DataArray along themselves.
-
-    None if it has a problem, which is noted.
+    It is a float [SI], a str, a Path, a dict, an array (n,) of times, or frequencies as a DataArray
+    along themselves.
     """
+    before = len(place.problems)
     if key == "initial":
-        before = len(place.problems)
         values = initial(law).read(value, place)
         return values if len(place.problems) == before else None
-    if key == "times":
+    if key in ("times", "frequency"):
         many = read_values(key, value, place)
-        return None if many is None else as_array(key, many)
-    if key == "frequency":
-        many = read_values(key, value, place)
-        return as_axis(key, many) if isinstance(many, Many) else many
+        if key == "times" and isinstance(many, float):
+            return np.array([many])
+        if isinstance(many, Many):
+            return many.array() if key == "times" else many.axis(key)
+        return many
     if isinstance(value, dict | list) and is_axis(key):
         place.add("key.no_axis", given=value, like=example(key))
         return None
@@ -92,19 +93,20 @@ def read_value(key: str, value: Any, place: Place, law: FrictionLaw | None = Non
 
 
 def _path(key: str, value: Any) -> Path:
-    """The path of a file that can be written; ParameterError if it cannot."""
+    """Return the path of a file that can be written; ParameterError if it cannot."""
     endings = ENDINGS[key]
     wanted = message("output.wanted", names=" or ".join(endings), ending=endings[0])
     if not isinstance(value, str):
-        raise refusal("output.no_text", given=value, wanted=wanted)
-    if len(value) > LONGEST_PATH or not value.isprintable():
-        raise refusal("output.no_name", given=value, wanted=wanted)
-    path = Path(value)
-    if path.suffix.lower() not in endings:
-        raise refusal("output.ending", given=value, wanted=wanted)
-    if not path.parent.is_dir():
-        raise refusal("output.no_folder", given=value, wanted=wanted)
-    return path
+        problem = "output.no_text"
+    elif len(value) > LONGEST_PATH or not value.isprintable():
+        problem = "output.no_name"
+    elif (path := Path(value)).suffix.lower() not in endings:
+        problem = "output.ending"
+    elif not path.parent.is_dir():
+        problem = "output.no_folder"
+    else:
+        return path
+    raise refusal(problem, given=value, wanted=wanted)
 
 
 class Sweep(NamedTuple):
@@ -123,24 +125,23 @@ def sweep_table(
     problems: list[Problem],
     law: FrictionLaw | None,
 ) -> Sweep:
-    """Read the table [sweep], if any; `requested` replaces its verb, which may be that of [run].
+    """Read the table [sweep], if there is one, and note problems.
 
-    Problems are noted; keys that the function does not take are checked, but left out.
+    Keys that the function does not take are checked, but left out.
 
-    law : the slider's, along whose own parameters a branch may go; None where it is not known
+    requested : the function that replaces the one that the file names, or None
+    of_run : the function that [run] names, or None
+    law : the slider's, along whose own parameters a branch may go; None if it is unknown
     """
     place = Place(("sweep",), problems)
     if table is None:
         own = of_run or "simulate"
-        verb = requested or own
-        if verb == "continue_cycle":
+        if (verb := requested or own) == "continue_cycle":
             place.add("branch.missing", like=BRANCH)
         return Sweep(verb, own, {}, {})
     own = _verb(table, requested, of_run, place)
     verb = requested or own
-    of_slider = slider_keys()
-    of_verb = {name: [*of_slider, *function.keys] for name, function in FUNCTIONS.items()}
-    known = of_verb.get(own) or [*SETTINGS, *of_slider]
+    known = (*slider_keys(), *(FUNCTIONS[own].keys if own else SETTINGS))
     given = {}
     for key, value in known_items("sweep", table, place, own or "any verb"):
         if key in known:
@@ -150,14 +151,14 @@ def sweep_table(
             place.at(key).add("key.no_parameter", verb=own, wanted=wanted)
     branch = _branch(given, own, place, law) if verb == "continue_cycle" else {}
     values = _read(given, own, place, bool(branch))
-    kept = {*of_verb.get(verb, known)}
-    if own and own != verb:  # their meaning differs between functions
-        kept -= {"rtol", "V_start"}
-    return Sweep(verb, own, {k: v for k, v in values.items() if k in kept}, branch)
+    if own and own != verb:
+        taken = {*slider_keys(), *FUNCTIONS[verb].keys} - {"rtol", "V_start"}  # they differ
+        values = {key: value for key, value in values.items() if key in taken}
+    return Sweep(verb, own, values, branch)
 
 
 def _verb(table: dict[str, Any], requested: str | None, of_run: str | None, place: Place) -> str:
-    """The verb of the file."""
+    """Return the function that the file names; "" for a problem, noted."""
     if "verb" not in table:
         if not (of_run or requested):
             place.missing("verb", one_of(FUNCTIONS))
@@ -170,7 +171,7 @@ def _verb(table: dict[str, Any], requested: str | None, of_run: str | None, plac
 
 
 def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> dict[str, Any]:
-    """The values of all keys; axes only if there are not too many cases."""
+    """Return the values of all keys; make axes only if there are not too many cases."""
     values: dict[str, Any] = {}
     for key, value in given.items():
         if is_axis(key):
@@ -179,21 +180,22 @@ def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> di
         else:
             values[key] = read_value(key, value, place.at(key))
     values = _per_area(values, place)
-    many = [key for key, value in given.items() if isinstance(value, dict | list)]
-    if not is_branch and not any(map(is_axis, many)):
+    if not is_branch and not any(
+        isinstance(x, dict | list) and is_axis(k) for k, x in given.items()
+    ):
         place.add("sweep.no_axis", like=AXIS)
-    axes = {k: v for k, v in values.items() if isinstance(v, Many) and is_axis(k)}
+    axes = {key: value for key, value in values.items() if isinstance(value, Many)}
     if (cases := math.prod(axis.size for axis in axes.values())) > MOST_CASES:
         product = " x ".join(f"{axis.size} {key}" for key, axis in axes.items())
         place.add("sweep.too_many", product=product, cases=cases, most=MOST_CASES, like=AXIS)
         return dict.fromkeys(values)
-    return values | {key: as_axis(key, axis) for key, axis in axes.items()}
+    return values | {key: axis.axis(key) for key, axis in axes.items()}
 
 
 def _branch(
     values: dict[str, Any], own: str, place: Place, law: FrictionLaw | None
 ) -> dict[str, Any]:
-    """Remove the parameter that a branch follows from the values; its ends, or None each."""
+    """Remove the parameter that a branch follows from the values; return its ends, or None each."""
     nothing: dict[str, Any] = dict.fromkeys(("parameter", "start", "stop"))
     followed = [key for key, value in values.items() if isinstance(value, dict)]
     if len(followed) != 1:

@@ -1,13 +1,14 @@
 """Values of a scenario file: a number, a string with a unit, a list, or an axis between two ends.
 
-All are bit-for-bit the floats of the Python API.  A value that becomes one with the slider's area
-or sigma (`model.parameters`) stays the text that it is.  An axis is kept as two ends and a number
-until the number of cases has been checked.  Values of an unusual magnitude are refused, where the
-Python API takes any: so a wrong unit or exponent is reported before it costs minutes or overflows.
+All are bit-for-bit the floats of the Python API.  A value that becomes a parameter only with the
+slider's area or sigma (`model.parameters`) stays the text that it is.  An axis is expanded after
+the number of cases has been checked.  Values of an unusual magnitude are refused, although the
+Python API takes any: a wrong unit or exponent is reported before it costs minutes or overflows.
 """
 
+import functools
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from decimal import Decimal
 from typing import Any, NamedTuple
 
@@ -19,11 +20,10 @@ from ...model.quantities import KINDS, QUANTITIES, attrs, remedy
 from ...model.units import to_si
 from .problems import Place, choice, refusal, shown
 
-#: largest number of values along one axis, and of saved times
+#: largest number of values along one axis, of saved times, and of rows of a record
 LONGEST = 10**6
 LONGEST_TEXT = 100  # characters of a number with its unit
 AXIS = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
-AXIS_KEYS = ("from", "to", "n", "scale")
 #: symbol, or unit of all others -> smallest magnitude except 0, and largest.  Wider than anything
 #: measured or imagined, and so narrow that no product of them leaves the range of doubles.
 USUAL = {
@@ -46,75 +46,29 @@ USUAL = {
 }
 
 
-class AxisRange(NamedTuple):
-    """Values in SI between two ends, which are exact."""
+class Many(NamedTuple):
+    """Values in SI that a list gives, or an axis between two ends."""
 
-    first: float
-    last: float
     size: int
-    scale: str
-    quantity: str = ""  # that the values are, if not the axis's own
+    array: Callable[[], np.ndarray]  # returns the values, shape (size,)
+    quantity: str  # of the values
 
-    def values(self, symbol: str) -> np.ndarray:
-        """The values, shape (size,), rounded to 15 digits like those of `ratestate.logspace`."""
-        if self.scale == "log":
-            return logspace(symbol, self.first, self.last, self.size).values
-        # Exact until rounded, so that an axis through 0 contains 0.
-        first, last, m = Decimal(repr(self.first)), Decimal(repr(self.last)), self.size - 1
-        between = ((first * (m - i) + last * i) / m for i in range(1, m))
-        return np.array([self.first, *(float(f"{x:.15g}") for x in between), self.last])
+    def axis(self, symbol: str) -> Any:
+        """Return a DataArray along a dimension and coordinate of its own, all named `symbol`.
 
+        It has the attribute ``units`` if its values are of another quantity than its symbol.
+        """
+        import xarray
 
-class AxisList(NamedTuple):
-    """Values in SI, one by one."""
-
-    numbers: tuple[float, ...]
-    quantity: str = ""  # that they are, if not the axis's own
-
-    @property
-    def size(self) -> int:
-        """How many there are."""
-        return len(self.numbers)
-
-    def values(self, symbol: str) -> np.ndarray:
-        """The values, shape (size,)."""
-        return np.array(self.numbers)
-
-
-Many = AxisRange | AxisList
-
-
-def as_array(symbol: str, value: float | Many) -> np.ndarray:
-    """Values as a plain array, shape (n,); (1,) for a single one."""
-    return value.values(symbol) if isinstance(value, Many) else np.atleast_1d(value)
-
-
-def as_axis(symbol: str, many: Many) -> Any:
-    """Values as a DataArray along a dimension and coordinate of their own, all named `symbol`.
-
-    With the attribute ``units`` if they are of another quantity.
-    """
-    import xarray
-
-    values, units = as_array(symbol, many), attrs(many.quantity or symbol)
-    own = units if many.quantity else None
-    return xarray.DataArray(values, {symbol: (symbol, values, units)}, (symbol,), symbol, own)
-
-
-def unusual(symbol: str, x: float) -> str:
-    """The limits that a value [SI] is beyond, as text; "" for others, 0 and inf among them."""
-    unit = QUANTITIES[symbol].unit
-    low, high = USUAL.get(symbol) or USUAL.get(unit, (0.0, math.inf))
-    if x == 0.0 or math.isinf(x) or low <= abs(x) <= high:
-        return ""
-    sizes = f"{low:g} to {high:g}" if low else f"up to {high:g}"
-    return sizes if unit == "1" else f"{sizes} {unit}"
+        values, units = self.array(), attrs(self.quantity)
+        other = units if self.quantity != symbol else None
+        return xarray.DataArray(values, {symbol: (symbol, values, units)}, (symbol,), symbol, other)
 
 
 def number(symbol: str, value: Any, bound: str | None = None) -> float | str:
-    """One value in SI; ParameterError: no number, another unit, out of range, unusual magnitude.
+    """Return a value in SI, or its text if it is a slider's parameter given as another quantity.
 
-    As it is, checked likewise, if it is a parameter of the slider given as another quantity.
+    Raises ParameterError for another type or unit, out of range, and for an unusual magnitude.
 
     bound : range in place of the quantity's own, as of `to_si`
     """
@@ -128,18 +82,27 @@ def number(symbol: str, value: Any, bound: str | None = None) -> float | str:
         x = to_si(quantity, given, label=symbol, bound=bound)
     except ArithmeticError:
         raise refusal("value.overflow", given=value, wanted=remedy(symbol)) from None
-    if sizes := unusual(quantity, x):
-        raise refusal("value.unusual", x=shown(value), sizes=sizes, wanted=remedy(quantity))
+    refuse_unusual(quantity, x, shown(value))
     return x if quantity == symbol else str(value)
 
 
+def refuse_unusual(quantity: str, x: float, text: str) -> None:
+    """Raise ParameterError for a magnitude beyond the usual; 0 and inf pass."""
+    unit = QUANTITIES[quantity].unit
+    low, high = USUAL.get(quantity) or USUAL.get(unit, (0.0, math.inf))
+    if x != 0.0 and not math.isinf(x) and not low <= abs(x) <= high:
+        sizes = f"{low:g} to {high:g}" if low else f"up to {high:g}"
+        sizes += "" if unit == "1" else f" {unit}"
+        raise refusal("value.unusual", x=text, sizes=sizes, wanted=remedy(quantity))
+
+
 def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
-    """One value as by `number`; None if it has a problem, which is noted."""
+    """Return a value as `number` does; note a problem and return None."""
     return place.noting(lambda: number(symbol, value, bound), symbol)
 
 
 def read_values(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
-    """One value as by `number`, or `Many`; None if there are problems, which are noted."""
+    """Return a value as `number` does, or `Many`; note problems and return None."""
     if isinstance(value, dict):
         return _axis(symbol, value, place, bound)
     if not isinstance(value, list):
@@ -149,45 +112,57 @@ def read_values(symbol: str, value: Any, place: Place, bound: str | None = None)
         return None
     numbers = []
     for i, element in enumerate(value):
-        x = read_number(symbol, element, place.at(i), bound)
-        if x is None:  # one bad element is enough
+        numbers.append(read_number(symbol, element, place.at(i), bound))
+        if numbers[-1] is None:  # one bad element is enough
             return None
-        numbers.append(x)
-    return place.noting(lambda: AxisList(*_of_one_quantity(symbol, numbers)))
+    return place.noting(lambda: _list(*_of_one_quantity(symbol, numbers)))
 
 
-def _of_one_quantity(symbol: str, values: list[Any]) -> tuple[tuple[float, ...], str]:
-    """Values in SI, and the quantity that all are, "" if the axis's own; else ParameterError."""
+def _list(numbers: list[float], quantity: str) -> Many:
+    return Many(len(numbers), lambda: np.array(numbers), quantity)
+
+
+def _of_one_quantity(symbol: str, values: list[Any]) -> tuple[list[float], str]:
+    """Return the values in SI and the quantity that they share; else raise ParameterError."""
     quantity, *others = dict.fromkeys(quantity_of(symbol, value) for value in values)
     if others:
         first, other = (KINDS[QUANTITIES[name].unit][0] for name in (quantity, others[0]))
         raise refusal("axis.quantities", first=first, other=other, wanted=remedy(symbol))
-    numbers = (x if isinstance(x, float) else to_si(quantity, x) for x in values)
-    return tuple(numbers), "" if quantity == symbol else quantity
+    return [x if isinstance(x, float) else to_si(quantity, x) for x in values], quantity
 
 
-def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -> AxisRange | None:
-    """An axis between two ends."""
+def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -> Many | None:
     before = len(place.problems)
-    note_unknown_keys(table, AXIS_KEYS, AXIS, place)
-    scales = ("linear", "log")
-    scale = place.at("scale").noting(lambda: choice(table.get("scale", "linear"), scales))
-    first, last = read_ends(symbol, table, place, "> 0" if scale == "log" else bound)
-    n = table.get("n")
+    note_unknown_keys(table, ("from", "to", "n", "scale"), AXIS, place)
+    scale = table.get("scale", "linear")
+    place.at("scale").noting(lambda: choice(scale, ("linear", "log")))
+    ends = read_ends(symbol, table, place, "> 0" if scale == "log" else bound)
+    n: Any = table.get("n")
     if isinstance(n, bool) or not isinstance(n, int) or not 2 <= n <= LONGEST:
         place.at("n").add("axis.no_n" if n is None else "axis.bad_n", given=n, most=LONGEST)
-    elif first is not None and last is not None and scale and len(place.problems) == before:
-        ends = place.noting(lambda: _of_one_quantity(symbol, [first, last]))
-        if ends:
-            (first, last), quantity = ends
-            return AxisRange(first, last, n, scale, quantity)
-    return None
+    if len(place.problems) > before:
+        return None
+    shared = place.noting(lambda: _of_one_quantity(symbol, ends))
+    if not shared:
+        return None
+    (first, last), quantity = shared
+    if scale == "log":
+        return Many(n, lambda: logspace(symbol, first, last, n).values, quantity)
+    return Many(n, functools.partial(_linspace, first, last, n), quantity)
+
+
+def _linspace(first: float, last: float, n: int) -> np.ndarray:
+    """Return n values, the inner ones rounded to 15 digits as by `ratestate.logspace`."""
+    # Exact until rounded, so that an axis through 0 contains 0.
+    start, stop, m = Decimal(repr(first)), Decimal(repr(last)), n - 1
+    between = ((start * (m - i) + stop * i) / m for i in range(1, m))
+    return np.array([first, *(float(f"{x:.15g}") for x in between), last])
 
 
 def read_ends(
     symbol: str, table: dict[str, Any], place: Place, bound: str | None = None
 ) -> list[Any]:
-    """[first, last] of an axis as by `number`, finite; None for one with a problem, noted."""
+    """Return both ends of an axis, finite, as `number` does; None for one with a problem, noted."""
     ends = []
     for key in ("from", "to"):
         x = read_number(symbol, table[key], place.at(key), bound) if key in table else None
@@ -207,7 +182,7 @@ class InlineTable(NamedTuple):
     like: str
 
     def read(self, table: Any, place: Place) -> dict[str, Any] | None:
-        """key -> value in SI, of keys given, or None with a problem, noted; None if no table."""
+        """Return key -> value in SI, None for a problem, noted; None if it is not a table."""
         if not isinstance(table, dict):
             what = "tables" if self.like.startswith("[") else "a table"
             place.add("table.none", given=table, wanted=f"Give {what} such as {self.like}.")

@@ -29,7 +29,7 @@ _LAWS = [name for name, law in LAWS.items() if not law.parameters]
 
 
 def template(name: str) -> str:
-    """The text of a commented scenario file to start from.
+    """Return the text of a commented scenario file to start from.
 
     Parameters
     ----------
@@ -58,9 +58,9 @@ def template(name: str) -> str:
 
 
 def files_of(name: str) -> dict[str, str]:
-    """File -> text of a template, NAME.toml, and of its data: files called NAME.txt or NAME.csv.
+    """Return file -> text: of a template, NAME.toml, and of its data, NAME.txt or NAME.csv.
 
-    ParameterError for an unknown template.
+    Raises ParameterError for an unknown template.
     """
     there = {file.name for file in resources.files(__package__).iterdir()}
     data = (f"{name}{ending}" for ending in (".txt", ".csv"))
@@ -68,14 +68,14 @@ def files_of(name: str) -> dict[str, str]:
 
 
 def description(name: str) -> str:
-    """What a template is, in one line; ParameterError for an unknown one."""
+    """Return what a template is, in one line; ParameterError for an unknown one."""
     return template(name).partition("\n")[0].removeprefix("# ").removesuffix(".")
 
 
 def commands(name: str) -> list[str]:
-    """Commands to try with a template, each a line that ends with what it shows.
+    """Return commands to try with a template, each a line that ends with what it shows.
 
-    ParameterError for an unknown template.
+    Raises ParameterError for an unknown template.
     """
     comment = template(name).partition("\n[")[0]
     return re.findall(r"^#   (ratestate .*)$", comment, re.MULTILINE)

@@ -35,29 +35,19 @@ class Function(NamedTuple):
 #: value of the key verb -> its function
 FUNCTIONS = {
     "limit_cycle": Function(
-        *SWEPT["limit_cycle"],
-        keys=("V_lp", "V_start", "rtol"),
-        commands=("cycle", "sweep"),
-        check_rtol=lambda rtol: limit_cycle_call(ANY, 1.0, rtol=rtol),
+        *(*SWEPT["limit_cycle"], ("V_lp", "V_start", "rtol"), ("cycle", "sweep")),
+        lambda rtol: limit_cycle_call(ANY, 1.0, rtol=rtol),
     ),
     "simulate": Function(
-        *SWEPT["simulate"],
-        keys=("V_lp", "t_end", "V_start", "times", "rtol"),
-        commands=("run", "sweep"),
-        check_rtol=lambda rtol: solver_settings(rtol, "auto"),
+        *(*SWEPT["simulate"], ("V_lp", "t_end", "V_start", "times", "rtol"), ("run", "sweep")),
+        lambda rtol: solver_settings(rtol, "auto"),
     ),
-    "stability": Function(*SWEPT["stability"], keys=("V_lp",), commands=("stability", "sweep")),
+    "stability": Function(*SWEPT["stability"], ("V_lp",), ("stability", "sweep")),
     "frequency_response": Function(
-        *SWEPT["frequency_response"],
-        keys=("V_lp", "frequency"),
-        commands=("response", "sweep"),
+        *SWEPT["frequency_response"], ("V_lp", "frequency"), ("response", "sweep")
     ),
     "continue_cycle": Function(
-        continue_cycle,
-        checked_family,
-        keys=("V_lp", "rtol"),
-        commands=("branch", "branch"),
-        check_rtol=check_rtol,
+        continue_cycle, checked_family, ("V_lp", "rtol"), ("branch", "branch"), check_rtol
     ),
 }
 

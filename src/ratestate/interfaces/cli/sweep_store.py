@@ -8,6 +8,7 @@ import typer
 
 from ...errors import ParameterError
 from .exits import SOME_FAILED, on_interrupt
+from .options import Outputs
 from .output import print_line
 from .store_report import interrupted_message, print_outcome, print_status
 
@@ -18,7 +19,6 @@ def sweep(
     file: Path | None = None,
     *,
     store: Path,
-    law_file: Path | None = None,
     chunk: int | None = None,
     status: bool = False,
     verify: bool = False,
@@ -26,10 +26,7 @@ def sweep(
     slurm: str | None = None,
     job_script: bool = False,
     device: Device = "cpu",
-    out: Path | None = None,
-    plot: Path | None = None,
-    units: list[str] | None = None,
-    json: bool = False,
+    outputs: Outputs,
 ) -> None:
     """Run the sweep of a scenario file, or resume it.
 
@@ -50,7 +47,7 @@ def sweep(
             with job_cluster(slurm) as cluster:
                 print_line(cluster.job_script())
         elif status:
-            print_status(store, file, law_file, json, verify)
+            print_status(store, file, outputs.law_file, outputs.json, verify)
         elif file is None:
             raise typer.BadParameter(
                 "missing; only --status can do without", param_hint="FILE.toml"
@@ -66,14 +63,14 @@ def sweep(
                 write_numbers,
             )
 
-            own_units = wanted_units(units)
-            scenario = load_scenario(file, None, law_file)
-            output = output_paths(scenario, out, plot)
+            own_units = wanted_units(outputs.units)
+            scenario = load_scenario(file, None, outputs.law_file)
+            output = output_paths(scenario, outputs.out, outputs.plot)
             with _client(scheduler) as client:
                 how: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
                 how |= {"device": device, **scenario.settings}
                 result = run(scenario.verb, scenario.slider, store=store, progress=True, **how)
-                number = print_outcome(store, result, json)
+                number = print_outcome(store, result, outputs.json)
                 write_numbers(in_numbers(result, own_units), output)
                 draw_plot(result, output)
             if number:
