@@ -12,7 +12,7 @@ from synthetic_records import FREE, SLIDER, assert_finds, record
 
 import ratestate as rs
 from ratestate.dynamics.recipe import recorded_loading
-from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.samples import samples_of
 from ratestate.records.fitting.unknowns import unknowns_of
 
 T = np.concatenate([np.linspace(60.0, 99.0, 150), np.linspace(99.1, 130.0, 450)]) - 60.0
@@ -320,7 +320,7 @@ def test_bounds_come_from_how_far_the_load_point_moves(slid, counts):
     loading = rs.Loading.steps("1 um/s", (slid, 0.0))
     friction = np.linspace(0.6, 0.4, t.size)
     data = xarray.Dataset({"friction": ("time", friction)}, {"time": t})
-    checked = record_of(data, SLIDER, loading=loading, trend=None, against="time")
+    checked = samples_of(data, SLIDER, loading=loading, trend=None, against="time")
     unknowns = unknowns_of(checked, SLIDER, ("Dc", "K"), start=False)
     Dc, K = 0.05 * counts, 10.0 * 2e7 * 0.2 / counts
     low, high = (np.exp(ends[:2]) for ends in (unknowns.low, unknowns.high))

@@ -12,31 +12,30 @@ from synthetic_records import SLIDER, correlated, power_law, record
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.records.fitting.diagnostics.checks import search_warnings
-from ratestate.records.fitting.diagnostics.identifiability import (
+from ratestate.records.fitting import inference, transients
+from ratestate.records.fitting import posterior as sampling
+from ratestate.records.fitting.checks import search_warnings
+from ratestate.records.fitting.fit_dataset import compare_laws
+from ratestate.records.fitting.generalized_least_squares import least_squares_fit
+from ratestate.records.fitting.identifiability import (
     correlated_groups,
     identifiability,
     product,
     tradeoff_text,
 )
-from ratestate.records.fitting.estimates import ROOTS, estimates_from
-from ratestate.records.fitting.generalized_least_squares import least_squares_fit
-from ratestate.records.fitting.likelihood import inference, transients
-from ratestate.records.fitting.likelihood import posterior as sampling
-from ratestate.records.fitting.likelihood.inference import infer
-from ratestate.records.fitting.likelihood.marginal import LogLikelihood
-from ratestate.records.fitting.likelihood.posterior import sample_posterior
-from ratestate.records.fitting.likelihood.profile import (
+from ratestate.records.fitting.inference import infer
+from ratestate.records.fitting.marginal import LogLikelihood
+from ratestate.records.fitting.posterior import sample_posterior
+from ratestate.records.fitting.profile import (
     BetterPoint,
     Profile,
     are_gaussian,
     compute_profile,
     compute_profiles,
 )
-from ratestate.records.fitting.likelihood.quantities import reported_quantities
-from ratestate.records.fitting.likelihood.transients import _transients, transients_p_value
-from ratestate.records.fitting.record import Record, record_of
-from ratestate.records.fitting.result import compare_laws
+from ratestate.records.fitting.quantities import ROOTS, estimates_from, reported_quantities
+from ratestate.records.fitting.samples import Samples, samples_of
+from ratestate.records.fitting.transients import _transients, transients_p_value
 from ratestate.records.fitting.unknowns import NEAR, Unknowns, start_names, unknowns_of
 from ratestate.records.kit.noise import Noise
 from ratestate.records.raw_record import raw_record
@@ -49,7 +48,7 @@ LONG_T, LONG_STEP = np.arange(0.0, 140.0, 0.2), rs.Loading.steps("1 um/s", (100.
 
 
 def solution_of(data, slider, free=FREE, noise=None):
-    checked = record_of(data, slider, loading=None, trend="slip", against="time")
+    checked = samples_of(data, slider, loading=None, trend="slip", against="time")
     return least_squares_fit(checked, slider, free, noise, "steady")
 
 
@@ -656,7 +655,7 @@ def test_bounds_of_the_search():
     t = np.linspace(0.0, 100.0, 201)
     loading = rs.Loading.steps("1 um/s", (50.0, "10 um/s"))  # 550 um in all
     friction = np.where(t < 50.0, 0.6, 0.6 + 0.01 * np.log(10.0))
-    found = Record(t, friction, t, None, loading, "tau", t, np.arange(t.size))
+    found = Samples(t, friction, t, None, loading, "tau", t, np.arange(t.size))
     unknowns = unknowns_of(found, SLIDER, ("a", "b", "Dc", "K", "M", "lag"), start=True)
     K = 2e7 * 0.01 * np.log(10.0) / 55e-6
     ends = {
@@ -687,7 +686,7 @@ def test_sides_of_estimates_at_a_bound():
 
 def test_warning_on_a_start_at_its_bound(good):
     """The warning has the reported name and a remedy: a start cannot be fixed."""
-    checked = record_of(good, SLIDER, loading=None, trend="slip", against="time")
+    checked = samples_of(good, SLIDER, loading=None, trend="slip", against="time")
     found = infer(least_squares_fit(checked, SLIDER, ("a",), None, "free"), None, "covariance")
     assert not [*search_warnings(found)]
     at = [found.solution.unknowns.names.index(name) for name in start_names(SLIDER.friction_law)]

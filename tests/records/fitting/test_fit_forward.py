@@ -9,7 +9,7 @@ from synthetic_records import SLIDER, STEP, correlated, power_law, record
 import ratestate as rs
 from ratestate.paper.figures import LAWS
 from ratestate.records.fitting.forward import Forward, _difference
-from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.samples import samples_of
 from ratestate.records.kit.estimated_noise import (
     Relaxation,
     RestrictedLikelihood,
@@ -24,7 +24,7 @@ MASSES = {"none": 0.0, "inertial": 3e11}
 
 def forward(names, *, law="slip", M=0.0, loading=STEP, kind="friction", trend="slip"):
     data = record(SLIDER, loading, T).rename(friction=kind)
-    seen = record_of(data, SLIDER, loading=loading, trend=trend, against="time")
+    seen = samples_of(data, SLIDER, loading=loading, trend=trend, against="time")
     return Forward(seen, SLIDER.replace(M=M, law=law), names)
 
 

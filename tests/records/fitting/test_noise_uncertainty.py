@@ -7,11 +7,11 @@ import pytest
 from scipy.stats import norm
 from synthetic_records import correlated, power_law
 
-from ratestate.records.fitting.estimates import GAUSSIAN
-from ratestate.records.fitting.likelihood.noise_uncertainty import (
+from ratestate.records.fitting.noise_uncertainty import (
     _quantile,
     likely_noise,
 )
+from ratestate.records.fitting.quantities import GAUSSIAN
 from ratestate.records.kit.estimated_noise import RestrictedLikelihood, estimated_noise
 from ratestate.records.kit.noise import WHITE, Noise
 

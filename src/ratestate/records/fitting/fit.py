@@ -10,11 +10,12 @@ from ...model.names import keywords_checked
 from ..kit.least_squares import single_blas
 from ..kit.results import kept_attributes
 from .by_law import warnings_of
-from .cycles.fit import cycles_dataset, fit_cycles
-from .likelihood.inference import inferences_of
-from .result import add_comparison, datasets_of, side_by_side
+from .cycles.fit_cycles import cycles_dataset, fit_cycles
+from .fit_dataset import add_comparison, datasets_of, side_by_side
+from .inference import inferences_of
 from .settings import checked_settings
-from .steps.experiment import fit_experiment, warnings_of_steps
+from .steps.experiment import fit_experiment
+from .steps.step_table import warnings_of_steps
 
 
 @keywords_checked

@@ -15,7 +15,7 @@ import ratestate as rs
 from ratestate import fitting
 from ratestate.files import laboratory_csv
 from ratestate.records.fitting.settings import checked_settings
-from ratestate.records.fitting.steps import each, shared
+from ratestate.records.fitting.steps import experiment, shared
 from ratestate.records.fitting.steps.shared import estimates_of, mean_of, ratio_of, shared_fit
 from ratestate.records.fitting.steps.windows import stick_slip_slides, windows_of
 from ratestate.report.steps import rows_of, table_of
@@ -235,7 +235,7 @@ def test_the_joint_fit_uses_only_converged_fits(data, monkeypatch):
         start="auto",
         errors="auto",
     )
-    steps = each.fit_each(each.steps_of(data, settings))
+    steps = experiment.fit_each(experiment.steps_of(data, settings))
     joint = shared_fit(steps)
     assert joint.degrees == 9
 
@@ -322,7 +322,7 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
 def test_many_rows_are_averaged(monkeypatch):
     data = experiment(SLIDER, (SLOW, FAST), 500e-6, 2000, seed=2, **NOISE)
     (whole,) = rs.fit(data, START, each="step", errors="covariance").groupby("step")
-    monkeypatch.setattr(each, "MOST", 400)
+    monkeypatch.setattr(experiment, "MOST", 400)
     (fewer,) = rs.fit(data, START, each="step", errors="covariance").groupby("step")
     whole, fewer = whole[1].squeeze(), fewer[1].squeeze()
     # a window begins at a row, and the step is just after a row

@@ -6,7 +6,7 @@ from synthetic_records import correlated
 
 import ratestate as rs
 from ratestate.model.quantities import short
-from ratestate.records.fitting.steps import each
+from ratestate.records.fitting.steps import experiment
 from ratestate.records.fitting.steps.windows import windows_of
 from ratestate.report.steps import table_of
 
@@ -70,7 +70,7 @@ def test_laws_that_fit_no_step_do_not_fit(data):
 
 
 def test_long_windows_are_averaged(data, monkeypatch):
-    monkeypatch.setattr(each, "MOST", 150)
+    monkeypatch.setattr(experiment, "MOST", 150)
     found = rs.fit(data, START, each="step", errors="covariance")
     rows = [one.part(data).sizes["time"] for one in windows_of(data)]
     assert rows[-1] > 150

@@ -29,7 +29,7 @@ MANY, PLENTY = 20_000, 256
 MOST = 200_000
 
 
-class Segment(NamedTuple):
+class Stretch(NamedTuple):
     """A part of a record at one load-point speed."""
 
     t: np.ndarray  # (samples,) [s]
@@ -82,7 +82,7 @@ def periodic(profile, phase):
 
 
 def segments_of(record, slider, loading):
-    """Return the `Segment`s (list) of a record with the load point at one speed each.
+    """Return the `Stretch`s (list) of a record with the load point at one speed each.
 
     ParameterError as of `raw_record` and `constant_speeds_of`, for a record of mu, and if no
     segment has `FEWEST` samples.
@@ -95,7 +95,7 @@ def segments_of(record, slider, loading):
     for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
         rows = (t >= start) & (t < end)
         if V_lp > 0.0 and rows.sum() >= FEWEST:
-            segments.append(Segment(raw.time[rows], raw.friction[rows], float(V_lp)))
+            segments.append(Stretch(raw.time[rows], raw.friction[rows], float(V_lp)))
     if not segments:
         raise sentences.refusal("cycles.no_stretch", fewest=FEWEST)
     return segments
@@ -122,7 +122,7 @@ def main_period(t, y):
 
 
 def thinned(segment, period):
-    """Return a `Segment`, with neighbouring samples averaged if it has very many.
+    """Return a `Stretch`, with neighbouring samples averaged if it has very many.
 
     ParameterError if it still has more than `MOST`.
     """

@@ -20,11 +20,11 @@ from scipy.linalg import block_diag, solve_triangular
 from ....friction.stability import K_c, a_of_K_c, b_of_K_c
 from ...messages import fitting as sentences
 from ..forward import ForwardModel
-from ..likelihood.quantities import ReportedQuantity
 from ..problem import LeastSquares
+from ..quantities import ReportedQuantity
 from ..unknowns import Unknowns, distinct, motion_symbols
 from .features import FEATURES, LEVEL
-from .model import CycleModel
+from .waves import CycleModel
 
 # Parameters that have no effect on cycles, and why.
 WITHOUT_EFFECT = {
@@ -69,7 +69,7 @@ def check_slider(slider, free):
 class CyclesForward(ForwardModel):
     """Features of the limit cycles of sliders, at the speeds of a record.
 
-    measured : `Measured` of each segment; the features that it resolves are compared
+    measured : `MeasuredFeatures` of each segment; the features that it resolves are compared
     """
 
     def __init__(self, slider, free, measured):

@@ -16,7 +16,7 @@ MOST = 200_000
 FEWEST = 8
 
 
-class Record(NamedTuple):
+class Samples(NamedTuple):
     """The samples that are fitted.  Times count from the record's first sample.
 
     The measured displacement is replaced by the `loading` alone: constant speeds between steps.
@@ -56,7 +56,7 @@ class Record(NamedTuple):
         return float(np.median(np.diff(self.t)))
 
     def thinned(self, stride):
-        """Return the `Record` with every stride-th sample and all samples near steps."""
+        """Return the `Samples` with every stride-th sample and all samples near steps."""
         keep = np.zeros(self.t.size, bool)
         keep[::stride] = True
         for step in change_times(self.loading):
@@ -66,8 +66,8 @@ class Record(NamedTuple):
         return self._replace(**{name: getattr(self, name)[keep] for name in columns})
 
 
-def record_of(data, slider, *, loading, trend, against):
-    """Return the `Record` in a Dataset of `read_lab` or `simulate`.
+def samples_of(data, slider, *, loading, trend, against):
+    """Return the `Samples` in a Dataset of `read_lab` or `simulate`.
 
     ParameterError as of `raw_record` and `loading_of`, and: too many samples; constant friction; no
     step, or a step too near to an end; against displacement: no displacement, a hold or a ramp.
@@ -86,7 +86,7 @@ def record_of(data, slider, *, loading, trend, against):
     _check_steps(loading, t)
     trend_variable = t if trend == "time" else np.asarray(loading.delta_lp(t))
     friction, time = raw.friction[order], raw.time[order]
-    return Record(t, friction, trend_variable, trend, loading, raw.kind, time, order)
+    return Samples(t, friction, trend_variable, trend, loading, raw.kind, time, order)
 
 
 def change_times(loading):

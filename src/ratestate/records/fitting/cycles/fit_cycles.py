@@ -12,17 +12,17 @@ from ....model.loading import Loading
 from ....model.quantities import readable
 from ...kit.results import labelled
 from ...messages import fitting as sentences
-from ..diagnostics.checks import search_warnings
-from ..diagnostics.identifiability import identifiability
+from ..checks import search_warnings
+from ..fit_dataset import curve_variables, estimate_variables, text_variables
 from ..generalized_least_squares import solution_from
-from ..likelihood.inference import Inference, infer_quantities
-from ..result import curve_variables, estimate_variables, text_variables
+from ..identifiability import identifiability
+from ..inference import Inference, infer_quantities
 from ..unknowns import distinct
 from .features import FEATURES, LEVEL
 from .folding import segments_of
 from .measured import corrected, measure
-from .model import wave_at
 from .problem import CyclesProblem, check_slider, starting_points
+from .waves import wave_at
 
 # Significance level of a misfit, beyond which errors are enlarged.
 CHANCE = 0.01
@@ -85,7 +85,7 @@ def fit_cycles(record, slider, free, loading=None):
 
 
 def _measured_segments(segments):
-    """Return `Measured` segments (tuple), and warnings on segments without cycles."""
+    """Return `MeasuredFeatures` segments (tuple), and warnings on segments without cycles."""
     measured, refused = [], []
     for segment in segments:
         try:

@@ -1,18 +1,18 @@
-"""Checks of a fit against its record: whether estimates and errors are reliable."""
+"""Warnings on a fit: whether its estimates and errors are reliable."""
 
 import numpy as np
 
-from ....model.quantities import readable
-from ...kit.regression import generalized_least_squares
-from ...load_point.stress_steps import VARIABLE, stress_range
-from ...messages import fitting as sentences
-from ..by_law import rate_dependence_text
-from ..generalized_least_squares import responds, response
-from ..likelihood.transients import longest_distance
-from ..record import before_first_change, change_times
-from ..unknowns import NEAR, motion_symbols, parameter
+from ...model.quantities import readable
+from ..kit.regression import generalized_least_squares
+from ..load_point.stress_steps import VARIABLE, stress_range
+from ..messages import fitting as sentences
+from .by_law import rate_dependence_text
+from .forward import Forward
+from .generalized_least_squares import FALL, chi2_gain, responds, response
 from .identifiability import bounds_of, identifiability
-from .left_out import left_out, rigid_machine
+from .samples import before_first_change, change_times
+from .transients import longest_distance
+from .unknowns import NEAR, motion_symbols, parameter
 
 #: slip after the last step, divided by Dc, from which friction is steady
 STEADY = 3.0
@@ -24,6 +24,15 @@ CONTRADICTED = 1.5
 CHANCE = 0.01
 #: standard errors by which a trend must differ from 0, and by which equal trends may differ
 CLEAR, AGREE = 3.0, 2.0
+#: values of K/sigma [1/m] that are tried for a rigid machine, from soft to stiff machines
+STIFFNESSES = (1e3, 1e4, 1e5)
+#: shortest and longest lag that are tried: per sample spacing, and per duration of the record
+SHORTEST, LONGEST = 0.5, 1.0 / 30.0
+#: eta with which the effect of inertia is tried
+LIGHT = 1e-3
+#: largest mass of a machine per area of the contact [kg/m^2], that of 100 m of steel: ten times the
+#: length of the largest pistons, on a contact of a tenth of their section
+HEAVIEST = 7850.0 * 100.0
 #: side of a bound -> its name
 SIDES = {-1: "lower", 1: "upper"}
 
@@ -36,14 +45,14 @@ def diagnose(inference, data):
         return f"Nothing is determined: {warning}.", [warning, *_normal_stress(solution, data)]
     note, warnings = identifiability(inference)
     return note, [
-        *rigid_machine(solution),  # first, because it may explain the others
+        *_rigid_machine(solution),  # first, because it may explain the others
         *search_warnings(inference),
         *warnings,
         *_ends_early(inference),
         *_misfit(inference),
         *_trend(inference),
         *_normal_stress(solution, data),
-        *left_out(solution),
+        *_left_out(solution),
     ]
 
 
@@ -213,3 +222,81 @@ def _normal_stress(solution, data):
         yield sentences("normal_stress.unfollowed", percent=100.0 * change, mean=mean)
     elif change > VARIABLE and "alpha" not in solution.unknowns.names:
         yield sentences("normal_stress.varies", percent=100.0 * change, alpha=slider.alpha)
+
+
+def _rigid_machine(solution):
+    """Yield a warning if K = inf was given and a spring or a lag would fit better.
+
+    If a spring does, the warning names the load point as well.  Seen from the poor fit of a rigid
+    machine, a load point that moves later or more gradually explains as much.
+    """
+    record, slider = solution.problem.record, solution.problem.slider
+    if np.isfinite(slider.K):
+        return
+    sprung = [slider.replace(K=each * slider.sigma, M=0.0) for each in STIFFNESSES]
+    gain, _ = max(_gains(solution, [_friction_of(one, solution) for one in sprung], STIFFNESSES))
+    if gain > FALL:
+        yield sentences("rigid.sprung", gain=gain)
+    elif "lag" not in solution.unknowns.names:
+        # friction of a rigid machine jumps, and so has no derivative by the lag
+        octaves = np.log2(LONGEST * record.t[-1] / (SHORTEST * record.spacing))
+        lags = SHORTEST * record.spacing * 2.0 ** np.arange(0.0, octaves, 0.5)
+        lags = np.concatenate([lags, -lags])
+        found = _gains(solution, _friction_at_lags(solution, lags), lags.tolist())
+        gain, lag = max(found, default=(0.0, 0.0))  # a record may be too short for any lag
+        if gain > FALL:
+            yield sentences("rigid.lag", lag=abs(lag), side=_side(lag), gain=gain)
+
+
+def _left_out(solution):
+    """Yield warnings if a lag or inertia would lower chi-square by more than chance does.
+
+    Inertia is not mentioned if it requires a mass that no machine has: then something else is
+    wrong.
+    """
+    problem, slider = solution.problem, solution.problem.slider
+    if not np.isfinite(slider.K):  # see `_rigid_machine`
+        return
+    if "lag" not in solution.unknowns.names:
+        step = parameter("lag").step(problem.record, 1.0)
+        later, earlier = _friction_at_lags(solution, np.array([step, -step]))
+        gain, lag = _gain(solution, (later - earlier) / (2.0 * step))
+        if gain > FALL:
+            yield sentences("more.lag", lag=abs(lag), side=_side(lag), gain=gain)
+    if slider.M == 0.0:
+        at = problem.forward.values(solution.point[None])
+        unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / problem.record.loading.V.max() ** 2
+        change = _friction_of(slider.replace(M=LIGHT * unit), solution) - solution.fitted_friction
+        gain, eta = _gain(solution, change / LIGHT)
+        if gain > FALL and eta > LIGHT and eta * unit < HEAVIEST:
+            yield sentences("more.inertia", gain=gain, unit=unit)
+
+
+def _friction_of(slider, solution):
+    """Return friction (m,) of another slider at the coordinates of a solution."""
+    forward = Forward(solution.problem.record, slider, solution.unknowns.names)
+    return forward.friction(solution.point[None])[0]
+
+
+def _friction_at_lags(solution, lags):
+    """Return friction (n, m) with these lags [s] of the load point besides the coordinates."""
+    problem = solution.problem
+    forward = Forward(problem.record, problem.slider, (*solution.unknowns.names, "lag"))
+    return forward.friction(np.column_stack([np.tile(solution.point, (lags.size, 1)), lags]))
+
+
+def _gain(solution, change):
+    """Return the fall of chi-square by a multiple of this change of friction, and the multiple."""
+    gain, (multiple,) = chi2_gain(solution, np.nan_to_num(change)[:, None])  # NaN: no motion
+    return gain, multiple
+
+
+def _gains(solution, frictions, values):
+    """Yield the fall of chi-square by part of the way to each friction, and its value."""
+    for friction, value in zip(frictions, values, strict=True):
+        gain, part = _gain(solution, friction - solution.fitted_friction)
+        yield gain if part > 0.0 else 0.0, value
+
+
+def _side(lag):
+    return "later" if lag > 0.0 else "earlier"

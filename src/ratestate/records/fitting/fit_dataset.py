@@ -7,9 +7,9 @@ from ...dynamics.recipe import record_loading
 from ...friction.laws import friction_law
 from ..kit.results import labelled
 from ..messages import fitting as sentences
-from .diagnostics.checks import diagnose, is_misfit, without_trend
-from .estimates import LEVELS, ROOTS, SIDES
-from .likelihood.posterior import prior_text
+from .checks import diagnose, is_misfit, without_trend
+from .posterior import prior_text
+from .quantities import LEVELS, ROOTS, SIDES
 from .unknowns import DERIVED, free_under, start_names
 
 #: differences of ln(likelihood) or ln(evidence): below the first they decide nothing, above the
