@@ -57,7 +57,6 @@ def diagnose(inference, data):
 
 
 def _no_response(solution):
-    """Return the warning that level and trend alone fit as well."""
     gain, free = response(solution)
     slider = solution.problem.slider
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
@@ -85,20 +84,17 @@ def search_warnings(inference):
     sides = solution.unknowns.sides(solution.point, NEAR * solution.unknowns.ranges)
     for point, (name, side) in zip(solution.point, sides.items(), strict=True):
         if side and parameter(name).group == "start":
-            which = "speed" if name == "V_start" else "state"
-            yield sentences(f"start.{which}", name=name, ratio=np.exp(point), side=SIDES[side])
-        elif side and name not in is_open and not _is_above_zero(inference, name, point):
-            shown = readable(name, inference.estimates.of(name).value, 3)
-            yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
-
-
-def _is_above_zero(inference, name, point):
-    """Return whether a parameter >= 0 is close to 0, but not held there."""
-    return parameter(name).least == 0.0 and point > NEAR * inference.estimates.of(name).error
+            values = {"ratio": np.exp(point), "side": SIDES[side]}
+            yield sentences("search.start_at_bound", name=name, **values)
+        elif side and name not in is_open:
+            estimate = inference.estimates.of(name)
+            # a parameter >= 0 may be close to 0, but not held there
+            if parameter(name).least < 0.0 or point <= NEAR * estimate.error:
+                shown = readable(name, estimate.value, 3)
+                yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 
 def _posterior_warnings(posterior, quantities):
-    """Yield warnings on samples that are too few, or truncated by the prior."""
     if not posterior.complete:
         yield sentences("posterior.incomplete", evaluations=posterior.evaluations)
     if not posterior.reliable:
@@ -110,7 +106,6 @@ def _posterior_warnings(posterior, quantities):
 
 
 def _ends_early(inference):
-    """Yield a warning if the record ends before friction is steady again."""
     problem = inference.solution.problem
     name, D, high = longest_distance(inference.estimates, problem.slider)
     record, loading = problem.record, problem.record.loading
@@ -131,7 +126,6 @@ def is_misfit(inference):
 
 
 def _misfit(inference):
-    """Yield the warnings on a misfit, and on a test for transients that failed."""
     solution = inference.solution
     if (ratio := _noise_ratio(solution)) >= CONTRADICTED:
         yield sentences("residuals.above_noise", ratio=ratio)
@@ -146,8 +140,7 @@ def _misfit(inference):
         yield sentences("residuals.not_tested")
 
 
-def _noise_ratio(solution):
-    """Return residuals divided by the noise; about 1 if the noise was estimated."""
+def _noise_ratio(solution):  # about 1 if the noise was estimated
     return np.sqrt(solution.chi2 / solution.fitted_friction.size)
 
 
@@ -203,11 +196,10 @@ def _is_confirmed_before_steps(solution, trend):
 
 
 def _normal_stress(solution, data):
-    """Yield warnings if recorded normal stress differs from the slider's, or varies."""
     problem = solution.problem
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return
-    recorded = np.asarray(data["sigma"].values, float)[problem.record.order]
+    recorded = np.asarray(data["sigma"].values, float)
     recorded = recorded[np.isfinite(recorded)]
     if not recorded.size:
         return

@@ -90,8 +90,6 @@ def least_squares_fit(record, slider, free, noise, start):
 
     noise : `Noise`, or None to estimate it
     start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better
-
-    ParameterError if no slider moves through the whole record from any start of the search.
     """
     unknowns = unknowns_of(record, slider, free, start=start == "free")
     problem = SamplesProblem(record, slider, unknowns)

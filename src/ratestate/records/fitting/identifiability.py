@@ -86,7 +86,7 @@ def bounds_of(inference, quantity):
 
 
 def _relative_error(name, estimate):
-    """Return the error of a parameter's logarithm; for b, divided by its value.
+    """Return the error of a parameter's logarithm, or of b divided by its value.
 
     If the interval is not from the covariance, it is the 95 % half width divided by 1.96.
     """

@@ -95,10 +95,10 @@ def reported_quantities(problem):
         return values["a"] * (linear.direct - linear.evolution.sum(axis=-1))
 
     free = [name for name in names if parameter(name).group in ("slider", "record")]
-    rows = {name: parameter(name) for name in free}
+    rows = [(name, parameter(name)) for name in free]
     quantities = [
         ReportedQuantity(name, forward, is_log=row.is_log, no_effect=row.no_effect)
-        for name, row in rows.items()
+        for name, row in rows
     ]
     quantities.append(ReportedQuantity("mu0", forward, mu0))
     rate = ReportedQuantity("a_minus_b", forward, rate_dependence)

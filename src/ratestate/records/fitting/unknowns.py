@@ -192,19 +192,14 @@ def checked_free(free, sliders):
     """Return the free parameters (tuple) without mu0, in the order of `free_under`.
 
     sliders : one for each law; a free parameter must belong to at least one of them
-
-    ParameterError for a parameter that cannot be free, a name given twice, and a law under which
-    only mu0 is free.
     """
     laws = [slider.friction_law for slider in sliders]
     allowed = (*free_under(laws), "mu0")
     listed = ", ".join(allowed)
     is_one = isinstance(free, str) or not isinstance(free, Iterable)
     names = (free,) if is_one else tuple(free)
-    if not names:
-        raise sentences.refusal("free.empty", allowed=listed)
-    if not all(isinstance(name, str) for name in names):
-        raise sentences.refusal("free.no_sequence", free=free, allowed=listed)
+    if not names or not all(isinstance(name, str) for name in names):
+        raise sentences.refusal("free.no_names", free=free, allowed=listed)
     for name in (name for name in names if name not in allowed):
         if name in EXTRAS:
             raise sentences.refusal("free.undamped")

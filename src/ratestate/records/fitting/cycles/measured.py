@@ -63,10 +63,7 @@ class MeasuredFeatures(NamedTuple):
 
 
 def measure(segment):
-    """Return the `MeasuredFeatures` features of a segment.
-
-    ParameterError: no oscillation above the noise, too few cycles, or irregular cycles.
-    """
+    """Return the `MeasuredFeatures` features of a segment."""
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
     cuts, left_out = regular_cuts(segment, period)
@@ -82,8 +79,6 @@ def corrected(measured, wave, features):
 
     wave : function of phases in cycles, returns tau/sigma, which falls through its middle at 0
     features : (6,) of that cycle, without noise
-
-    ParameterError if noise hides the cycles in half of the copies.
     """
     segment, cycles = measured.segment, measured.cycles
     rng = np.random.default_rng(SEED)

@@ -49,7 +49,7 @@ class Step(NamedTuple):
     solution: Any = None  # `Solution`
     inflation: Any = None  # `Inflation` of the coordinates in `shared`
     is_misfit: bool = False  # whether the residuals are more than noise
-    is_usable: bool = False  # whether the estimates from all steps use this fit
+    responds: bool = False  # whether friction responds to the step beyond noise
 
     @property
     def slider(self):
@@ -75,24 +75,26 @@ class Step(NamedTuple):
             caveats.append(sentences("each.at_bound", names=names))
         return caveats
 
+    @property
+    def is_usable(self):
+        """Whether the estimates from all steps use this fit."""
+        if self.status != FITTED:
+            return False
+        return self.solution.converged and self.responds and not self.caveats
+
     def with_fit(self, inference):
         """Return the `Step` with the result of an `Inference`."""
-        solution = inference.solution
-        step = self._replace(status=FITTED, solution=solution)
+        step = self._replace(status=FITTED, solution=inference.solution)
         return step._replace(
             result=dataset_of(inference, self.data),
             inflation=inflation_of(inference, step.shared),
             is_misfit=is_misfit(inference),
-            is_usable=solution.converged and responds(solution) and not step.caveats,
+            responds=responds(inference.solution),
         )
 
 
 def fit_experiment(data, settings):
-    """Return the Dataset of all steps and holds of a record (in SI).
-
-    ParameterError as of `windows_of`, if friction is stick-slip in all windows, and if no window
-    can be fitted.
-    """
+    """Return the Dataset of all steps and holds of a record (in SI)."""
     windows = steps_of(data, settings)
     unstable = [steps for steps in windows if steps[0].status == STICK_SLIP]
     stable = [steps for steps in windows if steps[0].status != STICK_SLIP]

@@ -4,10 +4,9 @@ import numpy as np
 import xarray
 
 from ....dynamics.results import flags
-from ....model.quantities import attrs
 from ...kit.results import labelled
 from ..by_law import warnings_of
-from ..fit_dataset import compare_laws, joined, names_of
+from ..fit_dataset import joined, names_of, with_comparison
 from ..quantities import LEVELS, SIDES
 from ..unknowns import to_value
 from . import FAILED, FITTED, NORMAL_STRESS, STICK_SLIP
@@ -44,7 +43,13 @@ def dataset_of_steps(steps, shared):
     result["status"].attrs |= flags({FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"})
     numbers = ("step", np.arange(1, len(first) + 1), {"long_name": "step or hold"})
     result = result.assign_coords(law=laws if several else laws[0], step=numbers)
-    return _with_comparison(result, steps) if several else result
+    if not several:
+        return result
+    # steps that are not fitted under all laws do not count
+    everywhere = (result["status"] == FITTED).all("law")
+    misfits = [all(one.is_misfit for one in fits) for fits in zip(*steps.values(), strict=True)]
+    fits = np.sum(everywhere.values & misfits) <= 0.5 * everywhere.sum()
+    return with_comparison(result, result["aic"].where(everywhere), bool(fits))
 
 
 def _law_table(steps, shared, names, size):
@@ -133,32 +138,6 @@ def _joint_variables(steps, shared, names):
         correlation[which] = shared.covariance / np.outer(errors, errors)
     table = labelled(("parameter", "other"), shared_correlation=correlation)
     return labelled("parameter", **_columns(rows)) | table | labelled((), **scalars)
-
-
-def _with_comparison(result, steps):
-    """Return the result with the laws compared in each step, and in all steps.
-
-    Steps that are not fitted under all laws do not count.  No law fits if none does in most steps.
-    """
-    everywhere = (result["status"] == FITTED).all("law")
-    aic = result["aic"].where(everywhere)
-    difference = aic - aic.min("law")
-    weight = np.exp(-0.5 * difference)
-    new = {"aic_difference": difference, "akaike_weight": weight / weight.sum("law")}
-    if "log_evidence" in result:
-        evidence = result["log_evidence"].where(everywhere)
-        new["log_bayes_factor"] = evidence - evidence.max("law")
-    for name, variable in new.items():
-        result[name] = variable.transpose("step", "law").assign_attrs(attrs(name))
-    if everywhere.any():
-        misfits = [all(one.is_misfit for one in fits) for fits in zip(*steps.values(), strict=True)]
-        result.attrs["comparison"] = compare_laws(
-            {law: {} for law in steps},
-            {law: float(aic.sel(law=law).sum()) for law in steps},
-            colored=bool((result["noise_red"] > 0.0).any()),
-            fits=np.mean(np.array(misfits)[everywhere.values]) <= 0.5,
-        )[1]
-    return result
 
 
 def warnings_of_steps(result):
