@@ -14,9 +14,9 @@ from scipy.optimize import least_squares
 
 import ratestate as rs
 from ratestate.paper.parameters import FIG2
-from ratestate.records.fitting.problem import Problem as Search
+from ratestate.records.fitting.problem import SamplesProblem as Search
 from ratestate.records.fitting.problem import search, with_best_level
-from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.samples import samples_of
 from ratestate.records.fitting.unknowns import to_coordinate, to_value, unknowns_of
 from ratestate.records.kit.noise import Noise
 
@@ -58,7 +58,7 @@ class FitProblem:
     def search(self):
         """What `fit` minimises, without what it does beside."""
         keys = {"loading": self.loading, "trend": None, "against": "time"}
-        record = record_of(self.data, self.begin, **keys)
+        record = samples_of(self.data, self.begin, **keys)
         unknowns = unknowns_of(record, self.begin, FREE, start=False)
         return Search(record, self.begin, unknowns)
 

@@ -9,7 +9,7 @@ from synthetic_records import SLIDER, STEP, correlated, power_law, record
 import ratestate as rs
 from ratestate.paper.figures import LAWS
 from ratestate.records.fitting.forward import Forward, _difference
-from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.samples import samples_of
 from ratestate.records.kit.estimated_noise import (
     Relaxation,
     RestrictedLikelihood,
@@ -24,7 +24,7 @@ MASSES = {"none": 0.0, "inertial": 3e11}
 
 def forward(names, *, law="slip", M=0.0, loading=STEP, kind="friction", trend="slip"):
     data = record(SLIDER, loading, T).rename(friction=kind)
-    seen = record_of(data, SLIDER, loading=loading, trend=trend, against="time")
+    seen = samples_of(data, SLIDER, loading=loading, trend=trend, against="time")
     return Forward(seen, SLIDER.replace(M=M, law=law), names)
 
 
@@ -49,33 +49,17 @@ def test_friction_and_its_sensitivities_are_those_of_scipy(law, M):
     """Derivatives are differences of SciPy at 1e-12, with other steps."""
     start = ("V_start", "theta_start")
     names = ("a", "b", "Dc", "K", *(("M",) if M else ()), *start, "level", "trend")
-    values = {"a": 0.01, "b": 0.014, "Dc": 1e-5, "K": 6.4e10, "M": M, "level": 0.6, "trend": 2.0}
-    point = np.array(
-        [
-            0.3
-            if n == "V_start"
-            else -0.2
-            if n == "theta_start"
-            else values[n]
-            if n in ("b", "level", "trend")
-            else np.log(values[n])
-            for n in names
-        ]
-    )
+    values = {"V_start": 0.3, "theta_start": -0.2, "b": 0.014, "level": 0.6, "trend": 2.0}
+    values |= {"a": np.log(0.01), "Dc": np.log(1e-5), "K": np.log(6.4e10), "M": np.log(M or 1.0)}
+    point = np.array([values[name] for name in names])
 
     def there(point):
         given = dict(zip(names, point, strict=True))
         changes = {n: np.exp(given[n]) for n in ("a", "Dc", "K", "M") if n in given}
-        return by_scipy(
-            T,
-            V_start=1e-6 * np.exp(given["V_start"]),
-            theta_start=changes["Dc"] / 1e-6 * np.exp(given["theta_start"]),
-            level=given["level"],
-            trend=given["trend"],
-            law=law,
-            b=given["b"],
-            **changes,
-        )
+        changes |= {n: given[n] for n in ("b", "level", "trend")}
+        theta = changes["Dc"] / 1e-6 * np.exp(given["theta_start"])
+        V = 1e-6 * np.exp(given["V_start"])
+        return by_scipy(T, V_start=V, theta_start=theta, law=law, **changes)
 
     model = forward(names, law=law, M=M)
     friction, jacobian = model.jacobian(point)
@@ -132,33 +116,26 @@ def times(n, rng):
     return np.concatenate([[0.0], np.cumsum(dt)])
 
 
-@pytest.mark.parametrize("time", [0.01, 0.5, 300.0])
-def test_whitening_is_that_of_the_dense_covariance(time):
+@pytest.mark.parametrize(
+    "noise",
+    [
+        *(Noise(white=0.3, red=2.0, time=time) for time in (0.01, 0.5, 300.0)),
+        *(Noise(white=0.1, red=2.0, time=30.0, exponent=exponent) for exponent in (0.6, 1.0, 1.9)),
+    ],
+)
+def test_whitening_is_that_of_the_dense_covariance(noise):
     rng = np.random.default_rng(1)
     t = times(200, rng)
     columns = rng.normal(size=(200, 3))
-    noise = Noise(white=0.3, red=2.0, time=time)
-    covariance = 4.0 * np.exp(-np.abs(t[:, None] - t) / time) + 0.09 * np.eye(200)
-    lower = cholesky(covariance, lower=True)
-    white, log_determinant = noise.whiten(t, columns)
-    np.testing.assert_allclose(white, solve_triangular(lower, columns, lower=True), atol=1e-10)
-    assert log_determinant == pytest.approx(2 * np.log(np.diag(lower)).sum(), abs=1e-8)
-
-
-@pytest.mark.parametrize("exponent", [0.6, 1.0, 1.9])
-def test_whitening_of_a_power_law_is_that_of_the_dense_covariance(exponent):
-    """There is about one relaxation a decade, with weights of time^(exponent - 1)."""
-    rng = np.random.default_rng(1)
-    t, columns = np.arange(300) * 0.01, rng.normal(size=(300, 2))
-    noise = Noise(white=0.1, red=2.0, time=3.0, exponent=exponent)
-    variances, times = noise.relaxations(0.01)
-    np.testing.assert_allclose(times, [3.0, 0.03**0.5, 0.01])
-    np.testing.assert_allclose(variances / variances[0], (times / 3.0) ** (exponent - 1.0))
+    variances, relaxations = noise.relaxations(float(np.median(np.diff(t))))
     assert variances.sum() == pytest.approx(4.0)
-    gaps = np.abs(t[:, None] - t)
-    covariance = 0.01 * np.eye(300)
-    for variance, time in zip(variances, times, strict=True):
-        covariance += variance * np.exp(-gaps / time)
+    if noise.exponent:  # about one relaxation a decade, with weights of time^(exponent - 1)
+        assert relaxations.size == 3
+        weights = (relaxations / 30.0) ** (noise.exponent - 1.0)
+        np.testing.assert_allclose(variances / variances[0], weights)
+    covariance = noise.white**2 * np.eye(200)
+    for variance, time in zip(variances, relaxations, strict=True):
+        covariance += variance * np.exp(-np.abs(t[:, None] - t) / time)
     lower = cholesky(covariance, lower=True)
     white, log_determinant = noise.whiten(t, columns)
     np.testing.assert_allclose(white, solve_triangular(lower, columns, lower=True), atol=1e-9)

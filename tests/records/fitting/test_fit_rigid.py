@@ -8,7 +8,7 @@ from synthetic_records import assert_finds, record
 
 import ratestate as rs
 from ratestate.records.fitting.forward import Forward
-from ratestate.records.fitting.record import record_of
+from ratestate.records.fitting.samples import samples_of
 from ratestate.records.fitting.unknowns import to_coordinate
 
 RIGID = rs.SpringSlider(a=0.008, b=0.010, Dc=1e-5, sigma=1e7, V0=1e-6, K=np.inf, law="slip")
@@ -45,7 +45,7 @@ def test_derivatives_are_exact():
     """After a step ln(V theta/Dc) decays with slip, which gives a closed form."""
     loading = rs.Loading.steps(1e-6, (T[200], 5e-6))
     data = record(RIGID, loading, T, noise=1e-5).drop_vars("delta_lp")
-    checked = record_of(data, RIGID, loading=loading, trend=None, against="time")
+    checked = samples_of(data, RIGID, loading=loading, trend=None, against="time")
     forward = Forward(checked, RIGID, ("a", "b", "Dc"))
     slips = 5e-6 * np.maximum(T - T[200], 0.0) / RIGID.Dc
     rise = np.where(np.arange(T.size) < 200, 0.0, np.log(5.0))

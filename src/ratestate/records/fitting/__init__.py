@@ -1,21 +1,8 @@
 """Fits of laboratory records: the function `fit` and its parts.
 
-=============================== =================================================================
-``fit``                         the function `fit`
-``settings``                    checks of the settings of `fit`
-``record``                      the samples and the loading of a record that is fitted
-``unknowns``                    parameters that may be free: coordinates, bounds, starting ranges
-``forward``                     friction of a slider and its derivatives, by the engine
-``problem``                     residuals, and points from which searches start
-``generalized_least_squares``   the best fit, its covariance, and score tests
-``estimates``                   errors, intervals and correlation from a covariance
-``likelihood``                  reported quantities and their intervals; profiles, posterior
-``diagnostics``                 warnings and identifiability
-``result``                      the Dataset of a fit; comparison of laws
-``steps``                       fits of every step and hold of an experiment, and a joint fit
-``cycles``                      fits of stick-slip or vibration by features of the cycles
-``by_law``                      estimates, and the function `slider_of`, from such a Dataset
-=============================== =================================================================
+A fit goes through one code, whatever is fitted: a forward model (`forward`, `cycles.problem`),
+whitened residuals (`problem`), search and covariance (`generalized_least_squares`), intervals
+(`inference`), warnings (`checks`) and the Dataset (`fit_dataset`).
 
 Modules are imported when they are first used.
 """
@@ -25,12 +12,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .by_law import slider_of
-    from .likelihood.marginal import log_likelihood
+    from .marginal import log_likelihood
 
 __all__ = ["log_likelihood", "slider_of"]
 
 #: public name -> module that defines it
-_HOMES = {"log_likelihood": "likelihood.marginal", "slider_of": "by_law"}
+_HOMES = {"log_likelihood": "marginal", "slider_of": "by_law"}
 
 
 def __getattr__(name):

@@ -54,10 +54,7 @@ def warnings_of(part):
 
 
 def value_of(part, symbol):
-    """Return a parameter [SI] of one law's part: its estimate or its given value.
-
-    ParameterError if the result has several values, or lacks the attribute with the given value.
-    """
+    """Return a parameter [SI] of one law's part: its estimate or its given value."""
     value = part[symbol] if symbol in part.data_vars else parameter(part, symbol)
     if np.ndim(value):
         raise sentences.refusal("result.several_values", symbol=symbol)

@@ -3,6 +3,8 @@
 import json
 import warnings
 
+import xarray
+
 from ...dynamics.results import provenance
 from ...errors import FitWarning
 from ...model.conversion import in_si
@@ -10,11 +12,12 @@ from ...model.names import keywords_checked
 from ..kit.least_squares import single_blas
 from ..kit.results import kept_attributes
 from .by_law import warnings_of
-from .cycles.fit import cycles_dataset, fit_cycles
-from .likelihood.inference import inferences_of
-from .result import add_comparison, datasets_of, side_by_side
+from .cycles.fit_cycles import cycles_datasets
+from .fit_dataset import datasets_of, side_by_side, with_comparison
+from .inference import inferences_of
 from .settings import checked_settings
-from .steps.experiment import fit_experiment, warnings_of_steps
+from .steps.experiment import fit_experiment
+from .steps.step_table import warnings_of_steps
 
 
 @keywords_checked
@@ -157,9 +160,10 @@ def fit(
             laws = settings.laws
             results = {laws[0] if len(laws) == 1 else None: fit_experiment(record, settings)}
         elif against == "cycles":
-            results = _fits_of_cycles(record, settings, loading)
+            results, criterion, fits = cycles_datasets(record, settings, loading)
         else:
-            results = datasets_of(inferences_of(record, settings, loading), settings.laws, record)
+            inferences = inferences_of(record, settings, loading)
+            results, criterion, fits = datasets_of(inferences, settings.laws, record)
     more = {"free": json.dumps(settings.free), "each": each, **settings.recorded}
     for name, result in results.items():
         origin = provenance("fit", slider, law=name, **more)
@@ -170,17 +174,9 @@ def fit(
     if each is not None:
         return result
     results = {name: result.assign_coords(law=name) for name, result in results.items()}
-    alone = law is None or isinstance(law, str | type)
-    return results[settings.laws[0]] if alone else side_by_side(results)
-
-
-def _fits_of_cycles(data, settings, loading):
-    """Return law -> Dataset of a fit of cycles; data in SI."""
-    fits = {one.law: fit_cycles(data, one, settings.free, loading) for one in settings.sliders}
-    results = {law: cycles_dataset(fit) for law, fit in fits.items()}
+    if law is None or isinstance(law, str | type):
+        return results[settings.laws[0]]
+    result = side_by_side(results)
     if len(results) > 1:
-        # the comparison uses the enlarged errors as well
-        scale = min(fit.enlarged for fit in fits.values()) ** 2
-        chi2 = {law: fit.chi2 / scale for law, fit in fits.items()}
-        add_comparison(results, chi2, fits=any(fit.enlarged == 1.0 for fit in fits.values()))
-    return results
+        result = with_comparison(result, xarray.DataArray(criterion, dims="law"), fits)
+    return result

@@ -123,8 +123,9 @@ class Forward(ForwardModel):
         steady = at.R if is_mu else at.S
         friction = a * (shown - np.reshape(steady, (-1, 1)))
         if self.stress is not None and not is_mu:  # tau divided by the current sigma
-            level = self.record.level
-            friction = (level + friction) / self._stress_ratio(values) - level
+            level, delayed = self.record.level, self.record.t - values["lag"][:, None]
+            stress = self.stress.at(np.maximum(delayed, 0.0), self.sigma)
+            friction = (level + friction) / (stress / self.sigma) - level
         along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":
             along = along - (a * self.sigma / K) * (x - x[:, :1])
@@ -180,20 +181,13 @@ class Forward(ForwardModel):
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return self.law.coefficient_arrays(self.V0, values)
 
-    def _stress_ratio(self, values):
-        """Return sigma(t)/sigma(0) (n, m) at the samples, delayed by the lag."""
-        times = np.maximum(self.record.t - values["lag"][:, None], 0.0)
-        return self.stress.at(times, self.sigma) / self.sigma
-
-    def _motion_coefficients(self, values, p):
-        if self.stress is None:
-            return p
-        own = {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
-        return self.moving_law.coefficient_arrays(self.V0, values | own)
-
     def _motion(self, values, p):
         """Return x, v, psi (n, m, 2 + states) at the samples."""
         a, Dc, K, M = (values[symbol] for symbol in ("a", "Dc", "K", "M"))
+        of_motion = p
+        if self.stress is not None:
+            own = {"sigma_amplitude": self.stress.amplitude, "sigma_period": self.stress.period}
+            of_motion = self.moving_law.coefficient_arrays(self.V0, values | own)
         times = self.record.t[None]
         if "lag" in self.names:
             # samples delayed to before the start have the value at the start
@@ -208,7 +202,7 @@ class Forward(ForwardModel):
             per_stress = 1.0 / (a * self.sigma)
             cases = cases_of(
                 kappa=K * Dc * per_stress,
-                p=np.stack(self._motion_coefficients(values, p), axis=1),
+                p=np.stack(of_motion, axis=1),
                 sigma=self.sigma,
                 eta0=M * self.V0**2 * per_stress / Dc,
                 scale=self.V0 / Dc,
@@ -224,7 +218,6 @@ class Forward(ForwardModel):
 
 
 def _step(name, record, size):
-    """Return the step of a difference in a coordinate of a parameter of this size."""
     row = parameter(name)
     return row.step(record, 1.0 if row.is_log else size)
 

@@ -15,8 +15,8 @@ from ..kit.estimated_noise import estimated_noise
 from ..kit.noise import Noise
 from ..messages import fitting as sentences
 from .forward import Forward
-from .problem import SAMPLES, Problem, search, starting_points
-from .record import before_first_change, record_of
+from .problem import SAMPLES, SamplesProblem, search, starting_points
+from .samples import before_first_change, samples_of
 from .unknowns import Unknowns, free_under, start_names, unknowns_of
 
 #: most starts of the least squares, and most rounds of noise and fit
@@ -40,7 +40,7 @@ CHANCE = 1e-4
 class Solution(NamedTuple):
     """Result of the least squares, with m samples and k coordinates."""
 
-    problem: Problem
+    problem: SamplesProblem
     noise: Noise
     point: np.ndarray  # (k,)
     covariance: np.ndarray  # (k, k)
@@ -72,7 +72,7 @@ def solutions_of(data, settings, loading=None):
 
     loading : as for `fit`, whose errors are raised
     """
-    record = record_of(
+    record = samples_of(
         data, settings.sliders[0], loading=loading, trend=settings.trend, against=settings.against
     )
     if "alpha" in settings.free and record.loading.normal_stress is None:
@@ -90,16 +90,14 @@ def least_squares_fit(record, slider, free, noise, start):
 
     noise : `Noise`, or None to estimate it
     start : {"steady", "free", "auto"}; "auto" frees the state at the start if that fits far better
-
-    ParameterError if no slider moves through the whole record from any start of the search.
     """
     unknowns = unknowns_of(record, slider, free, start=start == "free")
-    problem = Problem(record, slider, unknowns)
+    problem = SamplesProblem(record, slider, unknowns)
     solution = solution_from(problem, _best_start(problem), noise)
     if start != "auto" or not _may_start_unsteady(solution):
         return solution
     unknowns = unknowns_of(record, slider, free, start=True)
-    problem = Problem(record, slider, unknowns)
+    problem = SamplesProblem(record, slider, unknowns)
     steady = np.zeros(len(unknowns.names))  # with the new coordinates at 0
     steady[[unknowns.names.index(name) for name in solution.unknowns.names]] = solution.point
     unsteady = solution_from(problem, _best_start(problem, steady), noise)
@@ -114,7 +112,7 @@ def _best_start(problem, *more_starts):
     Among equally good points, one with distances in the slider's order is preferred.
     """
     thin = problem.record.thinned(max(problem.record.t.size // SAMPLES, 1))
-    thin_problem = Problem(thin, problem.slider, problem.unknowns)
+    thin_problem = SamplesProblem(thin, problem.slider, problem.unknowns)
     points = [*more_starts, *starting_points(thin_problem, STARTS)]
     noise = thin_problem.white_noise(points[0]) if points else None
     best, distances = None, problem.distances()

@@ -45,7 +45,7 @@ class LeastSquares:
         return white[:, 0], white[:, 1:]
 
 
-class Problem(LeastSquares):
+class SamplesProblem(LeastSquares):
     """The `LeastSquares` of a record's samples.
 
     slider : gives the law, and the parameters that are not free
@@ -57,7 +57,7 @@ class Problem(LeastSquares):
         self.record = record
 
     def __reduce__(self):  # forward.moving_law, made at run time, cannot be pickled
-        return Problem, (self.record, self.slider, self.unknowns)
+        return SamplesProblem, (self.record, self.slider, self.unknowns)
 
     def distances(self):
         """Return coordinates (list of int) of free distances, by the slider's values."""

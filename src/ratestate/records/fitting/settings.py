@@ -42,12 +42,7 @@ class Settings(NamedTuple):
 
 
 def checked_settings(slider, *, free, law, noise, each=None, loading=None, **choices):
-    """Return the `Settings` for these arguments of `fit`.
-
-    ParameterError: not one slider; a parameter that cannot be free; an unknown law, noise or
-    choice; a law with parameters that the slider lacks; a setting without a meaning in fits of
-    cycles; with each="step" a loading, or a fit of cycles.
-    """
+    """Return the `Settings` for these arguments of `fit`."""
     check_slider(slider)
     for symbol, value in slider.values.items():
         if is_array(value):
@@ -81,11 +76,7 @@ def check_choice(name, value, choices):
 
 
 def sliders_under(slider, law):
-    """Return the slider under each law (list), with the parameters of that law.
-
-    ParameterError for an unknown law, a law given twice, a law with parameters that the slider
-    lacks, and a law with a parameter whose name fits use for another quantity.
-    """
+    """Return the slider under each law (list), with the parameters of that law."""
     is_one = law is None or isinstance(law, str | type) or not isinstance(law, Iterable)
     laws = [resolve_law(name) for name in ([slider.law if law is None else law] if is_one else law)]
     if not laws or len(set(laws)) < len(laws):

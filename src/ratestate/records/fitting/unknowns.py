@@ -28,7 +28,7 @@ LOG_RATIO_OF_HOLD = 5.0
 NEAR = 1e-3
 
 
-class Parameter(NamedTuple):
+class FitParameter(NamedTuple):
     """How a fit moves a parameter.  Bounds and starts are multiples of `sizes_of`."""
 
     #: "slider" or "record": the user may free it.  "start": velocity or state at the start of a
@@ -47,22 +47,22 @@ class Parameter(NamedTuple):
         return 0.0 if self.bounds[0] == 0.0 else -math.inf
 
 
-#: name -> `Parameter` of parameters under every law
+#: name -> `FitParameter` of parameters under every law
 PARAMETERS = {
-    "a": Parameter("slider", is_log=True, bounds=(1e-3, 1e2), starts=(-0.5, 0.5)),
-    "b": Parameter("slider", bounds=(-1e2, 1e2), starts=(-1.0, 3.0)),
-    "Dc": Parameter("slider", is_log=True, bounds=(1e-3, 1e3), starts=(-1.5, 0.7)),
-    "K": Parameter("slider", is_log=True, bounds=(1e-4, 1e6), starts=(-0.5, 1.5), no_effect=1),
-    "M": Parameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), no_effect=-1),
-    "alpha": Parameter("slider", bounds=(0.0, 1e2), starts=(0.0, 1.0)),
-    "lag": Parameter("record", bounds=(-0.1, 0.1), step=lambda record, _: 0.1 * record.spacing),
+    "a": FitParameter("slider", is_log=True, bounds=(1e-3, 1e2), starts=(-0.5, 0.5)),
+    "b": FitParameter("slider", bounds=(-1e2, 1e2), starts=(-1.0, 3.0)),
+    "Dc": FitParameter("slider", is_log=True, bounds=(1e-3, 1e3), starts=(-1.5, 0.7)),
+    "K": FitParameter("slider", is_log=True, bounds=(1e-4, 1e6), starts=(-0.5, 1.5), no_effect=1),
+    "M": FitParameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), no_effect=-1),
+    "alpha": FitParameter("slider", bounds=(0.0, 1e2), starts=(0.0, 1.0)),
+    "lag": FitParameter("record", bounds=(-0.1, 0.1), step=lambda record, _: 0.1 * record.spacing),
     # ln(V/V1), if the record does not begin in steady sliding at its first speed V1
-    "V_start": Parameter("start", bounds=(-20.0, 20.0)),
-    "level": Parameter("linear"),
-    "trend": Parameter("linear"),
+    "V_start": FitParameter("start", bounds=(-20.0, 20.0)),
+    "level": FitParameter("linear"),
+    "trend": FitParameter("linear"),
 }
 #: ln(theta/theta_ss) at the start of such a record
-STATE_START = Parameter("start", bounds=(-20.0, 20.0))
+STATE_START = FitParameter("start", bounds=(-20.0, 20.0))
 LINEAR = ("level", "trend")
 #: parameters of the machine, not of the friction law
 MACHINE_PARAMETERS = ("K", "M", "lag")
@@ -72,7 +72,7 @@ DERIVED = ("mu0", "a_minus_b", *TRENDS)
 
 
 def parameter(name):
-    """Return the `Parameter` of this name, under any law; KeyError if unknown."""
+    """Return the `FitParameter` of this name, under any law; KeyError if unknown."""
     if name in PARAMETERS:
         return PARAMETERS[name]
     if any(name in start_names(law) for law in LAWS.values()):
@@ -85,11 +85,11 @@ def parameter(name):
 
 
 def _parameter_of_law(own):
-    """Return the `Parameter` of a law's additional parameter, by unit and bound."""
+    """Return the `FitParameter` of a law's additional parameter, by unit and bound."""
     if own.bound == ">= 0":
-        return Parameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
+        return FitParameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
     if own.bound == "> 0" and own.unit != "m":
-        return Parameter("slider", is_log=True, bounds=(1e-6, 1e6), starts=(-2.0, 1.0))
+        return FitParameter("slider", is_log=True, bounds=(1e-6, 1e6), starts=(-2.0, 1.0))
     return PARAMETERS["Dc" if own.bound else "b"]
 
 
@@ -192,19 +192,14 @@ def checked_free(free, sliders):
     """Return the free parameters (tuple) without mu0, in the order of `free_under`.
 
     sliders : one for each law; a free parameter must belong to at least one of them
-
-    ParameterError for a parameter that cannot be free, a name given twice, and a law under which
-    only mu0 is free.
     """
     laws = [slider.friction_law for slider in sliders]
     allowed = (*free_under(laws), "mu0")
     listed = ", ".join(allowed)
     is_one = isinstance(free, str) or not isinstance(free, Iterable)
     names = (free,) if is_one else tuple(free)
-    if not names:
-        raise sentences.refusal("free.empty", allowed=listed)
-    if not all(isinstance(name, str) for name in names):
-        raise sentences.refusal("free.no_sequence", free=free, allowed=listed)
+    if not names or not all(isinstance(name, str) for name in names):
+        raise sentences.refusal("free.no_names", free=free, allowed=listed)
     for name in (name for name in names if name not in allowed):
         if name in EXTRAS:
             raise sentences.refusal("free.undamped")

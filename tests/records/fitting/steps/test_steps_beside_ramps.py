@@ -5,7 +5,7 @@ import pytest
 import xarray
 
 import ratestate as rs
-from ratestate.records.fitting.steps import each
+from ratestate.records.fitting.steps import experiment
 from ratestate.records.fitting.steps.windows import windows_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -94,7 +94,7 @@ def test_estimates_at_a_bound_are_left_out_of_the_joint_fit(monkeypatch):
                 fits[k] = step._replace(solution=step.solution._replace(point=point))
         return [[step] for step in fits]
 
-    monkeypatch.setattr(each, "mapped", at_its_bound)
+    monkeypatch.setattr(experiment, "mapped", at_its_bound)
     result = fitted(data)
     assert int(result.shared_degrees) == 3
     assert result.warnings.values[2].startswith("b ends at a bound")

@@ -6,7 +6,6 @@ from synthetic_records import correlated
 
 import ratestate as rs
 from ratestate.model.quantities import short
-from ratestate.records.fitting.steps import each
 from ratestate.records.fitting.steps.windows import windows_of
 from ratestate.report.steps import table_of
 
@@ -67,15 +66,6 @@ def test_laws_that_fit_no_step_do_not_fit(data):
     found = rs.fit(steps, START, ("a", "Dc"), noise=3e-5, **settings)
     assert found.sizes["step"] == 2
     assert found.comparison.startswith("Neither law fits")
-
-
-def test_long_windows_are_averaged(data, monkeypatch):
-    monkeypatch.setattr(each, "MOST", 150)
-    found = rs.fit(data, START, each="step", errors="covariance")
-    rows = [one.part(data).sizes["time"] for one in windows_of(data)]
-    assert rows[-1] > 150
-    np.testing.assert_array_equal(found.rows_per_sample, np.ceil(np.array(rows) / 150))
-    np.testing.assert_array_equal(found.samples, rows // found.rows_per_sample)
 
 
 def test_one_estimate_has_no_scatter(result):

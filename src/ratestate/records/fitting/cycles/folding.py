@@ -29,7 +29,7 @@ MANY, PLENTY = 20_000, 256
 MOST = 200_000
 
 
-class Segment(NamedTuple):
+class Stretch(NamedTuple):
     """A part of a record at one load-point speed."""
 
     t: np.ndarray  # (samples,) [s]
@@ -82,11 +82,7 @@ def periodic(profile, phase):
 
 
 def segments_of(record, slider, loading):
-    """Return the `Segment`s (list) of a record with the load point at one speed each.
-
-    ParameterError as of `raw_record` and `constant_speeds_of`, for a record of mu, and if no
-    segment has `FEWEST` samples.
-    """
+    """Return the `Stretch`s (list) of a record with the load point at one speed each."""
     raw = raw_record(record, slider)
     if raw.kind != "tau":
         raise sentences.refusal("cycles.of_mu")
@@ -95,17 +91,14 @@ def segments_of(record, slider, loading):
     for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
         rows = (t >= start) & (t < end)
         if V_lp > 0.0 and rows.sum() >= FEWEST:
-            segments.append(Segment(raw.time[rows], raw.friction[rows], float(V_lp)))
+            segments.append(Stretch(raw.time[rows], raw.friction[rows], float(V_lp)))
     if not segments:
         raise sentences.refusal("cycles.no_stretch", fewest=FEWEST)
     return segments
 
 
 def main_period(t, y):
-    """Return the period [s] of the strongest oscillation about a record's trend.
-
-    ParameterError for noise alone, too few cycles, or too few samples in a cycle.
-    """
+    """Return the period [s] of the strongest oscillation about a record's trend."""
     grid, even = _resampled(t, y)
     power = np.abs(np.fft.rfft(even * np.hanning(even.size))[1:-1]) ** 2
     best = int(np.argmax(power))
@@ -122,10 +115,7 @@ def main_period(t, y):
 
 
 def thinned(segment, period):
-    """Return a `Segment`, with neighbouring samples averaged if it has very many.
-
-    ParameterError if it still has more than `MOST`.
-    """
+    """Return a `Stretch`, with neighbouring samples averaged if it has very many."""
     n = segment.t.size
     dense = period / float(np.median(np.diff(segment.t)))
     every = int(min(n / MANY, dense / PLENTY))

@@ -18,7 +18,7 @@ from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, prof
 from .folding import (
     FEWEST_CYCLES,
     Cycles,
-    Segment,
+    Stretch,
     cut_cycles,
     fold,
     main_period,
@@ -41,10 +41,10 @@ RESOLVED, UNCERTAIN = 1.5, 0.3
 DRIFT = 0.1
 
 
-class Measured(NamedTuple):
+class MeasuredFeatures(NamedTuple):
     """Features of a segment; logarithms, except the level."""
 
-    segment: Segment  # without the cycles left out
+    segment: Stretch  # without the cycles left out
     cycles: Cycles
     noise: SampleNoise  # of tau/sigma
     raw: np.ndarray  # (6,) features that noise has shifted
@@ -63,27 +63,22 @@ class Measured(NamedTuple):
 
 
 def measure(segment):
-    """Return the `Measured` features of a segment.
-
-    ParameterError: no oscillation above the noise, too few cycles, or irregular cycles.
-    """
+    """Return the `MeasuredFeatures` features of a segment."""
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
     cuts, left_out = regular_cuts(segment, period)
     bins = _number_of_bins(segment, fold(segment.t, segment.y, cuts, BINS[0]))
     cycles = fold(segment.t, segment.y, cuts, bins)
     raw = _features(cycles)
-    measured = Measured(segment, cycles, _residual_noise(segment, cycles), raw, left_out)
+    measured = MeasuredFeatures(segment, cycles, _residual_noise(segment, cycles), raw, left_out)
     return corrected(measured, lambda phase: periodic(cycles.profile, phase), raw)
 
 
 def corrected(measured, wave, features):
-    """Return `Measured` with shift and covariance from a bootstrap about a cycle.
+    """Return `MeasuredFeatures` with shift and covariance from a bootstrap about a cycle.
 
     wave : function of phases in cycles, returns tau/sigma, which falls through its middle at 0
     features : (6,) of that cycle, without noise
-
-    ParameterError if noise hides the cycles in half of the copies.
     """
     segment, cycles = measured.segment, measured.cycles
     rng = np.random.default_rng(SEED)

@@ -18,13 +18,14 @@ import numpy as np
 from scipy.linalg import block_diag, solve_triangular
 
 from ....friction.stability import K_c, a_of_K_c, b_of_K_c
+from ....model.quantities import readable
 from ...messages import fitting as sentences
 from ..forward import ForwardModel
-from ..likelihood.quantities import ReportedQuantity
 from ..problem import LeastSquares
+from ..quantities import ReportedQuantity
 from ..unknowns import Unknowns, distinct, motion_symbols
 from .features import FEATURES, LEVEL
-from .model import CycleModel
+from .waves import CycleModel
 
 # Parameters that have no effect on cycles, and why.
 WITHOUT_EFFECT = {
@@ -69,7 +70,7 @@ def check_slider(slider, free):
 class CyclesForward(ForwardModel):
     """Features of the limit cycles of sliders, at the speeds of a record.
 
-    measured : `Measured` of each segment; the features that it resolves are compared
+    measured : `MeasuredFeatures` of each segment; the features that it resolves are compared
     """
 
     def __init__(self, slider, free, measured):
@@ -136,19 +137,15 @@ class CyclesForward(ForwardModel):
 
     def quantities(self):
         """Return `ReportedQuantity`s: free parameters, mu0, a - b if a or b is free."""
+        functions = {self.replaced: lambda values: np.log(values[self.replaced])}
         quantities = [
-            ReportedQuantity(name, self, self._log_of_replaced, is_log=True)
-            if name == self.replaced
-            else ReportedQuantity(name, self, is_log=True)
+            ReportedQuantity(name, self, functions.get(name), is_log=True)
             for name in self.names[:-1]
         ]
         quantities.append(ReportedQuantity("mu0", self, operator.itemgetter("level")))
         if self.replaced:
             quantities.append(ReportedQuantity("a_minus_b", self, lambda x: x["a"] - x["b"]))
         return tuple(quantities)
-
-    def _log_of_replaced(self, values):
-        return np.log(values[self.replaced])
 
 
 class FeatureNoise(NamedTuple):
@@ -177,6 +174,15 @@ class CyclesProblem(LeastSquares):
         k = len(forward.names)
         unknowns = Unknowns(forward.names, np.full(k, -np.inf), np.full(k, np.inf))
         super().__init__(slider, forward, unknowns, np.arange(observed.size), observed)
+        if len(free) >= observed.size:
+            listed = "; ".join(
+                f"at {readable('V_lp', one.segment.V_lp)} "
+                + ", ".join(np.array(FEATURES)[one.used])
+                for one in measured
+            )
+            names = {"count": len(free), "names": ", ".join(free)}
+            counts = {"features": observed.size, "listed": listed}
+            raise sentences.refusal("cycles.few_features", **names, **counts)
         self.measured = measured
         blocks = [one.covariance[np.ix_(one.used, one.used)] for one in measured]
         self.noise = FeatureNoise(np.linalg.cholesky(block_diag(*blocks)))

@@ -27,7 +27,7 @@ ROWS = 50
 FEWEST, DROP = 4, 1.0 / 3.0
 
 
-class Window(NamedTuple):
+class StepWindow(NamedTuple):
     """A step or hold, and the part of the record in which it is fitted."""
 
     kind: str  # `STEP` or `HOLD` of the load point, or `NORMAL_STRESS`
@@ -65,7 +65,7 @@ class _Change(NamedTuple):
 
 
 def windows_of(data):
-    """Return the `Window`s (list) of a record, a Dataset in SI, in order of time.
+    """Return the `StepWindow`s (list) of a record, a Dataset in SI, in order of time.
 
     A hold lasts until the end of the sliding after it.  Steps and ramps of normal stress are those
     of `stress_steps`.  ParameterError as of `checked_time` and `recorded_segments`, and if no step
@@ -85,7 +85,7 @@ def windows_of(data):
         over = before.end if before.end < change.t else before.t
         begin = _window_begin(time, over, before.V, change, after.t)
         windows.append(
-            Window(
+            StepWindow(
                 kind=NORMAL_STRESS if change.is_of_stress else HOLD if is_hold else STEP,
                 t=change.t,
                 begin=begin,

@@ -12,17 +12,17 @@ from ....model.loading import Loading
 from ....model.quantities import readable
 from ...kit.results import labelled
 from ...messages import fitting as sentences
-from ..diagnostics.checks import search_warnings
-from ..diagnostics.identifiability import identifiability
+from ..checks import search_warnings
+from ..fit_dataset import curve_variables, estimate_variables, text_variables
 from ..generalized_least_squares import solution_from
-from ..likelihood.inference import Inference, infer_quantities
-from ..result import curve_variables, estimate_variables, text_variables
+from ..identifiability import identifiability
+from ..inference import Inference, infer_quantities
 from ..unknowns import distinct
 from .features import FEATURES, LEVEL
 from .folding import segments_of
 from .measured import corrected, measure
-from .model import wave_at
 from .problem import CyclesProblem, check_slider, starting_points
+from .waves import wave_at
 
 # Significance level of a misfit, beyond which errors are enlarged.
 CHANCE = 0.01
@@ -38,13 +38,17 @@ class CyclesFit(NamedTuple):
 
     inference: Inference  # its solution has the errors of the features enlarged
     runs: list  # `Solution` from each start, the best first
-    chi2: float  # of the features, with errors that are not enlarged
     enlarged: float  # factor by which errors are enlarged because of a misfit
     left_out: list  # warnings on segments that have no cycles
 
     @property
     def problem(self):
         return self.inference.solution.problem
+
+    @property
+    def chi2(self):
+        """Chi-square of the features with errors that are not enlarged."""
+        return self.enlarged**2 * self.inference.solution.chi2
 
     def cycles(self):
         """Return features (s, 6) and waves (s, q) of the fitted cycles."""
@@ -53,20 +57,16 @@ class CyclesFit(NamedTuple):
 
 
 def fit_cycles(record, slider, free, loading=None):
-    """Return the `CyclesFit` of a record; it includes all segments that oscillate.
-
-    ParameterError as of `segments_of` and `check_slider`, and: no segment has cycles; there are too
-    few features; the model has no cycle at any start.
-    """
+    """Return the `CyclesFit` of a record; it includes all segments that oscillate."""
     segments = segments_of(record, slider, loading)
     check_slider(slider, free)
     measured, left_out = _measured_segments(segments)
-    problem = _checked_problem(slider, free, measured)
+    problem = CyclesProblem(slider, free, measured)
     runs = _solutions_from(problem, starting_points(problem))
     # The model's cycle has no noise, and so gives a better estimate of the shift by noise.
     features, waves = runs[0].problem.forward.cycles(runs[0].point[None])
     measured = tuple(map(corrected, measured, map(wave_at, waves[0]), features[0]))
-    problem = _checked_problem(slider, free, measured)
+    problem = CyclesProblem(slider, free, measured)
     runs = _solutions_from(problem, [run.point for run in runs])
     best, dof = runs[0], problem.dof
     misfit = dof > 0 and chdtrc(dof, best.chi2) < CHANCE
@@ -79,13 +79,11 @@ def fit_cycles(record, slider, free, loading=None):
         chi2=best.chi2 / enlarged**2,
     )
     quantities = solution.problem.forward.quantities()
-    inference = infer_quantities(solution, quantities, noise)
-    chi2 = enlarged**2 * inference.solution.chi2
-    return CyclesFit(inference, runs, chi2, enlarged, left_out)
+    return CyclesFit(infer_quantities(solution, quantities, noise), runs, enlarged, left_out)
 
 
 def _measured_segments(segments):
-    """Return `Measured` segments (tuple), and warnings on segments without cycles."""
+    """Return `MeasuredFeatures` segments (tuple), and warnings on segments without cycles."""
     measured, refused = [], []
     for segment in segments:
         try:
@@ -96,20 +94,6 @@ def _measured_segments(segments):
         raise refused[0][1]
     warnings = [sentences("cycles.left_out", V_lp=V_lp, error=error) for V_lp, error in refused]
     return tuple(measured), warnings
-
-
-def _checked_problem(slider, free, measured):
-    """Return the `CyclesProblem`; ParameterError if there are too few features."""
-    problem = CyclesProblem(slider, free, measured)
-    features = problem.observed.size
-    if len(free) < features:
-        return problem
-    listed = "; ".join(
-        f"at {readable('V_lp', one.segment.V_lp)} " + ", ".join(np.array(FEATURES)[one.used])
-        for one in measured
-    )
-    names = {"count": len(free), "names": ", ".join(free)}
-    raise sentences.refusal("cycles.few_features", **names, features=features, listed=listed)
 
 
 def _solutions_from(problem, starts):
@@ -124,6 +108,17 @@ def _solutions_from(problem, starts):
         names = ", ".join(problem.unknowns.names[:-1])
         raise sentences.refusal("cycles.no_cycle", names=names, law=problem.law.name)
     return sorted(runs, key=lambda run: run.chi2)
+
+
+def cycles_datasets(data, settings, loading):
+    """Return law -> Dataset of a record's cycles, their chi-squared, and whether any law fits.
+
+    chi-squared is that of the errors as enlarged under the law that fits best.
+    """
+    fits = [fit_cycles(data, slider, settings.free, loading) for slider in settings.sliders]
+    results = dict(zip(settings.laws, map(cycles_dataset, fits), strict=True))
+    least = min(fit.enlarged for fit in fits)
+    return results, [fit.chi2 / least**2 for fit in fits], least == 1.0
 
 
 def cycles_dataset(fit):
@@ -170,13 +165,12 @@ def _feature_variables(measured, fitted):
 def _start_variables(runs):
     """Return the end of the search from each start."""
     names = runs[0].unknowns.names[:-1]
-    values = [_end_of(run) for run in runs]
     status = [
         "at a bound" if run.at_bound else "converged" if run.converged else "not converged"
         for run in runs
     ]
-    chi2 = np.array([run.chi2 for run in runs])
-    ends = np.array([[end[name] for name in names] for end in values])
+    chi2 = [run.chi2 for run in runs]
+    ends = [[end[name] for name in names] for end in map(_end_of, runs)]
     return xarray.Dataset(
         {
             "start_chi2": ("start", chi2, {"units": "1", "long_name": "chi-squared at its end"}),
@@ -188,23 +182,20 @@ def _start_variables(runs):
 
 
 def _end_of(run):
-    """Return symbol -> value [SI] of the slider at the end of a run."""
     return {s: float(v[0]) for s, v in run.problem.forward.values(run.point[None]).items()}
 
 
 def _curves(measured, waves):
     """Return the record's cycles, and the model's cycles aligned with them."""
-    times, friction, fitted = [], [], []
+    parts = []
     for one, wave in zip(measured, waves, strict=True):
         cycles, model = one.cycles, wave_at(wave)
         samples = one.segment.t, one.segment.y, cycles.phase
         t, y, phase = (column[cycles.inside] for column in samples)
         trend = cycles.slope * (t - cycles.middle)
         curves = [model(phase + shift) + trend for shift in SHIFTS]
-        times.append(t)
-        friction.append(y)
-        fitted.append(min(curves, key=lambda curve: np.sum((y - curve) ** 2)))
-    return curve_variables(*map(np.concatenate, (times, friction, fitted)))
+        parts.append((t, y, min(curves, key=lambda curve: np.sum((y - curve) ** 2))))
+    return curve_variables(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def diagnose(fit):

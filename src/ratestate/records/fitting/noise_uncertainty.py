@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from ...kit.estimated_noise import RestrictedLikelihood, families, modes
-from ..estimates import GAUSSIAN, LEVELS
-from ..generalized_least_squares import Solution, project_out
+from ..kit.estimated_noise import RestrictedLikelihood, families, modes
+from .generalized_least_squares import Solution, project_out
+from .quantities import GAUSSIAN, LEVELS
 
 #: spacing of the grid, in standard deviations of the shape; its least and largest length
 STEP, SHORTEST, LONGEST = 1.0, 0.1, 1.5

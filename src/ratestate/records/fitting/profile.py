@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ...kit.least_squares import minimum
-from ..estimates import GAUSSIAN, ROOTS
-from ..unknowns import parameter
+from ..kit.least_squares import minimum
+from .quantities import GAUSSIAN, ROOTS
+from .unknowns import parameter
 
 #: root of the deviance at which a profile may end, divided by that of its widest interval
 BEYOND = 1.03

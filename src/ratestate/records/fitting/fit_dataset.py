@@ -5,11 +5,12 @@ import xarray
 
 from ...dynamics.recipe import record_loading
 from ...friction.laws import friction_law
+from ...model.quantities import attrs
 from ..kit.results import labelled
 from ..messages import fitting as sentences
-from .diagnostics.checks import diagnose, is_misfit, without_trend
-from .estimates import LEVELS, ROOTS, SIDES
-from .likelihood.posterior import prior_text
+from .checks import diagnose, is_misfit, without_trend
+from .posterior import prior_text
+from .quantities import LEVELS, ROOTS, SIDES
 from .unknowns import DERIVED, free_under, start_names
 
 #: differences of ln(likelihood) or ln(evidence): below the first they decide nothing, above the
@@ -18,15 +19,10 @@ UNDECIDED, CLEAR = 1.5, 5.0
 
 
 def datasets_of(inferences, laws, data):
-    """Return law -> Dataset of each `Inference`; several laws are compared."""
+    """Return law -> Dataset of each `Inference`, their AIC, and whether any law fits."""
     datasets = [dataset_of(inference, data) for inference in inferences]
-    results = dict(zip(laws, datasets, strict=True))
-    if len(results) > 1:
-        colored = any(inference.solution.noise.red for inference in inferences)
-        aic = {law: float(result["aic"]) for law, result in results.items()}
-        fits = not all(map(is_misfit, inferences))
-        add_comparison(results, aic, colored=colored, fits=fits)
-    return results
+    aic = [float(result["aic"]) for result in datasets]
+    return dict(zip(laws, datasets, strict=True)), aic, not all(map(is_misfit, inferences))
 
 
 def dataset_of(inference, data):
@@ -87,63 +83,56 @@ def joined(results, dim, names):
     return whole
 
 
-def add_comparison(results, aic, *, colored=False, fits=True):
-    """Add `compare_laws` of several laws to each of their results, in place."""
-    table, text = compare_laws(results, aic, colored, fits)
-    for law, result in results.items():
-        result.update(table.sel(law=law, drop=True))
-        result.attrs["comparison"] = text
+def with_comparison(result, criterion, fits):
+    """Return a result along ``law`` with the laws compared, in each step if it has steps.
 
-
-def compare_laws(results, aic, colored, fits=True):
-    """Return a Dataset of differences along ``law``, and a text on them.
-
-    results : law -> mapping; ``bic_difference`` and ``log_bayes_factor`` need ``bic`` and
-        ``log_evidence`` of all laws
-    aic : law -> Akaike information criterion, or chi-square of laws with as many parameters
-    colored : whether residuals are correlated
+    criterion : AIC along ``law``, or chi-square of laws with as many parameters; NaN in steps that
+        are not fitted under all laws
     fits : whether any of the laws fits
     """
-    laws = list(results)
-
-    def column(name):
-        if all(name in result for result in results.values()):
-            return np.array([float(result[name]) for result in results.values()])
-        return None
-
-    difference = np.array([aic[law] for law in laws]) - min(aic.values())
+    difference = criterion - criterion.min("law")
     weight = np.exp(-0.5 * difference)
-    weight = weight / weight.sum()
-    values = {"aic_difference": difference, "akaike_weight": weight}
-    if (bic := column("bic")) is not None:
-        values["bic_difference"] = bic - bic.min()
-    texts = [_by_likelihood(difference, weight, laws, fits)]
-    if (evidence := column("log_evidence")) is not None:
-        best, error = int(np.argmax(evidence)), column("log_evidence_error")
-        factor = evidence - evidence[best]
-        error = np.where(np.arange(len(laws)) == best, 0.0, np.hypot(error, error[best]))
-        values |= {"log_bayes_factor": factor, "log_bayes_factor_error": error}
-        texts.append(_by_evidence(factor, error, laws))
-    if colored:
+    new = {"aic_difference": difference, "akaike_weight": weight / weight.sum("law")}
+    texts, laws, has_steps = [], result["law"].values.tolist(), "step" in criterion.dims
+    if criterion.notnull().any():
+        total = criterion.sum("step") if has_steps else criterion
+        texts.append(_by_likelihood(total.values, laws, fits))
+    if "bic" in result:
+        bic = result["bic"].where(criterion.notnull())
+        new["bic_difference"] = bic - bic.min("law")
+    if "log_evidence" in result:
+        evidence = result["log_evidence"].where(criterion.notnull())
+        factor, error = evidence - evidence.max("law"), result["log_evidence_error"]
+        of_both = np.hypot(error, error.where(factor == 0.0).max("law"))
+        new["log_bayes_factor"] = factor
+        new["log_bayes_factor_error"] = of_both.where(factor != 0.0, 0.0)
+        if not has_steps:
+            ranked = _ranked(-factor.values, laws)
+            second = float(new["log_bayes_factor_error"].sel(law=ranked["other"]))
+            which = "undecided" if ranked["difference"] < UNDECIDED + second else "decided"
+            texts.append(sentences(f"evidence.{which}", **ranked, error=second))
+    if texts and np.any(result.get("noise_red", 0.0) > 0.0):
         texts.append(sentences("likelihood.correlated"))
-    return xarray.Dataset(labelled("law", **values), {"law": laws}), " ".join(texts)
+    result = result.assign(
+        {name: x.transpose(*criterion.dims).assign_attrs(attrs(name)) for name, x in new.items()}
+    )
+    return result.assign_attrs(comparison=" ".join(texts)) if texts else result
 
 
 def _ranked(values, laws):
-    """Return the law with the least value, the second, and their difference."""
     first, second = np.argsort(values)[:2]
     difference = float(values[second] - values[first])
     return {"best": laws[first], "other": laws[second], "difference": difference}
 
 
-def _by_likelihood(aic, weight, laws, fits):
-    ranked = _ranked(aic, laws)
-    half = 0.5 * ranked["difference"]
-    which = "clearly" if half > CLEAR else "somewhat"
-    which = "undecided" if half < UNDECIDED else which if fits else "nearer"
-    *others, last = (f"{_share(w)} ({law})" for law, w in zip(laws, weight, strict=True))
+def _by_likelihood(aic, laws, fits):
+    ranked, weight = _ranked(aic, laws), np.exp(-0.5 * (aic - aic.min()))
+    half, shares = 0.5 * ranked["difference"], map(_share, weight / weight.sum())
+    which = "undecided" if half < UNDECIDED else "better" if fits else "nearer"
+    how = "clearly" if half > CLEAR else "somewhat"
+    *others, last = (f"{share} ({law})" for law, share in zip(laws, shares, strict=True))
     weights = f"{', '.join(others)} and {last}"
-    sentence = sentences(f"likelihood.{which}", **ranked, half=half, weights=weights)
+    sentence = sentences(f"likelihood.{which}", **ranked, half=half, how=how, weights=weights)
     none = "Neither law" if len(laws) == 2 else "None of the laws"
     return sentence if fits else f"{sentences('likelihood.none_fits', none=none)} {sentence}"
 
@@ -151,12 +140,6 @@ def _by_likelihood(aic, weight, laws, fits):
 def _share(weight):
     """Return an Akaike weight as text, at most as "> 0.99" and at least as "< 0.01"."""
     return "> 0.99" if weight > 0.99 else "< 0.01" if weight < 0.01 else f"{weight:.2f}"
-
-
-def _by_evidence(factor, error, laws):
-    ranked, second = _ranked(-factor, laws), error[np.argsort(-factor)[1]]
-    which = "undecided" if ranked["difference"] < UNDECIDED + second else "decided"
-    return sentences(f"evidence.{which}", **ranked, error=second)
 
 
 def estimate_variables(estimates):
@@ -174,7 +157,6 @@ def estimate_variables(estimates):
 
 
 def _profile_variables(profiles, quantities):
-    """Return the points of the profiles, padded with NaN."""
     size = max(profile.values.size for profile in profiles.values())
     value, deviance = table = np.full((2, len(quantities), size), np.nan)
     for i, quantity in enumerate(quantities):
@@ -185,7 +167,6 @@ def _profile_variables(profiles, quantities):
 
 
 def _posterior_variables(posterior, quantities):
-    """Return samples of equal weight, and the sampler's diagnostics."""
     samples = np.stack([q.si(q.values(posterior.points)) for q in quantities], axis=1)
     return labelled(("sample", "parameter"), posterior=samples) | labelled(
         (),

@@ -5,11 +5,11 @@ If parameters trade off, the note names the combination that the record determin
 
 import numpy as np
 
-from ....model.quantities import readable, with_error
-from ...messages import fitting as sentences
-from ..by_law import rate_dependence_text
-from ..estimates import ENDLESS, is_unconstrained
-from ..unknowns import parameter, start_names
+from ...model.quantities import readable, with_error
+from ..messages import fitting as sentences
+from .by_law import rate_dependence_text
+from .quantities import ENDLESS, is_unconstrained
+from .unknowns import parameter, start_names
 
 #: standard error of a logarithm above which a parameter counts as hardly determined
 HARDLY_DETERMINED = 0.5
@@ -86,7 +86,7 @@ def bounds_of(inference, quantity):
 
 
 def _relative_error(name, estimate):
-    """Return the error of a parameter's logarithm; for b, divided by its value.
+    """Return the error of a parameter's logarithm, or of b divided by its value.
 
     If the interval is not from the covariance, it is the 95 % half width divided by 1.96.
     """

@@ -1,7 +1,6 @@
 """Estimates with errors and intervals from the best fit.
 
-generalized_least_squares.py finds the best fit under each law, and its noise.  Errors and
-intervals come from the covariance, from profiles of a likelihood that is not Gaussian, and on
+Intervals come from the covariance, from profiles of a likelihood that is not Gaussian, and on
 request from a posterior.
 """
 
@@ -9,12 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..estimates import Estimates, estimates_from
-from ..generalized_least_squares import Solution, responds, solution_from, solutions_of
+from .generalized_least_squares import Solution, responds, solution_from, solutions_of
 from .noise_uncertainty import Inflation, LikelyNoise, Widening, likely_noise
 from .posterior import Posterior, common_prior, sample_posterior
-from .profile import BetterPoint, compute_profiles
-from .quantities import reported_quantities
+from .profile import LEAST_GAIN, BetterPoint, compute_profiles
+from .quantities import Estimates, estimates_from, reported_quantities
 from .transients import longest_distance, transients_p_value
 
 #: how often a fit may start again from a better point on a profile
@@ -36,9 +34,9 @@ class Inference(NamedTuple):
 
 def inferences_of(data, settings, loading=None):
     """Return an `Inference` for each law (list); arguments as for `solutions_of`."""
-    solutions = solutions_of(data, settings, loading)
-    inferences = [infer(solution, settings.noise, settings.errors) for solution in solutions]
-    return with_posteriors(inferences) if settings.errors == "posterior" else inferences
+    noise, errors = settings.noise, settings.errors
+    inferences = [infer(one, noise, errors) for one in solutions_of(data, settings, loading)]
+    return with_posteriors(inferences) if errors == "posterior" else inferences
 
 
 def infer(solution, noise, errors):
@@ -64,18 +62,16 @@ def infer_quantities(solution, quantities, noise, with_profiles=True, all_profil
     """
     profiles, still_improving = {}, False
     likely, widened = _noise_and_widening(solution, quantities, noise)
-    for attempt in range(REFITS + 1 if with_profiles else 0):
+    for attempt in range(REFITS + 2 if with_profiles else 0):
+        still_improving = attempt > REFITS
+        gain = np.inf if still_improving else LEAST_GAIN
         try:
-            profiles = compute_profiles(solution, quantities, all_profiles, widened.roots)
+            profiles = compute_profiles(solution, quantities, all_profiles, widened.roots, gain)
             break
         except BetterPoint as better:
-            if still_improving := attempt == REFITS:
-                profiles = compute_profiles(
-                    solution, quantities, all_profiles, widened.roots, np.inf
-                )
-                break
-            solution = solution_from(solution.problem, better.point, noise)
-            likely, widened = _noise_and_widening(solution, quantities, noise)
+            if attempt < REFITS:
+                solution = solution_from(solution.problem, better.point, noise)
+                likely, widened = _noise_and_widening(solution, quantities, noise)
     point = solution.point
     gradients = np.array([q.gradient(point) for q in quantities])
     estimates = estimates_from(
@@ -102,9 +98,8 @@ def _noise_and_widening(solution, quantities, noise):
     There is no widening if the noise is given, nor at a bound.  There chi-square has a slope, so
     that to first order another noise would move the estimate, and an end of its interval, beyond.
     """
-    none = Widening.none(len(quantities))
-    likely = likely_noise(solution) if noise is None else None
-    if likely is None:
+    none, likely = Widening.none(len(quantities)), None
+    if noise is not None or (likely := likely_noise(solution)) is None:
         return None, none
     widening = likely.widening(np.array([q.gradient(solution.point) for q in quantities]))
     at_bound = np.array([q.name in solution.at_bound for q in quantities])

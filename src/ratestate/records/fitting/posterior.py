@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ....dynamics.progress import bar
-from ....model.quantities import QUANTITIES
-from ...messages import fitting as sentences
-from ..estimates import LEVELS
-from ..unknowns import LINEAR, parameter
+from ...dynamics.progress import bar
+from ...model.quantities import QUANTITIES
+from ..messages import fitting as sentences
 from .marginal import LogLikelihood
+from .quantities import LEVELS
+from .unknowns import LINEAR, parameter
 
 LIVE, SEED = 400, 20190101
 #: possible gain of ln(evidence) at which sampling ends; most evaluations

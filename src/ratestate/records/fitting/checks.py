@@ -1,18 +1,18 @@
-"""Checks of a fit against its record: whether estimates and errors are reliable."""
+"""Warnings on a fit: whether its estimates and errors are reliable."""
 
 import numpy as np
 
-from ....model.quantities import readable
-from ...kit.regression import generalized_least_squares
-from ...load_point.stress_steps import VARIABLE, stress_range
-from ...messages import fitting as sentences
-from ..by_law import rate_dependence_text
-from ..generalized_least_squares import responds, response
-from ..likelihood.transients import longest_distance
-from ..record import before_first_change, change_times
-from ..unknowns import NEAR, motion_symbols, parameter
+from ...model.quantities import readable
+from ..kit.regression import generalized_least_squares
+from ..load_point.stress_steps import VARIABLE, stress_range
+from ..messages import fitting as sentences
+from .by_law import rate_dependence_text
+from .forward import Forward
+from .generalized_least_squares import FALL, chi2_gain, responds, response
 from .identifiability import bounds_of, identifiability
-from .left_out import left_out, rigid_machine
+from .samples import before_first_change, change_times
+from .transients import longest_distance
+from .unknowns import NEAR, motion_symbols, parameter
 
 #: slip after the last step, divided by Dc, from which friction is steady
 STEADY = 3.0
@@ -24,6 +24,15 @@ CONTRADICTED = 1.5
 CHANCE = 0.01
 #: standard errors by which a trend must differ from 0, and by which equal trends may differ
 CLEAR, AGREE = 3.0, 2.0
+#: values of K/sigma [1/m] that are tried for a rigid machine, from soft to stiff machines
+STIFFNESSES = (1e3, 1e4, 1e5)
+#: shortest and longest lag that are tried: per sample spacing, and per duration of the record
+SHORTEST, LONGEST = 0.5, 1.0 / 30.0
+#: eta with which the effect of inertia is tried
+LIGHT = 1e-3
+#: largest mass of a machine per area of the contact [kg/m^2], that of 100 m of steel: ten times the
+#: length of the largest pistons, on a contact of a tenth of their section
+HEAVIEST = 7850.0 * 100.0
 #: side of a bound -> its name
 SIDES = {-1: "lower", 1: "upper"}
 
@@ -36,19 +45,18 @@ def diagnose(inference, data):
         return f"Nothing is determined: {warning}.", [warning, *_normal_stress(solution, data)]
     note, warnings = identifiability(inference)
     return note, [
-        *rigid_machine(solution),  # first, because it may explain the others
+        *_rigid_machine(solution),  # first, because it may explain the others
         *search_warnings(inference),
         *warnings,
         *_ends_early(inference),
         *_misfit(inference),
         *_trend(inference),
         *_normal_stress(solution, data),
-        *left_out(solution),
+        *_left_out(solution),
     ]
 
 
 def _no_response(solution):
-    """Return the warning that level and trend alone fit as well."""
     gain, free = response(solution)
     slider = solution.problem.slider
     alone = "alone_nearly" if gain > 0.0 else "alone_better"
@@ -76,20 +84,17 @@ def search_warnings(inference):
     sides = solution.unknowns.sides(solution.point, NEAR * solution.unknowns.ranges)
     for point, (name, side) in zip(solution.point, sides.items(), strict=True):
         if side and parameter(name).group == "start":
-            which = "speed" if name == "V_start" else "state"
-            yield sentences(f"start.{which}", name=name, ratio=np.exp(point), side=SIDES[side])
-        elif side and name not in is_open and not _is_above_zero(inference, name, point):
-            shown = readable(name, inference.estimates.of(name).value, 3)
-            yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
-
-
-def _is_above_zero(inference, name, point):
-    """Return whether a parameter >= 0 is close to 0, but not held there."""
-    return parameter(name).least == 0.0 and point > NEAR * inference.estimates.of(name).error
+            values = {"ratio": np.exp(point), "side": SIDES[side]}
+            yield sentences("search.start_at_bound", name=name, **values)
+        elif side and name not in is_open:
+            estimate = inference.estimates.of(name)
+            # a parameter >= 0 may be close to 0, but not held there
+            if parameter(name).least < 0.0 or point <= NEAR * estimate.error:
+                shown = readable(name, estimate.value, 3)
+                yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 
 def _posterior_warnings(posterior, quantities):
-    """Yield warnings on samples that are too few, or truncated by the prior."""
     if not posterior.complete:
         yield sentences("posterior.incomplete", evaluations=posterior.evaluations)
     if not posterior.reliable:
@@ -101,7 +106,6 @@ def _posterior_warnings(posterior, quantities):
 
 
 def _ends_early(inference):
-    """Yield a warning if the record ends before friction is steady again."""
     problem = inference.solution.problem
     name, D, high = longest_distance(inference.estimates, problem.slider)
     record, loading = problem.record, problem.record.loading
@@ -122,7 +126,6 @@ def is_misfit(inference):
 
 
 def _misfit(inference):
-    """Yield the warnings on a misfit, and on a test for transients that failed."""
     solution = inference.solution
     if (ratio := _noise_ratio(solution)) >= CONTRADICTED:
         yield sentences("residuals.above_noise", ratio=ratio)
@@ -137,8 +140,7 @@ def _misfit(inference):
         yield sentences("residuals.not_tested")
 
 
-def _noise_ratio(solution):
-    """Return residuals divided by the noise; about 1 if the noise was estimated."""
+def _noise_ratio(solution):  # about 1 if the noise was estimated
     return np.sqrt(solution.chi2 / solution.fitted_friction.size)
 
 
@@ -194,11 +196,10 @@ def _is_confirmed_before_steps(solution, trend):
 
 
 def _normal_stress(solution, data):
-    """Yield warnings if recorded normal stress differs from the slider's, or varies."""
     problem = solution.problem
     if "sigma" not in data.variables or data["sigma"].dims != ("time",):
         return
-    recorded = np.asarray(data["sigma"].values, float)[problem.record.order]
+    recorded = np.asarray(data["sigma"].values, float)
     recorded = recorded[np.isfinite(recorded)]
     if not recorded.size:
         return
@@ -213,3 +214,81 @@ def _normal_stress(solution, data):
         yield sentences("normal_stress.unfollowed", percent=100.0 * change, mean=mean)
     elif change > VARIABLE and "alpha" not in solution.unknowns.names:
         yield sentences("normal_stress.varies", percent=100.0 * change, alpha=slider.alpha)
+
+
+def _rigid_machine(solution):
+    """Yield a warning if K = inf was given and a spring or a lag would fit better.
+
+    If a spring does, the warning names the load point as well.  Seen from the poor fit of a rigid
+    machine, a load point that moves later or more gradually explains as much.
+    """
+    record, slider = solution.problem.record, solution.problem.slider
+    if np.isfinite(slider.K):
+        return
+    sprung = [slider.replace(K=each * slider.sigma, M=0.0) for each in STIFFNESSES]
+    gain, _ = max(_gains(solution, [_friction_of(one, solution) for one in sprung], STIFFNESSES))
+    if gain > FALL:
+        yield sentences("rigid.sprung", gain=gain)
+    elif "lag" not in solution.unknowns.names:
+        # friction of a rigid machine jumps, and so has no derivative by the lag
+        octaves = np.log2(LONGEST * record.t[-1] / (SHORTEST * record.spacing))
+        lags = SHORTEST * record.spacing * 2.0 ** np.arange(0.0, octaves, 0.5)
+        lags = np.concatenate([lags, -lags])
+        found = _gains(solution, _friction_at_lags(solution, lags), lags.tolist())
+        gain, lag = max(found, default=(0.0, 0.0))  # a record may be too short for any lag
+        if gain > FALL:
+            yield sentences("rigid.lag", lag=abs(lag), side=_side(lag), gain=gain)
+
+
+def _left_out(solution):
+    """Yield warnings if a lag or inertia would lower chi-square by more than chance does.
+
+    Inertia is not mentioned if it requires a mass that no machine has: then something else is
+    wrong.
+    """
+    problem, slider = solution.problem, solution.problem.slider
+    if not np.isfinite(slider.K):  # see `_rigid_machine`
+        return
+    if "lag" not in solution.unknowns.names:
+        step = parameter("lag").step(problem.record, 1.0)
+        later, earlier = _friction_at_lags(solution, np.array([step, -step]))
+        gain, lag = _gain(solution, (later - earlier) / (2.0 * step))
+        if gain > FALL:
+            yield sentences("more.lag", lag=abs(lag), side=_side(lag), gain=gain)
+    if slider.M == 0.0:
+        at = problem.forward.values(solution.point[None])
+        unit = float(at["a"][0] * slider.sigma * at["Dc"][0]) / problem.record.loading.V.max() ** 2
+        change = _friction_of(slider.replace(M=LIGHT * unit), solution) - solution.fitted_friction
+        gain, eta = _gain(solution, change / LIGHT)
+        if gain > FALL and eta > LIGHT and eta * unit < HEAVIEST:
+            yield sentences("more.inertia", gain=gain, unit=unit)
+
+
+def _friction_of(slider, solution):
+    """Return friction (m,) of another slider at the coordinates of a solution."""
+    forward = Forward(solution.problem.record, slider, solution.unknowns.names)
+    return forward.friction(solution.point[None])[0]
+
+
+def _friction_at_lags(solution, lags):
+    """Return friction (n, m) with these lags [s] of the load point besides the coordinates."""
+    problem = solution.problem
+    forward = Forward(problem.record, problem.slider, (*solution.unknowns.names, "lag"))
+    return forward.friction(np.column_stack([np.tile(solution.point, (lags.size, 1)), lags]))
+
+
+def _gain(solution, change):
+    """Return the fall of chi-square by a multiple of this change of friction, and the multiple."""
+    gain, (multiple,) = chi2_gain(solution, np.nan_to_num(change)[:, None])  # NaN: no motion
+    return gain, multiple
+
+
+def _gains(solution, frictions, values):
+    """Yield the fall of chi-square by part of the way to each friction, and its value."""
+    for friction, value in zip(frictions, values, strict=True):
+        gain, part = _gain(solution, friction - solution.fitted_friction)
+        yield gain if part > 0.0 else 0.0, value
+
+
+def _side(lag):
+    return "later" if lag > 0.0 else "earlier"

@@ -4,13 +4,12 @@ import numpy as np
 import xarray
 
 from ....dynamics.results import flags
-from ....model.quantities import attrs
 from ...kit.results import labelled
 from ..by_law import warnings_of
-from ..estimates import LEVELS, SIDES
-from ..result import compare_laws, joined, names_of
+from ..fit_dataset import joined, names_of, with_comparison
+from ..quantities import LEVELS, SIDES
 from ..unknowns import to_value
-from . import FAILED, FITTED, STICK_SLIP
+from . import FAILED, FITTED, NORMAL_STRESS, STICK_SLIP
 from .shared import estimates_of, mean_of, moves_as_log, ratio_of
 
 #: scalars of a fit that are stored for each step
@@ -44,54 +43,58 @@ def dataset_of_steps(steps, shared):
     result["status"].attrs |= flags({FITTED: "fitted", FAILED: "failed", STICK_SLIP: "stick_slip"})
     numbers = ("step", np.arange(1, len(first) + 1), {"long_name": "step or hold"})
     result = result.assign_coords(law=laws if several else laws[0], step=numbers)
-    return _with_comparison(result, steps) if several else result
+    if not several:
+        return result
+    # steps that are not fitted under all laws do not count
+    everywhere = (result["status"] == FITTED).all("law")
+    misfits = [all(one.is_misfit for one in fits) for fits in zip(*steps.values(), strict=True)]
+    fits = np.sum(everywhere.values & misfits) <= 0.5 * everywhere.sum()
+    return with_comparison(result, result["aic"].where(everywhere), bool(fits))
 
 
 def _law_table(steps, shared, names, size):
     """Return the fits under a law, NaN and "" without a fit, and joint estimates."""
     nothing = {"parameter": names, "other": names, "level": list(LEVELS), "side": list(SIDES)}
-    rows, warnings, curves = [], [], []
+    rows = []
     for step in steps:
-        row, texts, curve = xarray.Dataset(coords=nothing), [], np.full(size, np.nan)
+        row, warnings, curve = xarray.Dataset(coords=nothing), [], np.full(size, np.nan)
         if step.status == FITTED:
             one = step.result
             kept = (*one["parameter"].values.tolist(), *SCALARS, *KEPT)
             row = one[[name for name in kept if name in one]].drop_attrs(deep=False)
-            texts = [*warnings_of(one), *step.caveats]
+            warnings = [*warnings_of(one), *step.caveats]
             curve = _sampled(one["friction_fit"].values, size)
-        rows.append(row)
-        warnings.append("\n".join(texts))
-        curves.append(curve)
-    columns = {
-        "status": np.array([step.status for step in steps], np.int8),
-        "warnings": warnings,
-        "message": [step.message for step in steps],
-    }
-    variables = labelled("step", **columns) | labelled(("step", "sample"), friction_fit=curves)
-    return joined(rows, "step", names).assign(variables | _joint_variables(steps, shared, names))
+        row = row.assign(labelled("sample", friction_fit=curve))
+        texts = {"warnings": "\n".join(warnings), "message": step.message}
+        rows.append(row.assign(labelled((), status=np.int8(step.status), **texts)))
+    table = joined(rows, "step", names).drop_vars("sample")
+    return table.assign(_joint_variables(steps, shared, names))
 
 
 def _window_variables(steps, size):
     """Return variables on the load point and normal stress, and some samples."""
-    rows = []
+    rows, samples = [], []
     for step in steps:
-        window = step.window
+        window, data = step.window, step.data
+        missing = np.full(data.sizes["time"], np.nan)
+        columns = {
+            name: data[name].values if name in data.variables else missing
+            for name in ("time", "delta_lp", "friction")
+        }
+        of_stress = window.kind == NORMAL_STRESS
+        samples.append({name: _sampled(column, size) for name, column in columns.items()})
         rows.append(
             {name: getattr(window, name) for name in ("kind", "V_before", "V_after", "t_hold")}
             | {
                 "step_t": window.t,
-                "step_delta_lp": np.interp(window.t, step.column("time"), step.column("delta_lp")),
+                "step_delta_lp": np.interp(window.t, columns["time"], columns["delta_lp"]),
                 "sigma": step.slider.sigma,
-                "sigma_after": step.sigma_after,
-                "samples": step.data.sizes["time"],
+                "sigma_after": window.stress_levels(data)[1] if of_stress else np.nan,
+                "samples": data.sizes["time"],
                 "rows_per_sample": step.rows_per_sample,
             }
         )
-    samples = {
-        name: [_sampled(step.column(name), size) for step in steps]
-        for name in ("time", "delta_lp", "friction")
-    }
-    return labelled("step", **_columns(rows)) | labelled(("step", "sample"), **samples)
+    return labelled("step", **_columns(rows)) | labelled(("step", "sample"), **_columns(samples))
 
 
 def _columns(rows):
@@ -137,27 +140,20 @@ def _joint_variables(steps, shared, names):
     return labelled("parameter", **_columns(rows)) | table | labelled((), **scalars)
 
 
-def _with_comparison(result, steps):
-    """Return the result with the laws compared in each step, and in all steps.
-
-    Steps that are not fitted under all laws do not count.  No law fits if none does in most steps.
-    """
-    everywhere = (result["status"] == FITTED).all("law")
-    aic = result["aic"].where(everywhere)
-    difference = aic - aic.min("law")
-    weight = np.exp(-0.5 * difference)
-    new = {"aic_difference": difference, "akaike_weight": weight / weight.sum("law")}
-    if "log_evidence" in result:
-        evidence = result["log_evidence"].where(everywhere)
-        new["log_bayes_factor"] = evidence - evidence.max("law")
-    for name, variable in new.items():
-        result[name] = variable.transpose("step", "law").assign_attrs(attrs(name))
-    if everywhere.any():
-        misfits = [all(one.is_misfit for one in fits) for fits in zip(*steps.values(), strict=True)]
-        result.attrs["comparison"] = compare_laws(
-            {law: {} for law in steps},
-            {law: float(aic.sel(law=law).sum()) for law in steps},
-            colored=bool((result["noise_red"] > 0.0).any()),
-            fits=np.mean(np.array(misfits)[everywhere.values]) <= 0.5,
-        )[1]
-    return result
+def warnings_of_steps(result):
+    """Return a list of one sentence on stick-slip, failures and warnings, or none."""
+    failed = result["status"].values == FAILED
+    unstable = result["status"].values == STICK_SLIP
+    doubtful = result["warnings"].values != ""
+    if failed.ndim > 1:  # along law
+        failed, unstable, doubtful = (x.any(axis=-1) for x in (failed, unstable, doubtful))
+    parts = []
+    for which, what, variable in (
+        (unstable, "are stick-slip, and are not fitted", "message"),
+        (failed, "cannot be fitted", "message"),
+        (doubtful & ~failed, "must not be used unread", "warnings"),
+    ):
+        if which.any():
+            steps = ", ".join(map(str, (np.flatnonzero(which) + 1).tolist()))
+            parts.append(f"{which.sum()} of {which.size} {what} (step {steps}; see {variable})")
+    return [f"fits of each step: {'; '.join(parts)}"] if parts else []

@@ -14,11 +14,11 @@ import dataclasses
 import numpy as np
 from scipy.special import fdtrc
 
-from ....model.history import History
-from ...kit.estimated_noise import RestrictedLikelihood
-from ..forward import Forward
-from ..record import change_times
+from ...model.history import History
+from ..kit.estimated_noise import RestrictedLikelihood
+from .forward import Forward
 from .noise_uncertainty import likely_shapes
+from .samples import change_times
 
 #: distances over which added friction changes, as multiples of the law's longest distance
 LENGTHS = (0.1, 0.25, 0.6, 1.5, 4.0, 10.0, 25.0)

@@ -8,13 +8,13 @@ import math
 
 import numpy as np
 
-from ....model.conversion import in_si
-from ....model.names import keywords_checked
-from ...messages import fitting as sentences
-from ..generalized_least_squares import solutions_of
-from ..problem import Problem
-from ..settings import checked_settings
-from ..unknowns import LINEAR, parameter, to_coordinate, unknowns_of
+from ...model.conversion import in_si
+from ...model.names import keywords_checked
+from ..messages import fitting as sentences
+from .generalized_least_squares import solutions_of
+from .problem import SamplesProblem
+from .settings import checked_settings
+from .unknowns import LINEAR, parameter, to_coordinate, unknowns_of
 
 #: ln(likelihood) if a slider does not move through the whole record
 NO_MOTION = -1e300
@@ -77,7 +77,7 @@ def log_likelihood(
     names = [name for name in free if name != "mu0"]
     samples, slider = solution.problem.record, solution.problem.slider
     unknowns = unknowns_of(samples, slider, names, start=False)
-    return LogLikelihood(Problem(samples, slider, unknowns), solution.noise)
+    return LogLikelihood(SamplesProblem(samples, slider, unknowns), solution.noise)
 
 
 class LogLikelihood:

@@ -1,4 +1,4 @@
-"""A laboratory record as a fit uses it: samples from t = 0 on, and a loading."""
+"""The samples of a record as a fit uses them: from t = 0 on, with a loading."""
 
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ MOST = 200_000
 FEWEST = 8
 
 
-class Record(NamedTuple):
+class Samples(NamedTuple):
     """The samples that are fitted.  Times count from the record's first sample.
 
     The measured displacement is replaced by the `loading` alone: constant speeds between steps.
@@ -29,7 +29,6 @@ class Record(NamedTuple):
     loading: Loading
     kind: str  # of friction: "tau" is tau/sigma of the spring, "mu" that of the interface
     time: np.ndarray  # (m,) recorded time [s]
-    order: np.ndarray  # (m,) rows of the Dataset
 
     def regressors(self, along=None):
         """Return name -> derivative of friction by each of its linear parameters.
@@ -56,22 +55,18 @@ class Record(NamedTuple):
         return float(np.median(np.diff(self.t)))
 
     def thinned(self, stride):
-        """Return the `Record` with every stride-th sample and all samples near steps."""
+        """Return the `Samples` with every stride-th sample and all samples near steps."""
         keep = np.zeros(self.t.size, bool)
         keep[::stride] = True
         for step in change_times(self.loading):
             at = np.searchsorted(self.t, step)
             keep[max(at - 5, 0) : at + 40] = True
-        columns = ("t", "friction", "trend_variable", "time", "order")
+        columns = ("t", "friction", "trend_variable", "time")
         return self._replace(**{name: getattr(self, name)[keep] for name in columns})
 
 
-def record_of(data, slider, *, loading, trend, against):
-    """Return the `Record` in a Dataset of `read_lab` or `simulate`.
-
-    ParameterError as of `raw_record` and `loading_of`, and: too many samples; constant friction; no
-    step, or a step too near to an end; against displacement: no displacement, a hold or a ramp.
-    """
+def samples_of(data, slider, *, loading, trend, against):
+    """Return the `Samples` in a Dataset of `read_lab` or `simulate`."""
     raw = raw_record(data, slider)
     if raw.friction.size > MOST:
         every = -(-raw.friction.size // MOST)
@@ -84,9 +79,9 @@ def record_of(data, slider, *, loading, trend, against):
     if against == "displacement":
         t, order = _times_at_displacements(raw.displacement, loading, t)
     _check_steps(loading, t)
-    trend_variable = t if trend == "time" else np.asarray(loading.delta_lp(t))
+    along = t if trend == "time" else np.asarray(loading.delta_lp(t))
     friction, time = raw.friction[order], raw.time[order]
-    return Record(t, friction, trend_variable, trend, loading, raw.kind, time, order)
+    return Samples(t, friction, along, trend, loading, raw.kind, time)
 
 
 def change_times(loading):
@@ -106,7 +101,6 @@ def before_first_change(loading, t):
 
 
 def _check_steps(loading, t):
-    """Refuse a record at one speed, and a record with a step too near to an end."""
     if loading.normal_stress is not None or (loading.t.size < 2 and loading.rate[0]):
         return
     if loading.t.size < 2:
