@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ParameterError
 from .arrays import column_to_si, running_sum
-from .history import History, NormalStress
+from .history import History
+from .names import refusal
 from .units import is_array, named, one_in_si, to_si
 
 
@@ -77,7 +77,7 @@ class LoadPoint:
 
     speed: History
     t_last: float = np.inf
-    normal_stress: NormalStress | None = None
+    normal_stress: History | None = None
     calls: tuple[Call, ...] = ()
 
     @property
@@ -125,13 +125,7 @@ class LoadPoint:
             Time [s].
         """
         if (last := float(np.max(t_end))) > self.t_last:
-            raise ParameterError(
-                f"is beyond the end of the loading series, {self.t_last!r} s",
-                "Shorten t_end or extend the series.",
-                symbol="t_end",
-                value=repr(last),
-                unit="s",
-            )
+            raise refusal("loading.too_short", t_end=last, last=self.t_last)
 
     def V_load(self, t):
         """Return the speed of the load point [m/s] at times t [s]; at a jump, after it.
@@ -185,7 +179,8 @@ class LoadPoint:
         ndarray or DataArray
             As from `V_load`.
         """
-        return self._stress_history.at(self._times_in_si(t), to_si("sigma", sigma))
+        t = self._times_in_si(t)
+        return self._stress_history.with_sigma(to_si("sigma", sigma)).at(t)
 
     def slider_at(self, t, slider):
         """Return the slider with sigma set to the normal stress at time t.
@@ -221,7 +216,7 @@ class LoadPoint:
 
     @property
     def _stress_history(self):
-        return self.normal_stress or NormalStress.constant("sigma", np.nan)
+        return self.normal_stress or History.constant("sigma", np.nan)
 
     def _times_in_si(self, t):
         """Return times [s], array or DataArray; ParameterError if outside the history."""
@@ -232,13 +227,7 @@ class LoadPoint:
         seconds = np.asarray(t, dtype=float)
         outside = ~((seconds >= 0) & (seconds <= self.t_last))
         if outside.any():
-            raise ParameterError(
-                "is outside the loading",
-                f"Give times from 0 to {self.t_last!r} s.",
-                symbol="t",
-                value=str(seconds[outside].flat[0]),
-                unit="s",
-            )
+            raise refusal("loading.outside", t=seconds[outside].flat[0], last=self.t_last)
         return t if is_array(t) else seconds
 
     @functools.cached_property
