@@ -183,7 +183,7 @@ class Forward(ForwardModel):
     def _stress_ratio(self, values):
         """Return sigma(t)/sigma(0) (n, m) at the samples, delayed by the lag."""
         times = np.maximum(self.record.t - values["lag"][:, None], 0.0)
-        return self.stress.at(times, self.sigma) / self.sigma
+        return self.stress.with_sigma(self.sigma).at(times) / self.sigma
 
     def _motion_coefficients(self, values, p):
         if self.stress is None:
