@@ -1,16 +1,17 @@
-"""Common parts of results: flags, status, the slider's parameters, the domain of the law."""
+"""Common parts of results: flags, status, parameters, the law's domain, forces of the contact."""
 
 import json
 from types import SimpleNamespace
 
 import numpy as np
+import xarray
 
 from ..engine.model import STATUSES
 from ..friction.composition import composed
 from ..friction.forms import form_name
 from ..friction.laws import friction_law, law_name
 from ..model.conversion import in_si
-from ..model.quantities import QUANTITIES
+from ..model.quantities import QUANTITIES, attrs
 from ..model.slider import OPTIONAL, PARAMETERS
 from ..model.units import is_array, to_si
 from .recipe import recorded, value_of, versions
@@ -53,25 +54,12 @@ def provenance(function, slider, **settings):
 def parameter(result, symbol):
     """Return a parameter of the slider that a result was made with, or another argument.
 
-    Parameters
-    ----------
-    result : xarray.Dataset
-        A result of any function.
-    symbol : str
-        The parameter's symbol, such as "K", or "law", "friction", "V_lp" or "rtol".  Damping and
-        alpha are 0 if the slider has none.
+    It is a DataArray if the parameter was swept, with the cases that the result still has, or if it
+    changes along a branch (``point``).  Damping and alpha are 0 if the slider has none.  Raises
+    ParameterError if the result has lost its attributes, if they were altered, or if there is no
+    such parameter.
 
-    Returns
-    -------
-    float, DataArray or str
-        A DataArray if the parameter was swept, with the cases that the result still has, or if it
-        changes along a branch (``point``).
-
-    Raises
-    ------
-    ParameterError
-        If the result has lost its attributes, if they were altered, or if there is no such
-        parameter.
+    symbol : str, such as "K", or "law", "friction", "V_lp" or "rtol"
     """
     result = in_si(result)
     call = recorded(result)
@@ -149,3 +137,40 @@ def domain_variables(law, batch, mu_min, reversal_margin):
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     variables["outside_domain"].attrs |= flags(OUTSIDE_DOMAIN)
     return variables
+
+
+def force(stress, area):
+    """Return the force [N] of a stress [Pa] on an area [m^2]."""
+    return stress * area
+
+
+def whole_contact(result):
+    """Return forces and motions of the whole contact, a Dataset; none if its area is not known.
+
+    Of a run, along ``time``: ``force`` [N] of the spring, and ``acceleration`` [m/s^2], eq. 4.  Per
+    case: ``force_amplitude`` [N] and ``displacement_amplitude`` [m], relative to the load point,
+    both peak-to-peak in the last cycle; ``acceleration_max`` [m/s^2], the largest one of either
+    sign.  Accelerations are NaN if M = 0.
+
+    result : from `simulate`, `limit_cycle` or `continue_cycle`
+    """
+    if "area" not in slider_parameters(result):
+        return xarray.Dataset()
+    sigma, K, M, area = (parameter(result, symbol) for symbol in ("sigma", "K", "M", "area"))
+    M = M.where(M > 0.0) if is_array(M) else M or np.nan
+    found = {}
+    if "tau" in result:
+        found["force"] = force(result["tau"], area)
+        held = sigma * result["mu"] + parameter(result, "damping") * result["V"]
+        found["acceleration"] = (result["tau"] - held) / M
+    if "amplitude" in result:
+        stress = result["amplitude"] * sigma
+        found["force_amplitude"] = force(stress, area)
+        found["displacement_amplitude"] = stress / K
+        of_run = "inertial_force" in result
+        largest = result["inertial_force"] if of_run else result["inertia"] * result["amplitude"]
+        found["acceleration_max"] = largest * sigma / M
+    data = xarray.Dataset({symbol: value.drop_attrs(deep=False) for symbol, value in found.items()})
+    for symbol in found:
+        data[symbol].attrs = attrs(symbol)
+    return data
