@@ -54,12 +54,22 @@ def provenance(function, slider, **settings):
 def parameter(result, symbol):
     """Return a parameter of the slider that a result was made with, or another argument.
 
-    It is a DataArray if the parameter was swept, with the cases that the result still has, or if it
-    changes along a branch (``point``).  Damping and alpha are 0 if the slider has none.  Raises
-    ParameterError if the result has lost its attributes, if they were altered, or if there is no
-    such parameter.
+    Raises ParameterError if the result has lost its attributes, if they were altered, or if there
+    is no such parameter.
 
-    symbol : str, such as "K", or "law", "friction", "V_lp" or "rtol"
+    Parameters
+    ----------
+    result : xarray.Dataset
+        A result of any function.
+    symbol : str
+        The parameter's symbol, such as "K", or "law", "friction", "V_lp" or "rtol".  Damping and
+        alpha are 0 if the slider has none.
+
+    Returns
+    -------
+    float, DataArray or str
+        A DataArray if the parameter was swept, with the cases that the result still has, or if it
+        changes along a branch (``point``).
     """
     result = in_si(result)
     call = recorded(result)

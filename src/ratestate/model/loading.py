@@ -37,6 +37,13 @@ class Loading(LoadPoint):
     ParameterError
         By all methods, if a value has a wrong unit or is out of range, if an event begins before
         the last one ends or after the end of a series or sinusoid, or if arrays clash.
+
+    Examples
+    --------
+    >>> Loading.constant("1 mm/s").step("1 s", "3.2 mm/s").hold("2 s", "100 s")
+    <Loading: 4 segments from t = 0 to inf s>
+    >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
+    <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
     """
 
     @classmethod
@@ -48,11 +55,6 @@ class Loading(LoadPoint):
         ----------
         V : float, str, pint.Quantity or DataArray
             Speed [m/s], >= 0.
-
-        Returns
-        -------
-        Loading
-            The loading.
         """
         return cls(History.constant("V_lp", to_si("V_lp", V, label="V", bound=">= 0")))
 
@@ -94,11 +96,6 @@ class Loading(LoadPoint):
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
         sigma : sequence of N stresses, optional
             Normal stresses [Pa], > 0, in the same forms.  The first equals the slider's sigma.
-
-        Returns
-        -------
-        Loading
-            The loading.
         """
         given = {"t": t, "V_lp": V_lp} | ({} if sigma is None else {"sigma": sigma})
         columns = (column_to_si(symbol, values) for symbol, values in given.items())
@@ -124,11 +121,6 @@ class Loading(LoadPoint):
             End of the history [s], > 0; the latest time of a DataArray.
         period, frequency : float, str or pint.Quantity
             Period [s] or frequency [Hz], > 0, common to all cases.  Give one of them.
-
-        Returns
-        -------
-        Loading
-            The loading.
         """
         wave = {
             "V_lp": to_si("V_lp", V_lp),
@@ -148,16 +140,6 @@ class Loading(LoadPoint):
             Time of the step [s]: after the last event, or at the end of a hold or ramp.
         V : float, str, pint.Quantity or DataArray
             Speed after the step [m/s], >= 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
-
-        Examples
-        --------
-        >>> Loading.constant("1 mm/s").step("1 s", "3.2 mm/s").hold("2 s", "100 s")
-        <Loading: 4 segments from t = 0 to inf s>
         """
         return self._with_speed("step", t, V)
 
@@ -171,11 +153,6 @@ class Loading(LoadPoint):
             Start of the hold [s]: after the last event, or at the end of a hold or ramp.
         duration : float, str or pint.Quantity
             Duration of the hold [s], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
         return self._with_speed("hold", t, duration)
 
@@ -191,11 +168,6 @@ class Loading(LoadPoint):
             Speed at the end of the ramp, and after it [m/s], >= 0.
         duration : float, str or pint.Quantity
             Duration of the ramp [s], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
         return self._with_speed("ramp", t, V, duration)
 
@@ -217,16 +189,6 @@ class Loading(LoadPoint):
             ramp of normal stress.
         sigma : float, str, pint.Quantity or DataArray
             Normal stress after the step [Pa], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
-
-        Examples
-        --------
-        >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
-        <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
         """
         return self._with_stress("step", t, sigma)
 
@@ -242,11 +204,6 @@ class Loading(LoadPoint):
             Normal stress at the end of the ramp, and after it [Pa], > 0.
         duration : float, str or pint.Quantity
             Duration of the ramp [s], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
         return self._with_stress("ramp", t, sigma, duration)
 
@@ -260,11 +217,6 @@ class Loading(LoadPoint):
             Amplitude [Pa], >= 0.  `simulate` checks that sigma stays > 0.
         period, frequency : float, str, pint.Quantity or DataArray
             Period [s] or frequency [Hz], > 0.  Give one of them.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
         before = self._extendable_stress()
         if not np.all(np.isinf(before.period)):
