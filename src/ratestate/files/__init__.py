@@ -1,11 +1,4 @@
-"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all.
-
-========== =============================================================================
-``stored`` NetCDF and Zarr, with checksums; complex variables as two real ones
-``tables`` CSV: which variables are in which rows and columns; a laboratory's units
-``place``  whether a file can be put there; replaced at once
-========== =============================================================================
-"""
+"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all."""
 
 from pathlib import Path
 
@@ -49,7 +42,7 @@ def write(data, path):
     Raises
     ------
     ParameterError
-        Another ending, another folder in its place, or in a .zarr a variable called "checksums".
+        Another ending, or another folder in its place.
     OSError
         It cannot be written there; what was there before is as it was.
     """
@@ -59,7 +52,7 @@ def write(data, path):
 
 
 def read(path):
-    """A result from a .nc or .zarr file, as it was before `write`.
+    """Return a result from a .nc or .zarr file, as it was before `write`.
 
     Parameters
     ----------
@@ -74,9 +67,8 @@ def read(path):
     Raises
     ------
     ParameterError
-        The file is missing, of another kind, or damaged: a .nc so that it cannot be decoded, a
-        .zarr in any way.  (One written before there were checksums is not checked: numbers of a
-        lost chunk are NaN.)
+        The file is missing, of another kind, or damaged.  (A .zarr without the attribute "sha256"
+        is not checked: numbers of a lost chunk are NaN.)
     StoreError
         The store of a sweep is not finished, or damaged; a .zarr is in Zarr format 2, which can run
         code of whoever wrote it.

@@ -11,8 +11,10 @@ from pathlib import Path
 
 from ..errors import ParameterError
 
-#: group with the checksums of a result's Zarr folder; attribute with digests
-CHECKSUMS, DIGESTS = "checksums", "sha256"
+#: attribute of a result with the digests of its variables
+DIGESTS = "sha256"
+#: file of Zarr with the attributes of a folder
+METADATA = "zarr.json"
 #: endings of files with pictures
 PICTURES = (".png", ".pdf")
 
@@ -133,13 +135,19 @@ def writing(path):
 
 
 def _is_replaceable(path):
-    """Whether a folder holds a result that `write` made, and nothing but its files."""
-    record = path / CHECKSUMS / "zarr.json"
+    """Return whether a folder holds a result that `write` made, and nothing but its files."""
     try:
-        known = {
-            record,
-            *(path / key for key in json.loads(record.read_text())["attributes"][DIGESTS]),
-        }
+        names = json.loads(json.loads((path / METADATA).read_text())["attributes"][DIGESTS])
     except (OSError, ValueError, KeyError, TypeError):
         return False
-    return all(one in known for one in path.rglob("*") if one.is_symlink() or not one.is_dir())
+    files = (one for one in path.rglob("*") if one.is_symlink() or not one.is_dir())
+    return all(_is_of_result(one.relative_to(path).parts, names) for one in files)
+
+
+def _is_of_result(parts, names):
+    """Return whether a path (tuple) is of the folder's metadata, or of a variable's or its data."""
+    if parts == (METADATA,):
+        return True
+    variable, *inside = parts
+    is_data = inside[:1] == ["c"] and all(part.isdecimal() for part in inside[1:])
+    return variable in names and (is_data or inside == [METADATA])
