@@ -6,6 +6,7 @@ it are read unchecked.
 
 import hashlib
 import json
+from typing import Any
 
 import numpy as np
 
@@ -131,7 +132,7 @@ def _parts_of_zarr(path):
     """Return name -> (dimensions, values, attributes) of each variable, and of the group, `OWN`."""
     import xarray
 
-    how = {"chunks": None, "decode_cf": False, "consolidated": False, "zarr_format": 3}
+    how: Any = {"chunks": None, "decode_cf": False, "consolidated": False, "zarr_format": 3}
     with xarray.open_zarr(path, **how) as raw:
         parts = {name: (one.dims, one.values, one.attrs) for name, one in raw.variables.items()}
         return parts | {OWN: ((), np.empty(0), raw.attrs)}
