@@ -47,6 +47,17 @@ def record_scenario(result, function, slider, **arguments):
     }
 
 
+def recorded_result(function, slider, batch, variables, reserved, **arguments):
+    """Return variables of all cases as a Dataset with coordinates and scenario.
+
+    batch : `Batch` of the slider's parameters and the arguments
+    reserved : names that a coordinate must not have
+    """
+    result = xarray.Dataset(variables, batch.coordinates(reserved))
+    record_scenario(result, function, slider, **arguments)
+    return result
+
+
 def record_loading(result, loading):
     """Put the calls that make a loading into the attribute ``loading`` of a result, in place."""
     result.attrs["loading"] = json.dumps(_plain(result, "loading", "loading", loading))

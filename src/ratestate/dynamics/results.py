@@ -32,6 +32,13 @@ def flags(meanings):
     return {"flag_values": np.array(list(meanings), np.int8), "flag_meanings": " ".join(words)}
 
 
+def own_variable(batch, symbol, value):
+    """Return a float or DataArray as a Variable in the dimensions on which it depends."""
+    variable = value.variable if is_array(value) else xarray.Variable((), value)
+    variable = variable.transpose(*batch.dims, ..., missing_dims="ignore")
+    return xarray.Variable(variable.dims, variable.values, attrs(symbol))
+
+
 def status_variable(batch, status):
     """Return the status (n,) of the cases as a Variable of the sweep: int8 with CF flags."""
     variable = batch.variable(np.asarray(status, np.int8), "status")

@@ -13,12 +13,11 @@ from ..friction.stability import call_elementwise, eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.parameters import logspace
-from ..model.quantities import attrs
 from ..model.slider import SpringSlider, check_slider
 from ..model.units import is_array, to_si
-from .recipe import record_scenario
+from .recipe import recorded_result
 from .refusals import refusal
-from .results import columns, law_of_result, parameter
+from .results import columns, law_of_result, own_variable, parameter
 
 VARIABLES = "K_c K_c_qs eta V_c V_c_upper f_n eigenvalues growth_rate omega omega_c stable".split()
 #: of a response: what answers, per what oscillates
@@ -118,18 +117,12 @@ class StabilityCall:
             "omega_c": of_law(omega_c, of_mass),
             "stable": of_law(is_stable, of_spring),
         }
-        variables = {}
-        for symbol, value in results.items():
-            variable = value.variable if is_array(value) else xarray.Variable((), value)
-            variable = variable.transpose(*self.batch.dims, ..., missing_dims="ignore")
-            variables[symbol] = xarray.Variable(variable.dims, variable.values, attrs(symbol))
-        return variables
+        return {symbol: own_variable(self.batch, symbol, x) for symbol, x in results.items()}
 
     def dataset(self, variables):
         """Return these variables of all cases as a Dataset with coordinates and scenario."""
-        result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
-        record_scenario(result, "stability", self.slider, V_lp=self.V_lp)
-        return result
+        call = "stability", self.slider, self.batch
+        return recorded_result(*call, variables, VARIABLES, V_lp=self.V_lp)
 
 
 def steady_stress(result, V):
@@ -249,10 +242,9 @@ class FrequencyResponseCall:
 
     def dataset(self, variables):
         """Return these variables of all cases as a Dataset with coordinates and scenario."""
+        call = "frequency_response", self.slider, self.batch
         settings = {"V_lp": self.V_lp, "frequency": self.frequency}
-        result = xarray.Dataset(variables, self.batch.coordinates(RESPONSE_VARIABLES))
-        record_scenario(result, "frequency_response", self.slider, **settings)
-        return result
+        return recorded_result(*call, variables, RESPONSE_VARIABLES, **settings)
 
 
 def _default_frequencies(slider, V_lp):

@@ -5,7 +5,6 @@ import functools
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from ...friction.linear_stability import is_stable
@@ -16,7 +15,7 @@ from ...model.names import keywords_checked
 from ...model.slider import SpringSlider, check_slider
 from ...model.units import to_si
 from ..progress import bar
-from ..recipe import record_scenario
+from ..recipe import recorded_result
 from ..refusals import refusal
 from ..results import columns, domain_variables, status_variable
 from ..simulation.cases import failure
@@ -217,9 +216,8 @@ class LimitCycleCall:
     def dataset(self, variables):
         """Return these variables of all cases as a Dataset with coordinates and scenario."""
         settings = {"V_lp": self.V_lp, "V_start": self.V_start, "rtol": self.rtol}
-        result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
-        record_scenario(result, "limit_cycle", self.slider, **settings)
-        return result
+        call = "limit_cycle", self.slider, self.batch
+        return recorded_result(*call, variables, VARIABLES, **settings)
 
     def refuse_failure(self, result):
         """Raise the exception for a single case without an answer; a sweep raises none."""
