@@ -1,7 +1,9 @@
 """Common parts of results: flags, status, parameters, the law's domain, forces of the contact."""
 
+import dataclasses
 import json
 from types import SimpleNamespace
+from typing import Any, ClassVar
 
 import numpy as np
 import xarray
@@ -12,13 +14,43 @@ from ..friction.forms import form_name
 from ..friction.laws import friction_law, law_name
 from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES, attrs
-from ..model.slider import OPTIONAL, PARAMETERS
+from ..model.slider import OPTIONAL, PARAMETERS, SpringSlider
 from ..model.units import is_array, to_si
-from .recipe import recorded, value_of, versions
+from .recipe import recorded, recorded_result, value_of, versions
 from .refusals import refusal
 
 #: flag of ``outside_domain`` -> its meaning
 OUTSIDE_DOMAIN = {-1: "unknown", 0: "inside", 1: "mu_negative", 2: "spring_reverses", 3: "both"}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class CheckedCall:
+    """Base class of a function with its arguments, checked and in SI, which may be swept.
+
+    A subclass has its arguments as fields.
+    """
+
+    slider: SpringSlider
+    function: ClassVar[str]  # its name
+    names: ClassVar[Any]  # names of the variables, which a coordinate must not have
+    batch: ClassVar[Any]  # `Batch` of all values
+    run: ClassVar[Any]  # method that returns the variables of all cases
+
+    @property
+    def arguments(self):
+        """The arguments to be recorded, name -> value."""
+        fields = (field.name for field in dataclasses.fields(self))
+        return {name: getattr(self, name) for name in fields}
+
+    def blank(self):
+        """Return the variables of `run` with no case solved; all of them, if they cost nothing."""
+        return self.run()
+
+    def dataset(self, variables):
+        """Return these variables of all cases as a Dataset with coordinates and scenario."""
+        names, arguments = self.names, self.arguments
+        call = self.function, arguments.pop("slider"), self.batch
+        return recorded_result(*call, variables, names, **arguments)
 
 
 def columns(batch):
