@@ -17,7 +17,7 @@ from .place import DIGESTS
 
 #: name of a result's own attributes among its digests
 OWN = ""
-#: suffix -> what of a complex array it is
+#: suffix -> name of this part of a complex array, and its function
 PARTS = {"real": ("real part", np.real), "imag": ("imaginary part", np.imag)}
 
 
@@ -159,8 +159,8 @@ def read_zarr(path):
 def split(data):
     """Return the Dataset with each complex variable as two real data variables.
 
-    NAME_real and NAME_imag have its attributes, ``part`` (real or imag), and the part in its
-    ``long_name``; KeyError where it has none.  `data` itself if none is complex.
+    NAME_real and NAME_imag have its attributes, ``part`` (real or imag), and the part in their
+    ``long_name``.  KeyError if it has none.  `data` itself if no variable is complex.
     """
     for name, variable in data.variables.items():
         if variable.dtype.kind != "c":
