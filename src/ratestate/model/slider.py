@@ -102,7 +102,7 @@ class SpringSlider:
     ParameterError
         If a parameter is unknown, mistyped or missing, or does not belong to the law; if a value
         has a wrong type or unit or is out of range; if the law or the form of friction is unknown,
-        or the two cannot be combined; if arrays clash.
+        or the two cannot be combined; if arrays clash, those of a method's V included.
 
     Examples
     --------
@@ -317,7 +317,7 @@ class SpringSlider:
         Parameters
         ----------
         V : float, str, pint.Quantity or DataArray
-            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+            Slip velocity [m/s], > 0.
 
         Returns
         -------
@@ -332,7 +332,7 @@ class SpringSlider:
         Parameters
         ----------
         V : float, str, pint.Quantity or DataArray
-            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+            Slip velocity [m/s], > 0.
 
         Returns
         -------
@@ -347,7 +347,7 @@ class SpringSlider:
         Parameters
         ----------
         V : float, str, pint.Quantity or DataArray
-            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+            Slip velocity [m/s], > 0.
 
         Returns
         -------
