@@ -22,9 +22,8 @@ from ratestate import files
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.regimes import classify
 from ratestate.dynamics.refusals import check_one_length
-from ratestate.dynamics.results import parameter
+from ratestate.dynamics.results import parameter, whole_contact
 from ratestate.dynamics.steady_sliding import steady_stress
-from ratestate.dynamics.whole_contact import whole_contact
 from ratestate.friction.composition import composed_law
 from ratestate.friction.laws import LAWS, one_length_laws
 from ratestate.friction.linear_stability import stability_margin

@@ -5,7 +5,7 @@ import pytest
 from ratestate.scenario import from_result, loads, python, toml
 
 import ratestate as rs
-from ratestate.dynamics.whole_contact import whole_contact
+from ratestate.dynamics.results import whole_contact
 from ratestate.files import read, write
 
 SLIDER = rs.SpringSlider.of_contact(

@@ -240,7 +240,7 @@ def test_altered_attributes_of_what_is_drawn(kind, results):
 
 @pytest.mark.parametrize("ending", ["nc", "zarr"])
 def test_altered_results_in_files(ending, results, tmp_path):
-    """What `files.read` itself looks at: the parts of complex numbers, flags, units of time."""
+    """What `files.read` itself looks at: parts of complex numbers in NetCDF, units of time."""
     whole = files.split(results["cycle"])
     parts = [name for name in whole.variables if re.fullmatch("multipliers_(real|imag)", name)]
     name, other = sorted(parts, reverse=True)
@@ -253,7 +253,7 @@ def test_altered_results_in_files(ending, results, tmp_path):
         whole.assign(period=whole.period.assign_attrs(units="days since never")),
         whole.assign(period=whole.period.assign_attrs(scale_factor="two")),
     ]
-    for i, data in enumerate(changed):
+    for i, data in enumerate(changed[4:] if ending == "zarr" else changed):
         path = tmp_path / f"{i}.{ending}"
         if ending == "nc":
             data.to_netcdf(path, engine="h5netcdf")

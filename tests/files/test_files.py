@@ -7,7 +7,6 @@ import json
 import os
 import pickle
 import random
-import re
 import shutil
 import stat
 import warnings
@@ -208,12 +207,12 @@ def with_file(folder, name):
 FOREIGN = {
     "notes": lambda folder: with_file(folder, "notes.txt"),
     "notes within": lambda folder: with_file(folder, "V/notes.txt"),
-    "notes with the checksums": lambda folder: with_file(folder, "checksums/notes.txt"),
+    "notes with the data": lambda folder: with_file(folder, "multipliers/c/notes.txt"),
     "hidden": lambda folder: with_file(folder, ".notes"),
     "another array": lambda folder: zarr.create_array(folder / "mine", shape=1, dtype=float),
     "a link": lambda folder: (folder / "mine").symlink_to("V"),
-    "no checksums": lambda folder: shutil.rmtree(folder / "checksums"),
-    "broken checksums": lambda folder: with_file(folder, "checksums/zarr.json"),
+    "no checksums": lambda folder: (folder / "zarr.json").unlink(),
+    "broken checksums": lambda folder: with_file(folder, "zarr.json"),
 }
 
 
@@ -241,7 +240,7 @@ def test_only_results_are_replaced(results, tmp_path):
     other.mkdir()
     (other / "thesis.txt").write_text("years of work")
     deep = tmp_path / "deep.zarr"
-    results["cycle"].drop_encoding().to_zarr(deep, group="checksums/of", consolidated=False)
+    results["cycle"].drop_encoding().to_zarr(deep, group="period/c", consolidated=False)
     foreign = tmp_path / "foreign.zarr"
     results["cycle"].drop_encoding().to_zarr(foreign, consolidated=False)
     file = tmp_path / "file.zarr"
@@ -252,7 +251,7 @@ def test_only_results_are_replaced(results, tmp_path):
     assert file.read_text() == "years of work"
     assert (store / "sweep").is_dir()
     assert (other / "thesis.txt").exists()
-    assert (deep / "checksums/of").is_dir()
+    assert (deep / "period/c").is_dir()
 
 
 @pytest.fixture
@@ -263,31 +262,29 @@ def folder(results, tmp_path):
 def test_any_lost_or_altered_file_of_a_zarr_is_found(folder, results):
     paths = [path for path in folder.rglob("*") if path.is_file()]
     assert {"zarr.json", "0"} <= {path.name for path in paths}
+    refused = 0
     for path in paths:
         content = path.read_bytes()
         path.unlink()
         with pytest.raises(ParameterError, match=r"x\.zarr"):
             files.read(folder)
-        names = [m.start() for m in re.finditer(b"checksums", content)]
-        for at in (0, len(content) // 2, *range(5, min(len(content), 600), 67), *names):
+        for at in (0, len(content) // 2, *range(5, min(len(content), 600), 67)):
             path.write_bytes(content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :])
-            with pytest.raises(ParameterError, match=r"x\.zarr"):
-                files.read(folder)
+            try:
+                found = files.read(folder)
+            except ParameterError:
+                refused += 1
+            else:  # the bit does not matter
+                xr.testing.assert_identical(found, results["runs"])
         path.write_bytes(content)
+    assert refused > 5 * len(paths)
     xr.testing.assert_identical(files.read(folder), results["runs"])
 
 
 def test_flaws_of_a_zarr_are_named(folder):
-    (folder / "V/c/0/0").write_bytes(b"")
-    (folder / "tau/c/0/0").unlink()
-    with pytest.raises(ParameterError, match=r"is damaged\. Put these files back") as caught:
-        files.read(folder)
-    assert str(caught.value).split("\n")[1:] == [
-        "  V/c/0/0 is damaged",
-        "  tau/c/0/0 is missing",
-    ]
-    shutil.rmtree(folder / "checksums")
-    with pytest.raises(ParameterError, match="checksums does not exist"):
+    (folder / "V/c/0/0").unlink()
+    shutil.rmtree(folder / "tau")
+    with pytest.raises(ParameterError, match=r"is damaged, or .* in variable V, variable tau"):
         files.read(folder)
 
 
@@ -297,13 +294,6 @@ def test_a_zarr_without_checksums_is_read(results, tmp_path):
     with zarr_3_warnings_ignored():
         results["cycle"].drop_encoding().to_zarr(path, zarr_format=3)
     xr.testing.assert_identical(files.read(path), results["cycle"])
-
-
-def test_a_variable_in_the_place_of_the_checksums(tmp_path):
-    data = xr.Dataset({"checksums": ("case", [1.0])})
-    with pytest.raises(ParameterError, match="'checksums' clashes"):
-        files.write(data, tmp_path / "x.zarr")
-    assert not [*tmp_path.iterdir()]
 
 
 @pytest.mark.parametrize(

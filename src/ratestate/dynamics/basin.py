@@ -8,7 +8,6 @@ runaways from orbits that come back (`quasi_static`); under other laws it follow
 """
 
 import numpy as np
-import xarray
 
 from ..engine.model import FINISHED, NO_CONVERGENCE, RUNAWAY, STEADY_SLIDING
 from ..errors import SolverError
@@ -24,7 +23,7 @@ from .cycles.measure import refine
 from .cycles.shooting import return_map
 from .cycles.system import small_amplitude, state, steady_sliding_at, system_of
 from .progress import bar
-from .recipe import record_scenario
+from .recipe import recorded_result
 from .results import columns
 
 #: kinds of disturbances, by number; a step has the size |ln(V_lp/V)|, a kick
@@ -121,9 +120,7 @@ def escape(slider, V_lp):
             values[name] = units[name.removeprefix("unstable_")] * value
     values["outcome"] = outcome
     variables = {name: batch.variable(value, name) for name, value in values.items()}
-    result = xarray.Dataset(variables, batch.coordinates(VARIABLES))
-    record_scenario(result, "escape", slider, V_lp=V_lp)
-    return result
+    return recorded_result("escape", slider, batch, variables, VARIABLES, V_lp=V_lp)
 
 
 def _cycles_around(system, columns, which, u):

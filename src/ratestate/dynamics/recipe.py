@@ -17,7 +17,6 @@ from ..model.load_point import Call
 from ..model.loading import Loading
 from ..model.quantities import QUANTITIES
 from ..model.units import is_array
-from .attributes import from_json
 from .refusals import refusal
 
 #: longest column in an attribute, which holds 64 KiB in a NetCDF file; longer ones are variables
@@ -46,6 +45,17 @@ def record_scenario(result, function, slider, **arguments):
         "scenario": json.dumps({name: _plain(result, name, name, x) for name, x in known.items()}),
         "versions": versions(),
     }
+
+
+def recorded_result(function, slider, batch, variables, reserved, **arguments):
+    """Return variables of all cases as a Dataset with coordinates and scenario.
+
+    batch : `Batch` of the slider's parameters and the arguments
+    reserved : names that a coordinate must not have
+    """
+    result = xarray.Dataset(variables, batch.coordinates(reserved))
+    record_scenario(result, function, slider, **arguments)
+    return result
 
 
 def record_loading(result, loading):
@@ -80,6 +90,34 @@ def _plain(result, name, symbol, value):
 def _plain_call(result, name, call):
     given = call.arguments.items()
     return [call.method, {k: _plain(result, f"{name}_{k}", call.symbol(k), x) for k, x in given}]
+
+
+def attribute_text(result, name, default=None):
+    """Return an attribute that is a text, or the default if it is missing.
+
+    Raises ParameterError if it is missing and there is no default, and if it is not a text.
+    """
+    value = result.attrs.get(name, default)
+    if value is None:
+        raise refusal("attributes.lost", name=name)
+    if not isinstance(value, str):
+        raise refusal("attributes.altered", name=name)
+    return value
+
+
+def from_json(result, name, kind=object):
+    """Return the value of an attribute that is JSON text; ParameterError if it is of another kind.
+
+    kind : a type such as dict or list
+    """
+    written = attribute_text(result, name)
+    try:
+        value = json.loads(written)
+    except (ValueError, RecursionError):
+        value = None
+    if value is None or not isinstance(value, kind):
+        raise refusal("attributes.altered", name=name)
+    return value
 
 
 def recorded_call(result):

@@ -1,23 +1,56 @@
-"""Common parts of results: flags, status, the slider's parameters, the domain of the law."""
+"""Common parts of results: flags, status, parameters, the law's domain, forces of the contact."""
 
+import dataclasses
 import json
 from types import SimpleNamespace
+from typing import Any, ClassVar
 
 import numpy as np
+import xarray
 
 from ..engine.model import STATUSES
 from ..friction.composition import composed
 from ..friction.forms import form_name
 from ..friction.laws import friction_law, law_name
 from ..model.conversion import in_si
-from ..model.quantities import QUANTITIES
-from ..model.slider import OPTIONAL, PARAMETERS
+from ..model.quantities import QUANTITIES, attrs
+from ..model.slider import OPTIONAL, PARAMETERS, SpringSlider
 from ..model.units import is_array, to_si
-from .recipe import recorded, value_of, versions
+from .recipe import recorded, recorded_result, value_of, versions
 from .refusals import refusal
 
 #: flag of ``outside_domain`` -> its meaning
 OUTSIDE_DOMAIN = {-1: "unknown", 0: "inside", 1: "mu_negative", 2: "spring_reverses", 3: "both"}
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class CheckedCall:
+    """Base class of a function with its arguments, checked and in SI, which may be swept.
+
+    A subclass has its arguments as fields.
+    """
+
+    slider: SpringSlider
+    function: ClassVar[str]  # its name
+    names: ClassVar[Any]  # names of the variables, which a coordinate must not have
+    batch: ClassVar[Any]  # `Batch` of all values
+    run: ClassVar[Any]  # method that returns the variables of all cases
+
+    @property
+    def arguments(self):
+        """The arguments to be recorded, name -> value."""
+        fields = (field.name for field in dataclasses.fields(self))
+        return {name: getattr(self, name) for name in fields}
+
+    def blank(self):
+        """Return the variables of `run` with no case solved; all of them, if they cost nothing."""
+        return self.run()
+
+    def dataset(self, variables):
+        """Return these variables of all cases as a Dataset with coordinates and scenario."""
+        names, arguments = self.names, self.arguments
+        call = self.function, arguments.pop("slider"), self.batch
+        return recorded_result(*call, variables, names, **arguments)
 
 
 def columns(batch):
@@ -29,6 +62,13 @@ def flags(meanings):
     """Return CF attributes ``flag_values`` (int8) and ``flag_meanings``, from {number: meaning}."""
     words = (meaning.replace(" ", "_") for meaning in meanings.values())
     return {"flag_values": np.array(list(meanings), np.int8), "flag_meanings": " ".join(words)}
+
+
+def own_variable(batch, symbol, value):
+    """Return a float or DataArray as a Variable in the dimensions on which it depends."""
+    variable = value.variable if is_array(value) else xarray.Variable((), value)
+    variable = variable.transpose(*batch.dims, ..., missing_dims="ignore")
+    return xarray.Variable(variable.dims, variable.values, attrs(symbol))
 
 
 def status_variable(batch, status):
@@ -53,6 +93,9 @@ def provenance(function, slider, **settings):
 def parameter(result, symbol):
     """Return a parameter of the slider that a result was made with, or another argument.
 
+    Raises ParameterError if the result has lost its attributes, if they were altered, or if there
+    is no such parameter.
+
     Parameters
     ----------
     result : xarray.Dataset
@@ -66,12 +109,6 @@ def parameter(result, symbol):
     float, DataArray or str
         A DataArray if the parameter was swept, with the cases that the result still has, or if it
         changes along a branch (``point``).
-
-    Raises
-    ------
-    ParameterError
-        If the result has lost its attributes, if they were altered, or if there is no such
-        parameter.
     """
     result = in_si(result)
     call = recorded(result)
@@ -149,3 +186,40 @@ def domain_variables(law, batch, mu_min, reversal_margin):
     variables = {name: batch.variable(value, name) for name, value in values.items()}
     variables["outside_domain"].attrs |= flags(OUTSIDE_DOMAIN)
     return variables
+
+
+def force(stress, area):
+    """Return the force [N] of a stress [Pa] on an area [m^2]."""
+    return stress * area
+
+
+def whole_contact(result):
+    """Return forces and motions of the whole contact, a Dataset; none if its area is not known.
+
+    Of a run, along ``time``: ``force`` [N] of the spring, and ``acceleration`` [m/s^2], eq. 4.  Per
+    case: ``force_amplitude`` [N] and ``displacement_amplitude`` [m], relative to the load point,
+    both peak-to-peak in the last cycle; ``acceleration_max`` [m/s^2], the largest one of either
+    sign.  Accelerations are NaN if M = 0.
+
+    result : from `simulate`, `limit_cycle` or `continue_cycle`
+    """
+    if "area" not in slider_parameters(result):
+        return xarray.Dataset()
+    sigma, K, M, area = (parameter(result, symbol) for symbol in ("sigma", "K", "M", "area"))
+    M = M.where(M > 0.0) if is_array(M) else M or np.nan
+    found = {}
+    if "tau" in result:
+        found["force"] = force(result["tau"], area)
+        held = sigma * result["mu"] + parameter(result, "damping") * result["V"]
+        found["acceleration"] = (result["tau"] - held) / M
+    if "amplitude" in result:
+        stress = result["amplitude"] * sigma
+        found["force_amplitude"] = force(stress, area)
+        found["displacement_amplitude"] = stress / K
+        of_run = "inertial_force" in result
+        largest = result["inertial_force"] if of_run else result["inertia"] * result["amplitude"]
+        found["acceleration_max"] = largest * sigma / M
+    data = xarray.Dataset({symbol: value.drop_attrs(deep=False) for symbol, value in found.items()})
+    for symbol in found:
+        data[symbol].attrs = attrs(symbol)
+    return data

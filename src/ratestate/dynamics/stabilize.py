@@ -3,7 +3,6 @@
 import functools
 
 import numpy as np
-import xarray
 
 from ..friction.composition import composed
 from ..friction.critical_speeds import V_c
@@ -12,10 +11,10 @@ from ..friction.linear_stability import K_c, is_stable
 from ..friction.stability import call_elementwise
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
-from ..model.quantities import attrs
 from ..model.slider import check_slider
-from ..model.units import is_array, to_si
-from .recipe import record_scenario
+from ..model.units import to_si
+from .recipe import recorded_result
+from .results import own_variable
 
 VARIABLES = (
     *("K_stable", "M_stable", "damping_stable", "damping_ratio_stable"),
@@ -80,15 +79,9 @@ def stabilize(slider, V_lp, margin=1.1):
         {"V": margin * V_lp, **given},
         "remedy",
     )
-    variables = {}
-    for i, symbol in enumerate(VARIABLES):
-        value = found[..., i]
-        one = value.variable if is_array(value) else xarray.Variable((), value)
-        one = one.transpose(*batch.dims, missing_dims="ignore")
-        variables[symbol] = xarray.Variable(one.dims, one.values, attrs(symbol))
-    result = xarray.Dataset(variables, batch.coordinates(VARIABLES))
-    record_scenario(result, "stabilize", slider, V_lp=V_lp, margin=margin)
-    return result
+    variables = {s: own_variable(batch, s, found[..., i]) for i, s in enumerate(VARIABLES)}
+    settings = {"V_lp": V_lp, "margin": margin}
+    return recorded_result("stabilize", slider, batch, variables, VARIABLES, **settings)
 
 
 def _remedies(law, damped, *, V, K, M, **values):

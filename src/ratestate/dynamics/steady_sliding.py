@@ -13,12 +13,10 @@ from ..friction.stability import call_elementwise, eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.parameters import logspace
-from ..model.quantities import attrs
-from ..model.slider import SpringSlider, check_slider
+from ..model.slider import check_slider
 from ..model.units import is_array, to_si
-from .recipe import record_scenario
 from .refusals import refusal
-from .results import columns, law_of_result, parameter
+from .results import CheckedCall, columns, law_of_result, own_variable, parameter
 
 VARIABLES = "K_c K_c_qs eta V_c V_c_upper f_n eigenvalues growth_rate omega omega_c stable".split()
 #: of a response: what answers, per what oscillates
@@ -71,20 +69,16 @@ def stability_call(slider, V_lp):
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class StabilityCall:
+class StabilityCall(CheckedCall):
     """`stability` with its arguments, checked and in SI."""
 
-    slider: SpringSlider
     V_lp: Any
+    function, names = "stability", VARIABLES
 
     @functools.cached_property
     def batch(self):
         """`Batch` of the slider's parameters and V_lp; ParameterError if dimensions clash."""
         return Batch({**self.slider.values, "V_lp": self.V_lp}, reserved=VARIABLES)
-
-    def blank(self):
-        """Return the variables of `run` with answers: they cost nothing."""
-        return self.run()
 
     def run(self, progress=None):
         """Return the variables, name -> Variable in the dimensions on which each depends."""
@@ -118,18 +112,7 @@ class StabilityCall:
             "omega_c": of_law(omega_c, of_mass),
             "stable": of_law(is_stable, of_spring),
         }
-        variables = {}
-        for symbol, value in results.items():
-            variable = value.variable if is_array(value) else xarray.Variable((), value)
-            variable = variable.transpose(*self.batch.dims, ..., missing_dims="ignore")
-            variables[symbol] = xarray.Variable(variable.dims, variable.values, attrs(symbol))
-        return variables
-
-    def dataset(self, variables):
-        """Return these variables of all cases as a Dataset with coordinates and scenario."""
-        result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
-        record_scenario(result, "stability", self.slider, V_lp=self.V_lp)
-        return result
+        return {symbol: own_variable(self.batch, symbol, x) for symbol, x in results.items()}
 
 
 def steady_stress(result, V):
@@ -206,12 +189,12 @@ def frequency_response_call(slider, V_lp, frequency=None):
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class FrequencyResponseCall:
+class FrequencyResponseCall(CheckedCall):
     """`frequency_response` with its arguments, checked and in SI."""
 
-    slider: SpringSlider
     V_lp: Any
     frequency: Any
+    function, names = "frequency_response", RESPONSE_VARIABLES
 
     @functools.cached_property
     def batch(self):
@@ -229,10 +212,6 @@ class FrequencyResponseCall:
         """Resonance, quality and stability of `sliders`, name -> (n,)."""
         return _resonances(self.slider.friction_law, self.sliders)
 
-    def blank(self):
-        """Return the variables of `run` with answers: they cost nothing."""
-        return self.run()
-
     def run(self, progress=None):
         """Return the variables, name -> Variable, NaN where steady sliding is unstable."""
         sliders = self.sliders
@@ -246,13 +225,6 @@ class FrequencyResponseCall:
             variables[f"{name}_gain"] = xarray.Variable(whole.dims, np.abs(whole.values), gain)
             variables[f"{name}_phase"] = xarray.Variable(whole.dims, np.angle(whole.values), phase)
         return variables
-
-    def dataset(self, variables):
-        """Return these variables of all cases as a Dataset with coordinates and scenario."""
-        settings = {"V_lp": self.V_lp, "frequency": self.frequency}
-        result = xarray.Dataset(variables, self.batch.coordinates(RESPONSE_VARIABLES))
-        record_scenario(result, "frequency_response", self.slider, **settings)
-        return result
 
 
 def _default_frequencies(slider, V_lp):

@@ -14,9 +14,9 @@ from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import UNKNOWN, regimes_of
 from .refusals import refusal
+from .results import force
 from .steady_sliding import stability_call
 from .verdict_sentences import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
-from .whole_contact import force
 
 # K/K_c up to which a fold is sought; branches that are known fold below 1.016, for any b/a.
 FOLDS_BELOW = 1.02

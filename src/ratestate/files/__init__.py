@@ -1,18 +1,11 @@
-"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all.
-
-========== =============================================================================
-``stored`` NetCDF and Zarr, with checksums; complex variables as two real ones
-``tables`` CSV: which variables are in which rows and columns; a laboratory's units
-``place``  whether a file can be put there; replaced at once
-========== =============================================================================
-"""
+"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all."""
 
 from pathlib import Path
 
 from ..errors import MissingFileError, ParameterError, RateStateError
+from .csv_tables import csv_text, laboratory_csv
 from .place import PICTURES, checked_path, listed, replace, writing
 from .stored import joined, read_netcdf, read_zarr, split, write_netcdf, write_zarr
-from .tables import csv_text, laboratory_csv
 
 __all__ = [
     "NUMBERS",
@@ -38,8 +31,8 @@ def write(data, path):
         A result of any function.
     path : str or Path
         File, whose name ends in .nc (NetCDF 4; complex variables as two, NAME_real and NAME_imag),
-        .csv (see `csv_text`) or .zarr (a folder).  A file of that name is replaced, and so is a
-        folder that `write` made, unless other files are in it.  Permissions and links are kept.
+        .csv (see `csv_text`) or .zarr (a folder).  A file of this name is replaced, and so is a
+        folder that `write` made, unless it has other files.  Permissions and links are kept.
 
     Returns
     -------
@@ -49,9 +42,9 @@ def write(data, path):
     Raises
     ------
     ParameterError
-        Another ending, another folder in its place, or in a .zarr a variable called "checksums".
+        If the ending is another, or another folder is in its place.
     OSError
-        It cannot be written there; what was there before is as it was.
+        If it cannot be written there.  A previous file stays as it was.
     """
     path = checked_path(path, NUMBERS)
     writer, _ = FORMATS[path.suffix.lower()]
@@ -59,7 +52,7 @@ def write(data, path):
 
 
 def read(path):
-    """A result from a .nc or .zarr file, as it was before `write`.
+    """Return a result from a .nc or .zarr file, as it was before `write`.
 
     Parameters
     ----------
@@ -74,12 +67,11 @@ def read(path):
     Raises
     ------
     ParameterError
-        The file is missing, of another kind, or damaged: a .nc so that it cannot be decoded, a
-        .zarr in any way.  (One written before there were checksums is not checked: numbers of a
-        lost chunk are NaN.)
+        If the file is missing, of another kind, or damaged.  A .zarr without the attribute
+        "sha256" is not checked: numbers of a lost chunk are NaN.
     StoreError
-        The store of a sweep is not finished, or damaged; a .zarr is in Zarr format 2, which can run
-        code of whoever wrote it.
+        If the store of a sweep is not finished, or damaged, or if a .zarr is in Zarr format 2,
+        which can run code of whoever wrote it.
     """
     path = Path(path)
     ending = path.suffix.lower()
@@ -97,12 +89,12 @@ def read(path):
     except RateStateError:
         raise
     except Exception as error:
-        # what is in a file may make any part of the libraries that read it stumble
+        # the content of a file can make any library fail that reads it
         what = f"{type(error).__name__}: {error}"
         raise ParameterError(f"{path} cannot be read as a result: {what[:300]}") from None
 
 
-#: ending of a name -> what writes such a file, and what reads it
+#: ending of a name -> functions that write and read such a file
 FORMATS: dict[str, tuple] = {
     ".nc": (write_netcdf, read_netcdf),
     ".csv": (lambda data, path: path.write_text(csv_text(data), "utf-8", newline="\n"), None),

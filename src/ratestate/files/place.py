@@ -1,4 +1,4 @@
-"""Places for files: found good or bad beforehand, and filled at once."""
+"""Places for files: checked before the work, and written as a whole."""
 
 import contextlib
 import json
@@ -11,8 +11,10 @@ from pathlib import Path
 
 from ..errors import ParameterError
 
-#: group with the checksums of a result's Zarr folder; attribute with digests
-CHECKSUMS, DIGESTS = "checksums", "sha256"
+#: attribute of a result with the digests of its variables
+DIGESTS = "sha256"
+#: file of Zarr with the attributes of a folder
+METADATA = "zarr.json"
 #: endings of files with pictures
 PICTURES = (".png", ".pdf")
 
@@ -35,9 +37,10 @@ def checked_path(path, endings):
     Raises
     ------
     ParameterError
-        Another ending, a folder (except one that `write` made), or no parent folder.
+        If the ending is another, the path is a folder that `write` did not make, or it has no
+        parent folder.
     OSError
-        A file cannot be made there, which is tried.
+        If a file cannot be made there.
     """
     path = Path(path).expanduser()
     ending = path.suffix.lower()
@@ -62,12 +65,12 @@ def checked_path(path, endings):
 
 
 def listed(endings):
-    """Endings in a message: ".nc, .csv or .zarr"."""
+    """Return endings for a message, such as ".nc, .csv or .zarr"."""
     return " or ".join(filter(None, [", ".join(endings[:-1]), endings[-1]]))
 
 
 def replace(path, write):
-    """Write a file or folder beside `path` and rename it, so that nobody finds half a file.
+    """Write a file or folder next to `path` and rename it, so that nobody finds half a file.
 
     If `write` fails, the previous file stays.  The new file has the permissions of the previous
     one.  If the path is a link, it stays, and the file that it points to is replaced.
@@ -77,8 +80,7 @@ def replace(path, write):
     path : Path
         The file or folder, which is not checked (see `checked_path`).
     write : callable
-        Function of a Path, which makes the file or folder there.  An OSError in it is raised as
-        one about `path`.
+        Function of a Path that makes the file or folder there.  Its OSErrors name `path`.
 
     Returns
     -------
@@ -104,7 +106,7 @@ def replace(path, write):
 
 
 def _exchange(new, folder):
-    """Put a new folder in the place of another, which comes back if that fails."""
+    """Replace a folder by a new one; restore it if that fails."""
     old = new.with_name(f"{new.name}.old")
     folder.rename(old)
     try:
@@ -116,13 +118,13 @@ def _exchange(new, folder):
 
 
 def _real(path):
-    """The path, and of a link the path of what it points to, which need not be there."""
+    """Return the path, or the target of a link, which need not exist."""
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 @contextlib.contextmanager
 def writing(path):
-    """Raise an OSError inside again, as one about `path` and not about a file beside it."""
+    """Make an OSError inside name `path`, and not a temporary file."""
     try:
         yield
     except OSError as error:
@@ -133,13 +135,19 @@ def writing(path):
 
 
 def _is_replaceable(path):
-    """Whether a folder holds a result that `write` made, and nothing but its files."""
-    record = path / CHECKSUMS / "zarr.json"
+    """Return whether a folder holds a result that `write` made, and nothing but its files."""
     try:
-        known = {
-            record,
-            *(path / key for key in json.loads(record.read_text())["attributes"][DIGESTS]),
-        }
+        names = json.loads(json.loads((path / METADATA).read_text())["attributes"][DIGESTS])
     except (OSError, ValueError, KeyError, TypeError):
         return False
-    return all(one in known for one in path.rglob("*") if one.is_symlink() or not one.is_dir())
+    files = (one for one in path.rglob("*") if one.is_symlink() or not one.is_dir())
+    return all(_is_of_result(one.relative_to(path).parts, names) for one in files)
+
+
+def _is_of_result(parts, names):
+    """Return whether a path (tuple) is metadata of the folder, or a variable's metadata or data."""
+    if parts == (METADATA,):
+        return True
+    variable, *inside = parts
+    is_data = inside[:1] == ["c"] and all(part.isdecimal() for part in inside[1:])
+    return variable in names and (is_data or inside == [METADATA])

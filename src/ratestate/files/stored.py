@@ -1,7 +1,7 @@
 """Results in NetCDF 4 files and in Zarr folders, with checksums.
 
-A NetCDF file has the SHA-256 of each variable, and of its own attributes, in an attribute; a folder
-has the SHA-256 of each file in a group.  Results without checksums are read unchecked.
+An attribute has the SHA-256 of each variable and of the result's own attributes.  Results without
+it are read unchecked.
 """
 
 import hashlib
@@ -13,16 +13,16 @@ import numpy as np
 from ..errors import ParameterError
 from ..records.kit.processes import read_isolated
 from ..records.reading.open_table import refuse_other_files
-from .place import CHECKSUMS, DIGESTS
+from .place import DIGESTS
 
-#: name of a NetCDF file's own attributes among its digests
+#: name of a result's own attributes among its digests
 OWN = ""
-#: suffix -> what of a complex array it is
+#: suffix -> name of this part of a complex array, and its function
 PARTS = {"real": ("real part", np.real), "imag": ("imaginary part", np.imag)}
 
 
 def read_netcdf(path):
-    """The Dataset in a NetCDF file, in memory; ParameterError if it cannot be read."""
+    """Return the Dataset in a NetCDF file, in memory; ParameterError if it cannot be read."""
     import xarray
 
     variables, attrs = read_isolated(raw_netcdf, path, "a result")
@@ -31,7 +31,7 @@ def read_netcdf(path):
 
 
 def raw_netcdf(path):
-    """What is in the file: name -> (dimensions, values, attributes), and its own attributes.
+    """Return name -> (dimensions, values, attributes) in a file, and its own attributes.
 
     ParameterError if it is not as it was written, or takes data from other files.
     """
@@ -41,29 +41,53 @@ def raw_netcdf(path):
     with h5py.File(path, "r") as file:
         refuse_other_files(file, path.name)
     with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
-        recorded, parts = file.attrs.get(DIGESTS), dict(_parts(file, path))
-    if recorded is not None:
-        _check_digests(path, recorded, {name: _digest(*part) for name, part in parts.items()})
-    *_, attrs = parts.pop(OWN)
-    return parts, attrs
+        parts = _parts_of_netcdf(file, path)
+    return _checked(path, parts)
 
 
-def _parts(file, path):
-    """Yield name and (dimensions, values, attributes) of each variable; last the file's own, `OWN`.
-
-    ParameterError if the bytes of a variable are not those that were written.
-    """
+def _parts_of_netcdf(file, path):
+    """Return name -> (dimensions, values, attributes) of each variable, and of the file, `OWN`."""
+    parts = {OWN: ((), np.empty(0), _attributes(file))}
     for name, variable in file.variables.items():
         try:
-            yield name, (variable.dimensions, variable[...], _attributes(variable))
+            parts[name] = variable.dimensions, variable[...], _attributes(variable)
         except OSError as error:
             raise ParameterError(
                 f"{path} is damaged: variable {name} cannot be read ({error})",
                 "Put it back from a copy.",
             ) from error
-    own = _attributes(file)
-    own.pop(DIGESTS, None)
-    yield OWN, ((), np.empty(0), own)
+    return parts
+
+
+def _attributes(of):
+    texts = {name: value for name, value in of.attrs.items() if isinstance(value, bytes)}
+    return {**of.attrs, **{name: value.decode() for name, value in texts.items()}}
+
+
+def _checked(path, parts):
+    """Return the variables and the own attributes; ParameterError if they were altered."""
+    _, _, attrs = parts[OWN]
+    recorded, found = attrs.pop(DIGESTS, None), _digests(parts)
+    del parts[OWN]
+    if recorded is None:
+        return parts, attrs
+    try:
+        recorded = dict(json.loads(recorded))
+    except (ValueError, TypeError):
+        recorded = {}
+    names = sorted(name for name in {*recorded, *found} if recorded.get(name) != found.get(name))
+    if names:
+        where = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
+        raise ParameterError(
+            f"{path} is damaged, or another program has changed it, in {where}",
+            "Put it back from a copy. If the change is meant, delete the attribute "
+            f"{DIGESTS} of the file.",
+        )
+    return parts, attrs
+
+
+def _digests(parts):
+    return {name: _digest(*part) for name, part in parts.items()}
 
 
 def _digest(dims, values, attrs):
@@ -74,29 +98,6 @@ def _digest(dims, values, attrs):
     if numbers:
         digest.update(np.ascontiguousarray(values).tobytes())
     return digest.hexdigest()
-
-
-def _check_digests(path, recorded, found):
-    """Raise ParameterError if digests differ from the recorded ones, JSON text."""
-    try:
-        recorded = dict(json.loads(recorded))
-    except (ValueError, TypeError):
-        recorded = {}
-    names = sorted(name for name in {*recorded, *found} if recorded.get(name) != found.get(name))
-    if names:
-        where = ", ".join(f"variable {name}" if name else "its attributes" for name in names)
-        raise ParameterError(
-            f"{path} is damaged, or another program has changed it, in {where}",
-            (
-                "Put it back from a copy. If the change is meant, delete the attribute "
-                f"{DIGESTS} of the file."
-            ),
-        )
-
-
-def _attributes(of):
-    texts = {name: value for name, value in of.attrs.items() if isinstance(value, bytes)}
-    return {**of.attrs, **{name: value.decode() for name, value in texts.items()}}
 
 
 def write_netcdf(data, path):
@@ -111,73 +112,55 @@ def write_netcdf(data, path):
             encoding[name]["fletcher32"] = variable.dtype.kind not in "OTU"  # HDF5: not of texts
     data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
     with h5netcdf.File(path, "a", decode_vlen_strings=True) as file:
-        digests = {name: _digest(*part) for name, part in _parts(file, path)}
-        file.attrs[DIGESTS] = json.dumps(digests)
+        file.attrs[DIGESTS] = json.dumps(_digests(_parts_of_netcdf(file, path)))
 
 
 def write_zarr(data, path):
-    """Write a Dataset as a Zarr group, and in it a group with the SHA-256 of each file."""
+    """Write a Dataset as a Zarr group with checksums; the path is not checked."""
     import zarr
 
     from ..sweeps.store import python_text, zarr_3_warnings_ignored
 
-    if CHECKSUMS in data.variables:
-        raise ParameterError(
-            f"a variable called {CHECKSUMS!r} clashes with those of the files", "Rename it."
-        )
     with zarr_3_warnings_ignored():
         data = python_text(data).drop_encoding()
         data.to_zarr(path, mode="w-", zarr_format=3, consolidated=False)
-        checksums = zarr.open_group(path, mode="r+", zarr_format=3).create_group(CHECKSUMS)
-        zarr.consolidate_metadata(path)  # which names the group too: it cannot be lost unnoticed
-        files = [one for one in path.rglob("*") if one.is_file()]
-        keys = sorted(one.relative_to(path).as_posix() for one in files)
-        checksums.attrs[DIGESTS] = {
-            key: _file_digest(path / key) for key in keys if not key.startswith(f"{CHECKSUMS}/")
-        }
+        digests = json.dumps(_digests(_parts_of_zarr(path)))
+        zarr.open_group(path, mode="r+", zarr_format=3).attrs[DIGESTS] = digests
 
 
-def _file_digest(file):
-    """Return the SHA-256 of a file; "" if there is none."""
-    return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
+def _parts_of_zarr(path):
+    """Return name -> (dimensions, values, attributes) of each variable, and of the group, `OWN`."""
+    import xarray
+
+    how: Any = {"chunks": None, "decode_cf": False, "consolidated": False, "zarr_format": 3}
+    with xarray.open_zarr(path, **how) as raw:
+        parts = {name: (one.dims, one.values, one.attrs) for name, one in raw.variables.items()}
+        return parts | {OWN: ((), np.empty(0), raw.attrs)}
 
 
 def read_zarr(path):
-    """The Dataset in a Zarr folder; ParameterError, or a sweep's StoreError, if it is damaged.
+    """Return the Dataset in a Zarr folder; ParameterError, or a sweep's StoreError, if damaged.
 
     StoreError if it is in Zarr format 2.
     """
     import xarray
-    import zarr
 
-    from ..sweeps.store import as_lines, open_result, python_text, reading, refuse_zarr_2
+    from ..sweeps.store import open_result, python_text, reading, refuse_zarr_2
 
     refuse_zarr_2(path)
     if (path / "sweep").is_dir():  # such a store knows itself what must be in it
         with reading(path):
             return python_text(open_result(path).load())
-    # a damaged list of the groups may lack this one, and it may be lost itself: either is enough
-    how: Any = {"mode": "r", "zarr_format": 3}
-    if (path / CHECKSUMS).exists() or CHECKSUMS in zarr.open_group(path, **how):
-        digests: Any = zarr.open_group(path / CHECKSUMS, **how).attrs[DIGESTS]
-        found = {key: _file_digest(path / key) for key in digests}
-        if flaws := [
-            f"{key} is {'damaged' if found[key] else 'missing'}"
-            for key, digest in digests.items()
-            if found[key] != digest
-        ]:
-            raise ParameterError(
-                f"{path} is damaged. Put these files back from a copy:{as_lines(flaws)}"
-            )
-    with xarray.open_zarr(path, chunks=None, zarr_format=3) as opened:
-        return python_text(opened.load())
+    variables, attrs = _checked(path, _parts_of_zarr(path))
+    plain = {name: xarray.Variable(*one) for name, one in variables.items()}
+    return python_text(xarray.decode_cf(xarray.Dataset(plain, attrs=attrs)).load())
 
 
 def split(data):
-    """The Dataset with each complex variable, coordinates too, as two real data variables.
+    """Return the Dataset with each complex variable as two real data variables.
 
-    NAME_real and NAME_imag have its attributes, ``part`` (real or imag), and the part in its
-    ``long_name``; KeyError where it has none.  `data` itself if none is complex.
+    NAME_real and NAME_imag have its attributes, ``part`` (real or imag), and the part in their
+    ``long_name``.  KeyError if it has none.  `data` itself if no variable is complex.
     """
     for name, variable in data.variables.items():
         if variable.dtype.kind != "c":
@@ -192,7 +175,7 @@ def split(data):
 
 
 def joined(data):
-    """The Dataset with what `split` took apart put together; ParameterError where parts differ."""
+    """Return the Dataset before `split`; ParameterError if the parts of a variable differ."""
     for name in [name for name, v in data.variables.items() if v.attrs.get("part") == "real"]:
         whole = name.removesuffix("_real")
         real, imag = data[name], data[f"{whole}_imag"]

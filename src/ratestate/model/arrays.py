@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..errors import ParameterError
 from ..machine import check_fits
+from .names import refusal
 from .quantities import QUANTITIES, attrs, remedy
 from .units import RESERVED, is_array, is_pint, to_si, unit_of
 
@@ -44,13 +44,8 @@ def check_aligned(values):
                 if dim not in first or other_index is None:
                     first[dim] = (symbol, size, index)
                 continue
-            raise ParameterError(
-                f"{other} and {symbol} {clash} along the dimension {dim!r}",
-                (
-                    "Give both the same coordinate, or rename one dimension to sweep over all "
-                    "combinations."
-                ),
-            )
+            both = f"{other} and {symbol}"
+            raise refusal("arrays.clash", both=both, clash=clash, dim=dim)
 
 
 def isel(value, indices):
@@ -88,21 +83,15 @@ def column_to_si(symbol, values):
     unit = unit_of(values)
     values = values.magnitude if is_pint(values) else values
     if not hasattr(values, "__len__") or isinstance(values, str | Mapping):
-        raise ParameterError(
-            "is not a column of values", "Give an array.", symbol=symbol, value=repr(values)
-        )
+        raise refusal("column.none", symbol=symbol, values=values)
     if hasattr(values, "dtype") or all(
         isinstance(value, int | float) and not isinstance(value, bool) for value in values
     ):
         numbers = np.asarray(values)
         if numbers.ndim != 1:
-            raise ParameterError(
-                f"has {numbers.ndim} dimensions, but a column has one",
-                "Give a 1-D array.",
-                symbol=symbol,
-            )
+            raise refusal("column.dimensions", symbol=symbol, ndim=numbers.ndim)
         if not numbers.size:
-            raise ParameterError("has no values", remedy(symbol), symbol=symbol)
+            raise refusal("column.empty", symbol=symbol, wanted=remedy(symbol))
         rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}
@@ -179,10 +168,7 @@ class Batch:
         for value in [*values.values(), *within_sweep.values()]:
             sizes |= value.sizes if is_array(value) else {}
         if clash := [dim for dim in sizes if dim in reserved]:
-            raise ParameterError(
-                f"the dimension {clash[0]!r} clashes with the result of that name",
-                "Rename the dimension.",
-            )
+            raise refusal("arrays.result_name", dim=clash[0])
         _check_products(values)
         self.values, self.tables, self.sizes = values, tables, sizes
         self.dims, self.shape = tuple(sizes), tuple(sizes.values())
@@ -269,12 +255,8 @@ def _check_products(values):
             continue
         exponent = sum(_largest_exponent(values[s], power) for s, power in powers.items())
         if exponent > LARGEST_EXPONENT:
-            raise ParameterError(
-                "is beyond double precision",
-                f"Check the sizes and units of {', '.join(powers)}.",
-                symbol=name,
-                value=f"10^{exponent:.4g}",
-            )
+            factors = ", ".join(powers)
+            raise refusal("arrays.product", name=name, exponent=exponent, factors=factors)
 
 
 def _largest_exponent(value, power):

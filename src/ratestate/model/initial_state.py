@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ..errors import ParameterError
 from ..friction.expressions import LIMIT
 from ..friction.roots import root
+from .names import refusal
 from .slider import PARAMETERS
 from .units import to_si
 
@@ -23,15 +23,7 @@ def initial_values(initial, law):
         return {}
     symbols = ("V", *law.states, "tau")
     if not isinstance(initial, dict) or not set(initial) <= set(symbols):
-        raise ParameterError(
-            "is not a dict of initial values",
-            (
-                f"Give a dict with any of the keys {', '.join(symbols[:-1])} and tau, such as "
-                f"{{'theta': '10 s'}}."
-            ),
-            symbol="initial",
-            value=repr(initial),
-        )
+        raise refusal("initial.no_dict", initial=initial, names=", ".join(symbols[:-1]))
     bound = {"V": ""} if law.reverses else {}  # V may then be 0 or negative
     return {
         f"{name}_initial": to_si(name, value, label=f"initial {name}", bound=bound.get(name))
@@ -81,13 +73,7 @@ def initial_state(law, batch, V_load):
     missing = [k for k, name in enumerate(law.states) if name not in given]
     if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > TOLERANCE).any():
         others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not missing else ""
-        raise ParameterError(
-            (
-                "initial V is given, but where K = inf the slider moves at the load point's "
-                "speed from t = 0 on"
-            ),
-            f"Leave V out{others}.",
-        )
+        raise refusal("initial.rigid_speed", others=others)
     fixed = in_balance if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
     differs = fixed & (np.abs(x - stress(law, v, states, p)) > TOLERANCE)
     if "tau" in given and not missing and differs.any():
@@ -139,11 +125,7 @@ def _state_from_stress(law, x, w, states, p, k, where):
 
     solution = root(stress_error, states[k], where)
     if not np.isfinite(solution[where]).all():
-        name = list(law.states)[k]
-        raise ParameterError(
-            f"initial V and tau do not fix {name}, on which friction does not depend (b = 0)",
-            f"Give {name} and tau.",
-        )
+        raise refusal("initial.not_fixed", name=list(law.states)[k])
     return with_state(np.where(where, solution, states[k]))
 
 
@@ -155,30 +137,16 @@ def check_speed_ratio(law, label, V, reference, V_ref):
     with np.errstate(divide="ignore", invalid="ignore"):
         beyond = np.abs(np.log(np.abs(V) / V_ref)) > LIMIT
     if not law.reverses and beyond.any():
-        raise ParameterError(
-            (
-                "is out of range: the solver follows speeds from 1e-260 to 1e260 times "
-                f"{reference} = {V_ref[beyond][0]:.6g} m/s"
-            ),
-            f"Give another {label} or {reference}.",
-            symbol=label,
-            value=f"{V[beyond][0]:.6g}",
-            unit="m/s",
-        )
+        first = {"V": V[beyond][0], "V_ref": V_ref[beyond][0]}
+        raise refusal("initial.range", symbol=label, reference=reference, **first)
 
 
 def _check_start_speed(log_V, names):
-    given = f"initial {' and '.join(names) or 'state'}: without mass (M = 0) they"
+    given = " and ".join(names) or "state"
     if np.isnan(log_V).any():
-        raise ParameterError(
-            f"{given} must fix V, but friction equals the stress at no speed",
-            "Give V instead of tau.",
-        )
+        raise refusal("initial.no_speed", names=given)
     if (log_V > np.log(MAX_V)).any():
-        raise ParameterError(
-            f"{given} fix V, at 10^{log_V.max() / np.log(10.0):.6g} m/s, beyond double precision",
-            "Give values that agree with a lower speed.",
-        )
+        raise refusal("initial.fast", names=given, exponent=log_V.max() / np.log(10.0))
 
 
 def _raise_disagreement(law, batch, i, v, states, p, given):
@@ -187,10 +155,9 @@ def _raise_disagreement(law, batch, i, v, states, p, given):
     tau = sigma * (mu_ref + a * stress(law, v, states, p)[i])
     names = " and ".join(law.states)
     balance = "sigma mu + damping V" if "damping" in law.parameters else "sigma mu"
+    values = {"tau": tau, "balance": balance}
     where, remedy = "without inertia (M = 0)", "Leave one of them out, or give M > 0."
     if np.isinf(K):
         where, remedy = "where K = inf", f"Leave {names.replace('and', 'or')} or tau out."
     which = f"V, {names} and tau" if "V" in given else f"{names} and tau"
-    raise ParameterError(
-        f"initial {which} do not agree: {where} tau must be {balance} = {tau:.6g} Pa", remedy
-    )
+    raise refusal("initial.disagree", which=which, where=where, remedy=remedy, **values)

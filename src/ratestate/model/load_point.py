@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ParameterError
 from .arrays import column_to_si, running_sum
-from .history import History, NormalStress
+from .history import History
+from .names import refusal
 from .units import is_array, named, one_in_si, to_si
 
 
@@ -38,18 +38,21 @@ class Call:
         """Whether the call changes the normal stress instead of the speed."""
         return self.method.startswith("sigma")
 
-    @property
-    def arguments_in_si(self):
-        """Arguments as floats and arrays in SI."""
-        return {
-            name: to_si(self.symbol(name), value, bound="") if isinstance(value, str) else value
-            for name, value in self.arguments.items()
-        }
+
+#: end of the docstring of a method that makes or extends a loading
+RETURNS = """
+
+Returns
+-------
+Loading
+    The new loading.
+"""
 
 
 def recorded(method):
     """Make a method of `Loading` add its call to the loading that it returns."""
     signature = inspect.signature(method)
+    method.__doc__ = (inspect.getdoc(method) or "") + RETURNS
 
     @functools.wraps(method)
     def call_and_record(loading, *args, **kwargs):
@@ -77,7 +80,7 @@ class LoadPoint:
 
     speed: History
     t_last: float = np.inf
-    normal_stress: NormalStress | None = None
+    normal_stress: History | None = None
     calls: tuple[Call, ...] = ()
 
     @property
@@ -96,11 +99,6 @@ class LoadPoint:
         return self.speed.rate
 
     @property
-    def parameters(self):
-        """Arguments of all calls in SI, such as ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
-        return {f"{i} {call.method}": call.arguments_in_si for i, call in enumerate(self.calls)}
-
-    @property
     def V_first(self):
         """Speed at t = 0 [m/s]: float or DataArray."""
         return named("V_load", self.V[..., 0])
@@ -109,7 +107,7 @@ class LoadPoint:
     def mean_speed(self):
         """Mean speed of a sinusoid [m/s]; None for any other loading."""
         first = self.calls[0]
-        return first.arguments_in_si["V_lp"] if first.method == "sinusoid" else None
+        return to_si("V_lp", first.arguments["V_lp"]) if first.method == "sinusoid" else None
 
     @property
     def stress_oscillates(self):
@@ -125,13 +123,7 @@ class LoadPoint:
             Time [s].
         """
         if (last := float(np.max(t_end))) > self.t_last:
-            raise ParameterError(
-                f"is beyond the end of the loading series, {self.t_last!r} s",
-                "Shorten t_end or extend the series.",
-                symbol="t_end",
-                value=repr(last),
-                unit="s",
-            )
+            raise refusal("loading.too_short", t_end=last, last=self.t_last)
 
     def V_load(self, t):
         """Return the speed of the load point [m/s] at times t [s]; at a jump, after it.
@@ -185,7 +177,8 @@ class LoadPoint:
         ndarray or DataArray
             As from `V_load`.
         """
-        return self._stress_history.at(self._times_in_si(t), to_si("sigma", sigma))
+        t = self._times_in_si(t)
+        return self._stress_history.with_sigma(to_si("sigma", sigma)).at(t)
 
     def slider_at(self, t, slider):
         """Return the slider with sigma set to the normal stress at time t.
@@ -221,7 +214,7 @@ class LoadPoint:
 
     @property
     def _stress_history(self):
-        return self.normal_stress or NormalStress.constant("sigma", np.nan)
+        return self.normal_stress or History.constant("sigma", np.nan)
 
     def _times_in_si(self, t):
         """Return times [s], array or DataArray; ParameterError if outside the history."""
@@ -232,13 +225,7 @@ class LoadPoint:
         seconds = np.asarray(t, dtype=float)
         outside = ~((seconds >= 0) & (seconds <= self.t_last))
         if outside.any():
-            raise ParameterError(
-                "is outside the loading",
-                f"Give times from 0 to {self.t_last!r} s.",
-                symbol="t",
-                value=str(seconds[outside].flat[0]),
-                unit="s",
-            )
+            raise refusal("loading.outside", t=seconds[outside].flat[0], last=self.t_last)
         return t if is_array(t) else seconds
 
     @functools.cached_property

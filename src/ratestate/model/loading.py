@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..errors import ParameterError
 from .arrays import check_aligned, column_to_si
 from .history import History
 from .load_point import LoadPoint, recorded
+from .names import refusal
 from .segments import histories_from_rows, period_of, sinusoid_history
 from .units import is_array, one_in_si, to_si
 
@@ -27,7 +27,7 @@ class Loading(LoadPoint):
         Speed of the load point [m/s]; ``t``, ``V`` and ``rate`` belong to it.
     t_last : float
         End of the history [s]; inf unless the loading is a series or a sinusoid.
-    normal_stress : NormalStress or None
+    normal_stress : History or None
         History of the normal stress; None if it does not change.
     calls : tuple of Call
         The calls that made the loading, with their arguments as given.
@@ -37,6 +37,13 @@ class Loading(LoadPoint):
     ParameterError
         By all methods, if a value has a wrong unit or is out of range, if an event begins before
         the last one ends or after the end of a series or sinusoid, or if arrays clash.
+
+    Examples
+    --------
+    >>> Loading.constant("1 mm/s").step("1 s", "3.2 mm/s").hold("2 s", "100 s")
+    <Loading: 4 segments from t = 0 to inf s>
+    >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
+    <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
     """
 
     @classmethod
@@ -48,14 +55,8 @@ class Loading(LoadPoint):
         ----------
         V : float, str, pint.Quantity or DataArray
             Speed [m/s], >= 0.
-
-        Returns
-        -------
-        Loading
-            The loading.
         """
-        V = to_si("V_lp", V, label="V", bound=">= 0")
-        return cls(History.constant("V", V))
+        return cls(History.constant("V_lp", to_si("V_lp", V, label="V", bound=">= 0")))
 
     @classmethod
     def steps(cls, V_start, *steps):
@@ -77,9 +78,7 @@ class Loading(LoadPoint):
         loading = cls.constant(V_start)
         for step in steps:
             if not isinstance(step, tuple | list) or len(step) != 2:
-                raise ParameterError(
-                    f"the step {step!r} is not a pair (t, V)", "Give pairs such as (1.0, 3.2e-3)."
-                )
+                raise refusal("loading.no_pair", step=step)
             loading = loading.step(*step)
         return loading
 
@@ -97,11 +96,6 @@ class Loading(LoadPoint):
             Speeds [m/s], >= 0; each may be a string with a unit or a named DataArray.
         sigma : sequence of N stresses, optional
             Normal stresses [Pa], > 0, in the same forms.  The first equals the slider's sigma.
-
-        Returns
-        -------
-        Loading
-            The loading.
         """
         given = {"t": t, "V_lp": V_lp} | ({} if sigma is None else {"sigma": sigma})
         columns = (column_to_si(symbol, values) for symbol, values in given.items())
@@ -127,11 +121,6 @@ class Loading(LoadPoint):
             End of the history [s], > 0; the latest time of a DataArray.
         period, frequency : float, str or pint.Quantity
             Period [s] or frequency [Hz], > 0, common to all cases.  Give one of them.
-
-        Returns
-        -------
-        Loading
-            The loading.
         """
         wave = {
             "V_lp": to_si("V_lp", V_lp),
@@ -151,20 +140,8 @@ class Loading(LoadPoint):
             Time of the step [s]: after the last event, or at the end of a hold or ramp.
         V : float, str, pint.Quantity or DataArray
             Speed after the step [m/s], >= 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
-
-        Examples
-        --------
-        >>> Loading.constant("1 mm/s").step("1 s", "3.2 mm/s").hold("2 s", "100 s")
-        <Loading: 4 segments from t = 0 to inf s>
         """
-        t = self._check_speed_time(t)
-        V = _value_after("V_lp", t, V, ">= 0")
-        return self._with_speeds((t, V, V))
+        return self._with_speed("step", t, V)
 
     @recorded
     def hold(self, t, duration):
@@ -176,15 +153,8 @@ class Loading(LoadPoint):
             Start of the hold [s]: after the last event, or at the end of a hold or ramp.
         duration : float, str or pint.Quantity
             Duration of the hold [s], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
-        t, V = self._check_speed_time(t), self.V[..., -1]
-        duration = _duration(t, duration, "hold")
-        return self._with_speeds((t, 0.0, 0.0), (t + duration, V, V))
+        return self._with_speed("hold", t, duration)
 
     @recorded
     def ramp(self, t, V, duration):
@@ -198,24 +168,8 @@ class Loading(LoadPoint):
             Speed at the end of the ramp, and after it [m/s], >= 0.
         duration : float, str or pint.Quantity
             Duration of the ramp [s], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
-        t, before = self._check_speed_time(t), self.V[..., -1]
-        V, seconds = _value_after("V_lp", t, V, ">= 0"), _duration(t, duration, "ramp")
-        longer = self._with_speeds((t, before, V), (t + seconds, V, V))
-        with np.errstate(over="ignore"):
-            if not np.isfinite(longer.rate).all():
-                raise ParameterError(
-                    "is too short",
-                    "For a jump leave the ramp out.",
-                    symbol="ramp",
-                    value=repr(duration),
-                )
-        return longer
+        return self._with_speed("ramp", t, V, duration)
 
     @recorded
     def sigma_step(self, t, sigma):
@@ -235,20 +189,8 @@ class Loading(LoadPoint):
             ramp of normal stress.
         sigma : float, str, pint.Quantity or DataArray
             Normal stress after the step [Pa], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
-
-        Examples
-        --------
-        >>> Loading.constant("10 um/s").sigma_step("2 s", "2.1 MPa").sigma_step("4 s", "2 MPa")
-        <Loading: 1 segments from t = 0 to inf s, and 3 of normal stress>
         """
-        t = self._check_stress_time(t)
-        sigma = _value_after("sigma", t, sigma, "> 0")
-        return self._with_stresses((t, sigma, sigma))
+        return self._with_stress("step", t, sigma)
 
     @recorded
     def sigma_ramp(self, t, sigma, duration):
@@ -262,15 +204,8 @@ class Loading(LoadPoint):
             Normal stress at the end of the ramp, and after it [Pa], > 0.
         duration : float, str or pint.Quantity
             Duration of the ramp [s], > 0.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
-        t, before = self._check_stress_time(t), self._extendable_stress().end[..., -1]
-        sigma, seconds = _value_after("sigma", t, sigma, "> 0"), _duration(t, duration, "ramp")
-        return self._with_stresses((t, before, sigma), (t + seconds, sigma, sigma))
+        return self._with_stress("ramp", t, sigma, duration)
 
     @recorded
     def sigma_sinusoid(self, amplitude, *, period=None, frequency=None):
@@ -282,15 +217,10 @@ class Loading(LoadPoint):
             Amplitude [Pa], >= 0.  `simulate` checks that sigma stays > 0.
         period, frequency : float, str, pint.Quantity or DataArray
             Period [s] or frequency [Hz], > 0.  Give one of them.
-
-        Returns
-        -------
-        Loading
-            The extended loading.
         """
         before = self._extendable_stress()
         if not np.all(np.isinf(before.period)):
-            raise ParameterError("the normal stress has a sinusoid already", "Give only one.")
+            raise refusal("loading.two_sinusoids")
         wave = {
             "amplitude": to_si("sigma", amplitude, label="amplitude", bound=">= 0"),
             "period": period_of("a sinusoid of sigma", period, frequency),
@@ -298,61 +228,27 @@ class Loading(LoadPoint):
         check_aligned(wave)
         return replace(self, normal_stress=replace(before, **wave))
 
-    def _with_speeds(self, *pieces):
-        """Return the loading with pieces (t, start, end) added to its speed."""
-        return replace(self, speed=self.speed.followed_by("V_lp", *pieces))
-
-    def _with_stresses(self, *pieces):
-        """Return the loading with pieces (t, start, end) added to its normal stress."""
-        stress = self._extendable_stress().followed_by("sigma", *pieces)
-        return replace(self, normal_stress=stress)
-
-    def _check_speed_time(self, t):
+    def _with_speed(self, event, *arguments):
+        """Return the loading with an event, a method of `History`, added to its speed."""
         if np.isfinite(self.t_last):
-            raise ParameterError(
-                f"the history ends at t = {self.t_last!r} s, and nothing can follow",
-                "Give steps to a constant speed, or put them into the rows of the series.",
-            )
-        return self.speed.check_time(one_in_si("t", t, bound="> 0"), "the history")
+            raise refusal("loading.ended", last=self.t_last)
+        return replace(self, speed=getattr(self.speed, event)(*arguments))
+
+    def _with_stress(self, event, t, *arguments):
+        """Return the loading with an event added to its normal stress."""
+        stress, t = self._extendable_stress(), one_in_si("t", t, bound="> 0")
+        if t >= self.t_last:
+            raise refusal("loading.late", t=t, last=self.t_last)
+        return replace(self, normal_stress=getattr(stress, event)(t, *arguments))
 
     def _extendable_stress(self):
         stress = self._stress_history
         if not np.isnan(np.asarray(stress.start)[..., 0]).all():
-            raise ParameterError(
-                "the series has a normal stress of its own", "Put the change into its rows."
-            )
+            raise refusal("loading.stress_of_series")
         return stress
-
-    def _check_stress_time(self, t):
-        stress, t = self._extendable_stress(), one_in_si("t", t, bound="> 0")
-        if t >= self.t_last:
-            raise ParameterError(
-                f"is not before the end of the history, {self.t_last!r} s",
-                "Give an earlier time.",
-                symbol="t",
-                value=repr(t),
-                unit="s",
-            )
-        return stress.check_time(t, "normal stress")
 
     def __repr__(self):
         stress = self.normal_stress
         more = "" if stress is None else f", and {stress.t.size} of normal stress"
         sweep = f", sweep over {', '.join(self.V.dims[:-1])}" if is_array(self.V) else ""
         return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{more}{sweep}>"
-
-
-def _value_after(symbol, t, value, bound):
-    return to_si(symbol, value, label=f"{symbol} from t = {t!r} s on", bound=bound)
-
-
-def _duration(t, duration, label):
-    seconds = one_in_si("t", duration, label=label, bound="> 0")
-    if not t < t + seconds < np.inf:
-        raise ParameterError(
-            f"is too short or too long after t = {t!r} s",
-            "Give another duration.",
-            symbol=label,
-            value=repr(duration),
-        )
-    return seconds

@@ -111,3 +111,7 @@ class Sentences(string.Formatter):
             return super().format_field(value, spec)
         symbol, *digits = symbol_and_digits
         return readable(symbol, value, *map(int, digits))
+
+
+#: the name of a sentence in refusals.toml, and its values -> the ParameterError to raise
+refusal = Sentences(Path(__file__).with_name("refusals.toml")).refusal

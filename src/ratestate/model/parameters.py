@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import ParameterError
 from .arrays import check_aligned
+from .names import refusal
 from .quantities import QUANTITIES, attrs
 from .units import OF_WHOLE_CONTACT, has_unit, is_array, is_integer, to_si, unit_of
 
@@ -125,27 +126,16 @@ def logspace(name, start, stop, n):
     import xarray
 
     if not isinstance(name, str):
-        raise ParameterError(
-            "is not a symbol in quotes", "Give a name such as 'M'.", symbol="name", value=repr(name)
-        )
+        raise refusal("axis.name", name=name)
     symbol = quantity_of(name, start) if name in QUANTITIES else "number"
     ends = [
         to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
         for which, value in (("start", start), ("stop", stop))
     ]
     if any(is_array(end) or np.isinf(end) for end in ends):
-        raise ParameterError(
-            "needs single, finite values of start and stop",
-            "Give for example logspace('M', 100, 1e5, 12).",
-            symbol=name,
-        )
+        raise refusal("axis.ends", name=name)
     if not is_integer(n) or not 2 <= n <= MAX_VALUES:
-        raise ParameterError(
-            "is not a usable number of values",
-            f"Give an integer from 2 to {MAX_VALUES:,}, such as 12.",
-            symbol="n",
-            value=repr(n),
-        )
+        raise refusal("axis.size", n=n, most=MAX_VALUES)
     values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
     values[[0, -1]] = ends
     labels = attrs(symbol) if name in QUANTITIES else {}

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import ParameterError
 from .arrays import check_aligned
-from .history import History, NormalStress
+from .history import History
+from .names import refusal
 from .units import is_array, to_si
 
 #: largest number of lines of a sinusoid, and of its speeds in all cases of a sweep
@@ -33,40 +33,24 @@ def sinusoid_history(V_lp, amplitude, period, t_end):
     the sine, so that the lines stay within V_lp +- amplitude, and the speed is never negative.
     """
     if is_array(period):
-        raise ParameterError(
-            "the period of a sinusoid is an array, but all cases share one period",
-            "Give one number.",
-        )
+        raise refusal("sinusoid.periods")
     check_aligned({"V_lp": V_lp, "amplitude": amplitude})
     if np.any(np.greater(amplitude, V_lp)):
-        raise ParameterError(
-            f"is more than V_lp = {float(np.min(V_lp)):.6g} m/s: the load point would move back",
-            "Give an amplitude up to V_lp.",
-            symbol="amplitude",
-            value=f"{float(np.max(amplitude)):.6g}",
-            unit="m/s",
-        )
-    needed = t_end / period * LINES_PER_PERIOD
-    cases = np.size(V_lp + amplitude)
+        largest, least = float(np.max(amplitude)), float(np.min(V_lp))
+        raise refusal("sinusoid.moves_back", amplitude=largest, V_lp=least)
+    periods, cases = t_end / period, np.size(V_lp + amplitude)
+    needed = periods * LINES_PER_PERIOD
     if not (needed <= MAX_LINES and needed * cases <= MAX_SPEEDS):
-        raise ParameterError(
-            (
-                f"holds {t_end / period:.6g} periods, which need {needed:.6g} lines for each "
-                f"of {cases} cases (at most {MAX_LINES:.0e} lines, and {MAX_SPEEDS:.0e} in "
-                "all cases)"
-            ),
-            "Shorten t_end, or lengthen the period.",
-            symbol="t_end",
-            value=f"{t_end:.6g}",
-            unit="s",
-        )
+        most = {"most": MAX_LINES, "most_in_all": MAX_SPEEDS}
+        sizes = {"periods": periods, "needed": needed, "cases": cases}
+        raise refusal("sinusoid.too_long", t_end=t_end, **sizes, **most)
     n = LINES_PER_PERIOD
     odd = np.arange(1, 2 * n, 2)
     half = np.sin(np.pi * odd[: n // 2] / n)
     heights = np.concatenate([half, -half]) / np.sinc(1 / n) ** 2
     number = int(needed) + 2
-    periods = np.arange(number) // n + np.resize(odd / (2 * n), number)
-    t = np.concatenate([[0.0], periods * period])
+    ends = np.arange(number) // n + np.resize(odd / (2 * n), number)  # in periods
+    t = np.concatenate([[0.0], ends * period])
     wave: Any = np.concatenate([[0.0], np.resize(heights, number)])
     if is_array(V_lp) or is_array(amplitude):
         import xarray
@@ -75,99 +59,58 @@ def sinusoid_history(V_lp, amplitude, period, t_end):
     V = V_lp + amplitude * wave
     V = V.transpose(..., "segment") if is_array(V) else V
     keep = int(np.searchsorted(t, t_end))
-    history = History(t[:keep], V[..., :keep], V[..., 1 : keep + 1], float(t[keep]))
+    history = History("V_lp", t[:keep], V[..., :keep], V[..., 1 : keep + 1], float(t[keep]))
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         if not (np.diff(t[: keep + 1]) > 0).all() or not np.isfinite(history.rate).all():
-            raise ParameterError(
-                "is too short", "Give a longer one.", symbol="period", value=repr(period), unit="s"
-            )
+            raise refusal("sinusoid.short_period", period=period)
     return history
 
 
 def period_of(what, period, frequency):
     """Return the period [s] of `what` from its period or frequency."""
     if (period is None) == (frequency is None):
-        raise ParameterError(
-            f"{what} needs either its period or its frequency", "Give for example period='2 s'."
-        )
+        raise refusal("sinusoid.no_period", what=what)
     if frequency is None:
         return to_si("period", period, bound="> 0")
     with np.errstate(divide="ignore"):
         period = 1.0 / to_si("frequency", frequency, bound="> 0")
     if not np.all((period > 0.0) & (period < np.inf)):
-        raise ParameterError(
-            "is beyond any size",
-            "Give a frequency such as '0.5 Hz'.",
-            symbol="frequency",
-            value=repr(frequency),
-        )
+        raise refusal("sinusoid.frequency", frequency=frequency)
     return period
 
 
 def histories_from_rows(times, V, sigma=None):
-    """Return the `History` of a record's speed, and `NormalStress` if sigma is given.
+    """Return the `History` of a record's speed, and of its normal stress or None.
 
     Arguments are columns in SI.  Raises ParameterError unless the rows are a valid record.
     """
     if is_array(times) or times.size < 2 or V.shape[-1] != times.size:
-        raise ParameterError(
-            f"has {times.size} and V_lp {V.shape[-1]} values",
-            "Give as many times as speeds, at least 2.",
-            symbol="t",
-        )
+        raise refusal("rows.numbers", times=times.size, speeds=V.shape[-1])
     dt = np.diff(times)
     if times[0] != 0:
-        raise ParameterError(
-            "must be 0",
-            "Subtract it from all times.",
-            symbol="t[0]",
-            value=f"{times[0]:.6g}",
-            unit="s",
-        )
+        raise refusal("rows.not_from_zero", t=times[0])
     if (dt < 0).any():
         i = int(np.argmax(dt < 0))
-        raise ParameterError(
-            f"is less than t[{i}] = {times[i]} s, but times must not decrease",
-            "Correct the record.",
-            symbol=f"t[{i + 1}]",
-            value=str(times[i + 1]),
-            unit="s",
-        )
+        raise refusal("rows.order", i=i, t=times[i], next=i + 1, t_next=times[i + 1])
     jump = np.concatenate([[True], dt == 0, [True]])  # a jump at either end is an error too
     if (jump[1:] & jump[:-1]).any():
         i = int(np.argmax(jump[1:] & jump[:-1]))
         where = "at an end of the series" if i in (0, times.size - 1) else "a third time"
-        raise ParameterError(
-            f"is repeated {where}: a jump is one time in two rows between others",
-            "Drop a row (V_start of `simulate` gives a start at another speed).",
-            symbol=f"t[{i}]",
-            value=str(times[i]),
-            unit="s",
-        )
+        raise refusal("rows.repeated", i=i, t=times[i], where=where)
     keep = np.flatnonzero(dt > 0)
-    speed = History(times[keep], V[..., keep], V[..., keep + 1], float(times[-1]))
+    speed = History("V_lp", times[keep], V[..., keep], V[..., keep + 1], float(times[-1]))
     with np.errstate(over="ignore"):
         if not np.isfinite(speed.rate).all():
-            raise ParameterError(
-                "two times are too close for a ramp", "For a jump repeat the time."
-            )
+            raise refusal("rows.too_close")
     return speed, None if sigma is None else _stress_from_rows(times, keep, sigma)
 
 
 def _stress_from_rows(times, keep, sigma):
-    """Return the `NormalStress` of a record; `keep` are the rows that start segments."""
+    """Return the `History` of a record's normal stress; `keep` are the rows of segments."""
     if sigma.shape[-1] != times.size:
-        raise ParameterError(
-            f"sigma has {sigma.shape[-1]} values for {times.size} times", "Give one at each time."
-        )
+        raise refusal("rows.stresses", stresses=sigma.shape[-1], times=times.size)
     if not np.all(np.greater(sigma, 0.0)):
         i = int(np.argmin(np.asarray(sigma).min(axis=tuple(range(sigma.ndim - 1)))))
-        raise ParameterError(
-            "must be > 0, as a normal stress",
-            "Correct the record.",
-            symbol=f"sigma[{i}]",
-            value=f"{float(np.min(sigma)):.6g}",
-            unit="Pa",
-        )
+        raise refusal("rows.stress", i=i, sigma=float(np.min(sigma)))
     rows = np.append(keep, times.size - 1)  # constant from the last time on
-    return NormalStress(times[rows], sigma[..., rows], sigma[..., np.append(keep + 1, -1)])
+    return History("sigma", times[rows], sigma[..., rows], sigma[..., np.append(keep + 1, -1)])

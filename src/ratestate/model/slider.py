@@ -16,7 +16,7 @@ from ..friction.laws import DEFAULT, friction_law, laws_with
 from ..friction.linear_stability import K_c
 from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
-from .names import check_keywords
+from .names import check_keywords, refusal
 from .parameters import parameter_to_si
 from .quantities import QUANTITIES, exact_text, readable, readable_together, remedy
 from .units import is_array, named, to_si
@@ -102,7 +102,7 @@ class SpringSlider:
     ParameterError
         If a parameter is unknown, mistyped or missing, or does not belong to the law; if a value
         has a wrong type or unit or is out of range; if the law or the form of friction is unknown,
-        or the two cannot be combined; if arrays clash.
+        or the two cannot be combined; if arrays clash, those of a method's V included.
 
     Examples
     --------
@@ -160,11 +160,7 @@ class SpringSlider:
         if complaint := base_law.complaint(self):
             raise ParameterError(*complaint, symbol="law", value=repr(base_law.name))
         if self.has_alpha and np.any(np.equal(self.b, 0.0)):
-            raise ParameterError(
-                "needs b, since theta falls by alpha/b",
-                "Give another b, or alpha = 0.",
-                symbol="alpha",
-            )
+            raise refusal("slider.alpha")
 
     @classmethod
     def of_contact(cls, *, area, mass=None, stiffness, normal_force, **parameters):
@@ -287,10 +283,7 @@ class SpringSlider:
         if self.friction_law.has_speed_scale:
             parts = self.friction_law.name.split(PART_MARK)[1:]
             cause = f"with {' and '.join(parts)}" if parts else f"under the law {self.law!r}"
-            raise ParameterError(
-                f"{cause} K_c_qs depends on the speed",
-                "Use stability(slider, V_lp).K_c_qs, which is that at V_lp.",
-            )
+            raise refusal("slider.K_c_qs", cause=cause)
         return self._evaluate("K_c_qs", K_c, V=1.0, M=0.0, sigma=self.sigma)
 
     @property
@@ -324,7 +317,7 @@ class SpringSlider:
         Parameters
         ----------
         V : float, str, pint.Quantity or DataArray
-            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+            Slip velocity [m/s], > 0.
 
         Returns
         -------
@@ -339,7 +332,7 @@ class SpringSlider:
         Parameters
         ----------
         V : float, str, pint.Quantity or DataArray
-            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+            Slip velocity [m/s], > 0.
 
         Returns
         -------
@@ -354,7 +347,7 @@ class SpringSlider:
         Parameters
         ----------
         V : float, str, pint.Quantity or DataArray
-            Slip velocity [m/s], > 0; ParameterError if it clashes with the slider's arrays.
+            Slip velocity [m/s], > 0.
 
         Returns
         -------
@@ -444,12 +437,7 @@ def _check_names(law, form, given):
     extra = _extra_parameters(law, form)
     for name in law.parameters:
         if name in COMMON or hasattr(SpringSlider, name):
-            raise ParameterError(
-                f"has a parameter {name}, but every slider has one of this name",
-                "Rename it.",
-                symbol="law",
-                value=repr(law.name),
-            )
+            raise refusal("slider.common_name", law=law.name, name=name)
     for name in given:
         for kind, chosen, owners in (
             ("law", law.name, laws_with(name)),
@@ -457,19 +445,13 @@ def _check_names(law, form, given):
         ):
             if owners and name not in extra:
                 of = " and ".join(map(repr, owners))
-                raise ParameterError(
-                    f"has no parameter {name}, which belongs to {of}",
-                    f"Leave {name} out, or choose such a {kind}.",
-                    symbol=kind,
-                    value=repr(chosen),
-                )
+                raise refusal("slider.other_parameter", kind=kind, chosen=chosen, name=name, of=of)
     check_keywords("SpringSlider", given, (*COMMON, *extra))
     for name in extra:
         if name not in given:
             needing = f"law = {law.name!r}" if name in law.parameters else f"friction = {form!r}"
-            raise ParameterError(
-                f"{needing} needs {name}, {QUANTITIES[name].long_name}", remedy(name)
-            )
+            described = {"long_name": QUANTITIES[name].long_name, "wanted": remedy(name)}
+            raise refusal("slider.missing", needing=needing, name=name, **described)
 
 
 def _literal(symbol, value):
@@ -498,10 +480,5 @@ def _rebuild(slider_class, law_source, parameters):
 def check_slider(slider):
     """Return the slider; ParameterError if it is not a `SpringSlider`."""
     if not isinstance(slider, SpringSlider):
-        raise ParameterError(
-            "is not a SpringSlider",
-            "Give a ratestate.SpringSlider(a=..., ...).",
-            symbol="slider",
-            value=repr(slider),
-        )
+        raise refusal("slider.none", slider=slider)
     return slider

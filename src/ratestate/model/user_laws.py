@@ -16,6 +16,7 @@ from ..friction.user_law import (
     make_user_law,
     reason_of,
 )
+from .names import refusal
 from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
 from .units import to_si
 
@@ -99,32 +100,20 @@ def _check_names(law, base_name):
     for name in (base_name, *law.synonyms):
         known = laws.find_law_name(name)
         if known and HASH_MARK not in known:
-            raise ParameterError(f"the name {name!r} belongs to a built-in law", "Choose another.")
+            raise refusal("law.built_in", name=name)
     for symbol, parameter in law.parameters.items():
         quantity = Quantity(*parameter)
         if not _is_allowed_name(symbol) or _is_other_quantity(symbol, quantity, base_name):
-            raise ParameterError(f"its parameter {symbol!r} is another quantity", "Rename it.")
+            raise refusal("law.other_quantity", symbol=symbol)
         if quantity.unit not in KINDS or quantity.bound not in ("", "> 0", ">= 0"):
-            units = ", ".join(KINDS)
-            raise ParameterError(
-                (
-                    f"its parameter {symbol} has the unit {quantity.unit!r} and the bound "
-                    f"{quantity.bound!r}"
-                ),
-                f"Units are {units}. Bounds are '', '> 0' and '>= 0'.",
-            )
+            known = ", ".join(KINDS)
+            raise refusal("law.quantity", symbol=symbol, quantity=quantity, units=known)
     known = {state for one in laws.LAWS.values() for state in one.states}
     for state, (_, distance) in law.states.items():
         if not _is_allowed_name(state) or (state in QUANTITIES and state not in known):
-            raise ParameterError(
-                f"its state {state!r} is another quantity, or not a name",
-                "Rename it, for example theta2.",
-            )
+            raise refusal("law.state", state=state)
         if distance != "Dc" and getattr(law.parameters.get(distance), "unit", "") != "m":
-            raise ParameterError(
-                f"its state {state} evolves over {distance!r}, which is not a length",
-                "Declare it as a parameter in m.",
-            )
+            raise refusal("law.distance", state=state, distance=distance)
 
 
 def _is_allowed_name(text):

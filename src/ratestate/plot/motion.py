@@ -1,8 +1,7 @@
 """Motions: stress against time, the phase plane, the amplitude of limit cycles along a sweep."""
 
-from ..dynamics.results import normal_stress, parameter
+from ..dynamics.results import force, normal_stress, parameter, whole_contact
 from ..dynamics.steady_sliding import steady_stress
-from ..dynamics.whole_contact import force, whole_contact
 from ..errors import ParameterError
 from ..model.conversion import in_si
 from ..model.names import one_of

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
-from ..model.history import NormalStress
+from ..model.history import History
 from ..model.loading import Loading
 from .kit.sample_noise import sample_noise
 from .load_point.segments import find_segments, stored_segments, without_overshoots
@@ -138,7 +138,7 @@ def segments_of(raw, loading=None):
 
 
 def recorded_stress(data, t, sigma):
-    """Return the recorded `NormalStress`, scaled to begin at sigma; None if it is constant.
+    """Return the recorded normal stress as a `History` that begins at sigma; None if constant.
 
     data : Dataset, with or without ``sigma`` along time
     t : (m,) times since the first sample [s]
@@ -163,7 +163,7 @@ def recorded_stress(data, t, sigma):
     jumps = np.diff(knots, append=t.size) == 1
     jumps &= np.abs(end - values) > JUMP * tolerance
     end[jumps] = values[jumps]
-    return NormalStress(at, values, end)
+    return History("sigma", at, values, end)
 
 
 def polyline_corners(t, values, tolerance):

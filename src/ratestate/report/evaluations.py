@@ -8,7 +8,7 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ..dynamics import attributes
+from ..dynamics.recipe import attribute_text
 from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
 from ..records.healing.result import HEADINGS, RATES, rate_text
 from ..records.kit.results import checked_result
@@ -125,7 +125,7 @@ def _trends(catalogue: xarray.Dataset) -> list[Text]:
 def healing(result: xarray.Dataset) -> list[Any]:
     """The holds with healing, relaxation and predictions [1e-3]; the rates; messages on holds."""
     result = checked_result(result, "healing", "delta_mu")
-    source = attributes.text(result, "source", "")
+    source = attribute_text(result, "source", "")
     laws: Any = result.get("law", [])
     holds, evaluated = result.sizes["hold"], int((result["hold_status"] == 0).sum())
     columns: dict[str, list[str]] = {

@@ -6,7 +6,7 @@ import xarray
 from rich.table import Column, Table
 from rich.text import Text
 
-from ..dynamics import attributes
+from ..dynamics.recipe import attribute_text, from_json
 from ..model.quantities import readable
 from ..records.fitting.by_law import (
     checked_by_law,
@@ -50,18 +50,18 @@ def fit(result: xarray.Dataset) -> list[Any]:
 
 def _sentences(result: xarray.Dataset, laws: Laws) -> tuple[list[str], list[str], list[str]]:
     """Return lines above the tables of a fit, lines below, and warnings."""
-    notes = attributes.from_json(result, "notes", list) if "notes" in result.attrs else []
+    notes = from_json(result, "notes", list) if "notes" in result.attrs else []
     notes = [f"note: {note}" for note in notes]
     if has_steps(result):
         remarks = [NOTATION, *remarks_on_steps(result), *notes]
         return [heading_of_steps(result)], remarks, warnings_on_steps(result)
-    source = attributes.text(result, "source", "")
+    source = attribute_text(result, "source", "")
     about = f"Fit of {source}: " if source else "Fit of "
     above = [f"{about}{result.sizes['time']:,} samples, {law_names(laws)}"]
-    above += [attributes.text(result, "found", "")]  # what the load point did
+    above += [attribute_text(result, "found", "")]  # what the load point did
     below = [fixed_parameters(laws)]
     below += [f"{law} law: {quality_text(part)}" for law, part in laws.items()]
-    below += [attributes.text(result, "comparison", "")]
+    below += [attribute_text(result, "comparison", "")]
     below += [f"{law} law: {text}" for law, text in identifiability_by_law(laws).items()]
     warnings = [f"warning: {text}" for text in labelled_warnings(laws)]
     return [*filter(None, above)], [*filter(None, below), *notes], warnings

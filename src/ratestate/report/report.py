@@ -7,7 +7,7 @@ from typing import Any
 import xarray
 from rich.console import Console, Group
 
-from ..dynamics.attributes import text
+from ..dynamics.recipe import attribute_text
 from ..errors import ParameterError
 
 #: width of a report as plain text [characters]
@@ -82,7 +82,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         raise ParameterError(
             f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
         )
-    name = text(result, "title").removeprefix("ratestate ")
+    name = attribute_text(result, "title").removeprefix("ratestate ")
     return Report(_blocks(name, result, units or {}))
 
 

@@ -14,10 +14,10 @@ from ..dynamics.results import (
     normal_stress,
     parameter,
     slider_parameters,
+    whole_contact,
 )
 from ..dynamics.stabilize import stabilize
 from ..dynamics.verdict_sentences import on_edge
-from ..dynamics.whole_contact import whole_contact
 from ..engine.model import STEADY_SLIDING
 from ..model.quantities import readable, readable_multiplier, readable_time
 from ..model.slider import SpringSlider

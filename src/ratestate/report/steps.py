@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from ..dynamics import attributes
+from ..dynamics.recipe import attribute_text
 from ..model.quantities import (
     QUANTITIES,
     concise,
@@ -139,7 +139,7 @@ def change_text(step):
 
 
 def heading_of_steps(result):
-    source = attributes.text(result, "source", "")
+    source = attribute_text(result, "source", "")
     about = f"Fits of {source}: " if source else "Fits of "
     laws = law_names(tuple(results_by_law(result)))
     counted = [(int((result["kind"] == kind).sum()), names) for kind, names in KINDS.items()]
@@ -150,7 +150,7 @@ def heading_of_steps(result):
 def remarks_on_steps(result):
     """Return lines below the tables of steps: comparison, joint fit, failures."""
     parts = results_by_law(result)
-    texts = [attributes.text(result, "comparison", "")]
+    texts = [attribute_text(result, "comparison", "")]
     for law, part in parts.items():
         texts += [f"{law} law: {text}" for text in (*_on_one_set(part), *_on_symmetry(part))]
     for law, part in parts.items():

@@ -13,7 +13,7 @@ from ratestate import Loading, ParameterError, SpringSlider, files
 from ratestate.interfaces.scenario import Output, Scenario, from_result, load, python, run, toml
 from ratestate.interfaces.scenario.as_toml import quantity
 from ratestate.interfaces.scenario.values import USUAL
-from ratestate.model.history import NormalStress
+from ratestate.model.history import History
 from ratestate.model.quantities import QUANTITIES
 from ratestate.model.units import is_array, to_si
 
@@ -44,7 +44,7 @@ def alike(x, y):
     if isinstance(x, Loading):
         names = ("t", "V", "rate", "t_last", "normal_stress")
         return all(alike(getattr(x, name), getattr(y, name)) for name in names)
-    if isinstance(x, NormalStress) and isinstance(y, NormalStress):
+    if isinstance(x, History) and isinstance(y, History):
         names = ("t", "start", "end", "amplitude", "period")
         return all(alike(getattr(x, name), getattr(y, name)) for name in names)
     if is_array(x) or is_array(y):

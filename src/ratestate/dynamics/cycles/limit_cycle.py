@@ -5,7 +5,6 @@ import functools
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ...engine.model import FINISHED, NO_CONVERGENCE, STEADY_SLIDING
 from ...friction.linear_stability import is_stable
@@ -13,12 +12,11 @@ from ...model.arrays import Batch
 from ...model.initial_state import check_speed_ratio
 from ...model.loading import Loading
 from ...model.names import keywords_checked
-from ...model.slider import SpringSlider, check_slider
+from ...model.slider import check_slider
 from ...model.units import to_si
 from ..progress import bar
-from ..recipe import record_scenario
 from ..refusals import refusal
-from ..results import columns, domain_variables, status_variable
+from ..results import CheckedCall, columns, domain_variables, status_variable
 from ..simulation.cases import failure
 from ..simulation.settings import checked_rtol
 from ..simulation.simulate import SimulateCall
@@ -137,13 +135,13 @@ def limit_cycle_call(slider, V_lp, *, V_start=None, rtol):
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class LimitCycleCall:
+class LimitCycleCall(CheckedCall):
     """`limit_cycle` with its arguments, checked and in SI."""
 
-    slider: SpringSlider
     V_lp: Any
     V_start: Any  # None for the usual one
     rtol: float
+    function, names = "limit_cycle", VARIABLES
 
     @functools.cached_property
     def batch(self):
@@ -160,7 +158,6 @@ class LimitCycleCall:
         return batch
 
     def blank(self):
-        """Return the variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
         return self.variables(np.full(self.batch.n, NO_CONVERGENCE), {})
 
     def run(self, progress=None):
@@ -213,13 +210,6 @@ class LimitCycleCall:
             for value in () if is_single else measures.values():
                 value[doubtful] = np.nan
         return status, measures
-
-    def dataset(self, variables):
-        """Return these variables of all cases as a Dataset with coordinates and scenario."""
-        settings = {"V_lp": self.V_lp, "V_start": self.V_start, "rtol": self.rtol}
-        result = xarray.Dataset(variables, self.batch.coordinates(VARIABLES))
-        record_scenario(result, "limit_cycle", self.slider, **settings)
-        return result
 
     def refuse_failure(self, result):
         """Raise the exception for a single case without an answer; a sweep raises none."""

@@ -42,7 +42,7 @@ def check_normal_stress(loading, slider, t_end):
         return
     if "sigma" in getattr(slider.sigma, "dims", ()):
         raise refusal("settings.sigma_axis")
-    loading.normal_stress.check(slider.sigma, t_end)
+    loading.normal_stress.check_stress(slider.sigma, t_end)
 
 
 def saved_times(times, t_end):

@@ -6,7 +6,6 @@ import warnings
 from typing import Any
 
 import numpy as np
-import xarray
 
 from ...engine.model import FINISHED
 from ...errors import RunWarning
@@ -16,11 +15,11 @@ from ...model.arrays import Batch
 from ...model.initial_state import initial_values
 from ...model.loading import Loading
 from ...model.names import keywords_checked
-from ...model.slider import SpringSlider, check_slider
+from ...model.slider import check_slider
 from ...model.units import is_array, to_si
 from ..progress import bar
-from ..recipe import record_scenario
 from ..refusals import refusal
+from ..results import CheckedCall
 from .cases import failure
 from .run_batch import blank_motion, motion_variables, move
 from .settings import check_normal_stress, saved_times, solver_settings, undisturbed_warning
@@ -160,10 +159,10 @@ def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, meth
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class SimulateCall:
+class SimulateCall(CheckedCall):
     """`simulate` with its arguments, checked and in SI."""
 
-    slider: SpringSlider
+    function = "simulate"
     loading: Loading
     t_end: Any
     V_start: Any = None  # the loading's first speed
@@ -237,28 +236,15 @@ class SimulateCall:
         return self.variables(self.move(progress))
 
     def blank(self):
-        """Return the variables of `run` with no case solved: NaN, status NO_CONVERGENCE."""
         return self.variables(blank_motion(self.slider.friction_law, self.batch, self.times))
 
-    def dataset(self, variables):
-        """Return these variables of all cases as a Dataset with coordinates and scenario."""
-        coords = self.batch.coordinates(self.names)
-        if self.V_start is None:
-            coords.pop("V_start", None)
-        result = xarray.Dataset(variables, coords)
-        if "t" in variables:
-            result = result.set_coords("t")
+    @property
+    def arguments(self):
         initial = {name.removesuffix("_initial"): x for name, x in self.initial.items()}
-        record_scenario(
-            result,
-            "simulate",
-            self.slider,
-            loading=self.loading,
-            t_end=self.t_end,
-            V_start=self.V_start,
-            initial=initial or None,
-            times=self.times,
-            rtol=self.rtol,
-            method=self.method,
-        )
-        return result
+        return super().arguments | {"initial": initial or None}
+
+    def dataset(self, variables):
+        result = super().dataset(variables)
+        if self.V_start is None:
+            result = result.drop_vars("V_start", errors="ignore")
+        return result.set_coords("t") if "t" in variables else result

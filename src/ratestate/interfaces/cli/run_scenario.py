@@ -7,8 +7,8 @@ import typer
 import xarray
 
 from ...dynamics.progress import on_terminal
+from ...dynamics.results import whole_contact
 from ...dynamics.verdict import verdict
-from ...dynamics.whole_contact import whole_contact
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...files import NUMBERS, PICTURES, checked_path, write
 from ...model.conversion import find_variable, in_units

@@ -6,7 +6,7 @@ from typing import Any
 
 import xarray
 
-from ...files.tables import laboratory_unit
+from ...files.csv_tables import laboratory_unit
 from ...model.quantities import QUANTITIES
 from ...records.fitting.by_law import has_steps, results_by_law
 

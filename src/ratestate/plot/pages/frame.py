@@ -2,7 +2,7 @@
 
 from matplotlib.patches import Patch
 
-from ...dynamics import attributes
+from ...dynamics.recipe import attribute_text
 from ...friction.laws import friction_law, own_parameters
 from ...records.fitting.by_law import law_names
 from ..estimates import ROW, estimates
@@ -27,7 +27,7 @@ def framed(result, laws, height):
     heights = [height + LABELS, *middle, ROW * (1 + len(laws))]
     own = own_parameters(map(friction_law, laws))
     symbols = " ".join(s for s in (*"sigma M a b Dc K V0".split(), *own) if s not in result)
-    source = attributes.text(result, "source", "")
+    source = attribute_text(result, "source", "")
     which = f"the {law_names(laws)}" if len(laws) <= NAMED else f"{len(laws)} friction laws"
     title = (
         f"Fit of {source + ', ' if source else ''}{result.sizes['time']:,} samples of friction, "

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...dynamics import attributes
+from ...dynamics.recipe import attribute_text
 from ..curves import WHOLE, scatter
 from ..labels import DASHED, GRAY, LAWS, prefixed
 from ..layout import ABOVE, figure, letters, plain_ticks, styled
@@ -23,7 +23,7 @@ MILLI = 1e3
 def healing_page(result):
     """Page (Figure) of a result of `healing`."""
     holds, found = result.sizes["hold"], int((result["hold_status"] == 0).sum())
-    source = attributes.text(result, "source", "")
+    source = attribute_text(result, "source", "")
     title = f"Healing{f' in {source}' if source else ''}: {found} of {holds} holds evaluated"
     fig = figure(result, 5.0, symbols="", title=title)
     axes = fig.subplot_mosaic([["record"] * 2, [*PANELS]], height_ratios=[1.0, 1.25])

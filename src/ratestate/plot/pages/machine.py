@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...dynamics import attributes
+from ...dynamics.recipe import attribute_text
 from ...model.quantities import power_of
 from ...records.machine.result import estimate, value_with_unit
 from ..labels import BLUE, GRAY, RED, prefixed
@@ -19,7 +19,7 @@ DRAWN = {"slope": ("slopes", "slope_K"), "ring_down": ("ring-downs", "ring_down_
 @styled
 def machine_page(result):
     """Page (Figure) of a result of `machine_stiffness`."""
-    source = attributes.text(result, "source", "")
+    source = attribute_text(result, "source", "")
     title = f"Machine{f' of {source}' if source else ''}: " + ", ".join(
         estimate(result, symbol) for symbol in ("K", "M", "damping")
     )

@@ -2,9 +2,8 @@
 
 from ...dynamics.cycles.limit_cycle import orbit
 from ...dynamics.cycles.regimes import classify
-from ...dynamics.results import parameter, slider_parameters
+from ...dynamics.results import parameter, slider_parameters, whole_contact
 from ...dynamics.steady_sliding import stability
-from ...dynamics.whole_contact import whole_contact
 from ...engine.model import RUNAWAY, STEADY_SLIDING
 from ...errors import ParameterError
 from ...model.slider import SpringSlider

@@ -5,7 +5,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
-from ...dynamics import attributes
+from ...dynamics.recipe import attribute_text
 from ...model.quantities import QUANTITIES
 from ...records.fitting.by_law import law_names, results_by_law
 from ...records.fitting.steps import FITTED, STICK_SLIP
@@ -65,7 +65,7 @@ def steps_page(result):
 
 def _title(result, laws, shown):
     """What was fitted."""
-    source, n = attributes.text(result, "source", ""), result.sizes["step"]
+    source, n = attribute_text(result, "source", ""), result.sizes["step"]
     what = "1 step" if n == 1 else f"{n} steps and holds"
     of = f"Fits of {what}{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
     return of if shown == n else f"{of} ({shown} of them shown)"

@@ -124,7 +124,7 @@ class Forward(ForwardModel):
         friction = a * (shown - np.reshape(steady, (-1, 1)))
         if self.stress is not None and not is_mu:  # tau divided by the current sigma
             level, delayed = self.record.level, self.record.t - values["lag"][:, None]
-            stress = self.stress.at(np.maximum(delayed, 0.0), self.sigma)
+            stress = self.stress.with_sigma(self.sigma).at(np.maximum(delayed, 0.0))
             friction = (level + friction) / (stress / self.sigma) - level
         along = np.broadcast_to(self.record.trend_variable, x.shape)
         if self.record.trend == "slip":

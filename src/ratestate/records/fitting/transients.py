@@ -109,7 +109,7 @@ def _with_extra_motion(loading, start, duration, distance):
     last = np.append(t[1:], until if np.isfinite(until) else t[-1])  # (constant if it is inf)
     push = np.where((t >= start) & (t < end), distance / duration, 0.0)
     first, final = (loading.V[k] + loading.rate[k] * (x - loading.t[k]) + push for x in (t, last))
-    return dataclasses.replace(loading, speed=History(t, first, final, until))
+    return dataclasses.replace(loading, speed=History("V_lp", t, first, final, until))
 
 
 def longest_distance(estimates, slider):

@@ -11,7 +11,7 @@ from ..model.quantities import QUANTITIES
 from ..model.units import unit_factor
 from .stored import PARTS
 
-#: dimensions of a few numbers each, which make columns of a table, not rows
+#: dimensions of a few numbers each, which are columns of a table, not rows
 ACROSS = ("mode", "multiplier")
 #: dimension of the loading's own record, which is no part of a table of results
 RECORD = "segment"
@@ -20,16 +20,16 @@ FORMAT = {"index": False, "lineterminator": "\n"}
 UNITS = {"m": "um", "m/s": "um/s", "Pa": "MPa", "Pa/m": "GPa/m", "Pa s/m": "MPa s/m"}
 #: lengths that are displacements of the load point, over a whole experiment
 LONG = {"delta_lp": "mm", "step_delta_lp": "mm"}
-#: between the lines of a text, which has none in a table
+#: separates the lines of a text in a table
 BETWEEN_LINES = " | "
 
 
 def csv_text(data):
-    """A result as CSV: a header such as ``time [s],V [m/s],mu``, then a row for each time or case.
+    """Return a result as CSV: a header such as ``time [s],V [m/s],mu``, then a row a time or case.
 
-    Single numbers of a result that has rows, such as ``status`` of a run, are left out; without
-    rows they are the one row.  Numbers are exact, what is missing is empty, yes and no are 1 and
-    0, a complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
+    Single numbers of a result with rows, such as ``status`` of a run, are left out.  Without rows
+    they are the one row.  Numbers are exact, missing values are empty, and True and False are 1 and
+    0.  A complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def csv_text(data):
 
 
 def _columns(name, variable):
-    """The columns that a variable makes: (label, real Variable without dimensions `ACROSS`)."""
+    """Yield the columns of a variable: (label, real Variable without dimensions `ACROSS`)."""
     unit = variable.attrs.get("units", "1")
     unit = "" if unit == "1" else f" [{unit}]"
     across = [dim for dim in variable.dims if dim in ACROSS]
@@ -74,17 +74,17 @@ def _columns(name, variable):
 
 
 def laboratory_csv(data, dim, units=None):
-    """Variables along one dimension as CSV, with headings such as ``stress drop (MPa)``.
+    """Return variables along one dimension as CSV, with headings such as ``stress drop (MPa)``.
 
-    Headings are the variables' names.  Each quantity has its unit in all tables: speeds um/s,
-    stresses MPa, stiffness GPa/m, lengths um, but displacements of the load point mm, times s.  Its
-    standard error, the variable ``NAME_error``, is beside it.  Flags are written as what they mean,
-    lines of a text with " | " between them; what is missing is empty.
+    Headings are the variables' names.  Each quantity has one unit in all tables: speeds um/s,
+    stresses MPa, stiffness GPa/m, lengths um, displacements of the load point mm, times s.  The
+    next column is its standard error, the variable ``NAME_error``.  Flags are written as their
+    meanings, and lines of a text with " | " between them.  Missing values are empty.
 
     Parameters
     ----------
     data : xarray.Dataset
-        A result with variables along this dimension alone; all others are left out.
+        A result with variables along this dimension alone.  All others are left out.
     dim : str
         The dimension: a row for each of its values.
     units : dict, optional
@@ -98,7 +98,7 @@ def laboratory_csv(data, dim, units=None):
     Raises
     ------
     ParameterError
-        No variable along the dimension; a unit of a variable that is not there, or of another kind.
+        If no variable lies along the dimension, or a unit belongs to no variable or does not fit.
     """
     import pandas
 
@@ -124,7 +124,7 @@ def laboratory_csv(data, dim, units=None):
 
 
 def _column(name, variable, units):
-    """Heading, values in its unit, that unit, and its size in SI."""
+    """Return the heading, the values in their unit, this unit, and its size in SI."""
     heading = str(name).replace("_", " ")
     if "flag_meanings" in variable.attrs:
         codes = np.atleast_1d(variable.attrs["flag_values"]).tolist()
@@ -145,9 +145,9 @@ def _column(name, variable, units):
 
 
 def laboratory_unit(name, si, unit=None):
-    """The unit of a quantity in tables, "" of a pure number, and its size in SI.
+    """Return the unit of a quantity in tables, "" for a pure number, and its size in SI.
 
-    By default that of its SI unit; ValueError for another that is of another kind.
+    By default SI decides.  ValueError if the unit does not fit.
     """
     if unit is None:
         unit = LONG.get(name, UNITS.get(si, si))
