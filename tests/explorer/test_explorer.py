@@ -29,8 +29,8 @@ from ratestate_explorer import (
     entries,
     exports,
     menus,
-    motion,
     picture,
+    run_plan,
     server,
     session,
     wire,
@@ -388,7 +388,7 @@ class TestPicture:
             deadline.set()
             return rs.SolverError("none"), None
 
-        monkeypatch.setattr(motion, "SLIP", 1e9)
+        monkeypatch.setattr(run_plan, "SLIP", 1e9)
         monkeypatch.setattr(picture, "_attractor", attractor)
         with pytest.raises(Stopped):
             picture.picture(entries.state_of(VIBRATION), deadline)
