@@ -230,8 +230,6 @@ def test_a_wrong_protocol_of_a_link_is_shown_and_said(show):
     )
     assert "kick = 'one' is not usable" in shown.text("#problem-kick")
     assert [row[0] for row in rows(shown)] == ["before", "kick", "1", "then"]
-    shown.go(f"{STEADY}&protocol={'0 m/s for 1 s; ' * 90}")
-    assert "and a page may have 20 in 1000; leave some out" in shown.text("#problem-protocol")
 
 
 def test_what_the_load_point_does_is_drawn(modules):
