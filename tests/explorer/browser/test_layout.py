@@ -108,6 +108,29 @@ def test_nothing_moves_but_what_is_moved(show, width, height):
         assert charts["y"] + charts["height"] <= height
 
 
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (1024, 768), (1440, 900)])
+def test_a_picture_is_on_the_first_screen_and_in_sight_of_a_slider(show, width, height):
+    shown = show(viewport={"width": width, "height": height})
+    page = shown.page
+
+    def box(selector):
+        found = page.locator(selector).bounding_box()
+        return found["x"], found["y"], found["x"] + found["width"], found["y"] + found["height"]
+
+    assert box("#machine")[3] + 100 <= height  # and so are 100 px of the traces below it
+    assert box("#headline")[3] <= height
+    page.locator("#slider-V_lp").scroll_into_view_if_needed()
+    shown.type("Dc", "banana")
+    page.wait_for_selector("#stale:visible")
+    message = box("#stale")
+    for chart in ("#stress-chart", "#speed-chart"):
+        left, top, right, bottom = box(chart)
+        assert top >= 0
+        apart = message[2] <= left or right <= message[0] or message[1] >= bottom
+        assert apart or message[3] <= top, chart
+    assert box("#machine")[3] + 100 <= height
+
+
 def test_a_finger_that_scrolls_over_a_slider_leaves_it(show):
     shown = show(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     shown.page.locator("#slider-K").evaluate("e => e.scrollIntoView({ block: 'center' })")
