@@ -27,17 +27,12 @@ def picture_of(entries, deadline):
     return header | {"texts": completed(entries), "protocol": protocol_of(entries)}, arrays
 
 
-def answer_chart(question, deadline, size):
-    """Answer "chart" at one size."""
-    header, arrays = charts.chart(state_of(question.entries).slider, size, deadline)
-    return wire.answer(question.id, "chart", arrays, **header)
-
-
-def answer_window(question, deadline):
-    """Answer "window"."""
+def answer_chart(question, deadline, size=None):
+    """Answer "chart" at one size, or "window" at its own."""
     slider = state_of(question.entries).slider
-    header, arrays = charts.chart(slider, charts.WINDOW_SIZE, deadline, question.window)
-    return wire.answer(question.id, "window", arrays, **header)
+    limits = question.window if question.ask == "window" else charts.WHOLE
+    header, arrays = charts.chart(slider, size or charts.WINDOW_SIZE, deadline, limits)
+    return wire.answer(question.id, question.ask, arrays, **header)
 
 
 def answer_branch(question, deadline):

@@ -12,8 +12,8 @@ from starlette.staticfiles import StaticFiles
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from .bundle import STATIC, served
+from .lab_record import take_record
 from .session import Session, SharedWork
-from .upload import take_record
 
 # Pages open at the same time; of one more the connection is refused ("try again later").
 MOST_PAGES, LATER = 8, 1013
@@ -105,7 +105,6 @@ class Guard:
             await refusal(scope, receive, send_with_headers)
 
     def _is_own(self, scope):
-        """Return whether a request is for this page, and not from another page."""
         headers = Headers(scope=scope)
         hosts, origins = headers.getlist("host"), headers.getlist("origin")
         own_origin = all(origin in self.origins for origin in origins)

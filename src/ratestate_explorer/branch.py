@@ -179,7 +179,6 @@ def _followed(slider, V_lp, along, start, stop):
 
 
 def _columns(piece, along):
-    """Return what is drawn of each point of a piece: name -> (n,)."""
     names = {"parameter": along, "amplitude": "amplitude", "V_max": "V_max"}
     return {name: piece[of].values for name, of in names.items()}
 
@@ -194,7 +193,6 @@ def _stable(piece):
 
 
 def _curves(pieces, along):
-    """Return the arrays of all pieces together."""
     all_columns = [_columns(piece, along) | {"stable": _stable(piece)} for piece in pieces]
     names = ("parameter", "amplitude", "V_max", "stable")
     return {name: np.concatenate([[], *(c[name] for c in all_columns)]) for name in names}

@@ -105,12 +105,10 @@ def _script(main):
 
 
 def _licence(comment):
-    """Return a comment if it names a copyright, or ""."""
     return comment[0] if "Copyright" in comment[0] else ""
 
 
 def _beside(path, other):
-    """Return the path of a module that another module imports."""
     return posixpath.normpath(posixpath.join(posixpath.dirname(path), other))
 
 
@@ -123,11 +121,9 @@ def _text(path):
 
 
 def _data(path, of_type):
-    """Return a file as a data: URL."""
     return f"data:{of_type};base64,{base64.b64encode((STATIC / path).read_bytes()).decode()}"
 
 
 def _hash(text):
-    """Return the hash of a text, with which a policy allows it."""
     digest = hashlib.sha256(text.encode()).digest()
     return f"'sha256-{base64.b64encode(digest).decode()}'"

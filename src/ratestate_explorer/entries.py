@@ -94,7 +94,6 @@ def _problems_of_rigid(values):
 
 
 def _value(field, text):
-    """Return the value of a field's text, in SI."""
     if field == "protocol":
         return segments_of(text)
     if field == "kick":

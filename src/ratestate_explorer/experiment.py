@@ -9,7 +9,7 @@ import ratestate as rs
 
 from .deadline import TimeUp
 from .entries import BadEntries
-from .motion import Plan, durations, rounded
+from .run_plan import Plan, durations, rounded
 from .state import Segment, value_of
 
 # Part of the shown time that comes before time 0.
@@ -77,7 +77,6 @@ def _check(segments, t_end):
 
 
 def _loading(V, sigma, times, parts):
-    """Return the `Loading` that begins with a speed and a normal stress, and then changes."""
     loading = rs.Loading.constant(V)
     for t, part in zip(times, parts, strict=True):
         if part.V != V:

@@ -17,7 +17,11 @@ def export(question, deadline):
     ParameterError for more than `MOST_ROWS`, and where a figure has no run; `TimeUp` past the
     deadline, backend.Stopped if cancelled.
     """
-    kind, state, pinned = question.ask, state_of(question.entries), _pinned(question)
+    kind, state = question.ask, state_of(question.entries)
+    try:
+        pinned = [state_of(entries) for entries in question.pinned]
+    except BadEntries as error:
+        raise rs.ParameterError(f"a run kept for comparison: {error}") from None
     if kind == "page":
         from .standalone import standalone
 
@@ -32,16 +36,7 @@ def export(question, deadline):
     return {"name": name, "type": of_type, "content": content}
 
 
-def _pinned(question):
-    """Return the states of the runs kept for comparison; ParameterError if one is invalid."""
-    try:
-        return [state_of(entries) for entries in question.pinned]
-    except BadEntries as error:
-        raise rs.ParameterError(f"a run kept for comparison: {error}") from None
-
-
 def _text(kind, state, deadline):
-    """Return the scenario file, Python lines or table of a run."""
     plan = study_of(state, deadline).plan
     exported = rs.scenario.Scenario("simulate", plan.slider, plan.settings)
     if kind == "scenario":

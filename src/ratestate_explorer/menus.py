@@ -23,11 +23,17 @@ def offers(starts):
     """Return what the page needs to begin, a dict; starts : as `presets`, the first is opened."""
     # (a page may open with a value that no slider can be centred on, such as 0 or inf)
     usual = fields(state_of(presets()[0]["entries"]).values)
-    header = {"fields": usual, "laws": menu(), "presets": starts}
-    header["prefixes"] = rs.quantities.prefixes()
-    header |= {"before": BEFORE, "experiment": EXPERIMENT}
-    header["meanings"] = meanings(field["symbol"] for field in usual)
-    return header | {"longest": TEXT_LIMITS, "span": charts.SPAN}
+    return {
+        "fields": usual,
+        "laws": menu(),
+        "presets": starts,
+        "prefixes": rs.quantities.prefixes(),
+        "before": BEFORE,
+        "experiment": EXPERIMENT,
+        "meanings": meanings(field["symbol"] for field in usual),
+        "longest": TEXT_LIMITS,
+        "span": charts.SPAN,
+    }
 
 
 def fields(usual):

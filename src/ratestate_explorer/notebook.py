@@ -59,20 +59,7 @@ def _server():
 
 
 class Page:
-    """A slider in the explorer, which a notebook displays; `ratestate.explore` makes it.
-
-    Parameters
-    ----------
-    slider : SpringSlider
-        One slider: no arrays.
-    V_lp : float or str
-        Load-point velocity, > 0 [m/s].
-
-    Raises
-    ------
-    ParameterError
-        No slider, arrays, or values that the page cannot show.
-    """
+    """A slider in the explorer, which a notebook displays; see `ratestate.explore`."""
 
     def __init__(self, slider: rs.SpringSlider, V_lp: Any) -> None:
         self._state = PageState(slider, _checked(slider, V_lp))

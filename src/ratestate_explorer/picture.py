@@ -10,7 +10,7 @@ import ratestate as rs
 from . import charts
 from .deadline import TimeUp
 from .experiment import plan_of_experiment
-from .motion import Plan, Settled, plan_of, transient_note
+from .run_plan import Plan, Settled, plan_of, transient_note
 
 RTOL = 1e-8  # of the cycle
 # How often a run is shortened before it is given up.

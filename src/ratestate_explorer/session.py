@@ -8,13 +8,12 @@ from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
-from . import branch, charts, picture, upload, wire
+from . import branch, charts, lab_record, picture, wire
 from .answers import (
     answer_branch,
     answer_chart,
     answer_picture,
     answer_rows,
-    answer_window,
     run_job,
 )
 from .entries import BadEntries, state_of
@@ -73,7 +72,7 @@ class Session:
             "picture": in_pool([answer_picture], patience=PATIENCE),
             "slide-hold-slide": in_pool([answer_rows]),
             "chart": of_charts(surveys),
-            "window": of_charts([answer_window]),
+            "window": of_charts([answer_chart]),
             "branch": of_charts([answer_branch], seconds=branch.SECONDS),
             "page": of_files(seconds=PAGE_PART_SECONDS, whole=PAGE_SECONDS),
         }
@@ -84,8 +83,8 @@ class Session:
         queues = {*self.queues.values()}
         tasks = [asyncio.create_task(queue.work(self.prepare, self.send)) for queue in queues]
         try:
-            header = {"page": self.token, "largest_file": upload.LARGEST}
-            header |= {"too_large": upload.too_large(), **offers(presets())}
+            header = {"page": self.token, "largest_file": lab_record.LARGEST}
+            header |= {"too_large": lab_record.too_large(), **offers(presets())}
             await self.send(wire.answer(None, "hello", **header))
             while (message := await self.socket.receive())["type"] != "websocket.disconnect":
                 await self.take(message.get("text") or "")

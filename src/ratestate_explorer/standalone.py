@@ -35,12 +35,13 @@ def standalone(entries, pinned, deadline):
     header, first = _picture(entries, deadline)
     live = address_of(PORT, urlencode(_texts(entries)))
     starts = [{"name": "saved", "title": "as saved", "entries": _texts(entries)}]
+    size = charts.size_in_time(state_of(entries).slider, deadline) or charts.SIZES[0]
     rows = [
         _row("hello", None, wire.answer(None, "hello", **offers(starts), live=live)),
         _row("picture", entries, first),
         *(_row("picture", texts, _picture(texts, deadline)[1]) for texts in pinned),
-        _row("chart", entries, _chart(entries, deadline)),
-        *(_row("branch", entries, _branch(entries, p, deadline), along=p) for p in branch.ALONG),
+        _answered(partial(answer_chart, size=size), "chart", entries, deadline),
+        *(_answered(answer_branch, "branch", entries, deadline, along=p) for p in branch.ALONG),
     ]
     made = {"date": datetime.date.today().isoformat(), "version": version("ratestate")}
     line = LINE.format(**{name: escape(text) for name, text in (made | {"live": live}).items()})
@@ -72,24 +73,15 @@ def _row(ask, entries, answer, **more):
 
 
 def _texts(entries):
-    """Return the entries that have a text."""
     return {name: text for name, text in entries.items() if isinstance(text, str)}
 
 
 def _picture(entries, deadline):
-    """Return header and bytes of the answer to "picture"."""
     header, arrays = picture_of(entries, deadline)
     return header, wire.answer(1, "picture", arrays, **header)
 
 
-def _chart(entries, deadline):
-    """Return the answer to "chart", or why there is none."""
-    size = charts.size_in_time(state_of(entries).slider, deadline) or charts.SIZES[0]
-    answer = partial(answer_chart, size=size)
-    return run_job(answer, wire.Question(1, "chart", entries), deadline)[0]
-
-
-def _branch(entries, along, deadline):
-    """Return the answer to "branch"."""
-    question = wire.Question(1, "branch", entries, along=along)
-    return run_job(answer_branch, question, deadline)[0]
+def _answered(job, ask, entries, deadline, **more):
+    """Return the row with the answer of a job, or why there is none."""
+    reply, _ = run_job(job, wire.Question(1, ask, entries, **more), deadline)
+    return _row(ask, entries, reply, **more)

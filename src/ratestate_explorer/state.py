@@ -159,7 +159,7 @@ class PageState(NamedTuple):
     """A slider and a speed, at the end of an experiment if there is one.
 
     The experiment begins at time 0 with the motion that has settled before.  Without an experiment
-    the run starts in steady sliding, see motion.START.
+    the run starts in steady sliding, see run_plan.START.
     """
 
     slider: rs.SpringSlider

@@ -76,7 +76,6 @@ class Question:
 
 
 def _is_in_map(*limits):
-    """Return whether there are limits of a window, inside the map."""
     if not limits:
         return False
     ends = zip((SPAN["ratio"], SPAN["eta"]), (limits[:2], limits[2:]), strict=True)

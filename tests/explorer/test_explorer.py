@@ -29,8 +29,8 @@ from ratestate_explorer import (
     entries,
     exports,
     menus,
-    motion,
     picture,
+    run_plan,
     server,
     session,
     wire,
@@ -39,7 +39,6 @@ from ratestate_explorer.app import MOST_PAGES, Guard
 from ratestate_explorer.deadline import Deadline
 from ratestate_explorer.entries import PageState, entries_of
 from ratestate_explorer.menus import presets
-from ratestate_explorer.picture import MOST_SENT
 from ratestate_explorer.queues import Kind, kind_of
 
 STICK_SLIP = presets()[0]["entries"]
@@ -136,20 +135,6 @@ class TestLaws:
         text = exported("scenario", texts)
         assert scenario.loads(text).slider == state.slider
 
-    @pytest.mark.parametrize("law", LAWS)
-    def test_the_map_has_its_K_c(self, law):
-        state = entries.state_of(VIBRATION | OWN[law] | {"law": law})
-        steady = rs.stability(state.slider, state.V_lp)
-        line = charts.line(state.slider, state.V_lp, float(steady.K_c_qs))
-        at = np.interp(np.log(float(steady.eta)), np.log(line["line_eta"]), line["line_ratio"])
-        assert at == pytest.approx(float(steady.K_c / steady.K_c_qs), rel=1e-2)
-
-    def test_the_map_of_regimes_says_for_which_laws_it_is(self):
-        state = entries.state_of(VIBRATION | OWN["nagata"] | {"law": "nagata"})
-        assert charts.key_of(state.slider) == ("nagata",)
-        with pytest.raises(rs.ParameterError, match="has no map of regimes"):
-            charts.chart(state.slider, 4, Deadline(60.0))
-
     def test_laws_and_their_fields_are_told(self, law_file):
         name = rs.register(law_file(MINE))
         told = {row["name"]: row for row in menus.menu()}
@@ -167,14 +152,9 @@ class TestLaws:
         assert told[name]["names"] == (name, "mine")
         fields = {row["symbol"]: row for row in menus.fields(entries.state_of(VIBRATION).values)}
         assert list(fields)[: len(entries.SYMBOLS)] == [*entries.SYMBOLS]
-        assert fields["Dc2"] == {
-            "symbol": "Dc2",
-            "name": "critical slip distance of the second state",
-            "unit": "m",
-            "usual": 1e-4,
-            "text": "100 um",
-            "marked": False,
-        }
+        name = "critical slip distance of the second state"
+        told = {"symbol": "Dc2", "name": name, "unit": "m", "usual": 1e-4, "text": "100 um"}
+        assert fields["Dc2"] == told | {"marked": False}
         assert [s for s, row in fields.items() if row["marked"]] == ["M", "K", "V_lp"]
         assert fields["m"]["text"] == "1.5"
         assert (fields["V2"]["unit"], fields["alpha"]["text"]) == ("m/s", "0")
@@ -251,54 +231,13 @@ class TestFriction:
     def test_kernels_are_those_of_what_is_shown(self):
         plain = kind_of(entries.state_of(VIBRATION))
         assert plain == ("slip", "log", (), False)
-        changes = [
-            {"friction": "regularized"},
-            {"damping": "1 kPa s/m"},
-            {"sigma_from": "3 MPa"},
-            {"law": "aging"},
-        ]
+        changes = [{"friction": "regularized"}, {"damping": "1 kPa s/m"}, {"law": "aging"}]
         kinds = {kind_of(entries.state_of(VIBRATION | change)) for change in changes}
-        assert len(kinds | {plain}) == 5
-        assert kind_of(entries.state_of(VIBRATION | {"a": "0.004"})) == plain
-
-    def test_a_step_of_normal_stress_is_what_simulate_gives(self):
-        """From steady sliding, under Linker and Dieterich's law: friction falls at the step."""
-        slider = FIG2.replace(alpha=0.2)
-        texts = entries_of(PageState(slider, 1e-4, sigma_from=0.9 * slider.sigma))
-        state = entries.state_of(texts)
-        assert state.before == PageState(slider.replace(sigma=0.9 * slider.sigma), 1e-4)
-        header, arrays = painted(texts, seconds=120.0)  # it may be compiled
-        assert header["values"]["sigma_from"] == pytest.approx(0.9 * slider.sigma, rel=1e-15)
-        before = arrays["run_time"] < 0.0
-        steady = 0.6 - 0.003 * np.log(1e5)
-        assert arrays["run_stress"][before] == pytest.approx(steady, rel=1e-9)
-        # tau and V stay across the jump; theta falls by (sigma/sigma_from)^(-alpha/b)
-        first = np.flatnonzero(~before)[0]
-        assert arrays["run_stress"][first] == pytest.approx(0.9 * steady, rel=1e-9)
-        fall = slider.alpha * np.log(1.0 / 0.9)
-        assert arrays["run_mu"][first] == pytest.approx(steady - fall, rel=1e-9)
-        assert arrays["run_stress"][-1] == pytest.approx(steady, rel=1e-4)
-        assert exported("scenario", texts).count("sigma_steps") == 1
-
-    def test_the_map_is_refused_for_a_form_by_its_name(self):
-        slider = FIG2.replace(friction="regularized", damping=1e3)
-        with pytest.raises(rs.ParameterError) as caught:
-            charts.chart(slider, 4, Deadline(60.0))
-        assert str(caught.value).startswith(
-            "law = 'slip' with friction = 'regularized' and damping = 1000 Pa s/m has no map"
-        )
-
-    def test_speed_and_normal_stress_step_together(self):
-        texts = VIBRATION | {"V_lp": "50 um/s", "V_from": "0.1 mm/s", "sigma_from": "1.9 MPa"}
-        texts["K"] = "900 MPa/m"
-        _, arrays = painted(texts, seconds=120.0)
-        before = arrays["run_time"] < 0.0
-        assert arrays["run_V"][before] == pytest.approx(1e-4, rel=1e-6)
-        assert arrays["run_V"][-1] == pytest.approx(5e-5, rel=1e-3)
-        first = np.flatnonzero(~before)[0]
-        assert arrays["run_stress"][first] == pytest.approx(
-            arrays["run_stress"][0] * 1.9 / 2.0, rel=1e-6
-        )
+        assert len(kinds | {plain}) == 4
+        for more in ({"a": "0.004"}, {"kick": "3"}, {"protocol": "0 m/s for 1 s"}):
+            assert kind_of(entries.state_of(VIBRATION | more)) == plain
+        for more in ({"sigma_from": "3 MPa"}, {"protocol": "1 m/s at 3 MPa for 1 s"}):
+            assert kind_of(entries.state_of(VIBRATION | more)) == plain._replace(sigma_varies=True)
 
 
 class TestWire:
@@ -352,25 +291,6 @@ class TestPicture:
         assert arrays["run_stress"][0] == pytest.approx(0.6 - 0.003 * np.log(1e4), rel=1e-12)
         assert header["steady"] == pytest.approx(0.6 - 0.003 * np.log(1e5), rel=1e-12)
 
-    def test_a_step_is_at_time_0(self):
-        _, arrays = painted(VIBRATION | {"V_from": "0.1 mm/s"})
-        before = arrays["run_time"] < 0.0
-        assert 0.1 < -arrays["run_time"][0] / np.ptp(arrays["run_time"]) < 0.25
-        assert arrays["run_V"][before] == pytest.approx(1e-4, rel=1e-4)
-        assert arrays["run_V"][~before].max() > 1e-2
-
-    def test_a_step_from_a_cycle_is_at_its_stress_maximum(self):
-        _, arrays = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
-        cycle = rs.limit_cycle(FIG4, 1e-4)
-        at = int(np.argmin(np.abs(arrays["run_time"])))
-        before = arrays["run_time"] <= 0.0
-        assert arrays["run_time"][at] == 0.0
-        assert arrays["run_V"][at] == pytest.approx(1e-4, rel=0.02)
-        assert arrays["run_stress"][before].max() == pytest.approx(
-            arrays["run_stress"][at], rel=1e-6
-        )
-        assert -arrays["run_time"][0] <= 3.0 * float(cycle.period) * (1 + 1e-5)
-
     @pytest.mark.parametrize("V_from", ["50 um/s", "10 nm/s", "1 nm/s", "1e-12 m/s", "1e-15 m/s"])
     def test_a_fifth_of_the_time_shown_is_before_a_step(self, V_from):
         """However slow the motion before: there it rests at its stress maximum."""
@@ -384,6 +304,11 @@ class TestPicture:
         assert arrays["run_V"][at] == pytest.approx(to_si("V_lp", V_from), rel=1e-3)
         # what comes after the step is seen: slips of the cycle
         assert arrays["run_V"][time > 0.0].max() > 1e-2
+
+    def test_three_cycles_at_most_are_shown_before_a_step(self):
+        _, arrays = painted(STICK_SLIP | {"V_from": "1 mm/s", "V_lp": "50 um/s"})
+        period = float(rs.limit_cycle(FIG4, 1e-3).period)
+        assert -arrays["run_time"][0] == pytest.approx(3.0 * period, rel=1e-5)
 
     def test_after_a_large_step_of_normal_stress_the_spring_is_seen_to_reload(self):
         """It takes mu (sigma - sigma_from)/(K V_lp), here 17 s, to slip at all."""
@@ -435,15 +360,6 @@ class TestPicture:
         assert header["notes"][0].startswith("No run is shown: of ")
         assert arrays["run_time"].size == 0
 
-    def test_a_long_run_is_cut_where_time_is_up(self, monkeypatch):
-        monkeypatch.setattr("ratestate_explorer.motion.SLIP", 1e9)  # some minutes' work
-        monkeypatch.setattr(picture, "_attractor", lambda *_: (rs.SolverError("none"), None))
-        begin = time.monotonic()
-        header, arrays = painted(VIBRATION, seconds=0.2)
-        assert "The run is cut at" in header["notes"][0]
-        assert 100 < arrays["run_time"].size <= MOST_SENT
-        assert time.monotonic() - begin < 20.0
-
     def test_a_run_that_got_nowhere_is_not_tried_again(self, monkeypatch):
         tried = []
 
@@ -472,7 +388,7 @@ class TestPicture:
             deadline.set()
             return rs.SolverError("none"), None
 
-        monkeypatch.setattr(motion, "SLIP", 1e9)
+        monkeypatch.setattr(run_plan, "SLIP", 1e9)
         monkeypatch.setattr(picture, "_attractor", attractor)
         with pytest.raises(Stopped):
             picture.picture(entries.state_of(VIBRATION), deadline)
@@ -522,21 +438,6 @@ class TestPicture:
 
 
 class TestExports:
-    def test_the_same_run_in_all_forms(self, tmp_path):
-        shown = STICK_SLIP | {"V_from": "50 um/s"}
-        texts = {ask: exported(ask, shown) for ask in ("scenario", "python", "csv")}
-        file = tmp_path / "ratestate.toml"
-        file.write_text(texts["scenario"])
-        loaded = scenario.run(scenario.load(file))
-        lines: dict = {}
-        exec(texts["python"], lines)
-        numbers = np.genfromtxt(texts["csv"].splitlines(), delimiter=",", skip_header=1)
-        header = texts["csv"].split("\n")[0].split(",")
-        written = next(v for v in lines.values() if hasattr(v, "data_vars"))
-        assert np.array_equal(loaded.tau, written.tau)
-        assert np.array_equal(numbers[:, header.index("tau [Pa]")], loaded.tau)
-        assert numbers[:, 0].tolist() == loaded.time.values.tolist()
-
     def test_a_run_that_ends_early_is_written_as_far_as_it_comes(self):
         text = exported("csv", RUNAWAY)
         numbers = np.genfromtxt(text.splitlines(), delimiter=",", names=True)
@@ -568,6 +469,29 @@ class TestCharts:
         assert charts.SPAN["eta"] == (line["line_eta"][0], line["line_eta"][-1])
         assert charts.line(FIG4.replace(b=0.001), 1e-4, -1.0)["line_eta"].size == 0
 
+    @pytest.mark.parametrize(
+        ("changes", "said"),
+        [
+            ({"b": 0.001}, "b <= a: friction never weakens"),
+            ({"law": "nagata", "c": 2.0}, "law = 'nagata' with friction = 'log' .* has no map"),
+            ({"friction": "regularized", "damping": 1e3}, "and damping = 1000 Pa s/m has no map"),
+        ],
+    )
+    def test_where_there_is_no_map_that_is_said(self, changes, said):
+        with pytest.raises(rs.ParameterError, match=said):
+            charts.chart(FIG2.replace(**changes), 4, Deadline(60.0))
+
+    def test_a_window_is_a_part_of_the_atlas(self):
+        limits = (0.995, 1.01, 1e-3, 3e-3)
+        header, arrays = charts.chart(FIG2.replace(law="aging"), 5, Deadline(120.0), limits)
+        part = {"K_over_K_c_qs": limits[:2], "eta": limits[2:]}
+        found = rs.atlas(2.0, "aging", n=5, rtol=charts.RTOL, transition=False, **part)
+        assert (header["key"], header["size"], header["window"]) == (("aging", 2.0), 5, limits)
+        assert header["eta_bautin"] == rs.bautin("aging", 2.0)
+        assert np.isfinite(arrays["K_fold_over_K_c_qs"]).any()
+        for name, values in arrays.items():
+            assert np.array_equal(values, found[name].values.ravel(), equal_nan=True), name
+
     def test_it_is_bounded(self):
         slider = entries.state_of(VIBRATION).slider
         with pytest.raises(rs.ParameterError, match="60 x 60 points of the map take more than 0 s"):
@@ -591,10 +515,6 @@ class TestCharts:
     def test_a_picture_names_its_chart(self, a, b, ratio):
         key = charts.key_of(FIG4.replace(a=a, b=b))
         assert (key and key[1]) == (pytest.approx(ratio, rel=1e-12) if ratio else None)
-
-    def test_friction_that_strengthens_has_none(self):
-        with pytest.raises(rs.ParameterError, match="b <= a"):
-            charts.chart(FIG4.replace(b=0.001), 4, Deadline(60.0))
 
 
 @pytest.fixture(scope="module")

@@ -53,10 +53,6 @@ def file_of(form, texts, *pinned):
     return exports.export(wire.Question(1, form, texts, pinned=pinned), Deadline(60.0))["content"]
 
 
-def legend(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
-
-
 def by_label(ax):
     return {line.get_label(): line for line in ax.lines}
 

@@ -1,18 +1,15 @@
 """The explorer from Python: one server, for notebooks of this machine, and what is refused."""
 
 import http.client
-import json
 import threading
 
 import pytest
 import xarray
-from websockets.sync.client import connect
 
 import ratestate as rs
 from ratestate.paper.parameters import FIG4
 from ratestate_explorer import charts, notebook, standalone
 from ratestate_explorer.deadline import TimeUp
-from ratestate_explorer.menus import presets
 
 
 def threads():
@@ -62,17 +59,6 @@ def test_notebooks_of_this_machine_may_frame_it():
         for scheme in ("http", "https")
         for name in ("localhost", "127.0.0.1")
     ] + ["vscode-webview:", "vscode-file:"]
-
-
-def test_it_answers():
-    address = rs.explore(FIG4, 1e-4).url.partition("#")[0]
-    with connect(
-        f"ws{address[4:]}socket", origin=address[:-1], max_size=None, open_timeout=30
-    ) as socket:
-        socket.send(json.dumps({"id": 1, "ask": "python", "entries": presets()[0]["entries"]}))
-        while b'"kind":"file"' not in (message := socket.recv(60)):
-            pass
-        assert b"rs.simulate(" in message
 
 
 def test_pages_open_in_the_browser(monkeypatch):

@@ -4,16 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 import ratestate as rs
-from ratestate import escape, orbit
+from ratestate import orbit
 from ratestate.interfaces import scenario
 from ratestate.paper.parameters import FIG1, FIG2, FIG4
 from ratestate_explorer import entries, exports, picture, state, wire
 from ratestate_explorer.deadline import Deadline
 from ratestate_explorer.entries import entries_of, state_of
-from ratestate_explorer.queues import kind_of
 from ratestate_explorer.state import PageState, Segment
 
 STEADY = entries_of(PageState(FIG2, 1e-4))
@@ -107,13 +105,6 @@ class TestEntries:
         assert said.startswith("duration of segment 1 = 0.0085 us is less than 1e-09 of the 8.9")
         assert painted(texts | {"protocol": "1 mm/s for 9.5 ns; 0 m/s for 3 s"})
 
-    def test_kernels_are_those_of_what_changes(self):
-        fixed = kind_of(state_of(STEADY))
-        for more in ({"kick": "3"}, {"protocol": "0 m/s for 1 s"}, {"sigma_from": "2 MPa"}):
-            assert kind_of(state_of(STEADY | more)) == fixed
-        changed = kind_of(state_of(STEADY | {"protocol": "1 m/s at 2.1 MPa for 1 s"}))
-        assert changed == fixed._replace(sigma_varies=True)
-
 
 class TestProtocols:
     def test_the_run_is_that_of_a_loading_written_by_hand(self):
@@ -151,46 +142,6 @@ class TestProtocols:
         top = orbit(FIG4, 1e-4).tau[0] / FIG4.sigma
         assert one["run_stress"][at] == pytest.approx(float(top), rel=1e-6)
 
-    def test_peaks_after_holds_rise_by_b_for_e_times_as_long(self):
-        """Under the aging law, and a stiff spring: Dieterich's healing."""
-        slider = AGING.replace(K=100e9)
-        texts = entries_of(PageState(slider, 1e-4)) | {
-            "protocol": "0 m/s for 100 s; 100 um/s for 10 s; 0 m/s for 1000 s; 100 um/s for 10 s; "
-            "0 m/s for 1e4 s"
-        }
-        header, arrays = painted(texts)
-        ends = header["changes"][1::2]
-        peaks = [
-            arrays["run_stress"][(arrays["run_time"] >= t) & (arrays["run_time"] < t + 9.0)].max()
-            for t in ends
-        ]
-        assert np.diff(peaks) == pytest.approx(slider.b * np.log(10.0), rel=0.03)
-
-    def test_a_quasi_static_slider_relaxes_in_a_hold(self):
-        """As SciPy solves dtau/dt = -K V with the aging law, M = 0."""
-        slider = AGING.replace(M=0.0, K=2e9)
-        texts = entries_of(PageState(slider, 1e-4)) | {"protocol": "0 m/s for 100 s"}
-        _, arrays = painted(texts)
-        s, V = slider, 1e-4
-
-        def V_of(tau, log_theta):
-            log = np.log(s.V0 / s.Dc) + log_theta
-            return s.V0 * np.exp((tau / s.sigma - s.mu0 - s.b * log) / s.a)
-
-        def rates(t, y):
-            V = V_of(*y)
-            return [-s.K * V, np.exp(-y[1]) - V / s.Dc]
-
-        start = [s.sigma * (s.mu0 + (s.a - s.b) * np.log(V / s.V0)), np.log(s.Dc / V)]
-        solved = solve_ivp(rates, (0.0, 100.0), start, method="LSODA", rtol=1e-10, atol=1e-12)
-        before_end = np.searchsorted(arrays["run_time"], 99.9) - 1
-        found = solve_ivp(
-            rates, (0.0, arrays["run_time"][before_end]), start, method="LSODA", rtol=1e-10
-        )
-        assert solved.success
-        assert arrays["run_stress"][before_end] == pytest.approx(found.y[0, -1] / s.sigma, rel=1e-6)
-        assert arrays["run_V"][before_end] == pytest.approx(V_of(*found.y[:, -1]), rel=1e-3)
-
     def test_after_a_hold_the_spring_is_seen_to_reload(self):
         """Where a slip of 100 Dc would end before the stress has its peak."""
         slider = AGING.replace(a=0.0059)
@@ -216,6 +167,7 @@ class TestProtocols:
             "after 0.4 s of computing; the Python lines have no such limit."
         )
         assert 0.0 < arrays["run_time"][-1] < 1e7
+        assert 100 < arrays["run_time"].size <= picture.MOST_SENT
 
 
 class TestKicks:
@@ -236,19 +188,6 @@ class TestKicks:
             assert np.ptp(late) == pytest.approx(amplitude, rel=2e-3)
         else:
             assert np.ptp(late) < 0.2 * amplitude
-
-    @pytest.mark.parametrize("part", [0.99, 1.01])
-    def test_without_mass_it_escapes_beyond_the_kick_of_the_basin(self, part):
-        """There V times f is a kick of the stress by a sigma ln f."""
-        slider = FIG2.replace(K=630e6, M=0.0)
-        kick_up = part * float(escape(slider, 1e-6).kick_up)
-        factor = np.exp(kick_up / (slider.a * slider.sigma))
-        header, arrays = painted(entries_of(PageState(slider, 1e-6, kick=factor), 15))
-        assert arrays["run_stress"][0] == pytest.approx(
-            header["steady"] + kick_up / slider.sigma, rel=1e-9
-        )
-        ran_away = any("quasi_static_instability" in note for note in header["notes"])
-        assert ran_away == (part > 1.0)
 
     def test_a_cycle_is_kicked_at_its_stress_maximum(self):
         header, arrays = painted(STICK_SLIP | {"kick": "0.1", "protocol": "0 m/s for 1 s"})
@@ -278,6 +217,7 @@ class TestExports:
             {"protocol": "0 m/s for 2 s; 20 um/s for 3.3 s; 100 um/s for 0.7 s", "kick": "2"},
             {"protocol": "0 m/s at 4.1 MPa for 2 s; 0 m/s for 1 s", "sigma_from": "3.9 MPa"},
             {"sigma_from": "3.9 MPa", "kick": "0.5"},
+            {"V_from": "50 um/s"},
         ],
     )
     def test_the_same_run_in_all_forms(self, more, tmp_path):

@@ -1,5 +1,6 @@
 """Laboratory records that a page sends: what is drawn of them, what is refused."""
 
+import contextlib
 import http.client
 import io
 import json
@@ -14,7 +15,7 @@ import xarray as xr
 from explorer_server import page, read, served
 
 from ratestate import machine
-from ratestate_explorer import record, upload, wire
+from ratestate_explorer import lab_record, wire
 from ratestate_explorer.picture import MOST_SENT
 
 T = np.arange(9000) * 0.1
@@ -39,10 +40,10 @@ def without_child(monkeypatch):
 
 
 def answered(contents, name="r.csv", **choices):
-    return read(record.answer_record(name, contents, choices, threading.Event()))
+    return read(lab_record.answer_record(name, contents, choices, threading.Event()))
 
 
-def test_what_is_drawn_of_a_record():
+def test_what_is_drawn_of_a_record(without_child):
     header, arrays = answered(GOOD)
     assert (header["kind"], header["id"], header["name"]) == ("record", None, "r.csv")
     assert header["problem"] == ""
@@ -75,9 +76,9 @@ def test_what_is_drawn_of_a_record():
 def test_conditions_of_a_record(V, begin, expected):
     t = 5.0 + 10.0 * np.arange(len(V))
     found = xr.Dataset({"segment_t": ("segment", t), "segment_V": ("segment", V)})
-    assert record._begin(found) == begin
+    assert lab_record._begin(found) == begin
     names = ("time", "V_from", "V_lp", "sigma")
-    assert record.conditions(found) == dict(zip(names, (*expected, None), strict=True))
+    assert lab_record.conditions(found) == dict(zip(names, (*expected, None), strict=True))
 
 
 def test_what_is_missing_can_be_chosen(without_child):
@@ -127,8 +128,8 @@ def test_a_small_file_that_unpacks_to_a_large_one():
 @pytest.mark.parametrize("text", ["[]", "{", '{"path": "/etc/passwd"}', '{"time": NaN}'])
 def test_choices_are_few(text):
     with pytest.raises(wire.BadQuestion):
-        record.choices_of(text)
-    assert record.choices_of('{"time": [null, "1 s"]}') == {"time": [None, "1 s"]}
+        lab_record.choices_of(text)
+    assert lab_record.choices_of('{"time": [null, "1 s"]}') == {"time": [None, "1 s"]}
 
 
 @pytest.fixture(scope="module")
@@ -151,7 +152,40 @@ def sent(port, page, contents=GOOD, origin="own", **query):
 
 def read_at_once(monkeypatch):
     """A file that has come is read in no time."""
-    monkeypatch.setattr(upload, "answer_record", lambda *_: wire.answer(None, "record"))
+    monkeypatch.setattr(lab_record, "answer_record", lambda *_: wire.answer(None, "record"))
+
+
+class Reading:
+    """Reads the file "first" until it is stopped or `over`, and others at once."""
+
+    def __init__(self):
+        self.begun, self.over, self.ended = (threading.Event() for _ in range(3))
+        self.stopped = {}
+
+    def answer(self, name, contents, choices, stop):
+        self.begun.set()
+        until = time.monotonic() + 20.0 * (name == "first")
+        while not (stop.wait(0.01) or self.over.is_set()) and time.monotonic() < until:
+            pass
+        self.stopped[name] = stop.is_set()
+        self.ended.set()
+        return wire.answer(None, "record", name=name)
+
+    @contextlib.contextmanager
+    def of_first(self, port, own):
+        """Have the file "first" read meanwhile."""
+        first = threading.Thread(target=sent, args=(port, own), kwargs={"name": "first"})
+        first.start()
+        assert self.begun.wait(20.0)
+        yield
+        first.join(20.0)
+
+
+@pytest.fixture
+def reading(monkeypatch):
+    found = Reading()
+    monkeypatch.setattr(lab_record, "answer_record", found.answer)
+    return found
 
 
 class TestServer:
@@ -183,7 +217,7 @@ class TestServer:
 
     @pytest.mark.parametrize("counted", [True, False])
     def test_a_file_may_be_so_large(self, port, monkeypatch, counted):
-        monkeypatch.setattr(upload, "LARGEST", len(GOOD))
+        monkeypatch.setattr(lab_record, "LARGEST", len(GOOD))
         read_at_once(monkeypatch)
         with page(port) as socket:
             own = socket.greeting["page"]
@@ -194,7 +228,7 @@ class TestServer:
             assert "larger than the 0.3" in header["problem"]
 
     def test_a_file_must_come_in_time(self, port, monkeypatch):
-        monkeypatch.setattr(upload, "SECONDS", 0.3)
+        monkeypatch.setattr(lab_record, "SECONDS", 0.3)
 
         def slow():
             yield GOOD[:1000]
@@ -204,23 +238,35 @@ class TestServer:
             status, (header, _) = sent(port, socket.greeting["page"], slow())
         assert (status, header["problem"][:34]) == (408, "the file did not arrive within 0.3")
 
-    def test_the_newest_file_of_a_page_is_read(self, port, monkeypatch):
-        begun, stopped = threading.Event(), []
-
-        def answer(name, contents, choices, stop):
-            begun.set()
-            stopped.append(stop.wait(20.0 if name == "first" else 0.0))
-            return wire.answer(None, "record", name=name)
-
-        monkeypatch.setattr(upload, "answer_record", answer)
+    def test_the_newest_file_of_a_page_is_read(self, port, reading):
         with page(port) as socket:
             own = socket.greeting["page"]
-            first = threading.Thread(target=sent, args=(port, own), kwargs={"name": "first"})
-            first.start()
-            assert begun.wait(20.0)
-            assert sent(port, own, name="second")[1][0]["name"] == "second"
-            first.join(20.0)
-        assert stopped == [True, False]
+            with reading.of_first(port, own):
+                assert sent(port, own, name="second")[1][0]["name"] == "second"
+        assert reading.stopped == {"first": True, "second": False}
+
+    def test_a_file_too_large_stops_no_other(self, port, reading, monkeypatch):
+        monkeypatch.setattr(lab_record, "LARGEST", len(GOOD))
+        with page(port) as socket:
+            own = socket.greeting["page"]
+            with reading.of_first(port, own):
+                assert sent(port, own, GOOD + b"1")[0] == 413
+                reading.over.set()
+        assert reading.stopped == {"first": False}
+
+    @pytest.mark.parametrize("leaves", ["page", "request"])
+    def test_nothing_is_read_for_who_has_gone(self, port, reading, leaves):
+        with page(port) as socket:
+            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+            target = f"/record?name=first&page={socket.greeting['page']}"
+            connection.request("POST", target, GOOD, {"Origin": f"http://127.0.0.1:{port}"})
+            assert reading.begun.wait(20.0)
+            if leaves == "request":
+                connection.close()
+                assert reading.ended.wait(10.0)
+        assert reading.ended.wait(10.0)
+        assert reading.stopped == {"first": True}
+        connection.close()
 
     def test_an_earlier_file_is_not_waited_for(self, port, monkeypatch):
         read_at_once(monkeypatch)
@@ -248,44 +294,3 @@ class TestServer:
             409,
             "another file was sent after this one, or its page has gone",
         )
-
-    def test_a_file_too_large_stops_no_other(self, port, monkeypatch):
-        begun, stops = threading.Event(), []
-
-        def answer(name, contents, choices, stop):
-            begun.set()
-            stops.append(stop.wait(1.0))
-            return wire.answer(None, "record", name=name)
-
-        monkeypatch.setattr(upload, "answer_record", answer)
-        monkeypatch.setattr(upload, "LARGEST", len(GOOD))
-        with page(port) as socket:
-            own = socket.greeting["page"]
-            first = threading.Thread(target=sent, args=(port, own), kwargs={"name": "first"})
-            first.start()
-            assert begun.wait(20.0)
-            assert sent(port, own, GOOD + b"1")[0] == 413
-            first.join(20.0)
-        assert stops == [False]
-
-    @pytest.mark.parametrize("leaves", ["page", "request"])
-    def test_nothing_is_read_for_who_has_gone(self, port, monkeypatch, leaves):
-        begun, ended = threading.Event(), threading.Event()
-
-        def answer(name, contents, choices, stop):
-            begun.set()
-            if stop.wait(20.0):
-                ended.set()
-            return b""
-
-        monkeypatch.setattr(upload, "answer_record", answer)
-        with page(port) as socket:
-            connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-            target = f"/record?page={socket.greeting['page']}"
-            connection.request("POST", target, GOOD, {"Origin": f"http://127.0.0.1:{port}"})
-            assert begun.wait(20.0)
-            if leaves == "request":
-                connection.close()
-                assert ended.wait(10.0)
-        assert ended.wait(10.0)
-        connection.close()

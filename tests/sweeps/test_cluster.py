@@ -26,6 +26,8 @@ from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.chunks import chunks_of
 from ratestate.sweeps.status import store_status
 
+pytestmark = pytest.mark.usefixtures("in_time")
+
 M = rs.logspace("M", 1e2, 1e5, 24)
 V_LP = rs.logspace("V_lp", 2e-3, 1e-1, 2)
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=M)
@@ -38,20 +40,6 @@ ARGUMENTS = {
         "times": [0.0, 0.01, 0.05],
     },
 }
-
-
-@pytest.fixture(autouse=True)
-def in_time():
-    """Let a test that hangs fail."""
-
-    def late(*_):
-        raise TimeoutError("this takes too long")
-
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(120)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
 
 
 @pytest.fixture

@@ -8,18 +8,14 @@ import pytest
 
 from ratestate import sweeps
 
-SOURCES = sorted(Path(sweeps.__file__).parent.glob("*.py"))
-TEXT = "\n".join(path.read_text() for path in SOURCES)
+TEXT = "\n".join(path.read_text() for path in sorted(Path(sweeps.__file__).parent.glob("*.py")))
 SENTENCES = {
     f"{table}.{name}": text
     for table, texts in sweeps.sentence.tables.items()
     for name, text in texts.items()
 }
-#: function -> what it puts before the name of a sentence, and the values that it adds
-FILLED_BY = {
-    "sentence": ("", set()),
-    "_refusal": ("slurm.", set()),
-}
+#: function -> what it puts before the name of a sentence
+FILLED_BY = {"sentence": "", "_refusal": "slurm."}
 
 
 def uses():
@@ -28,15 +24,14 @@ def uses():
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Name)):
             continue
         if call.func.id in FILLED_BY and isinstance(call.args[0], ast.Constant):
-            prefix, added = FILLED_BY[call.func.id]
             names = {keyword.arg for keyword in call.keywords}
-            yield prefix + call.args[0].value, None if None in names else names | added
+            yield FILLED_BY[call.func.id] + call.args[0].value, names
 
 
-@pytest.mark.parametrize(("name", "values"), list(uses()))
-def test_what_is_used_is_there_and_filled(name, values):
-    wanted = {field for _, field, _, _ in string.Formatter().parse(SENTENCES[name]) if field}
-    assert values is None or wanted <= values
+def test_what_is_used_is_there_and_filled():
+    for name, values in uses():
+        wanted = {field for _, field, _, _ in string.Formatter().parse(SENTENCES[name]) if field}
+        assert None in values or wanted <= values, name
 
 
 @pytest.mark.parametrize("name", SENTENCES)

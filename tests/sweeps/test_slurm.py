@@ -20,6 +20,8 @@ from ratestate.sweeps import calls, cluster
 from ratestate.sweeps import slurm as slurm_module
 from ratestate.sweeps.slurm import Jobs, job_cluster, squeue
 
+pytestmark = pytest.mark.usefixtures("in_time")
+
 SLIDER = rs.SpringSlider(
     a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=rs.logspace("M", 1e2, 1e5, 90)
 )
@@ -96,20 +98,6 @@ class Slurm:
         return len((self.folder / "queues").read_text().splitlines())
 
 
-@pytest.fixture(autouse=True)
-def in_time():
-    """Let a test that hangs fail."""
-
-    def late(*_):
-        raise TimeoutError("this takes too long")
-
-    before = signal.signal(signal.SIGALRM, late)
-    signal.alarm(150)
-    yield
-    signal.alarm(0)
-    signal.signal(signal.SIGALRM, before)
-
-
 @pytest.fixture
 def slurm(tmp_path, monkeypatch):
     """A stand-in for SLURM's programs; all of its jobs end with the test."""
@@ -166,15 +154,6 @@ def test_the_job_script():
     assert "--nthreads 4 " in script("cores=16,memory=32GB,processes=4")[-1]
 
 
-def test_the_job_script_has_what_the_site_needs():
-    own = {"job-extra-directives": ["--gres=gpu:1"], "job-script-prologue": ["module load gcc"]}
-    with site(**own):
-        lines = script("cores=1,memory=4GB")
-    assert "#SBATCH --gres=gpu:1" in lines
-    assert "module load gcc" in lines
-    assert "--nworkers" not in lines[-1]
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -205,26 +184,22 @@ def test_what_is_not_given_is_the_site_s():
         "walltime": "03:00:00",
         "worker-extra-args": ["--lifetime", "170m", "--lifetime-stagger", "5m"],
         "scheduler-options": {"host": "127.0.0.1"},
+        "job-extra-directives": ["--gres=gpu:1"],
+        "job-script-prologue": ["module load gcc"],
     }
+    always = ["-A geo", "--gres=gpu:1"]
+    others = "cores=3,memory=2GB,processes=3,queue=short,walltime=00:10:00"
     with site(**given):
-        *header, command = script("jobs=2")
-        assert {
-            f"#SBATCH {option}"
-            for option in ("-p long", "-A geo", "-t 03:00:00", "--cpus-per-task=4", "--mem=8G")
-        } <= {*header}
-        for part in (
-            "dask_worker tcp://127.0.0.1:",
-            "--nthreads 2 ",
-            "--nworkers 2 ",
-            "--lifetime 170m --lifetime-stagger 5m",
+        for options, directives, number in (
+            ("jobs=2", "-p long|-t 03:00:00|--cpus-per-task=4|--mem=8G", 2),
+            (others, "-p short|-t 00:10:00|--cpus-per-task=3|--mem=2G", 3),
         ):
-            assert part in command
-        *header, command = script("cores=3,memory=2GB,processes=3,queue=short,walltime=00:10:00")
-        assert {
-            f"#SBATCH {option}"
-            for option in ("-p short", "-A geo", "-t 00:10:00", "--cpus-per-task=3", "--mem=2G")
-        } <= {*header}
-        assert "--nworkers 3 " in command
+            *header, command = script(options)
+            wanted = {f"#SBATCH {option}" for option in [*directives.split("|"), *always]}
+            assert wanted | {"module load gcc"} <= {*header}
+            assert "dask_worker tcp://127.0.0.1:" in command
+            assert f"--nworkers {number} " in command
+            assert "--lifetime 170m --lifetime-stagger 5m" in command
 
 
 def test_two_sweeps_at_a_time():

@@ -12,7 +12,7 @@ from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
 from ratestate.errors import StoreError
 from ratestate.files import read
 from ratestate.interfaces.cli.store_report import print_status
-from ratestate.sweeps import inputs, tasks
+from ratestate.sweeps import inputs
 from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.status import store_status
 from ratestate.sweeps.store import NO_RESULT, open_result
@@ -162,7 +162,7 @@ def test_sizes_that_do_not_fit_the_variables(path):
 
 def test_a_changed_byte_is_an_error_and_no_number(path, expected):
     dice = random.Random(13)
-    for file in sorted(one for one in path.glob("[!s]*/c/**/*") if one.is_file()):
+    for file in dice.sample(sorted(one for one in path.glob("[!s]*/c/**/*") if one.is_file()), 20):
         content = file.read_bytes()
         i = dice.randrange(len(content))
         file.write_bytes(content[:i] + bytes([content[i] ^ 2]) + content[i + 1 :])
@@ -259,14 +259,6 @@ def test_other_variables_are_refused(begun, monkeypatch):
     with pytest.raises(StoreError, match=r"\n  ".join(lines)):
         sweep(begun)
     assert files(begun) == before
-
-
-def test_workers_of_another_kind_are_refused(other_origin):
-    expected = inputs.origin("cpu")
-    other_origin(cpu="i386")
-    with pytest.raises(StoreError, match=r"(?s)Use workers of one kind.*i386 now"):
-        tasks.call_on_worker(expected, "cpu", int)
-    assert tasks.call_on_worker({"versions": expected["versions"]}, "cpu", max, 3, 4) == 4
 
 
 # Stores of earlier versions -----------------------------------------------------------------------

@@ -91,7 +91,7 @@ def sweep(
     SolverError
         The cluster is lost, no SLURM job is left, or none starts.
     KeyboardInterrupt
-        The sweep was interrupted; with a store the message says how many cases it holds.
+        The sweep was interrupted; the message says what is stored, and how to go on.
 
     Warns
     -----
@@ -130,11 +130,9 @@ def sweep(
             check_fits(size, f"the results of {call.batch.n:,} cases", "Give a store.")
         if text := undisturbed(name, call):
             warnings.warn(text, RunWarning, stacklevel=2)
-        if store is None:
-            return _in_memory(request)
-        path = _folder(store, backend)
+        path = None if store is None else _folder(store, backend)
         try:
-            return _in_store(request, path)
+            return _in_memory(request) if path is None else _in_store(request, path)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(_interrupted(path)) from None
 
@@ -197,7 +195,6 @@ class Request:
 
 
 def _in_memory(request):
-    """Return the result, assembled from its chunks."""
     form, chunks = request.form, request.divide()
     variables = {name: spec.empty(chunks.sizes) for name, spec in form.specs.items()} | form.static
     for outcome in request.outcomes(chunks, np.zeros(chunks.number, bool)):
@@ -209,7 +206,6 @@ def _in_memory(request):
 
 
 def _in_store(request, path):
-    """Return the result in a store, which is made or resumed."""
     with reading(path):
         exists = path.exists()
     if not exists:
@@ -265,6 +261,8 @@ def _prepare(store, request):
 
 def _interrupted(path):
     """Return what an interrupted sweep has stored, and how to go on, as text."""
+    if path is None:
+        return sentence("interrupted.memory")
     if not path.exists():
         return sentence("interrupted.nothing", path=path)
     try:

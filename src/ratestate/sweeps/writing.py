@@ -92,7 +92,6 @@ def _clear(folder):
 
 
 def _contents(request, chunks):
-    """Return the files of a store without results: key -> bytes."""
     files: dict = {}
     memory = MemoryStore(files)
     with zarr_3_warnings_ignored():

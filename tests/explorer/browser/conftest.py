@@ -16,6 +16,26 @@ DRAWN = """() => { const { asked, drawn } = document.body.dataset;
     return asked && Number(drawn) >= Number(asked) }"""
 NUMBERS = """() => Object.fromEntries([...document.querySelectorAll('#numbers div')].map(
     group => [group.firstChild.textContent, group.lastChild.textContent]))"""
+#: of a canvas, or of a box [x, y, right, down] in it: pixels that are about as a role's colour
+PAINTED = """([canvas, role, box]) => {
+    const c = document.querySelector(canvas), ratio = c.width / c.clientWidth;
+    const color = getComputedStyle(document.documentElement).getPropertyValue(`--${role}`);
+    const wanted = color.match(/[0-9a-f]{2}/g).map(h => parseInt(h, 16));
+    const copy = new OffscreenCanvas(c.width, c.height).getContext('2d');
+    copy.drawImage(c, 0, 0);
+    const part = box ? box.map(px => Math.round(px * ratio)) : [0, 0, c.width, c.height];
+    const { data, width, height } = copy.getImageData(...part);
+    const rows = [];
+    for (let i = 0; i < data.length; i += 4)
+        if (wanted.every((value, k) => Math.abs(data[i + k] - value) < 12))
+            rows.push(Math.floor(i / 4 / width) / height);
+    return { count: rows.length, share: rows.length / (width * height),
+        top: Math.min(...rows), bottom: Math.max(...rows) } }"""
+#: from now on, ids of what moves on the page by itself, perhaps only within some elements
+SHIFTS = """within => { window.shifts = [];
+    new PerformanceObserver(list => shifts.push(...list.getEntries().flatMap(
+        e => e.sources.map(s => s.node && (within ? s.node.closest?.(within)?.id
+            : s.node.id || s.node.nodeName))))).observe({ type: 'layout-shift' }) }"""
 # The headless one starts no browser around the page.
 CHROMIUMS = ("chromium-headless-shell", "chromium", "chromium-browser")
 CHROMIUM = next(filter(None, map(shutil.which, CHROMIUMS)), None)
@@ -32,14 +52,13 @@ charts.SIZES, charts.WINDOW_SIZE = (4, 6), 16
 machine.is_child = True
 main()
 """
-FINE = "from ratestate.interfaces.cli import main; main()"
 
 
 @contextlib.contextmanager
-def serving(port=0, *options, code=COARSE):
+def serving(port=0, *options):
     """An explorer in a process of its own, ended by Ctrl-C."""
     process = subprocess.Popen(
-        [sys.executable, "-c", code, "explore", "--no-browser", "--port", str(port), *options],
+        [sys.executable, "-c", COARSE, "explore", "--no-browser", "--port", str(port), *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -113,6 +132,33 @@ class Shown:
         """Until everything asked for is drawn."""
         self.page.wait_for_function(DRAWN, timeout=120_000)
 
+    def painted(self, canvas, role, box=None):
+        """Return what a canvas has of the colour of a role: see `PAINTED`."""
+        return types.SimpleNamespace(**self.page.evaluate(PAINTED, [canvas, role, box]))
+
+    def watch_shifts(self, within=None):
+        self.page.evaluate(SHIFTS, within)
+
+    @property
+    def shifts(self):
+        """What has moved since; typed text, which has no node for scripts, is left out."""
+        return [what for what in self.page.evaluate("shifts") if what]
+
+    def saved(self, kind, folder=None):
+        """Return the path of a file that a button gives, under its own name in a folder."""
+        with self.page.expect_download() as download:
+            self.page.click(f"#{kind}")
+        if folder is None:
+            return download.value.path()
+        path = folder / download.value.suggested_filename
+        download.value.save_as(path)
+        return path
+
+    def copied_link(self):
+        """Return the fragment of the address that the page copies."""
+        self.page.click("#link")
+        return self.page.evaluate("navigator.clipboard.readText()").partition("#")[2]
+
     def type(self, symbol, text):
         self.page.fill(f"#entry-{symbol}", text)
         self.page.press(f"#entry-{symbol}", "Enter")
@@ -131,7 +177,7 @@ class Shown:
 @pytest.fixture(scope="session")
 def server(tmp_path_factory):
     """With a user's law."""
-    from user_laws import MINE  # pytest finds it, but not latency.py, which is a script
+    from user_laws import MINE
 
     path = tmp_path_factory.mktemp("laws") / "mine.py"
     path.write_text(MINE)

@@ -3,33 +3,20 @@
 import json
 import math
 
-import latency
 import pytest
+from explorer_links import CASES
 
 import ratestate as rs
 from ratestate.paper.parameters import FIG4, FIG6
 from ratestate_explorer import branch
 
-FIG4_LINK, V_LP = latency.CASES["stick-slip"], 1e-5  # m/s
+FIG4_LINK, V_LP = CASES["stick-slip"], 1e-5  # m/s
 #: Fig. 6 under the aging law: K_c is 601.2 and K_fold 602.81 MPa/m
 COEXISTENCE = (
     "a=0.003&b=0.006&Dc=10 um&sigma=2 MPa&M=3000 kg/m^2&V_lp=200 um/s&mu0=0.6&V0=1 nm/s"
     "&law=aging&K={} MPa/m"
 )
 LEFT, RIGHT, TOP, BOTTOM = 64, 12, 8, 40  # margins of a plane
-#: counts pixels of a role's colour in a box about a point of a canvas
-COUNT = """([canvas, role, x, y, right, down]) => {
-    const c = document.querySelector(canvas), ratio = c.width / c.clientWidth;
-    const color = getComputedStyle(document.documentElement).getPropertyValue(`--${role}`).trim();
-    const wanted = color.match(/[0-9a-f]{2}/g).map(h => parseInt(h, 16));
-    const copy = new OffscreenCanvas(c.width, c.height).getContext('2d');
-    copy.drawImage(c, 0, 0);
-    const box = [x, y, right, down].map(px => Math.round(px * ratio));
-    const { data } = copy.getImageData(...box);
-    let count = 0;
-    for (let i = 0; i < data.length; i += 4)
-        if (wanted.every((value, k) => Math.abs(data[i + k] - value) < 12)) count += 1;
-    return count / (box[2] * box[3]) }"""
 READY = """along => (document.querySelector('#branch-canvas').ariaLabel ?? '')
     .includes(`against ${along}.`) && !document.querySelector('#branch-dot').hidden"""
 FINE = """() => [...document.querySelectorAll('#regimes li')].some(
@@ -148,9 +135,9 @@ def test_the_map_has_the_headlines_colour_about_the_dot(show):
     x, y = dot(shown)
     beside = [[x + dx - 1, y - 1, 2, 2] for dx in (-9, 9)]
     for box in beside:
-        assert shown.page.evaluate(COUNT, ["#map-canvas", role, *box]) == 1.0
+        assert shown.painted("#map-canvas", role, box).share == 1.0
     for other in {"steady", "slow", "stick", "harmonic"} - {role}:
-        assert shown.page.evaluate(COUNT, ["#map-canvas", other, *beside[0]]) == 0.0
+        assert shown.painted("#map-canvas", other, beside[0]).count == 0
 
 
 def test_a_slider_beside_a_cycle_lies_in_the_hatched_strip(show):
@@ -168,7 +155,7 @@ def test_a_slider_beside_a_cycle_lies_in_the_hatched_strip(show):
         shown.wait()
         x, y = dot(shown)
         above = [x - 4, y - 35, 8, 20]  # outside the halo
-        hatched[K] = shown.page.evaluate(COUNT, ["#map-canvas", "jump", *above])
+        hatched[K] = shown.painted("#map-canvas", "jump", above).share
     assert [share > 0.05 for share in hatched.values()] == [False, True, True, True, False], hatched
     assert hatched[600.6] == hatched[603.2] == 0.0
 

@@ -4,19 +4,6 @@ import re
 
 from ratestate_explorer.menus import presets
 
-PIXELS = """([chart, role]) => {
-    const ink = getComputedStyle(document.documentElement).getPropertyValue('--' + role);
-    const [r, g, b] = [1, 3, 5].map(i => parseInt(ink.trim().slice(i, i + 2), 16));
-    const canvas = document.querySelector(chart);
-    const copy = new OffscreenCanvas(canvas.width, canvas.height);
-    const context = copy.getContext('2d', { willReadFrequently: true });
-    context.drawImage(canvas, 0, 0);
-    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-    let count = 0;
-    for (let i = 0; i < data.length; i += 4)
-        if (Math.abs(data[i] - r) + Math.abs(data[i + 1] - g) + Math.abs(data[i + 2] - b) < 24)
-            count += 1;
-    return count }"""
 CHARTS = ("#stress-chart canvas", "#speed-chart canvas", "#phase-canvas", "#map-canvas")
 RESTED = "fragment => decodeURIComponent(location.hash).replaceAll('+', ' ').includes(fragment)"
 SHOWS = "speed => document.getElementById('entry-V_lp').value === speed"
@@ -27,7 +14,7 @@ def test_a_pinned_run_stays_on_all_charts(show):
     page = shown.page
 
     def pixels(role):
-        return [page.evaluate(PIXELS, [chart, role]) for chart in CHARTS]
+        return [shown.painted(chart, role).count for chart in CHARTS]
 
     assert pixels("pinned-1") == [0, 0, 0, 0]
     page.click("#pin")

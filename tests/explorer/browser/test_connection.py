@@ -16,6 +16,7 @@ BEGUN = "() => document.querySelector('#task-start').textContent == 'Set the sli
 def test_a_long_text_is_refused_and_the_connection_stays(show):
     shown = show(f"K={'1' * 9000}")
     assert "K has no text of at most 64 characters" in shown.text("#problem-K")
+    assert shown.text("#stale") == "Shown: the last valid values (K = 960 MPa/m); correct K."
     sockets = []
     shown.page.on("websocket", lambda socket: sockets.append(socket.url))
     shown.type("K", "0.96 GPa/m")

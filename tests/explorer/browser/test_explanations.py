@@ -107,9 +107,7 @@ def test_what_has_the_focus_is_explained_until_it_is_changed(show):
 def test_a_finger_taps_a_symbol(show):
     shown = show(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     page = shown.page
-    page.evaluate("""() => { window.shift = 0; new PerformanceObserver(list => {
-        for (const entry of list.getEntries()) window.shift += entry.value })
-        .observe({ type: 'layout-shift' }) }""")
+    shown.watch_shifts()
     page.locator("#numbers [data-meaning=V_min]").tap()
     page.wait_for_selector(VISIBLE)
     assert shown.text(TIP).startswith("V")
@@ -125,7 +123,7 @@ def test_a_finger_taps_a_symbol(show):
     assert page.evaluate("document.activeElement.id") != "entry-alpha"  # and no keyboard opens
     label.tap()
     assert page.is_hidden(TIP)
-    assert page.evaluate("shift") == 0
+    assert shown.shifts == []
 
 
 def test_every_meaning_is_of_what_the_page_names(show):

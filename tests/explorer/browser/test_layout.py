@@ -1,16 +1,14 @@
 """How the page fits its screen, and those who read it otherwise."""
 
 import re
-import sys
 
-import latency
 import pytest
 
 #: fields of every law and form of friction that links need not have
 OF_ALL = ["damping", "alpha"]
 
 
-def test_a_slider_by_keyboard_and_how_long_it_takes(show, record_property):
+def test_a_slider_is_moved_by_keyboard(show):
     shown = show()
     shown.page.focus("#slider-V_lp")
     shown.page.keyboard.press("PageUp")
@@ -21,10 +19,9 @@ def test_a_slider_by_keyboard_and_how_long_it_takes(show, record_property):
     shown.wait()
     second = float(shown.entry("V_lp").split(" ")[0])
     assert second / first == pytest.approx(10**0.005, rel=1e-3)
-    times = latency.measured(shown.page, latency.CASES["stick-slip"], 3)
-    record_property("slider_to_drawn", latency.summary(times))
-    sys.stdout.write(f"slider to drawn: {latency.summary(times)}\n")
-    assert len(times) == 3
+    # (from each movement of a slider to its picture the browser's developer tools show the time)
+    names = "performance.getEntriesByName('slider-to-drawn').length"
+    assert shown.page.evaluate(names) == 2
 
 
 def test_everything_is_reached_by_keyboard_and_has_a_name(show):
@@ -43,18 +40,7 @@ def test_everything_is_reached_by_keyboard_and_has_a_name(show):
         if seen[-1][0] == "volume":
             break
     names = [name for name, *_ in seen]
-    wanted = [
-        "presets",
-        "tasks-open",
-        "link",
-        "scenario",
-        "python",
-        "csv",
-        "svg",
-        "pdf",
-        "png",
-        "page",
-    ]
+    wanted = "presets tasks-open link scenario python csv svg pdf png page".split()
     wanted += ["SPAN", "law", "friction"]  # (of the table of numbers, one that is explained)
     for symbol in ("a", "b", "Dc", "sigma", "M", "K", "V_lp"):
         wanted += [f"entry-{symbol}", f"slider-{symbol}"]
@@ -102,12 +88,7 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
 def test_nothing_moves_but_what_is_moved(show, width, height):
     """While a slider goes through the regimes, with their verdicts, notes and legends."""
     shown = show("V_from=90 um/s", viewport={"width": width, "height": height})
-    shown.page.evaluate(
-        """() => { window.shifts = [];
-        new PerformanceObserver(list => shifts.push(...list.getEntries().flatMap(
-            e => e.sources.map(s => s.node && (s.node.id || s.node.nodeName)))))
-            .observe({ type: 'layout-shift' }) }"""
-    )
+    shown.watch_shifts()
     moves = [("K", "1.1999 GPa/m"), ("K", "2 GPa/m"), ("K", "0.9 GPa/m"), ("M", "0"), ("M", "1e9")]
     for symbol, text in moves:
         shown.type(symbol, text)
@@ -119,13 +100,35 @@ def test_nothing_moves_but_what_is_moved(show, width, height):
     for pace in ("0.25", "4"):
         shown.page.select_option("#playing-speed", pace)
         shown.page.wait_for_timeout(50)
-    # (what is typed, which has no node for scripts, is given its unit)
-    assert [what for what in shown.page.evaluate("shifts") if what] == []
+    assert shown.shifts == []
     if width >= 1151:  # the page is as high as the window
         assert shown.page.evaluate("document.documentElement.scrollHeight") == height
         charts = shown.page.locator("#speed-chart").bounding_box()
         assert charts["height"] > 150
         assert charts["y"] + charts["height"] <= height
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (1024, 768), (1440, 900)])
+def test_a_picture_is_on_the_first_screen_and_in_sight_of_a_slider(show, width, height):
+    shown = show(viewport={"width": width, "height": height})
+    page = shown.page
+
+    def box(selector):
+        found = page.locator(selector).bounding_box()
+        return found["x"], found["y"], found["x"] + found["width"], found["y"] + found["height"]
+
+    assert box("#machine")[3] + 100 <= height  # and so are 100 px of the traces below it
+    assert box("#headline")[3] <= height
+    page.locator("#slider-V_lp").scroll_into_view_if_needed()
+    shown.type("Dc", "banana")
+    page.wait_for_selector("#stale:visible")
+    message = box("#stale")
+    for chart in ("#stress-chart", "#speed-chart"):
+        left, top, right, bottom = box(chart)
+        assert top >= 0
+        apart = message[2] <= left or right <= message[0] or message[1] >= bottom
+        assert apart or message[3] <= top, chart
+    assert box("#machine")[3] + 100 <= height
 
 
 def test_a_finger_that_scrolls_over_a_slider_leaves_it(show):

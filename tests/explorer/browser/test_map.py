@@ -3,8 +3,8 @@
 import math
 import re
 
-import latency
 import pytest
+from explorer_links import CASES
 
 DOT = """() => { const box = document.querySelector('#dot').getBoundingClientRect();
     return [box.x + box.width / 2, box.y + box.height / 2] }"""
@@ -50,7 +50,7 @@ def test_the_dot_is_dragged(show):
 
 
 def test_quick_keys_move_the_dot_all_the_way(show):
-    shown = show(latency.CASES["steady"])
+    shown = show(CASES["steady"])
     speed = float(shown.entry("V_lp").split(" ")[0])
     shown.page.focus("#dot")
     for _ in range(20):
@@ -62,7 +62,7 @@ def test_quick_keys_move_the_dot_all_the_way(show):
         1e3 * speed / 10**0.4, rel=1e-3
     )
     # the atlas comes for any ratio
-    shown.go(latency.CASES["stick-slip"].replace("a=0.005&b=0.008", "a=0.008&b=0.009"))
+    shown.go(CASES["stick-slip"].replace("a=0.005&b=0.008", "a=0.008&b=0.009"))
     shown.page.wait_for_selector("#regimes:not(.waiting) >> text=coarse", timeout=60_000)
     assert shown.text("#banner") == ""
     assert not shown.page.is_visible("#map-note")

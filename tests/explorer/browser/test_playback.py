@@ -1,8 +1,8 @@
 """Playing the run: block and spring, slips in slow motion, one instant on all charts."""
 
-import latency
 import numpy as np
 import pytest
+from explorer_links import CASES
 
 from ratestate_explorer import entries, picture
 from ratestate_explorer.deadline import Deadline
@@ -334,7 +334,7 @@ def test_what_is_pointed_at_is_shown_on_all_charts(show):
 
 
 def test_a_load_point_that_is_held_has_no_arrow(show):
-    shown = show(f"{latency.CASES['steady']}&protocol=0 m/s for 1 s")
+    shown = show(f"{CASES['steady']}&protocol=0 m/s for 1 s")
     page = shown.page
     box = page.locator("#stress-chart .u-over").bounding_box()
     beside = """() => { const c = document.querySelector('#machine');

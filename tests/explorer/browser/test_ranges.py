@@ -2,14 +2,14 @@
 
 import math
 
-import latency
 import pytest
+from explorer_links import CASES
 
 import ratestate as rs
 from ratestate.dynamics.verdict import verdict
 from ratestate.paper.parameters import FIG2, FIG4
 
-AGING = latency.CASES["steady"].replace("law=slip", "law=aging").replace("900 MPa", "601 MPa")
+AGING = CASES["steady"].replace("law=slip", "law=aging").replace("900 MPa", "601 MPa")
 #: middles of the marks and of the thumb's way on a field's slider, and the labels
 MARKS = """field => { const range = document.querySelector(`#slider-${field}`);
     const { left, width } = range.getBoundingClientRect();
@@ -83,7 +83,7 @@ def test_marks_that_are_close_have_one_label_and_it_stays_inside(show):
 
 
 def test_on_which_side_of_K_c_a_slider_stands_is_heard(show):
-    shown = show(latency.CASES["stick-slip"] + "&b=-0.001")
+    shown = show(CASES["stick-slip"] + "&b=-0.001")
     # a negative value has negative ends
     assert ends(shown, "b") == ["-0.0001", "-0.01"]
     shown.page.press("#slider-b", "PageUp")

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import synthetic_records
+from conftest import PAINTED
 
 T = np.arange(0.0, 240.0, 0.2)
 STEP_AT = 100.0  # s, of synthetic_records.STEP
@@ -17,23 +18,6 @@ DROP = """files => { const data = new DataTransfer();
     for (const kind of ['dragover', 'drop'])
         document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: data, bubbles: true,
             cancelable: true })) }"""
-#: pixels of a chart that are about as a colour of the page
-PAINTED = """([chart, role]) => { const hex = getComputedStyle(document.documentElement)
-        .getPropertyValue(`--${role}`).trim();
-    const own = [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16));
-    const canvas = document.querySelector(`${chart} canvas`);
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d');
-    copy.drawImage(canvas, 0, 0);
-    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
-    let count = 0;
-    for (let i = 0; i < data.length; i += 4)
-        if (own.every((x, k) => Math.abs(data[i + k] - x) < 24)) count += 1;
-    return count }"""
-#: from now on, what moves of the panel, of the charts behind which the record lies, of the fields
-SHIFTS = """() => { window.shifts = [];
-    new PerformanceObserver(list => shifts.push(...list.getEntries().flatMap(
-        e => e.sources.map(s => s.node?.closest?.('#record, #traces, #controls')?.id))))
-        .observe({ type: 'layout-shift' }) }"""
 
 
 @pytest.fixture(scope="module")
@@ -90,15 +74,16 @@ def readout(shown, chart, fraction):
 def test_a_record_lies_behind_the_curve(show, text, data):
     shown = show(SLIDER, viewport={"width": 1440, "height": 900})
     page = shown.page
-    page.evaluate(SHIFTS)
-    assert page.evaluate(PAINTED, ["#stress-chart", "record"]) == 0
+    shown.watch_shifts("#record, #traces, #controls")
+    assert shown.painted("#stress-chart canvas", "record").count == 0
     drop(shown, "p1234.csv", text)
     said = "p1234.csv: velocity step 1.00 \u2192 10.0 \u00b5m/s at 5100.0 s"
     assert shown.text("#record-said").startswith(said)
     assert zero(shown) == pytest.approx(5000.0 + STEP_AT, abs=0.05)
     assert "p1234.csv" in shown.text("#readout")
-    page.wait_for_function(f"chart => ({PAINTED})(chart) > 200", arg=["#stress-chart", "record"])
-    assert page.evaluate(PAINTED, ["#speed-chart", "record"]) > 100
+    wanted = f"chart => ({PAINTED})(chart).count > 200"
+    page.wait_for_function(wanted, arg=["#stress-chart canvas", "record"])
+    assert shown.painted("#speed-chart canvas", "record").count > 100
     # its conditions: the speeds, and the normal stress, of the step
     page.click("#record-conditions")
     page.wait_for_function("() => !document.querySelector('#experiment').hidden")
@@ -120,13 +105,13 @@ def test_a_record_lies_behind_the_curve(show, text, data):
     page.uncheck("#record-whole")
     # and none of it
     page.click("#record-remove")
-    assert page.evaluate(PAINTED, ["#stress-chart", "record"]) == 0
+    assert shown.painted("#stress-chart canvas", "record").count == 0
     assert "p1234" not in shown.text("#readout")
     assert page.evaluate("document.activeElement.id") == "record-choose"
     page.keyboard.press("Escape")
     assert not page.is_visible("#record")
     assert page.evaluate("document.activeElement.id") == "record-open"
-    assert [what for what in page.evaluate("shifts") if what] == []
+    assert shown.shifts == []
 
 
 def test_columns_are_chosen(show, data):

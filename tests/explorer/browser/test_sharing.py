@@ -7,23 +7,15 @@ import threading
 import types
 from html import escape
 
-import latency
 import pytest
 from conftest import DRAWN, NUMBERS, Shown
+from explorer_links import CASES
 
 import ratestate as rs
-from ratestate.paper.parameters import FIG2
+from ratestate.paper.parameters import FIG2, FIG4
 
-VIBRATION = latency.CASES["quasi-harmonic"]
+VIBRATION = CASES["quasi-harmonic"]
 MAPPED = "() => document.querySelector('#regimes li:not([hidden])')"
-
-
-def take(shown, kind, folder):
-    with shown.page.expect_download() as download:
-        shown.page.click(f"#{kind}")
-    path = folder / download.value.suggested_filename
-    download.value.save_as(path)
-    return path
 
 
 @contextlib.contextmanager
@@ -55,8 +47,8 @@ def taken(browser, server, tmp_path_factory):
     shown.page.wait_for_function(MAPPED)
     folder = tmp_path_factory.mktemp("taken")
     yield types.SimpleNamespace(
-        page=take(shown, "page", folder),
-        svg=take(shown, "svg", folder),
+        page=shown.saved("page", folder),
+        svg=shown.saved("svg", folder),
         headline=shown.text("#headline"),
         numbers=shown.numbers,
     )
@@ -151,3 +143,39 @@ def test_a_saved_page_may_be_a_frames_source(browser, taken, tmp_path):
     text = escape(taken.page.read_text())
     html = f'<iframe srcdoc="{text}" width="900" height="860"></iframe>'
     assert framed(browser, tmp_path, html).startswith("Quasi-harmonic vibration at 50.59")
+
+
+def test_each_frame_undoes_its_own_changes(browser, tmp_path):
+    pages = [rs.explore(FIG4.replace(K=K), 1e-4) for K in (5e8, 6e8)]
+    (tmp_path / "index.html").write_text("".join(page._repr_html_() for page in pages))
+    drawn = "K => document.querySelector('#entry-K')?.value.startsWith(K)"
+    settled = f"K => decodeURIComponent(location.hash).includes(`K=${{K}}`) && ({drawn})(K)"
+    with served(tmp_path) as address, contextlib.closing(browser.new_context()) as context:
+        page = context.new_page()
+        page.goto(address)
+        first, second = page.frames[1:]
+        for frame, K in ((first, "500"), (second, "600")):
+            frame.wait_for_function(drawn, arg=K, timeout=120_000)
+
+        def change(frame, K):
+            frame.fill("#entry-K", f"{K} MPa/m")
+            frame.press("#entry-K", "Enter")
+            frame.wait_for_function(settled, arg=K)
+
+        for frame, K in ((first, "510"), (second, "610"), (first, "520")):
+            change(frame, K)
+        first.click("#undo")
+        first.wait_for_function(settled, arg="510")
+        second.click("#undo")
+        second.wait_for_function(settled, arg="600")
+        assert first.input_value("#entry-K") == "510 MPa/m"
+        assert (second.is_disabled("#undo"), second.is_disabled("#redo")) == (True, False)
+        first.click("#redo")
+        first.wait_for_function(settled, arg="520")
+        assert first.is_disabled("#redo")
+        for K in ("510", "500"):
+            first.click("#undo")
+            first.wait_for_function(settled, arg=K)
+        change(first, "530")  # another future
+        assert first.is_disabled("#redo")
+    pages[0].close()

@@ -1,11 +1,15 @@
-"""A laboratory record dropped on the page: what is drawn, and what a person can choose."""
+"""A laboratory record dropped on the page: taken into memory, read, answered, forgotten."""
 
+import asyncio
+import contextlib
 import io
 import json
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
+from starlette.requests import ClientDisconnect
+from starlette.responses import Response
 
 import ratestate as rs
 
@@ -13,8 +17,10 @@ from . import wire
 from .picture import decimated
 from .state import with_unit
 
+#: bytes of a file, and seconds in which it must be here
+LARGEST, SECONDS = 50_000_000, 60.0
 #: seconds that the reading may take
-SECONDS = 60.0
+READING_SECONDS = 60.0
 LONGEST = 255  # characters of a file's name
 #: table of an error's sentence -> what helps on the page, in place of an argument of `read_lab`
 REMEDIES = {
@@ -25,6 +31,99 @@ REMEDIES = {
     "rows": "Give the times from which and to which it is read, below, or mend the file.",
     "segments": "Give the times from which and to which it is read, below.",
 }
+
+
+class Refused(Exception):
+    """A file that is not read; status: that of the answer."""
+
+    def __init__(self, status, problem):
+        super().__init__(problem)
+        self.status = status
+
+
+async def take_record(request):
+    """Answer a POST of a file, whose query has `page`, `name` and perhaps `choices`.
+
+    ``page`` is the token that the page was greeted with; ``choices`` is a JSON object.  Of a page's
+    files the newest is read: an earlier one, and that of a page that has gone, is given up.
+    """
+    try:
+        session = _session(request)
+        choices = choices_of(request.query_params.get("choices", "{}"))
+        _check_length(request)
+        stop = session.begin_record()
+        contents = await _contents(request, stop)
+    except Refused as refused:
+        return _response(wire.answer(None, "record", problem=str(refused)), refused.status)
+    except wire.BadQuestion as error:
+        return _response(wire.answer(None, "record", problem=str(error)), 400)
+    except ClientDisconnect:
+        return Response(status_code=400)
+    name = request.query_params.get("name", "")
+    work = asyncio.get_running_loop().run_in_executor(
+        session.shared.record_pool, answer_record, name, contents, choices, stop
+    )
+    del contents
+    return _response(await _unless_gone(request, work, stop), 200)
+
+
+def _session(request):
+    page = request.query_params.get("page", "")
+    for session in request.app.state.shared.sessions:
+        if session.token == page:
+            return session
+    raise Refused(403, "this page is not connected to ratestate; wait until it is, and try again")
+
+
+def _check_length(request):
+    length = request.headers.get("content-length", "0")
+    if not length.isdecimal() or int(length[:20]) > LARGEST:
+        raise Refused(413, too_large())
+
+
+async def _contents(request, stop):
+    """Return the bytes of the file; Refused if it is not wanted any more."""
+    contents = bytearray()
+    try:
+        async with asyncio.timeout(SECONDS):
+            async for chunk in request.stream():
+                contents += chunk
+                if stop.is_set():
+                    raise Refused(409, "another file was sent after this one, or its page has gone")
+                if len(contents) > LARGEST:
+                    raise Refused(413, too_large())
+    except TimeoutError:
+        raise Refused(408, f"the file did not arrive within {SECONDS:g} s; try again") from None
+    return bytes(contents)
+
+
+def too_large():
+    """Return the message for a file that is too large."""
+    return (
+        f"the file is larger than the {LARGEST / 1e6:g} MB that the page takes; leave out what is "
+        f"not of interest, or take every tenth row; read_lab in Python has no such limit"
+    )
+
+
+async def _unless_gone(request, work, stop):
+    """Return the result of work, which is stopped if the page does not wait for it any more."""
+
+    async def gone():
+        while (await request.receive())["type"] != "http.disconnect":
+            pass
+        stop.set()
+
+    watch = asyncio.create_task(gone())
+    try:
+        return await work
+    finally:
+        watch.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await watch
+
+
+def _response(message, status):
+    return Response(message, status, media_type="application/octet-stream")
 
 
 class Choices(BaseModel, extra="forbid", strict=True):
@@ -54,7 +153,7 @@ def answer_record(name, contents, choices, stop):
     """
     file = io.BytesIO(contents)
     file.name = name = name[-LONGEST:] or "the file"
-    found = rs.lab.try_reading(file, choices, seconds=SECONDS, stop=stop)
+    found = rs.lab.try_reading(file, choices, seconds=READING_SECONDS, stop=stop)
     header = {"name": name, "columns": found.columns, "chosen": found.chosen}
     header["quantities"] = quantities()
     if found.error is not None:
