@@ -105,25 +105,6 @@ def test_two_states_over_one_distance_are_one(kind, part):
     np.testing.assert_allclose(two.theta, two.theta2, rtol=1e-9)
 
 
-def test_without_stress_weakening_the_law_of_nagata_is_the_aging_law():
-    loading, times = rs.Loading.steps(V / 3, (0.01, V)), np.linspace(0.0, 0.3, 31)
-    runs = [
-        rs.simulate(one, loading, 0.3, times=times, rtol=1e-11)
-        for one in (slider("nagata", c=0.0, K=6e8), slider("aging", K=6e8))
-    ]
-    for name in ("tau", "V", "theta", "mu"):
-        np.testing.assert_allclose(runs[0][name], runs[1][name], rtol=1e-12, err_msg=name)
-
-
-def test_far_above_its_speed_the_law_of_kato_and_tullis_is_the_slip_law():
-    loading = rs.Loading.steps(V / 3, (0.01, V))
-    one, two = (
-        rs.simulate(case, loading, 0.3, times=[0.1, 0.3], rtol=1e-10)
-        for case in (slider("kato-tullis", V_cut=V / 3e3, K=6e8), slider("slip", K=6e8))
-    )
-    np.testing.assert_allclose(one.tau, two.tau, rtol=1e-12)
-
-
 @NAMES
 def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
     """By central differences, on sliders with mass."""

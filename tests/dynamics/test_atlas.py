@@ -146,7 +146,7 @@ def charts():
 
 
 @LAWS
-def test_contract(charts, law, tmp_path):
+def test_contract(charts, law):
     data = charts(law)
     whole = ["amplitude_over_a", "slip_per_cycle", "frequency_over_f_n", "V_max_over_V_lp"]
     whole += ["inertia", "fundamental", "slow_fraction", "agree", "regime", "status"]
@@ -162,9 +162,6 @@ def test_contract(charts, law, tmp_path):
     assert [name.replace("_", " ") for name in meanings] == list(REGIMES)
     assert data.b_over_a == 2.0
     assert data.attrs["law"] == law
-    data.to_netcdf(tmp_path / "atlas.nc", engine="h5netcdf")
-    with xr.open_dataset(tmp_path / "atlas.nc", engine="h5netcdf") as back:
-        xr.testing.assert_equal(data, back.load())
 
 
 @LAWS

@@ -174,24 +174,6 @@ def test_without_mass_it_runs_through_an_instability():
     assert fastest[0] < fastest[1] < fastest[2] < 0.05  # the stress drop over damping, at most
 
 
-def test_the_smallest_margin_of_reversal_is_that_of_friction():
-    """tau/sigma + mu, of which the dashpot is no part, in a run and for K = inf."""
-    loading = rs.Loading.series([0.0, 0.1, 0.2], [1e-3, 3e-2, 1e-3])
-    for slider in (DAMPED, DAMPED.replace(K=math.inf)):
-        run = rs.simulate(slider, loading, 0.2, rtol=1e-9)
-        both = run.tau / slider.sigma + run.mu
-        assert float(run.mu_min) == pytest.approx(float(run.mu.min()), abs=2e-6)
-        assert float(run.reversal_margin) == pytest.approx(float(both.min()), abs=2e-6)
-        assert float(run.reversal_margin) != pytest.approx(2 * float(run.mu_min), abs=1e-5)
-
-
-def test_where_the_slider_moves_with_its_load_point_the_spring_holds_both():
-    slider = DAMPED.replace(K=math.inf)
-    run = rs.simulate(slider, rs.Loading.steps(1e-3, (0.05, 4e-3)), 0.1, times=[0.01, 0.09])
-    np.testing.assert_allclose(run.tau, 2e6 * run.mu + 5e4 * run.V, rtol=1e-13)
-    np.testing.assert_allclose(run.V, [1e-3, 4e-3], rtol=1e-15)
-
-
 def test_a_start_without_mass_balances_both():
     slider = DAMPED.replace(M=0.0)
     loading, theta = rs.Loading.constant(1e-3), 1e-2

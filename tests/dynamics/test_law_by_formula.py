@@ -79,22 +79,6 @@ def test_cycles_large_and_small(pair, m, law):
         )
 
 
-@LIKE
-def test_a_branch(pair, m, law):
-    own, its = pair(m, law)
-    K_c = float(its.K_c(V))
-    one, other = (rs.continue_cycle(x, "K", 0.9 * K_c, 0.7 * K_c, V_lp=V) for x in (own, its))
-    ends = [float(x.amplitude[-1]) for x in (one, other)]
-    assert ends[0] == pytest.approx(ends[1], rel=1e-6)
-
-
-@LIKE
-def test_the_frequency_response(pair, m, law):
-    own, its = pair(m, law, K=2e9)
-    frequencies = [0.1, 3.0, 80.0]
-    assert_same(*(rs.frequency_response(x, V, frequencies) for x in (own, its)))
-
-
 @pytest.mark.parametrize(("m", "law"), [(2.0, "prz")])
 def test_a_fit(pair, m, law):
     """With the exponent held; freed, it is found."""

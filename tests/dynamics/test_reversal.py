@@ -210,19 +210,6 @@ def test_a_case_in_a_lane_has_the_bits_of_the_same_alone():
             assert float(alone[name]) == float(cycles[name][0])
 
 
-def test_a_rigid_spring_is_the_limit_of_a_stiff_one():
-    loading = rs.Loading.series([0.0, 0.05, 0.05, 0.1, 0.3], [1e-4, 1e-4, 1e-3, 3e-3, 3e-3])
-    times = [0.02, 0.06, 0.08, 0.12, 0.3]
-    stiff, rigid = (
-        rs.simulate(SWINGING.replace(K=K, M=0.0), loading, 0.3, times=times, rtol=1e-9)
-        for K in (1e14, np.inf)
-    )
-    for name in ("V", "mu", "theta"):
-        np.testing.assert_allclose(rigid[name], stiff[name], rtol=2e-5, err_msg=name)
-    for name in ("V_max", "V_min", "mu_min"):
-        assert float(rigid[name]) == pytest.approx(float(stiff[name]), rel=2e-5)
-
-
 @pytest.mark.parametrize("M", [2.94e8, 1.1e9])
 def test_friction_keeps_its_digits_where_it_is_nearly_0(M):
     """mu falls to 1e-10 at V_lp and beyond; then the slider slides back.  By SciPy."""

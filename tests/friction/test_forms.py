@@ -45,17 +45,6 @@ def regularized_parameters(law, rng):
 RANDOM_PARAMETERS = {"cut-off": cut_off_parameters, "regularized": regularized_parameters}
 
 
-def at_random(name, form, seed):
-    """Return a law with a form of friction, a random state v, psi, and coefficients p."""
-    rng = np.random.default_rng(seed)
-    parameters, V = RANDOM_PARAMETERS[form](name, rng)
-    law = composed(LAWS[name], form)
-    parameters.pop("friction", None)
-    values = {symbol: np.array([x]) for symbol, x in parameters.items()}
-    p = tuple(float(x[0]) for x in law.coefficient_arrays(V, values))
-    return law, 3.0 * rng.normal(), tuple(3.0 * rng.normal(size=len(law.states))), p
-
-
 @pytest.mark.parametrize(
     ("law", "form"), [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
 )
@@ -178,17 +167,6 @@ def test_far_from_the_cut_offs_friction_is_eq_1_with_another_mu0():
     runs = [rs.simulate(s, loading, 0.5, times=[0.2, 0.5], rtol=1e-10) for s in (slider, plain)]
     for name in ("tau", "V", "mu"):
         np.testing.assert_allclose(runs[0][name], runs[1][name], rtol=1e-6, err_msg=name)
-
-
-def test_without_mass_only_damping_prevents_runaway_beyond_the_cut_off():
-    """The direct effect vanishes: with damping the slider slips on, else the run ends."""
-    slider, loading = CUT.replace(M=0.0, K=1e8), rs.Loading.constant(1e-3)
-    with pytest.raises(rs.QuasiStaticInstability):
-        rs.simulate(slider, loading, 5.0, V_start=5e-4)
-    run = rs.simulate(slider.replace(damping=1e4), loading, 5.0, V_start=5e-4)
-    assert int(run.status) == 0
-    assert float(run.V_max) > 0.1
-    assert abs(float(run.energy_residual)) < 1e-5
 
 
 def test_the_slider_keeps_its_form(tmp_path):

@@ -306,11 +306,6 @@ def test_errors_of_speeds():
         assert off.max() > 1e-7, name
 
 
-def test_a_branch_does_not_begin_with_a_doubled_cycle():
-    with pytest.raises(rs.NotConverged, match=r"closes after 2 returns \(period doubling\)"):
-        rs.continue_cycle(BESIDE, "V_lp", V_LP, 9e-3)
-
-
 def test_verdict_tells_of_the_doubling():
     said = verdict(BESIDE, V_LP)
     assert said.returns == 2
@@ -376,19 +371,6 @@ def test_doublings_come_closer_by_feigenbaums_number():
     assert (first[1::2] < 1.0).all()
     gaps = -np.diff(edges)
     np.testing.assert_allclose(gaps[:-1] / gaps[1:], [5.60, 4.79], atol=0.05)
-
-
-def test_chaos_of_two_states_is_no_cycle():
-    """A run counts none, and two that start next to each other part."""
-    slider, end = two_states(0.853), 60 * 145.0
-    starts = xr.DataArray([TWO_V / 1.3, TWO_V / 1.3 * (1.0 + 1e-8)], dims="V_start")
-    times = np.linspace(0.0, end, 31)
-    loading = rs.Loading.constant(TWO_V)
-    runs = rs.simulate(slider, loading, end, V_start=starts, times=times, rtol=1e-11)
-    assert (runs.returns == 0).all()
-    apart = np.abs(np.diff(runs.tau, axis=0))[0] / (TWO["a"] * TWO["sigma"])
-    assert apart[1:4].max() < 1e-5
-    assert apart[-8:].max() > 1e-3
 
 
 def test_the_start_decides_between_a_cycle_and_runaway():

@@ -155,22 +155,6 @@ def test_settles_where_the_orbit_goes(law):
     np.testing.assert_allclose(returns.image[:, 0], attractors.u[cycle][:, 0], rtol=1e-7)
 
 
-def test_leaps_pass_no_fixed_point():
-    """Aging law just above K_c: a stable cycle, and inside an unstable one that guards sliding.
-
-    From V_lp/10 some sliders come to rest on the cycle, others spiral in; the orbit is the judge.
-    """
-    beta, eta = 2.0, 0.05
-    above = np.array([0.001, 0.003, 0.005, 0.0054, 0.0065, 0.009, 0.02])
-    system = make_system("aging", (beta - 1) * (1 + eta) * (1 + above), beta, eta)
-    attractors = find_attractors(system, steady_start(system), 1e-8, None)
-    end = follow(system, 600)
-    cycle = np.hypot(*end.T) > 0.1
-    assert {FINISHED, STEADY_SLIDING} == set(attractors.status.tolist())
-    np.testing.assert_array_equal(attractors.status == FINISHED, cycle)
-    np.testing.assert_allclose(attractors.u[cycle, 0], end[cycle, 0], rtol=1e-6)
-
-
 @pytest.mark.parametrize(
     ("multiplier", "fixed_point", "expected"),
     [

@@ -111,20 +111,6 @@ def test_both_sides_of_a_jump_are_stored(steps):
     assert np.nextafter(1.0, 0.0) not in ramp.time
 
 
-def test_two_states_over_one_distance_are_one():
-    loading = rs.Loading.series([0, 0.01, 0.02, 0.02, 0.05], [1e-4, 3e-6, 2e-3, 1e-5, 1e-5])
-    common = {"a": 0.003, "Dc": 1e-6, "sigma": 2e6, "K": np.inf, "M": 3e3}
-    one = rs.SpringSlider(**common, b=0.006)
-    two = rs.SpringSlider(**common, b=0.004, b2=0.002, Dc2=1e-6, law="two-state-slip")
-    times = np.linspace(0.0, 0.05, 101)
-    single, found = (
-        rs.simulate(slider, loading, 0.05, V_start=3e-4, times=times) for slider in (one, two)
-    )
-    for name in ("theta", "theta2"):
-        np.testing.assert_allclose(np.log(found[name] / single.theta), 0.0, atol=2e-11)
-    np.testing.assert_allclose(found.mu_min, single.mu_min, rtol=1e-11)
-
-
 def test_a_record_of_normal_stress():
     """Against the integral of the linear equation that the state of the slip law obeys."""
     rng, n, Dc, alpha, b = np.random.default_rng(4), 400, 1e-5, 0.3, 0.006
