@@ -11,7 +11,6 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from load_step import load_step
 from scipy.optimize import minimize_scalar
 from synthetic_records import record
 from textbook import Textbook, drawn
@@ -31,8 +30,6 @@ from ratestate.friction.linear_stability import stability_margin
 from ratestate.interfaces import scenario
 from ratestate.records.fitting import slider_of
 
-THREE = pytest.mark.parametrize("law", ["aging", "two-state-slip", "nagata"])
-RTOL = 1e-6
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8)
 DAMPED = FIG2.replace(damping=5e4)
 
@@ -47,18 +44,6 @@ def heavy(law, rng):
 def K_c(V, *, a, b, Dc, sigma, M, damping, **_):
     """In closed form, for laws of one length."""
     return (sigma * (b - a) - damping * V) / Dc * (1 + M * V**2 / (Dc * (a * sigma + damping * V)))
-
-
-@pytest.mark.parametrize("mass", [True, False])
-@pytest.mark.parametrize("law", ["slip", "nagata"])
-def test_a_step_is_that_of_the_textbook(law, mass):
-    """By SciPy; without mass through what would be an instability without damping."""
-    parameters, V = heavy(law, np.random.default_rng(8))
-    parameters |= {} if mass else {"M": 0.0, "K": 0.4 * parameters["K"]}
-    simulate, times, twin, exact = load_step(law, parameters, V)
-    run = simulate(times=times, rtol=RTOL)
-    assert twin.differs(run, exact) < 100 * RTOL
-    assert abs(float(run.energy_residual)) < 10 * RTOL
 
 
 @settings(max_examples=25)
@@ -107,48 +92,6 @@ def critical_speeds(s):
     rises = [V for V in edges if K_c(V * 0.999, **s.values) < s.K < K_c(V * 1.001, **s.values)]
     lower = 0.0 if k < B else rises[0] if rises else math.inf
     return lower, next((V for V in falls if lower < V), math.inf)
-
-
-@THREE
-def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
-    rng = np.random.default_rng(9)
-    for _ in range(4):
-        parameters, V = heavy(law, rng)
-        twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
-        exact = np.linalg.eigvals(twin.jacobian(twin.steady(V), V))
-        for value in rs.stability(case, V).eigenvalues.values:
-            near = exact[np.argmin(np.abs(exact - value))]
-            assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * np.abs(exact).max()
-
-
-@pytest.mark.parametrize("M", [3e3, 0.0])
-def test_a_cycle_is_that_of_a_long_run(M):
-    slider = DAMPED.replace(M=M)
-    V = 1e-3
-    cycle = rs.limit_cycle(slider, V, rtol=1e-8)
-    assert int(cycle.status) == 0
-    run = rs.simulate(
-        slider, rs.Loading.constant(V), 40 * float(cycle.period), rtol=1e-10, V_start=V / 2
-    )
-    assert float(run.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-6)
-    assert float(run.frequency) == pytest.approx(float(cycle.frequency), rel=1e-6)
-    assert float(cycle.V_max) == pytest.approx(
-        float(run.V[run.time > 20 * cycle.period].max()), rel=1e-2
-    )
-    assert len(cycle.multipliers) == 2
-
-
-def test_cycles_begin_at_the_hopf_point_as_its_normal_form_says():
-    V, slider = 1e-3, DAMPED
-    hopf = rs.hopf(slider, V)
-    K = float(hopf.K_c)
-    assert slider.K_c(V) == pytest.approx(K, rel=1e-12)
-    assert str(hopf.type.values) == "supercritical"
-    for below in (1e-4, 1e-5):
-        cycle = rs.limit_cycle(slider.replace(K=K * (1 - below)), V, rtol=1e-8)
-        expected = float(hopf.amplitude_coefficient) * math.sqrt(below)
-        assert float(cycle.amplitude) == pytest.approx(expected, rel=30 * below)
-        assert float(cycle.frequency) == pytest.approx(float(hopf.frequency), rel=30 * below)
 
 
 def test_a_branch_along_damping_ends_where_it_makes_sliding_stable():
