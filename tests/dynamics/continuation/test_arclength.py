@@ -9,8 +9,6 @@ from scipy.optimize import brentq
 from ratestate.dynamics.continuation import arclength
 from ratestate.dynamics.continuation.bifurcations import (
     FixedPointProblem,
-    fixed_point,
-    locate,
     without_noise,
 )
 
@@ -134,15 +132,6 @@ def test_fold():
         assert 1e-11 < point.error <= 1e-8  # the noise that is assumed, at least
     near = np.abs(u) < 0.5  # the curve turns by 90 degrees here
     assert 10 < near.sum() < 40
-
-
-@pytest.mark.parametrize("stop", [1.0, -0.5])
-def test_exactly_at_stop(stop):
-    branch = follow(cubic, [1.5], 1.875, stop=stop, scale=[1.0], tol=1e-10)
-    expected = max(np.roots([1, 0, -1, -stop]).real) if stop == 1.0 else -1.1914878839
-    assert branch.end == specials(branch)[-1] == "stop"
-    assert branch.points[-1].p == stop
-    assert branch.points[-1].u[0] == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("start", [0.0, 0.3, -0.9])
@@ -459,29 +448,6 @@ def test_a_branch_that_breaks_off(slope):
     assert branch.end == "no convergence"
     assert 0.5 - 1e-4 < branch.points[-1].p < 0.5
     assert branch.points[-1].u[0] == pytest.approx(2 * slope * branch.points[-1].p, abs=1e-8)
-
-
-@pytest.mark.parametrize("upside_down", [False, True])
-def test_a_special_point_is_located_fast_where_its_test_is_steep(upside_down):
-    """Plain false position needs over a hundred trials of u^9 - 1 on 0.1 to 2, Illinois 22."""
-    problem = FixedPointProblem(
-        line(lambda u, p: 0.5 * (u + p), lambda u, p: 0 * u + 0.5), 1.0, 1e-9, EXACT
-    )
-    constant_p, along, trials = np.array([0.0, 1.0]), np.ones(2), []
-    ends = [
-        fixed_point(
-            problem, np.array([p, p]), constant_p, along, problem.weights(np.array([p])), 1e-12
-        )
-        for p in (0.1, 2.0)
-    ]
-
-    def test(point):
-        trials.append(point.p)
-        return (point.p**9 - 1.0) if not upside_down else 1.0 - (2.1 - point.p) ** 9
-
-    found = locate(problem, *ends, test, problem.weights(np.array([0.1])))
-    assert found.p == pytest.approx(1.1 if upside_down else 1.0, abs=1e-12)
-    assert len(trials) < 40
 
 
 def test_limits_of_steps_and_points(monkeypatch):

@@ -19,7 +19,6 @@ STRIP = FIG2.replace(K=6.06e8, law="aging")
 FOLD = 3.298416815e-4
 # Slip law, b/a = 12.1: period doublings at 2.576e-3 and 8.775e-3 m/s
 WILD = FIG2.replace(b=0.0363, K=1.06 * 0.0333 * 2e6 / 1e-5)
-LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 #: parameter -> (start, stop, V_lp, and the slider's K)
 ACROSS = {
     "V_lp": (5e-3, 1e-4, None, 6.06e8),
@@ -173,26 +172,6 @@ def test_ends_and_specials(parameter, law):
     assert second.V_max / V == pytest.approx(1, abs=0.05)
 
 
-@LAWS
-@pytest.mark.parametrize("parameter", ["V_lp", "K"])
-def test_small_cycles_grow_as_hopf_says(parameter, law):
-    """amplitude_coefficient sqrt(|p/p_c - 1|), on its side, and beside it by the amplitude^2."""
-    branch, slider, V_lp = across(parameter, law)
-    hopf = rs.hopf(slider) if parameter == "V_lp" else rs.hopf(slider, V_lp=V_lp)
-    assert branch.special[-1 if parameter == "V_lp" else 0] == "hopf"
-    r = np.log(branch.V_max / branch.V_min) / 2
-    near = branch.isel(point=(r > 0) & (r < 0.15))
-    distance = near[parameter] / float(hopf.V_c if parameter == "V_lp" else hopf.K_c) - 1
-    unstable_side = 1 if parameter == "V_lp" else -1
-    cycles_side = unstable_side if law == "slip" else -unstable_side
-    assert (np.sign(distance) == cycles_side).all()
-    assert (near.stable == (law == "slip")).all()
-    ratio = near.amplitude / hopf.amplitude_coefficient / np.sqrt(np.abs(distance))
-    r = r[(r > 0) & (r < 0.15)]
-    assert r.min() < 0.05 < 0.1 < r.max()
-    assert (np.abs(ratio - 1) < 0.6 * r**2 + 1e-5).all()
-
-
 @SIDES
 def test_multipliers_and_the_divergence(parameter, law):
     """Their product is exp(-(period + integral of exp(-v)/eta)), between two closed forms.
@@ -244,22 +223,6 @@ def test_fold():
     assert cycles.status.values.tolist() == [1, 0]
     # amplitude - that of the fold ~ sqrt(distance)
     assert float(cycles.amplitude[1] / fold.amplitude) == pytest.approx(1, abs=0.02)
-
-
-@pytest.mark.parametrize("parameter", ["K", "M"])
-def test_the_same_fold_whatever_leads_to_it(parameter):
-    """A fold is a place in (K, eta, b/a): a branch in any other parameter turns there too."""
-    branch, slider, V_lp = across(parameter, "aging")
-    if parameter == "M":  # supercritical in that branch
-        slider, V_lp = STRIP, FOLD
-        branch = continue_cycle(slider, "M", 4e3, 1e3, V_lp=V_lp)
-        assert float(special(branch, "fold").M) == pytest.approx(3e3, rel=1e-7)
-    fold = special(branch, "fold")
-    there = slider.replace(**{parameter: float(fold[parameter])})
-    other = special(continue_cycle(there, "V_lp", 1.5 * V_lp, 0.5 * V_lp), "fold")
-    assert float(other.V_lp) == pytest.approx(V_lp, rel=3e-7)
-    for name in ("amplitude", "period"):
-        assert float(other[name]) == pytest.approx(float(fold[name]), rel=1e-4), name
 
 
 def test_unstable_cycles_against_scipy():
@@ -384,11 +347,11 @@ def test_stop_out_of_reach(monkeypatch):
     for name, length in (("FIRST", 0.12), ("SMALLEST", 0.03), ("LARGEST", 0.12)):
         monkeypatch.setattr(arclength, f"{name}_STEP", length)
     with pytest.raises(NotConverged, match=r"before it gets to 1e-30 \(no convergence\)") as caught:
-        continue_cycle(FIG2, "Dc", 1e-18, 1e-30, V_lp=1e-2)
+        continue_cycle(FIG2, "Dc", 2e-19, 1e-30, V_lp=1e-2)
     best = caught.value.best
     assert specials(best) == ["start"]
-    assert 1e-30 < float(best.Dc[-1]) < 1e-18
-    assert best.Dc[0] == 1e-18
+    assert 1e-30 < float(best.Dc[-1]) < 2e-19
+    assert best.Dc[0] == 2e-19
     assert f"Dc = {float(best.Dc[-1]):.6g}" in str(caught.value)
     assert list(best.data_vars) == names
     assert json.loads(best.attrs["scenario"])["V_lp"] == 1e-2
