@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from load_step import load_step
-from textbook import OF_LAW, Textbook, drawn
+from textbook import OF_LAW, Textbook, drawn, drawn_of_form
 
 import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import orbit
 from ratestate.friction import normal_form
+from ratestate.friction.composition import forms_of
 from ratestate.friction.laws import LAWS, one_length_laws
 from ratestate.friction.linear_stability import linearisation
 
@@ -20,6 +21,9 @@ RTOL = 1e-6
 #: close to the edge of stability under each law, and driven at V
 COMMON = {"a": 0.003, "b": 0.005, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 3e8}
 V = 1e-3
+DAMPED, CUT_OFF = {"damping": 5e4}, {"friction": "cut-off", "V1": 1e-2, "V2": 1.0}
+ONE_OF_EACH_KIND = [("aging", {}), ("two-state-slip", {}), ("nagata", {}), ("slip", DAMPED)]
+MASSLESS = ("slip", DAMPED | {"M": 0.0})
 
 
 def slider(law, **changes):
@@ -32,15 +36,20 @@ def together(parameters):
 
 
 @pytest.mark.parametrize(
-    ("law", "mass"),
+    ("law", "form", "damped", "mass"),
     # (under flash heating slip reverses: test_reversal.py)
-    [(law, True) for law in LAWS if law != "flash-heating"]
-    + [(law, False) for law in ("prz", "nagata", "two-state-aging")],
+    [(law, "log", False, True) for law in LAWS if law != "flash-heating"]
+    + [(law, "log", False, False) for law in ("prz", "nagata", "two-state-aging")]
+    + [(law, "log", True, mass) for law in ("slip", "nagata") for mass in (True, False)]
+    + [("slip", "cut-off", False, True), ("slip", "cut-off", True, False)],
 )
-def test_a_step_is_that_of_the_textbook(law, mass):
-    """By SciPy, in other variables: a step of the load point by a factor of 3."""
-    parameters, V = drawn(law, np.random.default_rng(8))
-    parameters |= {} if mass else {"M": 0.0, "K": 3.0 * parameters["K"]}
+def test_a_step_is_that_of_the_textbook(law, form, damped, mass):
+    """By SciPy, in other variables: a step of the load point by a factor of 3.
+
+    With damping and without mass, it leads through what would be an instability.
+    """
+    parameters, V = drawn_of_form(law, np.random.default_rng(8), form, damped)
+    parameters |= {} if mass else {"M": 0.0, "K": (0.4 if damped else 3.0) * parameters["K"]}
     simulate, times, twin, exact = load_step(law, parameters, V)
     run = simulate(times=times, rtol=RTOL)
     assert twin.differs(run, exact) < 100 * RTOL
@@ -105,41 +114,27 @@ def test_two_states_over_one_distance_are_one(kind, part):
     np.testing.assert_allclose(two.theta, two.theta2, rtol=1e-9)
 
 
-def test_without_stress_weakening_the_law_of_nagata_is_the_aging_law():
-    loading, times = rs.Loading.steps(V / 3, (0.01, V)), np.linspace(0.0, 0.3, 31)
-    runs = [
-        rs.simulate(one, loading, 0.3, times=times, rtol=1e-11)
-        for one in (slider("nagata", c=0.0, K=6e8), slider("aging", K=6e8))
-    ]
-    for name in ("tau", "V", "theta", "mu"):
-        np.testing.assert_allclose(runs[0][name], runs[1][name], rtol=1e-12, err_msg=name)
-
-
-def test_far_above_its_speed_the_law_of_kato_and_tullis_is_the_slip_law():
-    loading = rs.Loading.steps(V / 3, (0.01, V))
-    one, two = (
-        rs.simulate(case, loading, 0.3, times=[0.1, 0.3], rtol=1e-10)
-        for case in (slider("kato-tullis", V_cut=V / 3e3, K=6e8), slider("slip", K=6e8))
-    )
-    np.testing.assert_allclose(one.tau, two.tau, rtol=1e-12)
-
-
-@NAMES
-def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
-    """By central differences, on sliders with mass."""
+@pytest.mark.parametrize(
+    ("law", "form"), [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
+)
+@pytest.mark.parametrize("damped", [False, True])
+def test_eigenvalues_are_those_of_the_textbooks_jacobian(law, form, damped):
+    """By central differences, on sliders with mass; on both sides of K_c."""
     rng = np.random.default_rng(9)
-    for _ in range(6):
-        parameters, V = drawn(law, rng)
+    for _ in range(3):
+        parameters, V = drawn_of_form(law, rng, form, damped)
         twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
-        y = twin.steady(V)
-        exact = np.linalg.eigvals(twin.jacobian(y, V))
+        exact = np.linalg.eigvals(twin.jacobian(twin.steady(V), V))
         found = rs.stability(case, V).eigenvalues.values
-        assert len(found) == len(y)
+        assert len(found) == len(exact)
         assert (np.diff(found.real) <= 0).all()
-        size = np.abs(exact).max()
         for value in found:
             near = exact[np.argmin(np.abs(exact - value))]
-            assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * size
+            assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * np.abs(exact).max()
+        K_c = case.K_c(V)
+        if K_c > 0:
+            both = case.replace(K=xr.DataArray([K_c * (1.0 + 1e-9), K_c * (1.0 - 1e-9)], dims="K"))
+            assert rs.stability(both, V).stable.values.tolist() == [True, False]
 
 
 @pytest.mark.parametrize("V", 10.0 ** np.arange(-30, 5, 5))
@@ -260,10 +255,10 @@ def test_critical_stiffness_depends_on_the_speed_under_a_law_with_one_of_its_own
     assert slow == pytest.approx(1.5671432904097838 * fast, rel=1e-4)
 
 
-@THREE
-def test_small_cycles_grow_from_the_hopf_point_as_it_says(law):
+@pytest.mark.parametrize(("law", "own"), ONE_OF_EACH_KIND)
+def test_small_cycles_grow_from_the_hopf_point_as_it_says(law, own):
     """By its type and amplitude_coefficient, along K and V_lp; and how fast all else fades."""
-    case = slider(law, K=6e8)
+    case = slider(law, K=6e8, **own)
     by_K = rs.hopf(case, 3e-3)
     assert float(by_K.K_c) == pytest.approx(case.K_c(3e-3), rel=1e-12)
     assert str(by_K.type.values) == "supercritical"
@@ -299,10 +294,10 @@ def test_the_numbers_of_any_law_are_the_closed_form_of_one_length():
         np.testing.assert_allclose(by_V, eta * fastest, rtol=1e-13)
 
 
-@THREE
-def test_a_limit_cycle_is_where_a_long_run_ends(law):
+@pytest.mark.parametrize(("law", "own"), [*ONE_OF_EACH_KIND, ("slip", CUT_OFF), MASSLESS])
+def test_a_limit_cycle_is_where_a_long_run_ends(law, own):
     """With as many multipliers as states, and one more; amplitude, period and speeds."""
-    case = slider(law, K=2e8)
+    case = slider(law, K=2e8, **own)
     cycle = rs.limit_cycle(case, V)
     run = rs.simulate(case, rs.Loading.constant(V), 20.0, V_start=V / 10, times=[20.0], rtol=1e-9)
     assert int(cycle.status) == 0

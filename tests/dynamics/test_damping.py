@@ -11,7 +11,6 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from load_step import load_step
 from scipy.optimize import minimize_scalar
 from synthetic_records import record
 from textbook import Textbook, drawn
@@ -30,8 +29,6 @@ from ratestate.friction.linear_stability import stability_margin
 from ratestate.interfaces import scenario
 from ratestate.records.fitting import slider_of
 
-THREE = pytest.mark.parametrize("law", ["aging", "two-state-slip", "nagata"])
-RTOL = 1e-6
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8)
 DAMPED = FIG2.replace(damping=5e4)
 
@@ -46,18 +43,6 @@ def heavy(law, rng):
 def K_c(V, *, a, b, Dc, sigma, M, damping, **_):
     """In closed form, for laws of one length."""
     return (sigma * (b - a) - damping * V) / Dc * (1 + M * V**2 / (Dc * (a * sigma + damping * V)))
-
-
-@pytest.mark.parametrize("mass", [True, False])
-@pytest.mark.parametrize("law", ["slip", "nagata"])
-def test_a_step_is_that_of_the_textbook(law, mass):
-    """By SciPy; without mass through what would be an instability without damping."""
-    parameters, V = heavy(law, np.random.default_rng(8))
-    parameters |= {} if mass else {"M": 0.0, "K": 0.4 * parameters["K"]}
-    simulate, times, twin, exact = load_step(law, parameters, V)
-    run = simulate(times=times, rtol=RTOL)
-    assert twin.differs(run, exact) < 100 * RTOL
-    assert abs(float(run.energy_residual)) < 10 * RTOL
 
 
 @settings(max_examples=25)
@@ -108,48 +93,6 @@ def critical_speeds(s):
     return lower, next((V for V in falls if lower < V), math.inf)
 
 
-@THREE
-def test_eigenvalues_are_those_of_the_textbooks_jacobian(law):
-    rng = np.random.default_rng(9)
-    for _ in range(4):
-        parameters, V = heavy(law, rng)
-        twin, case = Textbook(law, parameters), rs.SpringSlider(**parameters, law=law)
-        exact = np.linalg.eigvals(twin.jacobian(twin.steady(V), V))
-        for value in rs.stability(case, V).eigenvalues.values:
-            near = exact[np.argmin(np.abs(exact - value))]
-            assert abs(near - value) < 1e-6 * abs(value) + 1e-9 * np.abs(exact).max()
-
-
-@pytest.mark.parametrize("M", [3e3, 0.0])
-def test_a_cycle_is_that_of_a_long_run(M):
-    slider = DAMPED.replace(M=M)
-    V = 1e-3
-    cycle = rs.limit_cycle(slider, V, rtol=1e-8)
-    assert int(cycle.status) == 0
-    run = rs.simulate(
-        slider, rs.Loading.constant(V), 40 * float(cycle.period), rtol=1e-10, V_start=V / 2
-    )
-    assert float(run.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-6)
-    assert float(run.frequency) == pytest.approx(float(cycle.frequency), rel=1e-6)
-    assert float(cycle.V_max) == pytest.approx(
-        float(run.V[run.time > 20 * cycle.period].max()), rel=1e-2
-    )
-    assert len(cycle.multipliers) == 2
-
-
-def test_cycles_begin_at_the_hopf_point_as_its_normal_form_says():
-    V, slider = 1e-3, DAMPED
-    hopf = rs.hopf(slider, V)
-    K = float(hopf.K_c)
-    assert slider.K_c(V) == pytest.approx(K, rel=1e-12)
-    assert str(hopf.type.values) == "supercritical"
-    for below in (1e-4, 1e-5):
-        cycle = rs.limit_cycle(slider.replace(K=K * (1 - below)), V, rtol=1e-8)
-        expected = float(hopf.amplitude_coefficient) * math.sqrt(below)
-        assert float(cycle.amplitude) == pytest.approx(expected, rel=30 * below)
-        assert float(cycle.frequency) == pytest.approx(float(hopf.frequency), rel=30 * below)
-
-
 def test_a_branch_along_damping_ends_where_it_makes_sliding_stable():
     V = 1e-3
     slider = DAMPED.replace(damping=5e5)
@@ -171,24 +114,6 @@ def test_without_mass_it_runs_through_an_instability():
         assert abs(float(run.energy_residual)) < 1e-5
         fastest.append(float(run.V_max) * damping / slider.sigma)
     assert fastest[0] < fastest[1] < fastest[2] < 0.05  # the stress drop over damping, at most
-
-
-def test_the_smallest_margin_of_reversal_is_that_of_friction():
-    """tau/sigma + mu, of which the dashpot is no part, in a run and for K = inf."""
-    loading = rs.Loading.series([0.0, 0.1, 0.2], [1e-3, 3e-2, 1e-3])
-    for slider in (DAMPED, DAMPED.replace(K=math.inf)):
-        run = rs.simulate(slider, loading, 0.2, rtol=1e-9)
-        both = run.tau / slider.sigma + run.mu
-        assert float(run.mu_min) == pytest.approx(float(run.mu.min()), abs=2e-6)
-        assert float(run.reversal_margin) == pytest.approx(float(both.min()), abs=2e-6)
-        assert float(run.reversal_margin) != pytest.approx(2 * float(run.mu_min), abs=1e-5)
-
-
-def test_where_the_slider_moves_with_its_load_point_the_spring_holds_both():
-    slider = DAMPED.replace(K=math.inf)
-    run = rs.simulate(slider, rs.Loading.steps(1e-3, (0.05, 4e-3)), 0.1, times=[0.01, 0.09])
-    np.testing.assert_allclose(run.tau, 2e6 * run.mu + 5e4 * run.V, rtol=1e-13)
-    np.testing.assert_allclose(run.V, [1e-3, 4e-3], rtol=1e-15)
 
 
 def test_a_start_without_mass_balances_both():

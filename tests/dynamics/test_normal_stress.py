@@ -79,13 +79,11 @@ def test_work_is_stored_or_dissipated():
 
 
 @pytest.mark.parametrize("M", [3e3, 0.0])
-@pytest.mark.parametrize(("law", "own"), [("slip", {}), ("nagata", {"c": 1.5})])
-def test_a_step_changes_state_and_not_speed(law, own, M):
-    """V stays where there is mass, and friction balances the spring where there is none."""
-    damping = 1e4 if law == "slip" else 0.0
-    changes = {"M": M, "K": 3e9, "damping": damping}
-    slider = rs.SpringSlider(**(SLIDER | changes), law=law, alpha=0.25, **own)
-    run = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5)
+def test_both_sides_of_a_step_are_stored(M):
+    """The stress of the spring stays; a step at the end of a run has not happened."""
+    slider = rs.SpringSlider(**(SLIDER | {"M": M, "K": 3e9}), law="slip", alpha=0.25)
+    loading = rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6)
+    run = rs.simulate(slider, loading, 0.5)
     (k,) = np.flatnonzero(np.diff(run.sigma.values))
     t = run.time.values
     assert t[k + 1] == 0.3
@@ -93,56 +91,12 @@ def test_a_step_changes_state_and_not_speed(law, own, M):
     before, after = run.isel(time=k), run.isel(time=k + 1)
     assert (before.sigma, after.sigma) == (2e6, 2.02e6)
     assert float(after.tau) == float(before.tau)
-    rise = math.log(1.01)
-    if law == "slip":
-        expected = -0.25 / slider.b * rise
-        assert math.log(after.theta / before.theta) == pytest.approx(expected, rel=1e-9)
-    if M:
-        assert float(after.V) == pytest.approx(float(before.V), rel=1e-14)
-        if law == "nagata":
-            c = own["c"]
-            part = math.exp(-c / (1.0 + c) * rise)
-            expected = part * (float(before.mu) + 0.25 / c)
-            assert float(after.mu) + 0.25 / c == pytest.approx(expected, rel=1e-12)
-    else:
-        held = float(after.sigma * after.mu + damping * after.V)
-        assert held == pytest.approx(float(after.tau), rel=1e-12)
-        assert float(after.V) < 0.9 * float(before.V)
-    saved = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.5, times=[0.3])
+    saved = rs.simulate(slider, loading, 0.5, times=[0.3])
     for name in ("sigma", "theta", "V", "tau"):
         assert float(saved[name][0]) == pytest.approx(float(after[name]), rel=1e-12), name
-    ends = rs.simulate(slider, rs.Loading.constant(1e-4).sigma_step(0.3, 2.02e6), 0.3)
-    assert float(ends.sigma[-1]) == 2e6  # what happens then has not happened
+    ends = rs.simulate(slider, loading, 0.3)
+    assert float(ends.sigma[-1]) == 2e6
     assert float(ends.theta[-1]) == pytest.approx(float(before.theta), rel=1e-12)
-
-
-def test_a_step_is_a_very_short_ramp():
-    slider = rs.SpringSlider(**UNDAMPED, law="nagata", c=1.0, alpha=0.2)
-    steady = rs.Loading.constant(1e-4)
-    settings = {"t_end": 0.5, "times": [0.5], "rtol": 1e-10}
-    exact = rs.simulate(slider, steady.sigma_step(0.2, 2.05e6), **settings)
-    off = []
-    for lasting in (2e-6, 1e-6):
-        run = rs.simulate(slider, steady.sigma_ramp(0.2, 2.05e6, lasting), **settings)
-        off.append(abs(float(np.log(run.V[0] / exact.V[0]))))
-    assert off[0] / off[1] == pytest.approx(2.0, rel=0.05)
-    assert 1e-8 < off[1] < 1e-3
-
-
-def test_small_oscillations_are_the_frequency_response():
-    slider = rs.SpringSlider(**(SLIDER | {"K": 1.5e9}), alpha=0.2)
-    V, frequency = 1e-4, 3.0
-    response = rs.frequency_response(slider, V, frequency)
-    periods = np.arange(60, 64, 1 / 64)
-    loading = rs.Loading.constant(V).sigma_sinusoid(0.2, frequency=frequency)
-    times = periods / frequency
-    run = rs.simulate(slider, loading, times[-1], times=times, rtol=1e-11)
-    turn = np.exp(-2j * np.pi * periods)
-    for name in ("V", "tau", "mu"):
-        change = run[name].values - run[name].values.mean()
-        found = 2j * np.mean(change * turn) / 0.2
-        expected = complex(response[f"{name}_by_sigma"])
-        assert abs(found - expected) < 1e-4 * abs(expected), name
 
 
 def test_extremes_are_those_of_the_motion():
@@ -171,44 +125,17 @@ def test_inertia_is_0_in_steady_sliding_under_a_dashpot():
     assert float(run.inertial_force) < 1e-12
 
 
-def test_a_sweep_has_the_bits_of_its_sliders():
-    period = xr.DataArray(np.geomspace(0.1, 1.0, 20), dims="case")
-    sigma = xr.DataArray(np.linspace(2.02e6, 1.96e6, 20), dims="case")
-    slider = rs.SpringSlider(**SLIDER, alpha=0.2)
-
-    def loading(i):
-        steps = rs.Loading.steps(1e-4, (0.3, 2e-4)).sigma_step(0.25, sigma[i])
-        return steps.sigma_ramp(0.5, 2e6, 0.1).sigma_sinusoid(1e4, period=period[i])
-
-    settings = {"t_end": 0.8, "times": [0.1, 0.25, 0.55, 0.8]}
-    many = rs.simulate(slider, loading(slice(None)), **settings)
-    assert many.sigma.dims == ("case", "time")
-    for i in (0, 7, 19):
-        one = rs.simulate(slider, loading(i), **settings)
-        for name in ("V", "tau", "theta", "mu", "sigma", "V_max", "mu_min", "energy_residual"):
-            np.testing.assert_array_equal(many[name].isel(case=i), one[name], name)
-
-
 def test_axes_of_its_own_and_a_store(tmp_path):
     """Amplitudes along one dimension, sliders along another, in parts."""
     amplitude = xr.DataArray([0.0, 1e4, 5e4], dims="wave")
     sigma = xr.DataArray([2e6, 3e6], dims="slider")
     slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}), alpha=0.2)
     loading = rs.Loading.constant(1e-4).sigma_ramp(0.1, 2.5e6, 0.1)
-    period = xr.DataArray([0.1, 0.2, 0.3, 0.4], dims="pace")
-    loading = loading.sigma_sinusoid(amplitude, period=period)
+    loading = loading.sigma_sinusoid(amplitude, period=0.3)
     settings = {"loading": loading, "t_end": 0.3, "times": [0.0, 0.15, 0.3]}
     whole = rs.simulate(slider, **settings)
     stored = rs.sweep(rs.simulate, slider, **settings, store=tmp_path / "x.zarr", chunk=2)
     xr.testing.assert_equal(whole.V, stored.V.compute())
-    expected = np.array([2e6, 3e6])[:, None] + 0.0 * amplitude.values
-    whole = whole.isel(pace=2)
-    np.testing.assert_allclose(whole.sigma.sel(time=0.0).transpose("slider", ...), expected)
-    wave = amplitude.values * math.sin(2.0 * math.pi * 0.15 / 0.3)
-    expected = 0.5 * (np.array([2e6, 3e6]) + 2.5e6)[:, None] + wave
-    found = whole.sigma.sel(time=0.15).transpose("slider", ...)
-    assert whole.sizes["wave"] == 3
-    np.testing.assert_allclose(found, expected, rtol=1e-13)
 
 
 def test_where_the_slider_moves_with_its_load_point_the_state_decays_with_slip():
@@ -228,21 +155,6 @@ def test_where_the_slider_moves_with_its_load_point_the_state_decays_with_slip()
     lowest = steady - 0.3 * math.log(1.1)
     expected = min(2.0 * steady, 2.2 * lowest) + 1e2 / 2e6
     assert float(own.reversal_margin) == pytest.approx(expected, rel=1e-9)
-
-
-def test_a_rigid_slider_under_a_sinusoid():
-    """The state of the slip law under a forced oscillation, in closed form."""
-    slider = rs.SpringSlider(**(SLIDER | {"K": math.inf}), alpha=0.3)
-    V, amplitude, period = 1e-4, 2e2, 0.05
-    loading = rs.Loading.constant(V).sigma_sinusoid(amplitude, period=period)
-    times = np.linspace(0.8, 1.0, 81)
-    run = rs.simulate(slider, loading, 1.0, times=times)
-    omega, rate = 2.0 * math.pi / period, V / 1e-5
-    # d q/dt = -rate q - alpha d ln s/dt, for small amplitudes
-    turn = np.exp(1j * omega * times)
-    q = (-0.3 * 1j * omega / (1j * omega + rate) * amplitude / 2e6 * turn).imag
-    steady = 0.6 - 0.003 * math.log(V / 1e-6)
-    np.testing.assert_allclose(run.mu - steady, q, atol=3e-3 * np.abs(q).max())
 
 
 def test_runaway_without_mass_is_told_at_the_stiffness_of_that_time():
@@ -399,7 +311,7 @@ BOTH_VARY = {
 @pytest.mark.parametrize("kind", BOTH_VARY)
 def test_speed_and_normal_stress_that_both_vary_in_a_sweep(kind):
     """Over all combinations; each is what it is alone."""
-    slider = rs.SpringSlider(**(SLIDER | {"sigma": 2e6}))
+    slider = rs.SpringSlider(**(SLIDER | {"sigma": 2e6}), alpha=0.2)
     loading = BOTH_VARY[kind]
     runs = rs.simulate(slider, loading(V_LATER, SIGMA_LATER), 0.1, times=[0.04, 0.1], V_start=1e-4)
     assert dict(runs.sizes).items() >= {"V_later": 2, "sigma_later": 3, "time": 2}.items()
@@ -407,7 +319,7 @@ def test_speed_and_normal_stress_that_both_vary_in_a_sweep(kind):
         own = loading(float(V_LATER[i]), float(SIGMA_LATER[j]))
         alone = rs.simulate(slider, own, 0.1, times=[0.04, 0.1], V_start=1e-4)
         case = runs.isel(V_later=i, sigma_later=j)
-        for name in ("tau", "V", "theta", "sigma", "V_load"):
+        for name in ("tau", "V", "theta", "sigma", "V_load", "mu_min", "energy_residual"):
             np.testing.assert_array_equal(case[name], alone[name], err_msg=name)
 
 

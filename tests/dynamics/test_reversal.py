@@ -83,38 +83,6 @@ def test_a_slider_that_was_pulled_back_is_that_of_the_textbook(law, mass, dampin
     assert twin.differs(finer, exact) < 1e-6
 
 
-@pytest.mark.parametrize(
-    "own",
-    [
-        {"law": "two-state-slip", "b2": 0.001, "Dc2": 1e-4},
-        {"law": "aging"},
-        {"damping": 1e5, "alpha": 0.2},  # under a normal stress that oscillates
-    ],
-)
-def test_where_it_never_reverses_friction_is_that_of_eq_1(own):
-    """The same numbers, of runs and cycles, and as many steps; the eigenvalues too."""
-    P2 = {"a": 0.005, "b": 0.008, "Dc": 1e-5, "sigma": 4e6, "M": 100, "K": 0.96e9, "V0": 1e-9}
-    pair = [rs.SpringSlider(**P2, **own, friction=form) for form in ("log", "regularized")]
-    times, loading = np.linspace(0.0, 60.0, 31), rs.Loading.constant(1e-5)
-    if "damping" in own:
-        loading = loading.sigma_sinusoid(1e5, period=7.0)
-    settings = {"V_start": 5e-6, "times": times, "rtol": 1e-8, "method": "rodas5p"}
-    runs = [rs.simulate(s, loading, 60.0, **settings) for s in pair]
-    # (the length of a step hangs on rounding)
-    assert abs(int(runs[0].steps) - int(runs[1].steps)) <= 1
-    for name in ("tau", "V", "theta", "mu", "V_max", "V_min", "amplitude"):
-        np.testing.assert_allclose(runs[1][name], runs[0][name], rtol=1e-8, err_msg=name)
-    # it lies within a step, where each variable has its own dense output: of ln V it is 2e-7 off
-    np.testing.assert_allclose(runs[1].mu_min, runs[0].mu_min, rtol=1e-6)
-    if own == {"law": "aging"}:
-        cycles = [rs.limit_cycle(s, 1e-5) for s in pair]
-        for name in ("amplitude", "period", "V_max", "V_min"):
-            np.testing.assert_allclose(cycles[1][name], cycles[0][name], rtol=1e-8, err_msg=name)
-    found = [rs.stability(s, 1e-5) for s in pair]
-    np.testing.assert_allclose(found[1].eigenvalues, found[0].eigenvalues, rtol=1e-9)
-    assert float(found[1].K_c) == pytest.approx(float(found[0].K_c), rel=1e-12)
-
-
 def test_energy_is_closed_through_a_thousand_reversals():
     cycle = rs.limit_cycle(SWINGING, 0.1)
     period = float(cycle.period)
@@ -208,19 +176,6 @@ def test_a_case_in_a_lane_has_the_bits_of_the_same_alone():
         alone = rs.limit_cycle(slider, float(V[3]))
         for name in ("amplitude", "period", "V_min", "error"):
             assert float(alone[name]) == float(cycles[name][0])
-
-
-def test_a_rigid_spring_is_the_limit_of_a_stiff_one():
-    loading = rs.Loading.series([0.0, 0.05, 0.05, 0.1, 0.3], [1e-4, 1e-4, 1e-3, 3e-3, 3e-3])
-    times = [0.02, 0.06, 0.08, 0.12, 0.3]
-    stiff, rigid = (
-        rs.simulate(SWINGING.replace(K=K, M=0.0), loading, 0.3, times=times, rtol=1e-9)
-        for K in (1e14, np.inf)
-    )
-    for name in ("V", "mu", "theta"):
-        np.testing.assert_allclose(rigid[name], stiff[name], rtol=2e-5, err_msg=name)
-    for name in ("V_max", "V_min", "mu_min"):
-        assert float(rigid[name]) == pytest.approx(float(stiff[name]), rel=2e-5)
 
 
 @pytest.mark.parametrize("M", [2.94e8, 1.1e9])

@@ -8,24 +8,26 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from textbook import OF_LAW, Textbook, drawn
+from textbook import OF_LAW, Textbook, drawn, drawn_of_form
 
 import ratestate as rs
-from ratestate.friction.composition import composed
+from ratestate.friction.composition import composed, forms_of
 from ratestate.friction.law_formula import HASH_MARK
 from ratestate.friction.laws import LAWS
 
 NAMES = pytest.mark.parametrize("name", LAWS)
 
 
-@NAMES
+@pytest.mark.parametrize(
+    ("name", "form"), [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
+)
 @given(seed=st.integers(0, 10**6))
-def test_friction_and_evolution_match_the_textbook(name, seed):
+def test_friction_and_evolution_match_the_textbook(name, form, seed):
     """Reported states are functions of the variables, and back."""
     rng = np.random.default_rng(seed)
-    parameters, V0 = drawn(name, rng)
-    law, twin = composed(LAWS[name]), Textbook(name, parameters)
-    values = {k: np.array([x]) for k, x in parameters.items()}
+    parameters, V0 = drawn_of_form(name, rng, form)
+    law, twin = composed(LAWS[name], form), Textbook(name, parameters)
+    values = {k: np.array([x]) for k, x in parameters.items() if k != "friction"}
     p = tuple(float(x[0]) for x in law.coefficient_arrays(V0, values))
     v, theta = rng.normal(), [D / V0 * math.exp(rng.normal()) for D in twin.D]
     V, logs = (
@@ -37,6 +39,8 @@ def test_friction_and_evolution_match_the_textbook(name, seed):
     reference = law.reference_friction(np.array([V0]), values)[0]
     mu = reference + parameters["a"] * law.at_speed(v, psi, p).R
     assert mu == pytest.approx(twin.mu(V, theta), abs=1e-12)
+    steady = twin.mu(V0, twin.steady_theta(V0))
+    assert law.steady_friction(np.array([V0]), values)[0] == pytest.approx(steady, abs=1e-12)
     # d ln theta/dt at constant V, from the rates of the variables, on which ln theta is linear
     rates = law.at_speed(v, psi, p).f
     later = law.log_states(v, tuple(x + rate for x, rate in zip(psi, rates, strict=True)), p)

@@ -1,6 +1,10 @@
 """Sliders by kappa, beta and eta; their equations as published."""
 
+import math
+
 import numpy as np
+from naive import top
+from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.attractor import steady_start
 from ratestate.dynamics.cycles.shooting import return_map
@@ -51,3 +55,38 @@ def jacobian(law, kappa, beta, eta):
         return np.array([[0, -kappa * w, 0], inertial, [0, by_v, by_psi]])
 
     return J
+
+
+def measured_by_scipy(law, parameters, y, period, returns=1, method="Radau"):
+    """Return the measures of a cycle from y on, by a dense run and an FFT; and its middle."""
+    f, J = rates(law, *parameters), jacobian(law, *parameters)
+    known = {"jac": lambda t, y: J(y)} if method == "Radau" else {}
+
+    def sticks(t, y):
+        return y[1] - math.log(0.1)
+
+    tight = {"rtol": 1e-11, "atol": 1e-11, "max_step": period / (500 * returns)}
+    run = solve_ivp(
+        lambda t, y: f(y),
+        (0, period),
+        y,
+        method,
+        **(tight | known),
+        events=sticks,
+        dense_output=True,
+    )
+    assert np.abs(run.y[:, -1] - y).max() < 1e-6
+    t = (run.t[:-1, None] + np.diff(run.t)[:, None] * np.linspace(0, 1, 21)[:-1]).ravel()
+    x, v, psi = run.sol(t)
+    down, up = run.t_events[0][::2], run.t_events[0][1::2]
+    n = 1 << 16
+    stress = run.sol(period * np.arange(n) / n)[0]
+    share = 2 * np.abs(np.fft.rfft(stress)[returns] / n) ** 2 / stress.var()
+    return {
+        "v_max": top(v),
+        "v_min": -top(-v),
+        "amplitude": top(x) + top(-x),
+        "g_max": top(np.abs(x - v - parameters[1] * psi)),
+        "slow_fraction": (up - down).sum() / period,
+        "fundamental": share,
+    }, run.sol(0.5 * period)

@@ -47,6 +47,18 @@ def drawn(law, rng):
     return p, V
 
 
+def drawn_of_form(law, rng, form, damped=False):
+    """Draw parameters as `drawn` does, for a form of friction and perhaps with a dashpot."""
+    p, V = drawn(law, rng)
+    if form == "cut-off":
+        p |= {"V1": V * 10 ** rng.uniform(-0.5, 3), "V2": V * 10 ** rng.uniform(0, 4)}
+    elif form == "regularized" and law != "flash-heating":
+        p |= {"mu0": p["a"] * rng.uniform(0.5, 20.0), "V0": V}
+    p |= {"friction": form} if form != "log" else {}
+    zeta = 10 ** rng.uniform(-2, 0.5)  # of the direct effect
+    return p | ({"damping": zeta * p["a"] * p["sigma"] / V} if damped else {}), V
+
+
 def wave(size, period):
     """s(t) = 1 + size sin(2 pi t/period), and d ln s/dt."""
     omega = 2.0 * math.pi / period

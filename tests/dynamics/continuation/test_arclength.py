@@ -9,8 +9,6 @@ from scipy.optimize import brentq
 from ratestate.dynamics.continuation import arclength
 from ratestate.dynamics.continuation.bifurcations import (
     FixedPointProblem,
-    fixed_point,
-    locate,
     without_noise,
 )
 
@@ -66,17 +64,6 @@ def beside(evaluate, multiplier):
         return orbit._replace(image=image, jacobian=jacobian)
 
     return evaluate_both
-
-
-def counted(evaluate):
-    """The map, and a list that grows by one with every evaluation."""
-    calls = []
-
-    def evaluate_and_count(u, p):
-        calls.append(len(p))
-        return evaluate(u, p)
-
-    return evaluate_and_count, calls
 
 
 def noisy(evaluate, size, scale=1.0):
@@ -147,15 +134,6 @@ def test_fold():
     assert 10 < near.sum() < 40
 
 
-@pytest.mark.parametrize("stop", [1.0, -0.5])
-def test_exactly_at_stop(stop):
-    branch = follow(cubic, [1.5], 1.875, stop=stop, scale=[1.0], tol=1e-10)
-    expected = max(np.roots([1, 0, -1, -stop]).real) if stop == 1.0 else -1.1914878839
-    assert branch.end == specials(branch)[-1] == "stop"
-    assert branch.points[-1].p == stop
-    assert branch.points[-1].u[0] == pytest.approx(expected, abs=1e-9)
-
-
 @pytest.mark.parametrize("start", [0.0, 0.3, -0.9])
 def test_isola_ends_on_its_other_side(start):
     branch = follow(circle, [np.sqrt(1 - start**2)], start, stop=5.0, scale=[1.0])
@@ -190,15 +168,6 @@ def test_stop_right_before_a_fold():
     assert branch.points[-1].p == stop
     roots = np.sort(np.roots([1, 0, -1, -stop]).real)
     assert branch.points[-1].u[0] == pytest.approx(roots[0], abs=1e-9)
-
-
-def test_logistic_map_doubles_its_period_at_3():
-    branch = follow(logistic, [0.5], 2.0, stop=3.6, scale=[1.0], tol=1e-12, noise=EXACT)
-    assert specials(branch) == ["period_doubling", "stop"]
-    doubling = special(branch, "period_doubling")
-    assert doubling.y == pytest.approx([2 / 3, 3], abs=1e-13)
-    for point in branch.points:
-        assert point.multipliers[0] == pytest.approx(2 - point.p, abs=1e-11)
 
 
 def test_henon_map():
@@ -351,18 +320,6 @@ def flow(l1, l2):
     return evaluate
 
 
-def test_supercritical_hopf():
-    branch = follow(flow(-0.5, 0.0), [1.0], 0.5, stop=-1.0, scale=[1.0], amplitude=less(0.01))
-    assert branch.end == "hopf"
-    assert specials(branch) == []
-    assert branch.points[-1].u[0] == pytest.approx(0.01, abs=1e-9)
-    assert branch.points[-1].p == pytest.approx(0.5e-4, abs=1e-9)
-    for point in branch.points:
-        assert point.p == pytest.approx(0.5 * point.u[0] ** 2, abs=1e-7)
-        exact = np.exp(-4 * np.pi * point.p)
-        assert point.multipliers[0].real == pytest.approx(exact, rel=1e-4)
-
-
 @pytest.mark.parametrize(("stop", "end", "count"), [(-1.0, "hopf", 1), (0.5, "stop", 18)])
 def test_start_below_the_least_amplitude(stop, end, count):
     r = 0.01
@@ -491,38 +448,6 @@ def test_a_branch_that_breaks_off(slope):
     assert branch.end == "no convergence"
     assert 0.5 - 1e-4 < branch.points[-1].p < 0.5
     assert branch.points[-1].u[0] == pytest.approx(2 * slope * branch.points[-1].p, abs=1e-8)
-
-
-def test_evaluations():
-    """A step takes three or so, and each of the folds some ten more."""
-    evaluate, calls = counted(cubic)
-    branch = follow(evaluate, [-1.5], -1.875, stop=1.875, scale=[1.0])
-    assert specials(branch) == ["fold", "fold", "stop"]
-    assert 2.5 < len(calls) / len(branch.points) < 4
-    assert set(calls) == {5}  # at p, and on both sides of it at two distances
-
-
-@pytest.mark.parametrize("upside_down", [False, True])
-def test_a_special_point_is_located_fast_where_its_test_is_steep(upside_down):
-    """Plain false position needs over a hundred trials of u^9 - 1 on 0.1 to 2, Illinois 22."""
-    problem = FixedPointProblem(
-        line(lambda u, p: 0.5 * (u + p), lambda u, p: 0 * u + 0.5), 1.0, 1e-9, EXACT
-    )
-    constant_p, along, trials = np.array([0.0, 1.0]), np.ones(2), []
-    ends = [
-        fixed_point(
-            problem, np.array([p, p]), constant_p, along, problem.weights(np.array([p])), 1e-12
-        )
-        for p in (0.1, 2.0)
-    ]
-
-    def test(point):
-        trials.append(point.p)
-        return (point.p**9 - 1.0) if not upside_down else 1.0 - (2.1 - point.p) ** 9
-
-    found = locate(problem, *ends, test, problem.weights(np.array([0.1])))
-    assert found.p == pytest.approx(1.1 if upside_down else 1.0, abs=1e-12)
-    assert len(trials) < 40
 
 
 def test_limits_of_steps_and_points(monkeypatch):

@@ -11,7 +11,7 @@ import xarray as xr
 import ratestate as rs
 from ratestate import NotConverged, ParameterError, continue_cycle, limit_cycle
 from ratestate.dynamics.continuation import arclength
-from ratestate.dynamics.continuation.family import PARAMETERS, Family
+from ratestate.dynamics.continuation.family import PARAMETERS
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
 # Aging law, K just above K_c_qs: below V_c = 0.447 mm/s stable sliding and cycles coexist
@@ -19,7 +19,6 @@ STRIP = FIG2.replace(K=6.06e8, law="aging")
 FOLD = 3.298416815e-4
 # Slip law, b/a = 12.1: period doublings at 2.576e-3 and 8.775e-3 m/s
 WILD = FIG2.replace(b=0.0363, K=1.06 * 0.0333 * 2e6 / 1e-5)
-LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 #: parameter -> (start, stop, V_lp, and the slider's K)
 ACROSS = {
     "V_lp": (5e-3, 1e-4, None, 6.06e8),
@@ -30,8 +29,6 @@ ACROSS = {
     "b": (1e-3, 1.2e-2, 1e-3, 9e8),
     "Dc": (4e-6, 1e-2, 1e-3, 9e8),
 }
-
-
 #: The map of a branch knows parameters and laws apart: each parameter once, the speed by both laws
 BY_SLIP = ("V_lp", "a", "b", "sigma")
 BY_AGING = ("V_lp", *(p for p in PARAMETERS if p not in BY_SLIP))
@@ -79,7 +76,7 @@ def at(slider, parameter, values, V_lp):
     return slider.replace(**{parameter: values}), V_lp
 
 
-def test_contract(tmp_path):
+def test_contract():
     branch = continue_cycle(STRIP, "V_lp", "0.36 mm/s", "0.1 mm/s", rtol=1e-7)
     cycle = limit_cycle(STRIP, 1e-2)
     assert list(branch.data_vars) == [*cycle.data_vars, "special"]
@@ -98,19 +95,13 @@ def test_contract(tmp_path):
     del asked["slider"]
     given = {"parameter": "V_lp", "start": 3.6e-4, "stop": 1e-4, "rtol": 1e-7}
     assert asked == {"verb": "continue_cycle", **given}
-    branch.to_netcdf(tmp_path / "branch.nc", engine="h5netcdf")
-    with xr.open_dataset(tmp_path / "branch.nc", engine="h5netcdf") as back:
-        xr.testing.assert_identical(branch, back.load())
 
 
-def test_contract_at_constant_speed(tmp_path):
+def test_contract_at_constant_speed():
     branch = continue_cycle(FIG2, "K", "900 MPa/m", "1 GPa/m", V_lp="10 mm/s", rtol=1e-6)
     assert branch.K.dims == ("point",)
     assert branch.V_lp.dims == ()
     assert float(branch.V_lp) == json.loads(branch.attrs["scenario"])["V_lp"] == 1e-2
-    branch.to_netcdf(tmp_path / "branch.nc", engine="h5netcdf")
-    with xr.open_dataset(tmp_path / "branch.nc", engine="h5netcdf") as back:
-        xr.testing.assert_identical(branch, back.load())
     same = continue_cycle(FIG2, "K", 9e8, 1e9, V_lp=1e-2, rtol=1e-6)
     xr.testing.assert_identical(branch, same)
 
@@ -181,26 +172,6 @@ def test_ends_and_specials(parameter, law):
     assert second.V_max / V == pytest.approx(1, abs=0.05)
 
 
-@LAWS
-@pytest.mark.parametrize("parameter", ["V_lp", "K"])
-def test_small_cycles_grow_as_hopf_says(parameter, law):
-    """amplitude_coefficient sqrt(|p/p_c - 1|), on its side, and beside it by the amplitude^2."""
-    branch, slider, V_lp = across(parameter, law)
-    hopf = rs.hopf(slider) if parameter == "V_lp" else rs.hopf(slider, V_lp=V_lp)
-    assert branch.special[-1 if parameter == "V_lp" else 0] == "hopf"
-    r = np.log(branch.V_max / branch.V_min) / 2
-    near = branch.isel(point=(r > 0) & (r < 0.15))
-    distance = near[parameter] / float(hopf.V_c if parameter == "V_lp" else hopf.K_c) - 1
-    unstable_side = 1 if parameter == "V_lp" else -1
-    cycles_side = unstable_side if law == "slip" else -unstable_side
-    assert (np.sign(distance) == cycles_side).all()
-    assert (near.stable == (law == "slip")).all()
-    ratio = near.amplitude / hopf.amplitude_coefficient / np.sqrt(np.abs(distance))
-    r = r[(r > 0) & (r < 0.15)]
-    assert r.min() < 0.05 < 0.1 < r.max()
-    assert (np.abs(ratio - 1) < 0.6 * r**2 + 1e-5).all()
-
-
 @SIDES
 def test_multipliers_and_the_divergence(parameter, law):
     """Their product is exp(-(period + integral of exp(-v)/eta)), between two closed forms.
@@ -233,26 +204,6 @@ def test_forth_and_back():
         assert one == pytest.approx(two, rel=3e-8 if name == "V_lp" else 3e-5), name
     for name in ("amplitude", "period", "V_max", "inertia"):
         assert float(forth[name][-1]) == pytest.approx(float(back[name][0]), rel=1e-7), name
-    # in between, on each side of the fold, as polynomials of the amplitude through neighbours
-    back = back.isel(point=slice(None, None, -1))
-    x = np.log(back.amplitude.values[1:])
-    inner = forth.isel(point=slice(2, -1))
-    for name in ("V_lp", "period", "V_max", "V_min"):
-        y = np.log(back[name].values[1:])
-        found = [_interpolated(x, y, where) for where in np.log(inner.amplitude.values)]
-        off = np.abs(found - np.log(inner[name].values))
-        assert np.median(off) < 1e-5, name  # points lie densest near the Hopf point
-        assert off.max() < 2e-3, name
-
-
-def _interpolated(x, y, where):
-    """The cubic through the four points about `where`."""
-    i = int(np.clip(np.searchsorted(x, where) - 2, 0, len(x) - 4))
-    near, far = x[i : i + 4], y[i : i + 4]
-    weights = [
-        np.prod([(where - a) / (b - a) for a in np.delete(near, k)]) for k, b in enumerate(near)
-    ]
-    return float(far @ weights)
 
 
 def test_fold():
@@ -272,50 +223,6 @@ def test_fold():
     assert cycles.status.values.tolist() == [1, 0]
     # amplitude - that of the fold ~ sqrt(distance)
     assert float(cycles.amplitude[1] / fold.amplitude) == pytest.approx(1, abs=0.02)
-
-
-@pytest.mark.parametrize("parameter", ["K", "M"])
-def test_the_same_fold_whatever_leads_to_it(parameter):
-    """A fold is a place in (K, eta, b/a): a branch in any other parameter turns there too."""
-    branch, slider, V_lp = across(parameter, "aging")
-    if parameter == "M":  # supercritical in that branch
-        slider, V_lp = STRIP, FOLD
-        branch = continue_cycle(slider, "M", 4e3, 1e3, V_lp=V_lp)
-        assert float(special(branch, "fold").M) == pytest.approx(3e3, rel=1e-7)
-    fold = special(branch, "fold")
-    there = slider.replace(**{parameter: float(fold[parameter])})
-    other = special(continue_cycle(there, "V_lp", 1.5 * V_lp, 0.5 * V_lp), "fold")
-    assert float(other.V_lp) == pytest.approx(V_lp, rel=3e-7)
-    for name in ("amplitude", "period"):
-        assert float(other[name]) == pytest.approx(float(fold[name]), rel=1e-4), name
-
-
-def test_one_branch_through_speed_and_mass():
-    """Of M and V_lp only eta ~ M V_lp^2 counts: amplitude/a, and the period in Dc/V_lp."""
-    by_speed, slider, _ = across("V_lp", "aging")
-    V = 1e-3
-    by_mass = continue_cycle(slider, "M", 3e3 * (5e-3 / V) ** 2, 1.0, V_lp=V)
-    assert specials(by_mass) == specials(by_speed)
-    turn = {"M": by_mass.period * V / 1e-5, "V_lp": by_speed.period * by_speed.V_lp / 1e-5}
-    eta = {"M": slider.replace(M=by_mass.M).eta(V), "V_lp": slider.eta(by_speed.V_lp)}
-    # as functions of the amplitude, which the fold does not turn back
-    order = slice(None, None, -1)
-    x = np.log(by_speed.amplitude.values[order][1:])
-    for values in (turn, eta):
-        y = np.log(values["V_lp"].values[order][1:])
-        known = np.log(values["M"].values)
-        where = np.log(by_mass.amplitude.values[1:-3])
-        off = np.abs([_interpolated(x, y, w) for w in where] - known[1:-3])
-        assert np.median(off) < 3e-5
-        assert off.max() < 2e-3
-        assert np.log(values["V_lp"].values[0]) == pytest.approx(known[0], rel=1e-7)
-        assert np.log(values["V_lp"].values[-1]) == pytest.approx(known[-1], rel=1e-7)
-    one = float(eta["M"][_at_fold(by_mass)])
-    assert one == pytest.approx(float(eta["V_lp"][_at_fold(by_speed)]), rel=1e-7)
-
-
-def _at_fold(branch):
-    return int(np.flatnonzero(branch.special == "fold")[0])
 
 
 def test_unstable_cycles_against_scipy():
@@ -346,28 +253,6 @@ def test_unstable_cycles_against_scipy():
     multiplier = max(np.linalg.eigvals(jacobian).real)
     assert 1.005 < multiplier < 1.03
     assert multiplier == pytest.approx(float(cycle.multipliers[0].real), abs=1e-6)
-
-
-def test_back_to_start_through_a_fold():
-    """K_c < K: up in K the stable cycle ends in a fold, and the branch comes back unstable."""
-    V_lp, K = 3.6e-4, STRIP.K
-    assert float(STRIP.K_c(V_lp)) < K
-    branch = continue_cycle(STRIP, "K", K, 7e8, V_lp=V_lp)
-    assert specials(branch) == ["start", "fold", "start"]
-    assert branch.special[0] == branch.special[-1] == "start"
-    assert branch.K[0] == branch.K[-1] == K
-    fold = _at_fold(branch)
-    assert branch.stable[:fold].all()
-    assert not branch.stable[fold + 1 :].any()
-    assert (np.diff(branch.amplitude) < 0).all()
-    assert float(branch.amplitude[0]) == pytest.approx(
-        float(limit_cycle(STRIP, V_lp).amplitude), rel=1e-7
-    )
-    # the same two cycles lie on the branch in V_lp
-    through = continue_cycle(STRIP, "V_lp", V_lp, 1e-4)
-    assert specials(through) == ["start", "fold", "start"]
-    for name in ("amplitude", "period"):
-        assert float(through[name][-1]) == pytest.approx(float(branch[name][-1]), rel=3e-7)
 
 
 def test_beyond_the_hopf_point_on_the_upper_sheet():
@@ -462,11 +347,11 @@ def test_stop_out_of_reach(monkeypatch):
     for name, length in (("FIRST", 0.12), ("SMALLEST", 0.03), ("LARGEST", 0.12)):
         monkeypatch.setattr(arclength, f"{name}_STEP", length)
     with pytest.raises(NotConverged, match=r"before it gets to 1e-30 \(no convergence\)") as caught:
-        continue_cycle(FIG2, "Dc", 1e-18, 1e-30, V_lp=1e-2)
+        continue_cycle(FIG2, "Dc", 2e-19, 1e-30, V_lp=1e-2)
     best = caught.value.best
     assert specials(best) == ["start"]
-    assert 1e-30 < float(best.Dc[-1]) < 1e-18
-    assert best.Dc[0] == 1e-18
+    assert 1e-30 < float(best.Dc[-1]) < 2e-19
+    assert best.Dc[0] == 2e-19
     assert f"Dc = {float(best.Dc[-1]):.6g}" in str(caught.value)
     assert list(best.data_vars) == names
     assert json.loads(best.attrs["scenario"])["V_lp"] == 1e-2
@@ -481,20 +366,6 @@ def test_too_many_points(monkeypatch):
     assert specials(best) == ["hopf"]
     assert best.sizes["point"] == 8
     np.testing.assert_array_equal(best.amplitude, whole.amplitude[:8])
-
-
-def test_a_thousand_points_are_the_most_of_a_branch(monkeypatch):
-    asked = []
-
-    def branch(self, *where, max_points, **how):
-        asked.append(max_points)
-        return whole(self, *where, max_points=5, **how)
-
-    whole = Family.branch
-    monkeypatch.setattr(Family, "branch", branch)
-    with pytest.raises(NotConverged, match=r"\(max_points\): it has 1000 points"):
-        continue_cycle(STRIP, "V_lp", 1e-4, 1e-2)
-    assert asked == [1000]
 
 
 def test_no_single_cycle_at_start():
@@ -514,13 +385,3 @@ def test_accuracy_asked_for(rtol):
         off = float(branch[name][0] / start[name]) - 1
         assert abs(off) < 3 * rtol + 1e-10, name
         assert abs(off) < 2 * float(branch.error[0]), name
-
-
-def test_progress_and_order():
-    """One point after the other along the branch: no step is long, none goes back."""
-    for branch in (strip(), strip(forth=False)):
-        p = np.log(branch.V_lp.values)
-        r = np.log(branch.V_max.values / branch.V_min.values)
-        assert np.abs(np.diff(p)).max() < 0.25
-        assert np.abs(np.diff(r)).max() < 0.9
-        assert (np.diff(r) > 0).all() or (np.diff(r) < 0).all()

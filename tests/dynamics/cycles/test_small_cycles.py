@@ -48,44 +48,6 @@ def integrated(law, kappa, beta, eta, psi, G, period):
     return np.array([v_end, psi_end, (x - beta * psi_end) / eta]), max(stress) - min(stress)
 
 
-def shot(law, kappa, beta, eta, guess):
-    """psi, G and period of the cycle and its amplitude by Newton's method, far from the guess."""
-    q = np.array(guess) * [1.03, 0.96, 1.01]
-    for _ in range(12):
-
-        def miss(q):
-            end, amplitude = integrated(law, kappa, beta, eta, *q)
-            return end - [0.0, *q[:2]], amplitude
-
-        here, amplitude = miss(q)
-        slopes = [(miss(q + step)[0] - miss(q - step)[0]) / 2e-6 for step in 1e-6 * np.eye(3)]
-        step = np.linalg.solve(np.transpose(slopes), here)
-        q = q - step
-        if np.max(np.abs(step)) < 1e-12:
-            return *q, amplitude
-    raise AssertionError("shooting did not converge")
-
-
-@pytest.mark.parametrize(
-    ("law", "kappa", "beta", "eta", "stable"),
-    [
-        ("slip", 1.5, 2.0, 0.512, True),  # Fig. 2 at 3.2 mm/s
-        ("slip", 0.9 * (1 + 3.0) - 0.01, 1.9, 3.0, True),
-        ("aging", 2.0 * 1.05 + 6e-4, 3.0, 0.05, False),
-    ],
-)
-def test_is_the_cycle_that_shooting_finds(law, kappa, beta, eta, stable):
-    (found,), (r,), (omega,), *ours, (error,) = small_cycle(law, [kappa], [beta], [eta])
-    assert found
-    assert 0.05 < r < 0.3
-    assert stable == (kappa < (beta - 1) * (1 + eta))
-    (psi,), (G,), (amplitude,) = ours
-    theirs = shot(law, kappa, beta, eta, (psi, G, 2 * np.pi / omega))
-    # each is good to its own rounding: 1e-15 of the map over the 1 - multiplier ~ r^2
-    np.testing.assert_allclose((psi, G, 2 * np.pi / omega, amplitude), theirs, rtol=1e-11)
-    assert 1e-16 < error < 1e-10
-
-
 @settings(max_examples=10, deadline=None)
 @given(laws, st.floats(-1, 1), st.floats(-1, 1), st.floats(0.02, 0.15))
 def test_closes_after_a_period(law, log_b1, log_eta, r):
@@ -168,19 +130,6 @@ def test_keeps_all_digits_however_small(law, r, beta, eta):
     assert cycle.r[0] == pytest.approx(r, rel=error, abs=0)
     ours = [cycle.omega[0], cycle.psi[0], cycle.G[0], cycle.amplitude[0]]
     np.testing.assert_allclose(ours, theirs, rtol=error + 3e-15)
-
-
-@pytest.mark.parametrize("law", sorted(LAWS))
-def test_amplitude_grows_like_the_root_of_the_margin(law):
-    eta = np.array([1e-3, 0.03, 0.5, 4.0, 1e3])
-    off = []
-    for r in (1e-7, 0.01, 0.02):
-        arguments = at_margin_of(r, law, 2.5, eta)
-        cycle = small_cycle(*arguments)
-        assert cycle.valid.all()
-        off.append((cycle.r / r) ** 2 - 1)
-    assert np.all(np.abs(off[0]) < 1e-11)
-    np.testing.assert_allclose(off[2] / off[1], 4.0, rtol=0.02)  # the next term is r^4
 
 
 def test_curvature_changes_sign_with_inertia_for_the_aging_law_alone():

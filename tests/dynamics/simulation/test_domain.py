@@ -158,21 +158,6 @@ def test_mu_is_that_of_V_and_theta_or_none(law):
     assert "double precision" in run.mu.attrs["comment"]
 
 
-@LAWS
-def test_rigid_spring(law):
-    """K = inf: mu falls with the state, and rises with the speed: a minimum inside a ramp."""
-    slider = WEAK.replace(K=np.inf, law=law, b=0.001)
-    loading = rs.Loading.constant(1e-3).ramp(1e-9, 1e-2, 1.0)
-    whole = rs.simulate(slider, loading, 1.0, V_start=1e-5, times=np.linspace(0, 1.0, 3001))
-    lowest = sampled(slider, whole)
-    assert 3 < int(whole.mu.argmin("time")) < 2000
-    for name, least in zip(("mu_min", "reversal_margin"), lowest, strict=True):
-        assert least - 1e-7 < float(whole[name]) <= least + 1e-12, name
-    down = rs.Loading.constant(1e-3).step(0.01, 1e-6)  # before the jump, and right after it
-    run = rs.simulate(slider.replace(b=0.006), down, 20.0)
-    assert float(run.mu_min) == pytest.approx(float(run.mu[0]) - 0.003 * math.log(1e3), rel=1e-9)
-
-
 def test_branch():
     """A Hopf point is steady sliding; along the branch the cycles' own values."""
     branch = rs.continue_cycle(WEAK.replace(K=6.8e9, M=100.0), "V_lp", 2e-3, 2e-2, rtol=1e-6)

@@ -1,14 +1,12 @@
-"""The reference values: quad-precision states, limit cycles by shooting, amplitudes of the paper.
+"""The reference values: quad-precision states, and the amplitudes of the paper.
 
-The states are those of ../shared/numerics.md, section 5.  Its periods and amplitudes are means over
-the last three cycles before t, of which P1, P4a and P4b had not quite settled: where simulate
-measures the same three cycles they agree to 1e-8, with the settled cycle to 1e-6 only.  The oracle
-of the settled cycle is a root of the return map by SciPy's LSODA (naive.py).
+Periods and amplitudes of the table are means over the last three cycles before t, of which P1, P4a
+and P4b had not quite settled: simulate measures the same three cycles to 1e-8.  Settled cycles are
+those of test_limit_cycle.py.
 """
 
 import math
 
-import naive
 import numpy as np
 import pytest
 from quad_precision import FIG2, STICK, TABLE
@@ -58,40 +56,6 @@ def test_cycles_before_t(name):
     # P4b's amplitude still changes by 4e-7 a cycle, so it depends on which minima were counted
     tolerance = 3e-7 if name == "P4b" else 1e-8
     assert np.mean([c.amplitude for c in cycles]) == pytest.approx(amplitude, rel=tolerance)
-
-
-@pytest.mark.parametrize("name", ["P1", "P2", "P4b"])
-def test_limit_cycle(name):
-    parameters, law, _, V_lp, t, *_, table_period, table_amplitude = TABLE[name]
-    found = rs.limit_cycle(rs.SpringSlider(**parameters, law=law), V_lp, rtol=1e-10)
-    assert found.status == 0
-    assert float(found.period) == pytest.approx(table_period, rel=1e-6)
-    assert float(found.amplitude) == pytest.approx(table_amplitude, rel=1e-6)
-    assert float(found.frequency) == pytest.approx(1 / float(found.period), rel=1e-15)
-    # A point of the section V = V_lp to start the shooting from, at the last stress maximum
-    coarse = run(name, 1e-9, times=None)
-    time, tau = coarse.time.values, coarse.tau.values
-    i = int(np.argmax(np.where(time > t - 1.5 * table_period, tau, 0.0)[:-1]))
-    fine = run(name, 1e-9, times=np.linspace(time[i - 1], time[i + 1], 1001))
-    at = fine.isel(time=int(np.argmax(fine.tau.values)))
-    stress, log_theta = float(at.tau) / parameters["sigma"], math.log(float(at.theta))
-    twin = naive.Naive(**parameters, law=law)
-    cycle = naive.limit_cycle(
-        twin,
-        stress,
-        log_theta,
-        V_lp,
-        3 * table_period,
-        tol=1e-12,
-        method="LSODA",
-        newtons=2 if t == 10 else 1,
-    )
-    assert cycle.residual < 1e-10
-    assert float(found.period) == pytest.approx(cycle.period, rel=1e-9)
-    assert float(found.amplitude) == pytest.approx(cycle.amplitude, rel=1e-8)
-    assert float(found.V_max) == pytest.approx(cycle.V_max, rel=1e-7)
-    assert float(found.V_min) == pytest.approx(cycle.V_min, rel=1e-7)
-    assert float(found.inertia) == pytest.approx(cycle.inertia, rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -61,27 +61,6 @@ def test_lines_of_all_kinds(law):
         assert abs(found - exact(law, psi, V, loading.rate[0], dt, Dc)) < allowed, (V, end, slip)
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_a_sweep_over_a_history(law):
-    """Line after line, at times between them and at their ends; each case has its own scales."""
-    loading = rs.Loading.series([0, 0.01, 0.02, 0.02, 0.05], [1e-4, 3e-6, 2e-3, 1e-5, 1e-5])
-    Dc = xr.DataArray([1e-6, 2e-5], dims="Dc", coords={"Dc": [1e-6, 2e-5]})
-    times = np.array([0.0, 0.004, 0.01, 0.013, 0.0199, 0.03])
-    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=Dc, sigma=2e6, K=np.inf, M=3e3, law=law)
-    found = rs.simulate(slider, loading, 0.05, times=times, V_start=3e-4)
-    ends = np.append(loading.t[1:], 0.05)
-    for each in Dc.values:
-        psi, now, theta = mp.log(V0 / mp.mpf(3e-4)), 0.0, []
-        for t in times:
-            for begin, end, V, rate in zip(loading.t, ends, loading.V, loading.rate, strict=True):
-                until = min(t, end)
-                if begin <= now < until:
-                    psi = exact(law, psi, V + rate * (now - begin), rate, until - now, each)
-                    now = until
-            theta.append(float(mp.exp(psi) * each / V0))
-        np.testing.assert_allclose(found.theta.sel(Dc=each), theta, rtol=5e-12)
-
-
 def test_many_lines_add_no_error():
     """The last periods of many repeat: no drift over 10^5 lines."""
     loading = rs.Loading.sinusoid(1e-4, 5e-5, t_end=40.0, period=0.1)
@@ -109,20 +88,6 @@ def test_both_sides_of_a_jump_are_stored(steps):
     np.testing.assert_allclose(mu[at] - mu[at - 1], 0.003 * np.log(ratio), rtol=1e-9)
     ramp = rs.simulate(slider, rs.Loading.series([0.0, 1.0, 2.0], [1e-6, 1e-5, 1e-5]), 2.0)
     assert np.nextafter(1.0, 0.0) not in ramp.time
-
-
-def test_two_states_over_one_distance_are_one():
-    loading = rs.Loading.series([0, 0.01, 0.02, 0.02, 0.05], [1e-4, 3e-6, 2e-3, 1e-5, 1e-5])
-    common = {"a": 0.003, "Dc": 1e-6, "sigma": 2e6, "K": np.inf, "M": 3e3}
-    one = rs.SpringSlider(**common, b=0.006)
-    two = rs.SpringSlider(**common, b=0.004, b2=0.002, Dc2=1e-6, law="two-state-slip")
-    times = np.linspace(0.0, 0.05, 101)
-    single, found = (
-        rs.simulate(slider, loading, 0.05, V_start=3e-4, times=times) for slider in (one, two)
-    )
-    for name in ("theta", "theta2"):
-        np.testing.assert_allclose(np.log(found[name] / single.theta), 0.0, atol=2e-11)
-    np.testing.assert_allclose(found.mu_min, single.mu_min, rtol=1e-11)
 
 
 def test_a_record_of_normal_stress():

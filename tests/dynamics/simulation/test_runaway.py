@@ -5,7 +5,6 @@ import pickle
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import ratestate as rs
 from ratestate import files
@@ -84,15 +83,6 @@ def test_it_is_written_and_made_again(best, tmp_path):
 def test_errors_are_pickled_with_what_they_carry(best):
     assert pickle.loads(pickle.dumps(runaway())).best.equals(best)
     assert SolverError("why").best is NotConverged("why").best is None
-
-
-def test_in_a_sweep_it_is_as_any_failed_case():
-    K = xr.DataArray([5e8, 2e9], dims="K")
-    runs = rs.simulate(SLIDER.replace(K=K), LOADING, 60.0, V_start="1 um/s", times=[1.0, 60.0])
-    assert runs.status.values.tolist() == [5, 0]
-    for name in ("V", "V_max", "amplitude", "energy_residual"):
-        failed = np.isnan(runs[name]).any([dim for dim in runs[name].dims if dim != "K"])
-        assert failed.values.tolist() == [True, False], name
 
 
 def test_any_run_that_fails_has_its_motion_up_to_there(monkeypatch):

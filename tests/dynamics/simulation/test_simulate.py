@@ -7,7 +7,6 @@ import naive
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.integrate import solve_ivp
 
 import ratestate as rs
 from ratestate import Loading, SpringSlider, logspace, simulate
@@ -195,25 +194,6 @@ def test_provenance_is_enough_to_run_again():
     assert {"ratestate", "llvmlite", "numpy"} <= set(json.loads(run.attrs["versions"]))
 
 
-@pytest.mark.parametrize("case", ["one", "sweep", "record", "rigid"])
-def test_netcdf_round_trip(case, tmp_path):
-    pytest.importorskip("h5netcdf")
-    t = np.linspace(0, 0.5, 3001)
-    slider, loading, more = {
-        "one": (SLIDER, Loading.constant(1e-3), {"V_start": 1e-4}),
-        "sweep": (SLIDER.replace(M=logspace("M", 10, 1e4, 3)), Loading.constant(1e-3), {}),
-        "record": (SLIDER, Loading.series(t, 1e-3 * (2 + np.sin(40 * t))), {"times": t}),
-        "rigid": (SLIDER.replace(K=np.inf), Loading.steps(1e-4, (0.1, 1e-3)), {}),
-    }[case]
-    run = simulate(slider, loading, 0.5, **more)
-    run.to_netcdf(tmp_path / "run.nc", engine="h5netcdf")
-    with xr.open_dataset(tmp_path / "run.nc", engine="h5netcdf") as back:
-        xr.testing.assert_equal(run, back.load())
-        assert back.status.dtype == np.int8
-        assert back.status.attrs["flag_meanings"] == run.status.attrs["flag_meanings"]
-        assert back.attrs["scenario"] == run.attrs["scenario"]
-
-
 # The start and the load point ---------------------------------------------------------------------
 
 
@@ -341,71 +321,36 @@ def test_slip_is_what_the_spring_says():
 
 # Numbers: SciPy -----------------------------------------------------------------------------------
 
+#: times, repeated where the speed jumps, and speeds
 HISTORIES = {
-    "steps": ([0, 0.05, 0.11], [1e-3, 3e-3, 5e-4], [0, 0, 0]),
-    "hold": ([0, 0.05, 10.0], [1e-3, 0.0, 1e-3], [0, 0, 0]),
-    "ramps": ([0, 0.05, 0.1], [1e-3, 1e-3, 5e-3], [0, 0.08, -0.04]),
-    "up from rest": ([0, 0.05, 0.25], [0.0, 0.0, 4e-3], [0, 0.02, 0]),
+    "steps": ([0, 0.05, 0.05, 0.11, 0.11, 0.15], [1e-3, 1e-3, 3e-3, 3e-3, 5e-4, 5e-4]),
+    "hold": ([0, 0.05, 0.05, 10.0, 10.0, 10.05], [1e-3, 1e-3, 0.0, 0.0, 1e-3, 1e-3]),
+    "ramps": ([0, 0.05, 0.1, 0.2], [1e-3, 1e-3, 5e-3, 1e-3]),
+    "up from rest": ([0, 0.05, 0.25, 0.3], [0.0, 0.0, 4e-3, 4e-3]),
 }
-ENDS = {"steps": 0.15, "hold": 10.05, "ramps": 0.2, "up from rest": 0.3}
-
-
-def as_loading(t, V, rate, t_end):
-    """The history as a series, jumps being repeated times."""
-    ends = [*t[1:], t_end]
-    rows, speeds = [], []
-    for begin, end, v, r in zip(t, ends, V, rate, strict=True):
-        rows += [begin, end]
-        speeds += [v, max(v + r * (end - begin), 0.0)]
-    keep = [0]
-    for i in range(1, len(rows)):
-        if (rows[i], speeds[i]) != (rows[keep[-1]], speeds[keep[-1]]):
-            keep.append(i)
-    return Loading.series([rows[i] for i in keep], [speeds[i] for i in keep])
 
 
 @LAWS
-@pytest.mark.parametrize("M", [0.0, 30.0, 3e3])
+@pytest.mark.parametrize("M", [0.0, 3e3])
 @pytest.mark.parametrize("history", HISTORIES)
 def test_against_scipy(history, M, law):
     parameters = BASE | {"M": M, "K": 3e9 if M == 0 else 9e8}
     slider = SpringSlider(**parameters, law=law)
     twin = naive.Naive(**parameters, law=law)
-    t, V, rate = HISTORIES[history]
-    t_end = ENDS[history]
-    segments = list(zip(t, V, rate, strict=True))
+    t, V = HISTORIES[history]
+    lines = zip(t[:-1], t[1:], V[:-1], V[1:], strict=True)
+    segments = [(t0, V0, (V1 - V0) / (t1 - t0)) for t0, t1, V0, V1 in lines if t1 > t0]
     # LSODA gives up in the hold, and takes a third of the time elsewhere
     how = {"tol": 1e-10} if history == "hold" else {"tol": 1e-12, "method": "LSODA"}
-    exact = naive.march(twin, twin.steady(1e-3), segments, t_end, **how)
-    loading = as_loading(t, V, rate, t_end)
+    exact = naive.march(twin, twin.steady(1e-3), segments, t[-1], **how)
+    loading = Loading.series(t, V)
     for rtol, bound in ((1e-10, 3e-8), (1e-6, 1e-4)):
-        run = simulate(slider, loading, t_end, V_start=1e-3, rtol=rtol, times=[t_end])
+        run = simulate(slider, loading, t[-1], V_start=1e-3, rtol=rtol, times=[t[-1]])
         found = np.array([run.tau[0] / 2e6, np.log(run.V[0]), np.log(run.theta[0])])
         assert (np.abs(found - exact) / [0.003, 1, 1] < bound).all(), (rtol, found - exact)
         assert abs(run.energy_residual) < 10 * rtol
         if M == 0:
             assert float(run.tau[0]) == pytest.approx(2e6 * float(run.mu[0]), rel=1e-13)
-
-
-@LAWS
-def test_stick_slip_against_scipy(law):
-    """Through two events, in which V spans nine orders of magnitude."""
-    parameters = BASE | {"a": 0.005, "b": 0.008, "sigma": 4e6, "M": 100.0, "K": 9.6e8}
-    twin = naive.Naive(**parameters, law=law)
-    exact = naive.march(
-        twin, twin.steady(5e-6), [(0.0, 1e-5, 0.0)], 60.0, tol=1e-12, method="LSODA"
-    )
-    run = simulate(
-        SpringSlider(**parameters, law=law),
-        Loading.constant(1e-5),
-        60.0,
-        V_start=5e-6,
-        rtol=1e-9,
-        times=[60.0],
-    )
-    found = np.array([run.tau[0] / 4e6, np.log(run.V[0]), np.log(run.theta[0])])
-    assert (np.abs(found - exact) < 1e-6).all()
-    assert run.V_max / run.V_min > 1e5
 
 
 @LAWS
@@ -430,17 +375,6 @@ def test_reloading_after_rest_in_contact(law, M, rtol):
         slider, Loading.constant(1e-3), 1.0, initial={"tau": 0.0}, times=[1.0], rtol=rtol
     )
     assert float(after.V[0]) == pytest.approx(1e-3, rel=max(1e-6, 100 * rtol))
-
-
-def test_sampled_record_against_scipy():
-    rng = np.random.default_rng(5)
-    t = np.linspace(0, 0.1, 41)
-    V = 1e-3 * np.exp(0.5 * rng.standard_normal(41))
-    twin = naive.Naive(**BASE)
-    segments = list(zip(t[:-1], V[:-1], np.diff(V) / np.diff(t), strict=True))
-    exact = naive.march(twin, twin.steady(V[0]), segments, 0.1, tol=1e-12, method="LSODA")
-    run = simulate(SLIDER, Loading.series(t, V), 0.1, rtol=1e-9, times=[0.1])
-    np.testing.assert_allclose(logs(run), exact / [0.003, 1, 1], rtol=0, atol=1e-7)
 
 
 @LAWS
@@ -484,23 +418,6 @@ def test_energy_residual(law, rtol):
         assert np.isfinite(run.energy_residual.where(done, 0)).all()
         assert done.sum() >= 20
         assert np.abs(run.energy_residual.where(done, 0)).max() > 1e-20
-
-
-def test_energy_by_hand():
-    """The balance of the saved motion itself: load work = friction + spring + kinetic energy."""
-    t = np.linspace(0, 0.05, 20001)
-    run = simulate(SLIDER, Loading.constant(3e-3), 0.05, V_start=1e-3, rtol=1e-10, times=t)
-
-    def integral(y):
-        y = y.values
-        return (y[:-2:2] + 4 * y[1:-1:2] + y[2::2]).sum() * t[1] / 3
-
-    load = integral(run.tau * 3e-3)
-    friction = integral(2e6 * run.mu * run.V)
-    spring = float((run.tau[-1] ** 2 - run.tau[0] ** 2) / 2 / 9e8)
-    kinetic = float(1500 * (run.V[-1] ** 2 - run.V[0] ** 2))
-    assert load - friction == pytest.approx(spring + kinetic, abs=1e-8 * load)
-    assert abs(spring) > 1e-4 * load
 
 
 # Observables --------------------------------------------------------------------------------------
@@ -561,23 +478,16 @@ def test_rigid_step(law, M):
     np.testing.assert_allclose(run.mu, mu, rtol=1e-13)
     np.testing.assert_allclose(run.tau, 2e6 * mu, rtol=1e-13)
     np.testing.assert_allclose(run.delta, run.delta_lp, rtol=1e-15)
-    own = simulate(slider, Loading.steps(V1, (t1, V2)), 0.3)
-    assert own.time[0] == 0
-    assert own.time[-1] == 0.3
-    assert t1 in own.time
-    assert float(own.mu.max()) == pytest.approx(
-        float(mu[2]), rel=1e-12
-    )  # the direct effect, a ln(V2/V1)
-    assert float(own.V_max) == pytest.approx(V2, rel=1e-12)
-    assert float(own.V_min) == pytest.approx(V1, rel=1e-12)
+    assert float(run.V_max) == pytest.approx(V2, rel=1e-12)
+    assert float(run.V_min) == pytest.approx(V1, rel=1e-12)
 
 
 # M = 0: the instability ---------------------------------------------------------------------------
 
 
 @LAWS
-@pytest.mark.parametrize("V_lp", [1e-6, 1e-3])
-def test_quasi_static_instability(law, V_lp):
+def test_quasi_static_instability(law):
+    V_lp = 1e-3
     parameters = BASE | {"M": 0.0, "K": 3e8}
     slider = SpringSlider(**parameters, law=law)
     twin = naive.Naive(**parameters, law=law)
@@ -596,16 +506,6 @@ def test_quasi_static_instability(law, V_lp):
     found = float(str(caught.value).split("t = ")[1].split(" s")[0])
     assert found == pytest.approx(exact, rel=1e-6)
     assert type(caught.value).__name__ == "QuasiStaticInstability"
-    M = xr.DataArray([0.0, 100.0], dims="M")
-    batch = simulate(
-        slider.replace(M=M),
-        Loading.constant(V_lp),
-        1.2 * exact,
-        V_start=V_lp / 2,
-    )
-    assert batch.status[0] > 1
-    assert np.isnan(batch.V[0]).all()
-    assert batch.status[1] == 0
     before = simulate(slider, Loading.constant(V_lp), 0.9 * exact, V_start=V_lp / 2)
     assert before.status == 0
 
@@ -621,18 +521,6 @@ def test_quasi_static_is_the_limit_of_small_mass():
     assert 9 < error[1] / error[0] < 11
 
 
-def test_series_and_own_odd_shapes():
-    """A sampled record that differs from slider to slider, swept with another parameter."""
-    t = np.linspace(0, 0.1, 11)
-    gain = xr.DataArray([1.0, 2.0, 3.0], dims="gain")
-    V = [1e-3 * gain * (1 + 0.5 * math.sin(40 * s)) for s in t]
-    run = simulate(STIFF.replace(M=logspace("M", 1, 100, 2)), Loading.series(t, V), 0.1, rtol=1e-8)
-    assert set(run.V.dims) == {"gain", "M", "time"}
-    speeds = [float(v[2]) for v in V]
-    one = simulate(STIFF.replace(M=100.0), Loading.series(t, speeds), 0.1, rtol=1e-8, times=[0.1])
-    np.testing.assert_allclose(logs(run.isel(gain=2, M=1)), logs(one), rtol=0, atol=1e-9)
-
-
 def test_a_rigid_run_along_a_sampled_record_is_shown_at_its_rows_too():
     t = np.linspace(0.0, 1.0, 101)
     loading = Loading.series(t, 1e-3 * (1.0 + 0.1 * np.sin(6.0 * t)))
@@ -642,21 +530,11 @@ def test_a_rigid_run_along_a_sampled_record_is_shown_at_its_rows_too():
 
 
 def test_aging_hold_closed_form():
-    """At rest theta grows with time, and the state equation of the twin says how fast."""
+    """At rest theta grows with time."""
     run = simulate(
         STIFF.replace(law="aging"), Loading.steps(1e-3, (0.1, 0.0)), 1e4, times=[1e2, 1e4]
     )
     assert float(run.theta[1] - run.theta[0]) == pytest.approx(9900, rel=1e-6)
-    twin = naive.Naive(**BASE | {"K": 3e9}, law="aging")
-    state = solve_ivp(
-        lambda t, y: twin.rates(t, y, lambda t: 0.0),
-        (0.1, 1e2),
-        twin.steady(1e-3),
-        method="LSODA",
-        rtol=1e-10,
-        atol=1e-13,
-    ).y[:, -1]
-    np.testing.assert_allclose(logs(run, 0), state / [0.003, 1, 1], rtol=0, atol=1e-4)
 
 
 def test_cycles_are_counted_however_small_they_become():
