@@ -12,12 +12,13 @@ from ...model.slider import SpringSlider
 from ...model.units import is_array
 from ..kit.least_squares import single_blas
 from ..kit.results import kept_attributes
+from ..kit.sample_noise import rounding
 from ..loading import segments_of
 from ..messages import machine as sentences
 from ..raw_record import raw_record
 from ..reading.sizes import constant_in_si, typical_stress
 from ..stick_slip.detection import detected, in_gaps, is_whole
-from ..stick_slip.series import series_of
+from ..stick_slip.series import record_series
 from .result import dataset_of
 from .ring_down import ring_down
 from .slopes import FEWEST, slopes_of
@@ -165,12 +166,8 @@ def stress_drops(raw, sigma, segments):
 
     They are times of samples, which is enough: the fits begin and end well between stress drops.
     """
-    variables = {
-        "friction": ("time", raw.friction),
-        "sigma": ("time", np.full(raw.time.size, sigma)),
-    }
-    variables |= {"segment_t": ("segment", segments.t), "segment_V": ("segment", segments.V)}
-    series, falls, *_ = detected(series_of(xarray.Dataset(variables, {"time": raw.time})))
+    tau, resolution = raw.friction * sigma, rounding(raw.friction) * sigma
+    series, falls, *_ = detected(record_series(raw.time, tau, segments, resolution))
     samples = falls[is_whole(falls) & ~in_gaps(series.t, falls)]
     times, drops = series.t[samples], series.tau[samples] @ (1.0, -1.0)
     chosen = []
