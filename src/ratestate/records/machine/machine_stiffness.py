@@ -19,7 +19,7 @@ from ..raw_record import raw_record
 from ..reading.sizes import constant_in_si, typical_stress
 from ..stick_slip.detection import detected, in_gaps, is_whole
 from ..stick_slip.series import record_series
-from .result import dataset_of
+from .means import dataset_of
 from .ring_down import ring_down
 from .slopes import FEWEST, slopes_of
 

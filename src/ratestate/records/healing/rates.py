@@ -9,8 +9,8 @@ from ..kit.regression import Line, weighted_line
 from ..kit.results import labelled
 from ..load_point.stress_steps import VARIABLE, stress_range
 from ..messages import healing as sentences
+from .holds import FEWEST
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
-from .record import FEWEST
 
 #: quantity -> its rate per decade; quantity -> its heading in the text
 RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}
@@ -31,7 +31,7 @@ UNKNOWN = Line(*[np.nan] * len(Line._fields))
 def dataset_of(record, noise, measured, sliders, predicted):
     """Return the Dataset without attributes.
 
-    measured : list of `Measured`
+    measured : list of `MeasuredHold`
     sliders : law -> `Fitted`
     predicted : law -> list of the results of `predict`
     """
