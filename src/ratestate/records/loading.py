@@ -80,7 +80,6 @@ def _recorded_loading(raw):
 
 
 def _check_given(loading, raw):
-    """Raise ParameterError if a loading cannot be fitted or disagrees with the record."""
     if not isinstance(loading, Loading) or np.ndim(loading.V) != 1:
         raise sentences.refusal("load_point.no_loading")
     loading.covers(raw.time[-1] - raw.time[0])

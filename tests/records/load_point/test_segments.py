@@ -112,16 +112,6 @@ def test_one_speed():
     assert find_segments(t, noise)[1].tolist() == [0.0]
 
 
-def test_slide_hold_slide():
-    t = np.arange(0, 400, 0.1)
-    starts, V = [0, 100, 110, 150, 250, 300], [1e-5, 0, 1e-5, 0, 1e-5, 0]
-    noise = NOISE * np.random.default_rng(2).standard_normal(t.size)
-    found = segments_from_displacement(t, history(t, starts, V) + noise)
-    np.testing.assert_allclose(found.t, starts, atol=0.03)
-    np.testing.assert_allclose(found.V, V, rtol=0.01, atol=0)
-    assert found.notes == []
-
-
 def test_machines_that_wander_do_not_step():
     # a tenth of a turn of a gear, and drifts of a tenth of a micron: a change of speed by 3 %
     t = np.arange(0, 600, 0.05)

@@ -84,7 +84,6 @@ def measure(record, hold, noise, levels):
 
 
 def _measured_with_noise(record, hold, noise, levels):
-    """Return the `MeasuredHold` quantities of a hold, with errors from the noise alone."""
     if hold.before.rows.size < FEWEST:
         return MeasuredHold(NO_SLIDE, {})
     if hold.during.rows.size < FEWEST_OF_HOLD:

@@ -88,7 +88,6 @@ def _steady(record, measured):
 
 
 def _message(record, hold, measured):
-    """Return why a hold could not be evaluated, or remarks on it, or ""."""
     if measured.status != EVALUATED:
         short = measured.status == SHORT
         part, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
@@ -111,7 +110,6 @@ def _message(record, hold, measured):
 
 
 def _predictions(t_hold, quantities, sliders, predicted):
-    """Return the variables of predicted healing and relaxation, and of their rates."""
     variables: dict = {}
     for i, (name, rate) in enumerate(RATES.items()):
         columns, rates = [], []

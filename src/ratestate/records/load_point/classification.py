@@ -179,7 +179,6 @@ def _rounding_step(x):
 
 
 def _anomaly_notes(runs):
-    """Return notes on jumps of the displacement, and on a load point that wanders."""
     notes, t, x = [], runs[0].samples.t, runs[0].samples.x
     for run in runs:
         for first, _ in run.rows[1:]:

@@ -1,5 +1,6 @@
 """The segments of constant load-point speed in a record, as stored or found; overshoots."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,7 +33,7 @@ class Segments(NamedTuple):
     end: float  # end of the last segment [s]
     t_error: np.ndarray  # (n,) [s]; 0 for the first start, and for a given loading
     V_error: np.ndarray  # (n,) [m/s]; 0 in a hold
-    notes: tuple[str, ...] = ()  # on segments that were found
+    notes: Sequence[str] = ()  # on segments that were found
     #: all segments, overshoots included, if these are without them
     all_segments: "Segments | None" = None
 
@@ -214,7 +215,7 @@ def segments_from_displacement(t, x):
     for i in sorted({*range(V.size)} - {*found.steady}):
         duration = found.ends[i] - starts[i]
         notes.append(sentences("notes.overshoot", V=V[i], duration=duration, first=starts[i]))
-    return found._replace(notes=tuple(notes))
+    return found._replace(notes=notes)
 
 
 def segments_from_velocity(t, V):

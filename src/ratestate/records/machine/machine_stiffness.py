@@ -142,7 +142,6 @@ def _check_slider(slider):
 
 
 def _normal_stress(data, sigma):
-    """Return the normal stress [Pa], given or recorded, if its size is plausible."""
     if sigma is not None:
         return constant_in_si("sigma", sigma)
     if "sigma" not in getattr(data, "variables", {}):
@@ -151,7 +150,6 @@ def _normal_stress(data, sigma):
 
 
 def _ring_downs(raw, segments, drops):
-    """Return `RingDown`s (list) after each change of speed, or each stress drop of a segment."""
     t, ring_downs = raw.time, []
     for start, end, V, times in zip(segments.t, segments.ends, segments.V, drops, strict=True):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]

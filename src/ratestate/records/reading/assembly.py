@@ -176,11 +176,10 @@ def _find_segments(record, gaps):
     if columns["time"].size > MAX_ROWS:
         starts, _ = block_starts(columns["time"].size, gaps, MAX_ROWS)
         columns = {s: block_means(values, starts) for s, values in columns.items()}
-    return segments_from(columns["time"], columns)
+    return segments_from(columns["time"], columns)._replace(end=float(record["time"][-1]))
 
 
 def _dataset(record, segments):
-    """Return the Dataset of a record and its segments."""
     import xarray
 
     order = [s for s in ("friction", "delta_lp", "V_load", "tau", "sigma") if s in record]
@@ -245,7 +244,6 @@ def _common_symbols(parts, constants):
 
 
 def _end_values(values):
-    """Return the first and the last finite value."""
     finite = values[np.isfinite(values)]
     return float(finite[0]), float(finite[-1])
 

@@ -236,7 +236,6 @@ def _column_by_unit(table, symbol, taken):
 
 
 def _reference(table, index):
-    """Return how a call names a column: by title, or by number if the title is not unique."""
     title = table.titles[index]
     return quoted(title) if table.titles.count(title) == 1 else str(index + 1)
 

@@ -142,7 +142,6 @@ def _detect_clocks(rows, header):
 
 
 def _line_blocks(file, name):
-    """Yield lists of lines; ParameterError if a line is too long."""
     before = 0
     while lines := file.readlines(BLOCK):
         for number, line in enumerate(lines if max(map(len, lines)) > MAX_LINE else [], before + 1):

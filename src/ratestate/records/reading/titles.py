@@ -110,7 +110,6 @@ def plain_unit(unit):
 
 
 def _translate_unit(word):
-    """Return the unit that a word in any language means."""
     if word in _UNITS["names"]:
         return word
     alike = word.islower() or word.isupper() or word.istitle() or word.startswith("K")

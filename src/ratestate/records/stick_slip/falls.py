@@ -115,7 +115,6 @@ def _groups(series, spans, whole, noise):
 
 
 def _in_record(series, spans, noise):
-    """Return rows (m, COLUMNS) of the table of falls, for a group of falls in a record."""
     t, y = series.t, series.tau
     begins, peaks, troughs, ends = spans.T
     drop = float(np.median(y[peaks] - y[troughs]))
