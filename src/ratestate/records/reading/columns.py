@@ -215,11 +215,9 @@ def column_by_name(table, symbol, taken, needed=False):
     }
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
-        titles, first = (
-            name_list([table.titles[i] for i in same]),
-            _reference(table, same[0]),
-        )
-        raise sentences.refusal("columns.ambiguous", symbol=symbol, titles=titles, column=first)
+        values = {"symbol": symbol, "column": _reference(table, same[0])}
+        titles = name_list([table.titles[i] for i in same])
+        raise sentences.refusal("columns.ambiguous", titles=titles, **values)
     return same[0] if len(same) == 1 else None
 
 

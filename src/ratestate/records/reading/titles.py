@@ -75,11 +75,8 @@ def name_and_units(title, unit=""):
     if not is_unit(inner):
         within, inner = name, ""
     first, *others = [one for one in (unit, own, inner) if one] or [""]
-    return (
-        within,
-        first,
-        next((one for one in others if plain_unit(one) != plain_unit(first)), ""),
-    )
+    other = next((one for one in others if plain_unit(one) != plain_unit(first)), "")
+    return within, first, other
 
 
 def is_recognized(title):
