@@ -8,7 +8,7 @@ from scipy.interpolate import make_lsq_spline
 from ..model.history import NormalStress
 from ..model.loading import Loading
 from .kit.sample_noise import sample_noise
-from .load_point.segments import Segments, segments_from, stored_segments
+from .load_point.segments import Segments, segments_from
 from .load_point.stress_steps import VARIABLE, stress_range
 from .messages import raw_record as sentences
 from .raw_record import column, variable_names
@@ -55,9 +55,10 @@ def recorded_segments(data, time):
 
     time : (m,) times of the record [s]; the first segment starts at or before time[0]
 
-    ParameterError if the load point's motion is not recorded or has no constant speeds.
+    ParameterError if the load point's motion is not recorded or has no constant speeds, or if
+    stored segments are incomplete, empty or out of order.
     """
-    segments = stored_segments(data, float(time[-1]))
+    segments = _stored_segments(data, float(time[-1]))
     if segments is None:
         names = [name for name in ("delta_lp", "V_load") if name in data.variables]
         if not names:
@@ -68,6 +69,24 @@ def recorded_segments(data, time):
     columns = ("t", "V", "t_error", "V_error")
     parts = {name: getattr(segments, name)[inside] for name in columns}
     return segments._replace(end=float(time[-1]), **parts)
+
+
+def _stored_segments(data, end):
+    """Return the `Segments` that `read_lab` stored, up to this end [s]; None if none.
+
+    Errors that are not stored are 0.
+    """
+    names = ("segment_t", "segment_V")
+    if not any(name in data.variables for name in names):
+        return None
+    stored = [data[name].values for name in names if name in data.variables]
+    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in stored)
+    usable = usable and len(stored) == 2 and bool(np.isfinite(stored).all())
+    if not usable or (np.diff(stored[0]) <= 0.0).any():
+        raise sentences.refusal("load_point.altered")
+    t, V = (one.astype(float) for one in stored)
+    errors = (data.get(f"{name}_error", 0.0 * t) for name in names)
+    return Segments(t, V, end, *(np.asarray(one, float) for one in errors))
 
 
 def _recorded_loading(raw):

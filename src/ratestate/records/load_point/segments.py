@@ -1,4 +1,4 @@
-"""The segments of constant load-point speed in a record, as stored or found; overshoots."""
+"""Find the segments of constant load-point speed in a record; recognize overshoots."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -113,25 +113,6 @@ class Segments(NamedTuple):
             elif before is not None:
                 texts.append((start, f"velocity step {_format_speeds(before, V)} at {at}{moved}"))
         return texts
-
-
-def stored_segments(data, end):
-    """Return the `Segments` that `read_lab` stored, up to this end [s]; None if none.
-
-    Errors that are not stored are 0.  ParameterError if the stored segments are incomplete, empty
-    or out of order.
-    """
-    names = ("segment_t", "segment_V")
-    if not any(name in data.variables for name in names):
-        return None
-    stored = [data[name].values for name in names if name in data.variables]
-    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in stored)
-    usable = usable and len(stored) == 2 and bool(np.isfinite(stored).all())
-    if not usable or (np.diff(stored[0]) <= 0.0).any():
-        raise sentences.refusal("segments.altered")
-    t, V = (one.astype(float) for one in stored)
-    errors = (data.get(f"{name}_error", 0.0 * t) for name in names)
-    return Segments(t, V, end, *(np.asarray(one, float) for one in errors))
 
 
 def segments_from(t, columns):
