@@ -92,13 +92,9 @@ def _measured_with_noise(record, hold, noise, levels):
     if before is None:
         return MeasuredHold(UNSTEADY, {})
     end = _end_of_hold(record, hold, noise)
-    values = {
-        "friction_before": before.at(before.end),
-        "friction_min": end,
-        "delta_mu_c": _difference(
-            before.at(record.drift_coordinate_at(hold.during.end, end[0])), end
-        ),
-    }
+    level = before.at(record.drift_coordinate_at(hold.during.end, end[0]))
+    values = {"friction_before": before.at(before.end), "friction_min": end}
+    values["delta_mu_c"] = _difference(level, end)
     if hold.after.rows.size < FEWEST:
         return MeasuredHold(ENDS, values)
     status, at, peak = _peak(record, hold, noise, end[0])

@@ -117,9 +117,7 @@ def choose_columns(table, columns, constants=()):
     Optional symbols of `PATTERNS` may be absent.  ParameterError if a request fits no column or
     several, or if a required column is missing or ambiguous.
     """
-    chosen = {
-        symbol: requested_column(table, symbol, request) for symbol, request in columns.items()
-    }
+    chosen = {s: requested_column(table, s, request) for s, request in columns.items()}
     for symbol in PATTERNS:
         replaced = symbol in REPLACED_BY and REPLACED_BY[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:

@@ -182,9 +182,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     time, few, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
     for _ in range(ROUNDS if not few.all() else 0):
         extents = np.unique(np.clip(STEEP * float(np.median(widths)), 3.5 * spacing, fall))
-        windows = [
-            FallWindow(time - a, time + b, 0) for a, b in itertools.product(extents, extents)
-        ]
+        pairs = itertools.product(extents, extents)
+        windows = [FallWindow(time - a, time + b, 0) for a, b in pairs]
         window = chosen_window(t, y, middle, windows, 1, -1, noise)
         if window is None:
             break
