@@ -85,8 +85,8 @@ def _stored_segments(data, end):
     if not usable or (np.diff(stored[0]) <= 0.0).any():
         raise sentences.refusal("load_point.altered")
     t, V = (one.astype(float) for one in stored)
-    errors = (data.get(f"{name}_error", 0.0 * t) for name in names)
-    return Segments(t, V, end, *(np.asarray(one, float) for one in errors))
+    t_error, V_error = (np.asarray(data.get(f"{s}_error", 0.0 * t), float) for s in names)
+    return Segments(t, V, end, t_error, V_error)
 
 
 def _recorded_loading(raw):
