@@ -1,7 +1,6 @@
 """The loading of a record: load-point speeds and normal stress, as given or as recorded."""
 
 import dataclasses
-from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import make_lsq_spline
@@ -9,10 +8,10 @@ from scipy.interpolate import make_lsq_spline
 from ..model.history import History
 from ..model.loading import Loading
 from .kit.sample_noise import sample_noise
-from .load_point.segments import find_segments, stored_segments, without_overshoots
+from .load_point.segments import Segments, segments_from
 from .load_point.stress_steps import VARIABLE, stress_range
 from .messages import raw_record as sentences
-from .raw_record import column, displacement_of, variable_names
+from .raw_record import column, variable_names
 
 #: largest difference of a given loading from the recorded displacement, as a fraction of its range
 MAX_DIFFERENCE = 0.1
@@ -23,28 +22,6 @@ NOISE_MULTIPLE, MIN_TOLERANCE = 4.0, 1e-6
 JUMP = 5.0
 #: most lines; the solver stops at each of their ends
 MAX_LINES = 5000
-
-
-class Segments(NamedTuple):
-    """The n segments of constant speed without overshoots, and all m segments."""
-
-    t: np.ndarray  # (n,) starts [s]
-    V: np.ndarray  # (n,) speeds [m/s]
-    end: float  # end of the last segment [s]
-    t_error: np.ndarray  # (n,) standard errors of t [s]; 0 for a given loading
-    all_t: np.ndarray  # (m,) starts of all segments, overshoots included [s]
-    all_V: np.ndarray  # (m,) their speeds [m/s]
-
-    @property
-    def ends(self):
-        """(n,) end of each segment [s]."""
-        return np.append(self.t[1:], self.end)
-
-    def displacement(self, t):
-        """Return the load-point displacement [m] at times t since the first segment began."""
-        ends = np.append(self.all_t, self.end)
-        moved = np.concatenate([[0.0], np.cumsum(self.all_V * np.diff(ends))])
-        return np.interp(t, ends, moved)
 
 
 def loading_of(raw, loading=None, sigma=None):
@@ -74,37 +51,54 @@ def constant_speeds_of(raw, loading=None):
 
 
 def recorded_segments(data, time):
-    """Return the starts [s] and speeds [m/s] of the recorded segments: (n,) each.
+    """Return the recorded `Segments`, overshoots included.
 
     time : (m,) times of the record [s]; the first segment starts at or before time[0]
 
-    ParameterError if the load point's motion is not recorded or has no constant speeds.
+    ParameterError if the load point's motion is not recorded or has no constant speeds, or if
+    stored segments are incomplete, empty or out of order.
     """
-    segments = stored_segments(data)
+    segments = _stored_segments(data, float(time[-1]))
     if segments is None:
-        times = column(data, "time")
-        displacement = displacement_of(data, times)
-        if displacement is None:
+        names = [name for name in ("delta_lp", "V_load") if name in data.variables]
+        if not names:
             raise sentences.refusal("load_point.unknown", variables=variable_names(data))
-        segments = find_segments(times, displacement)
-    starts, speeds = segments
+        segments = segments_from(column(data, "time"), {name: column(data, name) for name in names})
     # a window may have cut off segments at both ends
-    inside = starts < time[-1]
-    first = max(int(np.searchsorted(starts, time[0], side="right")) - 1, 0)
-    return starts[inside][first:], speeds[inside][first:]
+    inside = slice(segments.at(time[0]), np.searchsorted(segments.t, time[-1]))
+    columns = ("t", "V", "t_error", "V_error")
+    parts = {name: getattr(segments, name)[inside] for name in columns}
+    return segments._replace(end=float(time[-1]), **parts)
+
+
+def _stored_segments(data, end):
+    """Return the `Segments` that `read_lab` stored, up to this end [s]; None if none.
+
+    Errors that are not stored are 0.
+    """
+    names = ("segment_t", "segment_V")
+    if not any(name in data.variables for name in names):
+        return None
+    stored = [data[name].values for name in names if name in data.variables]
+    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in stored)
+    usable = usable and len(stored) == 2 and bool(np.isfinite(stored).all())
+    if not usable or (np.diff(stored[0]) <= 0.0).any():
+        raise sentences.refusal("load_point.altered")
+    t, V = (one.astype(float) for one in stored)
+    t_error, V_error = (np.asarray(data.get(f"{s}_error", 0.0 * t), float) for s in names)
+    return Segments(t, V, end, t_error, V_error)
 
 
 def _recorded_loading(raw):
     time = raw.time
-    starts, speeds = recorded_segments(raw.data, time)
-    if not speeds[0] > 0.0:
+    segments = recorded_segments(raw.data, time)
+    if not segments.V[0] > 0.0:
         raise sentences.refusal("load_point.rests", start=time[0])
-    pairs = zip(starts[1:] - time[0], speeds[1:], strict=True)
-    return Loading.steps(float(speeds[0]), *((float(t), float(V)) for t, V in pairs))
+    pairs = zip(segments.t[1:] - time[0], segments.V[1:], strict=True)
+    return Loading.steps(float(segments.V[0]), *((float(t), float(V)) for t, V in pairs))
 
 
 def _check_given(loading, raw):
-    """Raise ParameterError if a loading cannot be fitted or disagrees with the record."""
     if not isinstance(loading, Loading) or np.ndim(loading.V) != 1:
         raise sentences.refusal("load_point.no_loading")
     loading.covers(raw.time[-1] - raw.time[0])
@@ -123,18 +117,12 @@ def segments_of(raw, loading=None):
 
     In a given loading, t = 0 is the first sample, and no segment counts as an overshoot.
     """
-    end = float(raw.time[-1])
     if loading is None:
-        all_t, all_V = recorded_segments(raw.data, raw.time)
-        t, V, _ = without_overshoots(all_t, all_V, end)
-        errors = np.zeros(t.size)
-        if "segment_t_error" in raw.data.variables:
-            at = np.searchsorted(raw.data["segment_t"].values, t)
-            errors = np.asarray(raw.data["segment_t_error"].values, float)[at]
-        return Segments(t, V, end, errors, all_t, all_V)
+        return recorded_segments(raw.data, raw.time).without_overshoots()
     checked = constant_speeds_of(raw, loading)
+    nothing = np.zeros(checked.t.size)
     t, V = raw.time[0] + checked.t, np.asarray(checked.V, float)
-    return Segments(t, V, end, np.zeros(t.size), t, V)
+    return Segments(t, V, float(raw.time[-1]), nothing, nothing)
 
 
 def recorded_stress(data, t, sigma):

@@ -10,9 +10,9 @@ from rich.text import Text
 
 from ..dynamics.recipe import attribute_text
 from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
-from ..records.healing.result import HEADINGS, RATES, rate_text
+from ..records.healing.rates import HEADINGS, RATES, rate_text
 from ..records.kit.results import checked_result
-from ..records.machine.result import OF_RINGS, SYMBOLS, estimate, value_with_unit
+from ..records.machine.means import OF_RINGS, SYMBOLS, estimate, value_with_unit
 from .tables import plain_table
 
 #: relative error that is not shown

@@ -10,9 +10,9 @@ from slide_hold_slide import HOLDS, SLIDE, SLIDER, V, clean, loading_of, noisy, 
 
 import ratestate as rs
 from ratestate import ParameterError, summary
+from ratestate.records.healing.holds import Hold, Part
 from ratestate.records.healing.measured import STATUSES
 from ratestate.records.healing.prediction import Fitted, predict
-from ratestate.records.healing.record import Hold, Part
 
 #: statuses of holds whose relaxation is unknown, too
 UNMEASURED = ("short_hold", "no_slide_before", "not_steady_before")

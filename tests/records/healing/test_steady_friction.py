@@ -5,7 +5,7 @@ import pytest
 from slide_hold_slide import clean, loading_of, noisy, truth
 
 import ratestate as rs
-from ratestate.records.healing.record import healing_record
+from ratestate.records.healing.holds import healing_record
 from ratestate.records.healing.steady import Shape, fitted_line, levels_of, scatter_about_line
 from ratestate.records.kit.noise import Noise
 from ratestate.records.kit.sample_noise import resolution

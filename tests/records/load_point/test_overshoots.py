@@ -3,9 +3,17 @@
 import numpy as np
 import pytest
 
-from ratestate.records.load_point.segments import segments_from_displacement, without_overshoots
+from ratestate.records.load_point.segments import Segments, segments_from_displacement
 
 SLOW, FAST = 1e-5, 1e-4
+
+
+def steady(V, lasts):
+    """Segments with these speeds and durations, without overshoots."""
+    *starts, end = np.append(0.0, np.cumsum(lasts))
+    nothing = np.zeros(len(V))
+    found = Segments(np.array(starts), np.array(V), end, nothing, nothing)
+    return found.without_overshoots()
 
 
 @pytest.mark.parametrize(
@@ -21,12 +29,10 @@ SLOW, FAST = 1e-5, 1e-4
 )
 def test_overshoots_belong_to_their_step(V, lasts):
     """The step begins where its first brief speed does."""
-    V, lasts = np.array(V), np.array(lasts)
-    starts = np.append(0.0, np.cumsum(lasts))
-    t, speeds, kept = without_overshoots(starts[:-1], V, starts[-1])
-    assert speeds.tolist() == [V[0], V[-1]]
-    assert kept.tolist() == [0, V.size - 1]
-    assert t.tolist() == starts[:2].tolist()
+    found = steady(V, lasts)
+    assert found.V.tolist() == [V[0], V[-1]]
+    assert found.t.tolist() == [0.0, lasts[0]]
+    assert found.displacement(sum(lasts)) == pytest.approx(np.dot(V, lasts))
 
 
 @pytest.mark.parametrize(
@@ -41,10 +47,9 @@ def test_overshoots_belong_to_their_step(V, lasts):
     ],
 )
 def test_other_brief_speeds_are_steps(V, lasts):
-    starts = np.append(0.0, np.cumsum(lasts))
-    t, speeds, _ = without_overshoots(starts[:-1], np.array(V), starts[-1])
-    assert speeds.tolist() == list(V)
-    assert t.tolist() == starts[:-1].tolist()
+    found = steady(V, lasts)
+    assert found.V.tolist() == list(V)
+    np.testing.assert_allclose(found.t, np.cumsum([0, *lasts[:-1]]))
 
 
 def test_the_history_counts_the_step_once():

@@ -5,10 +5,12 @@ import re
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from xarray import Dataset
 
 from ratestate import ParameterError
 from ratestate.records.load_point import splits
 from ratestate.records.load_point.segments import segments_from_displacement, segments_from_velocity
+from ratestate.records.loading import recorded_segments
 from ratestate.records.reading import find_segments
 
 NOISE = 0.3e-6
@@ -112,16 +114,6 @@ def test_one_speed():
     assert find_segments(t, noise)[1].tolist() == [0.0]
 
 
-def test_slide_hold_slide():
-    t = np.arange(0, 400, 0.1)
-    starts, V = [0, 100, 110, 150, 250, 300], [1e-5, 0, 1e-5, 0, 1e-5, 0]
-    noise = NOISE * np.random.default_rng(2).standard_normal(t.size)
-    found = segments_from_displacement(t, history(t, starts, V) + noise)
-    np.testing.assert_allclose(found.t, starts, atol=0.03)
-    np.testing.assert_allclose(found.V, V, rtol=0.01, atol=0)
-    assert found.notes == []
-
-
 def test_machines_that_wander_do_not_step():
     # a tenth of a turn of a gear, and drifts of a tenth of a micron: a change of speed by 3 %
     t = np.arange(0, 600, 0.05)
@@ -198,6 +190,19 @@ def test_levels_of_a_recorded_velocity():
     misses = [(f.t[1] - 30.05) / f.t_error[1] for f in many]
     assert 0.4 < np.std(misses) < 1.6
     assert max(abs(f.t[2] - 60.05) for f in many) < 0.01
+
+
+def test_segments_of_a_dataset_without_stored_ones():
+    """They are found in the whole record, as by `read_lab`, and a window keeps its own."""
+    t = np.arange(0, 100, 0.1)
+    rng = np.random.default_rng(7)
+    V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5) + 1e-7 * rng.standard_normal(t.size)
+    data, found = Dataset({"V_load": ("time", V)}, {"time": t}), segments_from_velocity(t, V)
+    for first, last, kept in ((0, 1000, [0, 1, 2]), (400, 500, [1]), (250, 400, [0, 1])):
+        part = recorded_segments(data, t[first:last])
+        for name in ("t", "V", "t_error", "V_error"):
+            assert getattr(part, name).tolist() == getattr(found, name)[kept].tolist()
+        assert part.end == t[last - 1]
 
 
 def test_refused():

@@ -166,12 +166,6 @@ def test_no_header(tmp_path):
         read_lab(path)
 
 
-def test_decimal_commas(tmp_path):
-    rows = [[cell.replace(".", ",") for cell in row] for row in cells(COLUMNS)]
-    for delimiter in ";\t ":
-        check(read_lab(write_rows(tmp_path / "r.csv", rows, delimiter=delimiter)))
-
-
 def test_columns_and_units_that_are_given(tmp_path):
     path = write_rows(tmp_path / "r.txt", cells(COLUMNS), ("a", "b (mm)", "c", "d(MPa)"))
     data = read_lab(path, {"time": "a", "delta_lp": "b", "friction": 3}, {"time": "min"})

@@ -5,7 +5,7 @@ import pytest
 
 from ratestate.records.kit.sample_noise import SampleNoise
 from ratestate.records.stick_slip.detection import loading_noise
-from ratestate.records.stick_slip.extremes import Window, edges, extremes
+from ratestate.records.stick_slip.extremes import FallWindow, edges, extremes
 
 DRAWS = 1500
 #: least contradiction of a window without a bound by the fall
@@ -27,7 +27,7 @@ def drawn_vertices(samples, sd, events=30):
 
     Each record has several events.  Results are NaN if noise hides the vertices.
     """
-    rng, window = np.random.default_rng(1), Window(-2.6, -0.4, 1)
+    rng, window = np.random.default_rng(1), FallWindow(-2.6, -0.4, 1)
     origins, one = 10.0 * np.arange(events), np.linspace(-1.0, 1.0, samples)
     t, rows = np.concatenate([one + origin for origin in origins]), []
     for _ in range(DRAWS // events):
@@ -41,7 +41,7 @@ def drawn_vertices(samples, sd, events=30):
 def test_hidden_vertices_are_replaced_by_the_mean_vertex():
     """-t^2 for 40 events, so noisy that the vertex of a single event is mostly hidden."""
     rng, sd, m = np.random.default_rng(2), 3.0, 40
-    middles, window = 10.0 * np.arange(m) + 1.5, Window(-2.5, -0.5, 1)
+    middles, window = 10.0 * np.arange(m) + 1.5, FallWindow(-2.5, -0.5, 1)
     off, time = [], []
     for _ in range(20):
         t = np.arange(-1.0, 10.0 * m, 0.05)
@@ -58,7 +58,7 @@ def test_hidden_vertices_are_replaced_by_the_mean_vertex():
 
 def test_errors_include_the_difference_of_the_degrees():
     """Extremes of -t^2 + 0.3 t^3 at 0, far from those of parabolas, hardly any noise."""
-    begins, window, noise = 10.0 * np.arange(8), Window(-2.5, -0.5, 1), SampleNoise(1e-4)
+    begins, window, noise = 10.0 * np.arange(8), FallWindow(-2.5, -0.5, 1), SampleNoise(1e-4)
     t = np.arange(-1.0, 75.0, 0.02)
     u = t - 10.0 * np.round(t / 10.0)
     y = -(u**2) + 0.3 * u**3 + noise.sd * np.random.default_rng(1).normal(size=t.size)

@@ -4,7 +4,7 @@ import numpy as np
 
 from ...dynamics.recipe import attribute_text
 from ...model.quantities import power_of
-from ...records.machine.result import estimate, value_with_unit
+from ...records.machine.means import estimate, value_with_unit
 from ..labels import BLUE, GRAY, RED, prefixed
 from ..layout import figure, letters, styled
 

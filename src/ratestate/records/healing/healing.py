@@ -9,10 +9,10 @@ from ..fitting.settings import CHOICES, check_choice
 from ..kit.least_squares import single_blas
 from ..kit.noise import given_noise
 from ..kit.results import kept_attributes
+from .holds import healing_record, noise_of_slides
 from .measured import measure
 from .prediction import predict, sliders_of
-from .record import healing_record, noise_of_slides
-from .result import dataset_of
+from .rates import dataset_of
 from .steady import levels_of
 
 

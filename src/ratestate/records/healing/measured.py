@@ -19,7 +19,7 @@ from ..kit.polynomial_windows import (
     windows_that_pass,
 )
 from ..kit.sample_noise import OF_STEP, resolution
-from .record import FEWEST
+from .holds import FEWEST
 from .steady import Level
 
 #: orders of polynomials in ln(time since the hold began): tested, and used; fewest samples
@@ -55,7 +55,7 @@ DIFFERENCES = ("delta_mu", "delta_mu_c")
 NAMES = ("friction_before", "friction_min", "friction_peak", "friction_after", *DIFFERENCES)
 
 
-class Measured(NamedTuple):
+class MeasuredHold(NamedTuple):
     """The measured quantities of a hold."""
 
     status: int
@@ -66,7 +66,7 @@ class Measured(NamedTuple):
 
 
 def measure(record, hold, noise, levels):
-    """Return the `Measured` quantities of a `Hold`, given the result of `levels_of`.
+    """Return the `MeasuredHold` quantities of a `Hold`, given the result of `levels_of`.
 
     No standard error is less than the error from rounding friction to its digits.  A difference has
     two rounding errors.  If the noise is larger than the last digit, a mean of samples has less of
@@ -84,35 +84,30 @@ def measure(record, hold, noise, levels):
 
 
 def _measured_with_noise(record, hold, noise, levels):
-    """Return the `Measured` quantities of a hold, with errors from the noise alone."""
     if hold.before.rows.size < FEWEST:
-        return Measured(NO_SLIDE, {})
+        return MeasuredHold(NO_SLIDE, {})
     if hold.during.rows.size < FEWEST_OF_HOLD:
-        return Measured(SHORT, {})
+        return MeasuredHold(SHORT, {})
     before, after = levels.get(hold.number - 1), levels.get(hold.number + 1)
     if before is None:
-        return Measured(UNSTEADY, {})
+        return MeasuredHold(UNSTEADY, {})
     end = _end_of_hold(record, hold, noise)
-    values = {
-        "friction_before": before.at(before.end),
-        "friction_min": end,
-        "delta_mu_c": _difference(
-            before.at(record.drift_coordinate_at(hold.during.end, end[0])), end
-        ),
-    }
+    level = before.at(record.drift_coordinate_at(hold.during.end, end[0]))
+    values = {"friction_before": before.at(before.end), "friction_min": end}
+    values["delta_mu_c"] = _difference(level, end)
     if hold.after.rows.size < FEWEST:
-        return Measured(ENDS, values)
+        return MeasuredHold(ENDS, values)
     status, at, peak = _peak(record, hold, noise, end[0])
     if status:
-        return Measured(status, values)
+        return MeasuredHold(status, values)
     drift_coordinate = record.drift_coordinate_at(at, peak[0])
     level = before.at(drift_coordinate)
     values |= {"friction_peak": peak, "delta_mu": _difference(peak, level)}
     if after is not None:
         values["friction_after"] = after.at(after.end)
     if level[1] > UNKNOWN * abs(values["delta_mu"][0]):
-        return Measured(UNSTEADY, {})
-    return Measured(EVALUATED, values, at, before, drift_coordinate)
+        return MeasuredHold(UNSTEADY, {})
+    return MeasuredHold(EVALUATED, values, at, before, drift_coordinate)
 
 
 def _difference(one, other):

@@ -82,7 +82,7 @@ def sliders_of(slider):
 
 
 def _fitted(result, law, part, errors):
-    """`Fitted` of one law's part of a fit; errors : function of the part and names, as below."""
+    """Return the `Fitted` of one law; `errors` is one of the two functions below."""
     slider = slider_of(result, law)
     own = motion_symbols(slider.friction_law)
     names = [name for name in part["parameter"].values.tolist() if name in own]
@@ -93,7 +93,7 @@ def _fitted(result, law, part, errors):
 
 
 def _errors_of_fit(part, names):
-    """Standard errors (k,) [SI] of a fit's estimates, and their correlation (k, k)."""
+    """Return standard errors (k,) [SI] of a fit's estimates, and their correlation (k, k)."""
     errors = np.array([error_of(part, name) for name in names])
     return errors, part["correlation"].sel(parameter=names, other=names).values
 
@@ -157,5 +157,4 @@ def _about_peak(slider, loading, end, last, kind):
 
 
 def _friction(run, slider, kind):
-    """Return friction as recorded: from the spring's stress, or of the interface."""
     return run["mu"] if kind == "mu" else run["tau"] / slider.sigma

@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from scipy.special import chdtri, logsumexp
 
 from ..kit.polynomial_windows import basis, windows_that_pass
-from .record import FEWEST, is_same_speed
+from .holds import FEWEST, is_same_speed
 
 #: second decay length as a fraction of the first; or wave number times the decay length
 FASTER, WAVES = (1.0, 0.5, 0.2, 0.05), (0.7, 1.5, 3.0, 6.0)

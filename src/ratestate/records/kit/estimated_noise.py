@@ -4,10 +4,8 @@ Restricted maximum likelihood corrects for the part of the noise that the fitted
 Patterson & Thompson (1971) doi:10.1093/biomet/58.3.545.  The variance of the noise is estimated in
 closed form.
 
-The shape of the noise belongs to one of two families: white noise and one relaxation, or white
-noise and noise whose spectrum is a power of frequency.  A shape has two coordinates.  One is
-ln(share/(1 - share)), with the correlated part's share in the variance.  The other depends on the
-family.
+The shape of the noise belongs to one of two families, with two coordinates: the correlated part's
+share in the variance, and its time or exponent.
 """
 
 import math
@@ -90,45 +88,40 @@ class RestrictedLikelihood:
         return -minus, variance, inverse, projected
 
 
-class Relaxation:
-    """White noise and one relaxation; its coordinate is ln(time)."""
+class Family(NamedTuple):
+    """White noise and one relaxation, or white noise and a spectrum that is a power of frequency.
 
-    def __init__(self, likelihood):
-        shortest = SHORTEST * likelihood.spacing
-        self.bounds = np.array([LOG_ODDS, np.log([shortest, likelihood.length])])
-        times = 2.0 * likelihood.spacing, 0.02 * likelihood.length
-        self.starts = [np.array([0.0, math.log(time)]) for time in times]
+    The first coordinate of a shape is ln(share/(1 - share)).  The second is ln(time), or the
+    exponent divided by `UNIT`.
+    """
 
-    def shape(self, point):
-        """Return the `Noise` of unit variance at a point (2,)."""
-        return Noise(*_parts(point[0]), time=math.exp(point[1]))
-
-    def point(self, noise):
-        """Return the coordinates (2,) of a noise; None if it belongs to another family."""
-        if noise.red > 0.0 and noise.exponent is None:
-            return np.array([_log_odds(noise), math.log(noise.time)])
-
-
-class PowerLaw:
-    """White noise and a spectrum that is a power of frequency; its coordinate is the exponent."""
-
-    def __init__(self, likelihood):
-        self.bounds = np.array([LOG_ODDS, np.array(EXPONENTS) / UNIT])
-        self.starts = [np.array([1.0, 1.0 / UNIT])]
-        self.time = likelihood.length
+    is_power: bool
+    length: float  # of the record [s]
+    bounds: np.ndarray  # (2, 2) of the coordinates
+    starts: list[np.ndarray]
 
     def shape(self, point):
         """Return the `Noise` of unit variance at a point (2,)."""
-        return Noise(*_parts(point[0]), time=self.time, exponent=UNIT * point[1])
+        parts = _parts(point[0])
+        if self.is_power:
+            return Noise(*parts, time=self.length, exponent=UNIT * point[1])
+        return Noise(*parts, time=math.exp(point[1]))
 
     def point(self, noise):
         """Return the coordinates (2,) of a noise; None if it belongs to another family."""
-        if noise.red > 0.0 and noise.exponent is not None:
-            return np.array([_log_odds(noise), noise.exponent / UNIT])
+        if noise.red > 0.0 and self.is_power == (noise.exponent is not None):
+            second = noise.exponent / UNIT if self.is_power else math.log(noise.time)
+            return np.array([_log_odds(noise), second])
 
 
 def families(likelihood):
-    return Relaxation(likelihood), PowerLaw(likelihood)
+    spacing, length = likelihood.spacing, likelihood.length
+    times, exponents = np.log([SHORTEST * spacing, length]), np.array(EXPONENTS) / UNIT
+    starts = [np.array([0.0, math.log(time)]) for time in (2.0 * spacing, 0.02 * length)]
+    return (
+        Family(False, length, np.array([LOG_ODDS, times]), starts),
+        Family(True, length, np.array([LOG_ODDS, exponents]), [np.array([1.0, 1.0 / UNIT])]),
+    )
 
 
 def _parts(log_odds: float) -> tuple[float, float]:

@@ -128,7 +128,6 @@ def read_isolated(reader, path, kind, *more, seconds=None, stop=None):
 
 @contextlib.contextmanager
 def _ended_by(child, stop, seconds):
-    """Kill the child when `stop` is set, or after this many seconds."""
     over = threading.Event()
 
     def watch():
@@ -167,7 +166,6 @@ def _read(task):
 
 
 def _limit(memory, seconds):
-    """Limit memory and processor time of this process, if the system supports it."""
     with contextlib.suppress(ImportError):  # Windows
         import resource
 

@@ -7,7 +7,14 @@ import numpy as np
 
 from ..kit.sample_noise import sample_noise
 from ..messages import load_point as sentences
-from .runs import JUMP_SIGMAS, Run, jump_between, jump_size, noise_variances, refine_breakpoints
+from .runs import (
+    JUMP_SIGMAS,
+    SpeedRun,
+    jump_between,
+    jump_size,
+    noise_variances,
+    refine_breakpoints,
+)
 from .splits import MIN_RUN_ROWS, RowSums, drop_weak_cuts, find_cuts
 
 #: least change of speed in a step, as a fraction of the larger speed.  Motors hold a speed to a few
@@ -37,7 +44,7 @@ SHORT_ROWS, MIN_IMPROVEMENT = 16, 5.0
 
 
 def find_runs(t, x):
-    """Return the `Run`s (list) of the load point at constant speeds, and notes (list of str).
+    """Return the `SpeedRun`s (list) of the load point at constant speeds, and notes (list of str).
 
     t, x : (n,) [s], increasing, and [m]; not checked here
 
@@ -60,7 +67,7 @@ def _steps_and_jumps(rows):
 
     @functools.cache
     def run_of(i, j):
-        return Run(rows, [(i, j)])
+        return SpeedRun(rows, [(i, j)])
 
     def least_change(one, other):
         error = (1.0 / one.spread + 1.0 / other.spread) ** 0.5
@@ -110,7 +117,7 @@ def _mark_holds(runs):
     """Set V = 0 in runs whose speed cannot be distinguished from 0; return runs and notes."""
     scatter = float(np.concatenate([run.whitened_residuals() for run in runs]).std())
     largest = max(abs(run.V) for run in runs)
-    marked: list[Run] = []
+    marked: list[SpeedRun] = []
     notes = []
     for m, (run, own) in enumerate(zip(runs, noise_variances(runs), strict=True)):
         duration = run.end - run.start
@@ -127,7 +134,7 @@ def _mark_holds(runs):
         if hold and marked and marked[-1].hold:
             marked[-1] = marked[-1].join(run, hold=True)
         else:
-            marked.append(Run(run.samples, run.rows, hold))
+            marked.append(SpeedRun(run.samples, run.rows, hold))
     return refine_breakpoints(marked), notes
 
 
@@ -172,7 +179,6 @@ def _rounding_step(x):
 
 
 def _anomaly_notes(runs):
-    """Return notes on jumps of the displacement, and on a load point that wanders."""
     notes, t, x = [], runs[0].samples.t, runs[0].samples.x
     for run in runs:
         for first, _ in run.rows[1:]:

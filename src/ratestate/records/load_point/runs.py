@@ -12,7 +12,7 @@ MIN_RATE_ROWS = 400  # fewest rows at a sampling rate from which its correlation
 JUMP_SIGMAS = 4.0  # least jump, as a multiple of the standard deviation of the rows beside it
 
 
-class Run:
+class SpeedRun:
     """Rows of a record at one speed, and the parallel lines that fit them best.
 
     samples : `RowSums` of all rows of the record
@@ -43,7 +43,7 @@ class Run:
 
     def join(self, other, hold=False):
         """Return one run of the rows of both runs; the lines keep their own offsets."""
-        return Run(self.samples, self.rows + other.rows, hold)
+        return SpeedRun(self.samples, self.rows + other.rows, hold)
 
     def x_at(self, t, end):
         """Return the displacement [m] at t [s] on the first (end = 0) or last (end = -1) line."""
@@ -133,7 +133,7 @@ def refine_breakpoints(runs):
         if rows == [run.rows for run in runs] or places in visited:
             break
         visited.add(places)
-        runs = [Run(samples, own, run.hold) for own, run in zip(rows, runs, strict=True)]
+        runs = [SpeedRun(samples, own, run.hold) for own, run in zip(rows, runs, strict=True)]
     return runs
 
 

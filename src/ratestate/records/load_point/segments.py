@@ -1,5 +1,6 @@
 """Find the segments of constant load-point speed in a record; recognize overshoots."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -24,14 +25,56 @@ MAX_OVERSHOOT_SPEED = 0.5
 MAX_OVERSHOOT_SLIP = 0.005
 
 
-class FoundSegments(NamedTuple):
-    """Starts and speeds of the n segments of a record, their standard errors, and notes."""
+class Segments(NamedTuple):
+    """The n segments of constant speed of a load point, with standard errors."""
 
-    t: np.ndarray  # (n,) starts [s]; the first equals the start of the record
+    t: np.ndarray  # (n,) starts [s]; the first is at or before the start of the record
     V: np.ndarray  # (n,) speeds [m/s]; exactly 0 in a hold, never negative
-    t_error: np.ndarray  # (n,) [s]; 0 for the first start
+    end: float  # end of the last segment [s]
+    t_error: np.ndarray  # (n,) [s]; 0 for the first start, and for a given loading
     V_error: np.ndarray  # (n,) [m/s]; 0 in a hold
-    notes: list[str]  # empty for segments from a velocity
+    notes: Sequence[str] = ()  # on segments that were found
+    #: all segments, overshoots included, if these are without them
+    all_segments: "Segments | None" = None
+
+    @property
+    def ends(self):
+        """(n,) end of each segment [s]."""
+        return np.append(self.t[1:], self.end)
+
+    def at(self, t):
+        """Return the index of the segment at times t; at its start, of the later segment."""
+        return np.maximum(np.searchsorted(self.t, t, side="right") - 1, 0)
+
+    def displacement(self, t):
+        """Return the load-point displacement [m] at times t since the first segment began."""
+        if self.all_segments:
+            return self.all_segments.displacement(t)
+        ends = np.append(self.t, self.end)
+        moved = np.concatenate([[0.0], np.cumsum(self.V * np.diff(ends))])
+        return np.interp(t, ends, moved)
+
+    @property
+    def steady(self):
+        """Indices (list) of the segments that are not overshoots."""
+        kept, durations = [0], self.ends - self.t
+        while kept[-1] < self.V.size - 1:
+            others = range(self.V.size - 1, kept[-1] + 1, -1)
+            after = (k for k in others if _overshoots(self.V, durations, kept[-1], k))
+            kept.append(next(after, kept[-1] + 1))
+        return kept
+
+    def without_overshoots(self):
+        """Return the steady segments; a step begins when its overshoot begins."""
+        kept = self.steady
+        starts = [0, *(k + 1 for k in kept[:-1])]
+        return self._replace(
+            t=self.t[starts],
+            V=self.V[kept],
+            t_error=self.t_error[starts],
+            V_error=self.V_error[kept],
+            all_segments=self,
+        )
 
     def describe(self, t, displacement=None, stress_steps=()):
         """Describe steps and holds: "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
@@ -52,12 +95,12 @@ class FoundSegments(NamedTuple):
 
     def _of_load_point(self, t, displacement):
         """Return (time [s], description) of each step and hold of the load point."""
-        starts, speeds, _ = without_overshoots(self.t, self.V, t[-1])
+        steady = self.without_overshoots()
+        starts, speeds, ends = steady.t, steady.V, steady.ends
         if speeds.size == 1:
             V = speeds[0]
             what = "a hold" if V == 0.0 else f"steady at {_format_speed(V)}"
             return [(starts[0], f"no step: {what} throughout")]
-        ends = np.append(starts[1:], t[-1])
         texts = []
         for i, (start, V) in enumerate(zip(starts, speeds, strict=True)):
             at, moved = _format_time(start), _format_position(start, t, displacement)
@@ -72,20 +115,11 @@ class FoundSegments(NamedTuple):
         return texts
 
 
-def stored_segments(data):
-    """Return starts [s] and speeds [m/s], (n,) each, of stored segments; None if none.
-
-    ParameterError if the stored segments are incomplete, empty or out of order.
-    """
-    names = ("segment_t", "segment_V")
-    if not any(name in data.variables for name in names):
-        return None
-    stored = [data[name].values for name in names if name in data.variables]
-    usable = all(one.ndim == 1 and one.size and one.dtype.kind in "iuf" for one in stored)
-    usable = usable and len(stored) == 2 and bool(np.isfinite(stored).all())
-    if not usable or (np.diff(stored[0]) <= 0.0).any():
-        raise sentences.refusal("segments.altered")
-    return tuple(one.astype(float) for one in stored)
+def segments_from(t, columns):
+    """Return the `Segments` of a record from its ``delta_lp`` or, without it, its ``V_load``."""
+    if "delta_lp" in columns:
+        return segments_from_displacement(t, columns["delta_lp"])
+    return segments_from_velocity(t, columns["V_load"])
 
 
 def find_segments(t, delta_lp):
@@ -132,7 +166,7 @@ def find_segments(t, delta_lp):
 
 
 def segments_from_displacement(t, x):
-    """Return the `FoundSegments` of a displacement; raise ParameterError as `find_segments`."""
+    """Return the `Segments` of a displacement; raise ParameterError as `find_segments`."""
     t, x = _check_arrays(t, x, "delta_lp")
     runs, notes = find_runs(t, x)
     for run in runs:
@@ -157,16 +191,16 @@ def segments_from_displacement(t, x):
     near = t[np.searchsorted(t, at - rounding)]
     at = np.where(np.abs(at - near) <= rounding, near + rounding, at)
     starts, V = np.append(t[0], at), np.array([run.V for run in runs])
-    _, _, kept = without_overshoots(starts, V, t[-1])
-    for i in sorted({*range(V.size)} - {*kept.tolist()}):
-        duration = np.append(starts, t[-1])[i + 1] - starts[i]
-        notes.append(sentences("notes.overshoot", V=V[i], duration=duration, first=starts[i]))
     V_error = [0.0 if r.hold else (s / r.spread) ** 0.5 for r, s in zip(runs, noise, strict=True)]
-    return FoundSegments(starts, V, np.sqrt(variance), np.array(V_error), notes)
+    found = Segments(starts, V, float(t[-1]), np.sqrt(variance), np.array(V_error))
+    for i in sorted({*range(V.size)} - {*found.steady}):
+        duration = found.ends[i] - starts[i]
+        notes.append(sentences("notes.overshoot", V=V[i], duration=duration, first=starts[i]))
+    return found._replace(notes=notes)
 
 
 def segments_from_velocity(t, V):
-    """Return the `FoundSegments` of recorded speeds [m/s]; steps lie midway between two rows.
+    """Return the `Segments` of recorded speeds [m/s]; steps lie midway between two rows.
 
     ParameterError as for `find_segments`.
     """
@@ -197,12 +231,12 @@ def segments_from_velocity(t, V):
     relative = np.sqrt(
         1.0 / 12.0 + POSITION_FACTOR * (rows.noise[edges] / np.diff(means) ** 2) ** 2
     )
-    return FoundSegments(
+    return Segments(
         np.append(t[0], 0.5 * (before + after)),
         means,
+        float(t[-1]),
         np.append(0.0, (after - before) * relative),
         np.where(means == 0.0, 0.0, errors),
-        [],
     )
 
 
@@ -239,27 +273,6 @@ def _format_position(at, t, displacement):
         return ""
     x = np.interp(at, t, displacement)
     return f" ({x * 1e6:.0f} um)" if abs(x) < 0.1 else f" ({x * 1e3:.3f} mm)"
-
-
-def without_overshoots(t, V, end):
-    """Return starts [s], speeds [m/s] and indices of the segments that are not overshoots.
-
-    t, V : (n,) starts and speeds of all segments
-    end : end of the last segment [s]
-
-    A step with an overshoot begins when the overshoot begins.
-    """
-    durations = np.diff(np.append(t, end))
-    starts, kept = [0], [0]
-    while kept[-1] < V.size - 1:
-        before = kept[-1]
-        after = next(
-            (k for k in range(V.size - 1, before + 1, -1) if _overshoots(V, durations, before, k)),
-            before + 1,
-        )
-        starts.append(before + 1)
-        kept.append(after)
-    return t[starts], V[kept], np.array(kept)
 
 
 def _overshoots(V, durations, before, after):

@@ -96,17 +96,21 @@ class RowSums:
         return int(k[best]), float(self.misfit(i, j) - both[best])
 
 
-def gaps_in(t):
-    """Return the rows (list) before which there is a gap in the times t (n,)."""
+def gaps_in(t, ratio=GAP_RATIO, rows=GAP_ROWS):
+    """Return the rows (list) before which there is a gap in the times t (n,).
+
+    ratio : least length of a gap, as a multiple of the median time step on either side
+    rows : number of time steps on either side
+    """
     dt = np.diff(t)
     if dt.size < 3:
         return []
     beside = np.minimum(np.append(dt[1], dt[:-1]), np.append(dt[1:], dt[-2]))
     gaps = []
-    for i in np.flatnonzero(dt > GAP_RATIO * beside).tolist():
+    for i in np.flatnonzero(dt > ratio * beside).tolist():
         # if the sampling rate changes here, the time step is the usual one on one side
-        sides = [dt[max(0, i - GAP_ROWS) : i], dt[i + 1 : i + 1 + GAP_ROWS]]
-        if dt[i] > GAP_RATIO * max(float(np.median(side)) for side in sides if side.size):
+        sides = [dt[max(0, i - rows) : i], dt[i + 1 : i + 1 + rows]]
+        if dt[i] > ratio * max(float(np.median(side)) for side in sides if side.size):
             gaps.append(i + 1)
     return gaps
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ..kit.sample_noise import OF_SECOND
-from .runs import Run
+from .runs import SpeedRun
 from .splits import MIN_RUN_ROWS, RowSums, find_cuts
 
 #: largest change of a constant normal stress, as a fraction of its mean
@@ -55,7 +55,7 @@ def stress_steps(time, sigma):
         places = rows.at[find_cuts(rows)].tolist()
     except ParameterError:  # too many changes
         return []
-    runs = [Run(rows, [two]) for two in itertools.pairwise(places)]
+    runs = [SpeedRun(rows, [two]) for two in itertools.pairwise(places)]
     slow = [r for r in runs if abs(r.V) * (r.end - r.start) <= VARIABLE * r.means[0][1]]
     edges = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1]), time[-1:]])
     levels = [_Level(edges[r.first], edges[r.last], r.means[0][1]) for r in slow]

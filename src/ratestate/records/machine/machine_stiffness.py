@@ -12,13 +12,14 @@ from ...model.slider import SpringSlider
 from ...model.units import is_array
 from ..kit.least_squares import single_blas
 from ..kit.results import kept_attributes
+from ..kit.sample_noise import rounding
 from ..loading import segments_of
 from ..messages import machine as sentences
 from ..raw_record import raw_record
 from ..reading.sizes import constant_in_si, typical_stress
 from ..stick_slip.detection import detected, in_gaps, is_whole
-from ..stick_slip.series import series_of
-from .result import dataset_of
+from ..stick_slip.series import record_series
+from .means import dataset_of
 from .ring_down import ring_down
 from .slopes import FEWEST, slopes_of
 
@@ -141,7 +142,6 @@ def _check_slider(slider):
 
 
 def _normal_stress(data, sigma):
-    """Return the normal stress [Pa], given or recorded, if its size is plausible."""
     if sigma is not None:
         return constant_in_si("sigma", sigma)
     if "sigma" not in getattr(data, "variables", {}):
@@ -150,7 +150,6 @@ def _normal_stress(data, sigma):
 
 
 def _ring_downs(raw, segments, drops):
-    """Return `RingDown`s (list) after each change of speed, or each stress drop of a segment."""
     t, ring_downs = raw.time, []
     for start, end, V, times in zip(segments.t, segments.ends, segments.V, drops, strict=True):
         rows = np.arange(*np.searchsorted(t, (start, end)))[1:]
@@ -165,12 +164,8 @@ def stress_drops(raw, sigma, segments):
 
     They are times of samples, which is enough: the fits begin and end well between stress drops.
     """
-    variables = {
-        "friction": ("time", raw.friction),
-        "sigma": ("time", np.full(raw.time.size, sigma)),
-    }
-    variables |= {"segment_t": ("segment", segments.t), "segment_V": ("segment", segments.V)}
-    series, falls, *_ = detected(series_of(xarray.Dataset(variables, {"time": raw.time})))
+    tau, resolution = raw.friction * sigma, rounding(raw.friction) * sigma
+    series, falls, *_ = detected(record_series(raw.time, tau, segments, resolution))
     samples = falls[is_whole(falls) & ~in_gaps(series.t, falls)]
     times, drops = series.t[samples], series.tau[samples] @ (1.0, -1.0)
     chosen = []

@@ -79,7 +79,6 @@ def ring_down(t, friction, rows, V):
 
 
 def _fit_without_harmonics(t, friction, whole, omega, decay):
-    """Return the first `RingDown` without significant harmonics, or None."""
     begin = t[whole[0]]
     spacing = float(np.median(np.diff(t[whole])))
     for _ in range(TRIALS):

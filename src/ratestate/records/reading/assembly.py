@@ -7,7 +7,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import attrs, readable
-from ..load_point.segments import segments_from_displacement, segments_from_velocity
+from ..load_point.segments import segments_from
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
 from .columns import (
@@ -88,7 +88,7 @@ def build_record(tables, lab, *, time=None, displacement=None, rows=MAX_ROWS, jo
                 if s in record or s == "pore_pressure"
             }
         ),
-        "notes": json.dumps(messages + minor + segments.notes),
+        "notes": json.dumps([*messages, *minor, *segments.notes]),
     }
     if lab.machine:
         data.attrs["machine"] = json.dumps(lab.machine)
@@ -171,19 +171,15 @@ def _ratio_of_forces(chosen, units):
 
 
 def _find_segments(record, gaps):
-    """Return the `FoundSegments` of a record, from block means if the record is very long."""
-    symbol = "delta_lp" if "delta_lp" in record else "V_load"
-    t, x = record["time"], record[symbol]
-    if t.size > MAX_ROWS:
-        starts, _ = block_starts(t.size, gaps, MAX_ROWS)
-        t, x = block_means(t, starts), block_means(x, starts)
-    if symbol == "delta_lp":
-        return segments_from_displacement(t, x)
-    return segments_from_velocity(t, x)
+    """Return the `Segments` of a record, from block means if the record is very long."""
+    columns = {s: record[s] for s in ("time", "delta_lp", "V_load") if s in record}
+    if columns["time"].size > MAX_ROWS:
+        starts, _ = block_starts(columns["time"].size, gaps, MAX_ROWS)
+        columns = {s: block_means(values, starts) for s, values in columns.items()}
+    return segments_from(columns["time"], columns)._replace(end=float(record["time"][-1]))
 
 
 def _dataset(record, segments):
-    """Return the Dataset of a record and its segments."""
     import xarray
 
     order = [s for s in ("friction", "delta_lp", "V_load", "tau", "sigma") if s in record]
@@ -248,7 +244,6 @@ def _common_symbols(parts, constants):
 
 
 def _end_values(values):
-    """Return the first and the last finite value."""
     finite = values[np.isfinite(values)]
     return float(finite[0]), float(finite[-1])
 

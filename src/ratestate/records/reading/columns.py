@@ -117,9 +117,7 @@ def choose_columns(table, columns, constants=()):
     Optional symbols of `PATTERNS` may be absent.  ParameterError if a request fits no column or
     several, or if a required column is missing or ambiguous.
     """
-    chosen = {
-        symbol: requested_column(table, symbol, request) for symbol, request in columns.items()
-    }
+    chosen = {s: requested_column(table, s, request) for s, request in columns.items()}
     for symbol in PATTERNS:
         replaced = symbol in REPLACED_BY and REPLACED_BY[symbol] <= chosen.keys()
         if replaced or symbol in chosen or symbol in constants:
@@ -215,11 +213,9 @@ def column_by_name(table, symbol, taken, needed=False):
     }
     same = [i for i, rank in ranks.items() if rank == min(ranks.values())]
     if len(same) > 1 and needed:
-        titles, first = (
-            name_list([table.titles[i] for i in same]),
-            _reference(table, same[0]),
-        )
-        raise sentences.refusal("columns.ambiguous", symbol=symbol, titles=titles, column=first)
+        values = {"symbol": symbol, "column": _reference(table, same[0])}
+        titles = name_list([table.titles[i] for i in same])
+        raise sentences.refusal("columns.ambiguous", titles=titles, **values)
     return same[0] if len(same) == 1 else None
 
 
@@ -236,7 +232,6 @@ def _column_by_unit(table, symbol, taken):
 
 
 def _reference(table, index):
-    """Return how a call names a column: by title, or by number if the title is not unique."""
     title = table.titles[index]
     return quoted(title) if table.titles.count(title) == 1 else str(index + 1)
 

@@ -1,5 +1,6 @@
 """Read the names and units of columns from the lines above the numbers."""
 
+import contextlib
 import csv
 import math
 import re
@@ -90,14 +91,10 @@ def check_headers(lines, rows, layout, above, header, name):
         line = lines[i].strip()
         if not line or line in header.lines or not _is_header(line, layout, header.names):
             continue
-        try:
-            same = (
-                parse_header([line], layout.delimiter, layout.width).normalized()
-                == header.normalized()
-            )
-        except ParameterError:
-            same = False
-        if not same:
+        other = None
+        with contextlib.suppress(ParameterError):
+            other = parse_header([line], layout.delimiter, layout.width).normalized()
+        if other != header.normalized():
             values = {"line": above + i + 1, "text": quoted(line)}
             raise sentences.refusal("text.second_header", name=name, **values)
 

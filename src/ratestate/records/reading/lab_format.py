@@ -123,7 +123,6 @@ def lab_format(path):
 
 
 def _problems(name, table):
-    """Yield the problems of a table: messages with key, value and remedy."""
     if name not in TABLES:
         yield sentences("format.table", table=name, wanted=one_of(TABLES, name))
     elif not isinstance(table, dict):
@@ -261,7 +260,6 @@ def _one_line(text):
 
 
 def _as_text(symbol, value):
-    """Return the value of a quantity as text with its unit."""
     if isinstance(value, str):
         return value
     quantity = quantity_of(symbol, value)

@@ -71,13 +71,8 @@ class Rows:
             row = int(self.kept[0])
             cell, title = self.cell(row, symbol), quoted(self.columns[symbol].title)
             dated = symbol == "time" and LIKE_CLOCK.search(cell)
-            raise sentences.refusal(
-                "column.dates" if dated else "column.no_numbers",
-                title=title,
-                symbol=symbol,
-                row=self.row_label(row),
-                cell=cell,
-            )
+            values = {"title": title, "symbol": symbol, "row": self.row_label(row), "cell": cell}
+            raise sentences.refusal("column.dates" if dated else "column.no_numbers", **values)
 
     def keep(self, which):
         """Keep only the rows that a mask or slice along `kept` selects."""

@@ -142,7 +142,6 @@ def _detect_clocks(rows, header):
 
 
 def _line_blocks(file, name):
-    """Yield lists of lines; ParameterError if a line is too long."""
     before = 0
     while lines := file.readlines(BLOCK):
         for number, line in enumerate(lines if max(map(len, lines)) > MAX_LINE else [], before + 1):
@@ -151,11 +150,8 @@ def _line_blocks(file, name):
                 raise sentences.refusal("text.long", name=name, **values)
         before += len(lines)
         text = "".join(lines)
-        yield (
-            lines
-            if text.isascii() and "'" not in text
-            else [_normalize_line(line) for line in lines]
-        )
+        plain = text.isascii() and "'" not in text
+        yield lines if plain else [_normalize_line(line) for line in lines]
 
 
 def _normalize_line(line):
@@ -221,9 +217,8 @@ def _find_first_row(path, lines, full, delimiters):
     if len(rows) == 1:
         raise sentences.refusal("text.one_row", name=path.name)
     begins = " and ".join(quoted(lines[i].strip()) for i in full[:2])
-    raise sentences.refusal(
-        "text.no_numbers" if full else "text.empty", name=path.name, begins=begins
-    )
+    sentence = "text.no_numbers" if full else "text.empty"
+    raise sentences.refusal(sentence, name=path.name, begins=begins)
 
 
 def _decimal_mark(path, rows):
@@ -233,9 +228,8 @@ def _decimal_mark(path, rows):
     certain = Counter(possible[0] for possible in marks if len(possible) == 1)
     if certain:
         return certain.most_common(1)[0][0]
-    grouped = [
-        cell for cell, possible in zip(cells, marks, strict=True) if possible and "," in cell
-    ]
+    pairs = zip(cells, marks, strict=True)
+    grouped = [cell for cell, possible in pairs if possible and "," in cell]
     if grouped and not any("." in cell for cell in cells):
         raise sentences.refusal("text.decimal", name=path.name, cell=quoted(grouped[0]))
     return "."

@@ -75,11 +75,8 @@ def name_and_units(title, unit=""):
     if not is_unit(inner):
         within, inner = name, ""
     first, *others = [one for one in (unit, own, inner) if one] or [""]
-    return (
-        within,
-        first,
-        next((one for one in others if plain_unit(one) != plain_unit(first)), ""),
-    )
+    other = next((one for one in others if plain_unit(one) != plain_unit(first)), "")
+    return within, first, other
 
 
 def is_recognized(title):
@@ -110,7 +107,6 @@ def plain_unit(unit):
 
 
 def _translate_unit(word):
-    """Return the unit that a word in any language means."""
     if word in _UNITS["names"]:
         return word
     alike = word.islower() or word.isupper() or word.istitle() or word.startswith("K")

@@ -39,10 +39,8 @@ def drop_codes(rows):
             number = in_si(symbol, np.array(code), rows.units[symbol])
             bad = values == number
             others = values[~bad] if bad.any() else values[:0]
-            if (
-                others.size > 1
-                and others.min() - number > JUMP_RATIO * np.abs(np.diff(others)).max()
-            ):
+            steps = np.abs(np.diff(others))
+            if steps.size and others.min() - number > JUMP_RATIO * steps.max():
                 title = quoted(rows.columns[symbol].title)
                 rows.leave_out(bad, f"with {code:g} in {title}, a code for no value")
 

@@ -19,6 +19,7 @@ from scipy.signal import find_peaks
 from scipy.stats import mannwhitneyu
 
 from ..kit.sample_noise import SampleNoise, noise_of_residuals, sample_noise
+from ..load_point.splits import gaps_in
 
 #: smallest event of a run, as a multiple of the solver's error per step
 LEAST = 10.0
@@ -41,6 +42,7 @@ MARGIN = 3.0
 #: slope of stress against displacement, as a multiple of the median, that is too steep for loading
 STEEP = 3.0
 #: number of steps on either side with which a gap is compared, and least ratio of the gap to them
+#: and to the median step of the series
 BESIDE, LONG = 20, 10.0
 #: significance level of the test that falls are shorter than rises
 CHANCE = 0.02
@@ -176,19 +178,12 @@ def without_rebounds(y, moved, falls):
 
 
 def in_gaps(t, falls):
-    """Return whether samples are missing in falls (m,), from before peak to after trough.
-
-    A step between samples is a gap if it is `LONG` times as long as the steps on either side.
-    """
+    """Return whether samples are missing in falls (m,), from before peak to after trough."""
     steps = np.diff(t)
-    long = np.flatnonzero(steps > LONG * np.median(steps))
-
-    def is_gap(i):
-        sides = steps[max(i - BESIDE, 0) : i], steps[i + 1 : i + 1 + BESIDE]
-        return all(side.size and steps[i] > LONG * np.median(side) for side in sides)
-
-    inside = [long[(long >= peak - 1) & (long <= trough)] for peak, trough in falls]
-    return is_whole(falls) & np.array([any(map(is_gap, some)) for some in inside], bool)
+    gaps = np.array(gaps_in(t, LONG, BESIDE), int) - 1  # the steps
+    gaps = gaps[steps[gaps] > LONG * np.median(steps)]
+    inside = [bool(((gaps >= peak - 1) & (gaps <= trough)).any()) for peak, trough in falls]
+    return is_whole(falls) & np.array(inside, bool)
 
 
 def is_stick_slip(series, falls):

@@ -53,7 +53,7 @@ ROUGH = 4.0
 PRICE = 4
 
 
-class Window(NamedTuple):
+class FallWindow(NamedTuple):
     """A window between two times after the middle of a fall, and the side of the fall."""
 
     start: float  # [s]
@@ -79,13 +79,13 @@ class Extremes(NamedTuple):
 
 
 def chosen_window(t, y, middles, windows, k, sign, noise):
-    """Choose the `Window` whose extremes have the smallest error without contradiction.
+    """Choose the `FallWindow` whose extremes have the smallest error without contradiction.
 
     The error is multiplied by a power of the contradiction.  The result is None if no window has
     enough samples.
     """
     some = middles[:: math.ceil(middles.size / MOST)]
-    choices: list[tuple[float, Window]] = []
+    choices: list[tuple[float, FallWindow]] = []
     for window in windows:
         result = extremes(t, y, some, window, k, sign, noise)
         if np.isfinite(result.value).mean() >= ENOUGH:

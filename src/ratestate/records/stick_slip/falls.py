@@ -18,7 +18,7 @@ from scipy.ndimage import uniform_filter1d
 
 from .between_samples import ANYWHERE, NEAR, corrected_for_spikes, middles
 from .detection import is_whole
-from .extremes import Window, chosen_window, extremes
+from .extremes import FallWindow, chosen_window, extremes
 from .lines import speed_groups
 
 #: measured quantities of a fall; each has an error
@@ -115,7 +115,6 @@ def _groups(series, spans, whole, noise):
 
 
 def _in_record(series, spans, noise):
-    """Return rows (m, COLUMNS) of the table of falls, for a group of falls in a record."""
     t, y = series.t, series.tau
     begins, peaks, troughs, ends = spans.T
     drop = float(np.median(y[peaks] - y[troughs]))
@@ -163,7 +162,7 @@ def _stress_extremes(t, y, middle, at, sign, loading, noise):
 
 
 def _windows(offset, loading, spacing, sign):
-    """Generate `Window`s for an extreme at this time after the middle of the fall (peaks: < 0)."""
+    """Generate `FallWindow`s for an extreme at this time after a fall's middle (peaks: < 0)."""
     reach, least = abs(offset), min(LEAST * spacing, OF_LOADING * loading)
     nears = [part * reach for part in FALL]
     nears += [j * spacing for j in NEAREST if j * spacing <= reach + spacing]
@@ -171,7 +170,7 @@ def _windows(offset, loading, spacing, sign):
     for extent, near in itertools.product(LOADING * loading, nears):
         far = max(reach + extent, near + SHORTEST * spacing)
         if far < reach + loading:  # (the next fall lies beyond)
-            yield Window(-far, -near, 1) if sign > 0 else Window(near, far, -1)
+            yield FallWindow(-far, -near, 1) if sign > 0 else FallWindow(near, far, -1)
 
 
 def _slopes(t, y, middle, peaks, troughs, noise):
@@ -183,7 +182,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
     time, few, window = float(np.median(times - middle)), widths < SPARSE * spacing, None
     for _ in range(ROUNDS if not few.all() else 0):
         extents = np.unique(np.clip(STEEP * float(np.median(widths)), 3.5 * spacing, fall))
-        windows = [Window(time - a, time + b, 0) for a, b in itertools.product(extents, extents)]
+        pairs = itertools.product(extents, extents)
+        windows = [FallWindow(time - a, time + b, 0) for a, b in pairs]
         window = chosen_window(t, y, middle, windows, 1, -1, noise)
         if window is None:
             break

@@ -150,10 +150,8 @@ def _shared_variance(residuals, groups):
     It is the mean square of the mean residuals minus the part that the scatter explains, at least
     0.  If no speed has two events, the scatter of all events is used.
     """
-    counts, means = (
-        np.bincount(groups),
-        pandas.Series(residuals).groupby(groups).transform("mean").values,
-    )
+    counts = np.bincount(groups)
+    means = pandas.Series(residuals).groupby(groups).transform("mean").values
     size, total, inner = residuals.size, float(residuals @ residuals), residuals - means
     degrees = size - counts.size
     if degrees < 1:

@@ -10,11 +10,7 @@ from ...dynamics.results import parameter
 from ...model.conversion import in_si
 from ...model.units import one_in_si
 from ..kit.sample_noise import rounding
-from ..load_point.segments import (
-    segments_from_displacement,
-    segments_from_velocity,
-    stored_segments,
-)
+from ..loading import recorded_segments
 from ..messages import stick_slip as sentences
 from ..raw_record import FEWEST, checked_time, column, variable_names
 from ..reading.sizes import constant_in_si, typical_stress
@@ -123,17 +119,25 @@ def _series_of_record(data, given):
     else:
         friction = column(data, "friction")
         tau, resolution = friction * sigma, rounding(friction) * float(np.abs(sigma).max())
-    V_lp, V_lp_error, delta_lp = _recorded_load(data, t)
+    if not {"delta_lp", "V_load", "segment_t", "segment_V"} & {*data.variables}:
+        raise sentences.refusal("data.no_load", variables=variable_names(data))
+    series = record_series(t, tau, recorded_segments(data, t), resolution)
+    return series._replace(sigma=smooth, K=given["K"], M=given["M"])
+
+
+def record_series(t, tau, segments, resolution):
+    """Return the `Series` of a record with these `Segments`; its resolution is that of tau."""
+    number = segments.at(t)
     return Series(
         t=t,
         tau=tau,
-        sigma=smooth,
-        V_lp=V_lp,
-        V_lp_error=V_lp_error,
-        delta_lp=delta_lp,
-        K=given["K"],
+        sigma=None,
+        V_lp=segments.V[number],
+        V_lp_error=segments.V_error[number],
+        delta_lp=segments.displacement(t),
+        K=None,
         K_source="given",
-        M=given["M"],
+        M=None,
         V=None,
         resolution=resolution,
         # (differences, because evenly spaced times show no rounding)
@@ -151,21 +155,3 @@ def _normal_stress(data, given, samples):
     typical_stress(recorded)
     sigma = np.resize(recorded, samples)  # one number holds for all samples
     return sigma, uniform_filter1d(sigma, SMOOTH, mode="nearest")
-
-
-def _recorded_load(data, t):
-    """Return speed [m/s], its error, and displacement [m] of the load point at times t."""
-    if (stored := stored_segments(data)) is not None:
-        starts, V = stored
-        error = data["segment_V_error"].values if "segment_V_error" in data else 0.0 * V
-    elif "delta_lp" in data.variables or "V_load" in data.variables:
-        name = "delta_lp" if "delta_lp" in data.variables else "V_load"
-        find = segments_from_displacement if name == "delta_lp" else segments_from_velocity
-        segments = find(t, column(data, name))
-        starts, V, error = segments.t, segments.V, segments.V_error
-    else:
-        raise sentences.refusal("data.no_load", variables=variable_names(data))
-    ends = np.append(starts, max(t[-1], starts[-1]))
-    moved = np.concatenate([[0.0], np.cumsum(V * np.diff(ends))])
-    rows = np.maximum(np.searchsorted(starts, t, side="right") - 1, 0)
-    return V[rows], error[rows], np.interp(t, ends, moved)

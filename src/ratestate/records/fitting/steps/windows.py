@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ....errors import RateStateError
-from ...load_point.segments import without_overshoots
 from ...load_point.stress_steps import stress_steps
 from ...loading import recorded_segments
 from ...messages import fitting as sentences
@@ -104,18 +103,15 @@ def windows_of(data):
 def _changes(data):
     """Return `_Change`s (list), the first at the record's start, the last at its end."""
     time = data["time"].values
-    starts, speeds = recorded_segments(data, time)
-    starts, speeds, _ = without_overshoots(starts, speeds, time[-1])
-    pairs = zip(starts.tolist(), speeds.tolist(), strict=True)
+    segments = recorded_segments(data, time).without_overshoots()
+    pairs = zip(segments.t.tolist(), segments.V.tolist(), strict=True)
     changes = [_Change(t, V, False, t) for t, V in pairs][1:]
     has_stress = "sigma" in data.variables and data["sigma"].dims == ("time",)
     for t, _, _, over in stress_steps(time, data["sigma"].values) if has_stress else ():
-        V = speeds[max(int(np.searchsorted(starts, t, side="right")) - 1, 0)]
-        changes.append(_Change(t, float(V), True, over))
-    end = float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
-    begin = float(time[0])
-    first, last = _Change(begin, float(speeds[0]), False, begin), _Change(end, np.nan, False, end)
-    return [first, *sorted(changes), last]
+        changes.append(_Change(t, float(segments.V[segments.at(t)]), True, over))
+    begin, end = float(time[0]), float(time[-1]) + 0.5 * float(np.median(np.diff(time)))
+    first = _Change(begin, float(segments.V[0]), False, begin)
+    return [first, *sorted(changes), _Change(end, np.nan, False, end)]
 
 
 def _window_begin(time, over, V, change, end):
@@ -146,9 +142,8 @@ class Slide(NamedTuple):
 def stick_slip_slides(data, sigma):
     """Return the `Slide`s (list) of a record; sigma [Pa] is used if none is recorded."""
     time = data["time"].values
-    starts, speeds = recorded_segments(data, time)
-    slides = []
-    for begin, end, V in zip(starts, [*starts[1:], np.inf], speeds, strict=True):
+    segments, slides = recorded_segments(data, time), []
+    for begin, end, V in zip(segments.t, [*segments.t[1:], np.inf], segments.V, strict=True):
         part = data.isel(time=slice(*np.searchsorted(time, (begin, end)).tolist()))
         if V > 0.0 and (count := _events_in(part, sigma)):
             slides.append(Slide(float(begin), float(end), float(V), count))

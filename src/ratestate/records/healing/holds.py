@@ -11,7 +11,8 @@ from ..kit.estimated_noise import estimated_noise
 from ..kit.noise import Noise
 from ..kit.polynomial_windows import basis
 from ..kit.sample_noise import rounding
-from ..loading import Segments, segments_of
+from ..load_point.segments import Segments
+from ..loading import segments_of
 from ..messages import healing as sentences
 from ..raw_record import raw_record
 

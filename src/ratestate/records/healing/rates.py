@@ -9,8 +9,8 @@ from ..kit.regression import Line, weighted_line
 from ..kit.results import labelled
 from ..load_point.stress_steps import VARIABLE, stress_range
 from ..messages import healing as sentences
+from .holds import FEWEST
 from .measured import EVALUATED, FEWEST_OF_HOLD, NAMES, SHORT, STATUSES
-from .record import FEWEST
 
 #: quantity -> its rate per decade; quantity -> its heading in the text
 RATES = {"delta_mu": "beta", "delta_mu_c": "beta_c"}
@@ -31,7 +31,7 @@ UNKNOWN = Line(*[np.nan] * len(Line._fields))
 def dataset_of(record, noise, measured, sliders, predicted):
     """Return the Dataset without attributes.
 
-    measured : list of `Measured`
+    measured : list of `MeasuredHold`
     sliders : law -> `Fitted`
     predicted : law -> list of the results of `predict`
     """
@@ -88,7 +88,6 @@ def _steady(record, measured):
 
 
 def _message(record, hold, measured):
-    """Return why a hold could not be evaluated, or remarks on it, or ""."""
     if measured.status != EVALUATED:
         short = measured.status == SHORT
         part, fewest = (hold.during, FEWEST_OF_HOLD) if short else (hold.before, FEWEST)
@@ -111,7 +110,6 @@ def _message(record, hold, measured):
 
 
 def _predictions(t_hold, quantities, sliders, predicted):
-    """Return the variables of predicted healing and relaxation, and of their rates."""
     variables: dict = {}
     for i, (name, rate) in enumerate(RATES.items()):
         columns, rates = [], []
