@@ -2,19 +2,13 @@
 
 import numpy as np
 
-from ..model.quantities import short
+from ..model.quantities import QUANTITIES, short
 from ..records.fitting.by_law import results_by_law
 from ..records.fitting.unknowns import TRENDS
-from ..report.estimates import (
-    STABLE_AT_ANY_K,
-    estimate_texts,
-    estimated_symbols,
-    largest,
-    short_name,
-    stiffness_ratio_text,
-)
+from ..report.fits import STABLE_AT_ANY_K, estimates, name_of
 from .labels import LAWS, in_unit, label, scaled
 from .layout import text_width
+from .prose import mathematics
 
 #: d mu_ss/d ln V, where it is more than a - b
 RATE_DEPENDENCE = r"$d\mu_{ss}/d\ln V$"
@@ -24,17 +18,14 @@ ROW, SIZE, MARGIN = 0.17, 7.5, 0.25
 GAP, BOLD = 8.0, 1.12
 
 
-def estimates(result, ax):
+def write_estimates(result, ax):
     """Write the estimates with their errors into axes: a column for each, a row for each law.
 
     Beside them K/K_c_qs, unless K = inf, and a measure of the misfit.  `result` is not checked.
     """
     laws = results_by_law(result)
-    symbols = [symbol for symbol in estimated_symbols(laws) if symbol not in TRENDS]
-    columns = [_column(laws, symbol) for symbol in symbols]
-    if any(ratios := [stiffness_ratio_text(part) for part in laws.values()]):
-        cells = ["stable" if text == STABLE_AT_ANY_K else _printed(text or "-") for text in ratios]
-        columns.append((f"$K$/{label('K_c_qs')}", cells))
+    shown = [one for one in estimates(laws, scaled) if one.symbol not in (*TRENDS, "K/sigma")]
+    columns = [(in_unit(_heading(one.symbol, laws), one.unit), _cells(one)) for one in shown]
     if "aic" not in result:
         columns.append((r"$\chi^2$", [short(float(part["chi2"])) for part in laws.values()]))
     elif len(laws) == 1:
@@ -68,14 +59,16 @@ def write(ax, laws, columns):
             ax.text(x, i + 0.5, text, ha="right", **at)
 
 
-def _column(laws, symbol):
-    """Heading with the unit, and value with error under each law."""
-    factor, unit = scaled(symbol, largest(laws, symbol))
-    cells = [_printed(value) for value, *_ in estimate_texts(laws, symbol, factor)]
-    heading = label(symbol)
-    if symbol == "a_minus_b" and short_name(symbol, laws) != "a - b":
-        heading = RATE_DEPENDENCE
-    return in_unit(heading, unit), cells
+def _heading(symbol, laws):
+    if symbol == "a_minus_b" and name_of(symbol, laws) != "a - b":
+        return RATE_DEPENDENCE
+    return label(symbol) if symbol in QUANTITIES else mathematics(symbol)
+
+
+def _cells(estimate):
+    """Return value and error under each law, with the signs of print."""
+    values = [value for value, *_ in estimate.texts]
+    return ["stable" if text == STABLE_AT_ANY_K else _printed(text) for text in values]
 
 
 def _printed(text):

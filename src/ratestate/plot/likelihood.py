@@ -4,7 +4,7 @@ import numpy as np
 
 from ..records.fitting.by_law import results_by_law
 from ..records.fitting.unknowns import DERIVED, parameter
-from ..report.estimates import estimated_symbols
+from ..report.fits import estimated_symbols
 from .labels import GRAY, LAWS, in_unit, label, scaled
 
 #: relative likelihood at the ends of the 95 % interval, exp(-3.84/2)

@@ -1,4 +1,4 @@
-"""Fits of steps as text: a table with a row for each step, sentences, and CSV rows."""
+"""Reports on fits of steps and holds: a table for each law, sentences, and rows of CSV."""
 
 import numpy as np
 import xarray
@@ -23,11 +23,19 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.steps import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
 from ..records.fitting.unknowns import DERIVED, TRENDS, to_value
+from .report import Column, Table, Title
 
 #: heads of the first columns
-HEADS = ("step", "time [s]", "change")
+HEADS = [Column("step", right=False), Column("time [s]", False, joined=True)]
+HEADS.append(Column("change", False, joined=True))
 #: remark on the notation of numbers in the table
-NOTATION = "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18."
+NOTATION = (
+    "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18. The signs < "
+    "and > stand before the closed end of a 95 % interval that is open on the other side. The row "
+    "all is the fit of one set of parameters to all steps and holds together, scatter the standard "
+    "deviation between steps beyond their errors, and up/down the mean over steps up divided by "
+    "the mean over steps down."
+)
 #: significance level
 IMPROBABLE = 0.01
 #: least probability that is given as a number: farther tails are not Gaussian
@@ -54,16 +62,25 @@ AFTER = "rms aic aic_difference samples status warnings message".split()
 TOGETHER, BLANK = ("all", "scatter", "up/down"), ("", "", "")
 
 
+def blocks(result):
+    """Return title, a table for each law, and sentences."""
+    found = [heading_of_steps(result)]
+    for law in results_by_law(result):
+        found += [Title(f"{law} law"), table_of(result, law), ""]
+    return [*found, NOTATION, *remarks_on_steps(result)]
+
+
 def table_of(result, law):
-    """Return rows of cells (lists of str): heads, steps under a law, and joint rows."""
+    """Return the table of the steps under a law, with joint rows below."""
     parts = results_by_law(result)
     part = parts[law]
     steps = [part.isel(step=i) for i in range(part.sizes["step"])]
     times = [f"{float(step['step_t']):.1f}" for step in steps]
+    heads = [*HEADS]
     columns = [
-        ["step", *(str(int(step["step"])) for step in steps), *TOGETHER],
-        ["time [s]", *times, *BLANK],
-        ["change", *map(change_text, steps), *BLANK],
+        [*(str(int(step["step"])) for step in steps), *TOGETHER],
+        [*times, *BLANK],
+        [*map(change_text, steps), *BLANK],
     ]
     for symbol in part["parameter"].values.tolist():
         if symbol in (*TRENDS, "mu0") or not np.isfinite(part[symbol].values).any():
@@ -75,11 +92,14 @@ def table_of(result, law):
             _concise(here["scatter"], np.nan, factor),
             _concise(here["up_over_down"], here["up_over_down_error"], 1.0),
         ]
-        columns.append([head, *(_cell(step, symbol, factor) for step in steps), *together])
+        heads.append(Column(head))
+        columns.append([*(_cell(step, symbol, factor) for step in steps), *together])
     if any(notes := [*map(_note, steps)]):
-        columns.append(["note", *notes, *BLANK])
-    rows, n = [list(cells) for cells in zip(*columns, strict=True)], 1 + len(steps)
-    return rows[:n] + [row for row in rows[n:] if set(row[len(HEADS) :]) - {NONE, "0", ""}]
+        heads.append(Column("note", right=False))
+        columns.append([*notes, *BLANK])
+    rows, n = [list(cells) for cells in zip(*columns, strict=True)], len(steps)
+    known = rows[:n] + [row for row in rows[n:] if set(row[len(HEADS) :]) - {NONE, "0", ""}]
+    return Table(heads, known, splits=True)
 
 
 def _note(step):
@@ -144,7 +164,7 @@ def heading_of_steps(result):
     laws = law_names(tuple(results_by_law(result)))
     counted = [(int((result["kind"] == kind).sum()), names) for kind, names in KINDS.items()]
     counts = ", ".join(f"{n} {names[n > 1]}" for n, names in counted if n)
-    return f"{about}{counts}, {laws}"
+    return Title(f"{about}{counts}, {laws}")
 
 
 def remarks_on_steps(result):
@@ -168,12 +188,19 @@ def warnings_on_steps(result):
     texts, best = [], _best_law(result)
     for law, part in results_by_law(result).items():
         if law == best:
-            texts += [
-                f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)
-            ]
+            texts += _labelled(law, part)
         elif counted := _counted(sum(len(x.splitlines()) for x in part["warnings"].values)):
             texts.append(f"{law} law: {counted}, {ALL_WARNINGS}")
     return texts
+
+
+def all_warnings(result):
+    """Return the warnings under every law."""
+    return [text for law, part in results_by_law(result).items() for text in _labelled(law, part)]
+
+
+def _labelled(law, part):
+    return [f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)]
 
 
 def warnings_by_text(part):

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import ratestate as rs
 from ratestate import plot
 from ratestate.interfaces.cli import main
-from ratestate.interfaces.cli.summary_csv import summary_csv
+from ratestate.report.summary_csv import summary_csv
 
 
 def call(*arguments):

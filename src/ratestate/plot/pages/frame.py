@@ -5,7 +5,7 @@ from matplotlib.patches import Patch
 from ...dynamics import attributes
 from ...friction.laws import friction_law, own_parameters
 from ...records.fitting.by_law import law_names
-from ..estimates import ROW, estimates
+from ..estimates import ROW, write_estimates
 from ..labels import LAWS, label
 from ..layout import ABOVE, figure, letters
 from ..likelihood import likelihood, non_gaussian
@@ -45,7 +45,7 @@ def finished(result, parts, first):
             likelihood(result, symbol, ax)
         letters(panels, *(f"likelihood of {label(s)}" for s in symbols), first=first)
         panels[0].set_ylabel("relative likelihood")
-    estimates(result, parts[-1].subplots())
+    write_estimates(result, parts[-1].subplots())
 
 
 def legend(ax, laws, *, band=True, narrow=False):
