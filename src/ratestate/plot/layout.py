@@ -97,6 +97,12 @@ def blank_figure(height, title):
     return fig
 
 
+def untitled(fig):
+    """Return a figure without its title and line of parameters."""
+    fig.suptitle("").set_in_layout(False)
+    return fig
+
+
 def is_wide(values):
     """Whether the finite ones of an array are all > 0, and the largest over `WIDE` times the least.
 

@@ -20,6 +20,7 @@ import xarray
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ..bifurcation import branch_page
+from ..layout import untitled
 from .events import events_page
 from .fit import fit_page
 from .healing import healing_page
@@ -49,7 +50,7 @@ ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 OWN = ("time", "segment", "mode", "multiplier", "point", "frequency", "event", "abscissa")
 
 
-def page(result):
+def page(result, *, title=True):
     """A figure of a result, for a file or a notebook.
 
     Parameters
@@ -60,6 +61,8 @@ def page(result):
         or two (maps; lines too where one of them has a few values only).  Several runs of
         `simulate` are compared: a list or dict as for `plot.trace`, or a few along one axis with
         more than their ends saved.  So are several results of `events`: measured beside simulated.
+    title : bool
+        Whether a title and the parameters stand above the panels.
 
     Returns
     -------
@@ -71,6 +74,11 @@ def page(result):
     ParameterError
         No such result, or one that has lost its attributes; more than two axes.
     """
+    fig = _page(result)
+    return fig if title else untitled(fig)
+
+
+def _page(result):
     if isinstance(result, list | tuple | dict):
         parts = result.values() if isinstance(result, dict) else result
         titles = {getattr(part, "attrs", {}).get("title") for part in parts}

@@ -5,8 +5,10 @@ from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 from ...dynamics.results import law_of_result, parameter
 from ...friction.linear_stability import K_c, eigenvalues
+from ...report.single import MARGIN, remedies
 from ..labels import BLUE, GRAY, LAWS, RED, label, prefixed, value_text
 from ..layout import figure, letters, styled
+from ..prose import mathematics
 
 DECADES = 1.5  # of speed shown on either side, at least
 
@@ -21,7 +23,7 @@ def stability_page(result):
     stable = "stable" if result.stable else "unstable"
     name = LAWS[parameter(result, "law")].name
     title = f"Steady sliding at {value_text('V_lp', V_lp)} is {stable}; {name}"
-    fig = figure(result, 3.4, title=title)
+    fig = figure(result, 3.4, more="" if result.stable else _remedies(result), title=title)
     near = [V_lp, *(x for x in (V_c, upper) if 1e-6 * V_lp < x < 1e6 * V_lp)]
     V = np.geomspace(min(near) / 10**DECADES, max(near) * 10**DECADES, 401)
     factor, speed = prefixed("m/s", V_lp)
@@ -39,6 +41,13 @@ def stability_page(result):
     texts = "growth rate of the least stable mode", "its frequency"
     letters(axes.values(), "stiffness beside the critical one", *texts)
     return fig
+
+
+def _remedies(result):
+    """Return a line of the caption: what makes the slider stable, each alone."""
+    bounds = [f"{symbol} {bound}" for symbol, bound, *_ in remedies(result, {}) if bound != "none"]
+    text = f"Stable at {MARGIN:g} V_lp with {', '.join(bounds[:-1])} or {bounds[-1]}"
+    return "\n" + mathematics(text.replace(">=", r"$\geq$"))
 
 
 def _map(ax, V, factor, K, V_lp, critical, speeds):
