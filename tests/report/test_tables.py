@@ -6,7 +6,7 @@ import xarray as xr
 from rich.console import Console
 
 import ratestate as rs
-from ratestate.report.report import Column, Table
+from ratestate.report.report import Heading, TextTable, left
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3)
 
@@ -78,10 +78,10 @@ def test_points_of_a_branch_are_on_a_line_each(width, tables):
 
 
 def test_columns_that_may_go_are_left_out_before_a_table_is_split():
-    spare = Column("68 %", may_go=True, joined=True)
-    columns = [Column("", right=False), Column("one"), spare, Column("two"), spare]
-    columns += [Column("95 %", joined=True), Column("", right=False, may_go=True)]
-    table = Table(columns, [["K", "11", "2", "33", "4", "55", "stiffness"]], splits=True)
+    spare = Heading("68 %", may_go=True, joined=True)
+    columns = [left(), Heading("one"), spare, Heading("two"), spare]
+    columns += [Heading("95 %", joined=True), left("", may_go=True)]
+    table = TextTable(columns, [["K", "11", "2", "33", "4", "55", "stiffness"]], splits=True)
     wide = 1 + 3 + 4 + 3 + 4 + 4 + 9 + 6 * 3
     assert table.parts(wide) == [[0, 1, 2, 3, 4, 5, 6]]
     assert table.parts(wide - 1) == [[0, 1, 3, 5, 6]]

@@ -1,5 +1,6 @@
 """What all pictures have in common: type, captions, panel letters, how they become files."""
 
+from bisect import bisect_right
 from itertools import repeat
 from pathlib import Path
 from typing import Any
@@ -163,6 +164,17 @@ def text_width(text, size):
     extremes = start[turns] - (start - middle)[turns] ** 2 / bend[turns]
     ends = np.delete(x, [*control, *np.flatnonzero(codes == Outline.CLOSEPOLY)])
     return np.ptp(np.append(ends, extremes))
+
+
+def wrapped(parts, width, size, joint=" "):
+    """Texts one after another, in lines that are at most `width` wide if each text is [points]."""
+    lines, rest = [], list(parts)
+    while rest:
+        counts = range(2, len(rest) + 1)
+        n = 1 + bisect_right(counts, width, key=lambda k: text_width(joint.join(rest[:k]), size))
+        lines.append(joint.join(rest[:n]))
+        rest = rest[n:]
+    return f"{joint.rstrip()}\n".join(lines)
 
 
 def shades(number):

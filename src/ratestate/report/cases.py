@@ -8,7 +8,7 @@ import xarray
 
 from ..engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ..model.quantities import QUANTITIES, readable
-from .report import ANY_SPEED, Column, Table, Title, Units, place, value_text
+from .report import ANY_SPEED, Heading, TextTable, Title, Units, left, place, value_text
 
 #: failed cases listed, and places outside the domain of the friction law, at most
 FAILED_LISTED, OUTSIDE_LISTED = 20, 5
@@ -29,12 +29,12 @@ def axes_of(result: xarray.Dataset, function: str) -> list[str]:
     return [*dict.fromkeys(str(dim) for name in names for dim in result[name].dims)]
 
 
-def sweep(result: xarray.Dataset, function: str, units: Units) -> list[str | Table]:
+def sweep(result: xarray.Dataset, function: str, units: Units) -> list[str | TextTable]:
     """Return axes, how cases ended, ranges of finite values, failed cases."""
     axes = axes_of(result, function)
     over = ", ".join(_axis(result, dim) for dim in axes)
     cases = int(np.prod([result.sizes[dim] for dim in axes]))
-    blocks: list[str | Table] = [Title(f"{cases:,} cases of {function} over {over}")]
+    blocks: list[str | TextTable] = [Title(f"{cases:,} cases of {function} over {over}")]
     if "status" in result:
         blocks.append(_outcomes(result["status"].values, function))
     blocks += [*outside_lines(result, "cases"), "", _ranges(result, function, units)]
@@ -49,7 +49,6 @@ def _axis(result: xarray.Dataset, dim: str) -> str:
 
 
 def _outcomes(status: np.ndarray, function: str) -> str:
-    """Return how many cases ended in which way."""
     codes, counts = np.unique(status, return_counts=True)
     number = dict(zip(codes.tolist(), counts.tolist(), strict=True))
     ways = {"cycles" if function == "limit_cycle" else "finished": number.pop(FINISHED, 0)}
@@ -58,7 +57,7 @@ def _outcomes(status: np.ndarray, function: str) -> str:
     return ", ".join(f"{n:,} {how}" for how, n in ways.items() if n)
 
 
-def _ranges(result: xarray.Dataset, function: str, units: Units) -> Table:
+def _ranges(result: xarray.Dataset, function: str, units: Units) -> TextTable:
     """Return a table of smallest and largest values, and where they are."""
     rows = []
     for name in RANGES[function]:
@@ -69,10 +68,10 @@ def _ranges(result: xarray.Dataset, function: str, units: Units) -> Table:
             continue
         ends = values.argmin(...), values.argmax(...)
         rows.append([name, *(cell for at in ends for cell in _value_and_place(values, at, units))])
-    place_of_it = Column("at", right=False, joined=True)
-    heads = [Column("", right=False)]
-    heads += [one for end in ("smallest", "largest") for one in (Column(end), place_of_it)]
-    return Table(heads, rows, splits=True)
+    place_of_it = left("at", joined=True)
+    heads = [left()]
+    heads += [one for end in ("smallest", "largest") for one in (Heading(end), place_of_it)]
+    return TextTable(heads, rows, splits=True)
 
 
 def _value_and_place(values: xarray.DataArray, at: dict[Any, Any], units: Units) -> tuple[str, str]:

@@ -11,10 +11,10 @@ from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, wi
 from ..records.healing.result import HEADINGS, RATES, rate_text
 from ..records.kit.results import checked_result
 from ..records.machine.result import OF_RINGS, SYMBOLS, estimate, value_with_unit
-from .report import Column, Table, Title
+from .report import Heading, TextTable, Title, left
 
 #: what a report consists of
-Blocks = list[str | Table]
+Blocks = list[str | TextTable]
 
 #: relative error that is not shown
 EXACT = 1e-6
@@ -42,13 +42,13 @@ def events(catalogue: xarray.Dataset) -> Blocks:
         )
         return [Title(text)]
     units = {name: _unit_of(name, catalogue[name].values) for name in SHOWN}
-    heads = [Column(f"{text} [{units[name][1]}]") for name, text in SHOWN.items()]
+    heads = [Heading(f"{text} [{units[name][1]}]") for name, text in SHOWN.items()]
     rows = []
     for i in range(count):
         one = catalogue.isel(event=i)
         cells = [_with_error(one, name, units[name][0]) for name in SHOWN]
         rows.append([str(int(one.event)), *cells, str(one.event_kind.item())])
-    table = Table([Column("", right=False), *heads, Column("kind", right=False)], rows, splits=True)
+    table = TextTable([left(), *heads, left("kind")], rows, splits=True)
     threshold = readable("stress_drop", float(catalogue.detection_threshold))
     return [
         Title(f"{count} event{'' if count == 1 else 's'}"),
@@ -90,7 +90,6 @@ def _with_error(one: xarray.Dataset, name: str, size: float) -> str:
 
 
 def _stiffness(catalogue: xarray.Dataset) -> str:
-    """Return the stiffness, and where it comes from."""
     K, error = float(catalogue["K"]), float(catalogue["K_error"])
     if not np.isfinite(K):
         return f"K: {catalogue.attrs['stiffness']}"
@@ -164,11 +163,10 @@ def machine(result: xarray.Dataset) -> Blocks:
     return [*blocks, *([""] if remarks else []), *remarks]
 
 
-def _numbered(columns: dict[str, list[str]]) -> Table:
-    """Return a table with numbered rows of the columns, heading -> texts."""
+def _numbered(columns: dict[str, list[str]]) -> TextTable:
     cells = zip(*columns.values(), strict=True)
     rows = [[str(number), *row] for number, row in enumerate(cells, 1)]
-    return Table([Column(heading, right=False) for heading in ("", *columns)], rows, splits=True)
+    return TextTable([left(heading) for heading in ("", *columns)], rows, splits=True)
 
 
 def _pairs(result: xarray.Dataset, name: str, factor: float = 1.0) -> list[str]:

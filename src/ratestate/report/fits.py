@@ -29,7 +29,7 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.unknowns import motion_symbols
 from . import steps
-from .report import Column, Report, Table, Title
+from .report import Heading, Report, TextTable, Title, left
 
 #: law -> its part of a result, as from `results_by_law`
 Laws = dict[str, xarray.Dataset]
@@ -47,7 +47,7 @@ TWO_ERRORS = 2.0
 STABLE_AT_ANY_K = "stable at any K"
 
 
-class Estimate(NamedTuple):
+class EstimateRow(NamedTuple):
     """A quantity in a unit (with its prefix, "" if it is a pure number), under each law."""
 
     symbol: str
@@ -90,22 +90,22 @@ def scale_of(symbol: str, largest: float) -> tuple[float, str]:
 
 def estimates(
     laws: Laws, scale: Callable[[str, float], tuple[float, str]] = scale_of
-) -> list[Estimate]:
+) -> list[EstimateRow]:
     """Return all estimates, and K/sigma and K/K_c_qs, if known; scale : as `scale_of`."""
     rows = []
     for symbol in estimated_symbols(laws):
         sizes = [abs(value_of(part, symbol)) for part in laws.values() if symbol in part]
         factor, unit = scale(symbol, max(sizes))
         texts = _texts(laws, symbol, factor)
-        rows.append(Estimate(symbol, unit, QUANTITIES[symbol].long_name, texts))
+        rows.append(EstimateRow(symbol, unit, QUANTITIES[symbol].long_name, texts))
     if any(row.symbol == "K" for row in rows):
         # other programs give the stiffness divided by normal stress
         texts = _texts(laws, "K", 1e-6 / value_of(next(iter(laws.values())), "sigma"))
         meaning = "stiffness, in friction per displacement"
-        rows.append(Estimate("K/sigma", "1/um", meaning, texts))
+        rows.append(EstimateRow("K/sigma", "1/um", meaning, texts))
     if any(ratios := [_stiffness_ratio(part) for part in laws.values()]):
         texts = [(text, "", "") if text else NONE for text in ratios]
-        rows.append(Estimate("K/K_c_qs", "", _stability(laws), texts))
+        rows.append(EstimateRow("K/K_c_qs", "", _stability(laws), texts))
     return rows
 
 
@@ -174,20 +174,18 @@ def name_of(symbol: str, laws: Laws) -> str:
     return rate_dependence_text(map(law_of, laws.values())) if symbol == "a_minus_b" else symbol
 
 
-def _table(laws: Laws) -> Table:
-    """Return values and intervals under each law, and meanings."""
-    columns, rows = [Column("", right=False)], []
+def _table(laws: Laws) -> TextTable:
+    columns, rows = [left()], []
     for law in laws:
-        columns += [Column(f"{law} law"), Column("68 % interval", may_go=True, joined=True)]
-        columns.append(Column("95 % interval", joined=True))
+        columns += [Heading(f"{law} law"), Heading("68 % interval", may_go=True, joined=True)]
+        columns.append(Heading("95 % interval", joined=True))
     for one in estimates(laws):
         label = name_of(one.symbol, laws) + (f" [{one.unit}]" if one.unit else "")
         rows.append([label, *(text for cells in one.texts for text in cells), one.meaning])
-    return Table([*columns, Column("", right=False, may_go=True)], rows, splits=True)
+    return TextTable([*columns, left("", may_go=True)], rows, splits=True)
 
 
-def _statistics(laws: Laws) -> list[str | Table]:
-    """Return residuals, noise and information criteria under each law."""
+def _statistics(laws: Laws) -> list[str | TextTable]:
     heads = ["r.m.s. residual", "chi-square, if white", "AIC", "BIC"]
     rows = []
     for law, part in laws.items():
@@ -199,11 +197,11 @@ def _statistics(laws: Laws) -> list[str | Table]:
         "sample to sample. If it is well above 1, the noise is correlated or the law does not fit. "
         "The errors of the estimates allow for the correlation."
     )
-    columns = [Column("", False), *map(Column, heads), Column("noise in friction", right=False)]
-    return [Table(columns, rows), "", note]
+    columns = [left(), *map(Heading, heads), left("noise in friction")]
+    return [TextTable(columns, rows), "", note]
 
 
-def _features(laws: Laws) -> list[str | Table]:
+def _features(laws: Laws) -> list[str | TextTable]:
     """Return features of cycles, measured and fitted, and chi-square under each law."""
     first = next(iter(laws.values()))
     rows = []
@@ -215,14 +213,18 @@ def _features(laws: Laws) -> list[str | Table]:
             shown = measured if bool(each[0]["used"]) else "not resolved"
             fitted = [f"{float(one['fitted']):.5g}" for one in each]
             rows.append([speed, feature, shown, *fitted])
-    heads = [Column("load point", right=False), Column("feature", right=False), Column("measured")]
+    heads = [
+        left("load point"),
+        left("feature"),
+        Heading("measured"),
+    ]
     texts = [
         f"{law} law: chi-square {float(part['chi2']):.3g} for {int(part['used'].sum())} features "
         "of cycles"
         for law, part in laws.items()
     ]
-    columns = [*heads, *(Column(f"{law} law") for law in laws)]
-    return [Table(columns, rows, splits=True), "", "Times are in s.", *texts]
+    columns = [*heads, *(Heading(f"{law} law") for law in laws)]
+    return [TextTable(columns, rows, splits=True), "", "Times are in s.", *texts]
 
 
 def _fixed_parameters(laws: Laws) -> str:

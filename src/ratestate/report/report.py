@@ -29,7 +29,7 @@ class Title(str):
     """A line above a part of a report: bold in text, a heading in Markdown."""
 
 
-class Column(NamedTuple):
+class Heading(NamedTuple):
     """The heading of a column, and how the column behaves.
 
     If a table is too wide, columns that `may_go` are left out, and a column that is `joined` stays
@@ -42,14 +42,19 @@ class Column(NamedTuple):
     joined: bool = False
 
 
-class Table(NamedTuple):
+def left(head: str = "", **behaviour: bool) -> Heading:
+    """Return the heading of a column that is aligned left."""
+    return Heading(head, right=False, **behaviour)
+
+
+class TextTable(NamedTuple):
     """Rows of texts under columns.
 
     If `splits`, a table that is too wide is written as several tables, each beginning with the
     first column.  Otherwise its last column wraps lines.
     """
 
-    columns: Sequence[Column]
+    columns: Sequence[Heading]
     rows: list[list[str]]
     splits: bool = False
 
@@ -110,20 +115,20 @@ class Report:
 
     Parameters
     ----------
-    blocks : iterable of str and Table
+    blocks : iterable of str and TextTable
         Sentences, tables and titles.
     warnings : iterable of str
         Sentences that Markdown has first, and text last, where a reader of a terminal looks.
     """
 
-    def __init__(self, blocks: Iterable[str | Table], warnings: Iterable[str] = ()) -> None:
+    def __init__(self, blocks: Iterable[str | TextTable], warnings: Iterable[str] = ()) -> None:
         self.blocks = list(blocks)
         self.warnings = list(warnings)
 
     def __iter__(self) -> Iterator[Any]:
         for block in [*self.blocks, *map(Title, self.warnings)]:
             bold = "bold" if isinstance(block, Title) else ""
-            yield block if isinstance(block, Table) else Text(block, style=bold)
+            yield block if isinstance(block, TextTable) else Text(block, style=bold)
 
     def __rich__(self) -> Group:
         return Group(*self)
@@ -149,7 +154,7 @@ class Report:
             lines += [f"- {text}" for text in self.warnings]
             parts.append("\n".join(f"> {line}".rstrip() for line in lines))
         for block in filter(None, self.blocks):
-            if isinstance(block, Table):
+            if isinstance(block, TextTable):
                 parts.append(block.markdown())
             else:
                 parts.append("## " * isinstance(block, Title) + str(block))
@@ -166,11 +171,11 @@ class Row(NamedTuple):
     text: str = ""
 
 
-def of_quantities(rows: list[Row], units: Units) -> Table:
+def of_quantities(rows: list[Row], units: Units) -> TextTable:
     """Return a table of symbol, value, relative error if any row has one, and meaning."""
     errors = any(one.error is not None for one in rows)
-    head = [Column("relative\nerror")] if errors else []
-    columns = [Column("", right=False), Column("value"), *head, Column("", right=False)]
+    head = [Heading("relative\nerror")] if errors else []
+    columns = [left(), Heading("value"), *head, left()]
     cells = []
     for symbol, value, remark, error, text in rows:
         shown = [text or value_text(symbol, float(value), units)]
@@ -178,7 +183,7 @@ def of_quantities(rows: list[Row], units: Units) -> Table:
             shown.append("" if error is None else f"{error:.1g}")
         name = QUANTITIES[symbol].long_name
         cells.append([symbol, *shown, f"{name}; {remark}" if remark else name])
-    return Table(columns, cells)
+    return TextTable(columns, cells)
 
 
 def value_text(symbol: str, x: float, units: Units, digits: int = DIGITS) -> str:

@@ -24,17 +24,18 @@ from .report import (
     ANY_SPEED,
     DIGITS,
     FEW_DIGITS,
-    Column,
+    Heading,
     Row,
-    Table,
+    TextTable,
     Title,
     Units,
+    left,
     of_quantities,
     value_text,
 )
 
 #: what a report consists of
-Blocks = list[str | Table]
+Blocks = list[str | TextTable]
 
 #: ratio to V_lp of the speed at which remedies make steady sliding stable
 MARGIN = 1.1
@@ -130,10 +131,10 @@ def stability(result: xarray.Dataset, units: Units) -> Blocks:
     title = f"Steady sliding at {readable('V_lp', V)} is {holds}"
     blocks: Blocks = [Title(title), of_quantities(rows, units)]
     if holds == "unstable":
-        heads = [Column("", right=False), Column("value"), *2 * [Column("", right=False)]]
+        heads = [left(), Heading("value"), *2 * [left()]]
         speed = f"{MARGIN:g} V_lp = {readable('V_lp', MARGIN * V)}"
         blocks += ["", Title(f"Each alone makes it stable at {speed}")]
-        blocks.append(Table(heads, remedies(result, units)))
+        blocks.append(TextTable(heads, remedies(result, units)))
     return blocks
 
 
@@ -167,7 +168,6 @@ def _critical(symbol: str, K: float, remark: str) -> Row:
 
 
 def _in_hertz(omega: float) -> str:
-    """An angular frequency [rad/s] as a frequency."""
     return readable("frequency", omega / (2 * math.pi), 4)
 
 
@@ -216,7 +216,7 @@ def branch(result: xarray.Dataset, units: Units) -> Blocks:
     return [Title(title), *outside, _special_points(result, symbol, stable, units)]
 
 
-def _special_points(result: xarray.Dataset, symbol: str, stable: Any, units: Units) -> Table:
+def _special_points(result: xarray.Dataset, symbol: str, stable: Any, units: Units) -> TextTable:
     """The points of a branch that have a name, and the stability of cycles after each."""
     rows = []
     after = [*("stable" if holds else "unstable" for holds in stable[1:]), ""]
@@ -227,8 +227,8 @@ def _special_points(result: xarray.Dataset, symbol: str, stable: Any, units: Uni
         name = str(one.special.item()).replace("_", " ")
         rows.append([name, *numbers, multiplier, after[i]])
     heads = [symbol, *OF_POINTS, "multiplier"]
-    columns = [*map(Column, heads), Column("cycles\nafter it", right=False)]
-    return Table([Column("point", right=False), *columns], rows, splits=True)
+    columns = [*map(Heading, heads), left("cycles\nafter it")]
+    return TextTable([left("point"), *columns], rows, splits=True)
 
 
 def response(result: xarray.Dataset, units: Units) -> Blocks:
@@ -257,7 +257,9 @@ def response(result: xarray.Dataset, units: Units) -> Blocks:
     return [Title(title), of_quantities(rows, units), "", note, *tables]
 
 
-def _gains(result: xarray.Dataset, given: str, factors: dict[str, float], units: Units) -> Table:
+def _gains(
+    result: xarray.Dataset, given: str, factors: dict[str, float], units: Units
+) -> TextTable:
     """Gains, times these factors, and phases in degrees."""
     heads = ["frequency", *(head for name in OUTPUTS.values() for head in (name, "phase"))]
     rows = []
@@ -268,7 +270,7 @@ def _gains(result: xarray.Dataset, given: str, factors: dict[str, float], units:
             gain, phase = (float(one[f"{out}_by_{given}_{x}"]) for x in ("gain", "phase"))
             cells += [f"{gain * factor:.{FEW_DIGITS}g}", f"{np.degrees(phase):.1f}"]
         rows.append(cells)
-    return Table([*map(Column, heads)], rows)
+    return TextTable([*map(Heading, heads)], rows)
 
 
 #: function -> the table of its result for a single slider

@@ -23,11 +23,11 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.steps import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
 from ..records.fitting.unknowns import DERIVED, TRENDS, to_value
-from .report import Column, Table, Title
+from .report import Heading, TextTable, Title, left
 
 #: heads of the first columns
-HEADS = [Column("step", right=False), Column("time [s]", False, joined=True)]
-HEADS.append(Column("change", False, joined=True))
+HEADS = [left("step"), left("time [s]", joined=True)]
+HEADS.append(left("change", joined=True))
 #: remark on the notation of numbers in the table
 NOTATION = (
     "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18. The signs < "
@@ -92,14 +92,14 @@ def table_of(result, law):
             _concise(here["scatter"], np.nan, factor),
             _concise(here["up_over_down"], here["up_over_down_error"], 1.0),
         ]
-        heads.append(Column(head))
+        heads.append(Heading(head))
         columns.append([*(_cell(step, symbol, factor) for step in steps), *together])
     if any(notes := [*map(_note, steps)]):
-        heads.append(Column("note", right=False))
+        heads.append(left("note"))
         columns.append([*notes, *BLANK])
     rows, n = [list(cells) for cells in zip(*columns, strict=True)], len(steps)
     known = rows[:n] + [row for row in rows[n:] if set(row[len(HEADS) :]) - {NONE, "0", ""}]
-    return Table(heads, known, splits=True)
+    return TextTable(heads, known, splits=True)
 
 
 def _note(step):
@@ -112,7 +112,6 @@ def _counted(count):
 
 
 def _head(parts, symbol):
-    """Return the head of an estimate's column, and the factor to its unit."""
     unit = QUANTITIES[symbol].unit
     sizes = [np.abs(part[symbol].values) for part in parts.values()]
     known = [size[np.isfinite(size)] for size in sizes]

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate.report.report import Column, Table
+from ratestate.report.report import Heading, TextTable
 from ratestate.report.steps import HEADS
 from ratestate.report.summary_csv import summary_csv
 
@@ -88,7 +88,7 @@ def numbers_of(texts, value, error):
 
 def test_columns_go_to_the_next_table_where_one_is_full():
     rows = [["1", "1.0", "3 -> 10 um/s", "9.19(18)", "-"], ["all", "", "", "9", "8"]]
-    table = Table([*HEADS, Column("a"), Column("b")], rows, splits=True)
+    table = TextTable([*HEADS, Heading("a"), Heading("b")], rows, splits=True)
     widths = 4 + 8 + 12 + 8 + 1 + 4 * 3
     assert table.parts(widths) == [[0, 1, 2, 3, 4]]
     assert table.parts(widths - 1) == [[0, 1, 2, 3], [0, 4]]

@@ -14,7 +14,7 @@ from ...model.slider import SpringSlider
 from ...records.fitting.by_law import has_steps
 from ...records.fitting.fit import fit
 from ...report import Report, summary
-from ...report.report import Column, Table
+from ...report.report import TextTable, left
 from ...report.steps import all_warnings
 from ..scenario.as_python import registration
 from .output import names_of
@@ -53,7 +53,7 @@ def markdown(
         report = Report(report.blocks, all_warnings(result))
     time, columns = record["time"].values, json.loads(record.attrs["columns"]).items()
     rows = [[name, one["title"], one["unit"].removeprefix("1")] for name, one in columns]
-    heads = [Column(head, right=False) for head in ("", "column", "unit")]
+    heads = [left(head) for head in ("", "column", "unit")]
     kind = "steps" if has_steps(result) else "whole"
     text = SENTENCES(
         "report.text",
@@ -63,7 +63,7 @@ def markdown(
         rows=time.size,
         begin=time[0],
         end=time[-1],
-        columns=Table(heads, rows).markdown(),
+        columns=TextTable(heads, rows).markdown(),
         picture=SENTENCES(f"{kind}.picture"),
         files=SENTENCES(f"{kind}.files"),
         further=_further(request, record, result),

@@ -8,12 +8,10 @@ from matplotlib.transforms import offset_copy
 
 from ...dynamics.results import normal_stress
 from ..atlas import atlas
-from ..labels import BLUE, GRAY, label, prefixed
-from ..layout import ABOVE, dress, letters
+from ..labels import BLUE, GRAY, label, mathematics, prefixed
+from ..layout import ABOVE, dress, letters, wrapped
 from ..motion import trace
-from ..prose import mathematics, wrapped
-from ..runs import NamedRun, named_runs
-from .panels import NARROW, plane, speed
+from ..runs import NARROW, NamedRun, named_runs, plane, speed
 
 #: width, height, and height for each further run [inches]; width of text, size of letters [points]
 WIDTH, HEIGHT, ROW, LINE, LETTER = 7.2, 5.2, 0.2, 505.0, 8.0

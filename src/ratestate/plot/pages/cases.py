@@ -77,14 +77,12 @@ def _values(result, name, dims):
 
 
 def _failed(result, dims):
-    """Cases without an answer, in these dimensions."""
     if "status" not in result:
         return np.zeros([result.sizes[dim] for dim in dims], bool)
     return ~np.isin(result["status"].transpose(*dims).values, (FINISHED, STEADY_SLIDING))
 
 
 def _outside(result, dims):
-    """Cases whose motion leaves the domain of the friction law, in these dimensions."""
     if "outside_domain" not in result:
         return np.zeros([result.sizes[dim] for dim in dims], bool)
     return result["outside_domain"].transpose(*dims).values > 0
@@ -149,7 +147,6 @@ def _lines(ax, result, name, along, across):
 
 
 def _mark_critical(ax, speeds, x, result, colors):
-    """Draw a line at the critical velocity of each curve that lies on the axis."""
     factor = float(x[0] / result["V_lp"].values[0])
     for V_c, color in zip(speeds, colors, strict=True):
         if x.min() < factor * V_c < x.max():
