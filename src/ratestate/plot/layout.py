@@ -71,20 +71,16 @@ def dress(fig):
                 axis.get_major_formatter().set_useOffset(STYLE["axes.formatter.useoffset"])
 
 
-def symbols_of(data):
-    """Symbols, as one text, of a slider's parameters below its title, b2 or damping too."""
-    own = (s for s in slider_parameters(data) if s not in (*PARAMETERS, "law", "friction", "area"))
-    return " ".join([SLIDER, *own])
-
-
 def figure(data, height, symbols=None, more="", title=None):
     """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more.
 
     symbols : of the parameters, which `data` must record; those that are swept are left out; by
-        default those of `symbols_of`
+        default those of the slider, b2 or damping too
     title : by default that of `data`
     """
-    symbols = symbols_of(data) if symbols is None else symbols
+    if symbols is None:
+        no_numbers = (*PARAMETERS, "law", "friction", "area")
+        symbols = " ".join([SLIDER, *(s for s in slider_parameters(data) if s not in no_numbers)])
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
     listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]
     second = ", ".join(listed) + more

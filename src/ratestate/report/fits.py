@@ -7,15 +7,7 @@ import numpy as np
 import xarray
 
 from ..dynamics import attributes
-from ..model.quantities import (
-    QUANTITIES,
-    power_of,
-    prefixed_unit,
-    readable,
-    rounded,
-    short,
-    with_error,
-)
+from ..model.quantities import QUANTITIES, readable, rounded, short, with_error
 from ..records.fitting.by_law import (
     checked_by_law,
     error_of,
@@ -29,7 +21,7 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.unknowns import motion_symbols
 from . import steps
-from .report import Heading, Report, TextTable, Title, left
+from .report import Heading, Report, TextTable, Title, left, scale_of
 
 #: law -> its part of a result, as from `results_by_law`
 Laws = dict[str, xarray.Dataset]
@@ -79,13 +71,6 @@ def report_on_fit(result: xarray.Dataset) -> Report:
         [*above, _table(laws), "", *quality, *texts, *notes],
         [f"warning: {law} law: {text}" for law, part in laws.items() for text in warnings_of(part)],
     )
-
-
-def scale_of(symbol: str, largest: float) -> tuple[float, str]:
-    """Return the factor from SI to the unit that fits a value, and that unit's text."""
-    unit = QUANTITIES[symbol].unit
-    power = power_of(unit, largest)
-    return 10.0**-power, "" if unit == "1" else prefixed_unit(unit, power)
 
 
 def estimates(

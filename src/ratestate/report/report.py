@@ -10,7 +10,13 @@ from rich import table as rich_table
 from rich.console import Console, Group
 from rich.text import Text
 
-from ..model.quantities import QUANTITIES, readable, readable_time
+from ..model.quantities import (
+    QUANTITIES,
+    power_of,
+    prefixed_unit,
+    readable,
+    readable_time,
+)
 from ..model.units import unit_factor
 
 #: width of a report as plain text [characters]
@@ -19,6 +25,8 @@ WIDTH = 110
 GAP = 3
 #: significant digits of numbers in tables, and in tables of many numbers
 DIGITS, FEW_DIGITS = 6, 4
+#: pure numbers below this may be given in thousandths
+SMALL = 0.1
 #: values of V_c that stand for all speeds
 ANY_SPEED = {0.0: "unstable at any speed", math.inf: "stable at any speed"}
 #: symbol -> the unit in which its values are wanted
@@ -203,6 +211,18 @@ def value_text(symbol: str, x: float, units: Units, digits: int = DIGITS) -> str
     if quantity.unit == "s":
         return readable_time(x, digits)
     return readable(symbol, x, digits)
+
+
+def scale_of(symbol: str, size: float, in_thousandths: bool = False) -> tuple[float, str]:
+    """Return the factor from SI to the unit that fits a value of this size, and the unit's text.
+
+    in_thousandths : give pure numbers below `SMALL` in thousandths
+    """
+    unit = QUANTITIES[symbol].unit
+    if unit == "1":
+        return (1e3, "1e-3") if in_thousandths and size < SMALL else (1.0, "")
+    power = power_of(unit, size)
+    return 10.0**-power, prefixed_unit(unit, power)
 
 
 def place(where: Mapping[Any, Any]) -> str:

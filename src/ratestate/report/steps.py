@@ -7,8 +7,6 @@ from ..dynamics import attributes
 from ..model.quantities import (
     QUANTITIES,
     concise,
-    power_of,
-    prefixed_unit,
     readable,
     readable_change,
     short,
@@ -23,7 +21,7 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.steps import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
 from ..records.fitting.unknowns import DERIVED, TRENDS, to_value
-from .report import Heading, TextTable, Title, left
+from .report import Heading, TextTable, Title, left, scale_of
 
 #: heads of the first columns
 HEADS = [left("step"), left("time [s]", joined=True)]
@@ -40,8 +38,6 @@ NOTATION = (
 IMPROBABLE = 0.01
 #: least probability that is given as a number: farther tails are not Gaussian
 LEAST = 1e-6
-#: pure numbers below this are given in thousandths
-SMALL = 0.1
 #: where all warnings are
 ALL_WARNINGS = (
     "in the variable warnings of the result, and in report.md and steps.csv, which "
@@ -112,17 +108,13 @@ def _counted(count):
 
 
 def _head(parts, symbol):
-    unit = QUANTITIES[symbol].unit
     sizes = [np.abs(part[symbol].values) for part in parts.values()]
     known = [size[np.isfinite(size)] for size in sizes]
     typical = max(float(np.median(size)) for size in known if size.size)
-    power = power_of(unit, typical)
-    text = f" [{prefixed_unit(unit, power)}]"
-    if unit == "1":
-        power, text = (-3, " [1e-3]") if typical < SMALL else (0, "")
+    factor, unit = scale_of(symbol, typical, in_thousandths=True)
     is_rate = symbol == "a_minus_b"
     name = rate_dependence_text([law_of(one) for one in parts.values()]) if is_rate else symbol
-    return name + text, 10.0**-power
+    return f"{name} [{unit}]" if unit else name, factor
 
 
 def _cell(step, symbol, factor):

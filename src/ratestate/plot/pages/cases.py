@@ -76,16 +76,19 @@ def _values(result, name, dims):
     return np.where(known, values, np.nan)
 
 
+def _codes(result, name, dims):
+    """Codes of the cases in these dimensions; 0 of a result without them."""
+    if name not in result:
+        return np.zeros([result.sizes[dim] for dim in dims])
+    return result[name].transpose(*dims).values
+
+
 def _failed(result, dims):
-    if "status" not in result:
-        return np.zeros([result.sizes[dim] for dim in dims], bool)
-    return ~np.isin(result["status"].transpose(*dims).values, (FINISHED, STEADY_SLIDING))
+    return ~np.isin(_codes(result, "status", dims), (FINISHED, STEADY_SLIDING))
 
 
 def _outside(result, dims):
-    if "outside_domain" not in result:
-        return np.zeros([result.sizes[dim] for dim in dims], bool)
-    return result["outside_domain"].transpose(*dims).values > 0
+    return _codes(result, "outside_domain", dims) > 0
 
 
 def _has_none(ax, values):
