@@ -35,8 +35,8 @@ def made(monkeypatch):
     """List of (figure, law) that were asked for; the claims are one row."""
     asked = []
 
-    def make(number, law, out):
-        asked.append((number, law))
+    def make(number, law, out, *, title):
+        asked.append((number, law) if title else (number, law, "no title"))
         return [out / f"{figures.FIGURES[number].stem(law)}.png"]
 
     monkeypatch.setattr(figures, "make", make)
@@ -362,7 +362,7 @@ def test_bad_arguments_exit_2(made, tmp_path, arguments):
     "error", [ParameterError("K = -1 Pa/m"), SolverError("stopped at t = 3 s")]
 )
 def test_errors_are_one_message_and_exit_2(monkeypatch, tmp_path, error):
-    def fail(*_):
+    def fail(*_, **__):
         raise error
 
     monkeypatch.setattr(figures, "make", fail)
@@ -391,8 +391,13 @@ def test_read_only_folder_exits_2(made, tmp_path):
     assert made == []
 
 
+def test_figures_without_titles(made, tmp_path):
+    assert call("figures", "2", "--no-titles", "--out", tmp_path).exit_code == 0
+    assert made == [("2", "slip", "no title")]
+
+
 def test_interrupt_exits_130(monkeypatch, tmp_path):
-    def interrupt(*_):
+    def interrupt(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(figures, "make", interrupt)
