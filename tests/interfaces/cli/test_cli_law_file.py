@@ -136,7 +136,7 @@ def test_a_fit_is_of_the_law_of_the_file_and_its_report_registers_it(mine, monke
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc=1e-5, sigma=1e6, K=1e9, law=mine, m=1.0)
     lines = _python(asked[0], slider)["registration"]
     assert lines == f'rs.register("{tmp_path / "mine.py"}")\n'
-    assert _python(asked[0]._replace(laws=("prz",)), slider, None)["registration"] == ""
+    assert _python(asked[0]._replace(laws=("prz",)), slider)["registration"] == ""
 
 
 def test_the_explorer_opens_with_the_law_of_the_file(mine, monkeypatch):
