@@ -50,6 +50,15 @@ def test_only_under_the_slip_law_is_a_step_called_safe():
     assert escape(slider.replace(law="prz"), 3e-4).step_up < 1.4
 
 
+def test_a_notebook_shows_a_table():
+    found = verdict(FIG2, "3.2 mm/s")
+    shown = found._repr_html_()
+    assert "<td>V_c</td><td>3.162 mm/s</td>" in shown
+    assert ">critical velocity<" in shown
+    assert shown.startswith("<p>Quasi-harmonic vibration at 50.59 Hz")
+    assert shown.count("<tr>") == 16  # all its numbers
+
+
 def test_numbers_are_those_of_the_verbs():
     found = verdict(FIG2, "3.2 mm/s")
     steady, cycle = stability(FIG2, 3.2e-3), limit_cycle(FIG2, 3.2e-3)

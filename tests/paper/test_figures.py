@@ -177,6 +177,8 @@ def test_files(tmp_path):
     assert sorted(paths) == sorted((tmp_path / "new").iterdir())
     assert paths[0].read_bytes()[:4] == b"\x89PNG"
     assert paths[1].read_bytes()[:4] == b"%PDF"
+    bare = figures.make("1", "slip", tmp_path / "bare", title=False)
+    assert paths[0].read_bytes() != bare[0].read_bytes()
     assert [figures.FIGURES["2"].stem(law) for law in LAWS] == ["fig2_slip", "fig2_aging"]
 
 

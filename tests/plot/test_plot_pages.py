@@ -1,6 +1,7 @@
 """`plot.page`: what the picture of each kind of result shows."""
 
 import contextlib
+import re
 
 import numpy as np
 import pytest
@@ -120,6 +121,27 @@ def test_stability(changes, note, looks_as_before):
         assert (x, y) == pytest.approx((3.2, 900.0))
 
 
+def test_an_unstable_slider_s_page_says_what_makes_it_stable():
+    found = rs.stabilize(SLIDER, 1e-2)
+    fig = plot.page(rs.stability(SLIDER, 1e-2))
+    last = fig.get_suptitle().splitlines()[-1]
+    for name, value in (("K", found.K_stable / 1e9), ("M", found.M_stable)):
+        assert re.search(rf"\${name}\$ \$\\[gl]eq\$ {float(value):.4g} ", last)
+    assert f"{float(found.damping_stable) / 1e3:.4g} kPa s/m" in last
+    assert "Stable at" not in plot.page(rs.stability(SLIDER, 1e-3)).get_suptitle()
+
+
+def test_a_page_without_its_title_keeps_its_panels():
+    result = rs.stability(SLIDER, 1e-3)
+    fig, titled = plot.page(result, title=False), plot.page(result)
+    assert fig.get_suptitle() == ""
+    heights = []
+    for one in (fig, titled):
+        one.draw_without_rendering()
+        heights.append(one.axes[0].get_position().y1)
+    assert heights[0] > heights[1]
+
+
 def test_stability_is_that_of_the_law_and_of_damping():
     """K_c at all speeds, up to where damping makes sliding stable again."""
     for slider in (
@@ -200,6 +222,10 @@ def test_a_sweep_over_one_axis(verb, looks_as_before):
     np.testing.assert_allclose(y, found[symbol])
     assert axes[-1].get_xscale() == "log"
     assert "Load-point velocity" in axes[-1].get_xlabel()
+    critical = [line for ax in axes for line in ax.lines if "$V_c$" in line.get_label()]
+    assert len(critical) == (3 if verb == "stability" else 0)
+    for line in critical:
+        np.testing.assert_allclose(line.get_xdata(), 1e3 * SLIDER.V_c)
 
 
 @pytest.mark.parametrize("verb", ["limit_cycle", "stability"])

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from rich.console import Console
-from rich.table import Table
 
 import ratestate as rs
-from ratestate.report.tables import FirstThatFits
+from ratestate.report.report import Heading, TextTable, left
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3)
 
@@ -34,14 +33,14 @@ def cycle():
 @pytest.mark.parametrize("width", [80, 100, 140])
 def test_a_sweep_s_places_are_never_wrapped(sweep, width):
     lines = printed(rs.summary(sweep), width)
-    table = lines[next(i for i, line in enumerate(lines) if "─" in line) + 1 :]
+    rows = [line for line in lines[3:] if " = " in line]
     beside = width == 140
-    assert len(table) == (7 if beside else 14)
-    for line in table:
+    assert len(rows) == (7 if beside else 14)
+    for line in rows:
         assert line.count(" = ") == (4 if beside else 2), line
         assert len(line) <= width
     most = sweep.amplitude.where(sweep.amplitude == sweep.amplitude.max(), drop=True)
-    row = table[0 if beside else 1].rstrip()
+    row = rows[0 if beside else 7].rstrip()
     assert f"{float(most.max()):.6g}" in row
     assert row.endswith(f"V_lp = {1e3 * float(most.V_lp[0]):.6g} mm/s")
 
@@ -68,23 +67,31 @@ def test_text_beside_errors_has_room(cycle, width):
     assert max(map(len, lines)) <= width
 
 
-@pytest.mark.parametrize(("width", "digits"), [(80, 4), (100, 6)])
-def test_points_of_a_branch_are_on_a_line_each(width, digits):
+@pytest.mark.parametrize(("width", "tables"), [(80, 2), (100, 1)])
+def test_points_of_a_branch_are_on_a_line_each(width, tables):
     branch = rs.continue_cycle(SLIDER, "V_lp", 5e-3, 3e-3, rtol=1e-6)
     lines = printed(rs.summary(branch), width)
-    hopf = next(line for line in lines if line.startswith("hopf"))
-    assert hopf.split()[1:3] == [f"{1e3 * SLIDER.V_c:.{digits}g}", "mm/s"]
-    assert len(lines) - lines.index(hopf) == 1
+    hopf = [line for line in lines if line.startswith("hopf")]
+    assert hopf[0].split()[1:3] == [f"{1e3 * SLIDER.V_c:.6g}", "mm/s"]
+    assert len(hopf) == tables
+    assert max(map(len, lines[1:])) <= width
 
 
-@pytest.mark.parametrize(("width", "expected"), [(9, "wide"), (8, "bb"), (2, "bb")])
-def test_the_first_layout_that_fits(width, expected):
-    tables = []
-    for cell in ("wide cell", "bb"):
-        table = Table(box=None, show_header=False, padding=0)
-        table.add_row(cell)
-        tables.append([table])
-    assert printed([FirstThatFits(*tables)], width)[0].startswith(expected)
+def test_columns_that_may_go_are_left_out_before_a_table_is_split():
+    spare = Heading("68 %", may_go=True, joined=True)
+    columns = [left(), Heading("one"), spare, Heading("two"), spare]
+    columns += [Heading("95 %", joined=True), left("", may_go=True)]
+    table = TextTable(columns, [["K", "11", "2", "33", "4", "55", "stiffness"]], splits=True)
+    wide = 1 + 3 + 4 + 3 + 4 + 4 + 9 + 6 * 3
+    assert table.parts(wide) == [[0, 1, 2, 3, 4, 5, 6]]
+    assert table.parts(wide - 1) == [[0, 1, 3, 5, 6]]
+    assert table.parts(wide - 15) == [[0, 1, 3, 5]]
+    assert table.parts(16) == [[0, 1], [0, 3, 5]]
+    assert table.markdown().splitlines() == [
+        "|  | one | 68 % | two | 68 % | 95 % |  |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | --- |",
+        "| K | 11 | 2 | 33 | 4 | 55 | stiffness |",
+    ]
 
 
 def test_of_nothing_there_is_no_range():
@@ -154,6 +161,17 @@ def test_a_report_is_text_a_page_and_rich(cycle):
 def test_only_results_have_a_report(other):
     with pytest.raises(rs.ParameterError, match=r"result|title"):
         rs.summary(other)
+
+
+def test_arrays_of_any_function_and_other_results_have_a_report():
+    K = xr.DataArray([5e8, 9e8], dims="K")
+    lines = str(rs.summary(rs.stability(SLIDER.replace(K=K), 1e-2))).splitlines()
+    assert lines[0] == "2 cases of stability over K (2 from 500 MPa/m to 900 MPa/m)"
+    assert any(line.startswith("growth_rate") and "K = 900 MPa/m" in line for line in lines)
+    found = rs.stabilize(SLIDER, 1e-2)
+    text = str(rs.summary(found))
+    assert text.startswith("Result of stabilize\n")
+    assert f"{float(found.M_stable):.6g} kg/m^2" in text
 
 
 def test_an_unstable_slider_s_report_says_what_makes_it_stable():

@@ -1,6 +1,7 @@
 """The verdict on a slider at a speed: its regime, numbers, and sentences."""
 
 import dataclasses
+import html
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from ..engine.model import STEADY_SLIDING
 from ..errors import NotConverged, QuasiStaticInstability, SolverError
 from ..model.conversion import in_si
+from ..model.quantities import QUANTITIES, readable
 from ..model.slider import SpringSlider, check_slider
 from ..model.units import is_array, to_si
 from .continuation.coexistence import folds
@@ -91,6 +93,17 @@ class Verdict:
     multiplier: complex | None = None
     K_fold: float | None = None
     sentences: tuple[str, ...] = ()
+
+    def _repr_html_(self):
+        """Return the sentences and a table of the numbers, as a notebook shows them."""
+        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        rows = "".join(
+            f"<tr><td>{name}</td><td>{readable(name, x)}</td>"
+            f"<td style='text-align: left'>{QUANTITIES[name].long_name}</td></tr>"
+            for name, x in values.items()
+            if name in QUANTITIES and isinstance(x, float)
+        )
+        return f"<p>{'<br>'.join(map(html.escape, self.sentences))}</p><table>{rows}</table>"
 
     @property
     def fade(self):

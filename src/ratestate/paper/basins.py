@@ -86,7 +86,6 @@ def draw(data):
 
 
 def _coexistence(data, ax, V_c):
-    """Draw the two cycles and steady sliding."""
     V, amplitude = data.branch_V_lp / V_c, data.branch_amplitude
     stable, at_fold = data.branch_stable.astype(bool), data.branch_special == "fold"
     fold = float(V[at_fold][0])
@@ -101,7 +100,6 @@ def _coexistence(data, ax, V_c):
 
 
 def _two_steps(data, ax, V_c):
-    """Draw tau/sigma after a step that is just too small, and one just large enough."""
     sigma = plot.parameter(data, "sigma")
     for side, color, text in ((1, "0.75", "does not come back"), (0, plot.BLUE, "comes back")):
         ratio = EXAMPLE * V_c / float(data.run_V_before[side])

@@ -130,7 +130,6 @@ def _scheme(slider, cycles):
 
 
 def _worst(cycles, by_scheme):
-    """Return the largest relative error of the scheme's slow amplitudes."""
     pairs = zip(by_scheme, cycles, strict=True)
     ratios = [(s.amplitude / c.amplitude).sel(V_lp=SLOW.values) for s, c in pairs]
     return max(float(abs(ratio - 1.0).max()) for ratio in ratios)
@@ -189,7 +188,6 @@ def _share(run):
 
 
 def _conclusions(slider):
-    """Measure the claims of section 5."""
     stiff = [slider.replace(K=factor * slider.K_c_qs) for factor in (2.0, 10.0, 100.0)]
     strengthening = slider.replace(b=0.9 * slider.a, K=1e-3 * slider.K_c_qs)
     light = slider.replace(M=0.1 * slider.M)

@@ -93,13 +93,10 @@ def _fate(slider, V_lp):
 
 
 def _amplitude(run):
-    """Return max - min of tau/sigma in a run."""
     return float(run.tau.max() - run.tau.min()) / parameter(run, "sigma")
 
 
 def _cycle(slider, V_lp):
-    """Measure the smallest and largest velocity [mm/s] of the limit cycle."""
-
     def measure(rtol):
         cycle = limit_cycle(slider, V_lp, rtol=rtol)
         return 1e3 * cycle.V_min, 1e3 * cycle.V_max

@@ -73,7 +73,6 @@ def _arrow(ax, start, end, text):
 
 
 def _sketch(ax):
-    """Draw the spring-slider: block on its base, spring, load point."""
     ax.set(xlim=(0, 10), ylim=(0, 4), aspect="equal")
     ax.axis("off")
     ax.plot([0.2, 9.8], [1, 1], "k", lw=1)

@@ -58,7 +58,6 @@ def draw(data):
 
 
 def _late(ax, runs, sigma):
-    """Draw the last tenth of a second."""
     for run, color in runs:
         end = run.sel(time=slice(9.9, None))
         ax.plot(end.time, end.tau / sigma, color=color, lw=0.9)
@@ -76,7 +75,6 @@ def _phases(ax, runs, title, alpha):
 
 
 def _stiffness(ax, runs, K):
-    """Draw the critical stiffness before and after each step."""
     for (run, color), va in zip(runs, ("bottom", "top", "bottom"), strict=True):
         steps = np.array([run.K_c_start, run.K_c_start, run.K_c, run.K_c]) / 1e6
         ax.plot([-0.1, 0, 0, 10], steps, color=color, lw=1.2)

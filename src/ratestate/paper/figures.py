@@ -56,11 +56,17 @@ FIGURES = dict(_listed())
 BEYOND = {key: figure for key, figure in FIGURES.items() if figure.help}
 
 
-def make(key, law, out):
-    """Compute, draw and `write` a figure of `FIGURES`; return the paths."""
+def make(key, law, out, *, title=True):
+    """Compute, draw and `write` a figure of `FIGURES`, with its title or without; return the paths.
+
+    The file of its numbers has the title in any case.
+    """
+    from ..plot.layout import untitled
+
     figure = FIGURES[key]
     data = figure.compute(law)
-    return write(data, figure.draw(data), out, figure.stem(law))
+    fig = figure.draw(data)
+    return write(data, fig if title else untitled(fig), out, figure.stem(law))
 
 
 def write(data, fig, out, name):

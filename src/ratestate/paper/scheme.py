@@ -164,7 +164,6 @@ def compute(law):
 
 
 def _measure(slider, omega_dt, variant):
-    """Return V_c, V_min, V_max and amplitude of the scheme."""
     euler = variant == "euler"
     run = step_response(slider, FIG2_START, V_LP, FIG2_DURATION, omega_dt, euler)
     V_c = critical_velocity(slider, omega_dt, euler)

@@ -10,16 +10,14 @@ Parameters that a picture needs (the normal stress, for tau/sigma) are read from
 that every result carries.
 
 =============== ===================================================================
+``pages``       `page`: a whole figure of any result
 ``motion``      runs and cycles: `trace`, the `phase` plane, `amplitudes`
+``runs``        several runs: names and lines, speeds, phase plane
 ``bifurcation`` a branch of limit cycles: which of it is drawn as stable
 ``atlas``       maps of the atlas: regimes, the transition, contours
 ``curves``      a record under its fitted curves; which changes of speed are marked
-``likelihood``  profiles and posteriors; for which parameters they are drawn
-``estimates``   the table of estimates within a figure
-``pages``       `page`: a whole figure of any result
-``runs``        several runs: their names and lines
 ``axis``        the axes of a sweep: scale, unit, what stands at its cases
-``labels``      symbols, units and prefixes as text; colours of the laws
+``labels``      symbols, units and sentences as mathematics; colours of the laws
 ``layout``      type, captions, letters; when a scale is logarithmic; `save`
 =============== ===================================================================
 """
@@ -31,7 +29,7 @@ from .labels import AMPLITUDE, BLUE, GRAY, PREFIXES, RED, STRESS, label, prefixe
 from .layout import save
 from .motion import amplitudes, phase, trace
 from .pages import page
-from .pages.fit import fit
+from .pages.fits import fit
 from .pages.overview import overview
 from .runs import since
 

@@ -78,6 +78,5 @@ def prefix_of(values, unit):
 
 
 def _uneven(values):
-    """How far from evenly spaced values are."""
     steps = np.diff(values)
     return np.std(steps) / np.abs(np.mean(steps))

@@ -144,7 +144,6 @@ def _once(ax, name):
 
 
 def _steady_is_stable(data, symbol, at):
-    """Whether steady sliding is stable where the parameter that changes has these values."""
     symbols = ("a", "b", "Dc", "sigma", "M", "K", "V_lp")
     values = {s: parameter(data, s) for s in symbols if s != symbol} | {symbol: at}
     K, V_lp = values.pop("K"), values.pop("V_lp")

@@ -46,7 +46,7 @@ class Change(NamedTuple):
         return f"hold {with_unit('t', self.start - self.previous)} {new}" if whole else new
 
 
-class Record(NamedTuple):
+class FittedRecord(NamedTuple):
     """A fitted record against time or displacement, in a unit that fits it."""
 
     x: str  # "delta_lp" or "time"
@@ -69,7 +69,7 @@ class Record(NamedTuple):
 
 
 def record_of(result, x=None):
-    """`Record` of a result of `fit` (not checked) against x; ParameterError for another x.
+    """`FittedRecord` of a result of `fit` (not checked) against x; ParameterError for another x.
 
     By default displacement, but time where the load point rests, and of cycles, of which nothing
     else is kept.  Under a wave, or more than `MARKED` segments, there are no `changes`, and it is
@@ -99,7 +99,7 @@ def record_of(result, x=None):
         Change(previous, start, end, V_before, V)
         for ((previous, V_before), (start, V)), end in zip(pairwise(segments), ends, strict=False)
     ]
-    return Record(x, factor * values, unit, t, part["friction"].values, changes, laws)
+    return FittedRecord(x, factor * values, unit, t, part["friction"].values, changes, laws)
 
 
 def _segments(result):

@@ -1,5 +1,6 @@
 """How pictures write quantities and laws: symbols as mathematics, values with units that fit."""
 
+import re
 from typing import Any, NamedTuple
 
 from ..friction.laws import LAWS as friction
@@ -77,6 +78,14 @@ LETTERS = {
     "displacement_amplitude": r"\delta_{pp}",
     "acceleration_max": r"|\dot{V}|_{\max}",
 }
+
+
+#: symbols that sentences name; single letters that are words as well are not among them
+SYMBOLS = (*LETTERS, "K_c", "V_c", "V_c_upper", "f_n", "V_from", "sigma_from", "K", "M", "V", "b")
+_NAMED = "|".join(sorted(map(re.escape, SYMBOLS), key=len, reverse=True))
+_SYMBOL = re.compile(rf"(?<![\w'\"$])(tau/sigma|{_NAMED})(?![\w'\"^])")
+_POWER = re.compile(r"(\d)e([+-]?)0*(\d+)\b")
+_MICRO = re.compile(r"(?<=\d )u(?=m|s|Hz)")
 
 
 def prefixed(unit, value):
@@ -184,3 +193,11 @@ def with_unit(symbol, value, unit_of=None):
         return r"$\infty$"
     factor, unit = prefixed(QUANTITIES[symbol].unit, value if unit_of is None else unit_of)
     return f"{value * factor:.4g} {unit}".rstrip()
+
+
+def mathematics(text):
+    """A plain sentence with its symbols and powers of ten as mathematics."""
+    text = _SYMBOL.sub(lambda found: STRESS if found[0] == "tau/sigma" else label(found[0]), text)
+    text = _POWER.sub(lambda f: rf"{f[1]}$\cdot$10$^{{{f[2].strip('+')}{f[3]}}}$", text)
+    text = _MICRO.sub(PREFIXES[-6], text)
+    return text.replace("<=", r"$\leq$").replace("m^2", "m$^2$").replace("+-", r"$\pm$")

@@ -1,5 +1,6 @@
 """What all pictures have in common: type, captions, panel letters, how they become files."""
 
+from bisect import bisect_right
 from itertools import repeat
 from pathlib import Path
 from typing import Any
@@ -70,20 +71,16 @@ def dress(fig):
                 axis.get_major_formatter().set_useOffset(STYLE["axes.formatter.useoffset"])
 
 
-def symbols_of(data):
-    """Symbols, as one text, of a slider's parameters below its title, b2 or damping too."""
-    own = (s for s in slider_parameters(data) if s not in (*PARAMETERS, "law", "friction", "area"))
-    return " ".join([SLIDER, *own])
-
-
 def figure(data, height, symbols=None, more="", title=None):
     """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more.
 
     symbols : of the parameters, which `data` must record; those that are swept are left out; by
-        default those of `symbols_of`
+        default those of the slider, b2 or damping too
     title : by default that of `data`
     """
-    symbols = symbols_of(data) if symbols is None else symbols
+    if symbols is None:
+        no_numbers = (*PARAMETERS, "law", "friction", "area")
+        symbols = " ".join([SLIDER, *(s for s in slider_parameters(data) if s not in no_numbers)])
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
     listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]
     second = ", ".join(listed) + more
@@ -94,6 +91,12 @@ def blank_figure(height, title):
     """An empty figure, 7.2 inches wide, under this title."""
     fig = Figure(figsize=(7.2, height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
     fig.suptitle(title, x=0.01, ha="left", fontsize=8)
+    return fig
+
+
+def untitled(fig):
+    """Return a figure without its title and line of parameters."""
+    fig.suptitle("").set_in_layout(False)
     return fig
 
 
@@ -157,6 +160,17 @@ def text_width(text, size):
     extremes = start[turns] - (start - middle)[turns] ** 2 / bend[turns]
     ends = np.delete(x, [*control, *np.flatnonzero(codes == Outline.CLOSEPOLY)])
     return np.ptp(np.append(ends, extremes))
+
+
+def wrapped(parts, width, size, joint=" "):
+    """Texts one after another, in lines that are at most `width` wide if each text is [points]."""
+    lines, rest = [], list(parts)
+    while rest:
+        counts = range(2, len(rest) + 1)
+        n = 1 + bisect_right(counts, width, key=lambda k: text_width(joint.join(rest[:k]), size))
+        lines.append(joint.join(rest[:n]))
+        rest = rest[n:]
+    return f"{joint.rstrip()}\n".join(lines)
 
 
 def shades(number):

@@ -1,19 +1,20 @@
-"""Tables of evaluations of records: events, healing, and the stiffness of a machine."""
+"""Reports on evaluations of records: events, healing, and the stiffness of a machine."""
 
 import json
 from typing import Any
 
 import numpy as np
 import xarray
-from rich.table import Column, Table
-from rich.text import Text
 
 from ..dynamics.recipe import attribute_text
 from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
 from ..records.healing.rates import HEADINGS, RATES, rate_text
 from ..records.kit.results import checked_result
 from ..records.machine.means import OF_RINGS, SYMBOLS, estimate, value_with_unit
-from .tables import plain_table
+from .report import Heading, TextTable, Title, left
+
+#: what a report consists of
+Blocks = list[str | TextTable]
 
 #: relative error that is not shown
 EXACT = 1e-6
@@ -31,48 +32,46 @@ SHOWN = {
 }
 
 
-def events(catalogue: xarray.Dataset) -> list[Any]:
-    """The events, the stiffness, and the lines of stress drop, in tables and sentences."""
-    units = {name: _unit_of(name, catalogue[name].values) for name in SHOWN}
-    heads = [f"{text} [{units[name][1]}]" for name, text in SHOWN.items()]
-    made = plain_table("", *(Column(Text(head), justify="right") for head in heads), "kind")
-    for i in range(catalogue.sizes["event"]):
-        one = catalogue.isel(event=i)
-        cells = [_with_error(one, name, units[name][0]) for name in SHOWN]
-        made.add_row(str(int(one.event)), *cells, str(one.event_kind.item()))
+def events(catalogue: xarray.Dataset) -> Blocks:
+    """Return the events, the stiffness, and the lines of stress drop."""
     count = catalogue.sizes["event"]
     if not count:
         text = (
             "no stick-slip: no falls of the stress are beyond its noise, and regular or much "
             "faster than its rises"
         )
-        return [Text(text, style="bold")]
-    title = Text(f"{count} event{'' if count == 1 else 's'}", style="bold")
-    below = [
+        return [Title(text)]
+    units = {name: _unit_of(name, catalogue[name].values) for name in SHOWN}
+    heads = [Heading(f"{text} [{units[name][1]}]") for name, text in SHOWN.items()]
+    rows = []
+    for i in range(count):
+        one = catalogue.isel(event=i)
+        cells = [_with_error(one, name, units[name][0]) for name in SHOWN]
+        rows.append([str(int(one.event)), *cells, str(one.event_kind.item())])
+    table = TextTable([left(), *heads, left("kind")], rows, splits=True)
+    threshold = readable("stress_drop", float(catalogue.detection_threshold))
+    return [
+        Title(f"{count} event{'' if count == 1 else 's'}"),
+        table,
         *_messages(catalogue),
-        _threshold(catalogue),
+        f"Stress drops below {threshold} are not found. Events between which the stress rises by "
+        "less are one fall.",
         _stiffness(catalogue),
         *_trends(catalogue),
     ]
-    return [title, made, *below]
 
 
-def _messages(catalogue: xarray.Dataset) -> list[Text]:
-    """A text for each thing to be known of events, with their numbers."""
+def _messages(catalogue: xarray.Dataset) -> list[str]:
+    """Return a sentence for each message on events, with their numbers."""
     numbers: dict[str, list[str]] = {}
     for number, message in zip(catalogue.event.values, catalogue.event_message.values, strict=True):
         for part in filter(None, str(message).split("; ")):
             numbers.setdefault(part, []).append(str(number))
-    return [
-        Text(f"event{'s' if len(of) > 1 else ''} {_listed(of)}: {text}")
-        for text, of in numbers.items()
-    ]
-
-
-def _listed(numbers: list[str]) -> str:
-    """Numbers, the first few if they are many."""
-    more = f" and {len(numbers) - MOST} more" if len(numbers) > MOST else ""
-    return ", ".join(numbers[:MOST]) + more
+    texts = []
+    for text, of in numbers.items():
+        more = f" and {len(of) - MOST} more" if len(of) > MOST else ""
+        texts.append(f"event{'s' if len(of) > 1 else ''} {', '.join(of[:MOST])}{more}: {text}")
+    return texts
 
 
 def _unit_of(name: str, values: np.ndarray) -> tuple[float, str]:
@@ -90,24 +89,15 @@ def _with_error(one: xarray.Dataset, name: str, size: float) -> str:
     return with_error(value / size, error / size if error > EXACT * abs(value) else 0.0)
 
 
-def _threshold(catalogue: xarray.Dataset) -> Text:
-    """The smallest stress drop that is found."""
-    threshold = float(catalogue.detection_threshold)
-    text = f"Stress drops below {readable('stress_drop', threshold)} are not found."
-    return Text(f"{text} Events between which the stress rises by less are one fall.")
-
-
-def _stiffness(catalogue: xarray.Dataset) -> Text:
-    """The stiffness, and where it comes from."""
+def _stiffness(catalogue: xarray.Dataset) -> str:
     K, error = float(catalogue["K"]), float(catalogue["K_error"])
     if not np.isfinite(K):
-        return Text(f"K: {catalogue.attrs['stiffness']}")
-    size, unit = _unit_of("K", np.array([K]))
-    return Text(f"K = {with_error(K / size, error / size)} {unit}, {catalogue.attrs['stiffness']}")
+        return f"K: {catalogue.attrs['stiffness']}"
+    return f"K = {value_with_unit(K, error, 'Pa/m')}, {catalogue.attrs['stiffness']}"
 
 
-def _trends(catalogue: xarray.Dataset) -> list[Text]:
-    """A text for each line of stress drop against a logarithm."""
+def _trends(catalogue: xarray.Dataset) -> list[str]:
+    """Return a sentence for each line of stress drop against a logarithm."""
     texts = []
     for abscissa in catalogue.abscissa.values:
         line = catalogue.sel(abscissa=abscissa)
@@ -118,11 +108,11 @@ def _trends(catalogue: xarray.Dataset) -> list[Text]:
             B = with_error(float(line.trend_B) / size, float(line.trend_B_error) / size)
             text += f"{B} {unit} a decade, {int(line.trend_events)} events"
             message = f" ({message})" if message else ""
-        texts.append(Text(text + message))
+        texts.append(text + message)
     return texts
 
 
-def healing(result: xarray.Dataset) -> list[Any]:
+def healing(result: xarray.Dataset) -> Blocks:
     """The holds with healing, relaxation and predictions [1e-3]; the rates; messages on holds."""
     result = checked_result(result, "healing", "delta_mu")
     source = attribute_text(result, "source", "")
@@ -148,10 +138,10 @@ def healing(result: xarray.Dataset) -> list[Any]:
     title = f"Healing{f' in {source}' if source else ''}: {evaluated} of {holds} holds evaluated"
     texts = enumerate(result["hold_message"].values.tolist(), start=1)
     messages = [f"hold {number}: {text}" for number, text in texts if text]
-    return [Text(title, style="bold"), _numbered(columns), Text(), *map(Text, rates + messages)]
+    return [Title(title), _numbered(columns), "", *rates, *messages]
 
 
-def machine(result: xarray.Dataset) -> list[Any]:
+def machine(result: xarray.Dataset) -> Blocks:
     """K, M and the damping; tables of the slopes and ring-downs; remarks."""
     result = checked_result(result, "machine_stiffness", "slope_K")
     slopes: dict[str, list[str]] = {
@@ -166,19 +156,17 @@ def machine(result: xarray.Dataset) -> list[Any]:
         "V_lp": [readable("V_lp", value, 3) for value in result["ring_down_V"].values],
         **{name: _in_units(result, f"ring_down_{name}") for name in OF_RINGS},
     }
-    blocks: list[Any] = [Text(estimate(result, symbol), style="bold") for symbol in SYMBOLS]
+    blocks: Blocks = [Title(estimate(result, symbol)) for symbol in SYMBOLS]
     for columns in (slopes, ring_downs):
-        blocks += [Text(), _numbered(columns)] if len(columns["start"]) else []
+        blocks += ["", _numbered(columns)] if len(columns["start"]) else []
     remarks = json.loads(result.attrs["remarks"])
-    return [*blocks, *([Text()] if remarks else []), *map(Text, remarks)]
+    return [*blocks, *([""] if remarks else []), *remarks]
 
 
-def _numbered(columns: dict[str, list[str]]) -> Table:
-    """A table with numbered rows of the columns, heading -> texts."""
-    made = plain_table("", *(Column(Text(heading)) for heading in columns))
-    for number, cells in enumerate(zip(*columns.values(), strict=True), 1):
-        made.add_row(str(number), *map(Text, cells))
-    return made
+def _numbered(columns: dict[str, list[str]]) -> TextTable:
+    cells = zip(*columns.values(), strict=True)
+    rows = [[str(number), *row] for number, row in enumerate(cells, 1)]
+    return TextTable([left(heading) for heading in ("", *columns)], rows, splits=True)
 
 
 def _pairs(result: xarray.Dataset, name: str, factor: float = 1.0) -> list[str]:

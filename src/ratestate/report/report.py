@@ -1,17 +1,118 @@
-"""`Report`, and `summary`, which makes it of any result."""
+"""What a report consists of, rows and sentences, and how it becomes text, HTML and Markdown."""
 
 import io
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
-import xarray
+from rich import box
+from rich import table as rich_table
 from rich.console import Console, Group
+from rich.text import Text
 
-from ..dynamics.recipe import attribute_text
-from ..errors import ParameterError
+from ..model.quantities import (
+    QUANTITIES,
+    power_of,
+    prefixed_unit,
+    readable,
+    readable_time,
+)
+from ..model.units import unit_factor
 
 #: width of a report as plain text [characters]
 WIDTH = 110
+#: characters between two columns
+GAP = 3
+#: significant digits of numbers in tables, and in tables of many numbers
+DIGITS, FEW_DIGITS = 6, 4
+#: pure numbers below this may be given in thousandths
+SMALL = 0.1
+#: values of V_c that stand for all speeds
+ANY_SPEED = {0.0: "unstable at any speed", math.inf: "stable at any speed"}
+#: symbol -> the unit in which its values are wanted
+Units = Mapping[str, str]
+
+
+class Title(str):
+    """A line above a part of a report: bold in text, a heading in Markdown."""
+
+
+class Heading(NamedTuple):
+    """The heading of a column, and how the column behaves.
+
+    If a table is too wide, columns that `may_go` are left out, and a column that is `joined` stays
+    beside the column before it.
+    """
+
+    head: str
+    right: bool = True  # alignment
+    may_go: bool = False
+    joined: bool = False
+
+
+def left(head: str = "", **behaviour: bool) -> Heading:
+    """Return the heading of a column that is aligned left."""
+    return Heading(head, right=False, **behaviour)
+
+
+class TextTable(NamedTuple):
+    """Rows of texts under columns.
+
+    If `splits`, a table that is too wide is written as several tables, each beginning with the
+    first column.  Otherwise its last column wraps lines.
+    """
+
+    columns: Sequence[Heading]
+    rows: list[list[str]]
+    splits: bool = False
+
+    def __rich_console__(self, console: Any, options: Any) -> Iterator[Any]:
+        for i, columns in enumerate(self.parts(options.max_width)):
+            if i:
+                yield Text()
+            heads = [self.columns[c] for c in columns]
+            made = rich_table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+            for head in heads:
+                look: Any = {"justify": "right" if head.right else "left", "overflow": "fold"}
+                is_fixed = head.right and not self.splits
+                made.add_column(Text(head.head), no_wrap=is_fixed, **look)
+            for row in self.rows:
+                made.add_row(*(Text(row[c]) for c in columns))
+            yield made
+
+    def parts(self, width: int) -> list[list[int]]:
+        """Return the columns (list of int) of each of the tables for a width [characters]."""
+        every = [*zip(*([one.head for one in self.columns], *self.rows), strict=True)]
+        widths = [max(len(line) for text in cells for line in text.split("\n")) for cells in every]
+        columns = [*range(len(widths))]
+
+        def is_too_wide(some: list[int]) -> bool:
+            return sum(widths[c] + GAP for c in some) - GAP > width
+
+        while is_too_wide(columns) and (going := [c for c in columns if self.columns[c].may_go]):
+            first = self.columns[going[0]]
+            columns = [c for c in columns if self.columns[c] != first]
+        if not self.splits:
+            return [columns]
+        groups = [columns[:1]]
+        for c in columns[1:]:
+            if self.columns[c].joined:
+                groups[-1].append(c)
+            else:
+                groups.append([c])
+        tables = groups[:1]
+        for group in groups[1:]:
+            if len(tables[-1]) > 1 and is_too_wide(tables[-1] + group):
+                tables.append(columns[:1])
+            tables[-1] = tables[-1] + group
+        return tables
+
+    def markdown(self) -> str:
+        """Return the whole table in Markdown."""
+        heads = [one.head.replace("\n", " ") for one in self.columns]
+        rule = ["---:" if one.right else "---" for one in self.columns]
+        rows = (" | ".join(cells).replace("\n", " ") for cells in (heads, rule, *self.rows))
+        return "\n".join(f"| {row} |" for row in rows)
 
 
 class Report:
@@ -22,15 +123,23 @@ class Report:
 
     Parameters
     ----------
-    blocks : iterable
-        rich's ``Text`` and ``Table``, or others that rich prints.
+    blocks : iterable of str and TextTable
+        Sentences, tables and titles.
+    warnings : iterable of str
+        Sentences that Markdown has first, and text last, where a reader of a terminal looks.
     """
 
-    def __init__(self, blocks: Iterable[Any]) -> None:
+    def __init__(self, blocks: Iterable[str | TextTable], warnings: Iterable[str] = ()) -> None:
         self.blocks = list(blocks)
+        self.warnings = list(warnings)
+
+    def __iter__(self) -> Iterator[Any]:
+        for block in [*self.blocks, *map(Title, self.warnings)]:
+            bold = "bold" if isinstance(block, Title) else ""
+            yield block if isinstance(block, TextTable) else Text(block, style=bold)
 
     def __rich__(self) -> Group:
-        return Group(*self.blocks)
+        return Group(*self)
 
     def __str__(self) -> str:
         return "\n".join(line.rstrip() for line in self._printed().export_text().splitlines())
@@ -45,61 +154,80 @@ class Report:
         console.print(self)
         return console
 
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self.blocks)
+    def markdown(self) -> str:
+        """Return the report in Markdown: warnings, then tables and sentences in their order."""
+        parts = []
+        if self.warnings:
+            lines = ["**Read this before you use the numbers.**", ""]
+            lines += [f"- {text}" for text in self.warnings]
+            parts.append("\n".join(f"> {line}".rstrip() for line in lines))
+        for block in filter(None, self.blocks):
+            if isinstance(block, TextTable):
+                parts.append(block.markdown())
+            else:
+                parts.append("## " * isinstance(block, Title) + str(block))
+        return "\n\n".join(parts).replace("+-", "\N{PLUS-MINUS SIGN}")
 
 
-def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> Report:
-    """Describe the result of any function of ratestate, to print.
+class Row(NamedTuple):
+    """A quantity in SI, a remark, its relative error if known, and a text if not its value's."""
 
-    Parameters
-    ----------
-    result : xarray.Dataset
-        Result of `simulate`, `stability`, `limit_cycle`, `continue_cycle`, `frequency_response`,
-        `sweep`, `fit`, `events`, `healing` or `machine_stiffness`, with its attributes.
-    units : dict, optional
-        Symbol -> unit of its values in tables, such as ``{"V_lp": "mm/s"}``, for results of the
-        first six.  By default each value has a unit that fits.
+    symbol: str
+    value: Any
+    remark: str = ""
+    error: float | None = None
+    text: str = ""
 
-    Returns
-    -------
-    Report
-        Its `str` is plain text.
 
-    Raises
-    ------
-    ParameterError
-        If it is not such a result, or lacks its attributes.
+def of_quantities(rows: list[Row], units: Units) -> TextTable:
+    """Return a table of symbol, value, relative error if any row has one, and meaning."""
+    errors = any(one.error is not None for one in rows)
+    head = [Heading("relative\nerror")] if errors else []
+    columns = [left(), Heading("value"), *head, left()]
+    cells = []
+    for symbol, value, remark, error, text in rows:
+        shown = [text or value_text(symbol, float(value), units)]
+        if errors:
+            shown.append("" if error is None else f"{error:.1g}")
+        name = QUANTITIES[symbol].long_name
+        cells.append([symbol, *shown, f"{name}; {remark}" if remark else name])
+    return TextTable(columns, cells)
 
-    Examples
-    --------
-    >>> import ratestate as rs
-    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="1 GPa/m")
-    >>> print(str(rs.summary(rs.stability(slider, "1 um/s"))).splitlines()[0])
-    Steady sliding at 1 um/s is stable
+
+def value_text(symbol: str, x: float, units: Units, digits: int = DIGITS) -> str:
+    """Return a value [SI] as text, in the requested unit, or else in one that fits.
+
+    NaN reads "-".  Infinity reads "none" if it is not a value of the quantity: it then says that
+    a limit is absent.
     """
-    if not isinstance(result, xarray.Dataset):
-        raise ParameterError(
-            f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
-        )
-    name = attribute_text(result, "title").removeprefix("ratestate ")
-    return Report(_blocks(name, result, units or {}))
+    quantity = QUANTITIES[symbol]
+    if math.isnan(x):
+        return "-"
+    if math.isinf(x) and not quantity.may_be_inf:
+        return "none"  # a limit such as V_c without mass
+    if symbol in units and math.isfinite(x):
+        value = x / float(unit_factor(quantity.unit, units[symbol]))
+        return f"{value:.{digits}g} {units[symbol]}"
+    if quantity.unit == "s":
+        return readable_time(x, digits)
+    return readable(symbol, x, digits)
 
 
-def _blocks(name: str, result: xarray.Dataset, units: Mapping[str, str]) -> list[Any]:
-    """Return the blocks of the report on a result of the function with this name."""
-    if name == "fit":
-        from .fit import fit
+def scale_of(symbol: str, size: float, in_thousandths: bool = False) -> tuple[float, str]:
+    """Return the factor from SI to the unit that fits a value of this size, and the unit's text.
 
-        return fit(result)
-    from . import evaluations, single, sweep
+    in_thousandths : give pure numbers below `SMALL` in thousandths
+    """
+    unit = QUANTITIES[symbol].unit
+    if unit == "1":
+        return (1e3, "1e-3") if in_thousandths and size < SMALL else (1.0, "")
+    power = power_of(unit, size)
+    return 10.0**-power, prefixed_unit(unit, power)
 
-    if name in evaluations.TABLES:
-        return evaluations.TABLES[name](result)
-    if name not in single.TABLES:
-        raise ParameterError(
-            f"the title of the Dataset, {name!r}, is not that of a result",
-            "Give a Dataset as ratestate returns it.",
-        )
-    tables = sweep.cases if "message" in result else single.TABLES[name]
-    return tables(result, units)
+
+def place(where: Mapping[Any, Any]) -> str:
+    """Return a case's values along the axes, name -> value, as text with units."""
+    return ", ".join(
+        f"{dim} = {readable(dim, float(x), DIGITS)}" if dim in QUANTITIES else f"{dim} = {x}"
+        for dim, x in where.items()
+    )

@@ -5,8 +5,6 @@ from typing import Any
 
 import numpy as np
 import xarray
-from rich.table import Column, Table
-from rich.text import Text
 
 from ..dynamics.results import (
     branch_parameter,
@@ -21,73 +19,82 @@ from ..dynamics.verdict_sentences import on_edge
 from ..engine.model import STEADY_SLIDING
 from ..model.quantities import readable, readable_multiplier, readable_time
 from ..model.slider import SpringSlider
-from .domain import outside_lines
-from .tables import (
+from .cases import outside_lines
+from .report import (
     ANY_SPEED,
     DIGITS,
     FEW_DIGITS,
-    FirstThatFits,
+    Heading,
     Row,
+    TextTable,
+    Title,
     Units,
-    plain_table,
-    row,
-    shown,
-    table,
+    left,
+    of_quantities,
+    value_text,
 )
+
+#: what a report consists of
+Blocks = list[str | TextTable]
 
 #: ratio to V_lp of the speed at which remedies make steady sliding stable
 MARGIN = 1.1
+#: what makes sliding stable -> its name for the whole contact, and the side of its bound
+REMEDIES = {"K": ("stiffness", ">="), "M": ("mass", "<="), "damping": ("dashpot", ">=")}
+#: variables in the table of special points
+OF_POINTS = ("amplitude", "period", "V_max")
+#: what oscillates -> the head of its gain
+OUTPUTS = {"V": "V/V_lp", "tau": "tau/sigma", "mu": "mu"}
 #: frequencies of a table, at most
 MOST_FREQUENCIES = 16
 
 
-def run(result: xarray.Dataset, units: Units) -> list[Any]:
+def run(result: xarray.Dataset, units: Units) -> Blocks:
     """The end of a run, its extremes, and the last cycle that its tolerance resolves."""
     last = result.isel(time=-1)
     V = result.V.values
     when = (readable_time(float(result.time[i]), DIGITS) for i in (V.argmax(), V.argmin()))
     fastest, slowest = (f"at {time}" for time in when)
     rows = [
-        row("V", last.V, f"load point {readable('V_load', float(last.V_load), DIGITS)}"),
-        row("tau", last.tau, f"tau/sigma = {float(last.tau) / float(normal_stress(last)):.6g}"),
+        Row("V", last.V, f"load point {readable('V_load', float(last.V_load), DIGITS)}"),
+        Row("tau", last.tau, f"tau/sigma = {float(last.tau) / float(normal_stress(last)):.6g}"),
         *_of_contact(last, "force", "acceleration"),
-        row("mu", last.mu),
-        row("theta", last.theta),
-        row("V_max", result.V_max, fastest),
-        row("V_min", result.V_min, slowest),
+        Row("mu", last.mu),
+        Row("theta", last.theta),
+        Row("V_max", result.V_max, fastest),
+        Row("V_min", result.V_min, slowest),
         *_of_contact(result, "acceleration_max"),
-        row("cycles", result.cycles, "since the last jump of the loading"),
+        Row("cycles", result.cycles, "since the last jump of the loading"),
     ]
     if float(result.frequency) > 0.0:
         # (of a limit cycle, of ringing that decays, or due to the load point)
-        frequency = float(result.frequency)
-        text = readable("frequency", frequency, DIGITS)
         own = parameter(result, "sigma")
         varies = "sigma" in result.data_vars
-        over = f", over sigma(0) = {shown('sigma', own, units)}" if varies else ""
+        over = f", over sigma(0) = {value_text('sigma', own, units)}" if varies else ""
         remark = f"of the last cycle{over}; {_drop(result, units)}"
-        rows.append(row("amplitude", result.amplitude, remark))
+        rows.append(Row("amplitude", result.amplitude, remark))
         rows += _of_contact(result, "force_amplitude", "displacement_amplitude")
-        rows.append(Row("frequency", text, "of the last cycle", x=frequency))
-    rows.append(row("energy_residual", abs(result.energy_residual)))
+        rows.append(Row("frequency", result.frequency, "of the last cycle"))
+    rows.append(Row("energy_residual", abs(result.energy_residual)))
     end, law = readable_time(float(last.time), DIGITS), parameter(result, "law")
-    return table(f"At the end, {end}, after {int(result.steps):,} steps, {law} law", rows, units)
+    title = f"At the end, {end}, after {int(result.steps):,} steps, {law} law"
+    return [Title(title), of_quantities(rows, units)]
 
 
 def _drop(result: xarray.Dataset, units: Units) -> str:
     """The peak-to-peak stress of a cycle, as a remark."""
     stress = float(result.amplitude) * parameter(result, "sigma")
-    return f"tau by {shown('tau', stress, units)}"
+    return f"tau by {value_text('tau', stress, units)}"
 
 
 def _of_contact(result: xarray.Dataset, *symbols: str) -> list[Row]:
     """Rows about the contact as a whole, if its area is known; of M > 0 only if about inertia."""
     values = whole_contact(result)
     known = [symbol for symbol in symbols if symbol in values and values[symbol].notnull()]
-    return [row(symbol, values[symbol]) for symbol in known]
+    return [Row(symbol, values[symbol]) for symbol in known]
 
 
-def stability(result: xarray.Dataset, units: Units) -> list[Any]:
+def stability(result: xarray.Dataset, units: Units) -> Blocks:
     """Stiffness and speed beside their critical values; the least stable mode."""
     K, M = float(parameter(result, "K")), float(parameter(result, "M"))
     V, K_c, V_c = float(result.V_lp), float(result.K_c), float(result.V_c)
@@ -106,93 +113,93 @@ def stability(result: xarray.Dataset, units: Units) -> list[Any]:
         what = "grows" if growth > 0.0 else "decays"
         e_folding = f"{what}; e-folding time {readable_time(1.0 / abs(growth), DIGITS)}"
     rows = [
-        row("K", K, ratio if math.isfinite(K) else "rigid"),
+        Row("K", K, ratio if math.isfinite(K) else "rigid"),
         _critical("K_c", K_c, "unstable where K < K_c"),
         _critical("K_c_qs", float(result.K_c_qs), "without inertia"),
-        row("V_lp", V),
-        row("V_c", V_c, speeds),
-        *([row("V_c_upper", upper, "stable from here on")] if upper < math.inf else []),
-        row("eta", result.eta, "share by which inertia raises K_c" if one_length else ""),
-        row("f_n", result.f_n, "M = 0" if M == 0.0 else "K = inf" if math.isinf(K) else ""),
-        row("growth_rate", growth, e_folding),
-        row("omega", omega, frequency if omega else "non-oscillatory"),
+        Row("V_lp", V),
+        Row("V_c", V_c, speeds),
+        *([Row("V_c_upper", upper, "stable from here on")] if upper < math.inf else []),
+        Row("eta", result.eta, "share by which inertia raises K_c" if one_length else ""),
+        Row("f_n", result.f_n, "M = 0" if M == 0.0 else "K = inf" if math.isinf(K) else ""),
+        Row("growth_rate", growth, e_folding),
+        Row("omega", omega, frequency if omega else "non-oscillatory"),
     ]
     if not math.isnan(float(result.omega_c)):
         change = "lowered" if K_c < K else "raised"
         remark = f"{hopf}, if K were {change} to K_c at this speed"
-        rows.append(row("omega_c", result.omega_c, remark))
-    blocks = table(f"Steady sliding at {readable('V_lp', V)} is {holds}", rows, units)
-    return [*blocks, Text(), *_remedies(result, units)] if holds == "unstable" else blocks
+        rows.append(Row("omega_c", result.omega_c, remark))
+    title = f"Steady sliding at {readable('V_lp', V)} is {holds}"
+    blocks: Blocks = [Title(title), of_quantities(rows, units)]
+    if holds == "unstable":
+        heads = [left(), Heading("value"), *2 * [left()]]
+        speed = f"{MARGIN:g} V_lp = {readable('V_lp', MARGIN * V)}"
+        blocks += ["", Title(f"Each alone makes it stable at {speed}")]
+        blocks.append(TextTable(heads, remedies(result, units)))
+    return blocks
 
 
-def _remedies(result: xarray.Dataset, units: Units) -> list[Any]:
-    """What makes steady sliding stable, each alone, with the critical velocity that it gives."""
+def remedies(result: xarray.Dataset, units: Units) -> list[list[str]]:
+    """Return what makes one slider stable at `MARGIN` V_lp, each alone, from its `stability`.
+
+    A row consists of symbol, bound such as ">= 2.904 GPa/m", critical velocity, and remark.
+    """
     known = {symbol: parameter(result, symbol) for symbol in slider_parameters(result)}
-    V = float(result.V_lp)
-    found = stabilize(SpringSlider(**known), V, MARGIN)
+    found = stabilize(SpringSlider(**known), float(result.V_lp), MARGIN)
     area = known.get("area")
-    made = plain_table("", Column("value", justify="right", no_wrap=True), "", "")
-    for symbol, of_contact, sign in (
-        ("K", "stiffness", ">="),
-        ("M", "mass", "<="),
-        ("damping", "dashpot", ">="),
-    ):
-        x = float(found[f"{symbol}_stable"])
-        V_c = float(found[f"V_c_with_{symbol}"])
+    rows = []
+    for symbol, (of_contact, sign) in REMEDIES.items():
+        x, V_c = float(found[f"{symbol}_stable"]), float(found[f"V_c_with_{symbol}"])
         if math.isnan(x):
-            made.add_row(symbol, "none", "", "no mass is small enough")
+            rows.append([symbol, "none", "", "no mass is small enough"])
             continue
         name, value = (of_contact, x * float(area)) if area else (symbol, x)
-        text = f"{sign} {shown(name, value, units, FEW_DIGITS)}"
-        speed = f"V_c = {shown('V_c', V_c, units, FEW_DIGITS)}"
+        speed = f"V_c = {value_text('V_c', V_c, units, FEW_DIGITS)}"
         if V_c in ANY_SPEED:
             speed = ANY_SPEED[V_c] if V_c else "but unstable at all lower speeds"
         ratio = float(found.damping_ratio_stable) if symbol == "damping" else math.nan
-        made.add_row(
-            name, Text(text), speed, "" if math.isnan(ratio) else f"damping ratio {ratio:.3g}"
-        )
-    title = f"Each alone makes it stable at {MARGIN:g} V_lp = {readable('V_lp', MARGIN * V)}"
-    return [Text(title, style="bold"), made]
+        remark = "" if math.isnan(ratio) else f"damping ratio {ratio:.3g}"
+        rows.append([name, f"{sign} {value_text(name, value, units, FEW_DIGITS)}", speed, remark])
+    return rows
 
 
 def _critical(symbol: str, K: float, remark: str) -> Row:
     """The row of a critical stiffness, which is not > 0 where friction does not weaken."""
-    return row(symbol, K, remark) if K > 0.0 else row(symbol, math.inf, "stable at any stiffness")
+    return Row(symbol, K, remark) if K > 0.0 else Row(symbol, math.inf, "stable at any stiffness")
 
 
 def _in_hertz(omega: float) -> str:
-    """An angular frequency [rad/s] as a frequency."""
     return readable("frequency", omega / (2 * math.pi), 4)
 
 
-def cycle(result: xarray.Dataset, units: Units) -> list[Any]:
+def cycle(result: xarray.Dataset, units: Units) -> Blocks:
     """The numbers of a limit cycle, with their error; of steady sliding, that there is none."""
     V = float(result.V_lp)
     at = f"at V_lp = {readable('V_lp', V)}, {parameter(result, 'law')} law"
     if int(result.status) == STEADY_SLIDING:
-        return table(f"No cycle is reached {at}: steady sliding", [row("V_lp", V)], units)
+        title = Title(f"No cycle is reached {at}: steady sliding")
+        return [title, of_quantities([Row("V_lp", V)], units)]
     remarks = {"period": "", "frequency": "", "amplitude": _drop(result, units)}
     rows = [
-        row(name, result[name], remark, error=float(result.error))
+        Row(name, result[name], remark, error=float(result.error))
         for name, remark in remarks.items()
     ]
     names = ("force_amplitude", "displacement_amplitude", "acceleration_max")
     rows += _of_contact(result, *names)
     for name in ("V_max", "V_min"):
         over = f"{float(result[name]) / V:.4g} V_lp"
-        rows.append(row(name, result[name], over, error=float(result[f"{name}_error"])))
+        rows.append(Row(name, result[name], over, error=float(result[f"{name}_error"])))
     multipliers = ", ".join(map(readable_multiplier, result.multipliers.values))
     rows += [
-        row("inertia", result.inertia),
-        row("slow_fraction", result.slow_fraction),
-        row("fundamental", result.fundamental, "1 harmonic, 0.61 sawtooth"),
-        Row("multipliers", multipliers, "Floquet multipliers; decay factors per period"),
-        row("residual", result.residual),
+        Row("inertia", result.inertia),
+        Row("slow_fraction", result.slow_fraction),
+        Row("fundamental", result.fundamental, "1 harmonic, 0.61 sawtooth"),
+        Row("multipliers", math.nan, "decay factors per period", text=multipliers),
+        Row("residual", result.residual),
     ]
-    return table(f"The limit cycle {at}", rows, units)
+    return [Title(f"The limit cycle {at}"), of_quantities(rows, units)]
 
 
-def branch(result: xarray.Dataset, units: Units) -> list[Any]:
+def branch(result: xarray.Dataset, units: Units) -> Blocks:
     """The bifurcation points of a branch, and the stability of cycles between them."""
     symbol = branch_parameter(result)
     stable = result.stable.values.astype(bool)
@@ -205,48 +212,34 @@ def branch(result: xarray.Dataset, units: Units) -> list[Any]:
         f"{'all' if number == cycles.sizes['point'] else number} of them stable; "
         f"relative error up to {worst:.1g}"
     )
-    layouts = (
-        [_special_points(result, symbol, stable, units, digits)] for digits in (DIGITS, FEW_DIGITS)
-    )
-    outside = map(Text, outside_lines(cycles, "cycles", [symbol]))
-    return [Text(title, style="bold"), *outside, FirstThatFits(*layouts)]
+    outside = outside_lines(cycles, "cycles", [symbol])
+    return [Title(title), *outside, _special_points(result, symbol, stable, units)]
 
 
-def _special_points(
-    result: xarray.Dataset, symbol: str, stable: Any, units: Units, digits: int
-) -> Table:
+def _special_points(result: xarray.Dataset, symbol: str, stable: Any, units: Units) -> TextTable:
     """The points of a branch that have a name, and the stability of cycles after each."""
-    numbers = (symbol, "amplitude", "period", "V_max", "multiplier")
-    right = [Column(name, justify="right", no_wrap=True) for name in numbers]
-    made = plain_table("point", *right, "cycles\nafter it")
+    rows = []
     after = [*("stable" if holds else "unstable" for holds in stable[1:]), ""]
-    for i, special in enumerate(result.special.values):
-        if not special:
-            continue
+    for i in np.flatnonzero(result.special.values != ""):
         one = result.isel(point=i)
-        seconds = float(one.period)
-        period = readable_time(seconds, digits)
-        made.add_row(
-            str(special).replace("_", " "),
-            shown(symbol, float(one[symbol]), units, digits),
-            f"{float(one.amplitude):.{digits}g}",
-            shown("period", seconds, units, digits) if "period" in units else period,
-            shown("V_max", float(one.V_max), units, digits),
-            readable_multiplier(complex(one.multipliers[0])),
-            after[i],
-        )
-    return made
+        numbers = (value_text(name, float(one[name]), units) for name in (symbol, *OF_POINTS))
+        multiplier = readable_multiplier(complex(one.multipliers[0]))
+        name = str(one.special.item()).replace("_", " ")
+        rows.append([name, *numbers, multiplier, after[i]])
+    heads = [symbol, *OF_POINTS, "multiplier"]
+    columns = [*map(Heading, heads), left("cycles\nafter it")]
+    return TextTable([left("point"), *columns], rows, splits=True)
 
 
-def response(result: xarray.Dataset, units: Units) -> list[Any]:
+def response(result: xarray.Dataset, units: Units) -> Blocks:
     """The resonance, and gains and phases at some of the frequencies."""
     V, sigma = float(result.V_lp), float(parameter(result, "sigma"))
     law = parameter(result, "law")
     title = f"The response of steady sliding at {readable('V_lp', V)}, {law} law"
     known = np.isfinite(float(result.resonance))
     rows = [
-        row("resonance", result.resonance, "" if known else "the slider does not oscillate"),
-        row("quality", result.quality),
+        Row("resonance", result.resonance, "" if known else "the slider does not oscillate"),
+        Row("quality", result.quality),
     ]
     every = result if "frequency" in result.dims else result.expand_dims("frequency")
     n = every.sizes["frequency"]
@@ -257,29 +250,27 @@ def response(result: xarray.Dataset, units: Units) -> list[Any]:
     note = f"{n} frequencies from {low} to {high}" if n > 1 else f"One frequency, {low}"
     note += f", {some.sizes['frequency']} of them shown" if n > MOST_FREQUENCIES else ""
     of_size = {"V": V, "tau": sigma, "mu": 1.0}
-    tables = []
+    tables: Blocks = []
     for given, size in (("V_lp", V), ("sigma", sigma)):
-        tables += [
-            Text(""),
-            Text(f"Per relative change of {given}; phases in degrees", style="bold"),
-        ]
+        tables += ["", Title(f"Per relative change of {given}; phases in degrees")]
         tables.append(_gains(some, given, {out: size / x for out, x in of_size.items()}, units))
-    return [*table(title, rows, units), Text(""), Text(note), *tables]
+    return [Title(title), of_quantities(rows, units), "", note, *tables]
 
 
-def _gains(result: xarray.Dataset, given: str, factors: dict[str, float], units: Units) -> Any:
+def _gains(
+    result: xarray.Dataset, given: str, factors: dict[str, float], units: Units
+) -> TextTable:
     """Gains, times these factors, and phases in degrees."""
-    heads = {"V": "V/V_lp", "tau": "tau/sigma", "mu": "mu"}
-    names = ["frequency", *(part for head in heads.values() for part in (head, "phase"))]
-    made = plain_table(*(Column(name, justify="right", no_wrap=True) for name in names))
+    heads = ["frequency", *(head for name in OUTPUTS.values() for head in (name, "phase"))]
+    rows = []
     for i, frequency in enumerate(result.frequency.values):
         one = result.isel(frequency=i)
-        cells = [shown("frequency", float(frequency), units, FEW_DIGITS)]
+        cells = [value_text("frequency", float(frequency), units, FEW_DIGITS)]
         for out, factor in factors.items():
             gain, phase = (float(one[f"{out}_by_{given}_{x}"]) for x in ("gain", "phase"))
             cells += [f"{gain * factor:.{FEW_DIGITS}g}", f"{np.degrees(phase):.1f}"]
-        made.add_row(*map(Text, cells))
-    return made
+        rows.append(cells)
+    return TextTable([*map(Heading, heads)], rows)
 
 
 #: function -> the table of its result for a single slider

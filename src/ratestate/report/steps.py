@@ -1,4 +1,4 @@
-"""Fits of steps as text: a table with a row for each step, sentences, and CSV rows."""
+"""Reports on fits of steps and holds: a table for each law, sentences, and rows of CSV."""
 
 import numpy as np
 import xarray
@@ -7,8 +7,6 @@ from ..dynamics.recipe import attribute_text
 from ..model.quantities import (
     QUANTITIES,
     concise,
-    power_of,
-    prefixed_unit,
     readable,
     readable_change,
     short,
@@ -23,17 +21,23 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.steps import FAILED, HOLD, NORMAL_STRESS, STEP, STICK_SLIP
 from ..records.fitting.unknowns import DERIVED, TRENDS, to_value
+from .report import Heading, TextTable, Title, left, scale_of
 
 #: heads of the first columns
-HEADS = ("step", "time [s]", "change")
+HEADS = [left("step"), left("time [s]", joined=True)]
+HEADS.append(left("change", joined=True))
 #: remark on the notation of numbers in the table
-NOTATION = "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18."
+NOTATION = (
+    "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18. The signs < "
+    "and > stand before the closed end of a 95 % interval that is open on the other side. The row "
+    "all is the fit of one set of parameters to all steps and holds together, scatter the standard "
+    "deviation between steps beyond their errors, and up/down the mean over steps up divided by "
+    "the mean over steps down."
+)
 #: significance level
 IMPROBABLE = 0.01
 #: least probability that is given as a number: farther tails are not Gaussian
 LEAST = 1e-6
-#: pure numbers below this are given in thousandths
-SMALL = 0.1
 #: where all warnings are
 ALL_WARNINGS = (
     "in the variable warnings of the result, and in report.md and steps.csv, which "
@@ -54,16 +58,25 @@ AFTER = "rms aic aic_difference samples status warnings message".split()
 TOGETHER, BLANK = ("all", "scatter", "up/down"), ("", "", "")
 
 
+def blocks(result):
+    """Return title, a table for each law, and sentences."""
+    found = [heading_of_steps(result)]
+    for law in results_by_law(result):
+        found += [Title(f"{law} law"), table_of(result, law), ""]
+    return [*found, NOTATION, *remarks_on_steps(result)]
+
+
 def table_of(result, law):
-    """Return rows of cells (lists of str): heads, steps under a law, and joint rows."""
+    """Return the table of the steps under a law, with joint rows below."""
     parts = results_by_law(result)
     part = parts[law]
     steps = [part.isel(step=i) for i in range(part.sizes["step"])]
     times = [f"{float(step['step_t']):.1f}" for step in steps]
+    heads = [*HEADS]
     columns = [
-        ["step", *(str(int(step["step"])) for step in steps), *TOGETHER],
-        ["time [s]", *times, *BLANK],
-        ["change", *map(change_text, steps), *BLANK],
+        [*(str(int(step["step"])) for step in steps), *TOGETHER],
+        [*times, *BLANK],
+        [*map(change_text, steps), *BLANK],
     ]
     for symbol in part["parameter"].values.tolist():
         if symbol in (*TRENDS, "mu0") or not np.isfinite(part[symbol].values).any():
@@ -75,11 +88,14 @@ def table_of(result, law):
             _concise(here["scatter"], np.nan, factor),
             _concise(here["up_over_down"], here["up_over_down_error"], 1.0),
         ]
-        columns.append([head, *(_cell(step, symbol, factor) for step in steps), *together])
+        heads.append(Heading(head))
+        columns.append([*(_cell(step, symbol, factor) for step in steps), *together])
     if any(notes := [*map(_note, steps)]):
-        columns.append(["note", *notes, *BLANK])
-    rows, n = [list(cells) for cells in zip(*columns, strict=True)], 1 + len(steps)
-    return rows[:n] + [row for row in rows[n:] if set(row[len(HEADS) :]) - {NONE, "0", ""}]
+        heads.append(left("note"))
+        columns.append([*notes, *BLANK])
+    rows, n = [list(cells) for cells in zip(*columns, strict=True)], len(steps)
+    known = rows[:n] + [row for row in rows[n:] if set(row[len(HEADS) :]) - {NONE, "0", ""}]
+    return TextTable(heads, known, splits=True)
 
 
 def _note(step):
@@ -92,18 +108,13 @@ def _counted(count):
 
 
 def _head(parts, symbol):
-    """Return the head of an estimate's column, and the factor to its unit."""
-    unit = QUANTITIES[symbol].unit
     sizes = [np.abs(part[symbol].values) for part in parts.values()]
     known = [size[np.isfinite(size)] for size in sizes]
     typical = max(float(np.median(size)) for size in known if size.size)
-    power = power_of(unit, typical)
-    text = f" [{prefixed_unit(unit, power)}]"
-    if unit == "1":
-        power, text = (-3, " [1e-3]") if typical < SMALL else (0, "")
+    factor, unit = scale_of(symbol, typical, in_thousandths=True)
     is_rate = symbol == "a_minus_b"
     name = rate_dependence_text([law_of(one) for one in parts.values()]) if is_rate else symbol
-    return name + text, 10.0**-power
+    return f"{name} [{unit}]" if unit else name, factor
 
 
 def _cell(step, symbol, factor):
@@ -144,7 +155,7 @@ def heading_of_steps(result):
     laws = law_names(tuple(results_by_law(result)))
     counted = [(int((result["kind"] == kind).sum()), names) for kind, names in KINDS.items()]
     counts = ", ".join(f"{n} {names[n > 1]}" for n, names in counted if n)
-    return f"{about}{counts}, {laws}"
+    return Title(f"{about}{counts}, {laws}")
 
 
 def remarks_on_steps(result):
@@ -168,12 +179,19 @@ def warnings_on_steps(result):
     texts, best = [], _best_law(result)
     for law, part in results_by_law(result).items():
         if law == best:
-            texts += [
-                f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)
-            ]
+            texts += _labelled(law, part)
         elif counted := _counted(sum(len(x.splitlines()) for x in part["warnings"].values)):
             texts.append(f"{law} law: {counted}, {ALL_WARNINGS}")
     return texts
+
+
+def all_warnings(result):
+    """Return the warnings under every law."""
+    return [text for law, part in results_by_law(result).items() for text in _labelled(law, part)]
+
+
+def _labelled(law, part):
+    return [f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)]
 
 
 def warnings_by_text(part):

@@ -29,8 +29,8 @@ def made(monkeypatch):
     """List of (figure, law) that were asked for; the claims are one row."""
     asked = []
 
-    def make(number, law, out):
-        asked.append((number, law))
+    def make(number, law, out, *, title):
+        asked.append((number, law) if title else (number, law, "no title"))
         return [out / f"{figures.FIGURES[number].stem(law)}.png"]
 
     monkeypatch.setattr(figures, "make", make)
@@ -339,6 +339,11 @@ def test_folder_that_is_a_file_exits_2(made, tmp_path):
     assert result.exit_code == 2
     assert result.stderr == f"error: {path}: cannot be written: File exists\n"
     assert made == []
+
+
+def test_figures_without_titles(made, tmp_path):
+    assert call("figures", "2", "--no-titles", "--out", tmp_path).exit_code == 0
+    assert made == [("2", "slip", "no title")]
 
 
 def test_atlas_is_of_both_laws_unless_one_is_named(charted, tmp_path):

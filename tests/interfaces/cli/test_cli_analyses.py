@@ -337,7 +337,7 @@ def test_the_last_cycle_is_called_no_limit_cycle(lab):
     lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s"))  # a ring-down
     text = call("run", lab).stdout
     (row,) = (line.split() for line in text.splitlines() if line.startswith("frequency"))
-    assert row[3:] == "of the last cycle".split()
+    assert row[3:] == "frequency of oscillation; of the last cycle".split()
     assert "limit cycle" not in text
     (row,) = (line.split() for line in text.splitlines() if line.startswith("amplitude"))
     number, prefix = re.search(r"of the last cycle; tau by ([\d.]+) (k?)Pa", " ".join(row)).groups()

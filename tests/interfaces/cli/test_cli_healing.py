@@ -12,7 +12,7 @@ from slide_hold_slide import noisy
 
 import ratestate as rs
 from ratestate import plot
-from ratestate.interfaces.cli.summary_csv import summary_csv
+from ratestate.report.summary_csv import summary_csv
 
 call = functools.partial(command_line.call, "healing")
 

@@ -105,7 +105,7 @@ def test_a_file_that_is_not_there_is_named(command, mine):
 def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, law_file, monkeypatch, tmp_path):
     """Figures of a law without parameters of its own, which the paper does not give."""
     plain, asked = rs.register(law_file(PLAIN, "plain.py")), []
-    monkeypatch.setattr(figures, "make", lambda key, law, out: asked.append(law) or [])
+    monkeypatch.setattr(figures, "make", lambda key, law, out, **_: asked.append(law) or [])
     monkeypatch.setattr(
         atlas_figure, "make", lambda law, out, **own: asked.append((law, own)) or []
     )
@@ -130,9 +130,9 @@ def test_a_fit_is_of_the_law_of_the_file_and_its_report_registers_it(mine, monke
         assert call("fit", "x.txt", "--law-file", "mine.py", *laws).exit_code == 0
     assert [request.laws for request in asked] == [(mine,), ("prz", mine)]
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc=1e-5, sigma=1e6, K=1e9, law=mine, m=1.0)
-    lines = _python(asked[0], slider, None)["registration"]
+    lines = _python(asked[0], slider)["registration"]
     assert lines == f'rs.register("{tmp_path / "mine.py"}")\n'
-    assert _python(asked[0]._replace(laws=("prz",)), slider, None)["registration"] == ""
+    assert _python(asked[0]._replace(laws=("prz",)), slider)["registration"] == ""
 
 
 def test_the_explorer_opens_with_the_law_of_the_file(mine, monkeypatch):

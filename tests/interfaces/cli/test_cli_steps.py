@@ -11,8 +11,9 @@ from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate.interfaces.cli.summary_csv import summary_csv
-from ratestate.report.fit import parts
+from ratestate.report.report import Heading, TextTable
+from ratestate.report.steps import HEADS
+from ratestate.report.summary_csv import summary_csv
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -86,33 +87,29 @@ def numbers_of(texts, value, error):
 
 
 def test_columns_go_to_the_next_table_where_one_is_full():
-    rows = [
-        ["step", "time [s]", "change", "a", "b"],
-        ["1", "1.0", "3 -> 10 um/s", "9.19(18)", "-"],
-        ["all", "", "", "9", "8"],
-    ]
+    rows = [["1", "1.0", "3 -> 10 um/s", "9.19(18)", "-"], ["all", "", "", "9", "8"]]
+    table = TextTable([*HEADS, Heading("a"), Heading("b")], rows, splits=True)
     widths = 4 + 8 + 12 + 8 + 1 + 4 * 3
-    assert parts(rows, widths) == [rows]
-    first, second = parts(rows, widths - 1)
-    assert first[0] == rows[0][:4]
-    assert second == [["step", "b"], ["1", "-"], ["all", "8"]]
-    heads = [part[0] for part in parts(rows, 5)]
-    assert heads == [rows[0][:3], ["step", "a"], ["step", "b"]]
+    assert table.parts(widths) == [[0, 1, 2, 3, 4]]
+    assert table.parts(widths - 1) == [[0, 1, 2, 3], [0, 4]]
+    assert table.parts(5) == [[0, 1, 2], [0, 3], [0, 4]]
 
 
 def test_warnings_of_every_law_are_in_the_report_once(folder, result):
     path, done = folder
     text = (path / "report.md").read_text("utf-8")
-    part = text.partition("## Warnings")[2].partition("## What was read")[0]
+    lines = [line for line in text.splitlines() if line.startswith("> - ")]
     for law in LAWS:
-        below = part.partition(f"Under the {law} law:")[2].partition("Under the")[0]
+        below = "\n".join(line for line in lines if f", {law} law, warning: " in line)
         warnings = result.warnings.sel(law=law).values.tolist()
-        assert len([line for line in below.splitlines() if line.startswith("- ")]) == len(
+        assert len(below.splitlines()) == len(
             {one for several in warnings for one in several.splitlines()}
         )
         for step, several in enumerate(warnings, 1):
             for one in several.splitlines():
-                assert re.search(rf"- steps? [\d, ]*\b{step}\b[\d, ]*: {re.escape(one)}", below)
+                assert re.search(
+                    rf"> - steps? [\d, ]*\b{step}\b[\d, ]*, .*: {re.escape(one)}", below
+                )
                 assert text.count(one) == warnings_with(result, one)
     count = sum(len(one.splitlines()) for one in result.warnings.sel(law="aging").values.tolist())
     assert count > 1

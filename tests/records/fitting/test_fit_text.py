@@ -12,7 +12,7 @@ from ratestate import ParameterError
 from ratestate.model.quantities import with_error
 from ratestate.records import fitting
 from ratestate.records.fitting.by_law import error_of, results_by_law, stiffness_over_critical
-from ratestate.report.estimates import estimate_rows, noise_text
+from ratestate.report.fits import estimates, noise_text
 from ratestate.report.steps import warnings_by_text
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.FitWarning")
@@ -36,7 +36,7 @@ def refuted(result, low, high, level=0.68):
 
 def test_the_summary_has_a_row_for_each_quantity(both):
     text = str(rs.summary(both))
-    rows = [re.split(r"  +", line) for line in text.partition("Given")[0].splitlines() if line]
+    rows = [re.split(r"  +", line) for line in text.partition("\n\n")[0].splitlines() if line]
     by_label = {row[0]: row[1:] for row in rows}
     assert rows[0][0] == "Fit of 521 samples, slip and aging laws"
     assert by_label[""] == ["slip law", "95 % interval", "aging law", "95 % interval"]
@@ -66,9 +66,9 @@ def test_the_summary_of_one_law_says_what_each_number_is(both):
 def test_an_interval_from_a_profile_gives_the_standard_error(both):
     (part,) = results_by_law(refuted(both.sel(law="slip"), 5.0e10, 9.0e10)).values()
     assert error_of(part, "K") == 2.0e10
-    (K,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K")
-    assert K.estimates[0][0] == with_error(1e-9 * float(part.K), 20.0)
-    assert K.estimates[0][1] == "50 to 90"
+    (K,) = (row for row in estimates({"slip": part}) if row.symbol == "K")
+    assert K.texts[0][0] == with_error(1e-9 * float(part.K), 20.0)
+    assert K.texts[0][1] == "50 to 90"
     wide, usual = (stiffness_over_critical(one)[1] for one in (part, results_by_law(both)["slip"]))
     assert wide > 2.0 * usual
 
@@ -82,7 +82,7 @@ def test_an_interval_from_a_profile_gives_the_standard_error(both):
 )
 def test_meaning_of_the_stiffness_ratio(both, factor, meaning):
     part = results_by_law(both)["slip"]
-    rows = estimate_rows({"slip": part.assign(K=factor * part.K)})
+    rows = estimates({"slip": part.assign(K=factor * part.K)})
     (row,) = (row for row in rows if row.symbol == "K/K_c_qs")
     assert row.meaning == meaning
 
@@ -107,7 +107,7 @@ def test_an_open_interval_has_no_error(both, ends, shown):
     (part,) = results_by_law(refuted(both.sel(law="slip"), *ends)).values()
     (other,) = results_by_law(refuted(both.sel(law="slip"), *ends, level=0.95)).values()
     assert error_of(other, "K") == np.inf
-    cells = {row.symbol: row.estimates[0] for row in estimate_rows({"slip": part})}
+    cells = {row.symbol: row.texts[0] for row in estimates({"slip": part})}
     assert error_of(part, "K") == np.inf
     assert "+-" not in cells["K"][0]
     assert cells["K"][1] == shown
@@ -119,16 +119,16 @@ def test_an_open_interval_has_no_error(both, ends, shown):
 def test_an_error_is_left_out_if_the_covariance_interval_is_open(both, high, shown):
     part = results_by_law(refuted(both.sel(law="slip"), 5e10, high, level=0.95))["slip"]
     part = part.assign(interval_kind=part.interval_kind.where(part.parameter != "K", "covariance"))
-    (K,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K")
-    assert ("+-" in K.estimates[0][0]) == shown
+    (K,) = (row for row in estimates({"slip": part}) if row.symbol == "K")
+    assert ("+-" in K.texts[0][0]) == shown
     expected = float(part.standard_error.sel(parameter="K")) if shown else np.inf
     assert error_of(part, "K") == expected
 
 
 def test_a_greater_than_b_is_stable_at_any_K(both):
     part = results_by_law(both.assign(a=both.b + 0.001))["slip"]
-    (ratio,) = (row for row in estimate_rows({"slip": part}) if row.symbol == "K/K_c_qs")
-    assert ratio.estimates[0][0] == "stable at any K"
+    (ratio,) = (row for row in estimates({"slip": part}) if row.symbol == "K/K_c_qs")
+    assert ratio.texts[0][0] == "stable at any K"
 
 
 @pytest.mark.parametrize(

@@ -220,7 +220,7 @@ def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) 
         return []
     from ... import plot
     from ...files import laboratory_csv, write
-    from .summary_csv import summary_csv
+    from ...report.summary_csv import summary_csv
 
     table = laboratory_csv(_by_law(result, dim), dim)
     return [

@@ -18,6 +18,7 @@ def figures(
     law: str | None = None,
     law_file: Path | None = None,
     out: Path = OUT,
+    no_titles: bool = False,
     json: bool = False,
 ) -> None:
     """Draw the figures of Im, Marone & Elsworth (2019) and check its claims.
@@ -44,7 +45,7 @@ def figures(
     for key, figure in FIGURES.items():
         if "all" in names or key in names:
             with reporting_files(f"{figure.name}, {law} law") as made:
-                made += make(key, law, out)
+                made += make(key, law, out, title=not no_titles)
             files += made
     if "all" in names:
         with reporting_files(f"claims, {law} law") as made:

@@ -19,11 +19,11 @@ from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
 from ...records.reading.sizes import constant_in_si
 from ...report.steps import rows_of
+from ...report.summary_csv import summary_csv
 from .document import document
 from .fit_report import HEADING, FitRequest, markdown
 from .output import folder, print_json, reporting_files, write_text
 from .run_scenario import print_report
-from .summary_csv import summary_csv
 
 #: initial guesses where none are given; the least squares also scan the scales of the record
 STARTS = {"a": "0.01", "b": "0.01", "Dc": "10 um"}

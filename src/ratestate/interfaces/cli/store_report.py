@@ -14,8 +14,7 @@ if TYPE_CHECKING:
 
 def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     """Print how a sweep into a store ended; return the number of failed cases."""
-    from ...report.domain import outside_lines
-    from ...report.sweep import failed_lines
+    from ...report.cases import failed_lines, outside_lines
     from ...sweeps.status import failures, store_status
 
     status = store_status(store)

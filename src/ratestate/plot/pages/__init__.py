@@ -1,18 +1,17 @@
 """A page for each kind of result: what a person wants to see of it at once.
 
-====================== ====================================================
-``run``, ``panels``    runs and a limit cycle: stress, speed, phase plane
-``overview``           a run with its limit cycle, and its place on the atlas
-``stability``          K_c at all speeds, and the least stable mode
-``response``           a frequency response: gains and phases
-``sweep``, ``regions`` lines or maps of a sweep; V_c and regimes on a map
-``fit``                the function `fit`; which close-ups a page has
-``steps``              fits of all steps and holds of a record
-``cycles``, ``frame``  a fit of cycles; what pages of fits share
-``events``             catalogues of stick-slip events
-``healing``            slide-hold-slide tests
-``machine``            stiffness and inertia of a machine
-====================== ====================================================
+=================== ====================================================
+``run``             runs and a limit cycle: stress, speed, phase plane
+``overview``        a run with its limit cycle, and its place on the atlas
+``linear``          stability at all speeds; a frequency response
+``cases``           lines or maps of a sweep
+``regions``         what divides its maps: V_c, and regimes by their names
+``fits``            fits of whole records and of cycles
+``fit_parts``       what these share: frame, likelihoods, estimates
+``steps``           fits of all steps and holds of a record
+``catalogues``      stick-slip events
+``laboratory``      healing, and the stiffness of a machine
+=================== ====================================================
 """
 
 import xarray
@@ -20,14 +19,13 @@ import xarray
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ..bifurcation import branch_page
-from .events import events_page
-from .fit import fit_page
-from .healing import healing_page
-from .machine import machine_page
-from .response import response_page
+from ..layout import untitled
+from .cases import FEW, sweep_page
+from .catalogues import events_page
+from .fits import fit_page
+from .laboratory import healing_page, machine_page
+from .linear import response_page, stability_page
 from .run import cycle_page, run_page, runs_page
-from .stability import stability_page
-from .sweep import FEW, sweep_page
 
 #: function -> page of a single slider's result
 SINGLE = {
@@ -49,7 +47,7 @@ ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 OWN = ("time", "segment", "mode", "multiplier", "point", "frequency", "event", "abscissa")
 
 
-def page(result):
+def page(result, *, title=True):
     """A figure of a result, for a file or a notebook.
 
     Parameters
@@ -60,6 +58,8 @@ def page(result):
         or two (maps; lines too where one of them has a few values only).  Several runs of
         `simulate` are compared: a list or dict as for `plot.trace`, or a few along one axis with
         more than their ends saved.  So are several results of `events`: measured beside simulated.
+    title : bool
+        Whether a title and the parameters stand above the panels.
 
     Returns
     -------
@@ -71,6 +71,11 @@ def page(result):
     ParameterError
         No such result, or one that has lost its attributes; more than two axes.
     """
+    fig = _page(result)
+    return fig if title else untitled(fig)
+
+
+def _page(result):
     if isinstance(result, list | tuple | dict):
         parts = result.values() if isinstance(result, dict) else result
         titles = {getattr(part, "attrs", {}).get("title") for part in parts}

@@ -2,21 +2,17 @@
 
 import itertools
 
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.transforms import offset_copy
 
 from ...dynamics.results import normal_stress
 from ..atlas import atlas
-from ..labels import BLUE, GRAY, label, prefixed
-from ..layout import ABOVE, dress, letters
+from ..labels import BLUE, GRAY, label, mathematics, prefixed
+from ..layout import ABOVE, blank_figure, dress, letters, wrapped
 from ..motion import trace
-from ..prose import mathematics, wrapped
-from ..runs import NamedRun, named_runs
-from .panels import NARROW, plane, speed
+from ..runs import NARROW, NamedRun, named_runs, plane, speed
 
-#: width, height, and height for each further run [inches]; width of text, size of letters [points]
-WIDTH, HEIGHT, ROW, LINE, LETTER = 7.2, 5.2, 0.2, 505.0, 8.0
+#: height, and height for each further run [inches]; width of text, size of letters [points]
+HEIGHT, ROW, LINE, LETTER = 5.2, 0.2, 505.0, 8.0
 #: height of ticks and label below axes [points], and the look of a legend there
 FOOT, LEGEND = 25.0, {"fontsize": 7.5, "frameon": False}
 #: title of the map
@@ -51,10 +47,8 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     matplotlib.figure.Figure
         Stress, speed, phase plane and, with a chart, the map.
     """
-    size = WIDTH, HEIGHT + ROW * len(others)
-    fig = Figure(figsize=size, layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.05))
     lines = [wrapped([mathematics(text) for text in texts], LINE, LETTER) for texts in caption]
-    fig.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=LETTER)
+    fig = blank_figure(HEIGHT + ROW * len(others), "\n".join(lines))
     left, right = fig.subfigures(1, 2, squeeze=False, width_ratios=[1.4, 1])[0]
     stresses, speeds = left.subplots(2, 1, sharex=True)
     phase, *maps = right.subplots(1 if chart is None else 2, 1, squeeze=False)[:, 0]

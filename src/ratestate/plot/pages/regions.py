@@ -113,7 +113,6 @@ def _finer(value, axes):
 
 
 def _cells(along, across, cases):
-    """The cells of these cases, as one path."""
     x, y = along.edges, across.edges
     cells = [
         Path([(x[j], y[i]), (x[j + 1], y[i]), (x[j + 1], y[i + 1]), (x[j], y[i + 1]), (0, 0)], CELL)

@@ -10,9 +10,8 @@ from ...model.slider import SpringSlider
 from ..labels import BLUE, GRAY, LAWS, STRESS, prefixed, value_text, with_unit
 from ..layout import ABOVE, SLIDER, figure, letters, styled, text_width
 from ..motion import force_axis, trace
-from ..runs import NamedRun, common, named_runs
-from .panels import THIN, plane, speed
-from .stability import stability_page
+from ..runs import THIN, NamedRun, common, named_runs, plane, speed
+from .linear import stability_page
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
 MANY, FEW = 25, 5
@@ -109,7 +108,6 @@ def _motion(run, title, result):
 
 
 def _normal_stress(run, ax):
-    """Normal stress against time, on an axis of its own behind that of tau/sigma."""
     factor, unit = prefixed("Pa", float(run.sigma.max()))
     in_time, _ = prefixed("s", float(run.time.max()))
     behind = ax.twinx()

@@ -64,7 +64,6 @@ def steps_page(result):
 
 
 def _title(result, laws, shown):
-    """What was fitted."""
     source, n = attribute_text(result, "source", ""), result.sizes["step"]
     what = "1 step" if n == 1 else f"{n} steps and holds"
     of = f"Fits of {what}{f' of {source}' if source else ''}, {law_names(tuple(laws))}"
@@ -97,7 +96,6 @@ def _step(step, laws, axes):
 
 
 def _lines(laws):
-    """law -> the style of its line."""
     widths = [BELOW if len(laws) > 1 else LINE, *([LINE] * len(laws))]
     return {law: LAWS[law].line | {"lw": lw} for law, lw in zip(laws, widths, strict=False)}
 
@@ -138,7 +136,6 @@ def _which(result, kind, up):
 
 
 def _scale(laws, symbol):
-    """What values of an estimate are multiplied by, and its unit."""
     sizes = [np.nanmax(np.abs(part[symbol].values)) for part in laws.values()]
     return scaled(symbol, float(np.nanmax(sizes)))
 

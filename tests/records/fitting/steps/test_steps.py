@@ -179,7 +179,7 @@ def test_steps_in_stick_slip_are_not_fitted(data, under_slip):
     text = " ".join(str(rs.summary(result)).split())
     assert text.count("step 4: not fitted") == 1
     assert "failed" not in text
-    assert "stick-slip" in next(row for row in table_of(result, "slip") if row[0] == "4")
+    assert "stick-slip" in next(row for row in table_of(result, "slip").rows if row[0] == "4")
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")

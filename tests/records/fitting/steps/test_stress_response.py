@@ -44,11 +44,13 @@ def test_the_interval_of_an_estimate_at_its_bound_is_closed_above(data):
 
 def test_the_table_shows_the_bound(result):
     """The interval is widened by the errors of a, b, Dc and K."""
-    heads, *rows = table_of(result, "slip")
+    columns, rows, _ = table_of(result, "slip")
     of_stress = next(row for row in rows if row[0] == "3")
     upper = float(result.interval.sel(parameter="alpha", level=0.95, side="upper")[-1])
     assert 0.005 < upper < 0.05
-    assert of_stress[heads.index("alpha [1e-3]")] == f"< {short(1e3 * upper)}"
+    assert (
+        of_stress[[one.head for one in columns].index("alpha [1e-3]")] == f"< {short(1e3 * upper)}"
+    )
     assert f"alpha < {short(upper)} (95 %)" in str(result.warnings[-1].item())
     assert of_stress[:3] == ["3", "399.5", "sigma 8 -> 8.8 MPa"]
     assert "sigma 8 -> 8.8 MPa" in str(rs.summary(result))

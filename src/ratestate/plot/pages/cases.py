@@ -7,7 +7,7 @@ from ...dynamics.results import parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
 from ...model.quantities import QUANTITIES
 from ..axis import axis_of, prefix_of
-from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label
+from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label, value_text
 from ..layout import (
     figure,
     is_wide,
@@ -76,18 +76,19 @@ def _values(result, name, dims):
     return np.where(known, values, np.nan)
 
 
+def _codes(result, name, dims):
+    """Codes of the cases in these dimensions; 0 of a result without them."""
+    if name not in result:
+        return np.zeros([result.sizes[dim] for dim in dims])
+    return result[name].transpose(*dims).values
+
+
 def _failed(result, dims):
-    """Cases without an answer, in these dimensions."""
-    if "status" not in result:
-        return np.zeros([result.sizes[dim] for dim in dims], bool)
-    return ~np.isin(result["status"].transpose(*dims).values, (FINISHED, STEADY_SLIDING))
+    return ~np.isin(_codes(result, "status", dims), (FINISHED, STEADY_SLIDING))
 
 
 def _outside(result, dims):
-    """Cases whose motion leaves the domain of the friction law, in these dimensions."""
-    if "outside_domain" not in result:
-        return np.zeros([result.sizes[dim] for dim in dims], bool)
-    return result["outside_domain"].transpose(*dims).values > 0
+    return _codes(result, "outside_domain", dims) > 0
 
 
 def _has_none(ax, values):
@@ -124,7 +125,9 @@ def _lines(ax, result, name, along, across):
     if name == "K_c" and np.ndim(K := parameter(result, "K")) == 0:
         of_slider = {"color": GRAY, "lw": 0.9, "ls": "--", "label": f"{label('K')} of the slider"}
         ax.axhline(factor * K, **of_slider)
-    if len(ax.lines) > 1:
+    if along == "V_lp" and "V_c" in result and axis_of(result, along).names is None:
+        _mark_critical(ax, np.atleast_1d(_values(result, "V_c", dims[:-1])), x, result, colors)
+    if len(ax.get_legend_handles_labels()[1]) > 1:
         ax.legend()
     outside = np.broadcast_to(_outside(result, dims), scaled.shape)
     marks = mark_outside(ax, np.broadcast_to(x, scaled.shape), scaled, outside)
@@ -144,6 +147,15 @@ def _lines(ax, result, name, along, across):
         at = {"transform": ax.get_xaxis_transform(), "clip_on": False}
         ax.plot(x[column], 0.02 * (row + 1), "x", color=colors[row], ms=3.5, mew=0.9, **at)
     return marks
+
+
+def _mark_critical(ax, speeds, x, result, colors):
+    factor = float(x[0] / result["V_lp"].values[0])
+    for V_c, color in zip(speeds, colors, strict=True):
+        if x.min() < factor * V_c < x.max():
+            look = {"color": GRAY if len(colors) == 1 else color, "lw": 0.9, "ls": ":"}
+            shown = "" if ax.get_subplotspec().is_first_row() else "_"
+            ax.axvline(factor * V_c, label=shown + value_text("V_c", V_c), **look)
 
 
 def _map(fig, ax, result, name, dims):

@@ -57,7 +57,6 @@ def events_page(catalogues):
 
 
 def _heading(one, several):
-    """The number of events, and what their marks are."""
     name = f"{one.name}: " if several else ""
     marks = "\N{WHITE DOWN-POINTING TRIANGLE} peaks, \N{WHITE UP-POINTING TRIANGLE} troughs"
     if (one.data.event_status == SEVERAL).any():
@@ -66,7 +65,6 @@ def _heading(one, several):
 
 
 def _lines(named, part):
-    """Stress drop against recurrence and load-point velocity, with the lines."""
     V_lp = np.concatenate([one.data.V_lp.values for one in named])
     varies = np.nanmax(V_lp) > VARIES * np.nanmin(V_lp)
     shown = ABSCISSAE if varies else ("recurrence",)
@@ -101,18 +99,15 @@ def _named(catalogues):
 
 
 def _name(data):
-    """What a catalogue is called: its file, or what it is of."""
     is_simulated = {"scenario", "slider"} & data.attrs.keys()
     return str(data.attrs.get("source") or ("simulated" if is_simulated else "measured"))
 
 
 def _title(named):
-    """The catalogue's name, or the number of catalogues."""
     return f"Stick-slip of {named[0].name if len(named) == 1 else f'{len(named)} catalogues'}"
 
 
 def _record(one, ax):
-    """Stress against time with the peaks and troughs of events marked."""
     data = one.data
     factor, unit = prefixed("Pa", float(np.abs(data.tau).max()))
     in_time, time_unit = prefixed("s", float(np.abs(data.time).max()))

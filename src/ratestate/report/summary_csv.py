@@ -1,14 +1,12 @@
-"""What a whole record tells, beside the rows of its table: a row for each quantity as CSV."""
+"""What a whole record tells, beside the rows of its table: a row of CSV for each quantity."""
 
-import io
-from csv import DictWriter
 from typing import Any
 
 import xarray
 
-from ...files.csv_tables import laboratory_unit
-from ...model.quantities import QUANTITIES
-from ...records.fitting.by_law import has_steps, results_by_law
+from ..files.csv_tables import FORMAT, laboratory_unit
+from ..model.quantities import QUANTITIES
+from ..records.fitting.by_law import has_steps, results_by_law
 
 #: heading -> variable along ``parameter`` of fits of steps, and whether it has the quantity's unit
 OF_STEPS = {
@@ -19,7 +17,7 @@ OF_STEPS = {
     "up/down error": ("up_over_down_error", False),
     "up/down p value": ("up_over_down_p_value", False),
 }
-#: heading -> end of a variable's name, likewise, where an evaluation has one number of a kind
+#: heading -> end of the name of a variable of an evaluation, and whether it has the unit
 OF_RECORD = {
     "value": ("", True),
     "error": ("_error", True),
@@ -28,25 +26,23 @@ OF_RECORD = {
 
 
 def summary_csv(result: xarray.Dataset) -> str:
-    """The quantities of a result, each in its unit in tables, under each law if there are several.
+    """Return the quantities of a result as CSV, each in its unit in tables, under each law.
 
-    Of fits of steps what all tell together; else all numbers that have an error beside them.
+    The quantities of fits of steps are those of all steps together.  Quantities of other results
+    are all single numbers that have an error.
     """
+    import pandas
+
     if has_steps(result):
         rows, numbers = _of_steps(result), OF_STEPS
     else:
         rows, numbers = _of_record(result), OF_RECORD
     law = ["law"] if has_steps(result) or "law" in result.dims else []
-    file = io.StringIO()
-    headings = [*law, "quantity", "unit", *numbers]
-    writer = DictWriter(file, headings, extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return file.getvalue()
+    columns = [*law, "quantity", "unit", *numbers]
+    return pandas.DataFrame(rows, columns=columns, dtype=object).to_csv(**FORMAT)
 
 
 def _of_steps(result: xarray.Dataset) -> list[dict[str, Any]]:
-    """A row for each estimate under each law."""
     rows = []
     for law, part in results_by_law(result).items():
         for name in part["parameter"].values.tolist():
@@ -58,7 +54,6 @@ def _of_steps(result: xarray.Dataset) -> list[dict[str, Any]]:
 
 
 def _of_record(result: xarray.Dataset) -> list[dict[str, Any]]:
-    """A row for each number with an error, under each law where it depends on that."""
     rows = []
     for name, variable in result.data_vars.items():
         if f"{name}_error" not in result or variable.dims not in ((), ("law",)):
@@ -72,7 +67,7 @@ def _of_record(result: xarray.Dataset) -> list[dict[str, Any]]:
 
 
 def _row(name: str, law: str, numbers: dict[str, Any]) -> dict[str, Any]:
-    """Law, quantity, its unit, and numbers [SI], some in it; what is missing is empty."""
+    """Return law, quantity, its unit, and numbers, from SI; what is missing is empty."""
     unit, size = laboratory_unit(name, QUANTITIES[name].unit)
     cells = {
         head: "" if value.isnull() else f"{float(value) / (size if own else 1.0):.10g}"

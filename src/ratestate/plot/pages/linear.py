@@ -1,14 +1,19 @@
-"""The page of stability: the slider beside K_c at all speeds, and the least stable mode."""
+"""Linear theory: the page of stability, and the page of a frequency response."""
 
 import numpy as np
-from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, MultipleLocator, NullLocator
 
 from ...dynamics.results import law_of_result, parameter
+from ...errors import ParameterError
 from ...friction.linear_stability import K_c, eigenvalues
-from ..labels import BLUE, GRAY, LAWS, RED, label, prefixed, value_text
+from ...report.single import MARGIN, remedies
+from ..labels import BLUE, GRAY, LAWS, RED, label, mathematics, prefixed, value_text
 from ..layout import figure, letters, styled
 
 DECADES = 1.5  # of speed shown on either side, at least
+#: what answers -> color and dashes
+LINES = {"tau": ("k", "-"), "mu": (RED, "--"), "V": (BLUE, "-")}
+INPUTS = {"V_lp": "load-point velocity", "sigma": "normal stress"}
 
 
 @styled
@@ -21,7 +26,7 @@ def stability_page(result):
     stable = "stable" if result.stable else "unstable"
     name = LAWS[parameter(result, "law")].name
     title = f"Steady sliding at {value_text('V_lp', V_lp)} is {stable}; {name}"
-    fig = figure(result, 3.4, title=title)
+    fig = figure(result, 3.4, more="" if result.stable else _remedies(result), title=title)
     near = [V_lp, *(x for x in (V_c, upper) if 1e-6 * V_lp < x < 1e6 * V_lp)]
     V = np.geomspace(min(near) / 10**DECADES, max(near) * 10**DECADES, 401)
     factor, speed = prefixed("m/s", V_lp)
@@ -41,8 +46,14 @@ def stability_page(result):
     return fig
 
 
+def _remedies(result):
+    """Return a line of the caption: what makes the slider stable, each alone."""
+    bounds = [f"{symbol} {bound}" for symbol, bound, *_ in remedies(result, {}) if bound != "none"]
+    text = f"Stable at {MARGIN:g} V_lp with {', '.join(bounds[:-1])} or {bounds[-1]}"
+    return "\n" + mathematics(text.replace(">=", r"$\geq$"))
+
+
 def _map(ax, V, factor, K, V_lp, critical, speeds):
-    """The plane of speed and stiffness, with the critical ones."""
     scale, unit = prefixed("Pa/m", K if np.isfinite(K) else abs(critical[0]))
     critical = np.where(critical > 0.0, critical, np.nan)
     ends = np.nan_to_num(critical[[0, -1]])
@@ -90,3 +101,49 @@ def _mode(growth, frequency, V, factor, V_lp, first):
     for ax in (growth, frequency):
         ax.axvline(factor * V_lp, color=RED, lw=0.8, label="this slider")
     growth.legend(loc="best")
+
+
+@styled
+def response_page(result):
+    """Page (Figure) of one slider's response to oscillations of many frequencies."""
+    if result.sizes.get("frequency", 1) < 2:
+        raise ParameterError(
+            "a page of a frequency response shows several frequencies",
+            "Give frequency a list, such as numpy.geomspace(1, 1000, 400).",
+        )
+    V_lp, law = float(result.V_lp), LAWS[parameter(result, "law")].name
+    fig = figure(result, 4.4, title=f"Response of sliding at {value_text('V_lp', V_lp)}; {law}")
+    axes = fig.subplots(3, 2, sharex=True, sharey="row")
+    scale, unit = prefixed("Hz", float(np.median(result.frequency)))
+    frequency = scale * result.frequency.values
+    for column, name in zip(axes.T, INPUTS, strict=True):
+        _draw(column, result, name, frequency)
+        column[-1].set_xlabel(f"Frequency [{unit}]")
+        if np.isfinite(resonance := float(result.resonance)):
+            for ax in column:
+                ax.axvline(scale * resonance, color=GRAY, lw=0.8, ls=":")
+    axes[0, 0].set_ylabel(r"$|\Delta \ln V|$")
+    axes[1, 0].set_ylabel(r"$|\Delta\tau|/\sigma$,  $|\Delta\mu|$")
+    axes[2, 0].set_ylabel("Phase [degrees]")
+    axes[2, 0].yaxis.set_major_locator(MultipleLocator(90.0))
+    for ax in axes[1:, 0]:
+        ax.legend(loc="best")
+    fig.align_ylabels(axes[:, 0])
+    texts = [f"per relative change of {text} {label(name)}" for name, text in INPUTS.items()]
+    letters(axes[0], *texts)
+    return fig
+
+
+def _draw(column, result, name, frequency):
+    """Gains of V, of tau and mu, and the phases, in three axes."""
+    V_lp, sigma = float(result.V_lp), float(parameter(result, "sigma"))
+    size = {"V_lp": V_lp, "sigma": sigma}[name]
+    units = {"V": V_lp, "tau": sigma, "mu": 1.0}
+    for out, (color, dashes) in LINES.items():
+        look = {"color": color, "ls": dashes, "lw": 1.4, "label": label(out)}
+        gain = result[f"{out}_by_{name}_gain"].values * size / units[out]
+        column[0 if out == "V" else 1].plot(frequency, gain, **look)
+        phase = np.degrees(np.unwrap(result[f"{out}_by_{name}_phase"].values))
+        column[2].plot(frequency, phase, **look)
+    for ax in column[:2]:
+        ax.set(xscale="log", yscale="log", xlim=frequency[[0, -1]])

@@ -1,15 +1,14 @@
-"""A fit: record and curves; as a page with residuals, the steps from close by, the estimates."""
+"""Fits: record and curves, pages with residuals and close-ups, and the page of a fit of cycles."""
 
 import numpy as np
 
 from ...errors import ParameterError
 from ...model.conversion import in_si
 from ...records.fitting.by_law import checked_by_law, has_steps, law_of, value_of
-from ..curves import WHOLE, curves, marks, record_of, residuals
+from ..curves import WHOLE, curves, marks, normal_95, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
-from .cycles import cycles_page
-from .frame import finished, framed, legend
+from .fit_parts import finished, framed, legend
 from .steps import steps_page
 
 #: close-ups: how many at most, the fewest samples, what is before a step over what is after it
@@ -23,6 +22,10 @@ QUIET = 1e-4
 NEARLY_ALL = 0.7
 #: heights [inches] of a record and of residuals
 RECORD, RESIDUAL = 2.0, 0.62
+#: cycles seen from close by
+LAST = 4
+MARKERS = "os^D"
+HEIGHTS = [1.5, 1.9]  # inches
 
 
 @styled
@@ -150,3 +153,39 @@ def _share(column, *, named):
     if not named:
         for panel in column:
             panel.set_ylabel("")
+
+
+def cycles_page(result):
+    """Page (Figure) of a fit against cycles."""
+    record = record_of(result, "time")
+    laws, t = record.laws, record.t
+    fig, (top, *below) = framed(result, laws, sum(HEIGHTS))
+    axes = top.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=HEIGHTS)
+    curves(record, axes["a"])
+    legend(axes["a"], laws, band=False)
+    period = max(float(part["fitted"].sel(feature="period")[-1]) for part in laws.values())
+    first = int(np.searchsorted(t, t[-1] - LAST * period))
+    curves(record, axes["b"], slice(first, None))
+    _features(axes["c"], laws)
+    texts = ("the cycles fitted", f"the last {LAST}", "fitted less measured features")
+    letters(axes.values(), *texts)
+    finished(result, below, "d")
+    return fig
+
+
+def _features(ax, laws):
+    names = next(iter(laws.values()))["feature"].values.tolist()
+    at = np.arange(len(names))
+    normal_95(ax)
+    for i, (law, part) in enumerate(laws.items()):
+        off = ((part["fitted"] - part["measured"]) / part["measured_error"]).where(part["used"])
+        color = LAWS[law].color
+        shift = 0.2 * (i - 0.5 * (len(laws) - 1))
+        for j, row in enumerate(off.transpose("segment", "feature").values):
+            style = {"color": color, "mfc": "w" if j else color, "ms": 4, "ls": ""}
+            ax.plot(at + shift, row, MARKERS[j % len(MARKERS)], **style)
+    ax.set_xticks(at, names)
+    ax.tick_params(axis="x", length=0)
+    ax.set(ylabel="over standard error")
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, -3.0), max(high, 3.0))

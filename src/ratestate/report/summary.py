@@ -1,0 +1,68 @@
+"""`summary`, which makes the `Report` of any result."""
+
+from collections.abc import Mapping
+
+import xarray
+
+from ..dynamics.recipe import attribute_text
+from ..errors import ParameterError
+from ..model.quantities import QUANTITIES
+from .report import Report, Row, Title, of_quantities
+
+
+def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> Report:
+    """Describe the result of any function of ratestate, to print.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        Result of `simulate`, `stability`, `limit_cycle`, `continue_cycle`, `frequency_response`,
+        `sweep`, `fit`, `events`, `healing`, `machine_stiffness` or another function, with its
+        attributes.
+    units : dict, optional
+        Symbol -> unit of its values in tables, such as ``{"V_lp": "mm/s"}``, except for results
+        of records.  By default each value has a unit that fits.
+
+    Returns
+    -------
+    Report
+        Its `str` is plain text.
+
+    Raises
+    ------
+    ParameterError
+        If it is not such a result, or lacks its attributes.
+
+    Examples
+    --------
+    >>> import ratestate as rs
+    >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="1 GPa/m")
+    >>> print(str(rs.summary(rs.stability(slider, "1 um/s"))).splitlines()[0])
+    Steady sliding at 1 um/s is stable
+    """
+    if not isinstance(result, xarray.Dataset):
+        raise ParameterError(
+            f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
+        )
+    units = units or {}
+    name = attribute_text(result, "title").removeprefix("ratestate ")
+    if name == "fit":
+        from .fits import report_on_fit
+
+        return report_on_fit(result)
+    from . import cases, evaluations, single
+
+    if name in evaluations.TABLES:
+        return Report(evaluations.TABLES[name](result))
+    if cases.axes_of(result, name):
+        return Report(cases.sweep(result, name, units))
+    if name in single.TABLES:
+        return Report(single.TABLES[name](result, units))
+    numbers = {key: one for key, one in result.data_vars.items() if key in QUANTITIES}
+    rows = [Row(str(key), one) for key, one in numbers.items() if not one.dims]
+    if not rows:
+        raise ParameterError(
+            f"the title of the Dataset, {name!r}, is not that of a result",
+            "Give a Dataset as ratestate returns it.",
+        )
+    return Report([Title(f"Result of {name}"), of_quantities(rows, units)])
