@@ -47,7 +47,7 @@ class Case:
             -3, 0.5
         )
         p["alpha"] = float(rng.choice([0.0, rng.uniform(0.0, 0.5)]))
-        own = {"friction": self.form} if self.form != law.form else {}
+        own = {"friction_form": self.form} if self.form != law.form else {}
         if self.form == "cut-off":
             own |= {"V1": V * 10 ** rng.uniform(1, 4), "V2": V * 10 ** rng.uniform(0, 3)}
         self.p, self.own, self.V, self.unit = p, own, V, p["Dc"] / V
@@ -104,7 +104,7 @@ class Case:
 
     def twin(self, reverses):
         """The textbook, with V itself as a variable where slip reverses."""
-        form = {"friction": self.form} if self.form == "regularized" else self.own
+        form = {"friction_form": self.form} if self.form == "regularized" else self.own
         kind = Reversing if reverses else Textbook
         return kind(self.law, {**self.p, **form, "s": self.s})
 

@@ -32,7 +32,7 @@ def main():
     for seed in track(range(number), "experiments"):
         case = drawn_experiment(seed)
         law = case.truth.law
-        result = rs.fit(case.data, case.start, case.free, law=RIVALS[law], each="step")
+        result = rs.fit(case.data, case.start, case.free, law=RIVALS[law], per_step=True)
         aic = result.aic.sum("step")
         difference = float(aic.drop_sel(law=law).squeeze() - aic.sel(law=law))
         told += difference > TOLD

@@ -24,7 +24,7 @@ T_END = 10.0  # s, as in Fig. 3
 EXACT = 1e-10
 CLOSE = 1e-9  # what was asked for
 REPETITIONS = 3
-#: verb -> what is compared: all that does not pass through 0
+#: function -> what is compared: all that does not pass through 0
 COMPARED = {
     "simulate": ["V", "theta", "V_max", "V_min"],
     "limit_cycle": ["period", "amplitude", "V_max", "V_min"],
@@ -32,16 +32,16 @@ COMPARED = {
 METHODS = {"simulate": ["auto", "rodas5p"], "limit_cycle": ["auto"]}
 
 
-def sweep(verb, law, side, device, method, rtol=1e-6):
+def sweep(function, law, side, device, method, rtol=1e-6):
     """The sweep over a grid of this side."""
     slider = FIG2.replace(law=law, M=rs.logspace("M", *FIG3_M[:2], side))
     V_lp = rs.logspace("V_lp", *FIG3_V_LP[:2], side)
     settings = {"rtol": rtol, "device": device, "progress": False}
-    if verb == "limit_cycle":
-        return rs.sweep(verb, slider, V_lp=V_lp, **settings)
+    if function == "limit_cycle":
+        return rs.sweep(function, slider, V_lp=V_lp, **settings)
     loading = rs.Loading.constant(V_lp)
     settings |= {"loading": loading, "t_end": T_END, "V_start": FIG2_START, "method": method}
-    return rs.sweep(verb, slider, **settings)
+    return rs.sweep(function, slider, **settings)
 
 
 @contextlib.contextmanager
@@ -58,17 +58,17 @@ def two_cores():
         os.sched_setaffinity(0, before)
 
 
-def rate(verb, law, side, device, method):
+def rate(function, law, side, device, method):
     """Cases per second on the clock, the best of some: others' work only ever slows it."""
-    times = [wall(lambda: sweep(verb, law, side, device, method)) for _ in range(REPETITIONS)]
+    times = [wall(lambda: sweep(function, law, side, device, method)) for _ in range(REPETITIONS)]
     return side**2 / min(times)
 
 
-def difference(verb, law, method):
+def difference(function, law, method):
     """Largest relative difference between the GPU and the CPU; cases with different fates."""
-    gpu, cpu = (sweep(verb, law, SIDE_EXACT, one, method, EXACT) for one in ("cuda", "cpu"))
+    gpu, cpu = (sweep(function, law, SIDE_EXACT, one, method, EXACT) for one in ("cuda", "cpu"))
     largest = 0.0
-    for name in COMPARED[verb]:
+    for name in COMPARED[function]:
         off = np.abs(gpu[name] / cpu[name] - 1.0)
         largest = max(largest, float(off.max()))  # without the NaN of those that failed
     return largest, int((gpu.status != cpu.status).sum())
@@ -78,24 +78,24 @@ def run():
     """The Part."""
     part = Part(
         f"The GPU against 2 cores: Fig. 3's M and V_lp, {SIDE**2:,} cases, rtol 1e-6",
-        ["verb", "law", "method", "cases/s, GPU", "cases/s, 2 cores", "ratio", "difference"],
+        ["function", "law", "method", "cases/s, GPU", "cases/s, 2 cores", "ratio", "difference"],
         text=3,
         notes=[
             f"best of {REPETITIONS}; 2 cores: on {SIDE_CPU**2:,} cases of the same ranges",
             f"difference: relative, at rtol {power(EXACT)}, of {SIDE_EXACT**2} cases;"
-            f" {'; '.join(f'{verb}: ' + ', '.join(names) for verb, names in COMPARED.items())}",
+            f" {'; '.join(f'{name}: ' + ', '.join(x) for name, x in COMPARED.items())}",
         ],
     )
-    for verb, law in itertools.product(COMPARED, ("slip", "aging")):
-        for method in METHODS[verb]:
-            off, fates = difference(verb, law, method)  # and so all kernels are compiled
-            on_gpu = rate(verb, law, SIDE, "cuda", method)
+    for function, law in itertools.product(COMPARED, ("slip", "aging")):
+        for method in METHODS[function]:
+            off, fates = difference(function, law, method)  # and so all kernels are compiled
+            on_gpu = rate(function, law, SIDE, "cuda", method)
             with two_cores():
-                on_cpu = rate(verb, law, SIDE_CPU, "cpu", method)
+                on_cpu = rate(function, law, SIDE_CPU, "cpu", method)
             rates = [f"{on_gpu:,.0f}", f"{on_cpu:,.0f}", f"{on_gpu / on_cpu:.1f}"]
-            part.add(verb, law, method, *rates, power(off))
+            part.add(function, law, method, *rates, power(off))
             found = f"{power(off)}, {fates} other fates"
-            goal = f"{verb}, {law}, {method}: within {power(CLOSE)}"
+            goal = f"{function}, {law}, {method}: within {power(CLOSE)}"
             part.goal(goal, found, off <= CLOSE and not fates)
     return part
 

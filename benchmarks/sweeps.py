@@ -41,9 +41,9 @@ def run(_rivals):
     return part
 
 
-def quiet(verb, slider, **how):
+def quiet(function, slider, **how):
     """The public call, without its bar."""
-    return rs.sweep(verb, slider, progress=False, **how)
+    return rs.sweep(function, slider, progress=False, **how)
 
 
 def _timed(jobs, turns=TURNS):

@@ -203,7 +203,7 @@ RECORD = xr.Dataset(
 )
 EVALUATE = {
     "fit": lambda data: rs.fit(data, SLIDER, ("a", "b", "Dc")),
-    "fit of each step": lambda data: rs.fit(data, SLIDER, ("a", "b", "Dc"), each="step"),
+    "fit of each step": lambda data: rs.fit(data, SLIDER, ("a", "b", "Dc"), per_step=True),
     "events": lambda data: rs.events(data, sigma="2 MPa"),
     "healing": rs.healing,
     "machine_stiffness": lambda data: rs.machine_stiffness(data, "2 MPa"),
@@ -227,7 +227,7 @@ def test_a_record_with_altered_segments_is_refused(evaluate):
 @pytest.mark.parametrize(
     ("function", "arguments"),
     [
-        (rs.fit, {"each": np.array(["step", "step"])}),
+        (rs.fit, {"per_step": np.array([True, False])}),
         (rs.fit, {"law": 3}),
         (rs.fit, {"free": np.array([["a", "b"]])}),
         (rs.fit, {"noise": axis([1e-4, 2e-4])}),

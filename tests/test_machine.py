@@ -102,11 +102,11 @@ def test_too_large_a_request_is_refused_with_its_size(monkeypatch):
         rs.sweep(rs.simulate, slider, loading=loading, t_end=1.0, times=times, progress=False)
 
 
-@pytest.mark.parametrize("verb", [rs.limit_cycle, rs.stability, basin.escape, rs.hopf])
-def test_more_cases_than_fit_are_refused_before_it_starts(verb):
+@pytest.mark.parametrize("function", [rs.limit_cycle, rs.stability, basin.escape, rs.hopf])
+def test_more_cases_than_fit_are_refused_before_it_starts(function):
     slider = SLIDER.replace(M=rs.logspace("M", 1.0, 1e4, 10**5))
     with pytest.raises(rs.ParameterError, match=r"results of 10,000,000,000 cases take .* GB"):
-        verb(slider, V_lp=rs.logspace("V_lp", 1e-4, 1e-2, 10**5))
+        function(slider, V_lp=rs.logspace("V_lp", 1e-4, 1e-2, 10**5))
 
 
 @pytest.mark.parametrize(("bytes_there", "refused"), [(1599, True), (1600, False)])

@@ -1,4 +1,4 @@
-"""The package's face: its names, what importing it costs, and verbs that share a file's name."""
+"""The package's public names, what importing it costs, and functions that share a file's name."""
 
 import doctest
 import importlib
@@ -45,18 +45,18 @@ print(ratestate.files.read.__name__)
 
 IMPORTS = [
     "",
-    "import ratestate.{verb}",
-    "from ratestate.{verb} import K_c",
-    "import ratestate.model.slider, ratestate.{verb}",
-    "import importlib; importlib.import_module('ratestate.{verb}')",
+    "import ratestate.{function}",
+    "from ratestate.{function} import K_c",
+    "import ratestate.model.slider, ratestate.{function}",
+    "import importlib; importlib.import_module('ratestate.{function}')",
 ]
 AFTERWARDS = """
 import ratestate
-from ratestate import {verb}
-assert {verb} is ratestate.{verb}, {verb}
-assert callable({verb}), {verb}
-import ratestate.{verb}
-assert callable(ratestate.{verb}), {verb}
+from ratestate import {function}
+assert {function} is ratestate.{function}, {function}
+assert callable({function}), {function}
+import ratestate.{function}
+assert callable(ratestate.{function}), {function}
 """
 
 
@@ -92,7 +92,7 @@ for code in sys.argv[1:]:
     assert os.wait()[1] == 0, code
 print("ratestate" in sys.modules)
 """
-    codes = [(before + AFTERWARDS).format(verb="stability") for before in IMPORTS]
+    codes = [(before + AFTERWARDS).format(function="stability") for before in IMPORTS]
     assert run(code, *codes) == ["False"]
 
 

@@ -65,6 +65,7 @@ def exit_codes():
 #: keys of a scenario file that are no quantity, and what stands there
 WORDS = {
     "law": "friction law",
+    "friction_form": "form of friction",
     "law_file": "Python file with a friction law of your own",
     "steps": "steps, holds and ramps",
     "sinusoid": "oscillation about `V_lp`",
@@ -75,7 +76,7 @@ WORDS = {
     "columns": "its columns with times and speeds",
     "units": "their units, if the header has none",
     "t": "times of a record, with the same number of speeds in `V_lp`",
-    "verb": "function to compute",
+    "function": "function to compute",
     "initial": "values at t = 0 that override the steady start",
     "times": "times to save",
     "method": "integration method",
@@ -106,10 +107,10 @@ OTHERWISE = {
     "V_start run": "default: the first speed of the loading",
     "times run": "default: the solver's own steps",
     "frequency run": "of `frequency_response` alone; default: decades around the resonance",
-    "rtol run": "default: `1e-6`; for another `verb`, `1e-8`",
+    "rtol run": "default: `1e-6`; for another `function`, `1e-8`",
     "method run": 'default: `"auto"`',
-    "verb run": 'default: `"simulate"`',
-    "verb sweep": "required",
+    "function run": 'default: `"simulate"`',
+    "function sweep": "required",
 }
 
 

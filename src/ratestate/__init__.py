@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from .model.parameters import logspace
     from .model.slider import SpringSlider
     from .model.user_laws import register
+    from .records.fitting.by_law import fitted_slider
     from .records.fitting.fit import fit
     from .records.healing.healing import healing
     from .records.machine.machine_stiffness import machine_stiffness
@@ -63,6 +64,7 @@ __all__ = [
     "events",
     "explore",
     "fit",
+    "fitted_slider",
     "frequency_response",
     "healing",
     "hopf",
@@ -102,6 +104,7 @@ _NAMES = {
     "model.parameters": "logspace",
     "model.slider": "SpringSlider",
     "model.user_laws": "register",
+    "records.fitting.by_law": "fitted_slider",
     "records.fitting.fit": "fit",
     "records.healing.healing": "healing",
     "records.machine.machine_stiffness": "machine_stiffness",

@@ -75,7 +75,7 @@ def chart(slider, size, deadline, limits=WHOLE):
         raise rs.ParameterError("b <= a: friction never weakens, and there are no regimes to map")
     if not is_mapped(key):
         raise rs.ParameterError(
-            f"law = {slider.law!r} with friction = {slider.friction!r} and damping = "
+            f"law = {slider.law!r} with friction_form = {slider.friction_form!r} and damping = "
             f"{slider.damping:g} Pa s/m has no map of regimes: eta and K/K_c_qs do not decide the "
             f"motion alone; ratestate.atlas in Python maps laws with parameters of their own"
         )

@@ -45,7 +45,7 @@ def state_of(entries: Any) -> PageState:
     """Return the `PageState` of entries; `BadEntries` with everything that is wrong with them.
 
     entries : dict of strings as typed, symbol -> string, in which a number without a unit is in SI;
-        also "law", perhaps "friction" and those of `EXPERIMENT`; other keys are ignored:
+        also "law", perhaps "friction_form" and those of `EXPERIMENT`; other keys are ignored:
 
         V_from, sigma_from : speed and normal stress before time 0, if they were different
         protocol : what happens from time 0 on, before V_lp and sigma: see `state.segments_of`
@@ -68,7 +68,7 @@ def state_of(entries: Any) -> PageState:
         raise BadEntries(problems)
     V_lp, experiment = values.pop("V_lp"), {name: values.pop(name) for name in given}
     try:
-        slider = rs.SpringSlider(law=law.name, friction=form, **values)
+        slider = rs.SpringSlider(law=law.name, friction_form=form, **values)
     except rs.ParameterError as error:  # parameters of the law that do not go together
         raise BadEntries({"law": str(error)}) from None
     return PageState(slider, V_lp, **experiment)
@@ -112,7 +112,7 @@ def _law_of(entries):
             f"the explorer with your own law: ratestate explore --law-file FILE.py"
         )
         return None, None, {"law": problem}
-    form = entries.get("friction")
+    form = entries.get("friction_form")
     if form is None:
         return law, next(iter(law.forms)), {}
     form = str(form)[:LONGEST]
@@ -120,7 +120,7 @@ def _law_of(entries):
         return law, form.lower(), {}
     known = " or ".join(law.forms)
     problem = f"friction = {form!r} does not go with law = {law.name!r}; choose {known}"
-    return None, None, {"friction": problem}
+    return None, None, {"friction_form": problem}
 
 
 def values_of(entries):
@@ -163,7 +163,7 @@ def entries_of(state, digits=6):
         texts["protocol"] = text_of(state.protocol, digits)
     if state.kick is not None:
         texts["kick"] = f"{state.kick:.{digits}g}"
-    return texts | {name: values[name] for name in ("law", "friction")}
+    return texts | {name: values[name] for name in ("law", "friction_form")}
 
 
 def fragment_of(slider, V_lp):

@@ -64,7 +64,7 @@ class Kind(NamedTuple):
     """The properties that decide which kernels a page needs."""
 
     law: str
-    friction: str
+    friction_form: str
     own: tuple[str, ...]  # symbols of the parameters that law, friction and damping bring
     sigma_varies: bool
 
@@ -73,7 +73,7 @@ def kind_of(state):
     """Return the `Kind` of a `PageState`."""
     slider = state.slider
     own = tuple(slider.friction_law.parameters)
-    return Kind(slider.law, slider.friction, own, state.sigma_varies)
+    return Kind(slider.law, slider.friction_form, own, state.sigma_varies)
 
 
 class Kernels:

@@ -154,7 +154,7 @@ def answer_file(question, deadline):
 def warm_up(kind, deadline):
     """Do all work once for a `Kind`; backend.Stopped if it was cancelled."""
     entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.own}
-    entries |= {"law": kind.law, "friction": kind.friction}
+    entries |= {"law": kind.law, "friction_form": kind.friction_form}
     if kind.sigma_varies:
         entries["sigma_from"] = example("sigma")
     question = wire.Question(0, "picture", entries)

@@ -173,7 +173,7 @@ class PageState(NamedTuple):
     def values(self):
         """dict of the values of all fields, in SI."""
         of_all = {symbol: getattr(self.slider, symbol) for symbol in NONE}
-        names = {"law": self.slider.law, "friction": self.slider.friction}
+        names = {"law": self.slider.law, "friction_form": self.slider.friction_form}
         experiment = {name: getattr(self, name) for name in EXPERIMENT}
         return of_all | self.slider.values | {"V_lp": self.V_lp} | experiment | names
 

@@ -46,7 +46,7 @@ def test_results(name, tmp_path):
         xarray.testing.assert_equal(
             *(xarray.Dataset({"x": rs.plot.parameter(one, symbol)}) for one in (before, again))
         )
-    assert isinstance(rs.plot.page(before), Figure)
+    assert isinstance(rs.plot.figure(before), Figure)
     with pytest.raises(rs.ParameterError, match="does not record the scenario that made it"):
         scenario.from_result(before)
 

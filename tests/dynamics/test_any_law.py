@@ -21,7 +21,7 @@ RTOL = 1e-6
 #: close to the edge of stability under each law, and driven at V
 COMMON = {"a": 0.003, "b": 0.005, "Dc": 1e-5, "sigma": 2e6, "M": 3e3, "K": 3e8}
 V = 1e-3
-DAMPED, CUT_OFF = {"damping": 5e4}, {"friction": "cut-off", "V1": 1e-2, "V2": 1.0}
+DAMPED, CUT_OFF = {"damping": 5e4}, {"friction_form": "cut-off", "V1": 1e-2, "V2": 1.0}
 ONE_OF_EACH_KIND = [("aging", {}), ("two-state-slip", {}), ("nagata", {}), ("slip", DAMPED)]
 MASSLESS = ("slip", DAMPED | {"M": 0.0})
 

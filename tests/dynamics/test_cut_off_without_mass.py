@@ -27,7 +27,7 @@ def few_steps(monkeypatch):
 
 
 def run(K, V1, V2, V_start, *, end=10.0, rtol=1e-6):
-    slider = rs.SpringSlider(**COMMON, K=K, friction="cut-off", V1=V1, V2=V2)
+    slider = rs.SpringSlider(**COMMON, K=K, friction_form="cut-off", V1=V1, V2=V2)
     times = [end * UNIT]
     return rs.simulate(
         slider, rs.Loading.constant(V), times[0], V_start=V_start, times=times, rtol=rtol
@@ -68,7 +68,7 @@ def test_the_instability_is_where_1_over_V_is_0(V1, amplitude):
         s = 1.0 + amplitude * math.sin(omega * t)
         return s, amplitude * omega * math.cos(omega * t) / s
 
-    slider = rs.SpringSlider(**p, law="two-state-aging", friction="cut-off")
+    slider = rs.SpringSlider(**p, law="two-state-aging", friction_form="cut-off")
     loading = rs.Loading.constant(1e-5).sigma_sinusoid(amplitude * SIGMA, period=2.0)
     exact = instability(Textbook("two-state-aging", {**p, "s": wave}), 1e-6, 1e-5)
     for rtol in (1e-6, 1e-10):

@@ -27,7 +27,6 @@ from ratestate.friction.composition import composed_law
 from ratestate.friction.laws import LAWS, one_length_laws
 from ratestate.friction.linear_stability import stability_margin
 from ratestate.interfaces import scenario
-from ratestate.records.fitting import slider_of
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8)
 DAMPED = FIG2.replace(damping=5e4)
@@ -164,7 +163,7 @@ def test_what_is_wrong_with_damping_is_told():
             FIG2.replace(damping=value)
     with pytest.raises(rs.ParameterError, match=r"^with damping K_c_qs depends on the speed"):
         _ = DAMPED.K_c_qs
-    cut = DAMPED.replace(friction="cut-off", V1=1.0, V2=1.0)
+    cut = DAMPED.replace(friction_form="cut-off", V1=1.0, V2=1.0)
     with pytest.raises(rs.ParameterError, match=r"^with cut-off and damping K_c_qs depends"):
         _ = cut.K_c_qs
     with pytest.raises(rs.ParameterError, match=r"no parameter dampng.* Did you mean damping"):
@@ -197,7 +196,7 @@ def test_damping_is_fitted(kind):
         assert abs(float(result[name]) - getattr(truth, name)) < 3.5 * error, name
         assert error < 0.02 * getattr(truth, name), name
     assert float(result.a_minus_b) == pytest.approx(-0.002, abs=2e-5)
-    assert slider_of(result).damping == float(result.damping)
+    assert rs.fitted_slider(result).damping == float(result.damping)
     with pytest.raises(rs.ParameterError, match=r"^damping is free but starts at 0 Pa s/m"):
         rs.fit(data, start.replace(damping=0.0), ("a", "damping"))
 
@@ -255,7 +254,7 @@ def test_critical_speeds_take_few_linearisations(monkeypatch):
 
 
 def test_sliders_are_equal_from_both_sides():
-    others = FIG2, DAMPED.replace(alpha=0.3), DAMPED.replace(friction="cut-off", V1=1, V2=1)
+    others = FIG2, DAMPED.replace(alpha=0.3), DAMPED.replace(friction_form="cut-off", V1=1, V2=1)
     for one, other in itertools.permutations([DAMPED, *others], 2):
         assert (one == other) is False
 

@@ -132,7 +132,7 @@ def test_small_cycles_found_by_harmonic_balance_have_this_amplitude(log_eta, log
             assert value == pytest.approx(-slope * bend, rel=1e-5 if eta < 0.1 else 1e-7, abs=0)
 
 
-# The verbs.
+# The functions.
 
 physical = {
     "a": st.floats(-3, -1.3).map(lambda x: 10**x),

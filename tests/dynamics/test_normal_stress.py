@@ -49,7 +49,7 @@ def test_runs_are_those_of_the_textbook(law, form, damped, mass):
     p, V = drawn(law, rng)
     p |= {"M": p["M"] * mass, "alpha": 0.3, "K": 3.0 * p["K"]}
     p["damping"] = 0.1 * damped * p["a"] * p["sigma"] / V
-    own = {"friction": form} | ({"V1": 1e3 * V, "V2": 10.0 * V} if form == "cut-off" else {})
+    own = {"friction_form": form} | ({"V1": 1e3 * V, "V2": 10.0 * V} if form == "cut-off" else {})
     own = {} if form == "log" else own
     times = TIMES * p["Dc"] / V
     slider = rs.SpringSlider(**p, **own, law=law)

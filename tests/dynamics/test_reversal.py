@@ -25,7 +25,7 @@ SWINGING = rs.SpringSlider(
     K=1e8,
     mu0=0.05,
     law="aging",
-    friction="regularized",
+    friction_form="regularized",
 )
 
 
@@ -70,7 +70,7 @@ def test_a_slider_that_was_pulled_back_is_that_of_the_textbook(law, mass, dampin
     if damping:
         p["alpha"] = 0.1
         loading = loading.sigma_sinusoid(0.1 * p["sigma"], period=period)
-    case = rs.SpringSlider(**p, law=law, friction="regularized")
+    case = rs.SpringSlider(**p, law=law, friction_form="regularized")
     twin = Reversing(law, p | ({"s": wave(0.1, period)} if damping else {}))
     exact = twin.through(y, V, times, [])
     settings = {"times": times, "V_start": V, "initial": start}
@@ -103,7 +103,7 @@ def test_energy_is_closed_through_a_thousand_reversals():
 
 
 def test_no_verdict_calls_a_law_that_lets_slip_reverse_outside_its_domain():
-    forward = rs.SpringSlider(**(SWINGING.parameters | {"friction": "log"}))
+    forward = rs.SpringSlider(**(SWINGING.parameters | {"friction_form": "log"}))
     found = verdict(SWINGING, 0.1)
     assert found.V_min < 0.0
     assert found.reversal_margin < 0.0
@@ -162,7 +162,7 @@ def test_a_slider_that_rests_may_be_pulled_either_way():
 
 def test_a_case_in_a_lane_has_the_bits_of_the_same_alone():
     V = xr.DataArray(np.geomspace(3e-2, 0.3, 17), dims="V_lp", name="V_lp")
-    heated = {"law": "flash-heating", "friction": None, "V_w": 0.1, "mu_w": 0.02, "mu0": 0.3}
+    heated = {"law": "flash-heating", "friction_form": None, "V_w": 0.1, "mu_w": 0.02, "mu0": 0.3}
     for slider in (SWINGING, rs.SpringSlider(**(SWINGING.parameters | heated))):
         sweep = rs.simulate(slider, rs.Loading.constant(V), 0.05, V_start=V / 2)
         cycles = rs.limit_cycle(slider, V[3:5])
@@ -184,7 +184,7 @@ def test_friction_keeps_its_digits_where_it_is_nearly_0(M):
     p = {"a": 0.0192, "b": 0.104, "Dc": 1e-5, "sigma": 1e6, "mu0": 0.7, "V0": 1e-9, "K": 1.437e9}
     p["M"] = M
     twin = Reversing("slip", p)
-    slider = rs.SpringSlider(law="slip", friction="regularized", **p)
+    slider = rs.SpringSlider(law="slip", friction_form="regularized", **p)
     times, loading = np.array([0.0, 1.6, 2.1, 3.0, 5.0, 8.0]), rs.Loading.constant(1e-5)
     exact = twin.through(twin.steady(1e-6), 1e-5, times, [])
     errors = []
@@ -205,7 +205,7 @@ def test_friction_keeps_its_digits_where_it_is_nearly_0(M):
 def test_what_does_not_reverse_says_so():
     with pytest.raises(rs.ParameterError, match=r"^initial V = 0 m/s must be > 0"):
         rs.simulate(
-            SWINGING.replace(friction="log"), rs.Loading.constant(0.1), 1.0, initial={"V": 0.0}
+            SWINGING.replace(friction_form="log"), rs.Loading.constant(0.1), 1.0, initial={"V": 0.0}
         )
 
 
@@ -227,7 +227,9 @@ def test_a_return_takes_time(barrier):
 def test_nothing_leaves_steady_sliding_that_attracts_all_there_is():
     """At 1.116 K_c: steps of a decade come back in plain runs, and so does all else."""
     values = {"a": 0.0471, "b": 0.0834, "Dc": 1.84e-8, "sigma": 1.53e6, "M": 2e11, "mu0": 0.472}
-    slider = rs.SpringSlider(law="aging", friction="regularized", V0=3.19e-8, K=3.47e12, **values)
+    slider = rs.SpringSlider(
+        law="aging", friction_form="regularized", V0=3.19e-8, K=3.47e12, **values
+    )
     V = 1.43e-8
     found = escape(slider, V)
     assert str(found.outcome.values) == "none"

@@ -23,7 +23,7 @@ def is_stable(slider, V, **changes):
     [
         SLIDER,
         SLIDER.replace(damping="20 kPa s/m"),
-        SLIDER.replace(friction="cut-off", V1="100 m/s", V2="1 m/s"),
+        SLIDER.replace(friction_form="cut-off", V1="100 m/s", V2="1 m/s"),
         rs.SpringSlider(
             **{s: getattr(SLIDER, s) for s in ("a", "b", "Dc", "sigma", "M")},
             K="3 GPa/m",

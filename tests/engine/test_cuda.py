@@ -203,7 +203,7 @@ def arguments(law):
     own = {symbol: OF_LAW[symbol] for symbol in friction_law(law).parameters}
     slider = rs.SpringSlider(**arrays, **own, Dc=1e-5, sigma=2e6, V0=1e-9, law=law)
     if form == ["regularized"]:
-        slider = slider.replace(friction="regularized")
+        slider = slider.replace(friction_form="regularized")
     return slider, loading, t_end
 
 

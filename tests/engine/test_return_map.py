@@ -277,7 +277,7 @@ def test_a_sudden_arrest_does_not_end_a_return(rtol):
     parameters |= {"K": 1.95253e7, "M": 4.92037, "V0": 2.20713e-6, "b2": -0.0038346}
     parameters |= {"Dc2": 6.75344e-6, "V1": 1.602066e-4, "V2": 2.272778e-5}
     V = 8.17984e-5
-    slider = rs.SpringSlider(law="two-state-slip", friction="cut-off", **parameters)
+    slider = rs.SpringSlider(law="two-state-slip", friction_form="cut-off", **parameters)
     cycle = rs.limit_cycle(slider, V, rtol=rtol)
     run = rs.simulate(slider, rs.Loading.constant(V), 1500, V_start=V / 10, rtol=rtol, times=[1500])
     assert int(cycle.returns) == int(run.returns) == 1

@@ -137,8 +137,8 @@ def test_rough_log2(x):
     [
         *((law in WITH_RECURRENCES, {"law": law} | own) for law, own in OF_LAW.items()),
         (True, {"damping": 1e5}),
-        (True, {"friction": "cut-off", "V1": 1e-2, "V2": 1.0}),
-        (False, {"friction": "regularized"}),
+        (True, {"friction_form": "cut-off", "V1": 1e-2, "V2": 1.0}),
+        (False, {"friction_form": "regularized"}),
     ],
 )
 def test_which_laws_and_forms_have_recurrences(has, own):

@@ -103,7 +103,7 @@ class TestEntries:
 
 #: law -> texts of its own parameters, and the form of friction that it is for
 OWN = {
-    name: {s: menus.example(s) for s in law.parameters} | {"friction": law.form}
+    name: {s: menus.example(s) for s in law.parameters} | {"friction_form": law.form}
     for name, law in LAWS.items()
 }
 
@@ -115,7 +115,7 @@ class TestLaws:
         texts = STICK_SLIP | OWN[law] | {"law": law, "K": "300 MPa/m", "V_from": "50 um/s"}
         state = entries.state_of(texts)
         assert {s: state.values[s] for s in OWN[law]} == {
-            s: text if s == "friction" else to_si(s, text) for s, text in OWN[law].items()
+            s: text if s == "friction_form" else to_si(s, text) for s, text in OWN[law].items()
         }
         # (also compiles what the picture, of which the time is limited, needs)
         cycle = rs.limit_cycle(state.slider, state.V_lp)
@@ -194,44 +194,52 @@ class TestFriction:
     """Forms of friction, damping, and what a step of normal stress does."""
 
     def test_a_form_of_friction_brings_its_fields(self):
-        texts = VIBRATION | {"friction": "Cut-off", "V1": "10 m/s", "V2": "1 um/s"}
+        texts = VIBRATION | {"friction_form": "Cut-off", "V1": "10 m/s", "V2": "1 um/s"}
         state = entries.state_of(texts)
-        assert (state.slider.friction, state.slider.V2) == ("cut-off", 1e-6)
-        assert state.values["friction"] == "cut-off"
+        assert (state.slider.friction_form, state.slider.V2) == ("cut-off", 1e-6)
+        assert state.values["friction_form"] == "cut-off"
         with pytest.raises(entries.BadEntries) as caught:
-            entries.state_of(VIBRATION | {"friction": "cut-off", "V1": "10 m/s"})
+            entries.state_of(VIBRATION | {"friction_form": "cut-off", "V1": "10 m/s"})
         assert list(caught.value.problems) == ["V2"]
 
     @pytest.mark.parametrize(
-        ("law", "friction", "said"),
+        ("law", "form", "said"),
         [
-            ("slip", "asinh", "friction = 'asinh' does not go with law = 'slip'; choose log or"),
-            ("slip", 3, "friction = '3' does not go"),
-            ("slip", "x" * 900, f"friction = '{'x' * 64}' does not go"),
-            ("nagata", "cut-off", "friction = 'cut-off' does not go with law = 'nagata'"),
-            ("flash-heating", "log", "friction = 'log' does not go with law = 'flash-heating'"),
+            (
+                "slip",
+                "asinh",
+                "friction_form = 'asinh' does not go with law = 'slip'; choose log or",
+            ),
+            ("slip", 3, "friction_form = '3' does not go"),
+            ("slip", "x" * 900, f"friction_form = '{'x' * 64}' does not go"),
+            ("nagata", "cut-off", "friction_form = 'cut-off' does not go with law = 'nagata'"),
+            (
+                "flash-heating",
+                "log",
+                "friction_form = 'log' does not go with law = 'flash-heating'",
+            ),
         ],
     )
-    def test_one_that_does_not_go_is_said_of_its_menu(self, law, friction, said):
+    def test_one_that_does_not_go_is_said_of_its_menu(self, law, form, said):
         with pytest.raises(entries.BadEntries) as caught:
-            entries.state_of(VIBRATION | OWN[law] | {"law": law, "friction": friction})
-        assert list(caught.value.problems) == ["friction"]
-        assert said in caught.value.problems["friction"]
+            entries.state_of(VIBRATION | OWN[law] | {"law": law, "friction_form": form})
+        assert list(caught.value.problems) == ["friction_form"]
+        assert said in caught.value.problems["friction_form"]
 
     def test_without_one_it_is_that_of_the_law(self):
         own = OWN["flash-heating"] | {"law": "flash-heating"}
         old, own = (
-            {name: text for name, text in texts.items() if name not in ("friction", "alpha")}
+            {name: text for name, text in texts.items() if name not in ("friction_form", "alpha")}
             for texts in (VIBRATION, own)
         )
         assert entries.state_of(old).slider == FIG2
         heated = entries.state_of(old | own)
-        assert heated.slider.friction == "regularized"
+        assert heated.slider.friction_form == "regularized"
 
     def test_kernels_are_those_of_what_is_shown(self):
         plain = kind_of(entries.state_of(VIBRATION))
         assert plain == ("slip", "log", (), False)
-        changes = [{"friction": "regularized"}, {"damping": "1 kPa s/m"}, {"law": "aging"}]
+        changes = [{"friction_form": "regularized"}, {"damping": "1 kPa s/m"}, {"law": "aging"}]
         kinds = {kind_of(entries.state_of(VIBRATION | change)) for change in changes}
         assert len(kinds | {plain}) == 4
         for more in ({"a": "0.004"}, {"kick": "3"}, {"protocol": "0 m/s for 1 s"}):
@@ -473,8 +481,14 @@ class TestCharts:
         ("changes", "said"),
         [
             ({"b": 0.001}, "b <= a: friction never weakens"),
-            ({"law": "nagata", "c": 2.0}, "law = 'nagata' with friction = 'log' .* has no map"),
-            ({"friction": "regularized", "damping": 1e3}, "and damping = 1000 Pa s/m has no map"),
+            (
+                {"law": "nagata", "c": 2.0},
+                "law = 'nagata' with friction_form = 'log' .* has no map",
+            ),
+            (
+                {"friction_form": "regularized", "damping": 1e3},
+                "and damping = 1000 Pa s/m has no map",
+            ),
         ],
     )
     def test_where_there_is_no_map_that_is_said(self, changes, said):

@@ -28,7 +28,7 @@ def test_the_critical_mass_is_the_edge(part):
 
 
 def test_both_critical_speeds_where_there_are_two():
-    slider = FIG2.replace(friction="cut-off", V1=1e-2, V2=1e-2, K=400e6, M=0.0)
+    slider = FIG2.replace(friction_form="cut-off", V1=1e-2, V2=1e-2, K=400e6, M=0.0)
     names = [name for name, _ in marks(verdict(slider, 1e-3))["V_lp"]]
     steady = rs.stability(slider, 1e-3)
     expected = ["V_c", "V_c_upper"]

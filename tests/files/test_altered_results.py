@@ -13,8 +13,6 @@ import ratestate as rs
 from ratestate import ParameterError, files, plot
 from ratestate.dynamics.results import parameter
 from ratestate.interfaces.scenario import from_result, python, toml
-from ratestate.plot.pages import page
-from ratestate.records import fitting
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=3e3)
 M = xr.DataArray([1e3, 3e3], dims="M")
@@ -204,7 +202,7 @@ def test_altered_attributes(kind, names, results):
 def test_altered_attributes_of_a_fit(results):
     readers = {
         parameters_of: ("slider",),
-        fitting.slider_of: ("title", "slider"),
+        rs.fitted_slider: ("title", "slider"),
         rs.summary: ("source", "found", "notes", "comparison"),
     }
     for reader, names in readers.items():
@@ -216,12 +214,12 @@ def test_altered_attributes_of_a_fit(results):
 
 #: figure -> the result that it is of, and the attributes that it looks at
 DRAWN = {
-    "run": (page, ("title", "scenario")),
-    "cycle": (page, ("title", "scenario")),
-    "cycles": (page, ("title", "scenario")),
-    "stability": (page, ("title", "scenario")),
-    "branch": (page, ("title", "scenario")),
-    "fit": (page, ("title", "slider", "loading", "source")),
+    "run": (plot.figure, ("title", "scenario")),
+    "cycle": (plot.figure, ("title", "scenario")),
+    "cycles": (plot.figure, ("title", "scenario")),
+    "stability": (plot.figure, ("title", "scenario")),
+    "branch": (plot.figure, ("title", "scenario")),
+    "fit": (plot.figure, ("title", "slider", "loading", "source")),
     "wave": (lambda run: plot.trace(run, Figure().subplots()), ("scenario",)),
     "record": (lambda run: plot.phase(run, Figure().subplots()), ("scenario",)),
     "branch in K": (lambda data: plot.branch(data, Figure().subplots()), ("scenario",)),

@@ -469,7 +469,7 @@ def all_of_format_2(path, ran):
     array_of_format_2(path / "sweep" / "inputs" / "x", ran)
     for group in (path, path / "sweep", path / "sweep" / "inputs"):
         (group / ".zgroup").write_text('{"zarr_format": 2}')
-    attrs = {"verb": "", "sizes": {}, "chunk": [], "device": "", "checksum": "", "versions": {}}
+    attrs = {"function": "", "sizes": {}, "chunk": [], "device": "", "checksum": "", "versions": {}}
     (path / "sweep" / ".zattrs").write_text(json.dumps(attrs))
 
 

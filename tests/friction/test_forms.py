@@ -18,7 +18,7 @@ from ratestate.interfaces import scenario
 
 LAWS_WITH_FORMS = [name for name, law in LAWS.items() if takes_forms(law) and law.form == "log"]
 CUT = rs.SpringSlider(
-    a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8, friction="cut-off", V1=1e-2, V2=1.0
+    a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8, friction_form="cut-off", V1=1e-2, V2=1.0
 )
 
 
@@ -30,7 +30,9 @@ def test_derivatives_have_the_order_of_the_variables(law, form, damped):
     """Slopes equal finite differences."""
     rng = np.random.default_rng(5)
     parameters, V = drawn_of_form(law, rng, form, damped)
-    values = {symbol: np.array([x]) for symbol, x in parameters.items() if symbol != "friction"}
+    values = {
+        symbol: np.array([x]) for symbol, x in parameters.items() if symbol != "friction_form"
+    }
     law = composed(LAWS[law], form, damped)
     p = tuple(float(x[0]) for x in law.coefficient_arrays(V, values))
     y, n = rng.normal(size=1 + len(law.states)), len(law.states)
@@ -70,7 +72,7 @@ def test_far_from_the_cut_offs_friction_is_eq_1_with_another_mu0():
     V1, V2 = 1e6, 1e9
     slider = CUT.replace(V1=V1, V2=V2)
     offset = -0.003 * math.log(V1 / 1e-6) + 0.006 * math.log(V2 / 1e-6)
-    plain = slider.replace(friction="log", mu0=0.6 + offset)
+    plain = slider.replace(friction_form="log", mu0=0.6 + offset)
     assert plain.friction_law is LAWS["slip"]
     loading = rs.Loading.steps(1e-3, (0.05, 3e-3))
     runs = [rs.simulate(s, loading, 0.5, times=[0.2, 0.5], rtol=1e-10) for s in (slider, plain)]
@@ -85,46 +87,46 @@ def test_the_slider_keeps_its_form(tmp_path):
     assert damped.friction_law is composed_law("slip+cut-off+damping")
     assert rs.SpringSlider(**damped.parameters) == damped
     assert pickle.loads(pickle.dumps(damped)) == damped
-    assert "friction='cut-off', V1='10 mm/s', V2='1 m/s'" in repr(CUT)
+    assert "friction_form='cut-off', V1='10 mm/s', V2='1 m/s'" in repr(CUT)
     assert "cut-off" in CUT._repr_html_()
-    assert CUT.replace(friction="LOG").values.keys() == {*"a b Dc sigma K M mu0 V0".split()}
+    assert CUT.replace(friction_form="LOG").values.keys() == {*"a b Dc sigma K M mu0 V0".split()}
     swept = CUT.replace(V1=xr.DataArray([1e-3, 1e-2], dims="V1"))
     cycles = rs.sweep(rs.limit_cycle, swept, V_lp=1e-4, store=tmp_path / "x.zarr", chunk=1)
     assert float(cycles.amplitude[1]) == float(rs.limit_cycle(CUT, 1e-4).amplitude)
     run = rs.simulate(CUT, rs.Loading.constant(1e-3), 0.05, V_start=5e-4)
     text = scenario.toml(scenario.from_result(run))
-    assert 'friction = "cut-off"' in text
+    assert 'friction_form = "cut-off"' in text
     assert scenario.loads(text).slider == CUT
     lines: dict = {}
     exec(scenario.python(scenario.loads(text)), lines)
     np.testing.assert_array_equal(lines["result"].tau, run.tau)
     again = files.read(files.write(run, tmp_path / "run.nc"))
-    assert parameter(again, "friction") == "cut-off"
+    assert parameter(again, "friction_form") == "cut-off"
     assert law_of_result(again) is CUT.friction_law
-    assert parameter(rs.stability(CUT.replace(friction="log"), 1.0), "friction") == "log"
+    assert parameter(rs.stability(CUT.replace(friction_form="log"), 1.0), "friction_form") == "log"
 
 
 @pytest.mark.parametrize(
     ("changes", "text"),
     [
         (
-            {"friction": "asinh"},
-            r"^friction = 'asinh' is unknown. Choose 'log' or 'cut-off' or 'regularized'",
+            {"friction_form": "asinh"},
+            r"^friction_form = 'asinh' is unknown. Choose 'log' or 'cut-off' or 'regularized'",
         ),
-        ({"friction": 3}, r"^friction = 3 is unknown"),
+        ({"friction_form": 3}, r"^friction_form = 3 is unknown"),
         (
-            {"friction": "cut-off", "V1": 1.0},
-            r"^friction = 'cut-off' needs V2, cut-off speed of the state",
+            {"friction_form": "cut-off", "V1": 1.0},
+            r"^friction_form = 'cut-off' needs V2, cut-off speed of the state",
         ),
-        ({"V1": 1.0}, r"^friction = 'log' has no parameter V1, which belongs to 'cut-off'"),
-        ({"friction": "cut-off", "V1": 0.0, "V2": 1.0}, r"^V1 = 0 m/s must be > 0"),
+        ({"V1": 1.0}, r"^friction_form = 'log' has no parameter V1, which belongs to 'cut-off'"),
+        ({"friction_form": "cut-off", "V1": 0.0, "V2": 1.0}, r"^V1 = 0 m/s must be > 0"),
         (
-            {"friction": "cut-off", "V1": 1.0, "V2": 1.0, "law": "nagata", "c": 1.0},
-            r"^friction = 'cut-off' does not go with law = 'nagata'",
+            {"friction_form": "cut-off", "V1": 1.0, "V2": 1.0, "law": "nagata", "c": 1.0},
+            r"^friction_form = 'cut-off' does not go with law = 'nagata'",
         ),
         (
-            {"friction": "log", "law": "flash-heating", "V_w": 0.1, "mu_w": 0.2},
-            r"^friction = 'log' does not go with law = 'flash-heating', which needs",
+            {"friction_form": "log", "law": "flash-heating", "V_w": 0.1, "mu_w": 0.2},
+            r"^friction_form = 'log' does not go with law = 'flash-heating', which needs",
         ),
         (
             {"law": "flash-heating", "V_w": 0.1, "mu_w": 0.2, "mu0": 0.03},

@@ -54,7 +54,7 @@ def drawn_of_form(law, rng, form, damped=False):
         p |= {"V1": V * 10 ** rng.uniform(-0.5, 3), "V2": V * 10 ** rng.uniform(0, 4)}
     elif form == "regularized" and law != "flash-heating":
         p |= {"mu0": p["a"] * rng.uniform(0.5, 20.0), "V0": V}
-    p |= {"friction": form} if form != "log" else {}
+    p |= {"friction_form": form} if form != "log" else {}
     zeta = 10 ** rng.uniform(-2, 0.5)  # of the direct effect
     return p | ({"damping": zeta * p["a"] * p["sigma"] / V} if damped else {}), V
 

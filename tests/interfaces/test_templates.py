@@ -16,9 +16,9 @@ from ratestate.interfaces.templates import LAW, commands, description, files_of
 from ratestate.model.quantities import QUANTITIES
 
 
-def of_template(name, verb=None):
+def of_template(name, function=None):
     """The scenario of a template."""
-    return loads(template(name), verb, folder=FOLDER)
+    return loads(template(name), function, folder=FOLDER)
 
 
 def done(name):

@@ -90,7 +90,7 @@ def test_last_cycle_is_that_of_a_long_run():
         ({"slider": FIG2.replace(K=math.inf)}, "needs K < inf"),
         ({"slider": FIG2.replace(law="prz")}, "needs law='slip' or 'aging'"),
         ({"slider": FIG2.replace(damping=1e4)}, "needs damping=0"),
-        ({"slider": FIG2.replace(friction="regularized")}, "needs friction='log'"),
+        ({"slider": FIG2.replace(friction_form="regularized")}, "needs friction_form='log'"),
         ({"loading": rs.Loading.constant(1e-3).sigma_step(0.1, 3e6)}, "needs a constant sigma"),
         ({"euler": True}, "needs law='aging' for euler=True"),
         ({"slider": FIG2.replace(M=rs.logspace("M", 1e2, 1e3, 2))}, "one slider under one loading"),

@@ -20,9 +20,9 @@ def catalogue():
 
 
 def test_one_catalogue_and_several(catalogue):
-    one = plot.page(catalogue)
+    one = plot.figure(catalogue)
     assert len(one.axes) == 3
-    several = plot.page({"measured": catalogue, "simulated": catalogue})
+    several = plot.figure({"measured": catalogue, "simulated": catalogue})
     assert len(several.axes) == 4
     record, below = several.axes[0], several.axes[-1]
     peaks = record.lines[1].get_xydata()
@@ -35,7 +35,7 @@ def test_one_catalogue_and_several(catalogue):
 
 
 def test_the_lines_are_those_of_the_catalogue(catalogue):
-    axes = plot.page(catalogue).axes
+    axes = plot.figure(catalogue).axes
     for ax, abscissa in zip(axes[1:], ("recurrence", "V_lp"), strict=True):
         fitted = next(line for line in ax.lines if line.get_linestyle() == "-")
         x, y = fitted.get_data()
@@ -49,7 +49,7 @@ def test_a_single_speed_has_no_panel_of_its_own():
     rng = np.random.default_rng(1)
     starts = np.sort([*(100.0 * np.arange(1, 9)), 404.0])
     found = rs.events(sawtooth(starts, np.full(9, 1e5), 1.0, rng, 1e3).record)
-    record, drops = plot.page(found).axes
+    record, drops = plot.figure(found).axes
     assert "several events in one fall" in record.get_title(loc="left") + str(record.texts)
     (crosses,) = (line.get_xdata() for line in record.lines if line.get_marker() == "x")
     np.testing.assert_allclose(crosses, found.event_time.values[3])
@@ -65,12 +65,12 @@ def test_no_events_still_have_a_page():
     t = np.arange(100.0)
     y = 2e6 + np.random.default_rng(0).normal(size=100)
     data = xarray.Dataset({"tau": ("time", y), "delta_lp": ("time", 1e-6 * t)}, {"time": t})
-    assert len(plot.page(rs.events(data, K="1 GPa/m")).axes) == 1  # the record alone
+    assert len(plot.figure(rs.events(data, K="1 GPa/m")).axes) == 1  # the record alone
 
 
 def test_other_results_beside_catalogues_are_refused(catalogue):
     cycle = rs.limit_cycle(SLIDER, "10 um/s")
     with pytest.raises(rs.ParameterError, match="results of events alone"):
-        plot.page([catalogue, cycle])
+        plot.figure([catalogue, cycle])
     with pytest.raises(rs.ParameterError, match="4 catalogues at most"):
-        plot.page([catalogue] * 5)
+        plot.figure([catalogue] * 5)

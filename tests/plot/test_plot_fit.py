@@ -1,4 +1,4 @@
-"""`plot.fit`, and `plot.page` of a fit: what is drawn, and what is written beneath it."""
+"""`plot.fit`, and `plot.figure` of a fit: what is drawn, and what is written beneath it."""
 
 import warnings
 from itertools import pairwise
@@ -104,7 +104,7 @@ def test_the_table_tells_the_estimates_with_their_errors(both, drawn):
 
 
 def test_a_hold_is_drawn_over_time_unless_asked_otherwise(held):
-    fig = plot.page(held)
+    fig = plot.figure(held)
     fig.draw_without_rendering()
     found = panels(fig)
     assert found["record"].get_shared_x_axes().joined(found["record"], found["slip record"])
@@ -138,7 +138,7 @@ def test_a_fit_under_a_long_recorded_loading():
     both = rs.fit(data, SLIDER, law=("slip", "aging"), loading=loading, errors="covariance")
     assert both.loading_0_t.size == 2 * t.size
     assert record_of(both).changes == []
-    plot.page(both)
+    plot.figure(both)
 
 
 def test_a_fit_of_an_earlier_version_has_no_marks_of_steps(both):
@@ -251,7 +251,7 @@ def test_the_page_of_cycles(both, looks_as_before):
     )
     made = made.assign_coords(law="slip")
     made.attrs = part.attrs | {"against": "cycles"}
-    fig = plot.page(made)
+    fig = plot.figure(made)
     looks_as_before(fig, "page_fit_of_cycles")
     found = panels(fig)
     assert np.ptp(lines(found["b"], "slip law")[0]) == pytest.approx(0.4, rel=0.02)

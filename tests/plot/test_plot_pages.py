@@ -1,4 +1,4 @@
-"""`plot.page`: what the picture of each kind of result shows."""
+"""`plot.figure`: what the picture of each kind of result shows."""
 
 import contextlib
 import re
@@ -47,7 +47,7 @@ def drawn(fig):
 
 def test_a_run(looks_as_before):
     run = rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 0.0), (0.06, 3.2e-3)), 0.2)
-    fig = plot.page(run)
+    fig = plot.figure(run)
     looks_as_before(fig, "page_run")
     stress, speed, plane = drawn(fig)
     np.testing.assert_allclose(lines(stress, r"$\mu$, friction")[1], run.mu)
@@ -63,7 +63,7 @@ def test_a_run(looks_as_before):
 
 def test_a_long_run_shows_its_last_cycles(looks_as_before):
     run = rs.simulate(SLIDER, rs.Loading.steps(1e-4, (0.05, 2e-2)), 0.5)
-    fig = plot.page(run)
+    fig = plot.figure(run)
     looks_as_before(fig, "page_long_run")
     *_, last = panels(fig)
     shown = lines(last, r"$\mu$, friction")[0]
@@ -73,7 +73,7 @@ def test_a_long_run_shows_its_last_cycles(looks_as_before):
 
 def test_a_cycle(looks_as_before):
     cycle = rs.limit_cycle(SLIDER, 3.2e-3)
-    fig = plot.page(cycle)
+    fig = plot.figure(cycle)
     looks_as_before(fig, "page_cycle")
     _, speed, plane = panels(fig)
     t, V = lines(speed, "slider")
@@ -85,7 +85,7 @@ def test_a_cycle(looks_as_before):
 
 
 def test_no_cycle_is_the_page_of_stability():
-    fig = plot.page(rs.limit_cycle(SLIDER, 1e-3))
+    fig = plot.figure(rs.limit_cycle(SLIDER, 1e-3))
     assert "Steady sliding at $V_{lp}$ = 1 mm/s is stable" in fig.get_suptitle()
 
 
@@ -100,7 +100,7 @@ def test_no_cycle_is_the_page_of_stability():
 )
 def test_stability(changes, note, looks_as_before):
     slider = SLIDER.replace(**changes)
-    fig = plot.page(rs.stability(slider, 3.2e-3))
+    fig = plot.figure(rs.stability(slider, 3.2e-3))
     looks_as_before(fig, "_".join(["page_stability", *changes]))
     left, right, turns = (panels if note else drawn)(fig)
     assert any(note in text.get_text() for text in left.texts) or not note
@@ -123,17 +123,17 @@ def test_stability(changes, note, looks_as_before):
 
 def test_an_unstable_slider_s_page_says_what_makes_it_stable():
     found = rs.stabilize(SLIDER, 1e-2)
-    fig = plot.page(rs.stability(SLIDER, 1e-2))
+    fig = plot.figure(rs.stability(SLIDER, 1e-2))
     last = fig.get_suptitle().splitlines()[-1]
     for name, value in (("K", found.K_stable / 1e9), ("M", found.M_stable)):
         assert re.search(rf"\${name}\$ \$\\[gl]eq\$ {float(value):.4g} ", last)
     assert f"{float(found.damping_stable) / 1e3:.4g} kPa s/m" in last
-    assert "Stable at" not in plot.page(rs.stability(SLIDER, 1e-3)).get_suptitle()
+    assert "Stable at" not in plot.figure(rs.stability(SLIDER, 1e-3)).get_suptitle()
 
 
 def test_a_page_without_its_title_keeps_its_panels():
     result = rs.stability(SLIDER, 1e-3)
-    fig, titled = plot.page(result, title=False), plot.page(result)
+    fig, titled = plot.figure(result, title=False), plot.figure(result)
     assert fig.get_suptitle() == ""
     heights = []
     for one in (fig, titled):
@@ -150,7 +150,7 @@ def test_stability_is_that_of_the_law_and_of_damping():
         SLIDER.replace(law="two-state-slip", b2=0.002, Dc2=1e-4),
     ):
         found = rs.stability(slider, 1e-3)
-        fig = plot.page(found)
+        fig = plot.figure(found)
         left, right, _ = drawn(fig)
         V, K_c = lines(left, "$K_c$")
         for speed in (0.5, 2.0):
@@ -175,7 +175,7 @@ def test_the_width_of_a_text_is_that_of_its_outline(text):
 def test_a_frequency_response(looks_as_before):
     slider = SLIDER.replace(alpha=0.2)
     response = rs.frequency_response(slider, 1e-3, np.geomspace(0.5, 2e3, 300))
-    fig = plot.page(response)
+    fig = plot.figure(response)
     looks_as_before(fig, "page_response")
     axes = np.array(fig.axes).reshape(3, 2)
     assert axes[0, 0].get_ylabel() == r"$|\Delta \ln V|$"
@@ -191,17 +191,17 @@ def test_a_frequency_response(looks_as_before):
         assert (degrees - np.degrees(np.angle(at)) + 180.0) % 360.0 == pytest.approx(180.0)
         assert axes[0, column].lines[1].get_xdata()[0] == pytest.approx(float(exact.resonance))
     with pytest.raises(rs.ParameterError, match=r"several frequencies"):
-        plot.page(exact)
+        plot.figure(exact)
     swept = rs.frequency_response(
         SLIDER.replace(K=xr.DataArray([9e8, 1e9], dims="K")), 1e-3, [1.0, 2.0]
     )
     with pytest.raises(rs.ParameterError, match=r"response.*Pick one along 'K'"):
-        plot.page(swept)
+        plot.figure(swept)
 
 
 def test_a_branch(looks_as_before):
     branch = rs.continue_cycle(SLIDER, "V_lp", 5e-3, 3e-3, rtol=1e-6)
-    fig = plot.page(branch)
+    fig = plot.figure(branch)
     looks_as_before(fig, "page_branch")
     _, speeds, multiplier = drawn(fig)
     V, ratio = lines(speeds, r"$V_{\max}$")
@@ -210,37 +210,37 @@ def test_a_branch(looks_as_before):
     assert len(multiplier.lines) == 2  # stable, up to the Hopf point, and 1
 
 
-@pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
-def test_a_sweep_over_one_axis(verb, looks_as_before):
-    found = getattr(rs, verb)(SLIDER, V_LP)
-    fig = plot.page(found)
-    looks_as_before(fig, f"page_{verb}_line")
-    axes = (drawn if verb == "limit_cycle" else panels)(fig)
-    symbol = {"limit_cycle": "frequency", "stability": "growth_rate"}[verb]
+@pytest.mark.parametrize("function", ["limit_cycle", "stability"])
+def test_a_sweep_over_one_axis(function, looks_as_before):
+    found = getattr(rs, function)(SLIDER, V_LP)
+    fig = plot.figure(found)
+    looks_as_before(fig, f"page_{function}_line")
+    axes = (drawn if function == "limit_cycle" else panels)(fig)
+    symbol = {"limit_cycle": "frequency", "stability": "growth_rate"}[function]
     x, y = lines(axes[1], plot.label(symbol))
     np.testing.assert_allclose(x, 1e3 * V_LP)
     np.testing.assert_allclose(y, found[symbol])
     assert axes[-1].get_xscale() == "log"
     assert "Load-point velocity" in axes[-1].get_xlabel()
     critical = [line for ax in axes for line in ax.lines if "$V_c$" in line.get_label()]
-    assert len(critical) == (3 if verb == "stability" else 0)
+    assert len(critical) == (3 if function == "stability" else 0)
     for line in critical:
         np.testing.assert_allclose(line.get_xdata(), 1e3 * SLIDER.V_c)
 
 
-@pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
-def test_a_few_values_of_an_axis_have_lines_with_nothing_between(verb):
+@pytest.mark.parametrize("function", ["limit_cycle", "stability"])
+def test_a_few_values_of_an_axis_have_lines_with_nothing_between(function):
     K = xr.DataArray([4.2e8, 9.4e8], dims="K")
-    found = rs.sweep(verb, SLIDER.replace(K=K), V_lp=V_LP)
-    axes = (drawn if verb == "limit_cycle" else panels)(plot.page(found))
+    found = rs.sweep(function, SLIDER.replace(K=K), V_lp=V_LP)
+    axes = (drawn if function == "limit_cycle" else panels)(plot.figure(found))
     assert not any(ax.collections for ax in axes)
-    symbol = {"limit_cycle": "amplitude", "stability": "growth_rate"}[verb]
-    ax = axes[{"limit_cycle": 0, "stability": 1}[verb]]
+    symbol = {"limit_cycle": "amplitude", "stability": "growth_rate"}[function]
+    ax = axes[{"limit_cycle": 0, "stability": 1}[function]]
     for i, name in enumerate(["$K$ = 420 MPa/m", "$K$ = 940 MPa/m"]):
         x, y = lines(ax, name)
         np.testing.assert_allclose(x, 1e3 * V_LP)
         expected = found[symbol].isel(K=i).values
-        cycles = found.status[i] == 0 if verb == "limit_cycle" else True
+        cycles = found.status[i] == 0 if function == "limit_cycle" else True
         np.testing.assert_allclose(y, np.where(cycles, expected, np.nan))
         assert name in [text.get_text() for text in ax.get_legend().texts]
     assert axes[-1].get_xlabel() == "Load-point velocity $V_{lp}$ [mm/s]"
@@ -248,7 +248,7 @@ def test_a_few_values_of_an_axis_have_lines_with_nothing_between(verb):
 
 def test_failed_cases_of_a_line_have_crosses(looks_as_before):
     slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
-    fig = plot.page(rs.sweep("limit_cycle", slider, V_lp=V_LP))
+    fig = plot.figure(rs.sweep("limit_cycle", slider, V_lp=V_LP))
     looks_as_before(fig, "page_lines_with_failed_cases")
     (first, *_) = panels(fig)
     crosses = [line for line in first.lines if line.get_marker() == "x"]
@@ -262,20 +262,20 @@ OUTSIDE = "outside the friction law's domain"
 
 def test_cases_outside_the_domain_of_the_friction_law_are_marked():
     """Dots under lines, hatched cells of maps; nothing where all is inside."""
-    slow = plot.page(rs.sweep("limit_cycle", SLIDER.replace(K=4e7), V_lp=V_LP))
+    slow = plot.figure(rs.sweep("limit_cycle", SLIDER.replace(K=4e7), V_lp=V_LP))
     assert not slow.legends
     found = rs.sweep("limit_cycle", SLIDER.replace(K=4e7), V_lp=FAST)
     outside = found.outside_domain.values > 0
     assert outside.any()
     assert not outside.all()
-    fig = plot.page(found)
+    fig = plot.figure(found)
     assert [text.get_text() for text in fig.legends[0].texts] == [OUTSIDE]
     for ax, times in zip(panels(fig), (1, 1, 2), strict=True):
         assert sorted(lines(ax, OUTSIDE)[0]) == sorted(times * [*FAST.values[outside]])
     slider = SLIDER.replace(K=rs.logspace("K", 1e7, 1e9, 6))
     found = rs.sweep("limit_cycle", slider, V_lp=FAST)
     outside = found.outside_domain.transpose("K", "V_lp").values > 0
-    fig = plot.page(found)
+    fig = plot.figure(found)
     assert OUTSIDE in [text.get_text() for text in fig.legends[0].texts]
     for ax in panels(fig)[:3]:
         (patch,) = ax.patches
@@ -287,14 +287,14 @@ def test_cases_outside_the_domain_of_the_friction_law_are_marked():
 def test_cycles_of_a_branch_outside_the_domain_are_marked():
     branch = rs.continue_cycle(SLIDER.replace(K=4e7), "V_lp", 5.0, 10.0, rtol=1e-6)
     outside = branch.outside_domain.values > 0
-    x, y = lines(panels(plot.page(branch))[0], OUTSIDE)
+    x, y = lines(panels(plot.figure(branch))[0], OUTSIDE)
     np.testing.assert_allclose(x, branch.V_lp.values[outside])
     np.testing.assert_allclose(y, branch.amplitude.values[outside])
 
 
 def test_a_branch_over_stiffness_is_in_the_unit_of_other_pages():
     branch = rs.continue_cycle(SLIDER, "K", 8.9e8, 8e8, V_lp=3.2e-3, rtol=1e-6)
-    axes = panels(plot.page(branch))
+    axes = panels(plot.figure(branch))
     assert [ax.get_xlabel()[-7:] for ax in axes] == 3 * ["[MPa/m]"]
     for ax, name in zip(axes, ["cycle, stable", r"$V_{\max}$"], strict=False):
         x = lines(ax, name)[0]
@@ -305,7 +305,7 @@ def test_a_branch_over_stiffness_is_in_the_unit_of_other_pages():
 
 def test_the_legend_of_the_phase_plane_leaves_its_title_alone():
     loading = rs.Loading.sinusoid(1e-3, 5e-5, period=2, t_end=10)
-    fig = plot.page(rs.simulate(SLIDER, loading, 10))
+    fig = plot.figure(rs.simulate(SLIDER, loading, 10))
     *_, plane = drawn(fig)
     title = plane._left_title.get_window_extent()
     legend = plane.get_legend().get_window_extent()
@@ -324,26 +324,26 @@ REGIONS = {
 }
 
 
-@pytest.mark.parametrize("verb", ["limit_cycle", "stability", "simulate"])
-def test_a_sweep_over_two_axes(verb, looks_as_before):
+@pytest.mark.parametrize("function", ["limit_cycle", "stability", "simulate"])
+def test_a_sweep_over_two_axes(function, looks_as_before):
     how = {"V_lp": MANY_SPEEDS}
-    if verb == "simulate":
+    if function == "simulate":
         how = {"loading": rs.Loading.constant(MANY_SPEEDS), "t_end": 0.1}
-    with pytest.warns(RunWarning) if verb == "simulate" else contextlib.nullcontext():
-        found = rs.sweep(verb, SLIDER.replace(M=MANY_MASSES), **how)
-    fig = plot.page(found)
-    looks_as_before(fig, f"page_{verb}_map")
-    axes = (drawn if verb == "stability" else panels)(fig)[:3]
-    symbol = {"limit_cycle": "V_max", "stability": "omega", "simulate": "V_max"}[verb]
+    with pytest.warns(RunWarning) if function == "simulate" else contextlib.nullcontext():
+        found = rs.sweep(function, SLIDER.replace(M=MANY_MASSES), **how)
+    fig = plot.figure(found)
+    looks_as_before(fig, f"page_{function}_map")
+    axes = (drawn if function == "stability" else panels)(fig)[:3]
+    symbol = {"limit_cycle": "V_max", "stability": "omega", "simulate": "V_max"}[function]
     (mesh,) = axes[2].collections
-    assert [text.get_text() for text in axes[0].texts] == REGIONS[verb]
+    assert [text.get_text() for text in axes[0].texts] == REGIONS[function]
     for ax in axes:  # V_c as a line
         (line,) = ax.lines
         V, M = np.asarray(line.get_xdata()) / 1e3, np.asarray(line.get_ydata())
         np.testing.assert_allclose(V, [SLIDER.replace(M=each).V_c for each in M], rtol=1e-2)
     (legend,) = fig.legends
     assert legend.texts[0].get_text() == "$V_c$: edge of stable sliding"
-    factor = 1.0 if verb == "stability" else 1e3
+    factor = 1.0 if function == "stability" else 1e3
     expected = found[symbol].transpose("M", "V_lp").values
     np.testing.assert_allclose(mesh.get_array().reshape(6, 7), factor * expected)
     assert (axes[0].get_xscale(), axes[0].get_yscale()) == ("log", "log")
@@ -360,13 +360,13 @@ def test_a_map_shows_all_its_cases_and_nothing_more(scales, reverse):
     V_lp = xr.DataArray(right(5e-3, 0.1, 7)[order], dims="V_lp")
     brake = rs.SpringSlider(a=0.01, b=0.015, Dc="5 um", sigma=sigma, M=50, K="2 GPa/m")
     result = rs.stability(brake, V_lp)
-    maps = [ax for ax in plot.page(result).axes if ax.get_title("left")]
+    maps = [ax for ax in plot.figure(result).axes if ax.get_title("left")]
     assert len(maps) == 3
     for ax in maps:
         corners = ax.collections[0].get_coordinates().reshape(-1, 2)
         ends = np.array([ax.get_xlim(), ax.get_ylim()])
         np.testing.assert_allclose(np.sort(corners, axis=0)[[0, -1]].T, ends, rtol=1e-12)
-    for ax in plot.page(result.isel(sigma=0)).axes:
+    for ax in plot.figure(result.isel(sigma=0)).axes:
         (x_low, x_high), (low, high) = ax.get_xlim(), ax.get_ylim()
         for x, y in (line.get_data() for line in ax.lines[:1]):
             assert x_low < min(x) < max(x) < x_high
@@ -376,7 +376,7 @@ def test_a_map_shows_all_its_cases_and_nothing_more(scales, reverse):
 def test_regimes_on_a_map_are_separated_and_named():
     K, V_lp = rs.logspace("K", 3e8, 3e9, 12), rs.logspace("V_lp", 1e-6, 1e-1, 12)
     cycles = rs.sweep("limit_cycle", SLIDER.replace(K=K), V_lp=V_lp, progress=False)
-    ax = panels(plot.page(cycles))[0]
+    ax = panels(plot.figure(cycles))[0]
     regimes = classify(cycles).regime
     names = {text.get_text().replace("\n", "") for text in ax.texts}
     assert names == {"quasi-harmonic", "steady", "stick-slip"}
@@ -408,7 +408,7 @@ def test_regimes_on_a_map_are_separated_and_named():
     ],
 )
 def test_a_map_without_an_edge_of_stability(slider, V_lp):
-    fig = plot.page(rs.stability(slider, V_lp.assign_coords(V_lp=V_lp)))
+    fig = plot.figure(rs.stability(slider, V_lp.assign_coords(V_lp=V_lp)))
     assert not fig.legends
     first = panels(fig)[0]
     assert not first.lines
@@ -417,7 +417,7 @@ def test_a_map_without_an_edge_of_stability(slider, V_lp):
 
 def test_over_other_axes_the_edge_is_where_K_is_K_c():
     found = rs.stability(SLIDER.replace(M=MANY_MASSES, K=rs.logspace("K", 3e8, 3e9, 8)), 3.2e-3)
-    fig = plot.page(found)
+    fig = plot.figure(found)
     assert fig.legends[0].texts[0].get_text() == "$K$ = $K_c$: edge of stable sliding"
     (line,) = panels(fig)[0].lines
     M, K = (line.get_xdata(), line.get_ydata())
@@ -430,11 +430,11 @@ def test_over_other_axes_the_edge_is_where_K_is_K_c():
 def test_failed_cases_are_told_from_those_without_a_cycle():
     slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
     many = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 1e3, 2e3, 3e3, 4e3, 5e3], dims="M"))
-    (first, *_) = panels(plot.page(rs.sweep("limit_cycle", many, V_lp=MANY_SPEEDS)))
+    (first, *_) = panels(plot.figure(rs.sweep("limit_cycle", many, V_lp=MANY_SPEEDS)))
     gray = next(found for found in first.collections if found.get_cmap().name == "gray")
     gray = gray.get_array().reshape(6, 7)
     np.testing.assert_array_equal(np.isnan(gray), [[False] * 7, *(5 * [[True] * 7])])
-    one = plot.page(rs.sweep("limit_cycle", slider, V_lp=1e-3)).axes[0]
+    one = plot.figure(rs.sweep("limit_cycle", slider, V_lp=1e-3)).axes[0]
     assert [line.get_xdata()[0] for line in one.lines if line.get_alpha()] == [0.0]
 
 
@@ -449,7 +449,7 @@ def test_failed_cases_are_told_from_those_without_a_cycle():
 def test_axes_in_any_order(values, at, names):
     M = xr.DataArray(values, dims="M")
     found = rs.stability(SLIDER.replace(M=M, K=xr.DataArray([9e8, np.inf], dims="K")), 1e-3)
-    (first, *_) = (drawn if names else panels)(plot.page(found))
+    (first, *_) = (drawn if names else panels)(plot.figure(found))
     y = axis_of(found, "M")
     assert y.values.tolist() == at
     assert y.names == names
@@ -460,23 +460,23 @@ def test_axes_in_any_order(values, at, names):
 
 def test_what_changes_nothing_is_drawn_all_the_same():
     found = rs.stability(SLIDER.replace(mu0=xr.DataArray([0.5, 0.6], dims="mu0")), 1e-3)
-    first, *_ = panels(plot.page(found))
+    first, *_ = panels(plot.figure(found))
     np.testing.assert_allclose(lines(first, "$K_c$")[1], 2 * [float(found.K_c) / 1e6])
 
 
 def test_what_no_page_can_show():
     slider = SLIDER.replace(M=MASS, a=xr.DataArray([0.003, 0.004], dims="a"))
     with pytest.raises(ParameterError, match="one or two axes, and this one has 3"):
-        plot.page(rs.stability(slider, V_LP))
+        plot.figure(rs.stability(slider, V_LP))
     for other in (xr.Dataset(), None, rs.stability(SLIDER, 1e-3).drop_attrs()):
-        with pytest.raises(ParameterError, match="page draws a Dataset"):
-            plot.page(other)
+        with pytest.raises(ParameterError, match=r"figure\(\) draws a Dataset"):
+            plot.figure(other)
 
 
 def test_a_run_out_of_a_sweep():
     loading = rs.Loading.steps(1e-4, (0.05, V_LP))
     run = rs.simulate(SLIDER, loading, 0.1, times=np.linspace(0.0, 0.1, 50)).isel(V_lp=0)
-    t, V = lines(panels(plot.page(run))[1], "load point")
+    t, V = lines(panels(plot.figure(run))[1], "load point")
     np.testing.assert_allclose(t, [0.0, 50.0, 50.0, 100.0])
     np.testing.assert_allclose(V, 1e3 * run.V_load[[0, 0, -1, -1]])
 
@@ -485,16 +485,16 @@ def test_a_page_shows_one_branch():
     branch = rs.continue_cycle(SLIDER.replace(K=6.06e8), "V_lp", 3e-3, 2e-3).reset_coords()
     two = xr.concat([branch, branch], "K")
     with pytest.raises(ParameterError, match="Pick one along 'K'"):
-        plot.page(two)
-    plot.page(two.isel(K=1))
+        plot.figure(two)
+    plot.figure(two.isel(K=1))
     for few in (0, 1):
         with pytest.raises(ParameterError, match=f"has {few} points, too few"):
-            plot.page(two.isel(K=1, point=slice(few)))
+            plot.figure(two.isel(K=1, point=slice(few)))
 
 
 def test_the_slider_s_stiffness_has_the_unit_of_K_c():
     b = xr.DataArray([0.001, 0.003000001], dims="b")  # K_c from -400 MPa/m to 0.2 kPa/m
-    (ax, *_) = panels(plot.page(rs.stability(SLIDER.replace(b=b), 1e-6)))
+    (ax, *_) = panels(plot.figure(rs.stability(SLIDER.replace(b=b), 1e-6)))
     assert ax.get_ylabel().endswith("[MPa/m]")
     np.testing.assert_allclose(lines(ax, "$K$ of the slider")[1], 900.0)
 

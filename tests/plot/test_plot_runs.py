@@ -1,4 +1,4 @@
-"""`plot.trace` and `plot.page` of runs: one, several, without mass, without any motion."""
+"""`plot.trace` and `plot.figure` of runs: one, several, without mass, without any motion."""
 
 import contextlib
 
@@ -108,9 +108,9 @@ def test_a_failed_run_is_named_as_such():
     runs = rs.simulate(SLIDER.replace(K=K, M=0.0), STEP, 0.1, times=TIMES)
     shown = ["$K$ = 0.5 GPa/m (no answer)", "$K$ = 8 GPa/m"]
     assert legend(drawn(runs)[0])[1:] == shown
-    *_, plane = panels(plot.page(runs))
+    *_, plane = panels(plot.figure(runs))
     assert np.isfinite(plane.get_xlim()).all()
-    assert "Runs over" in plot.page(runs.isel(K=[0, 1])).get_suptitle()
+    assert "Runs over" in plot.figure(runs.isel(K=[0, 1])).get_suptitle()
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,7 @@ def test_runs_over_two_dimensions():
 def test_a_page_compares_runs(looks_as_before):
     K = xr.DataArray([6e8, 9e8, 2e9], dims="K")
     runs = rs.simulate(SLIDER.replace(K=K), STEP, 0.1, times=TIMES)
-    fig = plot.page(runs)
+    fig = plot.figure(runs)
     looks_as_before(fig, "page_runs")
     stress, speed, plane = panels(fig)
     names = [f"$K$ = {value} GPa/m" for value in (0.6, 0.9, 2)]
@@ -155,21 +155,21 @@ def test_a_page_compares_runs(looks_as_before):
 
 def test_a_page_of_laws_and_one_of_a_single_run():
     runs = {law: run_of(law=law) for law in ("slip", "aging")}
-    stress, *_ = panels(fig := plot.page(runs))
+    stress, *_ = panels(fig := plot.figure(runs))
     assert [line.get_color() for line in stress.lines] == [RED, BLUE]
     assert "aging (Dieterich) law and slip (Ruina) law" in fig.get_suptitle()
-    assert plot.page([runs["slip"]]).get_suptitle() == plot.page(runs["slip"]).get_suptitle()
+    assert plot.figure([runs["slip"]]).get_suptitle() == plot.figure(runs["slip"]).get_suptitle()
     with pytest.raises(ParameterError, match="a page of several runs"):
-        plot.page([runs["slip"].assign_attrs(title="other")])
+        plot.figure([runs["slip"].assign_attrs(title="other")])
 
 
 @pytest.mark.parametrize("number", [5, 6])
 def test_a_page_of_many_runs_is_that_of_their_sweep(number):
     K = rs.logspace("K", 1e9, 2e9, number)
     runs = rs.simulate(SLIDER.replace(K=K), STEP, 0.1, times=TIMES)
-    compared = "runs" in plot.page(runs).get_suptitle()
+    compared = "runs" in plot.figure(runs).get_suptitle()
     assert compared == (number == 5)
-    assert "Runs over" in plot.page(runs.isel(time=[-1])).get_suptitle()
+    assert "Runs over" in plot.figure(runs.isel(time=[-1])).get_suptitle()
 
 
 @pytest.mark.parametrize("V", [1e-3, 2e-2])
@@ -177,7 +177,7 @@ def test_what_is_constant_has_short_ticks(V):
     stable = rs.stability(SLIDER, V).stable
     with contextlib.nullcontext() if stable else pytest.warns(RunWarning):
         run = run_of(rs.Loading.constant(V), 5.0)
-    stress, speed, plane = panels(plot.page(run))
+    stress, speed, plane = panels(plot.figure(run))
     mu = 0.6 - 0.003 * np.log(V / 1e-9)
     for axis, value in (
         (stress.yaxis, mu),
@@ -211,13 +211,13 @@ def test_a_later_run_widens_the_range_of_a_constant_one():
 def test_a_cycle_s_page_says_its_size():
     cycle = rs.limit_cycle(SLIDER.replace(K=9e8), 3.2e-3)
     expected = rf"peak-to-peak $\tau/\sigma$ {float(cycle.amplitude):.4g}"
-    assert expected in plot.page(cycle).get_suptitle()
+    assert expected in plot.figure(cycle).get_suptitle()
 
 
 def test_a_run_that_ran_away_is_drawn():
     with pytest.raises(rs.QuasiStaticInstability) as raised:
         run_of(M=0.0, K=5e8)
-    fig = plot.page(raised.value.best)
+    fig = plot.figure(raised.value.best)
     _, speed, _ = panels(fig)
     assert "up to the quasi-static instability" in fig.get_suptitle()
     assert speed.get_yscale() == "log"

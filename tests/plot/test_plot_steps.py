@@ -1,4 +1,4 @@
-"""`plot.page` of fits of steps: where its markers are, and what it says of its panels."""
+"""`plot.figure` of fits of steps: where its markers are, and what it says of its panels."""
 
 import warnings
 
@@ -23,12 +23,12 @@ def result():
     data = experiment(SLIDER, speeds, 300e-6, 300, noise=2e-4, seed=4)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
-        return rs.fit(data, SLIDER, law=LAWS_OF_FIT, each="step", errors="covariance")
+        return rs.fit(data, SLIDER, law=LAWS_OF_FIT, per_step=True, errors="covariance")
 
 
 @pytest.fixture(scope="module")
 def page(result):
-    fig = plot.page(result)
+    fig = plot.figure(result)
     fig.draw_without_rendering()
     return fig
 
@@ -107,5 +107,5 @@ def test_each_step_has_its_curves_above_their_residuals(result, page):
 def test_the_legend_has_what_is_drawn(result, page):
     lines = ["recorded", "slip law", "aging law"]
     assert legend(page) == [*lines, "step up", "step down", "hold"]
-    assert legend(plot.page(result.isel(step=[0]))) == lines  # one step has curves alone
-    assert legend(plot.page(result.isel(step=[0, 3]))) == [*lines, "step up"]
+    assert legend(plot.figure(result.isel(step=[0]))) == lines  # one step has curves alone
+    assert legend(plot.figure(result.isel(step=[0, 3]))) == [*lines, "step up"]

@@ -38,7 +38,7 @@ b = 0.006
 sigma = "2 MPa"
 Dc = "10 um"
 [sweep]
-verb = "limit_cycle"
+function = "limit_cycle"
 K = {{ from = "0.5 GPa/m", to = "1.2 GPa/m", n = 10, scale = "log" }}
 V_lp = {{ from = "0.1 mm/s", to = "0.1 m/s", n = 10, scale = "log" }}
 M = {{ from = 100, to = 10000, n = {masses}, scale = "log" }}
@@ -128,7 +128,7 @@ def out_of_time(folder, scenario, expected):
     asked = load(folder / "rig.toml")
     with contextlib.chdir(folder):
         how = {"slurm": f"jobs=2,{JOB}", "store": "rig.zarr", "chunk": CHUNK}
-        rs.sweep(asked.verb, asked.slider, **asked.settings, **how)
+        rs.sweep(asked.function, asked.slider, **asked.settings, **how)
     assert all(path.stat().st_mtime_ns == stamp for path, stamp in stamps.items())
     assert contents(sweep.store) == expected
 

@@ -109,8 +109,8 @@ def alone():
     return sweep("limit_cycle")
 
 
-def sweep(verb, **how):
-    return rs.sweep(verb, SLIDER, **ARGUMENTS[verb] | {"progress": False} | how)
+def sweep(function, **how):
+    return rs.sweep(function, SLIDER, **ARGUMENTS[function] | {"progress": False} | how)
 
 
 @contextlib.contextmanager
@@ -166,12 +166,12 @@ def deaths(client):
 
 
 @pytest.mark.parametrize(
-    ("verb", "store"), [("limit_cycle", False), ("simulate", False), ("stability", True)]
+    ("function", "store"), [("limit_cycle", False), ("simulate", False), ("stability", True)]
 )
-def test_the_same_bits_as_here(client, verb, store, tmp_path):
+def test_the_same_bits_as_here(client, function, store, tmp_path):
     path = tmp_path / "x.zarr" if store else None
-    found = sweep(verb, client=client, chunk=9, store=path)
-    xarray.testing.assert_identical(found.load(), sweep(verb))
+    found = sweep(function, client=client, chunk=9, store=path)
+    xarray.testing.assert_identical(found.load(), sweep(function))
 
 
 def test_workers_are_given_a_users_law(client, law_file):

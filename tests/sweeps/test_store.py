@@ -46,9 +46,9 @@ def asked_of(changes):
     return slider, arguments
 
 
-def sweep(path=None, verb="stability", *, chunk=CHUNK, **changes):
+def sweep(path=None, function="stability", *, chunk=CHUNK, **changes):
     slider, arguments = asked_of(changes)
-    return rs.sweep(verb, slider, store=path, chunk=chunk, progress=False, **arguments)
+    return rs.sweep(function, slider, store=path, chunk=chunk, progress=False, **arguments)
 
 
 def assert_same(one, other, names=None):
@@ -407,11 +407,11 @@ def test_a_store_that_another_sweep_makes_meanwhile_stays(path, expected, monkey
 # Another sweep ------------------------------------------------------------------------------------
 
 
-def differences(path, verb="stability", **changes):
+def differences(path, function="stability", **changes):
     """What differs in a sweep that is refused: name -> the line of the message."""
     before = files(path)
     with pytest.raises(StoreError) as error:
-        sweep(path, verb, **changes)
+        sweep(path, function, **changes)
     first, *lines = str(error.value).splitlines()
     assert first.startswith(f"{path} holds another sweep. Give this sweep a store of its own")
     assert files(path) == before
@@ -447,7 +447,9 @@ def test_of_an_axis_that_differs_in_the_last_bit_or_in_its_name(begun):
 
 
 def test_of_another_verb(begun):
-    assert "stability in the store, limit_cycle now" in differences(begun, "limit_cycle")["verb"]
+    assert (
+        "stability in the store, limit_cycle now" in differences(begun, "limit_cycle")["function"]
+    )
 
 
 MOTION = {
@@ -587,11 +589,11 @@ def cases():
 
 
 def asked(name):
-    verb, arguments = cases()[name]
+    function, arguments = cases()[name]
     for symbol in ("M", "V_lp"):
         if isinstance(arguments.get(symbol), list):
             arguments[symbol] = xr.DataArray(arguments[symbol], dims=symbol)
-    return verb, arguments
+    return function, arguments
 
 
 @pytest.fixture(scope="module")
@@ -600,20 +602,20 @@ def stored(tmp_path_factory):
     paths: dict = {}
 
     def store(name):
-        verb, arguments = asked(name)
+        function, arguments = asked(name)
         path = paths.setdefault(name, tmp_path_factory.mktemp("stored") / "x.zarr")
-        return path, sweep(path, verb, **arguments)
+        return path, sweep(path, function, **arguments)
 
     return store
 
 
 @pytest.mark.parametrize("name", cases())
 def test_read_again(stored, name):
-    verb, arguments = asked(name)
+    function, arguments = asked(name)
     path, returned = stored(name)
-    expected = sweep(None, verb, **arguments)
+    expected = sweep(None, function, **arguments)
     slider, own = asked_of({k: v for k, v in arguments.items() if k != "chunk"})
-    alone = getattr(rs, verb)(slider, **own)
+    alone = getattr(rs, function)(slider, **own)
     added = ["message"] if "status" in alone else ["message", "status"]
     xr.testing.assert_identical(expected.drop_vars(added), alone)
     again = xr.open_zarr(path)  # no warning
@@ -649,7 +651,7 @@ def test_types_and_what_is_not_a_number(stored):
 def test_held_and_failures_of_part_of_a_sweep(path):
     M = xr.DataArray([0.0, 100.0, 3000.0, 1e4], dims="M")
     asked = {"M": M, "V_lp": rs.logspace("V_lp", 1e-3, 1e-1, 4)}
-    interrupted(path, after=5, verb="limit_cycle", **asked)
+    interrupted(path, after=5, function="limit_cycle", **asked)
     done = Store.open(path).done()
     assert 4 <= done.sum() <= 6
     whole = sweep(None, "limit_cycle", **asked)
@@ -667,7 +669,7 @@ def test_held_and_failures_of_part_of_a_sweep(path):
     assert same(masked.amplitude.values[where], whole.amplitude.values[where])
     assert same(masked.multipliers.values[where], whole.multipliers.values[where])
     assert there.path == path
-    assert (there.verb, there.dims) == ("limit_cycle", {"M": 4, "V_lp": 4})
+    assert (there.function, there.dims) == ("limit_cycle", {"M": 4, "V_lp": 4})
     assert (there.cases, there.done) == (16, 2 * done.sum())
     assert (there.chunks, there.chunks_done) == (8, done.sum())
     assert there.failed == (status > 1).sum() >= 3

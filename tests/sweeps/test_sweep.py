@@ -1,4 +1,4 @@
-"""`sweep`: the same bits as the verb, however it is cut; bad cases; interruption; progress."""
+"""`sweep`: the same bits as the function, however it is cut; bad cases; interruption; progress."""
 
 import contextlib
 import dataclasses
@@ -46,8 +46,8 @@ CALLS = {
 }
 
 
-def sweep(verb, slider=SLIDER, **how):
-    return rs.sweep(verb, slider, **({"progress": False} | how))
+def sweep(function, slider=SLIDER, **how):
+    return rs.sweep(function, slider, **({"progress": False} | how))
 
 
 # ---------------------------------------------------------------------------------- how it is cut
@@ -142,11 +142,11 @@ def test_a_probe_stops_in_time():
 # ------------------------------------------------------------------------------------- same bits
 
 
-@pytest.mark.parametrize("verb", CALLS)
+@pytest.mark.parametrize("function", CALLS)
 @pytest.mark.parametrize("chunk", [None, 1, 7])
-def test_the_verb_and_its_sweep_agree(verb, chunk):
-    alone = getattr(rs, verb)(SLIDER, **CALLS[verb])
-    found = sweep(verb, chunk=chunk, **CALLS[verb])
+def test_the_verb_and_its_sweep_agree(function, chunk):
+    alone = getattr(rs, function)(SLIDER, **CALLS[function])
+    found = sweep(function, chunk=chunk, **CALLS[function])
     added = ["message"] if "status" in alone else ["message", "status"]
     assert set(found.data_vars) == {*alone.data_vars, *added}
     xarray.testing.assert_identical(found.drop_vars(added), alone)
@@ -282,8 +282,11 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
 @pytest.mark.parametrize(
     ("how", "message"),
     [
-        ({"verb": "hopf"}, "verb = 'hopf' cannot be swept. Choose one of limit_cycle, simulate"),
-        ({"verb": rs.hopf}, "cannot be swept"),
+        (
+            {"function": "hopf"},
+            "function = 'hopf' cannot be swept. Choose one of limit_cycle, simulate",
+        ),
+        ({"function": rs.hopf}, "cannot be swept"),
         ({"V_lp": None}, "V_lp"),
         ({"V_lpp": 1.0}, "has no parameter V_lpp"),
         ({"V_lp": xarray.DataArray([1.0, -1.0], dims="V_lp")}, r"V_lp = -1 m/s .* must be > 0"),
@@ -305,13 +308,13 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
         ({"chunk": 1.5}, "chunk = 1.5 must"),
         ({"chunk": True}, "chunk = True must"),
         ({"device": "tpu"}, "device = 'tpu' is unknown; choose one of cpu, cuda"),
-        ({"verb": "stability", "device": "cuda"}, "closed form; leave device out"),
+        ({"function": "stability", "device": "cuda"}, "closed form; leave device out"),
     ],
 )
 def test_bad_input(how, message):
-    how = {"verb": "limit_cycle", "slider": SLIDER, "V_lp": V_LP} | how
+    how = {"function": "limit_cycle", "slider": SLIDER, "V_lp": V_LP} | how
     with pytest.raises(rs.ParameterError, match=message):
-        sweep(how.pop("verb"), how.pop("slider"), **how)
+        sweep(how.pop("function"), how.pop("slider"), **how)
 
 
 def test_contradictions_are_told_before_anything_runs(tmp_path):

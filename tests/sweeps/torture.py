@@ -30,7 +30,7 @@ a = 0.003
 b = 0.006
 sigma = "2 MPa"
 [sweep]
-verb = "{verb}"
+function = "{function}"
 M = {masses}
 Dc = ["10 um", "15 um"]
 K = {{ from = "0.1 GPa/m", to = "1.2 GPa/m", n = {stiffnesses}, scale = "log" }}
@@ -45,7 +45,7 @@ TRACES = ("no store yet", "half a store", "half written", "cut off")
 class Size(NamedTuple):
     """What the sweep is, and how big; a chunk is half of the speeds."""
 
-    verb: str = "limit_cycle"
+    function: str = "limit_cycle"
     masses: tuple = (0, 100, 1000, 3000, 10000)
     stiffnesses: int = 4
     speeds: int = 50
@@ -61,11 +61,11 @@ class Size(NamedTuple):
     @property
     def code(self):
         """The exit code: some cycles without mass fail, all else is well."""
-        return SOME_FAILED if self.verb == "limit_cycle" else 0
+        return SOME_FAILED if self.function == "limit_cycle" else 0
 
 
 # (without kernels to load, a process takes a second)
-SMALL = Size(verb="stability", masses=(1000,), stiffnesses=2, speeds=4)
+SMALL = Size(function="stability", masses=(1000,), stiffnesses=2, speeds=4)
 
 
 def command(folder, size):

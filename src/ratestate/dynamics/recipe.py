@@ -33,13 +33,13 @@ def versions():
 def record_scenario(result, function, slider, **arguments):
     """Put the call that makes a result again into its attributes, in place.
 
-    The attribute ``scenario`` is JSON: the function (``verb``), the parameters of the slider, and
-    the other arguments that are not None, in SI.  A loading is a list of calls,
+    The attribute ``scenario`` is JSON: ``function``, the parameters of the slider, and the other
+    arguments that are not None, in SI.  A loading is a list of calls,
     [method, {argument: value}], with texts such as "1 mm/s" as given.  An array is
     ``{"variable": name}``: the coordinate that has its values, or a variable that is added.
     """
     given = {name: value for name, value in arguments.items() if value is not None}
-    known = {"verb": function, "slider": slider.parameters, **given}
+    known = {"function": function, "slider": slider.parameters, **given}
     result.attrs |= {
         "title": f"ratestate {function}",
         "scenario": json.dumps({name: _plain(result, name, name, x) for name, x in known.items()}),
@@ -132,7 +132,9 @@ def recorded_call(result):
     call = recorded(result)
     followed = call.get("parameter")
     slider = {k: x if k == followed else value_of(result, k, x) for k, x in call["slider"].items()}
-    settings = {k: _setting(result, k, x) for k, x in call.items() if k not in ("verb", "slider")}
+    settings = {
+        k: _setting(result, k, x) for k, x in call.items() if k not in ("function", "slider")
+    }
     return slider, settings
 
 

@@ -101,8 +101,8 @@ def parameter(result, symbol):
     result : xarray.Dataset
         A result of any function.
     symbol : str
-        The parameter's symbol, such as "K", or "law", "friction", "V_lp" or "rtol".  Damping and
-        alpha are 0 if the slider has none.
+        The parameter's symbol, such as "K", or "law", "friction_form", "V_lp" or "rtol".  Damping
+        and alpha are 0 if the slider has none.
 
     Returns
     -------
@@ -121,7 +121,7 @@ def parameter(result, symbol):
     if symbol == "law":
         own = result.coords.get("law")  # of a case of results that were joined
         return law_name(value if own is None or own.ndim else own.item())
-    if symbol == "friction":
+    if symbol == "friction_form":
         return form_name(value)
     value = value_of(result, symbol, value)
     checked = to_si(symbol, value)
@@ -143,7 +143,7 @@ def law_of_result(result, law=None):
     law : name of the law if the result has several
     """
     law = friction_law(law or parameter(result, "law"))
-    return composed(law, parameter(result, "friction"), "damping" in slider_parameters(result))
+    return composed(law, parameter(result, "friction_form"), "damping" in slider_parameters(result))
 
 
 def normal_stress(result):

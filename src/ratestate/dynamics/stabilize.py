@@ -71,7 +71,7 @@ def stabilize(slider, V_lp, margin=1.1):
     slider = check_slider(slider)
     V_lp, margin = to_si("V_lp", V_lp), to_si("number", margin, label="margin", bound="> 0")
     batch = Batch({**slider.values, "V_lp": V_lp}, reserved=VARIABLES)
-    damped = composed(friction_law(slider.law), slider.friction, damped=True)
+    damped = composed(friction_law(slider.law), slider.friction_form, damped=True)
     values = {"damping": 0.0} | batch.values
     given = {symbol: values[symbol] for symbol in (*damped.symbols, "sigma", "K", "M")}
     found = call_elementwise(

@@ -99,12 +99,12 @@ def composed_law(name):
     return composed(friction_law(law), form, DAMPED in parts)
 
 
-def form_of(law, friction=None):
+def form_of(law, friction_form=None):
     """Return a form's name in small letters, by default that which the law needs.
 
     ParameterError if the form is unknown.
     """
-    return law.form if friction is None else form_name(friction)
+    return law.form if friction_form is None else form_name(friction_form)
 
 
 def composed(law, form=None, damped=False):
@@ -114,11 +114,15 @@ def composed(law, form=None, damped=False):
     """
     form = law.form if form is None else form
     if form != law.form and (law.form != LOG or not takes_forms(law)):
-        needs = f"needs friction = {law.form!r}" if law.form != LOG else "has a friction of its own"
+        needs = (
+            f"needs friction_form = {law.form!r}"
+            if law.form != LOG
+            else "has a friction of its own"
+        )
         raise ParameterError(
             f"does not go with law = {law.name!r}, which {needs}",
-            "Leave friction out, or choose another law.",
-            symbol="friction",
+            "Leave friction_form out, or choose another law.",
+            symbol="friction_form",
             value=repr(form),
         )
     if form != LOG:

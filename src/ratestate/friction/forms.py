@@ -153,7 +153,9 @@ def form_name(form):
     name = form.lower() if isinstance(form, str) else None
     if name not in (LOG, *FORMS):
         names = " or ".join(map(repr, (LOG, *FORMS)))
-        raise ParameterError("is unknown", f"Choose {names}.", symbol="friction", value=repr(form))
+        raise ParameterError(
+            "is unknown", f"Choose {names}.", symbol="friction_form", value=repr(form)
+        )
     return name
 
 

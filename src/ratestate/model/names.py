@@ -14,18 +14,27 @@ from .quantities import readable
 REPLACEMENTS = dict.fromkeys(
     ("im2017", "im2017_euler", "dt"), "ratestate.paper.im2017(slider, loading, t_end, dt)"
 )
+#: earlier name of an argument, option or key -> its name
+RENAMED = {
+    "each": "per_step",
+    "format": "lab_format",
+    "friction": "friction_form",
+    "rows": "max_rows",
+    "verb": "function",
+}
 MIN_SIMILARITY = 0.7  # smallest difflib ratio, from 0 to 1, of a name that is suggested
 
 
 def nearest(given, names):
-    """Return the most similar of these names, ignoring case; None if none is similar.
+    """Return the new name of an earlier one, or the most similar name; None if none is similar.
 
-    Only the first 60 characters of `given` count.  If `given` is not a string, return None.
+    Case is ignored, and only the first 60 characters of `given` count.  If `given` is not a string,
+    return None.
     """
     lower = {name.lower(): name for name in names}
     text = given.lower()[:60] if isinstance(given, str) else ""
     near = difflib.get_close_matches(text, lower, n=1, cutoff=MIN_SIMILARITY)
-    return lower[near[0]] if near else None
+    return lower.get(RENAMED.get(text, "")) or (lower[near[0]] if near else None)
 
 
 def one_of(names, given=None, like=""):

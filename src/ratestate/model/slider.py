@@ -34,7 +34,7 @@ def _check_names_first(init):
     @functools.wraps(init)
     def checked(self, *args, **given):
         law = resolve_law(given.get("law", DEFAULT))
-        _check_names(law, form_of(law, given.get("friction")), given)
+        _check_names(law, form_of(law, given.get("friction_form")), given)
         init(self, *args, **(given | {"law": law.name}))
 
     return checked
@@ -75,7 +75,7 @@ class SpringSlider:
     law : str
         Friction law: a name in `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in upper or lower case.  The attribute is the law's name.
-    friction : {"log", "cut-off", "regularized"}, optional
+    friction_form : {"log", "cut-off", "regularized"}, optional
         How friction depends on speed and state.  "log", the default, is eq. 1.  "cut-off" limits
         the logarithms at high speeds (V1) and at young states (V2; Okubo 1989).  "regularized"
         replaces them by an inverse hyperbolic sine (Rice & Ben-Zion 1996): friction is finite at
@@ -120,7 +120,7 @@ class SpringSlider:
     mu0: Any = 0.6
     V0: Any = 1e-6
     law: str = DEFAULT
-    friction: str = LOG
+    friction_form: str = LOG
     damping: Any = 0.0
     alpha: Any = 0.0
     area: Any = None
@@ -138,7 +138,7 @@ class SpringSlider:
         mu0=0.6,
         V0=1e-6,
         law=DEFAULT,
-        friction=None,
+        friction_form=None,
         damping=0.0,
         alpha=0.0,
         area=None,
@@ -151,9 +151,9 @@ class SpringSlider:
         optional = {"damping": damping, "alpha": alpha}
         for symbol, value in (area | common | of_law | optional).items():
             given[symbol] = parameter_to_si(symbol, value, given)
-        form = form_of(base_law, friction)
+        form = form_of(base_law, friction_form)
         composed(base_law, form)  # raises ParameterError if they cannot be combined
-        names = {"law": base_law.name, "friction": form, "area": None}
+        names = {"law": base_law.name, "friction_form": form, "area": None}
         for name, value in (names | given).items():
             object.__setattr__(self, name, value)
         check_aligned(self.parameters)
@@ -198,7 +198,7 @@ class SpringSlider:
         (2000000.0, 3000.0, 900000000.0)
         """
         law = resolve_law(parameters.get("law", DEFAULT))
-        extra = _extra_parameters(law, form_of(law, parameters.get("friction")))
+        extra = _extra_parameters(law, form_of(law, parameters.get("friction_form")))
         mass = 0.0 if mass is None else mass
         whole = {"normal_force": normal_force, "stiffness": stiffness, "mass": mass}
         others = [name for name in COMMON if name not in ("sigma", "K", "M")]
@@ -216,7 +216,7 @@ class SpringSlider:
         Area, damping, alpha and the form of friction are left out if they have their defaults.
         """
         area = ["area"] if self.has_area else []
-        form = ["friction"] if self.friction != LOG else []
+        form = ["friction_form"] if self.friction_form != LOG else []
         alpha = ["alpha"] if self.has_alpha else []
         names = (*PARAMETERS, "law", *area, *form, *self.friction_law.parameters, *alpha)
         return {name: getattr(self, name) for name in names}
@@ -225,7 +225,7 @@ class SpringSlider:
     def friction_law(self):
         """The `FrictionLaw` of the slider, with its form of friction and damping."""
         damped = is_array(self.damping) or self.damping != 0.0
-        return composed(friction_law(self.law), self.friction, damped)
+        return composed(friction_law(self.law), self.friction_form, damped)
 
     def replace(self, **changes):
         """Return a slider with some parameters changed.
@@ -250,8 +250,8 @@ class SpringSlider:
         old, law = friction_law(self.law), resolve_law(changes.get("law", self.law))
         kept = self.parameters
         if old.form != LOG and law != old:
-            kept.pop("friction", None)  # the form belongs to the old law
-        form = form_of(law, (kept | changes).get("friction"))
+            kept.pop("friction_form", None)  # the form belongs to the old law
+        form = form_of(law, (kept | changes).get("friction_form"))
         known = {*COMMON, *_extra_parameters(law, form)}
         kept = {name: x for name, x in kept.items() if name in known}
         return type(self)(**(kept | changes))
@@ -261,7 +261,7 @@ class SpringSlider:
         """The `parameters` except the law and form of friction, area first."""
         given = self.parameters
         area = {"area": self.area} if self.has_area else {}
-        return area | {name: x for name, x in given.items() if name not in ("law", "friction")}
+        return area | {name: x for name, x in given.items() if name not in ("law", "friction_form")}
 
     @property
     def has_area(self):
@@ -388,7 +388,11 @@ class SpringSlider:
         """Return an HTML table for notebooks: symbol, name, and value in a suitable unit."""
         rows = [(s, QUANTITIES[s].long_name, _value_text(s, x)) for s, x in self.values.items()]
         rows.append(("law", "friction law", self.law))
-        rows += [("friction", "form of friction", self.friction)] if self.friction != LOG else []
+        rows += (
+            [("friction_form", "form of friction", self.friction_form)]
+            if self.friction_form != LOG
+            else []
+        )
         lines = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
         body = "".join(f"<tr>{line}</tr>" for line in lines)
         head = "<tr><th></th><th>SpringSlider</th><th>value</th></tr>"
@@ -418,7 +422,7 @@ class SpringSlider:
 #: names of the parameters that every slider has
 COMMON = tuple(field.name for field in dataclasses.fields(SpringSlider))
 #: optional parameter -> its value in sliders that do not have it
-OPTIONAL: dict[str, Any] = {"area": None, "friction": LOG, "damping": 0.0, "alpha": 0.0}
+OPTIONAL: dict[str, Any] = {"area": None, "friction_form": LOG, "damping": 0.0, "alpha": 0.0}
 #: quantities that every motion depends on: a, b, Dc, sigma, K, M, mu0, V0.  Damping and the law's
 #: parameters come in addition.
 PARAMETERS = tuple(name for name in COMMON if name not in ("law", *OPTIONAL))
@@ -441,7 +445,7 @@ def _check_names(law, form, given):
     for name in given:
         for kind, chosen, owners in (
             ("law", law.name, laws_with(name)),
-            ("friction", form, forms_with(name)),
+            ("friction_form", form, forms_with(name)),
         ):
             if owners and name not in extra:
                 of = " and ".join(map(repr, owners))
@@ -449,14 +453,16 @@ def _check_names(law, form, given):
     check_keywords("SpringSlider", given, (*COMMON, *extra))
     for name in extra:
         if name not in given:
-            needing = f"law = {law.name!r}" if name in law.parameters else f"friction = {form!r}"
+            needing = (
+                f"law = {law.name!r}" if name in law.parameters else f"friction_form = {form!r}"
+            )
             described = {"long_name": QUANTITIES[name].long_name, "wanted": remedy(name)}
             raise refusal("slider.missing", needing=needing, name=name, **described)
 
 
 def _literal(symbol, value):
     """Return a parameter as Python source; for an array, its sizes and range."""
-    if is_array(value) or symbol in ("law", "friction"):
+    if is_array(value) or symbol in ("law", "friction_form"):
         return _value_text(symbol, value) if is_array(value) else repr(value)
     text = exact_text(symbol, value)
     return text if QUANTITIES[symbol].unit == "1" else repr(text)

@@ -22,7 +22,7 @@ from .units import to_si
 
 #: names that sliders, scenario files and results use for other things than quantities
 RESERVED_NAMES = frozenset(
-    "law law_file area values parameters friction replace slider loading method verb file plot"
+    "law law_file area values parameters friction replace slider loading method function file plot"
     " steps times initial parameter start stop point case columns units".split()
 )
 

@@ -87,7 +87,7 @@ def on_cycles(law):
 
 def _turned(slider, rtol):
     """Return the cycle at the end of the inset of Fig. 5 if friction lets slip reverse."""
-    return limit_cycle(slider.replace(friction="regularized"), float(SWEEP[-1]), rtol=rtol)
+    return limit_cycle(slider.replace(friction_form="regularized"), float(SWEEP[-1]), rtol=rtol)
 
 
 def _apart(sliders, sweeps):

@@ -116,7 +116,7 @@ def _check(slider, loading, dt, euler):
     needs = {
         "law='aging' for euler=True": slider.law == "aging" or not euler,
         "law='slip' or 'aging'": slider.law in LAWS,
-        "friction='log'": slider.friction == LOG,
+        "friction_form='log'": slider.friction_form == LOG,
         "damping=0": not slider.values.get("damping"),
         "M > 0": slider.M > 0.0,
         "K < inf": math.isfinite(slider.K),

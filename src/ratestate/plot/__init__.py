@@ -1,4 +1,4 @@
-"""Pictures of results: functions of (Dataset, ax), and `page`, a whole figure of any result.
+"""Pictures of results: functions of (Dataset, ax), and `figure`, a whole figure of any result.
 
 >>> import ratestate as rs
 >>> from matplotlib.figure import Figure
@@ -10,7 +10,7 @@ Parameters that a picture needs (the normal stress, for tau/sigma) are read from
 that every result carries.
 
 =============== ===================================================================
-``pages``       `page`: a whole figure of any result
+``pages``       `figure`: a whole figure of any result
 ``motion``      runs and cycles: `trace`, the `phase` plane, `amplitudes`
 ``runs``        several runs: names and lines, speeds, phase plane
 ``bifurcation`` a branch of limit cycles: which of it is drawn as stable
@@ -28,7 +28,7 @@ from .bifurcation import branch
 from .labels import AMPLITUDE, BLUE, GRAY, PREFIXES, RED, STRESS, label, prefixed, value_text
 from .layout import save
 from .motion import amplitudes, phase, trace
-from .pages import page
+from .pages import figure
 from .pages.fits import fit
 from .pages.overview import overview
 from .runs import since
@@ -44,10 +44,10 @@ __all__ = [
     "atlas",
     "branch",
     "contours",
+    "figure",
     "fit",
     "label",
     "overview",
-    "page",
     "parameter",
     "phase",
     "prefixed",

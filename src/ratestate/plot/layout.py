@@ -79,7 +79,7 @@ def figure(data, height, symbols=None, more="", title=None):
     title : by default that of `data`
     """
     if symbols is None:
-        no_numbers = (*PARAMETERS, "law", "friction", "area")
+        no_numbers = (*PARAMETERS, "law", "friction_form", "area")
         symbols = " ".join([SLIDER, *(s for s in slider_parameters(data) if s not in no_numbers)])
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
     listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]

@@ -121,7 +121,7 @@ def _with_own_time(run):
 
 
 def _named(symbol, value):
-    if symbol in ("law", "friction"):
+    if symbol in ("law", "friction_form"):
         return f"{value} {symbol}"
     return value_text(symbol, value)
 
@@ -132,7 +132,7 @@ def _differences(runs):
     each = [slider_parameters(run) for run in runs]
     shared = [symbol for symbol in each[0] if all(symbol in one for one in each)]
     shared = [symbol for symbol in shared if symbol not in ("law", *OPTIONAL)]
-    for symbol in ("law", *shared, "friction", "damping", "alpha", "V_lp"):
+    for symbol in ("law", *shared, "friction_form", "damping", "alpha", "V_lp"):
         values = [
             float(run.V_load[-1]) if symbol == "V_lp" else parameter(run, symbol) for run in runs
         ]

@@ -40,7 +40,7 @@ DEVICES = ("cpu", "cuda")
 AT_A_TIME = 100_000
 
 
-def call_of(verb, slider, arguments):
+def call_of(function, slider, arguments):
     """Return the name of a function that can be swept, given as such or by name, and its call.
 
     ParameterError for another function, arguments that it refuses, nothing to sweep over, and names
@@ -48,9 +48,11 @@ def call_of(verb, slider, arguments):
     """
     known: dict[Hashable, str] = {name: name for name in FUNCTIONS}
     known |= {function: name for name, (function, _) in FUNCTIONS.items()}
-    name = known.get(verb) if isinstance(verb, Hashable) else None
+    name = known.get(function) if isinstance(function, Hashable) else None
     if name is None:
-        raise ParameterError(sentence("call.unknown", verb=verb, names=", ".join(FUNCTIONS)))
+        raise ParameterError(
+            sentence("call.unknown", function=function, names=", ".join(FUNCTIONS))
+        )
     function, checked_call = FUNCTIONS[name]
     signature = inspect.signature(function)
     check_keywords(f"sweep of {name}", arguments, signature.parameters)

@@ -21,7 +21,7 @@ def arguments_of(name, call):
 
     Texts of different values differ.  Arguments that are None are left out.
     """
-    texts = {"verb": name}
+    texts = {"function": name}
     for name, value in _leaves(call):
         unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
         unit = "" if unit == "1" else f" {unit}"

@@ -15,7 +15,7 @@ class StoreStatus(NamedTuple):
     """How much of a sweep a store has, and what made it."""
 
     path: Path
-    verb: str
+    function: str
     dims: dict  # dimension -> number of values
     cases: int
     done: int  # cases
@@ -45,7 +45,7 @@ def store_status(path, verify=False):
     processor = record.get("processor", {})
     return StoreStatus(
         path=path,
-        verb=record["verb"],
+        function=record.get("function") or record["verb"],
         dims=chunks.sizes,
         cases=math.prod(chunks.sizes.values()),
         done=counts.total(),

@@ -29,7 +29,7 @@ from .writing import create, exclusive_lock
 
 
 def sweep(
-    verb,
+    function,
     slider,
     *,
     store=None,
@@ -49,7 +49,7 @@ def sweep(
 
     Parameters
     ----------
-    verb : callable or str
+    function : callable or str
         The function, or its name: `limit_cycle`, `simulate`, `stability` or `frequency_response`.
     slider : SpringSlider
         With DataArrays for parameters, or none.
@@ -108,7 +108,7 @@ def sweep(
     >>> dict(cycles.sizes)["M"], int((cycles.status == 0).sum())
     (12, 114)
     """
-    name, call = call_of(verb, slider, arguments)
+    name, call = call_of(function, slider, arguments)
     check_device(name, call, device)
     if client is not None and slurm is not None:
         raise ParameterError(sentence("call.both"))
@@ -162,7 +162,7 @@ class Request:
         """Return the record of a store for these chunks."""
         specs = self.form.specs.items()
         return {
-            "verb": self.name,
+            "function": self.name,
             "arguments": arguments_of(self.name, self.call),
             "sizes": chunks.sizes,
             "chunk": list(chunks.shape),

@@ -94,7 +94,7 @@ def test_contract():
     asked = json.loads(branch.attrs["scenario"])
     del asked["slider"]
     given = {"parameter": "V_lp", "start": 3.6e-4, "stop": 1e-4, "rtol": 1e-7}
-    assert asked == {"verb": "continue_cycle", **given}
+    assert asked == {"function": "continue_cycle", **given}
 
 
 def test_contract_at_constant_speed():

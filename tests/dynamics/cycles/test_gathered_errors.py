@@ -134,7 +134,7 @@ def test_errors_beside_the_hopf_point_of_regularized_friction(law, V, values):
     K_c = regularized_K_c(**given, V=V)
     below = np.append(np.geomspace(5e-8, 1e-6, 12), 1e-4)
     K = xr.DataArray((K_c * (1.0 - below)).astype(float), dims="K")
-    slider = rs.SpringSlider(law=law, friction="regularized", **given, K=K)
+    slider = rs.SpringSlider(law=law, friction_form="regularized", **given, K=K)
     cycles = rs.limit_cycle(slider, V)
     coefficient = float(rs.hopf(slider.replace(K=float(K_c)), V).amplitude_coefficient)
     distance = (1.0 - K.values / K_c).astype(float)
@@ -148,7 +148,7 @@ def test_errors_beside_the_hopf_point_of_regularized_friction(law, V, values):
 
 def test_multipliers_are_as_accurate_as_stated():
     """With cut-offs the orbit is known far better than its derivative."""
-    slider = rs.SpringSlider(law="aging", friction="cut-off", **CUT_OFF)
+    slider = rs.SpringSlider(law="aging", friction_form="cut-off", **CUT_OFF)
     cycle, exact = (rs.limit_cycle(slider, 6.0797e-7, rtol=rtol) for rtol in (1e-6, 1e-12))
     off = np.abs(cycle.multipliers - exact.multipliers)
     assert (off <= cycle.multipliers_error + exact.multipliers_error).all()

@@ -185,7 +185,7 @@ def test_provenance_is_enough_to_run_again():
     recorded = json.loads(run.attrs["scenario"])
     calls = recorded.pop("loading")
     assert calls == [["constant", {"V": 1e-4}], ["step", {"t": 0.1, "V": 3e-3}]]
-    assert recorded.pop("verb") == "simulate"
+    assert recorded.pop("function") == "simulate"
     slider = SpringSlider(**recorded.pop("slider"))
     assert slider == SLIDER
     loading = Loading.constant(**calls[0][1]).step(**calls[1][1])

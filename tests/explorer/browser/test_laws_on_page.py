@@ -8,10 +8,10 @@ INNER = "all => all.map(e => e.innerHTML)"
 
 def test_friction_has_forms_with_fields_of_their_own(show):
     shown = show()
-    enabled = "#friction option:not([disabled])"
+    enabled = "#friction_form option:not([disabled])"
     assert shown.page.eval_on_selector_all(enabled, INNER) == ["log", "cut-off", "regularized"]
     assert not shown.page.is_visible("#entry-V2")
-    shown.page.select_option("#friction", "cut-off")
+    shown.page.select_option("#friction_form", "cut-off")
     shown.wait()
     assert (
         shown.page.inner_html(".field:has(#entry-V2) .symbol [data-meaning]")
@@ -20,16 +20,16 @@ def test_friction_has_forms_with_fields_of_their_own(show):
     shown.type("V1", "1 m/s")
     shown.type("V2", "2 um/s")
     shown.wait()
-    cycle = rs.limit_cycle(FIG4.replace(friction="cut-off", V1=1.0, V2=2e-6), 1e-4)
+    cycle = rs.limit_cycle(FIG4.replace(friction_form="cut-off", V1=1.0, V2=2e-6), 1e-4)
     assert shown.numbers["amplitude of \u03c4/\u03c3"] == f"{float(cycle.amplitude):.4g}"
     # a law that it does not go with has its own; what was typed waits for its form
     shown.page.select_option("#law", "nagata")
     shown.wait()
-    assert shown.page.input_value("#friction") == "log"
+    assert shown.page.input_value("#friction_form") == "log"
     assert shown.page.eval_on_selector_all(enabled, INNER) == ["log"]
     assert not shown.page.is_visible("#entry-V2")
     shown.page.select_option("#law", "slip")
-    shown.page.select_option("#friction", "cut-off")
+    shown.page.select_option("#friction_form", "cut-off")
     shown.wait()
     assert shown.entry("V2") == "2 \u00b5m/s"
 
@@ -38,12 +38,12 @@ def test_a_link_whose_friction_does_not_go_with_its_law(show):
     shown = show("law=flash-heating")  # which needs to have none
     texts = "inputs => inputs.map(input => input.value)"
     fields = shown.page.eval_on_selector_all(".field input", texts)
-    assert shown.page.input_value("#friction") == "regularized"
-    shown.go("law=flash-heating&friction=log")
+    assert shown.page.input_value("#friction_form") == "regularized"
+    shown.go("law=flash-heating&friction_form=log")
     assert "does not go with law = 'flash-heating'" in shown.text("#problem-friction")
     assert shown.text("#stale") == "Shown: the last valid values; correct friction."
     assert shown.page.is_visible("#entry-V_w")
-    shown.page.select_option("#friction", "regularized")
+    shown.page.select_option("#friction_form", "regularized")
     shown.wait()
     assert not shown.page.is_visible("#problem-friction")
     assert shown.page.eval_on_selector_all(".field input", texts) == fields

@@ -41,7 +41,7 @@ def test_everything_is_reached_by_keyboard_and_has_a_name(show):
             break
     names = [name for name, *_ in seen]
     wanted = "presets tasks-open link scenario python csv svg pdf png page".split()
-    wanted += ["SPAN", "law", "friction"]  # (of the table of numbers, one that is explained)
+    wanted += ["SPAN", "law", "friction_form"]  # (of the table of numbers, one that is explained)
     for symbol in ("a", "b", "Dc", "sigma", "M", "K", "V_lp"):
         wanted += [f"entry-{symbol}", f"slider-{symbol}"]
     wanted += [f"{control}-{symbol}" for symbol in OF_ALL for control in ("entry", "slider")]

@@ -150,7 +150,7 @@ def test_sliders_of_what_has_no_logarithm_begin_near_what_is_usual(show):
 
 def test_slip_that_reverses_is_drawn_on_a_linear_axis(show):
     swings = "law=aging&a=0.01&b=0.015&Dc=10 um&sigma=1 MPa&M=1000 kg/m^2&K=100 MPa/m"
-    shown = show(f"{swings}&mu0=0.05&V0=1 um/s&V_lp=0.1 m/s&friction=regularized")
+    shown = show(f"{swings}&mu0=0.05&V0=1 um/s&V_lp=0.1 m/s&friction_form=regularized")
     assert shown.numbers["slowest"].startswith("-")
     # a real multiplier has the sign that the verdict gives it
     multiplier = shown.numbers["Floquet multiplier"]
@@ -163,7 +163,7 @@ def test_slip_that_reverses_is_drawn_on_a_linear_axis(show):
         assert 0.6 < drawn.bottom < 0.95, chart
         assert drawn.count > 100, chart
     # and back on a logarithmic one
-    shown.page.select_option("#friction", "log")
+    shown.page.select_option("#friction_form", "log")
     shown.wait()
     assert not shown.numbers["slowest"].startswith("-")
     assert "outside the domain" in shown.text("#reasons")

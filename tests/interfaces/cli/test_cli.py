@@ -208,7 +208,7 @@ def test_init_writes_what_can_be_run(name, tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
     wanted = templates.files_of(name)
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == wanted
-    assert scenario.load(tmp_path / f"{name}.toml").verb == "simulate"
+    assert scenario.load(tmp_path / f"{name}.toml").function == "simulate"
     listed = [line.strip() for line in result.stdout.splitlines()[2:]]
     assert listed == templates.commands(name)
     assert call("init", name, "--out", "-").stdout == wanted[f"{name}.toml"]

@@ -45,7 +45,7 @@ Dc = "10 um"
 sigma = "2 MPa"
 K = "500 MPa/m"
 [sweep]
-verb = "limit_cycle"
+function = "limit_cycle"
 M = [0, "3000 kg/m^2"]
 V_lp = ["1 mm/s", "3 mm/s", "10 mm/s"]
 """
@@ -279,7 +279,7 @@ def test_a_run_that_nothing_disturbs_says_so_once(options, lab):
 
 
 def test_a_sweep_of_runs_that_nothing_disturbs_says_so_once(lab):
-    lab.write_text(f"{UNDISTURBED}[sweep]\nverb = 'simulate'\nK = [5e8, 6e8, 2e9]\n")
+    lab.write_text(f"{UNDISTURBED}[sweep]\nfunction = 'simulate'\nK = [5e8, 6e8, 2e9]\n")
     _, line = call("run", lab).stderr.splitlines()
     assert line.startswith("warning: in 2 of 3 cases the run starts on steady sliding")
 
@@ -288,7 +288,7 @@ def test_a_sweep_of_runs_that_nothing_disturbs_says_so_once(lab):
 def test_that_a_file_is_swept_is_said_in_one_line(command, lab):
     single = call("stability", lab)
     assert (single.exit_code, single.stderr) == (0, "")
-    lab.write_text(f'{LAB}[sweep]\nverb = "stability"\nK = [5e8, 6e8, 2e9]\nM = [100, 200]\n')
+    lab.write_text(f'{LAB}[sweep]\nfunction = "stability"\nK = [5e8, 6e8, 2e9]\nM = [100, 200]\n')
     result = call(command, lab)
     assert (result.exit_code, result.stderr) == (
         0,
@@ -515,7 +515,7 @@ def test_the_frequencies_of_a_response(lab):
     assert "frequency" not in load(lab).settings
     refused = call("response", lab, "--plot", "x.png")
     assert (refused.exit_code, "shows several frequencies" in refused.stderr) == (2, True)
-    axis = 'verb = "frequency_response"\nfrequency = [5, "8 Hz"]\nK = [9e8, 2e9, 3e9]\n'
+    axis = 'function = "frequency_response"\nfrequency = [5, "8 Hz"]\nK = [9e8, 2e9, 3e9]\n'
     lab.write_text(f"{STABLE}[sweep]\n{axis}")
     result = call("response", lab)
     assert "is swept, 3 cases" in result.stderr
@@ -565,8 +565,8 @@ def test_what_cannot_be_done_is_found_before_the_work(arguments, message, lab, m
     for folder in ("folder.nc", "folder.zarr"):
         lab.with_name(folder).mkdir()
     before = sorted(lab.parent.rglob("*"))
-    for verb, function in [*FUNCTIONS.items()]:
-        monkeypatch.setitem(FUNCTIONS, verb, function._replace(call=never))
+    for function, function in [*FUNCTIONS.items()]:
+        monkeypatch.setitem(FUNCTIONS, function, function._replace(call=never))
     result = call(*arguments)
     assert result.exit_code == 2, result.output
     assert message in " ".join(result.stderr.split())
@@ -631,20 +631,20 @@ HUGE = """
 [sweep]
 M = { from = 1, to = 2, n = 31_000 }
 V_lp = { from = 1, to = 2, n = 31_000 }
-verb = """
+function = """
 
 
 @pytest.mark.parametrize(
-    ("command", "verb"), [("run", "simulate"), ("run", "stability"), ("cycle", "limit_cycle")]
+    ("command", "function"), [("run", "simulate"), ("run", "stability"), ("cycle", "limit_cycle")]
 )
-def test_a_sweep_too_large_for_memory_is_refused_at_once(command, verb, lab, monkeypatch):
+def test_a_sweep_too_large_for_memory_is_refused_at_once(command, function, lab, monkeypatch):
     def never(*_, **__):
         raise AssertionError
 
     monkeypatch.setattr("ratestate.sweeps.sweep.sweep", never)
     lab.write_text(LAB.replace("M = ", "# ").replace('V_lp = "0.1 mm/s"\nsteps', "#") + HUGE)
     with lab.open("a") as file:
-        file.write(f"'{verb}'\n")
+        file.write(f"'{function}'\n")
     result = call(command, lab)
     assert (result.exit_code, result.stdout) == (2, ""), result.stderr
     _, error = result.stderr.splitlines()

@@ -85,7 +85,7 @@ def test_the_page_shows_each_hold():
     from slide_hold_slide import SLIDER
 
     result = rs.healing(noisy(1), SLIDER)
-    fig = plot.page(result)
+    fig = plot.figure(result)
     fig.draw_without_rendering()
     record, healing, relaxation = sorted(fig.axes, key=lambda ax: ax.get_title("left"))
     assert len(record.patches) == 4

@@ -48,7 +48,7 @@ def test_a_description_is_printed(lab):
     columns, units = {"delta_lp": 2, "tau": "ch2"}, {"delta_lp": "um", "tau": "MPa"}
     assert lab == describe("r.txt", columns, units, sigma="20 MPa", K="60 GPa/m")
     assert tomllib.loads(lab)["machine"] == {"K": "60 GPa/m"}
-    done = call("lab", "describe", "r.txt", "--format", "mylab.toml", "--M", "3000 kg/m^2")
+    done = call("lab", "describe", "r.txt", "--lab-format", "mylab.toml", "--M", "3000 kg/m^2")
     assert tomllib.loads(done.stdout)["machine"] == {"K": "60 GPa/m", "M": "3000 kg/m^2"}
     done = call("lab", "describe", "r.txt")
     assert done.exit_code == 2
@@ -57,14 +57,14 @@ def test_a_description_is_printed(lab):
 
 
 def test_a_fit_needs_no_other_option_than_the_format(lab):
-    given = ("--format", "mylab.toml", "--free", "a,b,Dc", "--errors", "covariance")
+    given = ("--lab-format", "mylab.toml", "--free", "a,b,Dc", "--errors", "covariance")
     done = call("fit", "r.txt", *given, "--out", "made")
     assert done.exit_code in (0, 3), done.output
     result = files.read("made/fit.nc")
     slider = json.loads(result.attrs["slider"])
     assert (slider["K"], slider["sigma"]) == (6e10, 2e7)  # of the machine, and of the record
     np.testing.assert_allclose(result.Dc, SLIDER.Dc, rtol=0.1)
-    assert "read_lab('r.txt', format='mylab.toml')" in Path("made/report.md").read_text("utf-8")
+    assert "read_lab('r.txt', lab_format='mylab.toml')" in Path("made/report.md").read_text("utf-8")
     again = call("fit", "r.txt", *OPTIONS[:6], "--sigma", "20 MPa", "--K", "6e10 Pa/m", "--json")
     assert again.exit_code == 2  # the fit's own sigma is none of the record
     assert "no column is known as sigma" in again.stderr
@@ -75,37 +75,37 @@ def test_a_fit_needs_no_other_option_than_the_format(lab):
 
 def test_several_files_are_joined(lab):
     one, two = (
-        json.loads(call("fit", *names, "--format", "mylab.toml", "--json").stdout)["data_vars"]
+        json.loads(call("fit", *names, "--lab-format", "mylab.toml", "--json").stdout)["data_vars"]
         for names in (["r.txt"], ["a.txt", "b.txt", "--join", "restart"])
     )
     for symbol in ("a", "b", "Dc"):
         np.testing.assert_allclose(two[symbol]["data"], one[symbol]["data"], rtol=1e-3)
-    done = call("fit", "a.txt", "b.txt", "--format", "mylab.toml", "--join", "absolute")
+    done = call("fit", "a.txt", "b.txt", "--lab-format", "mylab.toml", "--join", "absolute")
     assert done.exit_code == 2
     assert "b.txt begins at 0 s (line 2), before the end of a.txt at 59.8 s" in done.stderr
 
 
 def test_the_report_names_all_files(lab):
-    given = ("--format", "mylab.toml", "--errors", "covariance")
+    given = ("--lab-format", "mylab.toml", "--errors", "covariance")
     done = call("fit", "a.txt", "b.txt", *given, "--out", "joined")
     assert done.exit_code in (0, 3), done.output
     text = Path("joined/report.md").read_text("utf-8")
     assert text.startswith("# Fit of a.txt, b.txt")
-    assert "read_lab(['a.txt', 'b.txt'], format='mylab.toml')" in text
+    assert "read_lab(['a.txt', 'b.txt'], lab_format='mylab.toml')" in text
     assert "the times of b.txt restart" in text
 
 
 def test_most_rows_are_an_option(lab):
-    done = call("fit", "r.txt", "--format", "mylab.toml", "--rows", "0")
+    done = call("fit", "r.txt", "--lab-format", "mylab.toml", "--max-rows", "0")
     assert done.exit_code == 2
-    assert "--rows = 0 is not a usable number" in done.stderr
+    assert "--max-rows = 0 is not a usable number" in done.stderr
     tables = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text("utf-8"))
-    assert tables["shared"]["rows"]["show_default"] == str(MAX_ROWS)
+    assert tables["shared"]["max_rows"]["show_default"] == str(MAX_ROWS)
 
 
 def test_a_format_that_is_wrong_is_refused_in_one_line(lab):
     Path("wrong.toml").write_text("[units]\ntime = 'm'\n", "utf-8")
-    done = call("fit", "r.txt", "--format", "wrong.toml")
+    done = call("fit", "r.txt", "--lab-format", "wrong.toml")
     assert done.exit_code == 2
     assert done.stderr.splitlines()[-1].endswith(
         "wrong.toml: [units] time = 'm' is not valid. Give a unit such as 's'."

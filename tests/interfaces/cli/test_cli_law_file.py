@@ -83,7 +83,7 @@ def test_standard_input_takes_no_law_file_but_that_of_the_option(mine):
 
 def test_a_store_is_of_the_law_by_its_hash(mine, law_file):
     text = TEXT.replace("m = 1.5", 'law_file = "mine.py"').partition("[run]")[0]
-    Path("mine.toml").write_text(f"{text}[sweep]\nverb = 'stability'\nm = [1.0, 1.5]\n")
+    Path("mine.toml").write_text(f"{text}[sweep]\nfunction = 'stability'\nm = [1.0, 1.5]\n")
     done = call("sweep", "mine.toml", "--store", "s.zarr")
     assert (done.exit_code, "2 finished" in done.stdout) == (0, True)
     forget(mine)

@@ -20,7 +20,7 @@ OPTIONS = {
 FOLDER = Path(ratestate.records.__file__).parent
 # (what the machine's stiffness is found by is said in Python's words alone)
 FILES = [path for path in FOLDER.rglob("*.toml") if path.parent.name != "machine"]
-#: an option with a value, such as each='step', columns={{ or time=(None
+#: an option with a value, such as per_step=True, columns={{ or time=(None
 GIVEN = re.compile(r"\b(\w+)=(?:'|\(|None|\.\.\.|\{\{)")
 
 
@@ -28,7 +28,7 @@ def sentences():
     for path in FILES:
         for table, of_table in tomllib.loads(path.read_text("utf-8")).items():
             for name, text in of_table.items():
-                in_python = re.sub(r"--\w+ \S+", "", str(text))
+                in_python = re.sub(r"--[\w-]+ \S+", "", str(text))
                 options = {*GIVEN.findall(in_python)} & (OPTIONS | {"units"})
                 if options and path.name != "column_names.toml":
                     yield pytest.param(str(text), options, id=f"{path.parent.name}-{table}.{name}")
@@ -37,7 +37,7 @@ def sentences():
 @pytest.mark.parametrize(("text", "options"), [*sentences()])
 def test_options_of_python_stand_beside_those_of_the_command(text, options):
     for name in options:
-        assert re.search(rf"\(command line: .*--{name}\b", text), name
+        assert re.search(rf"\(command line: .*--{name.replace('_', '-')}\b", text), name
 
 
 def test_such_sentences_are_found():

@@ -1,4 +1,4 @@
-"""``ratestate fit --each step``: what it prints in terminals of any width, and writes."""
+"""``ratestate fit --per-step``: what it prints in terminals of any width, and writes."""
 
 import re
 
@@ -34,7 +34,7 @@ def folder(tmp_path_factory):
     table = np.column_stack([np.asarray(values) for values in columns.values()])
     head = "\t".join(columns)
     np.savetxt(folder / "many.txt", table, "%.9g", "\t", header=head, comments="")
-    arguments = [str(folder / "many.txt"), "--each", "step", "--law", ",".join(LAWS)]
+    arguments = [str(folder / "many.txt"), "--per-step", "--law", ",".join(LAWS)]
     arguments += ["--errors", "covariance"]
     done = CliRunner().invoke(main, ["fit", *arguments, "--out", str(folder / "made")])
     assert done.exit_code == 3, done.output

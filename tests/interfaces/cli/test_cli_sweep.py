@@ -28,7 +28,7 @@ Dc = "10 um"
 sigma = "2 MPa"
 K = "900 MPa/m"
 [sweep]
-verb = "limit_cycle"
+function = "limit_cycle"
 M = { from = 100, to = 1e4, n = 3, scale = "log" }
 V_lp = ["1 mm/s", "10 mm/s"]
 """
@@ -36,7 +36,7 @@ V_lp = ["1 mm/s", "10 mm/s"]
 
 class StoreStatus(NamedTuple):
     path: Path
-    verb: str = "limit_cycle"
+    function: str = "limit_cycle"
     dims: dict = {"M": 3, "V_lp": 2}  # noqa: RUF012
     cases: int = 6
     done: int = 6
@@ -64,8 +64,8 @@ def sweeps(monkeypatch, tmp_path):
         requests=[], status=StoreStatus(tmp_path / "x.zarr"), failures=[], ends=lambda: None
     )
 
-    def sweep(verb, slider, **arguments):
-        seen.requests.append((verb, slider, arguments))
+    def sweep(function, slider, **arguments):
+        seen.requests.append((function, slider, arguments))
         seen.ends()
         return xr.Dataset({"status": ((), 0)}, attrs={"slider": "{}"})
 
@@ -109,8 +109,8 @@ def sweeps(monkeypatch, tmp_path):
 def test_the_file_s_sweep_is_run(sweeps, file, tmp_path):
     result = call("sweep", file, "--store", tmp_path / "x.zarr")
     assert result.exit_code == 0, result.output
-    ((verb, slider, arguments),) = sweeps.requests
-    assert verb == "limit_cycle"
+    ((function, slider, arguments),) = sweeps.requests
+    assert function == "limit_cycle"
     assert slider.M.values.tolist() == [100.0, 1000.0, 10000.0]
     assert arguments.pop("V_lp").values.tolist() == [0.001, 0.01]
     assert arguments == {
@@ -148,7 +148,7 @@ def test_some_failed(sweeps, file, tmp_path):
 
 
 def test_summary_of_other_verbs(sweeps, file, tmp_path):
-    sweeps.status = sweeps.status._replace(verb="simulate", steady=0, done=5)
+    sweeps.status = sweeps.status._replace(function="simulate", steady=0, done=5)
     result = call("sweep", file, "--store", tmp_path / "x.zarr")
     assert result.stdout.endswith("x.zarr: 5 finished, 0 failed, 1 not done\n")
 
@@ -224,7 +224,7 @@ def test_status(sweeps, tmp_path):
         result.stdout
         == f"""\
 store     {tmp_path}/x.zarr
-verb      limit_cycle
+function  limit_cycle
 axes      M (3), V_lp (2)
 cases     6
 done      4 (66 %)

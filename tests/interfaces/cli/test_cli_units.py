@@ -84,7 +84,7 @@ def test_the_whole_contact_in_files_and_json(file, tmp_path):
 
 
 SWEEP = """[sweep]
-verb = "limit_cycle"
+function = "limit_cycle"
 sigma = ["4 kN", "3.5 kN"]
 """
 

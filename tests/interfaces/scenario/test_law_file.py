@@ -57,7 +57,7 @@ def test_the_law_of_the_file_is_the_slider_s(write, monkeypatch):
     assert slider.m == 1.5
     for law in ("mine", "Mine", slider.law):
         assert load(write(("law_file", f'law = "{law}"\nlaw_file'))).slider == slider
-    swept = load(write(("[loading]", '[sweep]\nverb = "stability"\nm = [1, 2]\n[loading]')))
+    swept = load(write(("[loading]", '[sweep]\nfunction = "stability"\nm = [1, 2]\n[loading]')))
     assert swept.slider.m.values.tolist() == [1.0, 2.0]
 
 
@@ -84,7 +84,8 @@ def test_what_is_wrong_with_the_file_is_said_with_all_else(write, tmp_path):
 def test_another_law_beside_the_file_is_refused(write):
     for table in ("slider", "sweep"):
         law = {"slider": ("law_file", 'law = "aging"\nlaw_file')}.get(
-            table, ("[loading]", '[sweep]\nverb = "stability"\nlaw = "aging"\nK = [1e9]\n[loading]')
+            table,
+            ("[loading]", '[sweep]\nfunction = "stability"\nlaw = "aging"\nK = [1e9]\n[loading]'),
         )
         (line,) = problems(write(law))
         assert line.startswith(f"[{table}] law: 'aging' is not the law in 'mine.py'.")

@@ -30,7 +30,8 @@ VALUES = [
         '"recorded-loading.csv"',
     ),
 ]
-KEYS = "a b Dc sigma K M law V_lp steps sinusoid file columns units t t_end times rtol verb".split()
+KEYS = "a b Dc sigma K M law V_lp steps sinusoid file columns units t t_end times rtol".split()
+KEYS.append("function")
 TABLES = ["slider", "loading", "run", "sweep", "output"]
 
 

@@ -19,15 +19,15 @@ from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
 
 SLIDER = {"a": "0.003", "b": "0.006", "Dc": '"10 um"', "sigma": '"2 MPa"', "K": '"900 MPa/m"'}
 PARAMETERS = (
-    "a, b, Dc, sigma, K, M, mu0, V0, law, friction, damping, alpha, area, V_w, mu_w, V_cut, c, b2, "
-    "Dc2, V1, V2, normal_force, stiffness, mass, dashpot, law_file"
+    "a, b, Dc, sigma, K, M, mu0, V0, law, friction_form, damping, alpha, area, V_w, mu_w, V_cut, "
+    "c, b2, Dc2, V1, V2, normal_force, stiffness, mass, dashpot, law_file"
 )
 NAMES = ", ".join(LAWS)
 LOG = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }'
 TABLES = "[slider], [loading], [run], [sweep], [output]"
 AXIS = '{ from = "100 kg/m^2", to = "1e5 kg/m^2", n = 4, scale = "log" }'
-CYCLE = {"verb": '"limit_cycle"', "M": AXIS, "V_lp": '"3.2 mm/s"'}
-SIMULATE = {"verb": '"simulate"', "M": AXIS, "V_lp": "1e-3", "t_end": '"10 s"'}
+CYCLE = {"function": '"limit_cycle"', "M": AXIS, "V_lp": '"3.2 mm/s"'}
+SIMULATE = {"function": '"simulate"', "M": AXIS, "V_lp": "1e-3", "t_end": '"10 s"'}
 
 
 def toml(slider=SLIDER, sweep=CYCLE, more=""):
@@ -53,14 +53,14 @@ def read(tmp_path_factory):
 
 def test_the_template_is_fig_3():
     scenario = loads(template("fig3"))
-    assert scenario.verb == "limit_cycle"
+    assert scenario.function == "limit_cycle"
     assert scenario.slider == FIG2.replace(M=rs.logspace("M", *FIG3_M))
     assert scenario.settings.keys() == {"V_lp"}
     assert scenario.settings["V_lp"].identical(rs.logspace("V_lp", *FIG3_V_LP))
 
 
 def test_a_file_runs_as_the_python_lines_do(read):
-    scenario = read(toml(sweep=CYCLE | {"verb": '"stability"', "a": "[0.003, 0.004]"}))
+    scenario = read(toml(sweep=CYCLE | {"function": '"stability"', "a": "[0.003, 0.004]"}))
     slider = SpringSlider(
         a=xr.DataArray([0.003, 0.004], {"a": [0.003, 0.004]}, "a"),
         b=0.006,
@@ -198,7 +198,7 @@ def test_many_problems_are_told_at_once(read):
         law = "slipp"
         V_lp = 1
         [sweep]
-        verb = "simulate"
+        function = "simulate"
         M = ["3 kg/m^2", "3 kg"]
         V_lp = { fro = 1, to = "3 m", scale = "logs" }
         rtol = 3
@@ -255,15 +255,19 @@ MUTATED = [
     ({'""': "1"}, {}, "[slider] '': unknown key"),
     ({"t_end": "1"}, {}, "[slider] t_end: stands in the wrong table"),
     ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis"),
-    # the verb of [sweep]
-    ({}, {"verb": None}, "[sweep] verb: is missing"),
-    ({}, {"verb": '"limitcycle"'}, "[sweep] verb: 'limitcycle' is unknown. * mean limit_cycle?"),
-    ({}, {"verb": "[1]"}, "[sweep] verb: a list of 1 is unknown"),
-    ({}, {"verb": '"simulate"'}, "[sweep] t_end: is missing"),
+    # the function of [sweep]
+    ({}, {"function": None}, "[sweep] function: is missing"),
+    (
+        {},
+        {"function": '"limitcycle"'},
+        "[sweep] function: 'limitcycle' is unknown. * mean limit_cycle?",
+    ),
+    ({}, {"function": "[1]"}, "[sweep] function: a list of 1 is unknown"),
+    ({}, {"function": '"simulate"'}, "[sweep] t_end: is missing"),
     ({}, {"V_lp": None}, "[sweep] V_lp: is missing"),
     ({}, {"t_end": "3"}, "[sweep] t_end: is not a parameter of the slider or of limit_cycle"),
     ({}, {"V_pl": "3"}, "[sweep] V_pl: is not a parameter of the slider or of * mean V_lp?"),
-    ({}, {"verb": '"stability"', "rtol": "1e-6"}, "[sweep] rtol: is not a parameter of the"),
+    ({}, {"function": '"stability"', "rtol": "1e-6"}, "[sweep] rtol: is not a parameter of the"),
     ({}, {"M": None}, "[sweep]: nothing has many values"),
     # lists
     ({}, {"law": '{ from = "slip" }'}, "[sweep] law: a table is unknown"),
@@ -382,7 +386,7 @@ def test_nothing_at_all_is_all_that_is_missing(read, text):
     places = {line.split(": ")[0] for line in lines(read, text)[1:]}
     assert {f"[slider] {key}" for key in SLIDER} <= places
     if text:
-        assert {"[slider]", "[sweep] verb", "[sweep] V_lp", "[sweep]"} <= places
+        assert {"[slider]", "[sweep] function", "[sweep] V_lp", "[sweep]"} <= places
     else:
         assert places == {f"[slider] {key}" for key in SLIDER} | {"[loading] V_lp", "[run] t_end"}
 

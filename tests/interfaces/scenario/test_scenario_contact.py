@@ -16,7 +16,7 @@ Dc = "10 um"
 [loading]
 V_lp = "3.2 mm/s"
 [sweep]
-verb = "{verb}"
+function = "{function}"
 {sweep}
 """
 WHOLE = """area = "20 cm^2"
@@ -26,8 +26,8 @@ M = "6 kg"
 """
 
 
-def scenario(slider, sweep="b = [0.006]", verb="stability"):
-    return loads(FILE.format(slider=slider, sweep=sweep, verb=verb))
+def scenario(slider, sweep="b = [0.006]", function="stability"):
+    return loads(FILE.format(slider=slider, sweep=sweep, function=function))
 
 
 def test_whole_contact():
@@ -139,7 +139,7 @@ Dc = "10 um"
 [run]
 t_end = 2
 [sweep]
-verb = "simulate"
+function = "simulate"
 {sweep}
 """
 STRESSED = {

@@ -32,10 +32,10 @@ def folder(tmp_path_factory):
 def read(folder):
     """Load a scenario of the tables given, beside [slider]."""
 
-    def read(text, verb=None, slider=SLIDER):
+    def read(text, function=None, slider=SLIDER):
         path = folder / "it.toml"
         path.write_text(slider + text)
-        return load(path, verb)
+        return load(path, function)
 
     return read
 
@@ -44,9 +44,9 @@ def read(folder):
 def told(read):
     """What is told of these tables: the lines without the title."""
 
-    def told(text, verb=None, slider=SLIDER):
+    def told(text, function=None, slider=SLIDER):
         with pytest.raises(ParameterError) as caught:
-            read(text, verb, slider)
+            read(text, function, slider)
         assert str(caught.value).splitlines()[0].endswith("it.toml cannot be used:")
         lines = problem_lines(caught.value)
         form = r"\[\w+\].*: .+[^.]\. [A-Z][^.]+.*[.?]"
@@ -98,7 +98,7 @@ def test_loadings(read, told, table, loading):
         assert line.startswith("[loading] t: a table is not a list. Give as many values")
         return
     scenario = read(text)
-    assert scenario.verb == "simulate"
+    assert scenario.function == "simulate"
     assert scenario.settings.keys() == {"loading", "t_end"}
     assert scenario.settings["t_end"] == 10
     assert scenario.output == Output()
@@ -227,7 +227,9 @@ def test_sizes_that_somebody_may_mean(read):
         mu0 = [0, 0.6, 990]
         V0 = ["1.01e-50 m/s", "1 nm/s", "99 km/s"]
     """
-    lists = "[sweep]" + slider.split("[slider]")[1] + "verb = 'stability'\nV_lp = [2e-50, 9e4]\n"
+    lists = (
+        "[sweep]" + slider.split("[slider]")[1] + "function = 'stability'\nV_lp = [2e-50, 9e4]\n"
+    )
     assert read(lists, slider="").slider.K.values[-1] == np.inf
     for theta, t_end in ((9.9e39, 9.9e17), (1.01e-20, 1.01e-20)):
         start = f"V_start = 1e-30\ninitial = {{ theta = {theta}, V = 1e-30, tau = -9.9e14 }}\n"
@@ -348,7 +350,7 @@ RUNS = [
     ("t_end = 1\ninitial = 3", "initial: 3 is not a table"),
     ("t_end = 1\ninitial = { mu = 1 }", "initial.mu: unknown key"),
     ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time"),
-    ("t_end = 1\nverb = 'run'", "verb: 'run' is unknown"),
+    ("t_end = 1\nfunction = 'run'", "function: 'run' is unknown"),
     ("t_end = 1\nV_lp = 3", "V_lp: stands in the wrong table"),
     ("", "t_end: is missing"),
 ]
@@ -411,7 +413,7 @@ def test_bad_outputs(told, table, line):
 
 def test_a_sweep_over_the_last_speed(read):
     text = "[loading]\nV_lp = 1\nsteps = [{t=1, V_lp=9}, {t=2, hold=1}]\n" + RUN
-    sweep = '[sweep]\nverb = "simulate"\nV_lp = [2, 3]'
+    sweep = '[sweep]\nfunction = "simulate"\nV_lp = [2, 3]'
     loading = read(text + sweep).settings["loading"]
     assert loading.V.dims == ("V_lp", "segment")
     assert loading.V.values.tolist() == [[1, 2, 0, 2], [1, 3, 0, 3]]
@@ -420,34 +422,37 @@ def test_a_sweep_over_the_last_speed(read):
 
 
 def test_the_tables_of_a_sweep_come_before_the_others(read):
-    text = "[loading]\nV_lp = 1\n[run]\nt_end = 10\nrtol = 1e-3\n[sweep]\nverb = 'simulate'\n"
+    text = "[loading]\nV_lp = 1\n[run]\nt_end = 10\nrtol = 1e-3\n[sweep]\nfunction = 'simulate'\n"
     settings = read(text + "t_end = 5\nrtol = 1e-4\nM = [1, 2]").settings
     assert (settings["t_end"], settings["rtol"]) == (5, 1e-4)
 
 
 def test_sweeps_that_a_loading_cannot_have(told):
     record = "[loading]\nt = [0, 20]\nV_lp = [1, 1]\n"
-    (line,) = told(f"{record}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
+    (line,) = told(f"{record}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[sweep] V_lp: cannot replace the speeds of a record")
     steps = "[loading]\nsteps = [{t=1, V_lp=1}]\n"
-    (line,) = told(f"{steps}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
+    (line,) = told(f"{steps}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[loading] V_lp: is missing")
     sine = "[loading]\nV_lp = 3\nsinusoid = {amplitude=2, period=1}\n"
-    (line,) = told(f"{sine}{RUN}[sweep]\nverb = 'simulate'\nV_lp = [1, 2]")
+    (line,) = told(f"{sine}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[loading] sinusoid: amplitude = 2 m/s is more than V_lp = 1 m/s")
 
 
 def test_another_verb_may_be_asked(read, told):
     text = "[loading]\nV_lp = 1e-3\nsteps = [{t=1, V_lp=3.2e-3}]\n[run]\nt_end = 3\nrtol = 1e-3\n"
-    assert read(text).verb == "simulate"
-    for verb in ("limit_cycle", "stability"):
-        scenario = read(text, verb)
-        assert (scenario.verb, scenario.settings) == (verb, {"V_lp": 3.2e-3})
-    sweep = "[sweep]\nverb = 'limit_cycle'\nrtol = 1e-9\nM = [1, 2]"
+    assert read(text).function == "simulate"
+    for function in ("limit_cycle", "stability"):
+        scenario = read(text, function)
+        assert (scenario.function, scenario.settings) == (function, {"V_lp": 3.2e-3})
+    sweep = "[sweep]\nfunction = 'limit_cycle'\nrtol = 1e-9\nM = [1, 2]"
     assert read(text + sweep).settings == {"V_lp": 3.2e-3, "rtol": 1e-9}
     assert read(text + sweep, "stability").settings == {"V_lp": 3.2e-3}
     simulated = read(text + sweep, "simulate")
-    assert simulated.settings.keys() == {"loading", "t_end"}  # both tolerances are of other verbs
+    assert simulated.settings.keys() == {
+        "loading",
+        "t_end",
+    }  # both tolerances are of other functions
     assert simulated.slider.M.sizes == {"M": 2}
     lines = told(sweep, "simulate")
     assert [line.partition(". ")[0] for line in lines] == [
@@ -459,30 +464,30 @@ def test_another_verb_may_be_asked(read, told):
 
 
 def test_a_verb_for_one_case(read, told):
-    text = "[loading]\nV_lp = 1e-3\n[run]\nverb = 'limit_cycle'\nrtol = 1e-9\n"
+    text = "[loading]\nV_lp = 1e-3\n[run]\nfunction = 'limit_cycle'\nrtol = 1e-9\n"
     scenario = read(text)
-    assert (scenario.verb, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
-    (line,) = told(text + "[sweep]\nverb = 'stability'\nM = [1, 2]")
-    assert line.startswith("[sweep] verb: 'stability' is not the verb of [run]")
+    assert (scenario.function, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
+    (line,) = told(text + "[sweep]\nfunction = 'stability'\nM = [1, 2]")
+    assert line.startswith("[sweep] function: 'stability' is not the function of [run]")
     (line,) = told(text.replace("1e-9", "1"))
     assert line.startswith("[run] rtol: 1.0 is out of range")
-    sweep = "[sweep]\nverb = 'limit_cycle'\nrtol = 1\nM = [1, 2]"
+    sweep = "[sweep]\nfunction = 'limit_cycle'\nrtol = 1\nM = [1, 2]"
     (line,) = told(text + sweep)  # whose rtol comes before that of [run]
     assert line.startswith("[sweep] rtol: 1.0 is out of range")
 
 
 def test_an_unknown_verb_leaves_nothing_else_missing(told):
-    table = '[sweep]\nverb = "cycle"\nV_lp = ["1 um/s", "1 mm/s"]\nK = { from = "1 MPa/m" }\n'
+    table = '[sweep]\nfunction = "cycle"\nV_lp = ["1 um/s", "1 mm/s"]\nK = { from = "1 MPa/m" }\n'
     slider = "\n".join(line for line in SLIDER.splitlines() if not line.startswith("K ")) + "\n"
     lines = told(table, slider=slider)
     assert [line.partition(": ")[0] for line in lines] == [
-        "[sweep] verb",
+        "[sweep] function",
         "[sweep] K.to",
         "[sweep] K.n",
     ]
 
 
-@pytest.mark.parametrize("verb", ["limit_cycle", "stability"])
+@pytest.mark.parametrize("function", ["limit_cycle", "stability"])
 @pytest.mark.parametrize(
     ("table", "place"),
     [
@@ -491,21 +496,23 @@ def test_an_unknown_verb_leaves_nothing_else_missing(told):
         ("t = [0, 1]\nV_lp = [1, 0]", "V_lp"),
     ],
 )
-def test_no_cycle_at_rest(told, verb, table, place):
-    (line,) = told(f"[loading]\n{table}", verb)
-    assert line.startswith(f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {verb}.")
+def test_no_cycle_at_rest(told, function, table, place):
+    (line,) = told(f"[loading]\n{table}", function)
+    assert line.startswith(
+        f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {function}."
+    )
 
 
 def test_the_start_of_a_limit_cycle_is_its_own(read):
-    """V_start of a file that asks for a run is the run's; the cycle's stands beside its verb."""
+    """V_start of a file that asks for a run is the run's; a cycle has its own in [sweep]."""
     loading, start = '[loading]\nV_lp = "3 mm/s"\n', 'V_start = "1 mm/s"\n'
     axis = "b = [0.006, 0.007]\n"
     for text, given in [
-        (f'[run]\nverb = "limit_cycle"\n{start}', True),
-        (f'[sweep]\nverb = "limit_cycle"\n{axis}{start}', True),
+        (f'[run]\nfunction = "limit_cycle"\n{start}', True),
+        (f'[sweep]\nfunction = "limit_cycle"\n{axis}{start}', True),
         (f'[run]\nt_end = "1 s"\n{start}', False),
-        (f'[run]\n{start}[sweep]\nverb = "limit_cycle"\n{axis}', False),
-        (f'[sweep]\nverb = "simulate"\nt_end = "1 s"\n{axis}{start}', False),
+        (f'[run]\n{start}[sweep]\nfunction = "limit_cycle"\n{axis}', False),
+        (f'[sweep]\nfunction = "simulate"\nt_end = "1 s"\n{axis}{start}', False),
     ]:
         scenario = read(loading + text, "limit_cycle")
         assert scenario.settings == {"V_lp": 3e-3} | ({"V_start": 1e-3} if given else {}), text
@@ -523,7 +530,7 @@ def test_a_limit_cycle_says_from_which_start(b):
 
 def test_a_branch_along_a_parameter_of_the_law(read, told):
     """Where the slider's law has it."""
-    sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = "3 mm/s"\nb2 = { from = 2e-3, to = 1e-3 }'
+    sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\nb2 = { from = 2e-3, to = 1e-3 }'
     of_law = 'law = "two-state-slip"\nb2 = 1e-3\nDc2 = "50 um"\n'
     scenario = read(sweep, slider=SLIDER + of_law)
     assert scenario.settings == {"parameter": "b2", "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
@@ -534,7 +541,7 @@ def test_a_branch_along_a_parameter_of_the_law(read, told):
 
 def test_a_branch_along_damping(read, told):
     """Of a slider that has some."""
-    sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = 3e-3\ndamping = { from = 2e3, to = 1e3 }'
+    sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = 3e-3\ndamping = { from = 2e3, to = 1e3 }'
     settings = read(sweep, slider=SLIDER + "damping = 1e3\n").settings
     assert settings == {"parameter": "damping", "start": 2e3, "stop": 1e3, "V_lp": 3e-3}
     (line,) = told(sweep)
@@ -542,11 +549,11 @@ def test_a_branch_along_damping(read, told):
 
 
 def test_a_branch(read, told):
-    sweep = '[sweep]\nverb = "continue_cycle"\nV_lp = "3 mm/s"\nK = { from = 7e8, to = 3e8 }'
+    sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\nK = { from = 7e8, to = 3e8 }'
     scenario = read(sweep)
-    assert scenario.verb == "continue_cycle"
+    assert scenario.function == "continue_cycle"
     assert scenario.settings == {"parameter": "K", "start": 7e8, "stop": 3e8, "V_lp": 3e-3}
-    branch = '[sweep]\nverb = "continue_cycle"\n'
+    branch = '[sweep]\nfunction = "continue_cycle"\n'
     along = read(f"{branch}rtol = 1e-6\nV_lp = {{ from = 1e-3, to = 5e-3 }}")
     assert along.settings.keys() == {"parameter", "start", "stop", "rtol"}
     for table, line in [
@@ -571,8 +578,8 @@ def test_a_rigid_spring_cannot_rest(told, read):
     assert line.startswith(
         "[slider] K: inf moves the slider with the load point, which comes to re"
     )
-    assert read(f"{steps}4", slider=slider).verb == "simulate"
-    with pytest.raises(ParameterError, match="K = inf"):  # as the verb itself would say
+    assert read(f"{steps}4", slider=slider).function == "simulate"
+    with pytest.raises(ParameterError, match="K = inf"):  # as the function itself would say
         rs.simulate(rs.SpringSlider(a=1, b=1, Dc=1, sigma=1, K=np.inf), Loading.steps(1, (1, 0)), 2)
 
 

@@ -56,7 +56,7 @@ def alike(x, y):
 
 def check(one, other):
     """Check that two scenarios are the same."""
-    assert (one.verb, one.slider, one.output) == (other.verb, other.slider, other.output)
+    assert (one.function, one.slider, one.output) == (other.function, other.slider, other.output)
     assert one.settings.keys() == other.settings.keys()
     for key, value in one.settings.items():
         assert alike(value, other.settings[key]), key
@@ -188,11 +188,11 @@ def simulations(draw):
 
 @st.composite
 def others(draw):
-    verb = draw(st.sampled_from(["limit_cycle", "stability"]))
+    function = draw(st.sampled_from(["limit_cycle", "stability"]))
     chosen = {"V_lp": to_si("V_lp", draw(axes("V_lp")))}
-    if verb == "limit_cycle" and draw(st.booleans()):
+    if function == "limit_cycle" and draw(st.booleans()):
         chosen["rtol"] = draw(st.floats(1e-12, 1e-2))
-    return Scenario(verb, draw(sliders), chosen, Output())
+    return Scenario(function, draw(sliders), chosen, Output())
 
 
 unhurried = settings(deadline=None, max_examples=20, suppress_health_check=list(HealthCheck))
@@ -319,8 +319,8 @@ def test_result_and_back(name, again, tmp_path):
 def test_a_start_at_rest_or_backwards_and_back(again, V):
     """Under friction that lets slip reverse, by its own name or by that of the law."""
     given = {"loading": Loading.constant(1e-6), "t_end": 0.08, "initial": {"V": V, "tau": -1.5e6}}
-    heated = SLIDER.replace(law="flash-heating", friction=None, V_w=0.1, mu_w=0.2)
-    for slider in (SLIDER.replace(friction="regularized"), heated):
+    heated = SLIDER.replace(law="flash-heating", friction_form=None, V_w=0.1, mu_w=0.2)
+    for slider in (SLIDER.replace(friction_form="regularized"), heated):
         scenario = Scenario("simulate", slider, given)
         check(again(scenario), scenario)
     with pytest.raises(ParameterError, match=r"\[run\] initial\.V: '.*' must be > 0. Give a sp"):
@@ -481,7 +481,7 @@ t_end = "10 s"
 initial = { theta = "1 s" }
 
 [sweep]
-verb = "simulate"
+function = "simulate"
 M = [100.0, 1000.0, 10000.0]  # kg/m^2
 """
     )

@@ -399,7 +399,7 @@ def test_the_result_keeps_the_speeds_and_can_be_drawn():
     assert mark.get_xdata()[0] == pytest.approx(unit * before)
     with pytest.raises(rs.ParameterError, match="which has times alone"):
         plot.fit(result, ax=ax, x="delta_lp")
-    assert len(plot.page(result).axes) >= 3
+    assert len(plot.figure(result).axes) >= 3
 
 
 def test_points_far_from_all_sliders_have_no_cycle_and_no_warning():

@@ -12,7 +12,6 @@ from ratestate.friction.forms import FORMS, parameters_of
 from ratestate.friction.laws import LAWS
 from ratestate.laws import FrictionLaw, Parameter, log
 from ratestate.model.quantities import with_error
-from ratestate.records import fitting
 from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical
 from ratestate.records.fitting.forward import Forward
 from ratestate.records.fitting.generalized_least_squares import least_squares_fit
@@ -120,7 +119,7 @@ def test_a_user_s_law_is_fitted():
     # mu0 is not that of steady sliding at V0, which the shift raises by b h_n
     assert float(result.mu0) == pytest.approx(0.6, abs=2e-4)
     assert float(result.friction_fit[0]) == pytest.approx(0.6 + 0.014 * 0.7, abs=2e-4)
-    found = fitting.slider_of(result)
+    found = rs.fitted_slider(result)
     assert (found.law, found.h_n, found.r_n) == (own.law, 0.7, float(result.r_n))
 
 
@@ -247,7 +246,7 @@ def test_stiffness_over_critical_with_two_states(compared):
     """Compare its error with samples of the Gaussian of the fit."""
     part = results_by_law(compared)["two-state-slip"]
     ratio, error = stiffness_over_critical(part)
-    slider = fitting.slider_of(compared, "two-state-slip")
+    slider = rs.fitted_slider(compared, "two-state-slip")
     assert ratio == pytest.approx(slider.K / slider.K_c_qs, rel=1e-10)
     names, rng = list(FREE), np.random.default_rng(1)
     correlation = part.correlation.sel(parameter=names, other=names).values
@@ -324,7 +323,7 @@ def slider_under(law, form, **changes):
     """Return a slider under any law and form, with V0 unlike the record's speeds."""
     names = (*LAWS[law].parameters, *parameters_of(form))
     own = {name: OWN[name] for name in names} | {"mu0": 0.55, "V0": 3e-6}
-    return rs.SpringSlider(**COMMON | own | changes, law=law, friction=form)
+    return rs.SpringSlider(**COMMON | own | changes, law=law, friction_form=form)
 
 
 ALL = [*((law, LAWS[law].form) for law in LAWS), *(("slip", form) for form in FORMS)]
@@ -357,7 +356,7 @@ def test_fits_under_forms_of_friction(law, form):
     data = record(slider, STEP, T, noise=1e-4, seed=4)
     result = rs.fit(data, slider.replace(a=0.006, b=0.009, Dc="20 um"), trend=None)
     assert_finds(result, slider, ("a", "b", "Dc", "K", "mu0"), within=3.5, widest=0.5 / 3.5)
-    found = fitting.slider_of(result, law)
+    found = rs.fitted_slider(result, law)
     assert (found.friction, found.mu0) == (form, float(result.mu0))
     assert f"{law} law" in str(rs.summary(result))
 
@@ -370,7 +369,8 @@ def test_a_form_of_friction_under_normal_stress_that_varies():
     data = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma)
     free, start = ("a", "b", "alpha"), slider.replace(a=0.006, alpha=0.1)
     result, log = (
-        rs.fit(data, one, free, loading=stress) for one in (start, start.replace(friction="log"))
+        rs.fit(data, one, free, loading=stress)
+        for one in (start, start.replace(friction_form="log"))
     )
     for name in ("a", "b", "alpha", "mu0"):
         value = getattr(slider, name)

@@ -1,4 +1,4 @@
-"""A fit as text: `summary`; the estimated slider: `fitting.slider_of`."""
+"""A fit as text: `summary`; the estimated slider: `rs.fitted_slider`."""
 
 import re
 
@@ -153,11 +153,11 @@ def test_a_warning_of_several_steps_is_written_once():
 
 
 def test_the_estimated_slider(both):
-    slider = fitting.slider_of(both, "aging")
+    slider = rs.fitted_slider(both, "aging")
     one = both.sel(law="aging")
     found = {symbol: float(one[symbol]) for symbol in ("a", "b", "Dc", "K", "mu0")}
     assert slider == SLIDER.replace(M=4800, law="aging", **found)
-    assert slider == fitting.slider_of(one)
+    assert slider == rs.fitted_slider(one)
     # fitted friction equals that of a run of this slider
     run = rs.simulate(slider, STEP, 130.0, times=both.time.values)
     trend = float(one.trend_slip) * (run.delta - run.delta[0]).values
@@ -167,10 +167,10 @@ def test_the_estimated_slider(both):
 
 def test_datasets_without_a_slider_or_summary_are_refused(both):
     with pytest.raises(ParameterError, match=r"several laws\. Give law='slip' or law='aging'"):
-        fitting.slider_of(both)
+        rs.fitted_slider(both)
     with pytest.raises(ParameterError, match="law = 'nope' is unknown"):
-        fitting.slider_of(both, "nope")
-    for function in (fitting.slider_of, rs.summary):
+        rs.fitted_slider(both, "nope")
+    for function in (rs.fitted_slider, rs.summary):
         with pytest.raises(ParameterError, match=r"the Dataset that fit returns|title"):
             function(both.drop_attrs())
         with pytest.raises(ParameterError, match=r"complete|lost"):

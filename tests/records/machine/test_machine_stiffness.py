@@ -252,7 +252,7 @@ def test_the_summary_the_page_and_a_file(one, tmp_path):
     assert "GPa/m" in text
     assert text.count("reload") == 2
     assert str(summary(rs.files.read(rs.files.write(one, tmp_path / "machine.nc")))) == text
-    fig = plot.page(one)
+    fig = plot.figure(one)
     fig.draw_without_rendering()
     slope, ring = (ax.get_title("left").split("$ ")[1] for ax in fig.axes[1:])
     assert slope.startswith("reload\n19.98")
@@ -275,7 +275,7 @@ def test_headings_are_above_their_columns(one):
 def test_the_page_shows_the_slopes_that_weigh_most():
     result = rs.machine_stiffness(noisy(2, stick_slip()), "10 MPa")
     assert result.sizes["slope"] == 6
-    fig = plot.page(result)
+    fig = plot.figure(result)
     assert "Drawn are 4 of 6 slopes, those that weigh most" in fig.get_suptitle()
     relative = (result.slope_K_error / result.slope_K).values
     drawn = [ax.get_title("left").split("\n")[1] for ax in fig.axes]
@@ -293,7 +293,7 @@ def test_the_page_shows_the_slopes_that_weigh_most():
         ("10 um", {}, "sigma"),
         ("10 MPa", {"slider": 3}, "slider is of the type int"),
         ("10 MPa", {"slider": SLIDER.replace(a=rs.logspace("a", 1e-3, 1e-2, 2))}, "a of the"),
-        ("10 MPa", {"slider": SLIDER.replace(friction="regularized")}, "one state"),
+        ("10 MPa", {"slider": SLIDER.replace(friction_form="regularized")}, "one state"),
     ],
 )
 def test_bad_input(sigma, settings, text):

@@ -33,7 +33,7 @@ def test_means_over_blocks(tmp_path):
     path, t, x, mu = record(tmp_path / "r.csv", noise=1e-3)
     with pytest.warns(RecordWarning, match=r"20,000 rows are averaged in blocks of 10: 2,000 are "
                       r"left, one in 100 ms instead of 10 ms\. .*rows=None"):  # fmt: skip
-        data = read_lab(path, rows=2000)
+        data = read_lab(path, max_rows=2000)
     assert "20,000 rows are averaged" in json.loads(data.attrs["notes"])[0]
     for name, values in (("time", t), ("delta_lp", 1e-6 * x), ("friction", mu)):
         expected = values.reshape(-1, FACTOR).mean(axis=1)
@@ -50,17 +50,17 @@ def test_means_over_blocks(tmp_path):
 def test_nothing_is_averaged_of_as_many_rows_as_are_allowed(tmp_path):
     path, *_ = record(tmp_path / "r.csv")
     for rows in (N, None, MAX_ROWS, np.int64(N)):
-        data = read_lab(path, rows=rows)  # warnings are errors
+        data = read_lab(path, max_rows=rows)  # warnings are errors
         assert data.sizes["time"] == N
     with pytest.warns(RecordWarning, match="in blocks of 2: 10,000 are left"):
-        assert read_lab(path, rows=N - 1).sizes["time"] == N // 2
+        assert read_lab(path, max_rows=N - 1).sizes["time"] == N // 2
 
 
 @pytest.mark.parametrize("rows", [999, 0, -1, 1e6, "all", True])
 def test_numbers_of_rows_refused(tmp_path, rows):
     path, *_ = record(tmp_path / "r.csv")
     with pytest.raises(rs.ParameterError, match=r"rows = .* whole number from 1,000 on"):
-        read_lab(path, rows=rows)
+        read_lab(path, max_rows=rows)
 
 
 def test_a_mean_is_named_by_the_row_in_its_middle():
@@ -90,7 +90,7 @@ def test_no_block_spans_a_gap(tmp_path):
     path, t, *_ = record(tmp_path / "r.csv", lost=range(5003, 9999))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        data = read_lab(path, rows=2000)
+        data = read_lab(path, max_rows=2000)
     texts = [str(one.message) for one in caught]
     assert any("a gap in time before line 5005 (50 s)" in text for text in texts)
     times = data.time.values
@@ -118,7 +118,7 @@ def test_blocks_cover_all_rows_once():
 def test_segments_of_very_long_records_are_found_in_means(tmp_path, monkeypatch):
     path, *_ = record(tmp_path / "r.csv")
     monkeypatch.setattr("ratestate.records.reading.assembly.MAX_ROWS", 1000)
-    data = read_lab(path, rows=None)
+    data = read_lab(path, max_rows=None)
     assert data.sizes["time"] == N
     np.testing.assert_allclose(data.segment_t[1], 100.003, atol=5e-3)
 

@@ -17,7 +17,7 @@ from lab_files import MU, N, T, X
 import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import describe, read_lab
-from ratestate.records.reading.lab_format import TABLES, lab_format
+from ratestate.records.reading.lab_format import TABLES, read_lab_format
 
 #: symbol -> values in SI
 VALUES = {"time": T, "delta_lp": 1e-6 * X, "friction": MU, "tau": 2e7 * MU, "sigma": 2e7 + 0 * T}
@@ -93,12 +93,12 @@ def test_a_description_reads_as_the_options_it_was_made_with(tmp_path, table):
         text = describe(path, **options)
         lab = tmp_path / "lab.toml"
         lab.write_text(text, "utf-8")
-        data = read_lab(path, format=lab)
+        data = read_lab(path, lab_format=lab)
         # signs are as described, and no longer looked for: only the words of the notes differ
         notes = [json.loads(one.attrs.pop("notes")) for one in (expected, data)]
         xr.testing.assert_identical(data, expected)
         assert len(notes[0]) == len(notes[1])
-        again = describe(path, format=lab)
+        again = describe(path, lab_format=lab)
     assert tomllib.loads(again) == tomllib.loads(text)
 
 
@@ -122,7 +122,7 @@ def test_what_a_description_says(tmp_path):
     assert tables.keys() == TABLES.keys()
     lab = tmp_path / "lab.toml"
     lab.write_text(text)
-    data = read_lab(path, format=lab)
+    data = read_lab(path, lab_format=lab)
     assert json.loads(data.attrs["machine"]) == {"K": "5 GPa/m"}
     np.testing.assert_allclose(data.sigma, 2e7)
     np.testing.assert_allclose(data.friction, MU)
@@ -144,31 +144,31 @@ def test_options_of_the_call_go_first(tmp_path):
     lab = tmp_path / "lab.toml"
     lab.write_text('[columns]\ndelta_lp = "a"\nfriction = "mu"\nsigma = "sigma"\n'
                    '[units]\ndelta_lp = "um"\nsigma = "MPa"\n')  # fmt: skip
-    data = read_lab(path, {"delta_lp": "b"}, {"delta_lp": "mm"}, format=lab)
+    data = read_lab(path, {"delta_lp": "b"}, {"delta_lp": "mm"}, lab_format=lab)
     np.testing.assert_allclose(data.delta_lp, 2e-3 * X)
     np.testing.assert_allclose(data.sigma, 3e7)
     with pytest.warns(RecordWarning, match=r"sigma = 20 MPa is given; the column 'sigma \(MPa\)'"):
-        data = read_lab(path, sigma="20 MPa", format=lab)
+        data = read_lab(path, sigma="20 MPa", lab_format=lab)
     np.testing.assert_allclose(data.sigma, 2e7)
     assert "sigma" not in json.loads(data.attrs["columns"])
     lab.write_text('[columns]\ndelta_lp = "a"\n[units]\ndelta_lp = "um"\n[constants]\nsigma = 1e7')
     with pytest.raises(rs.ParameterError, match=r"sigma = 1.* and a column"):
-        read_lab(path, {"sigma": 6}, format=lab)
+        read_lab(path, {"sigma": 6}, lab_format=lab)
 
 
 def test_signs_that_are_given_are_not_looked_for(tmp_path):
     path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, -X, MU])
     lab = tmp_path / "lab.toml"
     lab.write_text("[signs]\ndelta_lp = -1")
-    data = read_lab(path, format=lab)
+    data = read_lab(path, lab_format=lab)
     np.testing.assert_allclose(data.delta_lp, 1e-6 * X, atol=1e-20)
     lab.write_text("[signs]\nfriction = 1")
     negative = write(tmp_path / "n.txt", ["t (s)", "disp (um)", "mu"], [T, X, -MU])
-    np.testing.assert_array_equal(read_lab(negative, format=lab).friction, -MU)
+    np.testing.assert_array_equal(read_lab(negative, lab_format=lab).friction, -MU)
     np.testing.assert_array_equal(read_lab(negative).friction, MU)
     lab.write_text("[signs]\ndelta_lp = 1\nfriction = -1")
     with pytest.raises(rs.ParameterError, match="runs backwards"):
-        read_lab(path, format=lab)
+        read_lab(path, lab_format=lab)
 
 
 def test_text_as_the_format_has_it(tmp_path):
@@ -180,11 +180,11 @@ def test_text_as_the_format_has_it(tmp_path):
     head = '[columns]\ntime = 1\ndelta_lp = 2\nfriction = 3\n[units]\ntime = "s"\ndelta_lp = "um"\n'
     lab.write_text(head + '[text]\ndelimiter = ","\n')
     with pytest.raises(rs.ParameterError):
-        read_lab(path, format=lab)  # of the cells "i 3" none is a number
+        read_lab(path, lab_format=lab)  # of the cells "i 3" none is a number
     path.write_text("\n".join(f"{t:g},{t:g};{x:g},5;0,{i % 7 + 1}" for i, (t, x) in
                               enumerate(zip(range(N), range(N), strict=True))))  # fmt: skip
     lab.write_text(head + '[text]\ndelimiter = ";"\ndecimal = ","\n')
-    data = read_lab(path, format=lab)
+    data = read_lab(path, lab_format=lab)
     np.testing.assert_allclose(data.delta_lp, 1e-6 * (np.arange(N) + 0.5))
     np.testing.assert_allclose(data.friction, 0.1 * (np.arange(N) % 7 + 1))
 
@@ -199,7 +199,7 @@ def test_a_format_of_mat_files(tmp_path):
     lab = tmp_path / "lab.toml"
     lab.write_text(describe(tmp_path / "r.mat", units=units))
     assert tomllib.loads(lab.read_text())["units"] == units
-    same(read_lab(tmp_path / "r.mat", format=lab), read_lab(tmp_path / "r.mat", units=units))
+    same(read_lab(tmp_path / "r.mat", lab_format=lab), read_lab(tmp_path / "r.mat", units=units))
 
 
 @pytest.mark.parametrize(
@@ -233,14 +233,14 @@ def test_formats_refused(tmp_path, text, match):
     lab = tmp_path / "lab.toml"
     lab.write_text(text)
     with pytest.raises(rs.ParameterError, match=match):
-        read_lab(path, format=lab)
+        read_lab(path, lab_format=lab)
 
 
 def test_all_that_is_wrong_with_a_format_is_reported(tmp_path):
     lab = tmp_path / "lab.toml"
     lab.write_text("[units]\ntime = 'm'\n[machine]\nK = 'x'\n[tables]\n")
     with pytest.raises(rs.ParameterError) as caught:
-        lab_format(lab)
+        read_lab_format(lab)
     lines = str(caught.value).splitlines()
     assert [line.partition("]")[0] for line in lines] == [
         f"lab.toml: [{table}" for table in ("units", "machine", "tables")
@@ -254,8 +254,8 @@ def test_all_that_is_wrong_with_a_format_is_reported(tmp_path):
         ({"M": "3 kg"}, "M = '3 kg' is not valid"),
         ({"sigma": "20 Pa"}, r"sigma = 20 Pa is impossible in a record"),
         ({"sigma": "20 m"}, "sigma = '20 m' is a length"),
-        ({"format": 3}, "format = 3 is not a path"),
-        ({"format": "no.toml"}, "no.toml cannot be read: No such file"),
+        ({"lab_format": 3}, "lab_format = 3 is not a path"),
+        ({"lab_format": "no.toml"}, "no.toml cannot be read: No such file"),
         ({"form": "x"}, "describe has no parameter form"),
     ],
 )

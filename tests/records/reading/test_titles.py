@@ -227,7 +227,7 @@ def test_the_pore_pressure_is_subtracted(tmp_path, title):
         np.testing.assert_allclose(both.sigma, 2e7)
         lab = tmp_path / "lab.toml"
         lab.write_text(describe(path), "utf-8")
-        np.testing.assert_allclose(read_lab(path, format=lab).sigma, 2e7)
+        np.testing.assert_allclose(read_lab(path, lab_format=lab).sigma, 2e7)
 
 
 def test_a_pressure_that_is_not_subtracted(tmp_path):

@@ -62,7 +62,8 @@ def simulate(
     initial : dict, optional
         Any of "V" [m/s], "theta" [s] and "tau" [Pa], which override the steady start.
         If M = 0, two of them determine the third.  If K = inf, V is the load point's speed, and
-        theta and tau determine each other.  With friction="regularized" V may be 0 or negative.
+        theta and tau determine each other.  V may be 0 or negative with
+        friction_form="regularized".
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
         differ): 1-D, or a DataArray with the dimension ``time`` and those of the sweep.  By
@@ -106,7 +107,7 @@ def simulate(
           law: friction would have to push (its smallest mu, ``mu_min``, is negative), or the spring
           pulls back harder than friction can hold (the smallest (tau + sigma mu)/sigma(0),
           ``reversal_margin``, is negative).  Both are also searched for between the solver's
-          steps.  With friction="regularized" slip reverses instead, and V_min is negative.
+          steps.  With friction_form="regularized" slip reverses instead, and V_min is negative.
 
     Raises
     ------

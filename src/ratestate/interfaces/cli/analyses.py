@@ -82,18 +82,18 @@ def branch(
         _do(file, "limit_cycle", outputs, **changes)
 
 
-def _do(file: Path, verb: str, outputs: Outputs, **changes: Any) -> None:
-    """Call a function with a file's scenario, whose own verb and [output] are ignored."""
+def _do(file: Path, function: str, outputs: Outputs, **changes: Any) -> None:
+    """Call a function with a file's scenario, whose own function and [output] are ignored."""
     from ..scenario import Output
     from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
     units = wanted_units(outputs.units)
-    scenario = load_scenario(file, verb, outputs.law_file)
+    scenario = load_scenario(file, function, outputs.law_file)
     settings = scenario.settings | changes
     if "parameter" in changes:  # from a limit cycle to a branch
-        verb = "continue_cycle"
+        function = "continue_cycle"
         if changes["parameter"] == "V_lp":
             settings.pop("V_lp")
-    scenario = dataclasses.replace(scenario, verb=verb, settings=settings, output=Output())
+    scenario = dataclasses.replace(scenario, function=function, settings=settings, output=Output())
     note_sweep(scenario)
     do(scenario, outputs, units)

@@ -18,7 +18,6 @@ from .output import folder, names_of, print_line, reporting_files, write_text
 if TYPE_CHECKING:
     import xarray
 
-Each = Literal["step"]
 Against = Literal["time", "displacement", "cycles"]
 Trend = Literal["slip", "time", "none"]
 Start = Literal["auto", "steady", "free"]
@@ -40,7 +39,7 @@ def fit(
     V0: str | None = None,
     of_law: list[str] | None = None,
     reading: Reading,
-    each: Each | None = None,
+    per_step: bool = False,
     against: Against = "time",
     trend: Trend = "slip",
     start: Start = "auto",
@@ -53,7 +52,7 @@ def fit(
 
     It ends with code 3 where an answer carries warnings; they are printed with it.
 
-    Example: ratestate fit record.txt --each step --out fitted
+    Example: ratestate fit record.txt --per-step --out fitted
     """
     values = {"sigma": sigma, "a": a, "b": b, "Dc": Dc, "K": K, "M": M, "V0": V0}
     named = (name.strip() for text in law or () for name in text.split(","))
@@ -61,7 +60,7 @@ def fit(
     fitting = {
         "free": tuple(name.strip() for name in free.split(",") if name.strip()),
         "law": laws if len(laws) > 1 else laws[0],
-        "each": each,
+        "per_step": per_step,
         "against": against,
         "trend": None if trend == "none" else trend,
         "start": start,
@@ -162,7 +161,7 @@ def describe(
     M: str | None = None,
     reading: FileReading,
 ) -> None:
-    """Print how a laboratory's files are read, as a file for --format of other commands.
+    """Print how a laboratory's files are read, as a file for --lab-format of other commands.
 
     Example: ratestate lab describe record.txt
     """
@@ -225,7 +224,7 @@ def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) 
     table = laboratory_csv(_by_law(result, dim), dim)
     return [
         write(result, out / f"{name}.nc"),
-        plot.save(plot.page(result), out / f"{name}.png"),
+        plot.save(plot.figure(result), out / f"{name}.png"),
         write_text(out / f"{name}.csv", table),
         write_text(out / f"{name}_summary.csv", summary_csv(result)),
     ]

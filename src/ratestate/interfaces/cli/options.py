@@ -36,7 +36,7 @@ class FileReading:
     displacement: str | None = None
     columns: list[str] | None = None
     column_units: list[str] | None = None
-    format_: Path | None = None
+    lab_format: Path | None = None
 
     def keywords(self) -> dict[str, Any]:
         """Return keywords of `read_lab` for the options that are given."""
@@ -46,7 +46,7 @@ class FileReading:
             "units": pairs_of(self.column_units, "--units", separator=","),
             "time": _window(self.time, "--time"),
             "displacement": _window(self.displacement, "--displacement"),
-            "format": self.format_ and self.format_.as_posix(),
+            "lab_format": self.lab_format and self.lab_format.as_posix(),
         }
         return {name: value for name, value in reading.items() if value not in (None, {})}
 
@@ -55,12 +55,12 @@ class FileReading:
 class Reading(FileReading):
     """Options on how a record is read, which may be in several files."""
 
-    rows: int | None = None
+    max_rows: int | None = None
     join: Join = "auto"
 
     def keywords(self) -> dict[str, Any]:
         """Return keywords of `read_lab` for the options that are given."""
-        own = {"rows": self.rows, "join": None if self.join == "auto" else self.join}
+        own = {"max_rows": self.max_rows, "join": None if self.join == "auto" else self.join}
         given = {name: value for name, value in own.items() if value is not None}
         return super().keywords() | given
 

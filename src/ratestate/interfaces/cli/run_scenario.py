@@ -27,12 +27,12 @@ from .verdict_text import VerdictText, verdict_text
 MOST_BYTES = 3 * 10**9
 
 
-def load_scenario(file: Path, verb: str | None, law_file: Path | None) -> Scenario:
+def load_scenario(file: Path, function: str | None, law_file: Path | None) -> Scenario:
     """Return the scenario of a file, or of standard input for "-"."""
     if file != Path("-"):
-        return scenarios.load(file, verb, law_file=law_file)
+        return scenarios.load(file, function, law_file=law_file)
     text = typer.get_binary_stream("stdin").read(scenarios.LARGEST + 1)
-    return scenarios.loads(text, verb, name="standard input", law_file=law_file)
+    return scenarios.loads(text, function, name="standard input", law_file=law_file)
 
 
 def do(scenario: Scenario, outputs: Outputs, units: dict[str, str]) -> None:
@@ -87,7 +87,7 @@ def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Out
 def note_sweep(scenario: Scenario) -> None:
     """Say on stderr that the command computes all cases of a file's [sweep], if it has any."""
     sizes = swept_dims(scenario)
-    if sizes and scenario.verb != "continue_cycle":
+    if sizes and scenario.function != "continue_cycle":
         cases = math.prod(sizes.values())
         print_line(
             f"the [sweep] of the file is swept, {cases:,} case{'s' if cases > 1 else ''}; for the "
@@ -112,7 +112,7 @@ def compute(scenario: Scenario) -> xarray.Dataset:
     SolverError, with the verdict on a limit cycle, if a single case has no answer.
     """
     dims = swept_dims(scenario)
-    if dims and scenario.verb == "continue_cycle":
+    if dims and scenario.function == "continue_cycle":
         raise ParameterError(
             (
                 "a branch follows the cycles of one slider, but there are many values of "
@@ -124,7 +124,7 @@ def compute(scenario: Scenario) -> xarray.Dataset:
         try:
             return scenarios.run(scenario)
         except (NotConverged, QuasiStaticInstability) as error:
-            if scenario.verb != "limit_cycle":
+            if scenario.function != "limit_cycle":
                 raise
             found = verdict(scenario.slider, scenario.settings["V_lp"], error)
             message = f"no cycle is found.\n{found.text}\n{scenario.slider!r}"
@@ -133,7 +133,7 @@ def compute(scenario: Scenario) -> xarray.Dataset:
     from ...sweeps.solve import bytes_per_case, form_of
     from ...sweeps.sweep import sweep
 
-    _, call = call_of(scenario.verb, scenario.slider, scenario.settings)
+    _, call = call_of(scenario.function, scenario.slider, scenario.settings)
     cases = call.batch.n
     size = cases * bytes_per_case(form_of(call).specs)
     if size > MOST_BYTES:
@@ -144,7 +144,7 @@ def compute(scenario: Scenario) -> xarray.Dataset:
             ),
             "Use ratestate sweep FILE --store x.zarr, or fewer cases.",
         )
-    return sweep(scenario.verb, scenario.slider, progress=on_terminal(), **scenario.settings)
+    return sweep(scenario.function, scenario.slider, progress=on_terminal(), **scenario.settings)
 
 
 def wanted_units(texts: list[str] | None) -> dict[str, str]:
@@ -201,5 +201,5 @@ def draw_plot(result: xarray.Dataset, output: Output) -> None:
     if output.plot:
         from ... import plot
 
-        plot.save(plot.page(result), output.plot)
+        plot.save(plot.figure(result), output.plot)
         print_line(f"wrote {output.plot}", err=True)

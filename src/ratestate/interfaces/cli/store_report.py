@@ -64,7 +64,7 @@ def _rows(status: "StoreStatus") -> dict[str, str]:
     """The status of a store: label -> text."""
     rows = {
         "store": str(status.path),
-        "verb": status.verb,
+        "function": status.function,
         "axes": ", ".join(f"{dim} ({size})" for dim, size in status.dims.items()),
         "cases": str(status.cases),
         "done": f"{status.done} ({100 * status.done // status.cases} %)",
@@ -97,13 +97,13 @@ def _differences(store: Path, file: Path, law_file: Path | None) -> list[str]:
     from .run_scenario import load_scenario
 
     scenario = load_scenario(file, None, law_file)
-    call = call_of(scenario.verb, scenario.slider, scenario.settings)
+    call = call_of(scenario.function, scenario.slider, scenario.settings)
     return differences(Store.open(store).arguments, arguments_of(*call))
 
 
 def _summary(status: "StoreStatus") -> str:
     """How many cases ended in which way, in one line."""
-    answers = "cycles" if status.verb == "limit_cycle" else "finished"
+    answers = "cycles" if status.function == "limit_cycle" else "finished"
     counts = {answers: status.done - status.steady - status.failed}
     counts |= {"steady sliding": status.steady, "failed": status.failed}
     counts["not done"] = status.cases - status.done

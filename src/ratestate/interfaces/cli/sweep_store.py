@@ -69,7 +69,7 @@ def sweep(
             with _client(scheduler) as client:
                 how: dict[str, Any] = {"client": client, "slurm": slurm, "chunk": chunk}
                 how |= {"device": device, **scenario.settings}
-                result = run(scenario.verb, scenario.slider, store=store, progress=True, **how)
+                result = run(scenario.function, scenario.slider, store=store, progress=True, **how)
                 number = print_outcome(store, result, outputs.json)
                 write_numbers(in_numbers(result, own_units), output)
                 draw_plot(result, output)

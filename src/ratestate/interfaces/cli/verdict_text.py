@@ -35,7 +35,7 @@ class VerdictText(NamedTuple):
 def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | None:
     """The verdict on a single slider; None of a branch, a response, or a run with no last V > 0."""
     slider, settings = scenario.slider, scenario.settings
-    match scenario.verb:
+    match scenario.function:
         case "continue_cycle" | "frequency_response":
             return None
         case "limit_cycle":

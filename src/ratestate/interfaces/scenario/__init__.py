@@ -32,10 +32,10 @@
     times = { from = "0 s", to = "300 s", n = 301 }
     rtol = 1e-6
     method = "rodas5p"
-    verb = "limit_cycle"  # in place of "simulate"; rtol then is this verb's
+    function = "limit_cycle"  # in place of "simulate"; rtol then is this function's
 
     [sweep]  # comes before the other tables; V_lp stands for the last speed of [loading]
-    verb = "limit_cycle"
+    function = "limit_cycle"
     M = { from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }
     V_lp = ["1 mm/s", 3.2e-3]
     # "continue_cycle" follows one parameter, such as K = { from = "700 MPa/m", to = "500 MPa/m" }

@@ -41,7 +41,7 @@ def python(scenario: Scenario) -> str:
         lines += ["loading = " + _loading(settings.pop("loading"))]
         arguments.append("loading")
     arguments += [f"{key}={_setting(key, value)}" for key, value in settings.items()]
-    lines.append("result = " + _call(f"rs.{scenario.verb}", arguments, 70))
+    lines.append("result = " + _call(f"rs.{scenario.function}", arguments, 70))
     text = "\n".join(lines)
     needed = [("xarray", "xarray."), ("ratestate as rs", "rs.")]
     imports = [f"import {name}" for name, used in needed if used in text]

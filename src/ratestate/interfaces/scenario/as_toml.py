@@ -46,7 +46,11 @@ def toml(scenario: Scenario) -> str:
     A law that was registered from a file is named with the hash of its source, and its file by its
     whole path.  Values of a magnitude that `load` refuses are written nevertheless.
     """
-    verb, slider, settings = scenario.verb, scenario.slider.parameters, dict(scenario.settings)
+    function, slider, settings = (
+        scenario.function,
+        scenario.slider.parameters,
+        dict(scenario.settings),
+    )
     loading: dict[str, str] = {}
     swept = {k: v for k, v in {**slider, **settings}.items() if is_array(v) and k != "frequency"}
     if "loading" in settings:
@@ -55,11 +59,11 @@ def toml(scenario: Scenario) -> str:
     elif "V_lp" in settings and "V_lp" not in swept:
         loading = {"V_lp": quantity("V_lp", settings["V_lp"])}
     axes = {key: _axis(key, value) for key, value in swept.items()}
-    if verb == "continue_cycle":
+    if function == "continue_cycle":
         symbol = settings["parameter"]
         ends = {"from": settings["start"], "to": settings["stop"]}
         axes[symbol] = _inline({key: quantity(symbol, end) for key, end in ends.items()})
-    if verb == "limit_cycle" and axes and "V_start" in settings and "V_start" not in swept:
+    if function == "limit_cycle" and axes and "V_start" in settings and "V_start" not in swept:
         axes["V_start"] = _literal("V_start", settings["V_start"])
     elsewhere = {"V_lp", "parameter", "start", "stop", *axes}
     run = {
@@ -68,17 +72,17 @@ def toml(scenario: Scenario) -> str:
         if k not in elsewhere
     }
     output = {"file": scenario.output.file, "plot": scenario.output.plot}
-    named, form = {"verb": f'"{verb}"'}, scenario.slider.friction
+    named, form = {"function": f'"{function}"'}, scenario.slider.friction_form
     tables = {
         "slider": {k: _literal(k, v) for k, v in slider.items() if k not in swept}
         | _law(scenario.slider.law)
-        | ({} if form == LOG else {"friction": _literal("friction", form)}),
+        | ({} if form == LOG else {"friction_form": _literal("friction_form", form)}),
         "loading": loading,
-        "run": run if axes or verb == "simulate" else named | run,
+        "run": run if axes or function == "simulate" else named | run,
         "sweep": named | axes if axes else {},
         "output": {key: _literal(key, path) for key, path in output.items() if path},
     }
-    lines = [f"# To do this: ratestate {FUNCTIONS[verb].commands[bool(swept)]} FILE.toml"]
+    lines = [f"# To do this: ratestate {FUNCTIONS[function].commands[bool(swept)]} FILE.toml"]
     for name, table in tables.items():
         if table:
             lines += ["", f"[{name}]", *(f"{key} = {value}" for key, value in table.items())]

@@ -47,21 +47,21 @@ class Tables(NamedTuple):
 def assemble(tables: Tables) -> Scenario | None:
     """Return the scenario, or None if there are problems; note those that are found here."""
     slider = _slider(tables)
-    verb, own, swept, branch = tables.sweep
+    function, own, swept, branch = tables.sweep
     if swept.get("V_lp") is not None and tables.loading.is_record:
         tables.place("V_lp").add("loading.of_record", like=example("V_lp"))
     _note_missing_speed(tables)
     run = dict(tables.run)
-    if own != verb:  # functions have rtol of different meanings
+    if own != function:  # functions have rtol of different meanings
         run.pop("rtol", None)
-    if verb == "limit_cycle" and (own != verb or "sweep" in tables.names):
+    if function == "limit_cycle" and (own != function or "sweep" in tables.names):
         run.pop("V_start", None)  # of the run
     settings = run | {k: v for k, v in swept.items() if k not in parameter_keys()}
-    if verb:
-        check_rtol = FUNCTIONS[verb].check_rtol
+    if function:
+        check_rtol = FUNCTIONS[function].check_rtol
         if check_rtol and settings.get("rtol") is not None:
             tables.place("rtol").noting(lambda: check_rtol(settings["rtol"]))
-    if verb == "simulate":
+    if function == "simulate":
         settings.pop("frequency", None)
         V_last = settings.pop("V_lp", None)
         if "t_end" not in settings:
@@ -69,17 +69,17 @@ def assemble(tables: Tables) -> Scenario | None:
         loading = tables.loading.build(V_last, settings.get("t_end"))
         _check_run(slider, settings, loading, tables)
         settings = {"loading": loading} | settings
-    elif verb:
-        settings = {k: v for k, v in settings.items() if k in FUNCTIONS[verb].keys}
+    elif function:
+        settings = {k: v for k, v in settings.items() if k in FUNCTIONS[function].keys}
         if branch.get("parameter") != "V_lp":
             settings = {"V_lp": _last_speed(tables)} | settings
         settings = _in_si(branch, slider) | settings
-    if verb == "continue_cycle" and slider is not None and branch and not tables.problems:
+    if function == "continue_cycle" and slider is not None and branch and not tables.problems:
         check = functools.partial(checked_family, slider, **{"V_lp": None, "rtol": 1e-8} | settings)
         tables.table("sweep").at(branch["parameter"]).noting(check)
     if tables.problems or slider is None:
         return None
-    return Scenario(verb, slider, settings, Output(**tables.output))
+    return Scenario(function, slider, settings, Output(**tables.output))
 
 
 def _in_si(branch: dict[str, Any], slider: SpringSlider | None) -> dict[str, Any]:
@@ -133,7 +133,7 @@ def _last_speed(tables: Tables) -> Any:
     if "V_lp" in swept:
         place, last = tables.place("V_lp"), swept["V_lp"]
     if last is not None and not np.all(np.greater(last, 0.0)):
-        place.add("loading.at_rest", verb=tables.sweep.verb, wanted=remedy("V_lp"))
+        place.add("loading.at_rest", function=tables.sweep.function, wanted=remedy("V_lp"))
     return last
 
 

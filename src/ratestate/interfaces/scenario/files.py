@@ -25,7 +25,7 @@ MOST_TABLES = 100
 
 
 def load(
-    path: str | Path, verb: str | None = None, *, law_file: str | Path | None = None
+    path: str | Path, function: str | None = None, *, law_file: str | Path | None = None
 ) -> Scenario:
     """Read a scenario file.
 
@@ -34,7 +34,7 @@ def load(
     path : str or Path
         A TOML file with the tables [slider], [loading], [run], [sweep] and [output], of which none
         but the first must be there; see `ratestate.scenario`.
-    verb : str, optional
+    function : str, optional
         Function to call in place of the file's own, which [sweep] or [run] names, or which is
         "simulate".  Keys that it does not take are read and checked, but left out.
     law_file : str or Path, optional
@@ -54,12 +54,12 @@ def load(
         cannot be used.
     """
     path = Path(path)
-    return loads(_bytes(path), verb, name=str(path), folder=path.parent, law_file=law_file)
+    return loads(_bytes(path), function, name=str(path), folder=path.parent, law_file=law_file)
 
 
 def loads(
     text: str | bytes,
-    verb: str | None = None,
+    function: str | None = None,
     *,
     name: str = "the text",
     folder: Path | None = None,
@@ -71,7 +71,7 @@ def loads(
     ----------
     text : str or bytes
         TOML; bytes are UTF-8.
-    verb : str, optional
+    function : str, optional
         As for `load`.
     name : str
         Name of the text in messages.
@@ -91,17 +91,17 @@ def loads(
     ParameterError
         As for `load`.
     """
-    verb = None if verb is None else choice(verb, FUNCTIONS)
+    function = None if function is None else choice(function, FUNCTIONS)
     problems: list[Problem] = []
     data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
     parsed = _tables(_parse(data, name), problems)
     take_law_file(parsed, law_file, folder, problems)
     slider = plain_table("slider", parsed.get("slider", {}), problems)
     of_sweep = parsed.get("sweep", {})
-    law = _law_of(slider | {k: of_sweep[k] for k in ("law", "friction") if k in of_sweep})
+    law = _law_of(slider | {k: of_sweep[k] for k in ("law", "friction_form") if k in of_sweep})
     run = plain_table("run", parsed.get("run", {}), problems, law)
-    verb_of_run = run.pop("verb", None)
-    sweep = sweep_table(parsed.get("sweep"), verb, verb_of_run, problems, law)
+    function_of_run = run.pop("function", None)
+    sweep = sweep_table(parsed.get("sweep"), function, function_of_run, problems, law)
     # (an area with a problem, which is noted, is not missing too)
     area = {
         key: 1.0 if value is None else value
@@ -128,7 +128,7 @@ def _law_of(slider: dict[str, Any]) -> FrictionLaw | None:
     """Return the law of a slider with its form of friction and damping; None if it is unknown."""
     try:
         law = friction_law(slider.get("law", DEFAULT))
-        form = form_name(slider.get("friction", law.form))
+        form = form_name(slider.get("friction_form", law.form))
         return composed(law, form, bool(slider.get("damping")))
     except ParameterError:  # noted when the slider is read, or made
         return None

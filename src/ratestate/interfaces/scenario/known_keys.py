@@ -57,21 +57,21 @@ TABLES = {
         *("V_lp", "steps", "sinusoid", "file", "columns", "units", "t"),
         *("sigma", "sigma_steps", "sigma_sinusoid"),
     ),
-    "run": ("verb", "t_end", "V_start", "initial", "times", "rtol", "method", "frequency"),
-    "sweep": ("verb", *SETTINGS),
+    "run": ("function", "t_end", "V_start", "initial", "times", "rtol", "method", "frequency"),
+    "sweep": ("function", *SETTINGS),
     "output": ("file", "plot"),
 }
 #: key -> the endings that its file may have
 ENDINGS = {"file": NUMBERS, "plot": PICTURES}
 #: keys of [sweep] that have one value
-ONE_VALUE = ("verb", "law", "friction", "rtol", "times")
+ONE_VALUE = ("function", "law", "friction_form", "rtol", "times")
 SPEEDS_LIKE = "['1 um/s', '1 um/s', '3 um/s', 0]"
 #: key, or key and table -> an example of its value, if that is not a quantity
 LIKE = {
     "law": repr(DEFAULT),
-    "friction": "'cut-off'",
+    "friction_form": "'cut-off'",
     "law_file": "'mylaw.py'",
-    "verb": "'limit_cycle'",
+    "function": "'limit_cycle'",
     "method": "'auto'",
     "initial": "{ theta = '10 s' }",
     "times": "[0.5, '1 s']",
@@ -120,7 +120,7 @@ def is_axis(key: str) -> bool:
 
 def choices(key: str) -> tuple[str, ...]:
     """Return the names that a key may have as a value; () if its value is not a name."""
-    names = {"law": LAWS, "friction": (LOG, *FORMS), "method": METHODS, "verb": FUNCTIONS}
+    names = {"law": LAWS, "friction_form": (LOG, *FORMS), "method": METHODS, "function": FUNCTIONS}
     return tuple(names.get(key, ()))
 
 
@@ -143,7 +143,7 @@ def example(key: str, table: str = "") -> str:
 
 
 def known_items(
-    table: str, given: dict[str, Any], place: Place, verb: str = ""
+    table: str, given: dict[str, Any], place: Place, function: str = ""
 ) -> Iterator[tuple[str, Any]]:
     """Yield the known keys of a table with their values; note the others, unless too many."""
     keys = keys_of(table)
@@ -163,7 +163,7 @@ def known_items(
             meant = f" Did you mean {near} in {tables_with(near)}?" if near else ""
             wanted = one_of(keys, key, example(own or keys[0], table)) + meant
             place.at(key).add(
-                "key.no_parameter" if verb else "key.unknown", verb=verb, wanted=wanted
+                "key.no_parameter" if function else "key.unknown", function=function, wanted=wanted
             )
 
 

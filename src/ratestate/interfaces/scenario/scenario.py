@@ -32,7 +32,7 @@ class Function(NamedTuple):
     check_rtol: Callable[[float], Any] | None = None  # raises ParameterError
 
 
-#: value of the key verb -> its function
+#: value of the key function -> its function
 FUNCTIONS = {
     "limit_cycle": Function(
         *(*SWEPT["limit_cycle"], ("V_lp", "V_start", "rtol"), ("cycle", "sweep")),
@@ -70,11 +70,11 @@ class Output:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Scenario:
-    """A call to make: ``getattr(ratestate, verb)(slider, **settings)``.
+    """A call to make: ``getattr(ratestate, function)(slider, **settings)``.
 
     Attributes
     ----------
-    verb : str
+    function : str
         The function: "simulate", "limit_cycle", "stability", "frequency_response" or
         "continue_cycle".
     slider : SpringSlider
@@ -85,7 +85,7 @@ class Scenario:
         Where the result goes.
     """
 
-    verb: str
+    function: str
     slider: SpringSlider
     settings: dict[str, Any]
     output: Output = Output()
@@ -104,7 +104,7 @@ def run(scenario: Scenario) -> Any:
     xarray.Dataset
         What the function returns; it raises what that raises.
     """
-    return FUNCTIONS[scenario.verb].call(scenario.slider, **scenario.settings)
+    return FUNCTIONS[scenario.function].call(scenario.slider, **scenario.settings)
 
 
 def from_result(result: Any) -> Scenario:
@@ -135,19 +135,19 @@ def from_result(result: Any) -> Scenario:
         raise ParameterError(
             "a fit has no scenario",
             "Fit the record again with ratestate fit, or with the lines of Python in its "
-            "report.md. For the slider of the fit use ratestate.fitting.slider_of(result).",
+            "report.md. For the slider of the fit use ratestate.fitted_slider(result).",
         )
-    verb = title.removeprefix("ratestate ")
-    if verb not in FUNCTIONS or title == verb:
+    function = title.removeprefix("ratestate ")
+    if function not in FUNCTIONS or title == function:
         raise ParameterError(f"a result with the title {title[:60]!r} has no scenario", wanted)
     try:
         slider, given = recorded_call(result)
-        function = FUNCTIONS[verb]
-        bound = inspect.signature(function.call).bind(SpringSlider(**slider), **given)
+        known = FUNCTIONS[function]
+        bound = inspect.signature(known.call).bind(SpringSlider(**slider), **given)
         settings = {k: x for k, x in given.items() if not _is_default(x, bound.signature, k)}
-        scenario = Scenario(verb, bound.arguments["slider"], settings)
+        scenario = Scenario(function, bound.arguments["slider"], settings)
         bound.apply_defaults()
-        getattr(function.checked(**bound.arguments), "batch", None)  # refuses arrays that clash
+        getattr(known.checked(**bound.arguments), "batch", None)  # refuses arrays that clash
     except ParameterError:
         raise
     except Exception as error:  # attributes and variables may be altered in any way

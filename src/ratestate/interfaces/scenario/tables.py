@@ -112,8 +112,10 @@ def _path(key: str, value: Any) -> Path:
 class Sweep(NamedTuple):
     """The table [sweep]."""
 
-    verb: str  # the function to call: the requested one, or the file's own; "" if that is unknown
-    own: str  # the file's own verb
+    function: (
+        str  # the function to call: the requested one, or the file's own; "" if that is unknown
+    )
+    own: str  # the file's own function
     values: dict[str, Any]  # floats, DataArrays of axes, times, law; None for one with a problem
     branch: dict[str, Any]  # the keys parameter, start and stop of `continue_cycle`
 
@@ -136,46 +138,48 @@ def sweep_table(
     place = Place(("sweep",), problems)
     if table is None:
         own = of_run or "simulate"
-        if (verb := requested or own) == "continue_cycle":
+        if (function := requested or own) == "continue_cycle":
             place.add("branch.missing", like=BRANCH)
-        return Sweep(verb, own, {}, {})
-    own = _verb(table, requested, of_run, place)
-    verb = requested or own
+        return Sweep(function, own, {}, {})
+    own = _function_of(table, requested, of_run, place)
+    function = requested or own
     known = (*slider_keys(), *(FUNCTIONS[own].keys if own else SETTINGS))
     given = {}
-    for key, value in known_items("sweep", table, place, own or "any verb"):
+    for key, value in known_items("sweep", table, place, own or "any function"):
         if key in known:
             given[key] = value
-        elif key != "verb":
+        elif key != "function":
             wanted = one_of(known, key, example(key))
-            place.at(key).add("key.no_parameter", verb=own, wanted=wanted)
-    branch = _branch(given, own, place, law) if verb == "continue_cycle" else {}
+            place.at(key).add("key.no_parameter", function=own, wanted=wanted)
+    branch = _branch(given, own, place, law) if function == "continue_cycle" else {}
     values = _read(given, own, place, bool(branch))
-    if own and own != verb:
-        taken = {*slider_keys(), *FUNCTIONS[verb].keys} - {"rtol", "V_start"}  # they differ
+    if own and own != function:
+        taken = {*slider_keys(), *FUNCTIONS[function].keys} - {"rtol", "V_start"}  # they differ
         values = {key: value for key, value in values.items() if key in taken}
-    return Sweep(verb, own, values, branch)
+    return Sweep(function, own, values, branch)
 
 
-def _verb(table: dict[str, Any], requested: str | None, of_run: str | None, place: Place) -> str:
+def _function_of(
+    table: dict[str, Any], requested: str | None, of_run: str | None, place: Place
+) -> str:
     """Return the function that the file names; "" for a problem, noted."""
-    if "verb" not in table:
+    if "function" not in table:
         if not (of_run or requested):
-            place.missing("verb", one_of(FUNCTIONS))
+            place.missing("function", one_of(FUNCTIONS))
         return of_run or requested or ""
-    verb = place.at("verb").noting(lambda: choice(table["verb"], FUNCTIONS))
-    if verb and of_run not in (None, verb):
-        place.at("verb").add("table.two_verbs", given=verb, own=of_run)
+    function = place.at("function").noting(lambda: choice(table["function"], FUNCTIONS))
+    if function and of_run not in (None, function):
+        place.at("function").add("table.two_functions", given=function, own=of_run)
         return ""
-    return verb or ""
+    return function or ""
 
 
-def _read(given: dict[str, Any], verb: str, place: Place, is_branch: bool) -> dict[str, Any]:
+def _read(given: dict[str, Any], function: str, place: Place, is_branch: bool) -> dict[str, Any]:
     """Return the values of all keys; make axes only if there are not too many cases."""
     values: dict[str, Any] = {}
     for key, value in given.items():
         if is_axis(key):
-            bound = ">= 0" if key == "V_lp" and verb == "simulate" else None
+            bound = ">= 0" if key == "V_lp" and function == "simulate" else None
             values[key] = read_values(key, value, place.at(key), bound)
         else:
             values[key] = read_value(key, value, place.at(key))

@@ -41,13 +41,13 @@ SINGLE = {
 }
 #: functions of a record, which are never swept
 OF_RECORDS = ("fit", "events", "healing", "machine_stiffness")
-#: function of which a page shows no sweep -> what it shows
+#: function whose figure shows no sweep -> what it shows
 ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 #: dimensions of results that are no axes of a sweep
 OWN = ("time", "segment", "mode", "multiplier", "point", "frequency", "event", "abscissa")
 
 
-def page(result, *, title=True):
+def figure(result, *, title=True):
     """A figure of a result, for a file or a notebook.
 
     Parameters
@@ -64,18 +64,18 @@ def page(result, *, title=True):
     Returns
     -------
     matplotlib.figure.Figure
-        The page, as `save` writes it.
+        The figure, as `save` writes it.
 
     Raises
     ------
     ParameterError
         No such result, or one that has lost its attributes; more than two axes.
     """
-    fig = _page(result)
+    fig = _figure(result)
     return fig if title else untitled(fig)
 
 
-def _page(result):
+def _figure(result):
     if isinstance(result, list | tuple | dict):
         parts = result.values() if isinstance(result, dict) else result
         titles = {getattr(part, "attrs", {}).get("title") for part in parts}
@@ -85,7 +85,7 @@ def _page(result):
     if function not in SINGLE:
         raise ParameterError(
             (
-                "page draws a Dataset that a function of ratestate returned, with its "
+                "figure() draws a Dataset that a function of ratestate returned, with its "
                 "attributes, and this is not one"
             ),
             "Give such a result.",
@@ -94,12 +94,12 @@ def _page(result):
     axes = [] if function in OF_RECORDS else [dim for dim in result.sizes if dim not in OWN]
     if axes and function in ONE:
         raise ParameterError(
-            f"a page shows one {ONE[function]}", f"Pick one along {axes[0]!r} with .isel."
+            f"a figure shows one {ONE[function]}", f"Pick one along {axes[0]!r} with .isel."
         )
     if len(axes) > 2:
         raise ParameterError(
             (
-                f"a page shows a sweep over one or two axes, and this one has {len(axes)} "
+                f"a figure shows a sweep over one or two axes, and this one has {len(axes)} "
                 f"({', '.join(map(str, axes))})"
             ),
             "Pick values of the others with .sel.",

@@ -11,13 +11,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .by_law import slider_of
     from .marginal import log_likelihood
 
-__all__ = ["log_likelihood", "slider_of"]
+__all__ = ["log_likelihood"]
 
 #: public name -> module that defines it
-_HOMES = {"log_likelihood": "marginal", "slider_of": "by_law"}
+_HOMES = {"log_likelihood": "marginal"}
 
 
 def __getattr__(name):

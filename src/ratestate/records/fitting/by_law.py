@@ -132,7 +132,7 @@ def _combine_steps(result):
     return result.isel(step=0, drop=True).drop_vars("sigma").assign(values)
 
 
-def slider_of(result, law=None):
+def fitted_slider(result, law=None):
     """Return the slider that a fit estimated.
 
     Free parameters and mu0 have their estimates, others the values that were given.  If each step
@@ -157,7 +157,7 @@ def slider_of(result, law=None):
     """
     if isinstance(result, xarray.Dataset) and has_steps(result):
         result = _combine_steps(in_si(result))
-    laws = checked_by_law(result, "slider_of")
+    laws = checked_by_law(result, "fitted_slider")
     law = law_name(law) if law is not None else next(iter(laws)) if len(laws) == 1 else None
     if law not in laws:
         choices = " or ".join(f"law={name!r}" for name in laws)
@@ -165,9 +165,9 @@ def slider_of(result, law=None):
         raise sentences.refusal(f"result.{sentence}", law=law, choices=choices)
     known = slider_parameters(laws[law])
     of_law = (*PARAMETERS, *OPTIONAL, *law_of(laws[law]).parameters)
-    values = {s: value_of(laws[law], s) for s in known if s in of_law and s != "friction"}
-    if "friction" in known:  # the form of friction, not the friction of the record
-        values["friction"] = parameter(laws[law], "friction")
+    values = {s: value_of(laws[law], s) for s in known if s in of_law and s != "friction_form"}
+    if "friction_form" in known:  # the form of friction, not the friction of the record
+        values["friction_form"] = parameter(laws[law], "friction_form")
     return SpringSlider(**values, law=law)
 
 

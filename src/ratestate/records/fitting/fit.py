@@ -27,7 +27,7 @@ def fit(
     free=("a", "b", "Dc", "K"),
     law=None,
     *,
-    each=None,
+    per_step=False,
     against="time",
     loading=None,
     trend="slip",
@@ -57,8 +57,8 @@ def fit(
     law : str, class or a sequence of these, optional
         Friction law; the slider's by default.  Several laws are fitted side by side.  Each uses the
         slider's parameters, free or not, that belong to it, so the slider needs those of all laws.
-    each : {None, "step"}, optional
-        "step": each velocity step, hold and step of normal stress in the record is fitted on its
+    per_step : bool, default False
+        Whether each velocity step, hold and step of normal stress in the record is fitted on its
         own window, on all cores.  The laws' parameters are also fitted to all steps together.
     against : {"time", "displacement", "cycles"}
         Friction is compared at equal times, or at equal displacements of the load point (steps
@@ -108,7 +108,7 @@ def fit(
         are ``warnings`` (one on each line; "" if there are none) and ``identifiability``, a note on
         which parameters are determined.
 
-        With each="step" parameters, errors, statistics and texts are along ``step``, 1 to n in
+        With per_step=True parameters, errors, statistics and texts are along ``step``, 1 to n in
         order of time (and along ``law`` if there are several).  They are NaN and "" if ``status``
         is 1 (failed) or 2 (stick-slip, which is not fitted); ``message`` says why.  Along ``step``
         alone: ``kind`` ("step", "hold" or "normal stress"), its place ``step_t`` [s] and
@@ -128,7 +128,7 @@ def fit(
     ParameterError
         A record without steps, too short, constant or with missing values; a parameter that
         cannot be free; a law with a parameter that the slider lacks; a setting out of range.
-        Against cycles: a law with more than one state or length.  With each="step": no step that
+        Against cycles: a law with more than one state or length.  With per_step=True: no step that
         can be fitted; a loading; against cycles.
 
     Warns
@@ -152,11 +152,11 @@ def fit(
     """
     choices = {"against": against, "trend": trend, "start": start, "errors": errors}
     settings = checked_settings(
-        slider, free=free, law=law, noise=noise, each=each, loading=loading, **choices
+        slider, free=free, law=law, noise=noise, per_step=per_step, loading=loading, **choices
     )
     record = in_si(data)
     with single_blas():
-        if each is not None:
+        if per_step:
             laws = settings.laws
             results = {laws[0] if len(laws) == 1 else None: fit_experiment(record, settings)}
         elif against == "cycles":
@@ -164,14 +164,18 @@ def fit(
         else:
             inferences = inferences_of(record, settings, loading)
             results, criterion, fits = datasets_of(inferences, settings.laws, record)
-    more = {"free": json.dumps(settings.free), "each": each, **settings.recorded}
+    more = {
+        "free": json.dumps(settings.free),
+        "per_step": int(per_step) or None,
+        **settings.recorded,
+    }
     for name, result in results.items():
         origin = provenance("fit", slider, law=name, **more)
         result.attrs = origin | result.attrs | kept_attributes(data)
         prefix = f"{name} law: " if len(results) > 1 else ""
-        for text in warnings_of(result) if each is None else warnings_of_steps(result):
+        for text in warnings_of(result) if not per_step else warnings_of_steps(result):
             warnings.warn(prefix + text, FitWarning, stacklevel=3)
-    if each is not None:
+    if per_step:
         return result
     results = {name: result.assign_coords(law=name) for name, result in results.items()}
     if law is None or isinstance(law, str | type):

@@ -188,9 +188,8 @@ def curve_variables(time, friction, fitted):
 
 def _band_variables(solution):
     """Return the error of fitted friction, the 95 % band of samples, and delta_lp."""
-    record, jacobian = solution.problem.record, solution.jacobian
-    variance = np.einsum("mi,ij,mj->m", jacobian, solution.covariance, jacobian)
-    error = np.sqrt(np.maximum(variance, 0.0))
+    record = solution.problem.record
+    error = np.linalg.norm(solution.jacobian @ solution.root, axis=1)
     reach = ROOTS[-1] * np.hypot(error, solution.noise.level)
     band = solution.fitted_friction[:, None] + reach[:, None] * np.array([-1.0, 1.0])
     delta_lp = record.loading.delta_lp(record.t)

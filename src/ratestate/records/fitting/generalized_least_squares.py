@@ -43,7 +43,7 @@ class Solution(NamedTuple):
     problem: SamplesProblem
     noise: Noise
     point: np.ndarray  # (k,)
-    covariance: np.ndarray  # (k, k)
+    root: np.ndarray  # (k, k) with root @ root.T the covariance
     fitted_friction: np.ndarray  # (m,)
     jacobian: np.ndarray  # (m, k) of the fitted friction
     chi2: float  # of the whitened residuals
@@ -56,6 +56,14 @@ class Solution(NamedTuple):
         return self.problem.unknowns
 
     @property
+    def covariance(self):
+        return self.root @ self.root.T
+
+    def covariance_with(self, quantity):
+        """Return the covariances (k,) of the coordinates with a `ReportedQuantity`."""
+        return self.root @ (quantity.gradient(self.point) @ self.root)
+
+    @property
     def residual(self):
         """Recorded less fitted friction (m,)."""
         return self.problem.observed - self.fitted_friction
@@ -63,7 +71,7 @@ class Solution(NamedTuple):
     @property
     def at_bound(self):
         """Names (list) of the coordinates at a bound, within `AT_BOUND` errors."""
-        near = AT_BOUND * np.sqrt(np.diag(self.covariance))
+        near = AT_BOUND * np.linalg.norm(self.root, axis=1)
         return [name for name, side in self.unknowns.sides(self.point, near).items() if side]
 
 
@@ -158,7 +166,7 @@ def solution_from(problem, point, noise):
             break  # all weights change by one factor, so the minimum does not move
         last, was_white = result.x, False
         result = _checked_search(problem, last, current)
-        error = np.sqrt(np.diag(_covariance(result.jacobian)))
+        error = np.linalg.norm(_root_of_covariance(result.jacobian), axis=1)
         if (np.abs(result.x - last) <= CONVERGED * error).all():
             break
     friction, jacobian = problem.forward.jacobian(result.x)
@@ -170,7 +178,7 @@ def solution_from(problem, point, noise):
         problem,
         current,
         result.x,
-        _covariance(white[:, 1:]),
+        _root_of_covariance(white[:, 1:]),
         friction,
         jacobian,
         chi2,
@@ -180,16 +188,17 @@ def solution_from(problem, point, noise):
     )
 
 
-def _covariance(jacobian):
-    """Return the inverse (k, k) of the normal matrix; huge if undetermined.
+def _root_of_covariance(jacobian):
+    """Return R (k, k) with R R^T the inverse of the normal matrix; huge if undetermined.
+
+    The covariance itself would lose the digits of what is determined beside what is not.
 
     jacobian : (m, k), of whitened residuals
     """
     scale = np.linalg.norm(jacobian, axis=0)
     scale = np.where(scale > 0.0, scale, 1.0)
     _, s, vt = np.linalg.svd(jacobian / scale, full_matrices=False)
-    root = vt.T / np.maximum(s, 1e-9)
-    return root @ root.T / np.outer(scale, scale)
+    return vt.T / np.maximum(s, 1e-9) / scale[:, None]
 
 
 def _may_start_unsteady(solution):

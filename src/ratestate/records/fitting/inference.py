@@ -73,11 +73,11 @@ def infer_quantities(solution, quantities, noise, with_profiles=True, all_profil
                 solution = solution_from(solution.problem, better.point, noise)
                 likely, widened = _noise_and_widening(solution, quantities, noise)
     point = solution.point
-    gradients = np.array([q.gradient(point) for q in quantities])
+    root = np.array([q.gradient(point) for q in quantities]) @ solution.root
     estimates = estimates_from(
         tuple(q.name for q in quantities),
         np.array([q.value(point) for q in quantities]),
-        gradients @ solution.covariance @ gradients.T * np.outer(widened.errors, widened.errors),
+        root @ root.T * np.outer(widened.errors, widened.errors),
         np.array([q.is_log for q in quantities]),
         roots=widened.roots / widened.errors[:, None, None],
     )

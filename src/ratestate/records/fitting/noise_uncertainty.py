@@ -60,8 +60,7 @@ class LikelyNoise(NamedTuple):
         """Return the `Widening` of quantities with these gradients (q, k)."""
         means = np.array([gradients @ one.shift for one in self.shapes])  # (shapes, q)
         spreads = np.array([np.linalg.norm(gradients @ one.root, axis=1) for one in self.shapes])
-        covariance = self.solution.covariance
-        own = np.sqrt(np.einsum("qi,ij,qj->q", gradients, covariance, gradients))
+        own = np.linalg.norm(gradients @ self.solution.root, axis=1)
         seen = (spreads > 0.0).all(axis=0) & (own > 0.0)
         means, spreads, own = means[:, seen], spreads[:, seen], own[seen]
         errors, roots = (part.copy() for part in Widening.none(len(gradients)))

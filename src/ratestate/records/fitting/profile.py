@@ -108,13 +108,13 @@ class _Side:
     def __init__(self, solution, quantity, sign, beyond, fits, least_gain):
         self.solution, self.quantity, self.sign = solution, quantity, sign
         self.beyond, self.least_gain = beyond, least_gain
-        along = solution.covariance @ quantity.gradient(solution.point)
-        variance = float(quantity.gradient(solution.point) @ along)
-        self.direction = sign * along / variance  # d(coordinates)/d(quantity)
+        error = quantity.standard_error(solution)
+        along = solution.covariance_with(quantity)
+        self.direction = sign * along / error**2  # d(coordinates)/d(quantity)
         _, low, high = solution.unknowns
         moved = np.maximum(np.abs(self.direction), 1e-300)
-        self.shortest = LEAST**2 * variance**0.5
-        self.step = min(STRIDE * variance**0.5, float((LONGEST * (high - low) / moved).min()))
+        self.shortest = LEAST**2 * error
+        self.step = min(STRIDE * error, float((LONGEST * (high - low) / moved).min()))
         self.near_bound = BOUND * solution.unknowns.ranges
         self._coordinate = quantity.name if quantity.function is None else ""
         self.values, self.deviance = [quantity.value(solution.point)], [0.0]
@@ -251,9 +251,9 @@ def are_gaussian(solution, quantities):
     achieve is subtracted to second order.  All points are computed in one march.  A quantity counts
     as not Gaussian if one of its points is out of bounds or has no motion.
     """
-    point, spread, problem = solution.point, solution.covariance, solution.problem
-    along = [spread @ quantity.gradient(point) for quantity in quantities]
-    errors = [quantity.standard_error(point, spread) for quantity in quantities]
+    point, problem = solution.point, solution.problem
+    along = [solution.covariance_with(quantity) for quantity in quantities]
+    errors = [quantity.standard_error(solution) for quantity in quantities]
     steps = [2.0 * u / error for u, error in zip(along, errors, strict=True)]
     points = np.array([point + sign * step for step in steps for sign in (-1.0, 1.0)])
     is_valid = ((points > problem.unknowns.low) & (points < problem.unknowns.high)).all(axis=1)
@@ -265,7 +265,7 @@ def are_gaussian(solution, quantities):
     white, _ = solution.noise.whiten(problem.t, columns)
     whitened, jacobian = white[:, : len(points)], white[:, len(points) :]
     slopes = jacobian.T @ whitened
-    gain = np.einsum("ip,ij,jp->p", slopes, spread, slopes)
+    gain = np.sum((solution.root.T @ slopes) ** 2, axis=0)
     root = np.zeros(len(points))
     for i, (quantity, u, error) in enumerate(zip(quantities, along, errors, strict=True)):
         for p in (2 * i, 2 * i + 1):
@@ -284,7 +284,7 @@ def _is_contradicted(solution, quantity, profile, fits):
     roots = np.sqrt([deviance for _, deviance in fits])
     likely = roots < BEYOND * ROOTS[-1]
     if profile is None:
-        error = quantity.standard_error(solution.point, solution.covariance)
+        error = quantity.standard_error(solution)
         claimed = np.abs(values - quantity.value(solution.point)) / error
     else:
         # beyond its ends, a profile counts as constant

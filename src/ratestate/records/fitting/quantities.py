@@ -67,14 +67,9 @@ class ReportedQuantity(NamedTuple):
         with np.errstate(over="ignore"):  # an open end of an interval
             return np.exp(value) if self.is_log else value
 
-    def standard_error(self, point, covariance):
-        """Return the standard error of the value at a point (k,), from the covariance.
-
-        NaN if the variance of a hardly determined quantity is negative from rounding.
-        """
-        gradient = self.gradient(point)
-        variance = float(gradient @ covariance @ gradient)
-        return variance**0.5 if variance >= 0.0 else np.nan
+    def standard_error(self, solution):
+        """Return the standard error of the value at a `Solution`."""
+        return float(np.linalg.norm(self.gradient(solution.point) @ solution.root))
 
 
 def reported_quantities(problem):

@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from typing import NamedTuple
 
+import numpy as np
+
 from ...dynamics.refusals import check_one_length
 from ...model.slider import check_slider, resolve_law
 from ...model.units import is_array
@@ -41,7 +43,7 @@ class Settings(NamedTuple):
         return {name: str(getattr(self, name)) for name in CHOICES}
 
 
-def checked_settings(slider, *, free, law, noise, each=None, loading=None, **choices):
+def checked_settings(slider, *, free, law, noise, per_step=False, loading=None, **choices):
     """Return the `Settings` for these arguments of `fit`."""
     check_slider(slider)
     for symbol, value in slider.values.items():
@@ -60,10 +62,11 @@ def checked_settings(slider, *, free, law, noise, each=None, loading=None, **cho
         changed += [] if noise is None else ["noise"]
         if changed:
             raise sentences.refusal("settings.not_for_cycles", names=", ".join(changed))
-    check_choice("each", each, (None, "step"))
-    if each is not None and loading is not None:
+    if not isinstance(per_step, bool | np.bool_):
+        raise sentences.refusal("each.flag", value=per_step)
+    if per_step and loading is not None:
         raise sentences.refusal("each.loading")
-    if each is not None and choices["against"] == "cycles":
+    if per_step and choices["against"] == "cycles":
         raise sentences.refusal("each.cycles")
     return Settings(free, sliders, noise, **choices)
 

@@ -14,7 +14,7 @@ from ...errors import QuasiStaticInstability, RateStateError
 from ...model.loading import Loading
 from ...model.slider import SpringSlider
 from ...model.units import is_array
-from ..fitting.by_law import checked_by_law, error_of, has_steps, slider_of
+from ..fitting.by_law import checked_by_law, error_of, fitted_slider, has_steps
 from ..fitting.unknowns import MACHINE_PARAMETERS, motion_symbols
 from ..messages import healing as sentences
 
@@ -83,7 +83,7 @@ def sliders_of(slider):
 
 def _fitted(result, law, part, errors):
     """Return the `Fitted` of one law; `errors` is one of the two functions below."""
-    slider = slider_of(result, law)
+    slider = fitted_slider(result, law)
     own = motion_symbols(slider.friction_law)
     names = [name for name in part["parameter"].values.tolist() if name in own]
     sizes, correlation = errors(part, names)

@@ -137,7 +137,7 @@ def _check_slider(slider):
     for symbol in FRICTION:
         if is_array(getattr(slider, symbol)):
             raise sentences.refusal("slider.array", symbol=symbol)
-    if not friction_law(slider.law).one_length or slider.friction != "log":
+    if not friction_law(slider.law).one_length or slider.friction_form != "log":
         raise sentences.refusal("slider.two_states", law=slider.law)
 
 

@@ -47,7 +47,7 @@ NEAR_ZERO = 1.5
 ZEROED = 3.0
 
 
-def build_record(tables, lab, *, time=None, displacement=None, rows=MAX_ROWS, join="auto"):
+def build_record(tables, lab, *, time=None, displacement=None, max_rows=MAX_ROWS, join="auto"):
     """Build the Dataset that `read_lab` returns from tables; return it and warnings (list).
 
     tables : list of `Table`
@@ -55,7 +55,7 @@ def build_record(tables, lab, *, time=None, displacement=None, rows=MAX_ROWS, jo
 
     Other arguments and errors are as for `read_lab`.
     """
-    most = check_max_rows(rows)
+    most = check_max_rows(max_rows)
     if join not in JOINS:
         raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}

@@ -33,8 +33,8 @@ TABLES: dict[str, tuple[str, ...]] = {
 }
 HEAD = """\
 # How the files of a laboratory are read, found in {source}:
-#     ratestate fit FILE --format THIS_FILE
-#     ratestate.read_lab(file, format="THIS_FILE")
+#     ratestate fit FILE --lab-format THIS_FILE
+#     ratestate.read_lab(file, lab_format="THIS_FILE")
 # Arguments of a call have precedence over the values here.
 """
 #: table -> its comment, and example lines for a description without values
@@ -95,7 +95,7 @@ class LabFormat:
         return open_table(file, delimiters, self.text.get("decimal"))
 
 
-def lab_format(path):
+def read_lab_format(path):
     """Return the `LabFormat` in a file, empty for None; one ParameterError lists all problems."""
     if path is None:
         return LabFormat()
@@ -169,9 +169,9 @@ def describe(
     M=None,
     time=None,
     displacement=None,
-    format=None,  # noqa: A002 (as in read_lab)
+    lab_format=None,
 ):
-    """Describe a laboratory's files, as text for ``read_lab(..., format=...)``.
+    """Describe a laboratory's files, as text for ``read_lab(..., lab_format=...)``.
 
     Parameters
     ----------
@@ -187,7 +187,7 @@ def describe(
         Mass of the moving parts per area of the contact [kg/m^2].
     time, displacement : pair, optional
         Window in which the file is read, as for `read_lab`.  The description does not include it.
-    format : str or pathlib.Path, optional
+    lab_format : str or pathlib.Path, optional
         Another description, whose values are the defaults.
 
     Returns
@@ -209,7 +209,7 @@ def describe(
     for symbol, value in machine.items():
         if (wanted := _expected("machine", symbol, value)) is not None:
             raise sentences.refusal("format.machine", symbol=symbol, value=value, wanted=wanted)
-    lab = lab_format(format).with_arguments(columns, units, sigma)
+    lab = read_lab_format(lab_format).with_arguments(columns, units, sigma)
     table = lab.open(as_file(path))
     data, _ = build_record([table], lab, time=time, displacement=displacement)
     sources = json.loads(data.attrs["columns"])

@@ -9,7 +9,7 @@ from ..kit.processes import read_isolated
 from ..messages import reading as sentences
 from .assembly import build_record
 from .columns import choose_columns
-from .lab_format import LabFormat, lab_format
+from .lab_format import LabFormat, read_lab_format
 from .open_table import as_file, open_table
 from .rows import MAX_ROWS
 
@@ -23,9 +23,9 @@ def read_lab(
     time=None,
     displacement=None,
     sigma=None,
-    rows=MAX_ROWS,
+    max_rows=MAX_ROWS,
     join="auto",
-    format=None,  # noqa: A002 (as --format is called)
+    lab_format=None,
 ):
     """Read a record of a friction experiment, and find its steps and holds.
 
@@ -52,14 +52,14 @@ def read_lab(
         numbers are SI.  The values refer to the columns as they are in the file.
     sigma : float, str or pint.Quantity, optional
         Normal stress [Pa] if it was constant and not recorded, as in ``"20 MPa"``.
-    rows : int, default 1_000_000
+    max_rows : int, default 1_000_000
         Most rows that are kept (approximately, if there are many gaps).  Longer records are
         averaged in blocks of neighbouring rows, and a warning reports it.  None keeps all rows.
     join : {"auto", "absolute", "restart"}, default "auto"
         How the times of several files follow each other.  "absolute": they continue from file to
         file.  "restart": they restart in each file, and each file follows the previous one after
         one time step.  "auto": "restart" if the times of all files begin at 0, else "absolute".
-    format : str or pathlib.Path, optional
+    lab_format : str or pathlib.Path, optional
         A description of the laboratory's files, as `ratestate.lab.describe` writes it.  Other
         arguments have precedence.
 
@@ -97,13 +97,13 @@ def read_lab(
     >>> data.attrs["found"]  # doctest: +SKIP
     'velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)'
     """
-    lab = lab_format(format).with_arguments(columns, units, sigma)
+    lab = read_lab_format(lab_format).with_arguments(columns, units, sigma)
     paths = path if isinstance(path, list | tuple) else [path]
     if not paths:
         raise sentences.refusal("join.none")
     tables = [lab.open(as_file(one)) for one in paths]
     windows = {"time": time, "displacement": displacement}
-    data, messages = build_record(tables, lab, **windows, rows=rows, join=join)
+    data, messages = build_record(tables, lab, **windows, max_rows=max_rows, join=join)
     for text in messages:
         warnings.warn(f"{data.attrs['source']}: {text}", RecordWarning, stacklevel=3)
     return data

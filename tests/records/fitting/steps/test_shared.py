@@ -69,6 +69,6 @@ def test_badly_estimated_noise_of_one_step_does_not_refute_one_set():
     With the mean inflation of all steps the p-value is below 1e-5.
     """
     case = drawn_experiment(508)
-    result = rs.fit(case.data, case.start, case.free, each="step", errors="covariance")
+    result = rs.fit(case.data, case.start, case.free, per_step=True, errors="covariance")
     assert 0.01 < float(result.shared_p_value) < 0.5
     assert (result.shared_error / result.shared).sel(parameter=["a", "Dc"]).max() < 0.1

@@ -12,7 +12,6 @@ from scipy.stats import ttest_ind
 from synthetic_experiments import drawn_experiment, experiment
 
 import ratestate as rs
-from ratestate import fitting
 from ratestate.files import laboratory_csv
 from ratestate.records.fitting.settings import checked_settings
 from ratestate.records.fitting.steps import experiment as fits
@@ -41,14 +40,14 @@ def data():
 def under_both(data):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
-        return rs.fit(data, START, law=("slip", "aging"), each="step", errors="covariance")
+        return rs.fit(data, START, law=("slip", "aging"), per_step=True, errors="covariance")
 
 
 @pytest.fixture(scope="module")
 def under_slip(data):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        return rs.fit(data, START, each="step")
+        return rs.fit(data, START, per_step=True)
 
 
 def test_variables_on_the_load_point(under_slip):
@@ -121,7 +120,7 @@ def test_one_set_serves_all_steps_under_the_right_law_alone(under_both):
 def test_healing_is_predicted_by_the_joint_fit(data, under_both):
     """Errors of the joint fit, and the error of K from one step, are propagated."""
     law = "slip"
-    slider, joint = fitting.slider_of(under_both, law), under_both.sel(law=law, parameter=FREE)
+    slider, joint = rs.fitted_slider(under_both, law), under_both.sel(law=law, parameter=FREE)
 
     def healed(**changes):
         result = rs.healing(data, slider.replace(**changes))
@@ -167,7 +166,7 @@ def sawtooth(data, teeth, begin, end=np.inf):
 def test_steps_in_stick_slip_are_not_fitted(data, under_slip):
     begin = float(under_slip.step_t[3])
     with pytest.warns(rs.FitWarning, match=r"1 of 4 are stick-slip, and are not fitted \(step 4"):
-        result = rs.fit(sawtooth(data, 6, begin), START, each="step", errors="covariance")
+        result = rs.fit(sawtooth(data, 6, begin), START, per_step=True, errors="covariance")
     assert result.status.values.tolist() == [0, 0, 0, 2]
     assert result.status.flag_meanings == "fitted failed stick_slip"
     message = str(result.message[3].item())
@@ -188,7 +187,7 @@ def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip)
     at = begin + 0.45 * (t[-1] - begin)
     sigma = np.where(t < at, 8e6, 8.8e6)
     record = sawtooth(data, 6, begin).assign(sigma=("time", sigma))
-    result = rs.fit(record, START, each="step", errors="covariance")
+    result = rs.fit(record, START, per_step=True, errors="covariance")
     of_stress = result.isel(step=result.kind.values == "normal stress")
     assert of_stress.status.values.tolist() == [2]
     assert float(of_stress.sigma[0]) == pytest.approx(8e6)
@@ -199,7 +198,7 @@ def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip)
 def test_one_number_of_normal_stress_holds_for_all_steps(data):
     first = data.isel(time=slice(0, 2 * ROWS))
     found, expected = (
-        rs.fit(one, START, each="step", errors="covariance")
+        rs.fit(one, START, per_step=True, errors="covariance")
         for one in (first.assign(sigma=8e6), first)
     )
     np.testing.assert_allclose(found.a, expected.a, rtol=1e-6)
@@ -211,7 +210,7 @@ def test_a_record_of_stick_slip_alone_is_refused(data, under_slip):
         data = sawtooth(data, 6, begin, end)
     words = r"each of the 4 steps and holds \(.* events at .*ratestate events.*against='cycles'"
     with pytest.raises(rs.ParameterError, match=words):
-        rs.fit(data, START, each="step")
+        rs.fit(data, START, per_step=True)
 
 
 def test_few_or_small_drops_are_not_stick_slip(data, under_slip):
@@ -264,7 +263,7 @@ def test_the_joint_fit_uses_only_converged_fits(data, monkeypatch):
 def test_steps_up_and_down_are_alike_under_the_right_law_alone():
     """For steps of the slip law, the aging law gives a shorter Dc up than down."""
     many = experiment(SLIDER, MANY, 400e-6, 200, seed=6, **NOISE)
-    result = rs.fit(many, START, law=("slip", "aging"), each="step", errors="covariance")
+    result = rs.fit(many, START, law=("slip", "aging"), per_step=True, errors="covariance")
     ratio = result.up_over_down.sel(parameter="Dc")
     error = result.up_over_down_error.sel(parameter="Dc")
     p = result.up_over_down_p_value.sel(parameter="Dc")
@@ -307,7 +306,7 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
     bad = data.copy(deep=True)
     bad.friction.values[3 * ROWS + 50] = np.nan
     with pytest.warns(rs.FitWarning, match=r"1 of 4 cannot be fitted \(step 3; see message\)"):
-        result = rs.fit(bad, START, each="step", errors="covariance")
+        result = rs.fit(bad, START, per_step=True, errors="covariance")
     assert result.status.values.tolist() == [0, 0, 1, 0]
     assert result.status.flag_meanings == "fitted failed stick_slip"
     assert "friction is nan in row" in str(result.message[2].item())
@@ -322,9 +321,9 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_many_rows_are_averaged(monkeypatch):
     data = experiment(SLIDER, (SLOW, FAST), 500e-6, 2000, seed=2, **NOISE)
-    (whole,) = rs.fit(data, START, each="step", errors="covariance").groupby("step")
+    (whole,) = rs.fit(data, START, per_step=True, errors="covariance").groupby("step")
     monkeypatch.setattr(fits, "MOST", 400)
-    (fewer,) = rs.fit(data, START, each="step", errors="covariance").groupby("step")
+    (fewer,) = rs.fit(data, START, per_step=True, errors="covariance").groupby("step")
     whole, fewer = whole[1].squeeze(), fewer[1].squeeze()
     # a window begins at a row, and the step is just after a row
     assert (int(whole.samples), int(whole.rows_per_sample)) == (2999, 1)
@@ -346,20 +345,20 @@ def test_many_rows_are_averaged(monkeypatch):
 )
 def test_records_that_cannot_be_fitted_are_refused(data, spoil, match):
     with pytest.raises(rs.ParameterError, match=match):
-        rs.fit(spoil(data), START, each="step")
+        rs.fit(spoil(data), START, per_step=True)
 
 
 @pytest.mark.parametrize(
     ("changed", "match"),
     [
-        ({"each": "hold"}, r"each = 'hold' is unknown\. Choose one of None, 'step'"),
+        ({"per_step": "hold"}, r"per_step = 'hold' is not True or False\. Give per_step=True"),
         ({"loading": rs.Loading.steps(1e-6, (1.0, 1e-5))}, "Leave it out, or fit one window"),
         ({"against": "cycles"}, "Leave out one of them"),
     ],
 )
 def test_settings_that_do_not_go_together(data, changed, match):
     with pytest.raises(rs.ParameterError, match=match):
-        rs.fit(data, START, **({"each": "step"} | changed))
+        rs.fit(data, START, **({"per_step": True} | changed))
 
 
 def test_a_slow_change_of_normal_stress_is_not_a_step(data):
@@ -371,7 +370,7 @@ def test_a_slow_change_of_normal_stress_is_not_a_step(data):
 def test_a_hold_at_the_end(data):
     until = data.sel(time=slice(250.0, 600.5))
     with pytest.warns(rs.FitWarning):
-        result = rs.fit(until, SLIDER, each="step", errors="covariance")
+        result = rs.fit(until, SLIDER, per_step=True, errors="covariance")
     assert "217 s, to the record's end" in str(rs.summary(result))
     assert np.isnan(result.V_after[-1])
 
@@ -384,7 +383,7 @@ def test_a_window_that_begins_soon_after_a_step_has_a_free_start():
     windows = windows_of(soon)
     assert windows[0].slip_since_change == np.inf
     assert windows[1].slip_since_change == pytest.approx(60e-6, rel=0.02)
-    result = rs.fit(soon, SLIDER, each="step", errors="covariance")
+    result = rs.fit(soon, SLIDER, per_step=True, errors="covariance")
     deviation = [
         (result[name][1:] - getattr(SLIDER, name)) / result.standard_error.sel(parameter=name)[1:]
         for name in FREE
@@ -427,7 +426,7 @@ def test_steps_of_normal_stress_give_alpha():
     run = rs.simulate(slider, loading, t[-1], times=t, rtol=1e-9)
     noise = 1e-4 * np.random.default_rng(3).normal(size=t.size)
     data = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma + noise)
-    result = rs.fit(data, START.replace(alpha=0.1), each="step", errors="covariance")
+    result = rs.fit(data, START.replace(alpha=0.1), per_step=True, errors="covariance")
     assert result.kind.values.tolist() == ["step", "step", "normal stress", "normal stress"]
     np.testing.assert_allclose(result.step_t[2:], [400.0, 600.0], atol=0.5)
     np.testing.assert_allclose(result.sigma, [8e6, 8e6, 8e6, 8.8e6], rtol=1e-6)
@@ -470,7 +469,7 @@ def test_intervals_of_experiments_contain_the_truth():
     inside = []
     for seed in (1, 4):
         case = drawn_experiment(seed, steps=5)
-        result = rs.fit(case.data, case.start, case.free, law=case.truth.law, each="step")
+        result = rs.fit(case.data, case.start, case.free, law=case.truth.law, per_step=True)
         for name in case.free:
             truth, ends = getattr(case.truth, name), result.interval.sel(parameter=name, level=0.95)
             inside.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
@@ -496,7 +495,7 @@ def test_rows_of_a_table(under_both):
 
 def test_the_slider_of_all_steps(under_both):
     """It has shared estimates, or else medians over the steps."""
-    slider = fitting.slider_of(under_both, law="slip")
+    slider = rs.fitted_slider(under_both, law="slip")
     assert slider.law == "slip"
     for name in ("a", "b", "Dc"):
         shared = under_both.shared.sel(law="slip", parameter=name)
@@ -504,7 +503,7 @@ def test_the_slider_of_all_steps(under_both):
     assert pytest.approx(float(under_both.K.sel(law="slip").median()), rel=1e-12) == slider.K
     assert slider.sigma == SLIDER.sigma
     with pytest.raises(rs.ParameterError, match="several laws"):
-        fitting.slider_of(under_both)
+        rs.fitted_slider(under_both)
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -514,7 +513,7 @@ def test_a_missing_spring_has_a_warning(K, sprung):
     truth = SLIDER.replace(K=K)
     data = experiment(truth, (SLOW, FAST, SLOW), 300e-6, 300, seed=4, noise=1.5e-4)
     rigid = truth.replace(K=np.inf)
-    result = rs.fit(data, rigid, free=("a", "b", "Dc"), each="step", errors="covariance")
+    result = rs.fit(data, rigid, free=("a", "b", "Dc"), per_step=True, errors="covariance")
     for text in result.warnings.values:
         assert text.startswith("a spring, or a load point that moves later or more") == sprung
         assert ("K = inf was given" in text) == sprung

@@ -25,7 +25,7 @@ def recorded(loading, end, seed=2):
 
 
 def fitted(data, **settings):
-    return rs.fit(data, START, each="step", errors="covariance", **settings)
+    return rs.fit(data, START, per_step=True, errors="covariance", **settings)
 
 
 def deviations(result, steps):

@@ -27,7 +27,7 @@ def data():
 
 @pytest.fixture(scope="module")
 def result(data):
-    return rs.fit(data, START, each="step")
+    return rs.fit(data, START, per_step=True)
 
 
 def test_the_interval_of_an_estimate_at_its_bound_is_closed_above(data):
@@ -63,7 +63,7 @@ def test_normal_stress_before_and_after(result):
 
 def test_laws_that_fit_no_step_do_not_fit(data):
     """The given noise is a tenth of the record's noise."""
-    settings = {"each": "step", "law": ("slip", "aging"), "errors": "covariance"}
+    settings = {"per_step": True, "law": ("slip", "aging"), "errors": "covariance"}
     steps = data.sel(time=slice(0.0, 390.0))
     found = rs.fit(steps, START, ("a", "Dc"), noise=3e-5, **settings)
     assert found.sizes["step"] == 2

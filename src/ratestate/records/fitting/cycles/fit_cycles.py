@@ -75,7 +75,7 @@ def fit_cycles(record, slider, free, loading=None):
     solution = best._replace(
         problem=best.problem.bounded_about(best.point),
         noise=noise,
-        covariance=enlarged**2 * best.covariance,
+        root=enlarged * best.root,
         chi2=best.chi2 / enlarged**2,
     )
     quantities = solution.problem.forward.quantities()

@@ -28,7 +28,7 @@ export class Controls {
       if (this.own.has(spec.symbol)) this.texts[spec.symbol] = spec.text;
     }
     for (const { name, label } of laws) $("law").add(new Option(label, name));
-    for (const form of new Set(laws.flatMap(({ forms }) => Object.keys(forms)))) $("friction").add(new Option(form));
+    for (const form of new Set(laws.flatMap(({ forms }) => Object.keys(forms)))) $("friction_form").add(new Option(form));
     presets.forEach(({ title }, i) => $("presets").add(new Option(title, i)));
     this.experiments = new Experiments(before, this, askHolds);
     this.listen();
@@ -42,7 +42,7 @@ export class Controls {
       const chosen = this.presets[event.target.value];
       if (chosen) this.begin(chosen.entries, event.timeStamp);
     });
-    for (const name of ["law", "friction"]) {
+    for (const name of ["law", "friction_form"]) {
       $(name).addEventListener("change", (event) => {
         this.take({ [name]: event.target.value }, event.timeStamp);
       });
@@ -94,10 +94,10 @@ export class Controls {
       field.element.hidden = !(name in this.entries.texts) && this.own.has(name);
     }
     this.experiments.show();
-    const { law, friction } = this.entries.texts;
+    const { law, friction_form } = this.entries.texts;
     $("law").value = law;
-    for (const option of $("friction").options) option.disabled = !(option.value in (this.forms[law] ?? {}));
-    $("friction").value = friction ?? this.formOf(law);
+    for (const option of $("friction_form").options) option.disabled = !(option.value in (this.forms[law] ?? {}));
+    $("friction_form").value = friction_form ?? this.formOf(law);
     this.tellPreset();
   }
 
@@ -119,12 +119,12 @@ export class Controls {
    * another law without a form of friction keeps that which is shown, if it goes with it.
    */
   withOwn(texts) {
-    const { law, friction } = { ...this.entries.texts, ...texts };
+    const { law, friction_form } = { ...this.entries.texts, ...texts };
     const forms = this.forms[law] ?? {};
-    const form = friction in forms ? friction : this.formOf(law);
+    const form = friction_form in forms ? friction_form : this.formOf(law);
     for (const name of this.own) this.texts[name] = texts[name] ?? this.entries.texts[name] ?? this.texts[name];
     const own = [...this.own].map((name) => [name, forms[form]?.includes(name) ? this.texts[name] : null]);
-    return { ...texts, ...("law" in texts ? { friction: texts.friction ?? form } : {}), ...Object.fromEntries(own) };
+    return { ...texts, ...("law" in texts ? { friction_form: texts.friction_form ?? form } : {}), ...Object.fromEntries(own) };
   }
 
   /** Put the slider onto another point of the map: K, and either V_lp or M. */
@@ -152,7 +152,7 @@ export class Controls {
     this.entries.accept();
     this.explainAll();
     if (texts) this.completeExperiment(texts, protocol);
-    for (const name of ["law", "friction"]) {
+    for (const name of ["law", "friction_form"]) {
       if (values[name] !== this.entries.texts[name] && !(name in this.entries.refused)) this.show({ [name]: values[name] });
     }
     for (const [name, field] of Object.entries(this.fields)) {

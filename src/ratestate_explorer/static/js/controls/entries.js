@@ -10,8 +10,8 @@ export class Entries {
    * live: of a saved page, whose own address holds nothing, the address of the page that it was
    */
   constructor(names, experiment, valid, longest, live) {
-    this.absent = Object.fromEntries(["friction", ...experiment].map((name) => [name, null]));
-    this.names = [...names, "friction", ...experiment];
+    this.absent = Object.fromEntries(["friction_form", ...experiment].map((name) => [name, null]));
+    this.names = [...names, "friction_form", ...experiment];
     Object.assign(this, { experiment, valid: { ...valid, ...this.absent }, longest, live, texts: {}, refused: {} });
     this.past = new Past(live ? null : () => this.fragment());
   }

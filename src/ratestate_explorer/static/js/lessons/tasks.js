@@ -66,7 +66,7 @@ export class Tasks {
 
   /** Names of what the task keeps, and has been changed. */
   get changed() {
-    const kept = [...Object.keys(this.units), "law", "friction"].filter((name) => !this.lesson.free.includes(name));
+    const kept = [...Object.keys(this.units), "law", "friction_form"].filter((name) => !this.lesson.free.includes(name));
     return kept.filter((name) => !near(this.now.values[name], this.base.values[name], 0.02));
   }
 

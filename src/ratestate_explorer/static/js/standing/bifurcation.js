@@ -45,7 +45,7 @@ export class Bifurcation {
   /** What decides the diagram, as text: all but the parameter itself, unless the slider leaves the range shown. */
   decisive() {
     const { along, found, picture: { values } } = this;
-    const key = JSON.stringify([along, ...[...Object.keys(this.units), "law", "friction"].filter((name) => name !== along).map((name) => values[name])]);
+    const key = JSON.stringify([along, ...[...Object.keys(this.units), "law", "friction_form"].filter((name) => name !== along).map((name) => values[name])]);
     const value = number(values[along]);
     if (key !== this.key) Object.assign(this, { key, reach: "" });
     else if (!this.isOld && found?.along === along && value > 0 && Number.isFinite(value) && (value < found.low || value > found.high)) {
