@@ -3,6 +3,7 @@
 import builtins
 import pickle
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,10 @@ from ratestate.records.fitting import inference, transients
 from ratestate.records.fitting import posterior as sampling
 from ratestate.records.fitting.checks import search_warnings
 from ratestate.records.fitting.fit_dataset import with_comparison
-from ratestate.records.fitting.generalized_least_squares import least_squares_fit
+from ratestate.records.fitting.generalized_least_squares import (
+    least_squares_fit,
+    root_of_covariance,
+)
 from ratestate.records.fitting.identifiability import (
     correlated_groups,
     identifiability,
@@ -33,7 +37,12 @@ from ratestate.records.fitting.profile import (
     compute_profile,
     compute_profiles,
 )
-from ratestate.records.fitting.quantities import ROOTS, estimates_from, reported_quantities
+from ratestate.records.fitting.quantities import (
+    ROOTS,
+    ReportedQuantity,
+    estimates_from,
+    reported_quantities,
+)
 from ratestate.records.fitting.samples import Samples, samples_of
 from ratestate.records.fitting.transients import _transients, transients_p_value
 from ratestate.records.fitting.unknowns import NEAR, Unknowns, start_names, unknowns_of
@@ -686,3 +695,24 @@ def test_warning_on_a_start_at_its_bound(good):
     assert upper.startswith("V_start has run to the upper bound of the search, 4.852e+08 times")
     assert lower.startswith("theta_start has run to the lower bound of the search, 2.061e-09 times")
     assert "Give start='steady' (command line: --start steady) if" in upper
+
+
+class Combination(ReportedQuantity):
+    """A linear combination of the coordinates, with the coefficients `function`."""
+
+    def gradient(self, point):
+        return self.function
+
+
+def test_the_error_of_what_is_determined_beside_what_is_not():
+    """The covariance itself, of 1 and 1e18, has no digit left for the smaller variance."""
+    rng = np.random.default_rng(3)
+    left, _ = np.linalg.qr(rng.normal(size=(40, 3)))
+    right, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    jacobian = left * [1.0, 0.5, 1e-12] @ right.T
+    solution = SimpleNamespace(point=np.zeros(3), root=root_of_covariance(jacobian))
+    for column, error in zip(right.T, (1.0, 2.0), strict=False):
+        combination = Combination("a_minus_b", None, column)
+        assert combination.standard_error(solution) == pytest.approx(error, rel=1e-5)
+    undetermined = Combination("a_minus_b", None, right[:, 2])
+    assert undetermined.standard_error(solution) > 1e8

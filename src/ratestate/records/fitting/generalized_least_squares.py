@@ -166,7 +166,7 @@ def solution_from(problem, point, noise):
             break  # all weights change by one factor, so the minimum does not move
         last, was_white = result.x, False
         result = _checked_search(problem, last, current)
-        error = np.linalg.norm(_root_of_covariance(result.jacobian), axis=1)
+        error = np.linalg.norm(root_of_covariance(result.jacobian), axis=1)
         if (np.abs(result.x - last) <= CONVERGED * error).all():
             break
     friction, jacobian = problem.forward.jacobian(result.x)
@@ -178,7 +178,7 @@ def solution_from(problem, point, noise):
         problem,
         current,
         result.x,
-        _root_of_covariance(white[:, 1:]),
+        root_of_covariance(white[:, 1:]),
         friction,
         jacobian,
         chi2,
@@ -188,7 +188,7 @@ def solution_from(problem, point, noise):
     )
 
 
-def _root_of_covariance(jacobian):
+def root_of_covariance(jacobian):
     """Return R (k, k) with R R^T the inverse of the normal matrix; huge if undetermined.
 
     The covariance itself would lose the digits of what is determined beside what is not.
