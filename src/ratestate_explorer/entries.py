@@ -119,7 +119,7 @@ def _law_of(entries):
     if form.lower() in law.forms:
         return law, form.lower(), {}
     known = " or ".join(law.forms)
-    problem = f"friction = {form!r} does not go with law = {law.name!r}; choose {known}"
+    problem = f"friction_form = {form!r} does not go with law = {law.name!r}; choose {known}"
     return None, None, {"friction_form": problem}
 
 

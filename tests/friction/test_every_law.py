@@ -27,7 +27,7 @@ def test_friction_and_evolution_match_the_textbook(name, form, seed):
     rng = np.random.default_rng(seed)
     parameters, V0 = drawn_of_form(name, rng, form)
     law, twin = composed(LAWS[name], form), Textbook(name, parameters)
-    values = {k: np.array([x]) for k, x in parameters.items() if k != "friction"}
+    values = {k: np.array([x]) for k, x in parameters.items() if k != "friction_form"}
     p = tuple(float(x[0]) for x in law.coefficient_arrays(V0, values))
     v, theta = rng.normal(), [D / V0 * math.exp(rng.normal()) for D in twin.D]
     V, logs = (

@@ -84,7 +84,7 @@ class Textbook:
     @property
     def regularized(self):
         """Whether friction is an inverse hyperbolic sine."""
-        return self.law == "flash-heating" or self.p.get("friction") == "regularized"
+        return self.law == "flash-heating" or self.p.get("friction_form") == "regularized"
 
     def barrier(self, theta):
         """ln of 2 V0 over the speed at which friction is a asinh(1)."""

@@ -83,7 +83,9 @@ class Motion:
         self._add_slopes()
         self._add_changes()
         by_omega, *by_psi = self["S_slopes"]
-        slaved = -dot(by_psi, self.f) / by_omega
+        # friction that does not change with V is refused when its law is tried
+        is_flat = by_omega.kind == "number" and by_omega.parts[0] == 0.0
+        slaved = -dot(by_psi, self.f) / (self.graph.one if is_flat else by_omega)
         self._lists["slaved"] = slaved
         self._lists["slaved_slopes"] = [along(slaved) for along in self._basis[2:]]
 

@@ -89,13 +89,13 @@ def _convert_variable(name, variable, unit):
     is_number = variable.dtype.kind in "iufc" and "flag_values" not in variable.attrs
     if name not in QUANTITIES or old_unit is None or not is_number:
         raise ParameterError("is not a quantity with a unit", "Leave it out.", symbol=name)
-    old, new = (_si_factor(name, str(one)) for one in (old_unit, unit))
+    old, new = (si_factor(name, str(one)) for one in (old_unit, unit))
     converted = variable.copy(data=scaled(variable.values, old / new))
     converted.attrs["units"] = unit
     return converted
 
 
-def _si_factor(name, unit):
+def si_factor(name, unit):
     """Return the size of a unit of this variable, in its SI unit (Decimal)."""
     try:
         return unit_factor(QUANTITIES[name].unit, unit)

@@ -38,6 +38,14 @@ class Call:
         """Whether the call changes the normal stress instead of the speed."""
         return self.method.startswith("sigma")
 
+    @property
+    def arguments_in_si(self):
+        """Arguments as floats and arrays in SI."""
+        return {
+            name: to_si(self.symbol(name), value, bound="") if isinstance(value, str) else value
+            for name, value in self.arguments.items()
+        }
+
 
 #: end of the docstring of a method that makes or extends a loading
 RETURNS = """
@@ -99,6 +107,11 @@ class LoadPoint:
         return self.speed.rate
 
     @property
+    def parameters(self):
+        """Arguments of all calls in SI, such as ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
+        return {f"{i} {call.method}": call.arguments_in_si for i, call in enumerate(self.calls)}
+
+    @property
     def V_first(self):
         """Speed at t = 0 [m/s]: float or DataArray."""
         return named("V_load", self.V[..., 0])
@@ -107,7 +120,7 @@ class LoadPoint:
     def mean_speed(self):
         """Mean speed of a sinusoid [m/s]; None for any other loading."""
         first = self.calls[0]
-        return to_si("V_lp", first.arguments["V_lp"]) if first.method == "sinusoid" else None
+        return first.arguments_in_si["V_lp"] if first.method == "sinusoid" else None
 
     @property
     def stress_oscillates(self):

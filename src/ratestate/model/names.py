@@ -14,7 +14,7 @@ from .quantities import readable
 REPLACEMENTS = dict.fromkeys(
     ("im2017", "im2017_euler", "dt"), "ratestate.paper.im2017(slider, loading, t_end, dt)"
 )
-#: earlier name of an argument, option or key -> its name
+#: earlier name of an argument, or of a key of scenario files -> its name
 RENAMED = {
     "each": "per_step",
     "format": "lab_format",

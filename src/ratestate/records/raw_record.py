@@ -1,6 +1,6 @@
 """The columns of a record's Dataset, each checked.
 
-`fit` turns them into a `record.Record`, or into the segments of a fit of cycles.
+`fit` turns them into a `samples.Samples`, or into the segments of a fit of cycles.
 """
 
 from typing import NamedTuple

@@ -60,7 +60,7 @@ def _outcomes(status: np.ndarray, function: str) -> str:
 def _ranges(result: xarray.Dataset, function: str, units: Units) -> TextTable:
     """Return a table of smallest and largest values, and where they are."""
     rows = []
-    for name in RANGES[function]:
+    for name in filter(result.__contains__, RANGES[function]):
         values = result[name].where(np.isfinite(result[name]))
         if function == "limit_cycle" and name == "amplitude":
             values = values.where(values > 0.0)  # of cycles

@@ -6,6 +6,8 @@ import xarray
 
 from ..dynamics.recipe import attribute_text
 from ..errors import ParameterError
+from ..model.conversion import si_factor
+from ..model.names import nearest
 from ..model.quantities import QUANTITIES
 from .report import Report, Row, Title, of_quantities
 
@@ -44,7 +46,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         raise ParameterError(
             f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
         )
-    units = units or {}
+    units = _checked_units(units or {})
     name = attribute_text(result, "title").removeprefix("ratestate ")
     if name == "fit":
         from .fits import report_on_fit
@@ -66,3 +68,14 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
             "Give a Dataset as ratestate returns it.",
         )
     return Report([Title(f"Result of {name}"), of_quantities(rows, units)])
+
+
+def _checked_units(units: Mapping[str, str]) -> Mapping[str, str]:
+    """Return the units; ParameterError if a symbol is unknown or a unit does not fit."""
+    for symbol, unit in units.items():
+        if symbol not in QUANTITIES:
+            near = nearest(symbol, QUANTITIES)
+            wanted = f"Did you mean {near}?" if near else "Give symbols such as V_lp."
+            raise ParameterError("is not a quantity", wanted, symbol=symbol)
+        si_factor(symbol, unit)
+    return units

@@ -134,12 +134,12 @@ def test_stress_has_both_sides_of_a_kink_if_there_is_mass(M):
     )
 
 
-@pytest.mark.parametrize("friction", ["log", "regularized"])
-def test_any_lane_and_any_company_gives_the_same_bits(friction):
+@pytest.mark.parametrize("form", ["log", "regularized"])
+def test_any_lane_and_any_company_gives_the_same_bits(form):
     """Beside sliders on springs, and alone."""
     K = xr.DataArray([1e9, np.inf, 2e9, np.inf, np.inf], dims="K")
     Dc = xr.DataArray(np.geomspace(1e-6, 1e-4, 9), dims="Dc")
-    p = {"a": 0.006, "b": 0.004, "sigma": 2e6, "friction": friction}
+    p = {"a": 0.006, "b": 0.004, "sigma": 2e6, "friction_form": form}
     loading, times = rs.Loading.steps(1e-4, (0.1, 3e-3)), [0.05, 0.1, 0.13, 0.4]
     run = rs.simulate(rs.SpringSlider(**p, Dc=Dc, K=K), loading, 0.4, times=times)
     assert (run.status == 0).all()
@@ -161,13 +161,13 @@ RATES = {
 
 
 @pytest.mark.parametrize("law", RATES)
-@pytest.mark.parametrize("friction", ["log", "regularized"])
-def test_ramps_under_oscillating_stress_by_scipy(law, friction):
+@pytest.mark.parametrize("form", ["log", "regularized"])
+def test_ramps_under_oscillating_stress_by_scipy(law, form):
     """Speeds from 1e-12 to 1e-3 m/s, with alpha; V, theta and friction at saved times."""
     a, b, Dc, sigma, alpha = 0.008, 0.012, 1e-6, 2e6, 0.4
     t_up, t_end, low, high, amplitude, period = 0.2, 0.3, 1e-12, 1e-3, 3e5, 0.07
     p = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "alpha": alpha, "mu0": 0.6, "V0": V0}
-    slider = rs.SpringSlider(**p, K=np.inf, law=law, friction=friction)
+    slider = rs.SpringSlider(**p, K=np.inf, law=law, friction_form=form)
     loading = rs.Loading.series([0.0, t_up, t_up, t_end], [low, high, 3e-6, 3e-6])
     loading = loading.sigma_sinusoid(amplitude, period=period)
     times = np.linspace(0.01, t_end, 59)
@@ -191,7 +191,7 @@ def test_ramps_under_oscillating_stress_by_scipy(law, friction):
     np.testing.assert_allclose(np.log(run.theta)[kept], log_theta, rtol=0, atol=1e-11)
     V = np.where(times < t_up, low + rate * times, 3e-6)[kept]
     state = 0.6 + b * (log_theta + np.log(V0 / Dc))
-    if friction == "regularized":
+    if form == "regularized":
         mu = a * np.arcsinh(0.5 * V / V0 * np.exp(state / a))
     else:
         mu = state + a * np.log(V / V0)

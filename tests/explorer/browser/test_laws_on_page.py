@@ -40,12 +40,12 @@ def test_a_link_whose_friction_does_not_go_with_its_law(show):
     fields = shown.page.eval_on_selector_all(".field input", texts)
     assert shown.page.input_value("#friction_form") == "regularized"
     shown.go("law=flash-heating&friction_form=log")
-    assert "does not go with law = 'flash-heating'" in shown.text("#problem-friction")
-    assert shown.text("#stale") == "Shown: the last valid values; correct friction."
+    assert "does not go with law = 'flash-heating'" in shown.text("#problem-friction_form")
+    assert shown.text("#stale") == "Shown: the last valid values; correct friction_form."
     assert shown.page.is_visible("#entry-V_w")
     shown.page.select_option("#friction_form", "regularized")
     shown.wait()
-    assert not shown.page.is_visible("#problem-friction")
+    assert not shown.page.is_visible("#problem-friction_form")
     assert shown.page.eval_on_selector_all(".field input", texts) == fields
     assert len(fields) >= 20
 

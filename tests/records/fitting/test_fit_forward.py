@@ -11,9 +11,9 @@ from ratestate.paper.figures import LAWS
 from ratestate.records.fitting.forward import Forward, _difference
 from ratestate.records.fitting.samples import samples_of
 from ratestate.records.kit.estimated_noise import (
-    Relaxation,
     RestrictedLikelihood,
     estimated_noise,
+    families,
     modes,
 )
 from ratestate.records.kit.noise import Noise
@@ -200,7 +200,7 @@ def test_the_estimated_noise_is_the_likeliest(time):
     for _ in range(5):
         y = 1e-4 * rng.normal(size=t.size) + 3e-4 * correlated(t, time, rng)
         likelihood = RestrictedLikelihood(t, y, X)
-        (*_, mode) = sorted(modes(likelihood, Relaxation(likelihood)), key=lambda one: one[2])
+        (*_, mode) = sorted(modes(likelihood, families(likelihood)[0]), key=lambda one: one[2])
         chosen = likelihood.at(estimated_noise(t, y, X)).log_likelihood
         assert chosen >= mode.log_likelihood - 1e-6  # by a power law perhaps
         found = likelihood.at(mode.shape).noise

@@ -357,7 +357,7 @@ def test_fits_under_forms_of_friction(law, form):
     result = rs.fit(data, slider.replace(a=0.006, b=0.009, Dc="20 um"), trend=None)
     assert_finds(result, slider, ("a", "b", "Dc", "K", "mu0"), within=3.5, widest=0.5 / 3.5)
     found = rs.fitted_slider(result, law)
-    assert (found.friction, found.mu0) == (form, float(result.mu0))
+    assert (found.friction_form, found.mu0) == (form, float(result.mu0))
     assert f"{law} law" in str(rs.summary(result))
 
 

@@ -31,7 +31,7 @@ def fitted(noise):
         problem=SimpleNamespace(record=SimpleNamespace(t=T)),
         residual=noise - JACOBIAN @ point,
         jacobian=JACOBIAN,
-        covariance=covariance,
+        root=np.linalg.cholesky(covariance),
         noise=shape,
     )
     return solution, float(point[2] / np.sqrt(covariance[2, 2]))
@@ -72,7 +72,7 @@ def test_intervals_in_white_noise_are_hardly_wider():
 def test_a_coordinate_without_effect_is_not_widened():
     solution, _ = fitted(np.random.default_rng(1).normal(size=T.size))
     solution.jacobian = np.column_stack([JACOBIAN, np.zeros(T.size)])
-    solution.covariance = np.diag([*np.diag(solution.covariance), 1e18])
+    solution.root = np.diag([*np.linalg.norm(solution.root, axis=1), 1e9])
     both = likely_noise(solution).widening(np.eye(4)[2:])
     assert both.errors[1] == 1.0
     np.testing.assert_array_equal(both.roots[1], GAUSSIAN)

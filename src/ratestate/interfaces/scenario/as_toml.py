@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ParameterError
-from ...friction.law_formula import HASH_MARK, LOG
+from ...friction.law_formula import HASH_MARK
 from ...model.load_point import Call
 from ...model.loading import Loading
 from ...model.parameters import OTHER_QUANTITIES
@@ -46,11 +46,8 @@ def toml(scenario: Scenario) -> str:
     A law that was registered from a file is named with the hash of its source, and its file by its
     whole path.  Values of a magnitude that `load` refuses are written nevertheless.
     """
-    function, slider, settings = (
-        scenario.function,
-        scenario.slider.parameters,
-        dict(scenario.settings),
-    )
+    function, settings = scenario.function, dict(scenario.settings)
+    slider = scenario.slider.parameters
     loading: dict[str, str] = {}
     swept = {k: v for k, v in {**slider, **settings}.items() if is_array(v) and k != "frequency"}
     if "loading" in settings:
@@ -72,11 +69,10 @@ def toml(scenario: Scenario) -> str:
         if k not in elsewhere
     }
     output = {"file": scenario.output.file, "plot": scenario.output.plot}
-    named, form = {"function": f'"{function}"'}, scenario.slider.friction_form
+    named = {"function": f'"{function}"'}
     tables = {
         "slider": {k: _literal(k, v) for k, v in slider.items() if k not in swept}
-        | _law(scenario.slider.law)
-        | ({} if form == LOG else {"friction_form": _literal("friction_form", form)}),
+        | _law(scenario.slider.law),
         "loading": loading,
         "run": run if axes or function == "simulate" else named | run,
         "sweep": named | axes if axes else {},

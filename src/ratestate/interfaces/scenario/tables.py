@@ -112,9 +112,7 @@ def _path(key: str, value: Any) -> Path:
 class Sweep(NamedTuple):
     """The table [sweep]."""
 
-    function: (
-        str  # the function to call: the requested one, or the file's own; "" if that is unknown
-    )
+    function: str  # to call: the requested one, or the file's own; "" if unknown
     own: str  # the file's own function
     values: dict[str, Any]  # floats, DataArrays of axes, times, law; None for one with a problem
     branch: dict[str, Any]  # the keys parameter, start and stop of `continue_cycle`

@@ -88,11 +88,11 @@ def _named(catalogues):
     parts = list(catalogues.values()) if isinstance(catalogues, dict) else list(catalogues)
     if any(part.attrs.get("title") != "ratestate events" for part in parts):
         raise ParameterError(
-            "a page of events shows results of events alone", "Give only such results."
+            "a figure of events shows results of events alone", "Give only such results."
         )
     if len(parts) > len(LOOKS):
         raise ParameterError(
-            f"a page shows {len(LOOKS)} catalogues at most, not {len(parts)}", "Give fewer."
+            f"a figure shows {len(LOOKS)} catalogues at most, not {len(parts)}", "Give fewer."
         )
     names = names or [_name(part) for part in parts]
     return [Named(in_si(d), n, *look) for d, n, look in zip(parts, names, LOOKS, strict=False)]

@@ -58,7 +58,7 @@ def fit(result, ax=None, *, x=None):
     if has_steps(result):
         if ax is not None:
             raise ParameterError(
-                "fits of steps fill a page", "Leave ax out, or pick one with .isel."
+                "fits of steps fill a whole figure", "Leave ax out, or pick one with .isel."
             )
         return fit_page(in_si(result))
     checked_by_law(result, "plot.fit")

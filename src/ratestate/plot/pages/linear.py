@@ -108,7 +108,7 @@ def response_page(result):
     """Page (Figure) of one slider's response to oscillations of many frequencies."""
     if result.sizes.get("frequency", 1) < 2:
         raise ParameterError(
-            "a page of a frequency response shows several frequencies",
+            "a figure of a frequency response shows several frequencies",
             "Give frequency a list, such as numpy.geomspace(1, 1000, 400).",
         )
     V_lp, law = float(result.V_lp), LAWS[parameter(result, "law")].name

@@ -36,7 +36,7 @@ def runs_page(runs):
     parts = [one.run for one in named]
     if any(run.attrs.get("title") != "ratestate simulate" for run in parts):
         raise ParameterError(
-            "a page of several runs shows results of simulate alone", "Give only such results."
+            "a figure of several runs shows results of simulate alone", "Give only such results."
         )
     if len(parts) == 1:
         return run_page(parts[0])

@@ -155,9 +155,9 @@ def fitted_slider(result, law=None):
     ParameterError
         Not a result of `fit`; a law that was not fitted; several laws, and none is named.
     """
-    if isinstance(result, xarray.Dataset) and has_steps(result):
-        result = _combine_steps(in_si(result))
     laws = checked_by_law(result, "fitted_slider")
+    if has_steps(result):
+        laws = checked_by_law(_combine_steps(in_si(result)), "fitted_slider")
     law = law_name(law) if law is not None else next(iter(laws)) if len(laws) == 1 else None
     if law not in laws:
         choices = " or ".join(f"law={name!r}" for name in laws)

@@ -83,7 +83,7 @@ def fit_cycles(record, slider, free, loading=None):
 
 
 def _measured_segments(segments):
-    """Return `MeasuredFeatures` segments (tuple), and warnings on segments without cycles."""
+    """Return `MeasuredFeatures` (tuple), and warnings on segments without cycles."""
     measured, refused = [], []
     for segment in segments:
         try:

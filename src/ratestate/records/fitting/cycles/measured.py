@@ -63,7 +63,7 @@ class MeasuredFeatures(NamedTuple):
 
 
 def measure(segment):
-    """Return the `MeasuredFeatures` features of a segment."""
+    """Return the `MeasuredFeatures` of a segment."""
     period = main_period(segment.t, segment.y)
     segment = thinned(segment, period)
     cuts, left_out = regular_cuts(segment, period)

@@ -16,7 +16,7 @@ export class RecordFile {
   }
 
   /**
-   * Have a File read, an earlier one no longer: {problem} or what record.py answers; null if it is
+   * Have a File read, an earlier one no longer: {problem} or what lab_record.py answers; null if it is
    * given up for a newer one.  choices: {columns, units, time}, as for read_lab
    */
   send(file, choices) {
