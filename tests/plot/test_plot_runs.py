@@ -159,7 +159,7 @@ def test_a_page_of_laws_and_one_of_a_single_run():
     assert [line.get_color() for line in stress.lines] == [RED, BLUE]
     assert "aging (Dieterich) law and slip (Ruina) law" in fig.get_suptitle()
     assert plot.figure([runs["slip"]]).get_suptitle() == plot.figure(runs["slip"]).get_suptitle()
-    with pytest.raises(ParameterError, match="a page of several runs"):
+    with pytest.raises(ParameterError, match="a figure of several runs"):
         plot.figure([runs["slip"].assign_attrs(title="other")])
 
 
