@@ -1,6 +1,5 @@
 """Errors of fits: profiles, posterior, comparison of laws, notes and warnings."""
 
-import builtins
 import pickle
 import re
 from types import SimpleNamespace
@@ -13,7 +12,7 @@ from synthetic_records import SLIDER, correlated, power_law, record
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.records.fitting import inference, transients
+from ratestate.records.fitting import inference, settings, transients
 from ratestate.records.fitting import posterior as sampling
 from ratestate.records.fitting.checks import search_warnings
 from ratestate.records.fitting.fit_dataset import with_comparison
@@ -329,18 +328,16 @@ def test_warnings_on_a_truncated_or_unreliable_posterior(stiff, good, monkeypatc
     assert "the posterior was not complete after" in str(emitted[0].message)
 
 
-def test_a_posterior_needs_dynesty(good, monkeypatch):
-    real = builtins.__import__
+@pytest.mark.parametrize("per_step", [False, True])
+def test_a_posterior_needs_dynesty(good, monkeypatch, per_step):
+    """Before anything is fitted: a step whose posterior fails has the errors "auto"."""
+    monkeypatch.setattr(settings, "find_spec", lambda _: None)
+    with pytest.raises(ParameterError, match=r"needs dynesty.*ratestate\[posterior\]"):
+        rs.fit(good, SLIDER, ("a",), errors="posterior", per_step=per_step)
 
-    def without(name, *arguments, **options):
-        if name == "dynesty":
-            raise ImportError(name)
-        return real(name, *arguments, **options)
 
-    monkeypatch.setattr(builtins, "__import__", without)
-    with pytest.raises(rs.ParameterError, match=r"Install 'ratestate\[posterior\]'"):
-        rs.fit(good, SLIDER, ("a",), errors="posterior")
-    with pytest.raises(rs.ParameterError, match="errors = 'bayes' is unknown"):
+def test_an_unknown_kind_of_errors_is_refused(good):
+    with pytest.raises(ParameterError, match="errors = 'bayes' is unknown"):
         rs.fit(good, SLIDER, errors="bayes")
 
 

@@ -111,15 +111,13 @@ def prior_text(prior):
 
 
 def sample_posterior(solution, prior, label):
-    """Return the `Posterior` of a solution; ParameterError without dynesty.
+    """Return the `Posterior` of a solution.
 
     prior : name -> (low, high) of coordinates, as of `common_prior`; other names are ignored
     label : text of the progress bar
     """
-    try:
-        import dynesty
-    except ImportError:
-        raise sentences.refusal("search.no_dynesty") from None
+    import dynesty
+
     likelihood = LogLikelihood(solution.problem, solution.noise)
     prior = {name: prior[name] for name in likelihood.names if name in prior}
     low, high = np.array(list(prior.values())).T

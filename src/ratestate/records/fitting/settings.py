@@ -1,6 +1,7 @@
 """The settings of a fit, and their checks."""
 
 from collections.abc import Iterable
+from importlib.util import find_spec
 from typing import NamedTuple
 
 import numpy as np
@@ -68,6 +69,8 @@ def checked_settings(slider, *, free, law, noise, per_step=False, loading=None, 
         raise sentences.refusal("each.loading")
     if per_step and choices["against"] == "cycles":
         raise sentences.refusal("each.cycles")
+    if choices["errors"] == "posterior" and find_spec("dynesty") is None:
+        raise sentences.refusal("search.no_dynesty")
     return Settings(free, sliders, noise, **choices)
 
 
