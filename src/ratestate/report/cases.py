@@ -8,7 +8,7 @@ import xarray
 
 from ..engine.model import FINISHED, STATUSES, STEADY_SLIDING
 from ..model.quantities import QUANTITIES, readable
-from .report import ANY_SPEED, Heading, TextTable, Title, Units, left, place, value_text
+from .report import ANY_SPEED, Blocks, Heading, TextTable, Title, Units, left, place, value_text
 
 #: failed cases listed, and places outside the domain of the friction law, at most
 FAILED_LISTED, OUTSIDE_LISTED = 20, 5
@@ -29,12 +29,12 @@ def axes_of(result: xarray.Dataset, function: str) -> list[str]:
     return [*dict.fromkeys(str(dim) for name in names for dim in result[name].dims)]
 
 
-def sweep(result: xarray.Dataset, function: str, units: Units) -> list[str | TextTable]:
+def sweep(result: xarray.Dataset, function: str, units: Units) -> Blocks:
     """Return axes, how cases ended, ranges of finite values, failed cases."""
     axes = axes_of(result, function)
     over = ", ".join(_axis(result, dim) for dim in axes)
     cases = int(np.prod([result.sizes[dim] for dim in axes]))
-    blocks: list[str | TextTable] = [Title(f"{cases:,} cases of {function} over {over}")]
+    blocks: Blocks = [Title(f"{cases:,} cases of {function} over {over}")]
     if "status" in result:
         blocks.append(_outcomes(result["status"].values, function))
     blocks += [*outside_lines(result, "cases"), "", _ranges(result, function, units)]

@@ -11,10 +11,7 @@ from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, wi
 from ..records.healing.rates import HEADINGS, RATES, rate_text
 from ..records.kit.results import checked_result
 from ..records.machine.means import OF_RINGS, SYMBOLS, estimate, value_with_unit
-from .report import Heading, TextTable, Title, left
-
-#: what a report consists of
-Blocks = list[str | TextTable]
+from .report import Blocks, Heading, TextTable, Title, left
 
 #: relative error that is not shown
 EXACT = 1e-6

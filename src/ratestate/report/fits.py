@@ -21,7 +21,7 @@ from ..records.fitting.by_law import (
 )
 from ..records.fitting.unknowns import motion_symbols
 from . import steps
-from .report import Heading, Report, TextTable, Title, left, scale_of
+from .report import Blocks, Heading, Report, TextTable, Title, left, scale_of
 
 #: law -> its part of a result, as from `results_by_law`
 Laws = dict[str, xarray.Dataset]
@@ -170,7 +170,7 @@ def _table(laws: Laws) -> TextTable:
     return TextTable([*columns, left("", may_go=True)], rows, splits=True)
 
 
-def _statistics(laws: Laws) -> list[str | TextTable]:
+def _statistics(laws: Laws) -> Blocks:
     heads = ["r.m.s. residual", "chi-square, if white", "AIC", "BIC"]
     rows = []
     for law, part in laws.items():
@@ -186,7 +186,7 @@ def _statistics(laws: Laws) -> list[str | TextTable]:
     return [TextTable(columns, rows), "", note]
 
 
-def _features(laws: Laws) -> list[str | TextTable]:
+def _features(laws: Laws) -> Blocks:
     """Return features of cycles, measured and fitted, and chi-square under each law."""
     first = next(iter(laws.values()))
     rows = []

@@ -115,6 +115,10 @@ class TextTable(NamedTuple):
         return "\n".join(f"| {row} |" for row in rows)
 
 
+#: what a report consists of
+Blocks = list[str | TextTable]
+
+
 class Report:
     """Tables and sentences on a result.
 

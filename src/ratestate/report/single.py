@@ -24,6 +24,7 @@ from .report import (
     ANY_SPEED,
     DIGITS,
     FEW_DIGITS,
+    Blocks,
     Heading,
     Row,
     TextTable,
@@ -33,9 +34,6 @@ from .report import (
     of_quantities,
     value_text,
 )
-
-#: what a report consists of
-Blocks = list[str | TextTable]
 
 #: ratio to V_lp of the speed at which remedies make steady sliding stable
 MARGIN = 1.1

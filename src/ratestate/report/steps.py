@@ -24,8 +24,7 @@ from ..records.fitting.unknowns import DERIVED, TRENDS, to_value
 from .report import Heading, TextTable, Title, left, scale_of
 
 #: heads of the first columns
-HEADS = [left("step"), left("time [s]", joined=True)]
-HEADS.append(left("change", joined=True))
+HEADS = [left("step"), left("time [s]", joined=True), left("change", joined=True)]
 #: remark on the notation of numbers in the table
 NOTATION = (
     "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18. The signs < "

@@ -157,7 +157,7 @@ def fitted_slider(result, law=None):
     """
     laws = checked_by_law(result, "fitted_slider")
     if has_steps(result):
-        laws = checked_by_law(_combine_steps(in_si(result)), "fitted_slider")
+        laws = results_by_law(_combine_steps(in_si(result)))
     law = law_name(law) if law is not None else next(iter(laws)) if len(laws) == 1 else None
     if law not in laws:
         choices = " or ".join(f"law={name!r}" for name in laws)

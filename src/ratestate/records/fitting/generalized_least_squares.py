@@ -59,6 +59,11 @@ class Solution(NamedTuple):
     def covariance(self):
         return self.root @ self.root.T
 
+    @property
+    def errors(self):
+        """Standard errors (k,) of the coordinates."""
+        return np.linalg.norm(self.root, axis=1)
+
     def covariance_with(self, quantity):
         """Return the covariances (k,) of the coordinates with a `ReportedQuantity`."""
         return self.root @ (quantity.gradient(self.point) @ self.root)
@@ -71,7 +76,7 @@ class Solution(NamedTuple):
     @property
     def at_bound(self):
         """Names (list) of the coordinates at a bound, within `AT_BOUND` errors."""
-        near = AT_BOUND * np.linalg.norm(self.root, axis=1)
+        near = AT_BOUND * self.errors
         return [name for name, side in self.unknowns.sides(self.point, near).items() if side]
 
 

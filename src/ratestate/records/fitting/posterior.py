@@ -66,7 +66,7 @@ def common_prior(inferences):
     box: dict[str, tuple[float, float]] = {}
     for inference in inferences:
         solution, profiles = inference.solution, inference.profiles
-        errors = 1.96 * np.sqrt(np.diag(solution.covariance))
+        errors = 1.96 * solution.errors
         for name, low, high, estimate, error in zip(
             *solution.unknowns, solution.point.tolist(), errors.tolist(), strict=True
         ):

@@ -64,11 +64,11 @@ def checked_settings(slider, *, free, law, noise, per_step=False, loading=None, 
         if changed:
             raise sentences.refusal("settings.not_for_cycles", names=", ".join(changed))
     if not isinstance(per_step, bool | np.bool_):
-        raise sentences.refusal("each.flag", value=per_step)
+        raise sentences.refusal("per_step.flag", value=per_step)
     if per_step and loading is not None:
-        raise sentences.refusal("each.loading")
+        raise sentences.refusal("per_step.loading")
     if per_step and choices["against"] == "cycles":
-        raise sentences.refusal("each.cycles")
+        raise sentences.refusal("per_step.cycles")
     if choices["errors"] == "posterior" and find_spec("dynesty") is None:
         raise sentences.refusal("search.no_dynesty")
     return Settings(free, sliders, noise, **choices)

@@ -105,7 +105,7 @@ def _with_extra_motion(loading, start, duration, distance):
     until = loading.speed.until
     t = np.union1d(loading.t, [start, end])
     t = t[t < until]
-    k = np.searchsorted(loading.t, t, side="right") - 1
+    k = loading.speed.segments_at(t)
     last = np.append(t[1:], until if np.isfinite(until) else t[-1])  # (constant if it is inf)
     push = np.where((t >= start) & (t < end), distance / duration, 0.0)
     first, final = (loading.V[k] + loading.rate[k] * (x - loading.t[k]) + push for x in (t, last))

@@ -232,7 +232,7 @@ def _misfit(fit):
 
 def _equal_fits(fit):
     """Yield warnings on other minima that fit as well."""
-    errors = np.sqrt(np.diag(fit.inference.solution.covariance))[:-1]
+    errors = fit.inference.solution.errors[:-1]
     # coordinate by coordinate, because the covariance misleads along a curved valley
     for i in distinct([run.point[:-1] for run in fit.runs], DISTINCT * errors)[1:]:
         if fit.runs[i].chi2 - fit.runs[0].chi2 < EQUAL:

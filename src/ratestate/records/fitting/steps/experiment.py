@@ -70,9 +70,9 @@ class Step(NamedTuple):
         """Sentences (list) on why the estimates from all steps leave out this fit."""
         caveats = []
         if self.window.kind != NORMAL_STRESS and stress_range(self.data) > VARIABLE:
-            caveats.append(sentences("each.stress_varies"))
+            caveats.append(sentences("per_step.stress_varies"))
         if names := " and ".join(self.solution.at_bound):
-            caveats.append(sentences("each.at_bound", names=names))
+            caveats.append(sentences("per_step.at_bound", names=names))
         return caveats
 
     @property
@@ -109,7 +109,7 @@ def fit_experiment(data, settings):
     if not any(step.status == FITTED for step in fitted):
         steps = by_law[settings.laws[0]]
         message = next(step.message for step in steps if step.status == FAILED)
-        raise sentences.refusal("each.failed", count=len(steps), message=message)
+        raise sentences.refusal("per_step.failed", count=len(steps), message=message)
     return dataset_of_steps(by_law, shared)
 
 
@@ -121,7 +121,7 @@ def steps_of(data, settings):
     if all(steps[0].status == STICK_SLIP for steps in windows):
         slide = stick_slip_in(windows[-1][0].window, slides)
         count = {"count": len(windows), "events": slide.events}
-        raise sentences.refusal("each.all_stick_slip", V_lp=slide.V, **count)
+        raise sentences.refusal("per_step.all_stick_slip", V_lp=slide.V, **count)
     return windows
 
 
@@ -142,7 +142,7 @@ def _steps_of(window, data, settings, slides):
     status, message = FAILED, ""
     if slide := stick_slip_in(window, slides):
         status = STICK_SLIP
-        message = sentences("each.stick_slip", events=slide.events, V_lp=slide.V)
+        message = sentences("per_step.stick_slip", events=slide.events, V_lp=slide.V)
     of_laws = [settings._replace(free=free, sliders=[slider]) for slider in sliders]
     return [Step(window, part, max(rows, 1), one, status, message) for one in of_laws]
 

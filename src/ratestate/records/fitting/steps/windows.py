@@ -96,7 +96,7 @@ def windows_of(data):
             )
         )
     if not windows:
-        raise sentences.refusal("each.no_step")
+        raise sentences.refusal("per_step.no_step")
     return windows
 
 
