@@ -1,6 +1,8 @@
 """Machine code made by running formulas once: functions, and rates of laws."""
 
 import ctypes
+import subprocess
+import sys
 
 import mpmath as mp
 import numpy as np
@@ -100,6 +102,49 @@ def test_an_instruction_is_written_once():
     x = Number(code, "%x")
     assert (x + 1.0) * (x + 1.0) is (x + 1.0) * (x + 1.0)
     assert len(code.lines) == 2
+
+
+# Free address space: 1,000 holes that take constants but no code, then none for 8 GiB.  The
+# simulation before loads the libraries and the solver's control.
+SCATTERED_MEMORY = """
+import ctypes
+import ratestate as rs
+
+libc = ctypes.CDLL(None)
+libc.mmap.restype = ctypes.c_void_p
+libc.mmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t, *4 * [ctypes.c_int]]
+libc.munmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t]
+PRIVATE, ANONYMOUS, NORESERVE = 0x2, 0x20, 0x4000
+HOLE, CODE, SIZE = 12 << 10, 16 << 10, 8 << 30
+
+def reserve(size):
+    return libc.mmap(None, size, 0, PRIVATE | ANONYMOUS | NORESERVE, -1, 0)
+
+def simulate(law):
+    slider = rs.SpringSlider(a=0.005, b=0.01, Dc=1e-5, sigma=1e7, K=1e10, M=1e6, law=law)
+    print(rs.simulate(slider, rs.Loading.constant(1e-3), 0.1, V_start=1e-4).V.values[-1])
+
+simulate("aging")
+start = reserve(SIZE)
+size = SIZE
+while size >= CODE:
+    while (place := reserve(size)) > start:
+        pass
+    libc.munmap(place, size)
+    size //= 2
+for i in range(1, 1001):
+    libc.munmap(start + SIZE - (i << 20), HOLE)
+simulate("slip")
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="numbers of Linux's mmap")
+def test_code_and_constants_lie_side_by_side_in_scattered_memory():
+    done = subprocess.run([sys.executable, "-c", SCATTERED_MEMORY], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    first, second = map(float, done.stdout.split())
+    assert first == pytest.approx(1.723113e-4, rel=1e-5)
+    assert second == pytest.approx(4.905412e-4, rel=1e-5)
 
 
 def test_missing_functions_are_reported_on_loading():

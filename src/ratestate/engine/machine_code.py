@@ -96,8 +96,10 @@ def compile_object(text, machine=None, level=0):
 
 def load_functions(code, names):
     """Load an object, return its functions' addresses; ImportError if one is missing."""
-    # the engine takes ownership of the machine, so each one gets a new one
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target())
+    # The engine takes ownership of the machine, so each one gets a new one.  `use_lmm` puts code
+    # and constants side by side.  Else they may lie more than 2 GiB apart in a process that uses
+    # much address space, as one with a GPU does, and LLVM would abort the process.
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target(), use_lmm=True)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     addresses = {name: engine.get_function_address(name) for name in names}
