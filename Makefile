@@ -28,13 +28,14 @@ explore: .venv/.ready ## open the explorer in the browser; ARGS="--port 8000 --n
 test: .venv/.ready ## run the tests on 2 processes
 	$(BIN)/pytest -n 2 $(ARGS)
 
-check: .venv/.docs ## lint, formatting, types, direction of imports, names, docstrings
+check: .venv/.docs ## lint, formatting, types, direction of imports, names, docstrings, English
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python tools/check_imports.py
 	$(BIN)/python tools/check_words.py
+	$(BIN)/python tools/check_prose.py
 	$(BIN)/python tools/check_docstrings.py
 
 docs: .venv/.docs ## build the documentation, its code executed and its links checked, into build/docs

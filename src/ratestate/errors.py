@@ -77,7 +77,7 @@ class StoreError(RateStateError, OSError):
 
 
 class CompilationError(RateStateError, RuntimeError):
-    """A kernel cannot be compiled on this machine, which is no fault of any case."""
+    """The solver cannot be compiled on this machine, whatever the case."""
 
 
 class SolverError(RateStateError, RuntimeError):

@@ -59,7 +59,7 @@ def app_of(port, frames):
         shared = socket.app.state.shared
         await socket.accept()
         if len(shared.sessions) >= MOST_PAGES:
-            await socket.close(LATER, "too many pages are open; close one")
+            await socket.close(LATER, "too many pages are open: close one")
         else:
             await Session(shared, socket).serve()
 

@@ -73,7 +73,7 @@ def branch(state, along, deadline):
     except TimeUp:
         pieces = ()
         note = (
-            f"The cycles take more than {deadline.seconds:g} s; continue_cycle in Python has no "
+            f"The cycles take more than {deadline.seconds:g} s. In Python continue_cycle has no "
             f"such limit."
         )
     special = [

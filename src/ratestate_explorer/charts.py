@@ -77,7 +77,7 @@ def chart(slider, size, deadline, limits=WHOLE):
         raise rs.ParameterError(
             f"law = {slider.law!r} with friction_form = {slider.friction_form!r} and damping = "
             f"{slider.damping:g} Pa s/m has no map of regimes: eta and K/K_c_qs do not decide the "
-            f"motion alone; ratestate.atlas in Python maps laws with parameters of their own"
+            f"motion alone. In Python ratestate.atlas maps laws with parameters of their own."
         )
     try:
         with deadline.part():
@@ -85,7 +85,7 @@ def chart(slider, size, deadline, limits=WHOLE):
     except TimeUp:
         raise rs.ParameterError(
             f"{size} x {size} points of the map take more than {deadline.seconds:g} s at "
-            f"b/a = {key[1]:.4g}; atlas in Python has no such limit"
+            f"b/a = {key[1]:.4g}. In Python atlas has no such limit."
         ) from None
     eta_bautin = float(data.eta_bautin)
     header = {

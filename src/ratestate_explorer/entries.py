@@ -45,7 +45,7 @@ def state_of(entries: Any) -> PageState:
     """Return the `PageState` of entries; `BadEntries` with everything that is wrong with them.
 
     entries : dict of strings as typed, symbol -> string, in which a number without a unit is in SI;
-        also "law", perhaps "friction_form" and those of `EXPERIMENT`; other keys are ignored:
+        also "law", perhaps "friction_form" and the keys of `EXPERIMENT`; others are ignored:
 
         V_from, sigma_from : speed and normal stress before time 0, if they were different
         protocol : what happens from time 0 on, before V_lp and sigma: see `state.segments_of`
@@ -82,13 +82,13 @@ def _problems_of_rigid(values):
     holds = [k for k, segment in enumerate(values.get("protocol", ()), 1) if segment.V == 0.0]
     if holds:
         problems["protocol"] = (
-            f"V of segment {holds[0]} = 0 m/s with K = inf: eq. 1 gives no friction at rest; give "
-            f"a finite K, or a small V for the hold"
+            f"V of segment {holds[0]} = 0 m/s with K = inf: eq. 1 gives no friction at rest. Give "
+            f"a finite K, or a small V for the hold."
         )
     if "kick" in values:
         problems["kick"] = (
-            "kick: with K = inf the slider moves at the load point's speed; give a finite K, or "
-            "leave the kick out"
+            "kick: with K = inf the slider moves at the load point's speed. Give a finite K, or "
+            "leave the kick out."
         )
     return problems
 
@@ -108,8 +108,8 @@ def _law_of(entries):
     law = next((law for law in laws if name.lower() in law.names), None)
     if law is None or "law_file" in entries:  # a law file is code, which no page can have run
         problem = (
-            f"law = {name!r} is unknown; choose {' or '.join(law.name for law in laws)}, or start "
-            f"the explorer with your own law: ratestate explore --law-file FILE.py"
+            f"law = {name!r} is unknown. Choose {' or '.join(law.name for law in laws)}, or start "
+            f"the explorer with your own law: ratestate explore --law-file FILE.py."
         )
         return None, None, {"law": problem}
     form = entries.get("friction_form")
@@ -119,7 +119,7 @@ def _law_of(entries):
     if form.lower() in law.forms:
         return law, form.lower(), {}
     known = " or ".join(law.forms)
-    problem = f"friction_form = {form!r} does not go with law = {law.name!r}; choose {known}"
+    problem = f"friction_form = {form!r} does not go with law = {law.name!r}. Choose {known}."
     return None, None, {"friction_form": problem}
 
 

@@ -71,7 +71,7 @@ def _check(segments, t_end):
             raise BadEntries(
                 {
                     "protocol": f"duration of segment {number} = {duration} is less than "
-                    f"{SHORTEST:g} of the {shown} shown; give a longer one, or leave it out"
+                    f"{SHORTEST:g} of the {shown} shown. Give a longer one, or leave it out."
                 }
             )
 
@@ -97,7 +97,7 @@ def _reloading_of_step(verdict, settled):
 def _reloading_after(plan, verdict):
     """Return the time [s] in which the spring's stress reaches friction after a plan's segments.
 
-    The friction is that of steady sliding, or what the slider meets at once if that is more: after
+    It is the friction of steady sliding, or what the slider meets at once if that is more: after
     a hold V rises by the direct effect before the state changes.  0 if the run ends before.
     """
     t = plan.changes[-1]

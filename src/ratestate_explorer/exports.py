@@ -50,7 +50,7 @@ def _text(kind, state, deadline):
         run = error.best  # up to where it fails
     if run.sizes["time"] > MOST_ROWS:
         raise rs.ParameterError(
-            f"the run has {run.sizes['time']} rows, more than the {MOST_ROWS} of a download; the "
-            f"Python lines write it in full"
+            f"the run has {run.sizes['time']} rows, more than the {MOST_ROWS} of a download. The "
+            f"Python lines write it in full."
         )
     return rs.files.csv_text(run)

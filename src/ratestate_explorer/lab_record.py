@@ -34,7 +34,7 @@ REMEDIES = {
 
 
 class Refused(Exception):
-    """A file that is not read; status: that of the answer."""
+    """A file is not read; `status` goes into the answer."""
 
     def __init__(self, status, problem):
         super().__init__(problem)
@@ -72,7 +72,7 @@ def _session(request):
     for session in request.app.state.shared.sessions:
         if session.token == page:
             return session
-    raise Refused(403, "this page is not connected to ratestate; wait until it is, and try again")
+    raise Refused(403, "this page is not connected to ratestate. Wait until it is, and try again.")
 
 
 def _check_length(request):
@@ -93,15 +93,15 @@ async def _contents(request, stop):
                 if len(contents) > LARGEST:
                     raise Refused(413, too_large())
     except TimeoutError:
-        raise Refused(408, f"the file did not arrive within {SECONDS:g} s; try again") from None
+        raise Refused(408, f"the file did not arrive within {SECONDS:g} s. Try again.") from None
     return bytes(contents)
 
 
 def too_large():
     """Return the message for a file that is too large."""
     return (
-        f"the file is larger than the {LARGEST / 1e6:g} MB that the page takes; leave out what is "
-        f"not of interest, or take every tenth row; read_lab in Python has no such limit"
+        f"the file is larger than the {LARGEST / 1e6:g} MB that the page takes. Leave out what is "
+        f"not of interest, or take every tenth row. In Python read_lab has no such limit."
     )
 
 

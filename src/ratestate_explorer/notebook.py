@@ -123,7 +123,7 @@ def _checked(slider, V_lp):
     """Return the speed [m/s]; ParameterError if the page cannot show it or the slider."""
     if not isinstance(slider, rs.SpringSlider):
         raise rs.ParameterError(
-            f"slider is a {type(slider).__name__} and not a SpringSlider; give a SpringSlider"
+            f"slider is a {type(slider).__name__} and not a SpringSlider. Give a SpringSlider."
         )
     V_lp = rs.units.to_si("V_lp", V_lp)
     values = {**slider.values, "V_lp": V_lp}
@@ -131,7 +131,7 @@ def _checked(slider, V_lp):
     if arrays:
         raise rs.ParameterError(
             f"{', '.join(arrays)} {'is an array' if len(arrays) == 1 else 'are arrays'}, and the "
-            f"explorer shows one slider; pick one value of each"
+            f"explorer shows one slider. Pick one value of each."
         )
     try:
         state_of(entries_of(PageState(slider, V_lp), DIGITS))

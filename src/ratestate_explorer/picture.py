@@ -20,7 +20,7 @@ SECONDS = 1.0
 # A run that takes too long is repeated up to this part of what was done.
 AGAIN = 0.5
 BESIDE = (
-    "Before the kick, steady sliding and a limit cycle are both stable; the kick starts from "
+    "Before the kick, steady sliding and a limit cycle are both stable. The kick starts from "
     "steady sliding."
 )
 # What the block and the load point of a run are drawn from -> variables of the run [m].
@@ -86,7 +86,7 @@ def _settled(state, cycle, orbit, deadline):
 def picture(state, deadline):
     """Return header and arrays of the answer to "picture" (wire.py); it raises as `study_of`.
 
-    The arrays of a run that cannot be shown in time are empty; those of a cycle may be absent.
+    The arrays of a run that cannot be shown in time are empty; arrays of a cycle may be absent.
     """
     study, slider = study_of(state, deadline), state.slider
     run, notes = run_of(study.plan, deadline)
@@ -122,8 +122,8 @@ def _attractor(slider, V, deadline):
         return error, None
     except TimeUp:
         return rs.SolverError(
-            f"the search was ended after {deadline.seconds:g} s; limit_cycle in Python has no such "
-            f"limit"
+            f"the search was ended after {deadline.seconds:g} s. In Python limit_cycle has no such "
+            f"limit."
         ), None
 
 
@@ -131,7 +131,7 @@ def run_of(plan, deadline):
     """Return the run, shortened if it takes too long, or None; and notes on that."""
     notes: list[str] = []
     t_end = requested = plan.settings["t_end"]
-    limit = f"{deadline.seconds:g} s of computing; the Python lines have no such limit."
+    limit = f"{deadline.seconds:g} s of computing. The Python lines have no such limit."
     for _ in range(ATTEMPTS):
         try:
             with deadline.part():

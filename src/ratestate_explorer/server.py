@@ -72,6 +72,6 @@ def listen(port=None):
         in_use = error.errno == errno.EADDRINUSE
         what = "is in use" if in_use else f"cannot be used: {error.strerror}"
         raise rs.ParameterError(
-            f"port = {port} {what}; give another, or none to have one chosen"
+            f"port = {port} {what}. Give another, or none to have one chosen."
         ) from None
     return listening

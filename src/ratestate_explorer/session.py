@@ -118,13 +118,13 @@ class Session:
             await self.send(wire.answer(None, "problem", problems={"": str(error)}))
             self.nonsense += 1
             if self.nonsense >= NONSENSE:
-                await self.socket.close(REFUSED, "these are no questions")
+                await self.socket.close(REFUSED, "these are not questions")
                 raise WebSocketDisconnect(REFUSED) from None
             return
         self.nonsense = 0
         dropped = self.queues[question.ask].take(question)
         if dropped and dropped.ask in wire.FILES:
-            problems = {"": "too many downloads were waiting; this one was dropped"}
+            problems = {"": "too many downloads were waiting, so this one was dropped"}
             await self.send(wire.answer(dropped.id, "problem", problems=problems))
 
     async def send(self, message):

@@ -61,8 +61,8 @@ def save_page(path, entries, pinned=()):
         text = standalone(entries, pinned, Deadline(SECONDS))
     except TimeUp:
         raise rs.SolverError(
-            f"a part of what the page shows takes more than {SECONDS:g} s of computing; nothing "
-            f"was saved"
+            f"a part of what the page shows takes more than {SECONDS:g} s of computing. Nothing "
+            f"was saved."
         ) from None
     return rs.files.replace(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 

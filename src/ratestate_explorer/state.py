@@ -14,7 +14,7 @@ SMALLEST, LARGEST = 1e-20, 1e20
 _DIGIT = re.compile(r"^[-+]?[0.]*[1-9]")  # the beginning of a number that is not 0
 _BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
 #: what `ParameterError` says that a segment should be
-WANTED = "expected 'V for T' or 'V at SIGMA for T', such as '0 m/s for 100 s'"
+WANTED = "Give 'V for T' or 'V at SIGMA for T', such as '0 m/s for 100 s'"
 
 #: parameters that links may lack -> their text in that case
 NONE = {symbol: rs.quantities.readable(symbol, 0.0) for symbol in ("damping", "alpha")}
@@ -109,12 +109,12 @@ def segments_of(text):
     text : such as "0 m/s for 100 s; 1 um/s at 5 MPa for 20 s"
     """
     if not isinstance(text, str) or not text.strip():
-        raise rs.ParameterError(f"protocol has no text; {WANTED}, segments separated by ';'")
+        raise rs.ParameterError(f"protocol is empty. {WANTED}, with segments separated by ';'.")
     rows = rows_of(text)
     if len(text) > LONGEST_PROTOCOL or len(rows) > MOST_SEGMENTS:
         raise rs.ParameterError(
             f"protocol has {len(rows)} segments in {len(text)} characters, and a page may have "
-            f"{MOST_SEGMENTS} in {LONGEST_PROTOCOL}; leave some out, or write a scenario file"
+            f"{MOST_SEGMENTS} in {LONGEST_PROTOCOL}. Leave some out, or write a scenario file."
         )
     segments, problems = [], []
     for number, (row, part) in enumerate(zip(rows, text.split(";"), strict=True), 1):
@@ -131,7 +131,9 @@ def _segment(row, text, number):
     """Return the `Segment` of a row; ParameterError, which quotes the text."""
     V, sigma, duration = row
     if not duration:
-        raise rs.ParameterError(f"segment {number} = {text[:LONGEST]!r} is not a segment; {WANTED}")
+        raise rs.ParameterError(
+            f"segment {number} = {text[:LONGEST]!r} is not a segment. {WANTED}."
+        )
     return Segment(
         value_of("V_lp", V, f"V of segment {number}", ">= 0"),
         value_of("sigma", sigma, f"sigma of segment {number}") if sigma is not None else None,

@@ -130,7 +130,7 @@ def test_a_damaged_file_is_replaced(damage, cache_folder, capfd):
     whole = path.read_bytes()
     path.write_bytes(damage(whole))
     assert not load_add_three()
-    message = f"ratestate: the machine code {path} is damaged; it is compiled anew\n"
+    message = f"ratestate: the machine code {path} is damaged, so it is compiled again\n"
     assert capfd.readouterr().err == message
     assert only_file(cache_folder).read_bytes() == whole
     assert load_add_three()
@@ -303,7 +303,7 @@ def test_a_file_of_others_is_not_loaded(change, reported, cache_folder, capfd):
     path = only_file(cache_folder)
     change(path)
     assert not load_add_three()
-    message = f"the machine code {path} may be another user's; it is compiled anew"
+    message = f"the machine code {path} may be another user's, so it is compiled again"
     assert (message in capfd.readouterr().err) == reported
     if path.is_file():
         assert load_add_three()
@@ -364,5 +364,5 @@ def test_a_long_time_is_reported_once(seconds, reported, cache_folder, monkeypat
         for name in ("one", "other"):
             machine_code.make_and_cache(name, lambda: b"code")
         machine_code.report_time()
-    message = f"ratestate: compiled the solver for this machine in {reported} s; it is kept\n"
+    message = f"ratestate: compiled the solver for this machine in {reported} s, and kept it\n"
     assert capfd.readouterr().err == (message if reported else "")

@@ -70,7 +70,7 @@ class TestEntries:
             ("M", "1" * 65, "M has no text of at most 64 characters"),
             ("sigma", 3, "sigma has no text"),
             ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0. Give a speed"),
-            ("law", "dry", "law = 'dry' is unknown; choose slip or aging or flash-heating"),
+            ("law", "dry", "law = 'dry' is unknown. Choose slip or aging or flash-heating"),
             ("K", "1 m**9**9**9**9/Pa", "unknown unit"),
         ],
     )
@@ -162,7 +162,7 @@ class TestLaws:
     def test_a_users_law_is_known_if_it_was_registered(self, law_file):
         path = law_file(MINE)
         texts = VIBRATION | {"law": "mine", "m": "1.5"}
-        with pytest.raises(entries.BadEntries, match="law = 'mine' is unknown; choose slip or"):
+        with pytest.raises(entries.BadEntries, match=r"law = 'mine' is unknown\. Choose slip or"):
             entries.state_of(texts)
         name = rs.register(path)
         slider = entries.state_of(texts).slider
@@ -179,8 +179,8 @@ class TestLaws:
         with pytest.raises(entries.BadEntries) as caught:
             entries.state_of(VIBRATION | more)
         (said,) = caught.value.problems.values()
-        assert said.startswith(f"law = '{more.get('law', 'slip')}' is unknown; choose slip or")
-        assert said.endswith("with your own law: ratestate explore --law-file FILE.py")
+        assert said.startswith(f"law = '{more.get('law', 'slip')}' is unknown. Choose slip or")
+        assert said.endswith("with your own law: ratestate explore --law-file FILE.py.")
 
     def test_parameters_that_do_not_go_together_are_said_of_the_law(self):
         with pytest.raises(entries.BadEntries) as caught:
@@ -208,7 +208,7 @@ class TestFriction:
             (
                 "slip",
                 "asinh",
-                "friction_form = 'asinh' does not go with law = 'slip'; choose log or",
+                "friction_form = 'asinh' does not go with law = 'slip'. Choose log or",
             ),
             ("slip", 3, "friction_form = '3' does not go"),
             ("slip", "x" * 900, f"friction_form = '{'x' * 64}' does not go"),
@@ -624,7 +624,7 @@ class TestServer:
             assert answered(socket, 1)[0]["kind"] == "picture"
             for _ in range(session.NONSENSE):
                 socket.send("nonsense")
-            with pytest.raises(ConnectionClosed, match="these are no questions"):
+            with pytest.raises(ConnectionClosed, match="these are not questions"):
                 drained(socket)
 
     def test_a_chart_comes_twice(self, port, monkeypatch):
@@ -762,7 +762,7 @@ class TestServe:
         assert "127.0.0.1" not in Guard(None, 8080).hosts
 
     def test_a_port_in_use_is_said(self, port):
-        with pytest.raises(rs.ParameterError, match=f"port = {port} is in use; give another"):
+        with pytest.raises(rs.ParameterError, match=f"port = {port} is in use. Give another"):
             server.listen(port)
         for bad in (-1, 70000, "80", True):
             with pytest.raises(rs.ParameterError, match="whole number from 0 to 65535"):

@@ -46,11 +46,11 @@ class TestEntries:
             ("1 m/s for 0 s", "duration of segment 1 = '0 s' must be > 0. Give a time"),
             ("1 m/s at 0 Pa for 1 s", "sigma of segment 1 = '0 Pa' must be > 0. Give a stress"),
             ("1 m/s at for 1 s", "sigma of segment 1 = '' is not a number with a unit. Give"),
-            ("1 m/s; 1 m/s for 2 s", "segment 1 = '1 m/s' is not a segment; expected 'V for T' or"),
-            ("1 m/s for 2 s;", "segment 2 = '' is not a segment; expected 'V for T' or 'V at"),
+            ("1 m/s; 1 m/s for 2 s", "segment 1 = '1 m/s' is not a segment. Give 'V for T' or"),
+            ("1 m/s for 2 s;", "segment 2 = '' is not a segment. Give 'V for T' or 'V at"),
             ("1e21 for 1 s", "V of segment 1 = '1e21 m/s' is beyond any size"),
-            (" ", "protocol has no text; expected 'V for T' or 'V at SIGMA for T'"),
-            (3, "protocol has no text"),
+            (" ", "protocol is empty. Give 'V for T' or 'V at SIGMA for T'"),
+            (3, "protocol is empty"),
             ("; ".join(["1 m/s for 1 s"] * 21), "has 21 segments in 313 characters, and a page"),
             ("1 m/s for 1 s" + " " * 988, "has 1 segments in 1001 characters, and a page may have"),
             ("9" * 900, f"segment 1 = '{'9' * 64}' is not a segment"),
@@ -164,7 +164,7 @@ class TestProtocols:
         header, arrays = painted(texts, seconds=0.4)
         assert header["notes"][-1].startswith("The run is cut at")
         assert header["notes"][-1].endswith(
-            "after 0.4 s of computing; the Python lines have no such limit."
+            "after 0.4 s of computing. The Python lines have no such limit."
         )
         assert 0.0 < arrays["run_time"][-1] < 1e7
         assert 100 < arrays["run_time"].size <= picture.MOST_SENT
@@ -177,7 +177,7 @@ class TestKicks:
         header, arrays = painted(entries_of(PageState(slider, 5e-4, kick=factor), 15))
         amplitude = header["numbers"]["amplitude"]
         assert header["numbers"]["stable"]
-        said = "are both stable; the kick starts from steady sliding"
+        said = "are both stable. The kick starts from steady sliding"
         assert any(said in note for note in header["notes"])
         assert amplitude == pytest.approx(float(rs.limit_cycle(slider, 5e-4).amplitude), rel=1e-6)
         assert arrays["run_time"][0] == 0.0

@@ -307,8 +307,8 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
         ({"chunk": 0}, "chunk = 0 must be a number of cases"),
         ({"chunk": 1.5}, "chunk = 1.5 must"),
         ({"chunk": True}, "chunk = True must"),
-        ({"device": "tpu"}, "device = 'tpu' is unknown; choose one of cpu, cuda"),
-        ({"function": "stability", "device": "cuda"}, "closed form; leave device out"),
+        ({"device": "tpu"}, "device = 'tpu' is unknown. Choose one of cpu, cuda"),
+        ({"function": "stability", "device": "cuda"}, "closed form. Leave device out"),
     ],
 )
 def test_bad_input(how, message):

@@ -93,8 +93,8 @@ def provenance(function, slider, **settings):
 def parameter(result, symbol):
     """Return a parameter of the slider that a result was made with, or another argument.
 
-    Raises ParameterError if the result has lost its attributes, if they were altered, or if there
-    is no such parameter.
+    Raises ParameterError if the result has lost its attributes, if they were altered, or if it
+    lacks the parameter.
 
     Parameters
     ----------

@@ -57,7 +57,7 @@ def stabilize(slider, V_lp, margin=1.1):
 
     Notes
     -----
-    Stiffness is that of `stability`, K_c (eq. 6 with damping and any law).  Mass and damping are
+    The stiffness is K_c, as in `stability` (eq. 6 with damping and any law).  Mass and damping are
     found by bisection of the stability at this speed.
 
     Examples

@@ -55,7 +55,7 @@ def stability(slider, V_lp):
     Raises
     ------
     ParameterError
-        V_lp is not a speed > 0, or its coordinates clash with those of the slider.
+        V_lp is not a speed > 0, or its coordinates clash with the slider's.
     """
     call = stability_call(slider, V_lp)
     into_store = "Sweep into a store, sweep(stability, ..., store='x.zarr')."

@@ -155,7 +155,7 @@ def cached_code(name, make):
         checksum, code = content[:CHECKSUM], content[CHECKSUM:]
         if hashlib.sha256(code).digest() == checksum:
             return code
-        report_once(f"the machine code {folder / file} is damaged; it is compiled anew")
+        report_once(f"the machine code {folder / file} is damaged, so it is compiled again")
     return make_and_cache(name, make)
 
 
@@ -175,7 +175,7 @@ def report_time():
     _seconds.clear()
     if seconds >= REPORTED_SECONDS and not _reported:
         _reported.append(seconds)
-        report_once(f"compiled the solver for this machine in {seconds:.1f} s; it is kept")
+        report_once(f"compiled the solver for this machine in {seconds:.1f} s, and kept it")
 
 
 def _cache(file, content):
@@ -191,11 +191,11 @@ def _cache(file, content):
             refusals.append(f"{folder} ({error.strerror or error})")
             continue
         if refusals:
-            report_once(f"machine code cannot be kept in {refusals[0]}; it is in {folder}")
+            report_once(f"machine code cannot be kept in {refusals[0]}, so it is in {folder}")
         return True
     report_once(
         f"machine code cannot be kept in {' nor in '.join(refusals) or 'any folder'}: each "
-        f"process compiles its own; make room, or set XDG_CACHE_HOME to a folder that can be "
+        f"process compiles its own. Make room, or set XDG_CACHE_HOME to a folder that can be "
         f"written to"
     )
     return False
@@ -266,7 +266,7 @@ def _read(path):
             mine = status.st_uid == os.geteuid() and not status.st_mode & 0o022
             if mine and stat.S_ISREG(status.st_mode):
                 return file.read()
-        report_once(f"the machine code {path} may be another user's; it is compiled anew")
+        report_once(f"the machine code {path} may be another user's, so it is compiled again")
     return None
 
 

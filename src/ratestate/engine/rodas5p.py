@@ -6,7 +6,7 @@ transformed form of Hairer & Wanner (1996, IV.7):
     (1/(gamma h) - J) k_i = f(T + c_i h, y + sum_j A_ij k_j) + sum_j (C_ij/h) k_j + h d_i df/dT
     y_new = y + sum_j A_8j k_j + k_8,      error estimate = k_8.
 
-The equations are those of `model`: y = (x, v, psi), with one psi for each state of the law.  The
+`model` has the equations: y = (x, v, psi), with one psi for each state of the law.  The
 code makes use of their structure in two ways.
 
 * J is an arrow (x and each psi are coupled to v alone), so one scalar pivot solves each stage.

@@ -42,7 +42,7 @@ REVERSALS, LASTING = 3, 0.5
 def component(run, l, i, fraction):
     """Return number i of (x, v, psi...) at a fraction of the step; its derivative.
 
-    After a Taylor step of a return map, the numbers of the perturbations z follow after those of y.
+    After a Taylor step of a return map, the numbers of y are followed by the perturbations z.
     """
     s, shape = run.s, run.shape
     row = shape.c + i * shape.terms * R.LANES + l

@@ -34,7 +34,7 @@ def initial_values(initial, law):
 def initial_state(law, batch, V_load):
     """Return x = (tau/sigma - mu_ref)/a, v and the law's variables at t = 0, (n, m).
 
-    Values that `initial` does not give are those of steady sliding at V_start, with two exceptions.
+    `initial` replaces values of steady sliding at V_start, with two exceptions.
     If M = 0, the balance x = S fixes one of V, the states and tau by the others.  If K = inf, V
     equals V_load, and x = S fixes tau, or a state if tau is given.  If two states are not given,
     tau fixes the first of them.

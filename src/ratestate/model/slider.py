@@ -102,7 +102,7 @@ class SpringSlider:
     ParameterError
         If a parameter is unknown, mistyped or missing, or does not belong to the law; if a value
         has a wrong type or unit or is out of range; if the law or the form of friction is unknown,
-        or the two cannot be combined; if arrays clash, those of a method's V included.
+        or the two cannot be combined; if arrays clash, including a method's V.
 
     Examples
     --------

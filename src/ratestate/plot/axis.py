@@ -28,7 +28,7 @@ class Axis(NamedTuple):
 
     @property
     def even(self):
-        """The values on a scale on which they are evenly spaced, if on any: that of the axis."""
+        """The values on the scale of the axis, on which they are evenly spaced if on any."""
         return np.log(self.values) if self.logarithmic else self.values
 
     def at(self, even):
@@ -53,7 +53,7 @@ class Axis(NamedTuple):
 def axis_of(result, dim):
     """`Axis` of a dimension of a result, in a unit that fits.
 
-    Values that are no numbers, not finite or not in order stand by name at 0, 1, 2 ..., which are
+    Values that are not finite numbers, or not in order, stand by name at 0, 1, 2 ..., which are
     also the values of a dimension without coordinate.
     """
     size = result.sizes[dim]

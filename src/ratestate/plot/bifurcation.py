@@ -36,7 +36,7 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
     data : xarray.Dataset
         From `continue_cycle`.
     ax : matplotlib.axes.Axes, optional
-        By default those of a new figure of pyplot's.  Several branches may share one.
+        By default the axes of a new figure of pyplot's.  Several branches may share one.
     color, label : str
         Of the cycles, in the legend with whether they are stable.
 
@@ -130,7 +130,7 @@ def _by_stability(name):
 
 
 def _pieces(ax, x, y, stable, color, names=("", "")):
-    """Draw a line of n points, solid in those of its n - 1 pieces that are stable, else dashed."""
+    """Draw a line of n points, whose n - 1 pieces are solid if stable, else dashed."""
     cuts = np.flatnonzero(np.diff(stable.astype(int))) + 1
     for first, last in zip([0, *cuts], [*cuts, len(stable)], strict=True):
         look = STABLE if stable[first] else UNSTABLE

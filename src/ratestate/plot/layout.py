@@ -75,8 +75,8 @@ def figure(data, height, symbols=None, more="", title=None):
     """An empty figure, 7.2 inches wide, under its title and a line of parameters, and more.
 
     symbols : of the parameters, which `data` must record; those that are swept are left out; by
-        default those of the slider, b2 or damping too
-    title : by default that of `data`
+        default the slider's, b2 or damping too
+    title : by default the title of `data`
     """
     if symbols is None:
         no_numbers = (*PARAMETERS, "law", "friction_form", "area")

@@ -24,14 +24,14 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     ----------
     run : xarray.Dataset, or list or dict of these
         One slider's, from `simulate`; or several runs, which are named by the keys of a dict, by
-        their values along the one dimension beside ``time``, or by what differs between those of
-        a list.
+        their values along the one dimension beside ``time``, or by what differs between the
+        runs of a list.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     x : {"time", "delta_lp", "delta"}
         Abscissa: time [s], load-point displacement [m], or slip since the start of the run [m].
     tau, mu : dict, optional
-        Changes to the style of the lines of tau/sigma, and to that of mu.
+        Changes to the style of the lines of tau/sigma and of mu.
 
     Returns
     -------

@@ -32,9 +32,9 @@ def named_runs(runs):
     """list of `NamedRun`, in the order given.
 
     Names are the keys of a dict, values along a dimension, or what differs between the runs of a
-    list.  Where laws differ, and nothing else needs a colour, lines are those of `LAWS`.
+    list.  Where laws differ, and nothing else needs a colour, lines are drawn as in `LAWS`.
 
-    ParameterError for what is no run or runs of `simulate`, none, and more than one dimension.
+    ParameterError for anything but runs of `simulate`, for none, and for more than one dimension.
     """
     if isinstance(runs, list | tuple):
         names, parts = None, [*runs]
@@ -85,7 +85,7 @@ def common(runs, symbols):
 
 
 def _checked(run):
-    """The argument in SI; ParameterError if it is no motion in time."""
+    """Return the argument in SI; ParameterError if it is not a motion in time."""
     if not isinstance(run, xarray.Dataset) or not {"time", "tau", "mu"} <= {*run.sizes, *run}:
         raise ParameterError(
             "a run is not a Dataset as simulate returns it, with its attributes",

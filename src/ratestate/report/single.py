@@ -250,7 +250,7 @@ def response(result: xarray.Dataset, units: Units) -> Blocks:
     of_size = {"V": V, "tau": sigma, "mu": 1.0}
     tables: Blocks = []
     for given, size in (("V_lp", V), ("sigma", sigma)):
-        tables += ["", Title(f"Per relative change of {given}; phases in degrees")]
+        tables += ["", Title(f"Per relative change of {given} (phases in degrees)")]
         tables.append(_gains(some, given, {out: size / x for out, x in of_size.items()}, units))
     return [Title(title), of_quantities(rows, units), "", note, *tables]
 

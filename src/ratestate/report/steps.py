@@ -27,7 +27,7 @@ from .report import Heading, TextTable, Title, left, scale_of
 HEADS = [left("step"), left("time [s]", joined=True), left("change", joined=True)]
 #: remark on the notation of numbers in the table
 NOTATION = (
-    "In brackets: the standard error of the last digits; 9.19(18) is 9.19 +- 0.18. The signs < "
+    "In brackets: the standard error of the last digits. 9.19(18) is 9.19 +- 0.18. The signs < "
     "and > stand before the closed end of a 95 % interval that is open on the other side. The row "
     "all is the fit of one set of parameters to all steps and holds together, scatter the standard "
     "deviation between steps beyond their errors, and up/down the mean over steps up divided by "

@@ -64,7 +64,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     rows = [Row(str(key), one) for key, one in numbers.items() if not one.dims]
     if not rows:
         raise ParameterError(
-            f"the title of the Dataset, {name!r}, is not that of a result",
+            f"the title of the Dataset, {name!r}, does not name a result",
             "Give a Dataset as ratestate returns it.",
         )
     return Report([Title(f"Result of {name}"), of_quantities(rows, units)])

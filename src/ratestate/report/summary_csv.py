@@ -28,7 +28,7 @@ OF_RECORD = {
 def summary_csv(result: xarray.Dataset) -> str:
     """Return the quantities of a result as CSV, each in its unit in tables, under each law.
 
-    The quantities of fits of steps are those of all steps together.  Quantities of other results
+    Fits of steps give the quantities of all steps together.  Quantities of other results
     are all single numbers that have an error.
     """
     import pandas

@@ -59,14 +59,14 @@ def call_of(function, slider, arguments):
     try:
         bound = signature.bind(slider, **arguments)
     except TypeError as error:
-        raise ParameterError(f"sweep of {name}: {error}; see help(ratestate.{name})") from None
+        raise ParameterError(f"sweep of {name}: {error}. See help(ratestate.{name}).") from None
     bound.apply_defaults()
     call = checked_call(*bound.args, **bound.kwargs)
     if call.batch.is_single:
         raise ParameterError(sentence("call.nothing", name=name))
     _check_names(call)
     if call.batch.n == 0:
-        raise ParameterError(f"no cases: dimensions {dict(call.batch.sizes)}; give each a value")
+        raise ParameterError(f"no cases: dimensions {dict(call.batch.sizes)}. Give each a value.")
     return name, call
 
 
@@ -101,6 +101,6 @@ def undisturbed(name, call):
 def check_device(name, call, device):
     """Raise ParameterError unless this device can run the call; that it is there is not checked."""
     if not isinstance(device, str) or device not in DEVICES:
-        raise ParameterError(f"device = {device!r} is unknown; choose one of {', '.join(DEVICES)}")
+        raise ParameterError(f"device = {device!r} is unknown. Choose one of {', '.join(DEVICES)}.")
     if device == "cuda" and name in IN_CLOSED_FORM:
-        raise ParameterError(f"device = 'cuda': {name} is in closed form; leave device out")
+        raise ParameterError(f"device = 'cuda': {name} is in closed form. Leave device out.")

@@ -92,7 +92,7 @@ class Cluster:
                 self.client.cancel([*under_way])
 
     def _submit(self, expected, call):
-        """Have a worker do a call; return its future, and that of its answer here."""
+        """Have a worker do a call; return its future and the future of its answer here."""
         task = _CallWhenUnpickled(call_on_worker, (expected, self.device, *call))
         future = self.client.submit(pickle.loads, pickle.dumps(task), pure=False)
         # An answer may be lost with its worker, and then takes long to be computed again.  Waiting

@@ -51,7 +51,7 @@ def _summary(values, sizes, unit=""):
 
 
 def _leaves(value, name=""):
-    """Yield (name, value) for all fields of a call, those of nested dataclasses included."""
+    """Yield (name, value) for all fields of a call and of nested dataclasses."""
     if dataclasses.is_dataclass(value):
         own = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
         value = getattr(value, "parameters", own)  # of a slider or a loading

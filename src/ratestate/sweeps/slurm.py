@@ -76,7 +76,7 @@ def job_cluster(text):
 
 
 def _options(text):
-    """Return the options in a string, with those of the site and defaults: name -> value."""
+    """Return the options in a string, of the site, and by default: name -> value."""
     import_extra("dask_jobqueue")  # this also loads its configuration
     from dask import config, utils
 

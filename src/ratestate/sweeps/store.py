@@ -83,7 +83,7 @@ class Store:
 
     @functools.cached_property
     def chunks(self):
-        """`Chunks` of the sweep; StoreError if they are not those of the variables."""
+        """`Chunks` of the sweep; StoreError if the variables have others."""
         chunks = Chunks(self.record["sizes"], tuple(self.record["chunk"]))
         status = self.arrays["status"]
         if (status.shape, status.chunks) != (tuple(chunks.sizes.values()), chunks.shape):
@@ -92,7 +92,7 @@ class Store:
 
     @functools.cached_property
     def group(self) -> Any:
-        """The zarr group, whose metadata include those of all arrays."""
+        """The zarr group, whose metadata include the metadata of all arrays."""
         return zarr.open_group(self.path, mode="r", zarr_format=3, use_consolidated=True)
 
     @functools.cached_property

@@ -34,7 +34,7 @@ class Tasks(NamedTuple):
     device: str
 
     def do(self, i, part, progress=None, threads=1, stop=None):
-        """Solve chunk i, whose cases are those of the call `part`; return its `Outcome`.
+        """Solve chunk i, with the cases of the call `part`; return its `Outcome`.
 
         If there is a store, its variables go there; StoreError if they cannot be written.
         """

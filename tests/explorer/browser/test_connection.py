@@ -69,7 +69,7 @@ def test_a_lost_connection_says_so_and_comes_back(browser):
             before = shown.numbers
         assert first.process.returncode == 130
         # after a line for each kernel that had to be compiled
-        assert first.process.errors.endswith("interrupted; the explorer has ended\n")
+        assert first.process.errors.endswith("interrupted: the explorer has ended\n")
         banner = page.wait_for_selector("#banner.lost:visible")
         assert "is lost" in banner.inner_text()
         usual = page.eval_on_selector("body", color)

@@ -225,7 +225,7 @@ def test_a_wrong_protocol_of_a_link_is_shown_and_said(show):
     shown.wait()
     assert shown.text("#stale") == "Shown: the last valid values, no protocol; correct protocol."
     shown.go(f"{STEADY}&protocol=hold it&kick=one")
-    assert "segment 1 = 'hold it' is not a segment; expected 'V for T'" in shown.text(
+    assert "segment 1 = 'hold it' is not a segment. Give 'V for T'" in shown.text(
         "#problem-protocol"
     )
     assert "kick = 'one' is not usable" in shown.text("#problem-kick")

@@ -292,8 +292,8 @@ def test_that_a_file_is_swept_is_said_in_one_line(command, lab):
     result = call(command, lab)
     assert (result.exit_code, result.stderr) == (
         0,
-        "the [sweep] of the file is swept, 6 cases; for the single slider take [sweep] out, to "
-        "keep the cases in a store use ratestate sweep\n",
+        "the [sweep] of the file is swept, 6 cases. For the single slider take [sweep] out. To "
+        "keep the cases in a store use ratestate sweep.\n",
     )
 
 
@@ -390,7 +390,7 @@ def test_a_stable_slider_without_mass_and_without_a_cycle(lab):
     result = call("cycle", lab)
     assert (result.exit_code, result.stdout) == (2, "")
     verdict = (
-        "Steady sliding at 3.2 mm/s is stable against small disturbances; without mass (M = 0) a"
+        "Steady sliding at 3.2 mm/s is stable against small disturbances. Without mass (M = 0) a"
     )
     assert result.stderr.startswith(f"error: no cycle is found.\n{verdict} large one")
     table = call("stability", lab).stdout
@@ -711,8 +711,8 @@ def test_a_bug_is_told_and_its_traceback_shown_if_asked(lab, monkeypatch):
 @pytest.mark.parametrize(
     ("error", "code", "message"),
     [
-        (KeyboardInterrupt(), 130, "interrupted; no file is half written\n"),
-        (MemoryError(), 2, "error: not enough memory; ask for less at a time\n"),
+        (KeyboardInterrupt(), 130, "interrupted: no file is half written\n"),
+        (MemoryError(), 2, "error: not enough memory. Ask for less at a time.\n"),
         (rs.SolverError("stopped at t = 3 s"), 2, "error: stopped at t = 3 s\n"),
     ],
 )

@@ -199,7 +199,7 @@ def test_parameters_of_the_law_are_set_or_free(folder):
     assert own["show_default"].endswith("else it must be given")  # as Dc2 above
     foreign = call(*both, "--set", "c=1")
     said = " ".join(foreign.stderr.replace("│", " ").split())
-    assert "'c' is no parameter of the law's own" in said
+    assert "'c' is not a parameter of the law's own" in said
     unnamed = call(*both, "--set", "120 um")
     assert "'120 um' has no NAME=..." in " ".join(unnamed.stderr.split())
 

@@ -162,17 +162,21 @@ def test_ctrl_c(sweeps, file, tmp_path):
     result = call("sweep", file, "--store", store)
     assert result.exit_code == 130
     last = result.stderr.splitlines()[-1]
-    assert last == f"interrupted; nothing is stored in {store} yet; the same command starts again"
+    assert (
+        last == f"interrupted: nothing is stored in {store} yet, and the same command starts again"
+    )
     store.mkdir()
     result = call("sweep", file, "--store", store)
     assert result.exit_code == 130
     last = result.stderr.splitlines()[-1]
-    assert last == (f"interrupted; 4 of 6 cases are stored in {store}; the same command resumes")
+    assert last == (
+        f"interrupted: 4 of 6 cases are stored in {store}, and the same command resumes"
+    )
     sweeps.status = None
     result = call("sweep", file, "--store", store)
     assert result.exit_code == 130
     last = result.stderr.splitlines()[-1]
-    assert last == f"interrupted; what was done is stored in {store}; the same command resumes"
+    assert last == f"interrupted: what was done is stored in {store}, and the same command resumes"
 
 
 def test_a_file_with_problems_starts_nothing(sweeps, file):
@@ -331,7 +335,7 @@ def test_ctrl_c_ends_a_real_sweep(file, tmp_path):
     done = store_status(store).done
     assert 0 < done < 60_000
     assert errors == (
-        f"interrupted; {done} of 60000 cases are stored in {store}; the same command resumes\n"
+        f"interrupted: {done} of 60000 cases are stored in {store}, and the same command resumes\n"
     )
 
 

@@ -52,11 +52,11 @@ def test_once():
     with started(COMMAND, "nothing") as process:
         interrupted(process, "working")
         assert process.wait(20) == 130
-        assert process.stderr.read() == "interrupted; x\n"
+        assert process.stderr.read() == "interrupted: x\n"
 
 
 @pytest.mark.parametrize(
-    ("at", "after", "first"), [("tidying", "tidying", ""), ("thread", "exit", "interrupted; x\n")]
+    ("at", "after", "first"), [("tidying", "tidying", ""), ("thread", "exit", "interrupted: x\n")]
 )
 def test_again(at, after, first):
     """While it tidies up, and while threads keep the process from its end."""
@@ -64,7 +64,7 @@ def test_again(at, after, first):
         interrupted(process, "working")
         interrupted(process, after)
         assert process.wait(20) == 130
-        assert process.stderr.read() == first + "interrupted again; ended at once\n"
+        assert process.stderr.read() == first + "interrupted again: ended at once\n"
 
 
 def test_again_while_python_ends():
@@ -74,7 +74,7 @@ def test_again_while_python_ends():
         assert process.stdout.readline() == "exit\n"
         interrupted(process, "late")
         assert process.wait(20) == 130
-        assert process.stderr.read() == "interrupted; x\n"
+        assert process.stderr.read() == "interrupted: x\n"
 
 
 def test_the_explorer():
@@ -82,7 +82,7 @@ def test_the_explorer():
     with started(code, "explore", "--port", "0", "--no-browser") as process:
         interrupted(process, "explorer at http://127.0.0.1:")
         assert process.wait(20) == 130
-        assert process.stderr.read().endswith("interrupted; the explorer has ended\n")
+        assert process.stderr.read().endswith("interrupted: the explorer has ended\n")
 
 
 def test_the_handler_before_comes_back():

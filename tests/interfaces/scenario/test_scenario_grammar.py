@@ -599,7 +599,7 @@ def test_bounds(told, folder):
     path.write_text("a" + ".a" * 100_000 + " = 1")
     with pytest.raises(ParameterError, match="line 1 has a key of more than 50 parts"):
         load(path)
-    with pytest.raises(ParameterError, match="cannot be read: it is no file"):
+    with pytest.raises(ParameterError, match="cannot be read: it is not a file"):
         load("/dev/zero")
     with pytest.raises(ParameterError, match="cannot be read: no such name"):
         load("a\0b")

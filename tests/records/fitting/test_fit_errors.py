@@ -123,7 +123,7 @@ def test_a_profile_is_the_least_of_all_fits_with_that_value(solution):
 
 def test_a_stiff_machine_gives_a_lower_bound_of_K(stiff):
     start = STIFF.replace(K=1e12)
-    with pytest.warns(rs.FitWarning, match=r"the record only says K > .* too stiff"):
+    with pytest.warns(rs.FitWarning, match=r"the record only shows that K > .* too stiff"):
         result = rs.fit(stiff, start)
     K = result.interval.sel(parameter="K", level=0.95).values
     assert 2e11 < K[0] < STIFF.K
@@ -157,7 +157,7 @@ def test_an_interval_of_a_parameter_far_below_its_guess_is_closed():
 
 
 def test_a_record_without_inertia_gives_an_upper_bound_of_M(good):
-    with pytest.warns(rs.FitWarning, match=r"the record only says M < .* no inertia is seen"):
+    with pytest.warns(rs.FitWarning, match=r"the record only shows that M < .* no inertia is seen"):
         result = rs.fit(good, SLIDER.replace(M=1e8), ("a", "b", "M"))
     assert float(result.interval.sel(parameter="M", level=0.95, side="lower")) == 0.0
     assert 1e6 < float(result.interval.sel(parameter="M", level=0.95, side="upper")) < 1e12

@@ -66,7 +66,7 @@ def simulate(
         friction_form="regularized".
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
-        differ): 1-D, or a DataArray with the dimension ``time`` and those of the sweep.  By
+        differ): 1-D, or a DataArray with the dimensions ``time`` and of the sweep.  By
         default one slider is saved at the solver's own steps, with seven more times inside each
         step of Taylor series, and a sweep at its end.
     rtol : float
@@ -98,8 +98,8 @@ def simulate(
           [Hz] of the last period; 0 if there is none, or its amplitude is below 10 a rtol;
         - ``returns``, the number of maxima in this period: 1, or up to 32 if unequal maxima follow
           each other in a fixed order throughout the later half of the last 64; 0 if they have no
-          such order, and then amplitude is that of this half, and frequency the number of maxima in
-          a second; 1 also if there are too few to tell, below 20 or so;
+          such order, and then this half gives the amplitude, and frequency is the number of maxima
+          in a second; 1 also if there are too few to decide, below 20 or so;
         - ``V_max`` and ``V_min`` [m/s] of the run; without mass V_max may be inf, beyond double
           precision, in a motion that comes back;
         - ``inertial_force``, the largest |M dV/dt|/sigma(0) (without damping |tau/sigma - mu|);

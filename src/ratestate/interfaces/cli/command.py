@@ -50,7 +50,7 @@ def group_of(function: Callable[..., None]) -> str:
 def as_command(function: Callable[..., None]) -> Callable[..., None]:
     """Return a function as a command, with --debug, error messages, and exit codes in its help.
 
-    Its parameters are those of `parameters_of`; each is in commands.toml.
+    `parameters_of` gives its parameters; each is in commands.toml.
     """
     table = _SHARED | _TABLES[function.__name__]
     own = inspect.signature(function).parameters.values()

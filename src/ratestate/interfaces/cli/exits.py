@@ -1,6 +1,6 @@
 """How commands exit: statuses, messages, and a traceback with --debug.
 
-Status 3, some cases failed, is that of `fit`, `sweep` and the commands of run_scenario.
+`fit`, `sweep` and the commands of run_scenario exit with status 3 if some cases failed.
 """
 
 import atexit
@@ -37,7 +37,7 @@ def exit_on_error(debug: bool, options: Mapping[str, str] | None = None) -> Iter
     except (typer.Exit, typer.Abort, typer.BadParameter):
         raise
     except KeyboardInterrupt as interrupt:
-        print_line(f"interrupted; {str(interrupt) or 'no file is half written'}", err=True)
+        print_line(f"interrupted: {str(interrupt) or 'no file is half written'}", err=True)
         raise typer.Exit(INTERRUPTED) from interrupt
     except Exception as error:
         if debug:
@@ -58,7 +58,7 @@ def _second_interrupt_exits() -> Iterator[None]:
         raise KeyboardInterrupt
 
     def again(*_: object) -> None:
-        os.write(2, b"interrupted again; ended at once\n")
+        os.write(2, b"interrupted again: ended at once\n")
         os._exit(INTERRUPTED)
 
     default = signal.default_int_handler
@@ -86,7 +86,7 @@ def _message_and_status(error: Exception, options: Mapping[str, str]) -> tuple[s
         case OSError():
             return f"error: {error.strerror or error}", FAILED
         case MemoryError():
-            return "error: not enough memory; ask for less at a time", FAILED
+            return "error: not enough memory. Ask for less at a time.", FAILED
         case _:
             return (
                 f"this is a bug in ratestate: {type(error).__name__}: {error}\n"

@@ -104,7 +104,7 @@ def own_values(texts: list[str] | None, symbols: Iterable[str]) -> dict[str, str
     if unknown := [name for name in values if name not in known]:
         wanted = f"expected {' or '.join(known)}" if known else "it has none"
         raise typer.BadParameter(
-            f"{unknown[0]!r} is no parameter of the law's own; {wanted}", param_hint="--set"
+            f"{unknown[0]!r} is not a parameter of the law's own: {wanted}", param_hint="--set"
         )
     return values
 
@@ -120,7 +120,7 @@ def laws_of(
     names = tuple(dict.fromkeys(map(_law_of, texts)))
     if own and names and own not in names:
         raise typer.BadParameter(
-            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}; name it too, or "
+            f"{', '.join(map(repr, names))}: the law of {law_file} is {own!r}. Name it too, or "
             f"leave --law out",
             param_hint="'--law'",
         )

@@ -35,7 +35,7 @@ def figures(
     names = which or ["all"]
     if unknown := [name for name in names if name not in [*FIGURES, "all"]]:
         raise typer.BadParameter(
-            f"{unknown[0]!r} is no figure; choose among {', '.join(FIGURES)} and all"
+            f"{unknown[0]!r} is not a figure. Choose among {', '.join(FIGURES)} and all."
         )
     make_writable(out)
     from ...paper import claims_table

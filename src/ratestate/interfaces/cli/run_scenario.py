@@ -90,8 +90,8 @@ def note_sweep(scenario: Scenario) -> None:
     if sizes and scenario.function != "continue_cycle":
         cases = math.prod(sizes.values())
         print_line(
-            f"the [sweep] of the file is swept, {cases:,} case{'s' if cases > 1 else ''}; for the "
-            f"single slider take [sweep] out, to keep the cases in a store use ratestate sweep",
+            f"the [sweep] of the file is swept, {cases:,} case{'s' if cases > 1 else ''}. For the "
+            f"single slider take [sweep] out. To keep the cases in a store use ratestate sweep.",
             err=True,
         )
 

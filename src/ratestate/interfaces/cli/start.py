@@ -95,7 +95,7 @@ def explore(
         fragment = explorer.fragment_of(*opened) if opened else ""
         explorer.serve(port=port, open_browser=not no_browser, fragment=fragment)
     except KeyboardInterrupt:
-        typer.echo("interrupted; the explorer has ended", err=True)
+        typer.echo("interrupted: the explorer has ended", err=True)
         os._exit(INTERRUPTED)  # at once, without waiting for threads that compute or compile
 
 

@@ -114,11 +114,13 @@ def _summary(status: "StoreStatus") -> str:
 def interrupted_message(store: Path) -> str:
     """The message on what an interrupted sweep has stored."""
     if not store.exists():
-        return f"nothing is stored in {store} yet; the same command starts again"
+        return f"nothing is stored in {store} yet, and the same command starts again"
     try:
         from ...sweeps.status import store_status
 
         status = store_status(store)
     except Exception:  # any: the interrupt may have hit the import of a module
-        return f"what was done is stored in {store}; the same command resumes"
-    return f"{status.done} of {status.cases} cases are stored in {store}; the same command resumes"
+        return f"what was done is stored in {store}, and the same command resumes"
+    return (
+        f"{status.done} of {status.cases} cases are stored in {store}, and the same command resumes"
+    )

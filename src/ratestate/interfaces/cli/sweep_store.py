@@ -50,7 +50,7 @@ def sweep(
             print_status(store, file, outputs.law_file, outputs.json, verify)
         elif file is None:
             raise typer.BadParameter(
-                "missing; only --status can do without", param_hint="FILE.toml"
+                "missing. Only --status works without it.", param_hint="FILE.toml"
             )
         else:
             from ...sweeps.sweep import sweep as run

@@ -163,7 +163,7 @@ def _bytes(path: Path) -> bytes:
     try:
         size = path.stat().st_size
         if not path.is_file():
-            what = "Is a directory" if path.is_dir() else "it is no file"
+            what = "Is a directory" if path.is_dir() else "it is not a file"
         elif size > LARGEST:
             what = message("file.too_large", size=size, most=LARGEST)
         else:

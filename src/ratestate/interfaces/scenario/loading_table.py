@@ -44,7 +44,7 @@ class LoadingTable:
 
     @property
     def is_record(self) -> bool:
-        """Whether the speeds are those of a record."""
+        """Whether the speeds come from a record."""
         return bool({"file", "t"} & self.given.keys())
 
     @property

@@ -81,7 +81,7 @@ def _lines(named, part):
 
 
 def _named(catalogues):
-    """list of `Named`; ParameterError for what is no catalogue, none, or more than have looks."""
+    """list of `Named`; ParameterError for anything else, none, or more than have looks."""
     if isinstance(catalogues, xarray.Dataset):
         catalogues = [catalogues]
     names = list(catalogues) if isinstance(catalogues, dict) else None

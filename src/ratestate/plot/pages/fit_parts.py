@@ -74,7 +74,7 @@ def legend(ax, laws, *, band=True, narrow=False):
 
 
 def non_gaussian(result):
-    """list of the free parameters with a likelihood to draw: those of a finite standard error.
+    """Return the free parameters with a finite standard error and a likelihood to draw.
 
     Empty if there is no profile or posterior of any, under any law.
     """

@@ -48,12 +48,12 @@ def fit(result, ax=None, *, x=None):
     Returns
     -------
     matplotlib.figure.Figure
-        A new one, or that of the axes.
+        A new one, or the figure of the axes.
 
     Raises
     ------
     ParameterError
-        Another result than that of `fit`, or one that has lost its attributes.
+        It is not a result of `fit`, or it that has lost its attributes.
     """
     if has_steps(result):
         if ax is not None:

@@ -58,7 +58,7 @@ def runs_page(runs):
 
 @styled
 def cycle_page(cycle):
-    """Page of a slider's cycle, computed again for a period; that of `stability` if it has none."""
+    """Draw a slider's cycle, computed again for a period, or its stability if it has no cycle."""
     symbols = slider_parameters(cycle)
     slider = SpringSlider(**{symbol: parameter(cycle, symbol) for symbol in symbols})
     V_lp = float(cycle.V_lp)

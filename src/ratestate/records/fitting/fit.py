@@ -56,7 +56,8 @@ def fit(
         but every fit estimates it anyway.
     law : str, class or a sequence of these, optional
         Friction law; the slider's by default.  Several laws are fitted side by side.  Each uses the
-        slider's parameters, free or not, that belong to it, so the slider needs those of all laws.
+        slider's parameters, free or not, that belong to it.  So the slider needs the parameters of
+        all laws.
     per_step : bool, default False
         Whether each velocity step, hold and step of normal stress in the record is fitted on its
         own window, on all cores.  The laws' parameters are also fitted to all steps together.
@@ -73,10 +74,10 @@ def fit(
         Whether the record begins in steady sliding at its first speed, or from a velocity and
         state that are also estimated.  By default they are estimated if the record requires it.
     noise : float or dict, optional
-        Standard deviation of the noise in friction; or those of its parts "white" and "red", and
-        the correlation time "time" [s] of the red part.  By default the noise is estimated as white
-        noise.  A red part is added if the record shows it, with one correlation time or with a
-        spectrum that is a power of frequency.
+        Standard deviation of the noise in friction.  A dict gives one for each part, "white" and
+        "red", and the correlation time "time" [s] of the red part.  By default the noise is
+        estimated as white noise.  A red part is added if the record shows it, with one correlation
+        time or with a spectrum that is a power of frequency.
     errors : {"auto", "covariance", "profile", "posterior"}
         Source of the intervals: the covariance at the best fit; profiles of the likelihood, which
         take about 5 times as long as the fit, or 20 times if one is open; samples of the posterior,

@@ -2,8 +2,8 @@
 
 If the noise is slower than the response to a step, few independent samples determine it.  An
 interval that takes the estimated noise as exact is then too narrow.  Here the shape of the noise
-is integrated over, with flat priors of its coordinates (estimated_noise.py).  For each shape the
-estimates are those of generalized least squares, to first order about the fit, and the weight is
+is integrated over, with flat priors of its coordinates (estimated_noise.py).  For each shape
+generalized least squares gives the estimates, to first order about the fit, and the weight is
 the restricted likelihood.  White noise, noise with one relaxation, and noise with a power-law
 spectrum have equal prior probabilities.  A quantity then has a mixture of Gaussians, and the
 ends of its intervals are quantiles of the mixture.  The shapes form a grid along the principal

@@ -101,7 +101,7 @@ def _errors_of_fit(part, names):
 def _errors_of_steps(part, names):
     """Return standard errors (k,) [SI] of the joint fit of all steps, and correlation (k, k).
 
-    Errors of the machine's parameters are those of one step and the scatter between steps, because
+    Errors of the machine's parameters are the errors in one step and the scatter between steps, as
     the stiffness in a hold may differ from the median.  Without a joint fit: ParameterError.
     """
     chosen = part.sel(parameter=names)

@@ -48,7 +48,7 @@ COMMENTS: dict[str, tuple[str, dict[str, Any]]] = {
     "units": ("Units of columns whose unit in the file is missing or wrong.", {}),
     "constants": ("Normal stress if it is not recorded.", {"sigma": "20 MPa"}),
     "signs": (
-        "-1: the sign in the file is turned; 1: it is right.  The sign of other columns is turned "
+        "-1: the sign in the file is turned, 1: it is right.  The sign of other columns is turned "
         "if stress\n# or friction is negative throughout, or if the load point moves backwards.",
         {"delta_lp": -1},
     ),

@@ -166,7 +166,7 @@ class Rows:
         repeated = np.append(False, steps <= REPEATED_TIME * usual)
         self.leave_out(repeated, "with the time of the row before", lambda i: f"{t[i]:.10g} s")
         if 10 * repeated.sum() > t.size:
-            self.warnings[-1] += "; the times have too few digits"
+            self.warnings[-1] += " (the times have too few digits)"
 
     def find_gaps(self):
         """Set `gaps`, and add a warning if there are any."""

@@ -163,13 +163,13 @@ def flip_signs(record, signs):
         follows = symbol != "pore_pressure" or "sigma" in notes
         known = symbol in signs or symbol not in record
         if follows and not known and np.quantile(record[symbol], 0.9) < 0.0:
-            notes[symbol] = f"{symbol} is negative throughout; its sign is turned"
+            notes[symbol] = f"{symbol} is negative throughout, so its sign is turned"
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     x = record[symbol]
     part = max(1, x.size // 20)
     start, end = (x[:part], x[-part:]) if symbol == "delta_lp" else (0.0, x)
     if symbol not in signs and np.median(end) < np.median(start):
-        notes[symbol] = f"{symbol} runs downwards; its sign is turned"
+        notes[symbol] = f"{symbol} runs downwards, so its sign is turned"
     flipped = [symbol for symbol in notes if symbol in record]
     for symbol in flipped:
         record[symbol] = -record[symbol]

@@ -198,8 +198,8 @@ def _slopes(t, y, middle, peaks, troughs, noise):
 def _middle_half(t, y, peak, trough):
     """Return mean time, slope [Pa/s] and duration of the middle half of a fall.
 
-    The slope is that of a line through its samples, or through the two samples next to the middle
-    if there are too few.
+    The slope belongs to a line through its samples, or if they are too few through the two samples
+    next to the middle.
     """
     drop, level = y[peak] - y[trough], 0.5 * (y[peak] + y[trough])
     rows = peak + np.flatnonzero(np.abs(y[peak : trough + 1] - level) < 0.25 * drop)

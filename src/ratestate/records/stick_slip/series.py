@@ -126,7 +126,7 @@ def _series_of_record(data, given):
 
 
 def record_series(t, tau, segments, resolution):
-    """Return the `Series` of a record with these `Segments`; its resolution is that of tau."""
+    """Return the `Series` of a record with these `Segments` and the resolution of tau."""
     number = segments.at(t)
     return Series(
         t=t,

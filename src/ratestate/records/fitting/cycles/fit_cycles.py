@@ -113,7 +113,7 @@ def _solutions_from(problem, starts):
 def cycles_datasets(data, settings, loading):
     """Return law -> Dataset of a record's cycles, their chi-squared, and whether any law fits.
 
-    chi-squared is that of the errors as enlarged under the law that fits best.
+    chi-squared has the errors as enlarged under the law that fits best.
     """
     fits = [fit_cycles(data, slider, settings.free, loading) for slider in settings.sliders]
     results = dict(zip(settings.laws, map(cycles_dataset, fits), strict=True))

@@ -161,7 +161,7 @@ def _scatter(cycles):
 
 
 def _excess(scatter, typical, n):
-    """Return variances (6,) beyond those of noise; 0 if chance explains the excess."""
+    """Return variances (6,) in excess of the noise; 0 if chance explains the excess."""
     limit = chdtri(n - 1, CHANCE) / (n - 1)
     with np.errstate(invalid="ignore"):
         real = scatter > limit * typical

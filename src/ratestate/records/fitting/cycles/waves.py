@@ -122,7 +122,7 @@ class CycleModel:
         values : symbol -> (n,) of a, b, Dc, K, M [SI]
         near : (s, 2) points from which to start
 
-        Features are those of `profile_features`, and NaN without a cycle.
+        `profile_features` gives the features; they are NaN without a cycle.
         """
         n, s = values["a"].size, self.V_lp.size
         each = {symbol: np.repeat(value, s) for symbol, value in values.items()}

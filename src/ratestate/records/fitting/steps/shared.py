@@ -75,7 +75,7 @@ class _Joint:
     def information(self, jacobian):
         """Return the information (steps, k, k) of each step on the shared coordinates.
 
-        Rows of a triangle below those of the step's own coordinates do not depend on them.
+        Rows of a triangle below the rows of the step's own coordinates do not depend on them.
         """
         pairs = zip(self.rows, self.own, strict=True)
         roots = [jacobian[rows.start + len(own) : rows.stop, : self.k] for rows, own in pairs]
