@@ -75,9 +75,13 @@ def test_the_conda_recipe_says_what_pyproject_says():
         assert f": {line}\n" in RECIPE
 
 
-def test_the_citation_is_of_this_version():
+def test_citations_are_of_this_version():
+    version = PROJECT["project"]["version"]
     citation = (ROOT / "CITATION.cff").read_text()
-    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [PROJECT["project"]["version"]]
+    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [version]
+    for page in ("README.md", "docs/cite.md"):
+        entries = re.findall(r"version += \{(.*?)\}", (ROOT / page).read_text())
+        assert entries == [version], page
 
 
 #: label in [project.urls] -> file, and the line in it
