@@ -75,9 +75,42 @@ def test_the_conda_recipe_says_what_pyproject_says():
         assert f": {line}\n" in RECIPE
 
 
-def test_the_citation_is_of_this_version():
+def test_citations_are_of_this_version():
+    version = PROJECT["project"]["version"]
     citation = (ROOT / "CITATION.cff").read_text()
-    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [PROJECT["project"]["version"]]
+    assert re.findall(r"^version: (.*)$", citation, re.MULTILINE) == [version]
+    for page in ("README.md", "docs/cite.md"):
+        entries = re.findall(r"version += \{(.*?)\}", (ROOT / page).read_text())
+        assert entries == [version], page
+
+
+#: label in [project.urls] -> file, and the line in it
+ADDRESSES = {
+    "Repository": ("CITATION.cff", "repository-code: {}"),
+    "Documentation": ("CITATION.cff", "url: {}"),
+    "Issues": ("docs/help.md", "The issue tracker is <{}>."),
+}
+
+
+def wrong_addresses(urls, texts):
+    """Lines that a file lacks, or has although pyproject.toml does not give the address."""
+    for label, (file, line) in ADDRESSES.items():
+        wanted = [line.format(urls[label])] if label in urls else []
+        found = re.findall("^" + line.format(r"\S+?") + "$", texts[file], re.MULTILINE)
+        if found != wanted:
+            yield f"{file}: {wanted or 'no line'}, not {found}"
+
+
+def test_addresses_are_those_of_pyproject():
+    texts = {file: (ROOT / file).read_text() for file, _ in ADDRESSES.values()}
+    assert not list(wrong_addresses(PROJECT["project"]["urls"], texts))
+    assert [*wrong_addresses({"Issues": "https://example.org/i"}, texts)] == [
+        "docs/help.md: ['The issue tracker is <https://example.org/i>.'], not []"
+    ]
+    texts["CITATION.cff"] += "url: https://example.org\n"
+    assert [*wrong_addresses({}, texts)] == [
+        "CITATION.cff: no line, not ['url: https://example.org']"
+    ]
 
 
 CHANGES = """# Changelog

@@ -194,6 +194,7 @@ WRITERS = {
     "templates": templates,
     "symbols": symbols.symbols,
     "material_values": materials.values,
+    "material_models": materials.models,
     "material_findings": materials.findings,
     "material_sources": materials.sources,
     **{table: keys(table) for table in ("slider", "loading", "run", "sweep", "output")},

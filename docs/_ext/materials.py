@@ -8,9 +8,8 @@ from ratestate.model.units import to_si
 from ratestate.plot import label
 
 FILE = Path(__file__).with_suffix(".toml")
-#: where an entry was read -> its mark in the table
-CHECKED = {"text": "", "abstract": "", "code": "", "not": "\\*"}
 PARAMETERS = ("a", "b", "Dc")
+REQUIRED = {"material", "conditions", "found", "source", "read"}
 
 
 def read(path=FILE):
@@ -21,9 +20,7 @@ def read(path=FILE):
     """
     data = tomllib.loads(path.read_text("utf-8"))
     for entry in data["entry"]:
-        wanted = {"material", "conditions", "found", "source", "checked"}
-        assert entry.keys() - set(PARAMETERS) == wanted, entry
-        assert entry["checked"] in CHECKED, entry
+        assert entry.keys() - {*PARAMETERS, "law", "model"} == REQUIRED, entry
         for symbol in entry.keys() & set(PARAMETERS):
             values = entry[symbol] if isinstance(entry[symbol], list) else [entry[symbol]]
             entry[symbol] = [to_si(symbol, value) for value in values]
@@ -34,27 +31,41 @@ def read(path=FILE):
     return data["entry"], data["source"]
 
 
+def kind(entry):
+    """Whether an entry has measured values, values of a model, or none."""
+    if not entry.keys() & set(PARAMETERS):
+        return "finding"
+    return "model" if entry.get("model") else "measured"
+
+
 def values():
-    """The entries with a value as a table; a star marks a source that was not checked."""
-    return _table(PARAMETERS, lambda entry: entry.keys() & set(PARAMETERS))
+    """The measured values as a table."""
+    return _table("measured", PARAMETERS, "law")
+
+
+def models():
+    """The values that were chosen for computations as a table."""
+    return _table("model", PARAMETERS)
 
 
 def findings():
     """The entries without values as a table."""
-    return _table((), lambda entry: not entry.keys() & set(PARAMETERS))
+    return _table("finding")
 
 
-def _table(symbols, belongs):
+def _table(wanted, symbols=(), *more):
     entries, sources = read()
-    head = ["", *(label(s) for s in symbols), "what was found", "source"]
+    head = ["", *more, *(label(s) for s in symbols), "what was found", "source"]
     rows = [
         [
-            f"**{entry['material']}**: {entry['conditions']}",
+            ": ".join(filter(None, (f"**{entry['material']}**", entry["conditions"]))),
+            *(entry.get(key, "") for key in more),
             *(_values(entry, symbol) for symbol in symbols),
             entry["found"],
-            _link(sources[entry["source"]]) + CHECKED[entry["checked"]],
+            f"{_link(sources[entry['source']])}, {entry['read']}",
         ]
-        for entry in filter(belongs, entries)
+        for entry in entries
+        if kind(entry) == wanted
     ]
     return "\n".join(f"| {' | '.join(row)} |" for row in [head, ["---"] * len(head), *rows])
 
@@ -62,8 +73,8 @@ def _table(symbols, belongs):
 def sources():
     """The sources as a list, in the order of the alphabet, with links."""
     _, found = read()
-    lines = [f"- {s['text']}, [doi:{s['doi']}]({_address(s)})." for s in found.values()]
-    return "\n".join(sorted(lines))
+    lines = [f"- {s['text']}, [{_shown(s)}]({_address(s)})." for s in found.values()]
+    return "\n".join(sorted(lines, key=str.lower))
 
 
 def _values(entry, symbol):
@@ -72,9 +83,15 @@ def _values(entry, symbol):
 
 
 def _link(source):
-    """Authors and year, where the text begins with them, as a link to the DOI."""
-    return f"[{source['text'].partition(')')[0]})]({_address(source)})"
+    """Authors and year, or the name of a code, with which the text begins, as a link."""
+    name = source["text"].partition(")")[0] + ")"
+    return f"[{name if 'doi' in source else name.partition(' (')[0]}]({_address(source)})"
+
+
+def _shown(source):
+    return f"doi:{source['doi']}" if "doi" in source else source["url"].removeprefix("https://")
 
 
 def _address(source):
-    return f"https://doi.org/{source['doi']}".replace("(", "%28").replace(")", "%29")
+    address = f"https://doi.org/{source['doi']}" if "doi" in source else source["url"]
+    return address.replace("(", "%28").replace(")", "%29")
