@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import ParameterError
-from ...model.load_point import Call
-from ...model.loading import Loading
-from ...model.parameters import parameter_to_si, quantity_of
-from ...model.quantities import QUANTITIES, remedy
-from ...model.units import to_si
-from ...records.reading.columns import Column, Table, requested_column
-from ...records.reading.open_table import open_table
-from ...records.reading.titles import plain_unit
+from ..errors import ParameterError
+from ..model.load_point import Call
+from ..model.loading import Loading
+from ..model.parameters import parameter_to_si, quantity_of
+from ..model.quantities import QUANTITIES
+from ..model.units import to_si
+from ..records.reading.columns import Column, Table, requested_column
+from ..records.reading.open_table import open_table
+from ..records.reading.titles import plain_unit
 from .known_keys import LIKE, LOADING_TABLES, SPEEDS_LIKE, example, known_items
 from .problems import Place, Problem, message, refusal
 from .values import LONGEST, read_number, read_values, refuse_unusual
@@ -167,7 +167,7 @@ def _steps(key: str, steps: Any, place: Place, area: dict[str, Any]) -> list[tup
             for beside in {"V_lp", "ramp"} & values.keys():
                 where.at(beside).add("steps.beside_hold", like=known.like)
         elif symbol not in values:
-            of_speed = message("steps.speed_wanted", wanted=remedy("V_lp"))
+            of_speed = message("steps.speed_wanted", wanted=QUANTITIES["V_lp"].remedy)
             where.missing(symbol, of_speed if symbol == "V_lp" else "")
         _divide_force(values, "sigma", where, area)
         if len(place.problems) == before:
@@ -185,7 +185,7 @@ def _wave(key: str, table: Any, place: Place, area: dict[str, Any]) -> list[tupl
     if values is None:
         return []
     if "amplitude" not in values:
-        place.missing("amplitude", remedy(known.keys["amplitude"][0]))
+        place.missing("amplitude", QUANTITIES[known.keys["amplitude"][0]].remedy)
     if ("period" in values) == ("frequency" in values):
         twice = "period" in values
         place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ...friction.law_formula import HASH_MARK
-from ...model.load_point import Call
-from ...model.loading import Loading
-from ...model.units import is_array
-from ...model.user_laws import file_of_law
+from ..friction.law_formula import HASH_MARK
+from ..model.load_point import Call
+from ..model.loading import Loading
+from ..model.units import is_array
+from ..model.user_laws import file_of_law
 from .as_toml import is_own_axis, numbers, quantity
 from .scenario import Scenario
 

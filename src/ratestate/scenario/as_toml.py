@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import ParameterError
-from ...friction.law_formula import HASH_MARK
-from ...model.load_point import Call
-from ...model.loading import Loading
-from ...model.parameters import OTHER_QUANTITIES
-from ...model.quantities import QUANTITIES, exact_text
-from ...model.units import is_array
-from ...model.user_laws import file_of_law
+from ..errors import ParameterError
+from ..friction.law_formula import HASH_MARK
+from ..model.load_point import Call
+from ..model.loading import Loading
+from ..model.parameters import OTHER_QUANTITIES
+from ..model.quantities import QUANTITIES, exact_text
+from ..model.units import is_array
+from ..model.user_laws import file_of_law
 from .scenario import FUNCTIONS, Scenario
 
 WIDTH = 93  # characters of a line
