@@ -19,7 +19,7 @@ fig, axes = plt.subplots(2, 2, figsize=(7.2, 4.4))
 for ax, V in zip(axes.flat, (1e-4, 1e-2, 5e-2, 0.5), strict=True):
     cycle = rs.limit_cycle(slider, V)
     period = float(cycle.period)
-    run = rs.simulate(slider, rs.Loading.constant(V), 40 * period, V_start=V / 10)
+    run = rs.simulate(slider, V, 40 * period, V_start=V / 10)
     last = run.sel(time=slice(38 * period, None))
     plot.trace(last.assign_coords(time=last.time - last.time[0]), ax)
     name = rs.classify(cycle).regime.item()

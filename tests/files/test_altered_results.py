@@ -270,8 +270,8 @@ def test_a_loading_that_is_no_history(results):
         ([step], "not as it was made"),
         ([first, ["covers", {"t_end": 1.0}]], "not as it was made"),
         ([first, ["step", {"t": 0.1}]], "not as it was made"),
-        ([["constant", {"V": "gone"}]], "is not a number with a unit"),
-        ([["constant", {"V": -1e-4}]], "must be >= 0"),
+        ([["constant", {"V_lp": "gone"}]], "is not a number with a unit"),
+        ([["constant", {"V_lp": -1e-4}]], "must be >= 0"),
         ([first, step, step], "must come after"),
     ):
         altered = json.dumps(written | {"loading": calls})

@@ -71,7 +71,7 @@ def _loading(loading: Loading) -> str:
     calls = [_first(first), *(f".{call.method}({_arguments(call)})" for call in others)]
     if others and all(call.method == "step" for call in others):
         pairs = [f"({_arguments(call)})" for call in others]
-        calls = [_call("rs.Loading.steps", [_value("V_lp", first.arguments["V"]), *pairs], 61)]
+        calls = [_call("rs.Loading.steps", [_value("V_lp", first.arguments["V_lp"]), *pairs], 61)]
     text = "".join(calls)
     if len(calls) == 1 or len(text) < 80:
         return text
