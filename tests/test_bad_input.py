@@ -153,9 +153,9 @@ def test_rigid_drive_at_rest():
     assert np.isnan(batch.V.values).tolist() == [[True], [False]]
 
 
-@pytest.mark.parametrize("call", [lambda x: simulate(SLIDER, x, 1.0), lambda x: limit_cycle(x, 1)])
+@pytest.mark.parametrize("call", [lambda x: simulate(x, LOADING, 1.0), lambda x: limit_cycle(x, 1)])
 def test_wrong_kind_of_argument(call):
-    with pytest.raises((ParameterError, TypeError), match=r"Loading|SpringSlider"):
+    with pytest.raises((ParameterError, TypeError), match="SpringSlider"):
         call(1e-3)
 
 

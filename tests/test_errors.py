@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 from ratestate.errors import MissingFileError, ParameterError
 from ratestate.interfaces.cli import main
-from ratestate.interfaces.scenario import loads, template
 from ratestate.model.units import to_si
+from ratestate.scenario import loads, template
 
 LENGTH, STRESS = "Give a length such as '10 um'.", "Give a stress such as '2 MPa'."
 MASS = "Give a mass per area such as '3000 kg/m^2'."

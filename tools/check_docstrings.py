@@ -1,6 +1,6 @@
 """Ends with an error where the docstring of a public name is not complete numpydoc.
 
-Public is what docs/reference/api.rst names: a summary, every parameter and what is returned.
+Public is what docs/reference/api.md names: a summary, every parameter and what is returned.
 """
 
 import functools
@@ -14,7 +14,7 @@ from pathlib import Path
 from numpydoc.docscrape import get_doc_object
 from numpydoc.validate import validate
 
-REFERENCE = Path(__file__).resolve().parents[1] / "docs/reference/api.rst"
+REFERENCE = Path(__file__).resolve().parents[1] / "docs/reference/api.md"
 #: checks of numpydoc that are not made: sections that not every function needs, and style that
 #: symbols and names of the paper do not follow
 NOT_CHECKED = {"ES01", "EX01", "SA01", "SS05", "PR08", "RT04"}
@@ -36,7 +36,7 @@ def public_objects():
 
 
 def find(name):
-    """The object of a documented name; a function, where a module has the same name."""
+    """Return the object of a documented name."""
     module, _, member = f"ratestate.{name}".rpartition(".")
     return getattr(importlib.import_module(module), member)
 

@@ -2,7 +2,7 @@
 
 Imports inside functions and those for types alone count too, which the contracts of import-linter
 leave aside.  Scripts in benchmarks, docs and tools, which no test runs, import what is there.  The
-explorer uses only names of `ratestate` that docs/reference/api.rst documents:
+explorer uses only names of `ratestate` that docs/reference/api.md documents:
 ``python tools/check_imports.py``.
 """
 
@@ -17,7 +17,7 @@ import grimp
 
 ROOT = Path(__file__).parents[1]
 SCRIPTS = ("benchmarks", "docs", "tools")
-EXPLORER, REFERENCE = ROOT / "src/ratestate_explorer", ROOT / "docs/reference/api.rst"
+EXPLORER, REFERENCE = ROOT / "src/ratestate_explorer", ROOT / "docs/reference/api.md"
 
 
 def circle(graph):
@@ -68,10 +68,10 @@ def private(module, documented):
 
 
 def documented_names():
-    """What the reference documents: objects, and names that its text gives with their module."""
-    text = REFERENCE.read_text("utf-8")
-    objects = re.findall(r"^\.\. auto\w+:: (ratestate\.[\w.]+)", text, re.MULTILINE)
-    return {*objects, *re.findall(r"``(ratestate\.\w+\.\w+)``", text)}
+    """Return the names in the tables of the reference, without the packages that have them."""
+    names = re.findall(r"^\| .*?`rs\.([\w.]+)", REFERENCE.read_text("utf-8"), re.MULTILINE)
+    packages = {name.partition(".")[0] for name in names if "." in name}
+    return {f"ratestate.{name}" for name in names if name not in packages}
 
 
 def main():

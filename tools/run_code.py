@@ -19,7 +19,7 @@ from pathlib import Path
 
 BLOCK = re.compile(r"^( *)```(\w+)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
 OUTPUT = re.compile(r"\s*^ *```text\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
-TEMPLATES = Path(__file__).resolve().parent.parent / "src/ratestate/interfaces/templates"
+TEMPLATES = Path(__file__).resolve().parent.parent / "src/ratestate/scenario/templates"
 SLIDER = re.compile(r"^\[slider\].*?(?=^\[|\Z)", re.MULTILINE | re.DOTALL)
 
 
@@ -53,7 +53,7 @@ def run_python(page):
 
 def load_toml(page):
     """Load a page's scenarios."""
-    from ratestate.interfaces import scenario
+    from ratestate import scenario
 
     slider = ""
     for line, text, _ in blocks(page, "toml"):

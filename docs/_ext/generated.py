@@ -5,6 +5,8 @@ read as Markdown the part follows, up to ``<!-- end -->``: ``python docs/_ext/ge
 it.
 """
 
+import inspect
+import operator
 import re
 import subprocess
 import sys
@@ -118,7 +120,7 @@ def keys(table):
     """A writer of the keys of a table, as the reader of scenario files knows them."""
 
     def write():
-        from ratestate.interfaces.scenario.known_keys import TABLES, keys_of
+        from ratestate.scenario.known_keys import TABLES, keys_of
 
         # the other keys of [sweep] are those of [slider]
         known = TABLES[table] if table == "sweep" else keys_of(table)
@@ -132,8 +134,8 @@ def keys(table):
 
 def _key(table, key):
     """A row: what the key stands for, and what is expected."""
-    from ratestate.interfaces.scenario.known_keys import ENDINGS, choices
-    from ratestate.model.quantities import KINDS, QUANTITIES, example
+    from ratestate.model.quantities import KINDS, QUANTITIES
+    from ratestate.scenario.known_keys import ENDINGS, choices
 
     said = WORDS.get(f"{key} {table}", WORDS.get(key))
     wanted = FORMS.get(f"{key} {table}", FORMS.get(key, ""))
@@ -141,7 +143,7 @@ def _key(table, key):
         quantity = QUANTITIES[key]
         kind, _ = KINDS[quantity.unit]
         unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
-        said, wanted = quantity.long_name, f"{kind}{unit} such as {example(key)}"
+        said, wanted = quantity.long_name, f"{kind}{unit} such as {quantity.example}"
     elif words := choices(key):
         wanted = " or ".join(f'`"{word}"`' for word in words)
     elif table == "output":
@@ -151,8 +153,8 @@ def _key(table, key):
 
 def _otherwise(table, key):
     """What is taken for a parameter of the slider that is not given."""
-    from ratestate.interfaces.scenario.known_keys import COMMON, NEEDED
     from ratestate.model.parameters import WHOLE_CONTACT
+    from ratestate.scenario.known_keys import COMMON, NEEDED
 
     if table != "slider":
         said = OTHERWISE.get(f"{key} {table}")
@@ -168,8 +170,7 @@ def _otherwise(table, key):
 
 def mistakes():
     """The message about a file with many mistakes."""
-    from ratestate import ParameterError
-    from ratestate.interfaces import scenario
+    from ratestate import ParameterError, scenario
 
     file = DOCS / "reference" / "wrong.toml"
     try:
@@ -181,13 +182,64 @@ def mistakes():
 
 def templates():
     """The scenario files that `ratestate init` writes, with what they say of themselves."""
-    from ratestate.interfaces.templates import TEMPLATES, description
+    from ratestate.scenario.templates import TEMPLATES, description
 
     rows = [f"| `{name}` | {description(name)} |" for name in TEMPLATES]
     return "\n".join(["| name | |", "|---|---|", *rows])
 
 
+#: public names of values, with their meaning; functions, classes and modules have docstrings
+VALUES = {
+    "QUANTITIES": "All quantities by symbol: unit, name, range and example.",
+    "files.EXAMPLE_UNIT": "The quantities that a column of a record can be, each with a unit.",
+    "plot.AMPLITUDE": "Label of an axis of amplitudes.",
+    "plot.BLUE": "Colour of the paper's second curve.",
+    "plot.GRAY": "Colour of records and guiding lines.",
+    "plot.LAWS": "Name, colour and line of each friction law in figures.",
+    "plot.RED": "Colour of the paper's first curve.",
+    "plot.STRESS": "Label of an axis of tau/sigma.",
+    "scenario.TEMPLATES": "Names of the templates of scenario files.",
+}
+
+
+def names():
+    """Every public name, with the first sentence of its docstring."""
+    import ratestate as rs
+
+    documented = re.findall(
+        r"^\.\. auto\w+:: ratestate\.(\S+)",
+        (DOCS / "reference/api.md").read_text("utf-8"),
+        re.MULTILINE,
+    )
+    packages = [name for name in dir(rs) if inspect.ismodule(getattr(rs, name))]
+    tables = []
+    for package in ("", *packages):
+        rows = ["| name | |", "|---|---|"]
+        for name in dir(getattr(rs, package) if package else rs):
+            path = f"{package}.{name}".lstrip(".")
+            if not name.startswith("_"):
+                shown = (
+                    f"{{obj}}`rs.{path} <ratestate.{path}>`"
+                    if path in documented
+                    else f"`rs.{path}`"
+                )
+                rows.append(f"| {shown} | {_first_sentence(path)} |")
+        tables.append("\n".join(rows))
+    return "\n\n".join(tables)
+
+
+def _first_sentence(path):
+    if path in VALUES:
+        return VALUES[path]
+    import ratestate as rs
+
+    text = inspect.getdoc(operator.attrgetter(path)(rs))
+    text = " ".join(text.partition("\n\n")[0].split()).replace("``", "`")
+    return re.sub(r"`ratestate\.(\w+)`", r"`\1`", text)
+
+
 WRITERS = {
+    "names": names,
     "commands": commands,
     "exit_codes": exit_codes,
     "mistakes": mistakes,

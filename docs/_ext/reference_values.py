@@ -49,7 +49,7 @@ def solved(name, rtol):
     """Errors of tau/sigma, ln V and psi at the end of a problem, and the number of steps."""
     slider, V_lp = slider_of(name)
     _, p, _, V_start, _, t, *exact = PROBLEMS[name]
-    run = rs.simulate(slider, rs.Loading.constant(V_lp), t, V_start=V_start, times=[t], rtol=rtol)
+    run = rs.simulate(slider, V_lp, t, V_start=V_start, times=[t], rtol=rtol)
     end = run.isel(time=-1)
     state = (
         float(end.tau) / p["sigma"] - p["mu0"],

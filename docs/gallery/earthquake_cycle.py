@@ -26,7 +26,7 @@ sliders = {
 }
 for (name, slider), color in zip(sliders.items(), (plot.RED, "k"), strict=True):
     period = float(rs.limit_cycle(slider, V_lp).period)
-    run = rs.simulate(slider, rs.Loading.constant(V_lp), 3 * period, V_start=0.5 * V_lp)
+    run = rs.simulate(slider, V_lp, 3 * period, V_start=0.5 * V_lp)
     t, V = run.time.values, run.V.values
     first = t[(V > 0.1) & (t > 0.8 * period)][0]
     shown = (t > first - 0.2 * period) & (t < first + 1.3 * period)

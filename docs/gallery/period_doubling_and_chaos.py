@@ -38,7 +38,7 @@ def softer(ratios):
 def maxima(ratios, periods, kept):
     """Stress maxima (tau/sigma) of the last periods of a run, an array for each stiffness."""
     sliders, t = softer(ratios), period * np.linspace(periods - kept, periods, 60 * kept)
-    run = rs.simulate(sliders, rs.Loading.constant(V_lp), t[-1], times=t, rtol=1e-6, **start)
+    run = rs.simulate(sliders, V_lp, t[-1], times=t, rtol=1e-6, **start)
     slower = V_lp - run.V.values  # stress rises by K times this, and has its maximum where it is 0
     before, after = slower[:, :-1], slower[:, 1:]
     risen = 0.5 * before**2 / (before - after) * np.diff(t) * sliders.K.values[:, None]
@@ -64,8 +64,7 @@ x, y = chaos[:-1], chaos[1:]
 speeds = xr.DataArray(np.linspace(0.75e-6, 0.8e-6, 200), dims="start")
 pairs = speeds * xr.DataArray([1.0, 1.0 + 1e-9], dims="pair")
 t, one = period * np.arange(15.0, 45.0, 0.2), slider.replace(K=0.853 * K_c)
-loading = rs.Loading.constant(V_lp)
-runs = rs.simulate(one, loading, t[-1], V_start=pairs, times=t, rtol=1e-11)
+runs = rs.simulate(one, V_lp, t[-1], V_start=pairs, times=t, rtol=1e-11)
 apart = np.log(np.abs(runs.tau.diff("pair"))).mean(["start", "pair"])
 exponent = np.polyfit(t, apart, 1)[0] * 600 * period / len(chaos)
 

@@ -11,7 +11,6 @@ import matplotlib.pyplot as plt
 
 import ratestate as rs
 from ratestate import plot
-from ratestate.dynamics.cycles.regimes import classify
 
 slider = rs.SpringSlider(
     a=0.005, b=0.008, Dc="10 um", mu0=0.6, V0=1e-9, sigma="4 MPa", M=100, K="960 MPa/m"
@@ -20,10 +19,10 @@ fig, axes = plt.subplots(2, 2, figsize=(7.2, 4.4))
 for ax, V in zip(axes.flat, (1e-4, 1e-2, 5e-2, 0.5), strict=True):
     cycle = rs.limit_cycle(slider, V)
     period = float(cycle.period)
-    run = rs.simulate(slider, rs.Loading.constant(V), 40 * period, V_start=V / 10)
+    run = rs.simulate(slider, V, 40 * period, V_start=V / 10)
     last = run.sel(time=slice(38 * period, None))
     plot.trace(last.assign_coords(time=last.time - last.time[0]), ax)
-    name = classify(cycle).regime.item()
+    name = rs.classify(cycle).regime.item()
     ax.set_title(f"{1e3 * V:g} mm/s: {name}, {float(cycle.frequency):.3g} Hz")
 axes[0, 0].set_ylim(0.52, 0.595)
 axes[0, 0].legend(loc="upper left")

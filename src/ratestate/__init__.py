@@ -8,81 +8,68 @@
 Nothing heavy is loaded until it is used.
 """
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:
-    from .dynamics.atlas import atlas
-    from .dynamics.basin import escape
-    from .dynamics.continuation.branch import continue_cycle
-    from .dynamics.cycles.limit_cycle import limit_cycle, orbit
-    from .dynamics.cycles.regimes import classify
-    from .dynamics.hopf import bautin, hopf
-    from .dynamics.simulation.simulate import simulate
-    from .dynamics.stabilize import stabilize
-    from .dynamics.steady_sliding import frequency_response, stability
-    from .dynamics.verdict import verdict
-    from .errors import (
-        NotConverged,
-        ParameterError,
-        QuasiStaticInstability,
-        RateStateError,
-        SolverError,
-    )
-    from .friction.law import FrictionLaw
-    from .interfaces.explorer import explore
-    from .model.conversion import in_units
-    from .model.loading import Loading
-    from .model.parameters import logspace
-    from .model.slider import SpringSlider
-    from .model.user_laws import register
-    from .records.fitting.by_law import fitted_slider
-    from .records.fitting.fit import fit
-    from .records.healing.healing import healing
-    from .records.machine.machine_stiffness import machine_stiffness
-    from .records.reading import read_lab
-    from .records.stick_slip import events
-    from .report import summary
-    from .sweeps.sweep import sweep
+if TYPE_CHECKING:  # for editors and type checkers, which do not run `__getattr__`
+    from . import files as files
+    from . import formulas as formulas
+    from . import laws as laws
+    from . import plot as plot
+    from . import scenario as scenario
+    from .dynamics.atlas import atlas as atlas
+    from .dynamics.basin import escape as escape
+    from .dynamics.continuation.branch import continue_cycle as continue_cycle
+    from .dynamics.cycles.limit_cycle import limit_cycle as limit_cycle
+    from .dynamics.cycles.limit_cycle import orbit as orbit
+    from .dynamics.cycles.regimes import classify as classify
+    from .dynamics.hopf import bautin as bautin
+    from .dynamics.hopf import hopf as hopf
+    from .dynamics.simulation.simulate import simulate as simulate
+    from .dynamics.stabilize import stabilize as stabilize
+    from .dynamics.steady_sliding import frequency_response as frequency_response
+    from .dynamics.steady_sliding import stability as stability
+    from .dynamics.verdict import Verdict as Verdict
+    from .dynamics.verdict import verdict as verdict
+    from .engine.backend import Stopped as Stopped
+    from .engine.backend import use as use
+    from .errors import CompilationError as CompilationError
+    from .errors import FitWarning as FitWarning
+    from .errors import MissingFileError as MissingFileError
+    from .errors import NotConverged as NotConverged
+    from .errors import ParameterError as ParameterError
+    from .errors import QuasiStaticInstability as QuasiStaticInstability
+    from .errors import RateStateError as RateStateError
+    from .errors import RecordWarning as RecordWarning
+    from .errors import RunWarning as RunWarning
+    from .errors import SolverError as SolverError
+    from .errors import StoreError as StoreError
+    from .friction.law import FrictionLaw as FrictionLaw
+    from .interfaces.explorer import explore as explore
+    from .model.conversion import in_units as in_units
+    from .model.loading import Loading as Loading
+    from .model.parameters import linspace as linspace
+    from .model.parameters import logspace as logspace
+    from .model.quantities import QUANTITIES as QUANTITIES
+    from .model.quantities import readable as readable
+    from .model.slider import SpringSlider as SpringSlider
+    from .model.units import to_si as to_si
+    from .model.user_laws import register as register
+    from .records.fitting.by_law import fitted_slider as fitted_slider
+    from .records.fitting.fit import fit as fit
+    from .records.fitting.marginal import log_likelihood as log_likelihood
+    from .records.healing.healing import healing as healing
+    from .records.load_point.segments import find_segments as find_segments
+    from .records.machine.machine_stiffness import machine_stiffness as machine_stiffness
+    from .records.reading.lab_format import describe_lab as describe_lab
+    from .records.reading.read import read_lab as read_lab
+    from .records.stick_slip.find_events import events as events
+    from .report.report import Report as Report
+    from .report.summary import summary as summary
+    from .sweeps.sweep import sweep as sweep
 
-__all__ = [
-    "FrictionLaw",
-    "Loading",
-    "NotConverged",
-    "ParameterError",
-    "QuasiStaticInstability",
-    "RateStateError",
-    "SolverError",
-    "SpringSlider",
-    "atlas",
-    "bautin",
-    "classify",
-    "continue_cycle",
-    "escape",
-    "events",
-    "explore",
-    "fit",
-    "fitted_slider",
-    "frequency_response",
-    "healing",
-    "hopf",
-    "in_units",
-    "limit_cycle",
-    "logspace",
-    "machine_stiffness",
-    "orbit",
-    "read_lab",
-    "register",
-    "simulate",
-    "stability",
-    "stabilize",
-    "summary",
-    "sweep",
-    "verdict",
-]
-
+#: public packages and modules of this package
+_PACKAGES = ("files", "formulas", "laws", "paper", "plot", "scenario")
 #: module -> the public names that it defines
 _NAMES = {
     "dynamics.atlas": "atlas",
@@ -95,39 +82,34 @@ _NAMES = {
     "dynamics.stabilize": "stabilize",
     "dynamics.steady_sliding": "frequency_response stability",
     "dynamics.verdict": "Verdict verdict",
-    "errors": "CompilationError FitWarning NotConverged ParameterError QuasiStaticInstability"
-    " RateStateError RecordWarning RunWarning SolverError StoreError",
+    "engine.backend": "Stopped use",
+    "errors": "CompilationError FitWarning MissingFileError NotConverged ParameterError"
+    " QuasiStaticInstability RateStateError RecordWarning RunWarning SolverError StoreError",
     "friction.law": "FrictionLaw",
     "interfaces.explorer": "explore",
     "model.conversion": "in_units",
     "model.loading": "Loading",
-    "model.parameters": "logspace",
+    "model.parameters": "linspace logspace",
+    "model.quantities": "QUANTITIES readable",
     "model.slider": "SpringSlider",
+    "model.units": "to_si",
     "model.user_laws": "register",
     "records.fitting.by_law": "fitted_slider",
     "records.fitting.fit": "fit",
+    "records.fitting.marginal": "log_likelihood",
     "records.healing.healing": "healing",
+    "records.load_point.segments": "find_segments",
     "records.machine.machine_stiffness": "machine_stiffness",
-    "records.reading": "read_lab",
-    "records.stick_slip": "events",
-    "report": "summary",
+    "records.reading.lab_format": "describe_lab",
+    "records.reading.read": "read_lab",
+    "records.stick_slip.find_events": "events",
+    "report.report": "Report",
+    "report.summary": "summary",
     "sweeps.sweep": "sweep",
 }
 _HOMES = {name: module for module, names in _NAMES.items() for name in names.split()}
-#: packages that are where they are documented
-_PACKAGES = ("files", "laws", "paper", "plot")
-#: module as it is documented -> where it is
-_MODULES = {
-    "backend": "engine.backend",
-    "fitting": "records.fitting",
-    "formulas": "friction.formulas",
-    "lab": "records.reading",
-    "quantities": "model.quantities",
-    "quasi_static": "friction.quasi_static",
-    "scenario": "interfaces.scenario",
-    "stability": "friction.stability",
-    "units": "model.units",
-}
+
+__all__ = sorted([*_HOMES, *_PACKAGES])  # noqa: PLE0605
 
 
 def __getattr__(name: str) -> Any:
@@ -140,8 +122,6 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(f"ratestate.{_HOMES[name]}"), name)
     elif name in _PACKAGES:
         value = import_module(f"ratestate.{name}")
-    elif name in _MODULES:
-        value = import_module(f"ratestate.{_MODULES[name]}")
     else:
         raise AttributeError(f"module 'ratestate' has no attribute {name!r}")
     globals()[name] = value
@@ -150,19 +130,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__():
     return [*__all__, "__version__"]
-
-
-class _Documented(ModuleType):
-    """A module by its documented path, loaded when something of it is used.
-
-    It stands in ``sys.modules`` from the start, so that importing it binds nothing in the package:
-    ``ratestate.stability`` stays the function.
-    """
-
-    def __getattr__(self, name):
-        module = import_module(f"ratestate.{_MODULES[self.__name__.removeprefix('ratestate.')]}")
-        return getattr(module, name)
-
-
-for _name in _MODULES:
-    sys.modules[f"ratestate.{_name}"] = _Documented(f"ratestate.{_name}")

@@ -66,7 +66,13 @@ def _ended(text):
 
 
 class MissingFileError(ParameterError, FileNotFoundError):
-    """A file that is to be read does not exist."""
+    """A file that is to be read does not exist.
+
+    Attributes
+    ----------
+    problem, remedy, symbol, value, unit, sentence : str
+        As in `ParameterError`.
+    """
 
     def __new__(cls, *_, **__):
         return FileNotFoundError.__new__(cls)  # would take the two texts for errno and strerror

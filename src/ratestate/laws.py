@@ -1,4 +1,4 @@
-"""Names for writing a friction law, and a list of the laws that there are.
+"""Names for writing a friction law, and the catalogue of all laws.
 
 `FrictionLaw` is the base class, `Parameter` describes a parameter, and the functions take the
 quantities in formulas: exp, expm1, log, log1p, sqrt, sinh, cosh, tanh, asinh, abs, minimum,
@@ -36,6 +36,10 @@ __all__ = [
     "tanh",
     "where",
 ]
+
+
+def __dir__():
+    return __all__
 
 
 class LawEntry(NamedTuple):

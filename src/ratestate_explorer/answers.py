@@ -66,7 +66,7 @@ def run_job(job, question, deadline):
     except Exception:
         # `Stopped`; or the program may be ending, and its threads with it
         if deadline.cancelled:
-            raise rs.backend.Stopped from None
+            raise rs.Stopped from None
         log.exception("a question could not be answered: %r", question)
         problems = {place: "the explorer failed on this. Its terminal says more."}
     header = {"values": values_of(question.entries), "protocol": protocol_of(question.entries)}

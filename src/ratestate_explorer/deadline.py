@@ -50,13 +50,13 @@ class Deadline(threading.Event):
     def part(self):
         """Start a part of the work, whose calculations run on one core each.
 
-        It ends with `TimeUp` if the time is up, and with `backend.Stopped` if `set` was called.
+        It ends with `TimeUp` if the time is up, and with `ratestate.Stopped` if `set` was called.
         """
         self.start()
         try:
-            with rs.backend.use(threads=1, stop=self, progress=self.record):
+            with rs.use(threads=1, stop=self, progress=self.record):
                 yield
-        except rs.backend.Stopped:
+        except rs.Stopped:
             if self.cancelled:
                 raise
             raise TimeUp from None

@@ -139,7 +139,7 @@ def protocol_of(entries):
 
 def completed(entries):
     """Return the texts of valid entries with their units, a dict."""
-    quantities = rs.quantities.QUANTITIES
+    quantities = rs.QUANTITIES
     texts = {
         name: with_unit(BEFORE.get(name, name), text)
         for name, text in entries.items()
@@ -156,7 +156,7 @@ def entries_of(state, digits=6):
     own = state.slider.friction_law.parameters
     earlier = [name for name in BEFORE if values[name] is not None]
     texts = {
-        name: rs.quantities.readable(BEFORE.get(name, name), values[name], digits)
+        name: rs.readable(BEFORE.get(name, name), values[name], digits)
         for name in dict.fromkeys((*SYMBOLS, *own, *NONE, *earlier))
     }
     if state.protocol:

@@ -67,7 +67,7 @@ def _check(segments, t_end):
     """Raise BadEntries for a segment that is too short for a run up to t_end [s]."""
     for number, segment in enumerate(segments, 1):
         if segment.duration < SHORTEST * t_end:
-            duration, shown = (rs.quantities.readable("t", t) for t in (segment.duration, t_end))
+            duration, shown = (rs.readable("t", t) for t in (segment.duration, t_end))
             raise BadEntries(
                 {
                     "protocol": f"duration of segment {number} = {duration} is less than "
@@ -131,7 +131,7 @@ def slide_hold_slide(state, text):
         raise BadEntries({"hold-time": str(error)}) from None
     slider, V_lp = state[:2]
     direct, evolution = slider.a * slider.sigma, max(slider.b, 0.0) * slider.sigma
-    readable = rs.quantities.readable
+    readable = rs.readable
     rows: list[list[str | None]] = []
     slide = 0.0
     for hold in (middle * times for times in HOLDS):

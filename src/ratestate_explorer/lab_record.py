@@ -153,7 +153,7 @@ def answer_record(name, contents, choices, stop):
     """
     file = io.BytesIO(contents)
     file.name = name = name[-LONGEST:] or "the file"
-    found = rs.lab.try_reading(file, choices, seconds=READING_SECONDS, stop=stop)
+    found = rs.files.try_reading(file, choices, seconds=READING_SECONDS, stop=stop)
     header = {"name": name, "columns": found.columns, "chosen": found.chosen}
     header["quantities"] = quantities()
     if found.error is not None:
@@ -167,8 +167,8 @@ def answer_record(name, contents, choices, stop):
 def quantities():
     """Return list of dicts, one a quantity of columns: symbol, name, and example of a unit."""
     return [
-        {"symbol": symbol, "name": rs.quantities.QUANTITIES[symbol].long_name, "unit": unit}
-        for symbol, unit in rs.lab.EXAMPLE_UNIT.items()
+        {"symbol": symbol, "name": rs.QUANTITIES[symbol].long_name, "unit": unit}
+        for symbol, unit in rs.files.EXAMPLE_UNIT.items()
     ]
 
 

@@ -27,7 +27,7 @@ def offers(starts):
         "fields": usual,
         "laws": menu(),
         "presets": starts,
-        "prefixes": rs.quantities.prefixes(),
+        "prefixes": {one.unit: one.prefixes for one in rs.QUANTITIES.values() if one.prefixes},
         "before": BEFORE,
         "experiment": EXPERIMENT,
         "meanings": meanings(field["symbol"] for field in usual),
@@ -47,11 +47,11 @@ def fields(usual):
     begin = {symbol: example(symbol) for forms in own for form in forms for symbol in form} | NONE
     rows = [{"symbol": symbol, "usual": usual[symbol]} for symbol in SYMBOLS]
     rows += [
-        {"symbol": symbol, "usual": rs.units.to_si(symbol, example(symbol)), "text": text}
+        {"symbol": symbol, "usual": rs.to_si(symbol, example(symbol)), "text": text}
         for symbol, text in begin.items()
     ]
     for row in rows:
-        quantity = rs.quantities.QUANTITIES[row["symbol"]]
+        quantity = rs.QUANTITIES[row["symbol"]]
         row |= {"name": quantity.long_name, "unit": quantity.unit}
         row["marked"] = row["symbol"] in MARKED
     return rows
@@ -59,7 +59,7 @@ def fields(usual):
 
 def example(symbol):
     """Return a value of a quantity as a user would type it."""
-    return rs.quantities.example(symbol).strip("'\"")
+    return rs.QUANTITIES[symbol].example.strip("'\"")
 
 
 def menu():
@@ -88,7 +88,7 @@ def meanings(others):
 def _meaning(symbol, row):
     if isinstance(row, dict):
         return row
-    quantity = rs.quantities.QUANTITIES[symbol]
+    quantity = rs.QUANTITIES[symbol]
     return {"name": quantity.long_name, "unit": quantity.unit, "text": row}
 
 

@@ -125,7 +125,7 @@ def _checked(slider, V_lp):
         raise rs.ParameterError(
             f"slider is a {type(slider).__name__} and not a SpringSlider. Give a SpringSlider."
         )
-    V_lp = rs.units.to_si("V_lp", V_lp)
+    V_lp = rs.to_si("V_lp", V_lp)
     values = {**slider.values, "V_lp": V_lp}
     arrays = [symbol for symbol, x in values.items() if isinstance(x, xarray.DataArray)]
     if arrays:

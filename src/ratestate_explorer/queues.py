@@ -51,7 +51,7 @@ class QuestionQueue:
                 work = loop.run_in_executor(self.pool, run_job, job, question, deadline)
                 try:
                     reply, failed = await work
-                except rs.backend.Stopped:
+                except rs.Stopped:
                     break  # for a newer question
                 finally:
                     deadline.set()
@@ -96,7 +96,7 @@ class Kernels:
 
     async def _load(self, kind):
         loop = asyncio.get_running_loop()
-        with contextlib.suppress(rs.backend.Stopped):
+        with contextlib.suppress(rs.Stopped):
             await loop.run_in_executor(self.pool, self.warm_up, kind, self.deadline)
 
     def close(self):

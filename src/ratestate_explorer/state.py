@@ -17,7 +17,7 @@ _BARE = re.compile(r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|inf)")
 WANTED = "Give 'V for T' or 'V at SIGMA for T', such as '0 m/s for 100 s'"
 
 #: parameters that links may lack -> their text in that case
-NONE = {symbol: rs.quantities.readable(symbol, 0.0) for symbol in ("damping", "alpha")}
+NONE = {symbol: rs.readable(symbol, 0.0) for symbol in ("damping", "alpha")}
 #: entry for the time before time 0 -> the quantity that it is a value of
 BEFORE = {"V_from": "V_lp", "sigma_from": "sigma"}
 #: all entries of an experiment; each may be absent
@@ -29,7 +29,7 @@ EXPERIMENT = (*BEFORE, "protocol", "kick")
 
 def with_unit(symbol, text):
     """Return the text of a quantity, with its SI unit if it is a number without a unit."""
-    text, unit = text.strip(), rs.quantities.QUANTITIES[symbol].unit
+    text, unit = text.strip(), rs.QUANTITIES[symbol].unit
     return f"{text} {unit}" if unit != "1" and _BARE.fullmatch(text) else text
 
 
@@ -41,16 +41,16 @@ def value_of(symbol, text, label, bound=None):
     if not isinstance(text, str) or len(text) > LONGEST:
         raise rs.ParameterError(
             f"has no text of at most {LONGEST} characters",
-            rs.quantities.remedy(symbol),
+            rs.QUANTITIES[symbol].remedy,
             symbol=label,
         )
-    found = rs.units.to_si(symbol, with_unit(symbol, text), label=label, bound=bound)
+    found = rs.to_si(symbol, with_unit(symbol, text), label=label, bound=bound)
     text = text.strip()
     exact = (found == 0.0 and not _DIGIT.search(text)) or (np.isinf(found) and "inf" in text)
     if exact or SMALLEST <= abs(found) <= LARGEST:
         return found
     raise rs.ParameterError(
-        "is beyond any size", rs.quantities.remedy(symbol), symbol=label, value=repr(text)
+        "is beyond any size", rs.QUANTITIES[symbol].remedy, symbol=label, value=repr(text)
     )
 
 
@@ -143,7 +143,7 @@ def _segment(row, text, number):
 
 def text_of(segments, digits=6):
     """Return the text that `segments_of` reads, with values rounded to `digits`."""
-    readable = rs.quantities.readable
+    readable = rs.readable
     return text_of_rows(
         (
             readable("V_lp", V, digits),

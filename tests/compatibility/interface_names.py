@@ -27,10 +27,10 @@ RESULTS = {
     "continue_cycle": lambda: rs.continue_cycle(SLIDER, "V_lp", 3.5e-3, 3.3e-3),
     "sweep": lambda: rs.sweep(rs.stability, SLIDER, V_lp=rs.logspace("V_lp", 1e-2, 2e-2, 2)),
     "fit": lambda: rs.fit(
-        rs.read_lab(ROOT / "src/ratestate/interfaces/templates/record.txt"),
+        rs.read_lab(ROOT / "src/ratestate/scenario/templates/record.txt"),
         rs.SpringSlider(a=0.01, b=0.01, Dc=1e-5, sigma=2e7, K=6e10),
     ),
-    "read_lab": lambda: rs.read_lab(ROOT / "src/ratestate/interfaces/templates/record.txt"),
+    "read_lab": lambda: rs.read_lab(ROOT / "src/ratestate/scenario/templates/record.txt"),
     "classify": lambda: named("classify")(rs.limit_cycle(SLIDER, 1e-2)),
     "orbit": lambda: named("orbit")(SLIDER, 1e-2),
 }
@@ -54,8 +54,8 @@ def signature(value):
 
 
 def documented():
-    """Path -> signature of every object of docs/reference/api.rst."""
-    paths = DOCUMENTED.findall((ROOT / "docs/reference/api.rst").read_text())
+    """Path -> signature of every object of docs/reference/api.md."""
+    paths = DOCUMENTED.findall((ROOT / "docs/reference/api.md").read_text())
     return {path: signature(named(path)) for path in paths}
 
 
@@ -82,7 +82,7 @@ def is_key(table, key):
 
 def keys():
     """Table -> the keys that may stand in it, of all that stand in any."""
-    known = importlib.import_module("ratestate.interfaces.scenario.known_keys")
+    known = importlib.import_module("ratestate.scenario.known_keys")
     words = sorted({key for table in TABLES for key in known.keys_of(table)})
     return {table: [key for key in words if is_key(table, key)] for table in TABLES}
 

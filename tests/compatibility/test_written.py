@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from written import RESULTS, SLIDER, STEPS, V_LP, swept
 
 import ratestate as rs
-from ratestate import files
+from ratestate import files, scenario
 from ratestate.dynamics.recipe import recorded_loading
-from ratestate.interfaces import scenario
 from ratestate.interfaces.cli import main
 
 HERE = Path(__file__).parent

@@ -17,7 +17,7 @@ from textbook import Textbook, drawn
 from user_laws import MINE
 
 import ratestate as rs
-from ratestate import files
+from ratestate import files, scenario
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.regimes import classify
 from ratestate.dynamics.refusals import check_one_length
@@ -26,7 +26,6 @@ from ratestate.dynamics.steady_sliding import steady_stress
 from ratestate.friction.composition import composed_law
 from ratestate.friction.laws import LAWS, one_length_laws
 from ratestate.friction.linear_stability import stability_margin
-from ratestate.interfaces import scenario
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8)
 DAMPED = FIG2.replace(damping=5e4)

@@ -10,8 +10,8 @@ from synthetic_records import SLIDER, record
 from user_laws import MINE
 
 import ratestate as rs
+from ratestate import scenario
 from ratestate.dynamics.verdict import verdict
-from ratestate.interfaces import scenario
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
 V = 4e-3

@@ -62,7 +62,7 @@ def test_a_bar_appears_after_a_second_of_work(monkeypatch):
 def test_a_function_of_the_user_replaces_the_bar():
     told = []
     loading = rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s"))
-    with rs.backend.use(progress=told.append):
+    with rs.use(progress=told.append):
         rs.simulate(FIG2, loading, t_end=11)
         assert told[-1] == 1.0
         told.clear()

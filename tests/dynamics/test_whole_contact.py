@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from ratestate.scenario import from_result, loads, python, toml
 
 import ratestate as rs
 from ratestate.dynamics.results import whole_contact
 from ratestate.files import read, write
+from ratestate.scenario import from_result, loads, python, toml
 
 SLIDER = rs.SpringSlider.of_contact(
     area="20 cm^2",

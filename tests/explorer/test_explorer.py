@@ -16,11 +16,11 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import ratestate as rs
+from ratestate import scenario
 from ratestate.dynamics.cycles.limit_cycle import orbit
 from ratestate.dynamics.simulation.simulate import SimulateCall
 from ratestate.engine.backend import Stopped
 from ratestate.friction.laws import LAWS
-from ratestate.interfaces import scenario
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG4
 from ratestate_explorer import (

@@ -6,8 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import ratestate as rs
-from ratestate import orbit
-from ratestate.interfaces import scenario
+from ratestate import orbit, scenario
 from ratestate.paper.parameters import FIG1, FIG2, FIG4
 from ratestate_explorer import entries, exports, picture, state, wire
 from ratestate_explorer.deadline import Deadline

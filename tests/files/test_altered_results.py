@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 import ratestate as rs
 from ratestate import ParameterError, files, plot
 from ratestate.dynamics.results import parameter
-from ratestate.interfaces.scenario import from_result, python, toml
+from ratestate.scenario import from_result, python, toml
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=3e3)
 M = xr.DataArray([1e3, 3e3], dims="M")
@@ -239,7 +239,7 @@ def test_altered_attributes_of_what_is_drawn(kind, results):
 @pytest.mark.parametrize("ending", ["nc", "zarr"])
 def test_altered_results_in_files(ending, results, tmp_path):
     """What `files.read` itself looks at: parts of complex numbers in NetCDF, units of time."""
-    whole = files.split(results["cycle"])
+    whole = files.stored.split(results["cycle"])
     parts = [name for name in whole.variables if re.fullmatch("multipliers_(real|imag)", name)]
     name, other = sorted(parts, reverse=True)
     assert (name, other) == ("multipliers_real", "multipliers_imag")
@@ -270,8 +270,8 @@ def test_a_loading_that_is_no_history(results):
         ([step], "not as it was made"),
         ([first, ["covers", {"t_end": 1.0}]], "not as it was made"),
         ([first, ["step", {"t": 0.1}]], "not as it was made"),
-        ([["constant", {"V": "gone"}]], "is not a number with a unit"),
-        ([["constant", {"V": -1e-4}]], "must be >= 0"),
+        ([["constant", {"V_lp": "gone"}]], "is not a number with a unit"),
+        ([["constant", {"V_lp": -1e-4}]], "must be >= 0"),
         ([first, step, step], "must come after"),
     ):
         altered = json.dumps(written | {"loading": calls})

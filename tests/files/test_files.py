@@ -85,10 +85,10 @@ def test_complex_numbers_with_infinite_parts_come_back():
     values = np.array([complex(-np.inf, 0.0), complex(np.nan, 1.0), 1 + 2j])
     attrs = {"units": "1/s", "long_name": "rate"}
     data = xr.Dataset({"rate": ("mode", values, attrs)})
-    apart = files.split(data)
+    apart = files.stored.split(data)
     assert {*apart.variables} == {"rate_real", "rate_imag"}
     assert apart.rate_real.values[0] == -np.inf
-    xr.testing.assert_identical(files.joined(apart), data)
+    xr.testing.assert_identical(files.stored.joined(apart), data)
 
 
 def rows_of(data):
@@ -377,7 +377,7 @@ def test_a_netcdf_that_another_program_changed(results, tmp_path, monkeypatch):
     with h5py.File(path, "a") as file:
         file.attrs["title"] = "mine"
         digests = json.loads(file.attrs["sha256"])
-    assert {*digests} == {*files.split(results["cycle"]).variables, ""}
+    assert {*digests} == {*files.stored.split(results["cycle"]).variables, ""}
     with pytest.raises(ParameterError, match=r"in its attributes.*delete the attribute sha256"):
         files.read(path)
     with h5py.File(path, "a") as file:

@@ -9,12 +9,11 @@ import xarray as xr
 from textbook import OF_LAW, drawn_of_form
 
 import ratestate as rs
-from ratestate import files
+from ratestate import files, scenario
 from ratestate.dynamics.results import law_of_result, parameter
 from ratestate.friction.composition import composed, composed_law, forms_of, takes_forms
 from ratestate.friction.forms import FORMS
 from ratestate.friction.laws import LAWS
-from ratestate.interfaces import scenario
 
 LAWS_WITH_FORMS = [name for name, law in LAWS.items() if takes_forms(law) and law.form == "log"]
 CUT = rs.SpringSlider(

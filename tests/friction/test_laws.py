@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ratestate import ParameterError
-from ratestate.friction import formulas as rsf
+from ratestate import formulas as rsf
 from ratestate.paper.figures import LAWS as LAWS_OF_PAPER
 
 LAWS = list(LAWS_OF_PAPER)

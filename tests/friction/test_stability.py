@@ -1,6 +1,5 @@
 """Steady sliding: the paper's numbers, limits, and eigenvalues against 60-digit arithmetic."""
 
-import importlib
 import itertools
 
 import mpmath
@@ -11,12 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ratestate as rs
+from ratestate import formulas as rsf
 from ratestate import stability
-from ratestate.friction import formulas as rsf
 from ratestate.friction.stability import steady_modes
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
-theory = importlib.import_module("ratestate.stability")  # the module, not the function
 
 
 def without(parameters, *symbols):
@@ -24,10 +22,10 @@ def without(parameters, *symbols):
 
 
 def test_numbers_of_fig_2():
-    assert theory.K_c_qs(**FIG_2) == pytest.approx(600e6, rel=1e-15, abs=0)
-    V_c = theory.V_c(**FIG_2, K=900e6, M=3000)
+    assert rsf.K_c_qs(**FIG_2) == pytest.approx(600e6, rel=1e-15, abs=0)
+    V_c = rsf.V_c(**FIG_2, K=900e6, M=3000)
     assert V_c == pytest.approx(np.sqrt(1e-5), rel=1e-15, abs=0)  # 3.162 mm/s
-    assert theory.K_c(V_c, **FIG_2, M=3000) == pytest.approx(900e6, rel=1e-14, abs=0)
+    assert rsf.K_c(V_c, **FIG_2, M=3000) == pytest.approx(900e6, rel=1e-14, abs=0)
     slider = rs.SpringSlider(**FIG_2, K=900e6, M=3000)
     assert [bool(stability(slider, V).stable) for V in (0.3e-3, 3.1e-3, 3.2e-3)] == [
         True,
@@ -43,8 +41,8 @@ def test_eq_5_with_the_slopes_of_this_law_is_eq_6(log_V, log_M, log_a, ratio):
     slope = p["sigma"] * rsf.friction_partials(V, rsf.theta_ss(V, Dc=1e-5), a=a, b=p["b"])[0]
     h = 1e-30  # complex step through the steady-state friction
     ss = p["sigma"] * rsf.mu_ss(V * (1 + 1j * h), a=a, b=p["b"], mu0=0.6, V0=1e-6).imag / (V * h)
-    general = theory.K_c_of_any_law(V, Dc=1e-5, M=M, dtau_ss_dV=ss, dtau_dV=slope)
-    assert general == pytest.approx(theory.K_c(V, **p, M=M), rel=1e-13, abs=0)
+    general = rsf.K_c_of_any_law(V, Dc=1e-5, M=M, dtau_ss_dV=ss, dtau_dV=slope)
+    assert general == pytest.approx(rsf.K_c(V, **p, M=M), rel=1e-13, abs=0)
 
 
 @pytest.mark.parametrize(
@@ -61,16 +59,14 @@ def test_eq_5_with_the_slopes_of_this_law_is_eq_6(log_V, log_M, log_a, ratio):
     ],
 )
 def test_limits_of_V_c(changes, V_c):
-    assert theory.V_c(**{**FIG_2, "K": 900e6, "M": 3000.0, **changes}) == V_c
+    assert rsf.V_c(**{**FIG_2, "K": 900e6, "M": 3000.0, **changes}) == V_c
 
 
 def test_other_limits():
-    assert (
-        theory.f_n(K=1e9, M=0) == theory.f_n(K=np.inf, M=1) == theory.f_n(K=np.inf, M=0) == np.inf
-    )
-    assert theory.omega_c(1e-3, a=0.003, b=0.006, Dc=1e-5) == pytest.approx(100, rel=1e-15, abs=0)
-    assert np.isnan(theory.omega_c(1e-3, a=0.003, b=0.003, Dc=1e-5))
-    assert np.isnan(theory.omega_c(1e-3, a=0.003, b=0.001, Dc=1e-5))
+    assert rsf.f_n(K=1e9, M=0) == rsf.f_n(K=np.inf, M=1) == rsf.f_n(K=np.inf, M=0) == np.inf
+    assert rsf.omega_c(1e-3, a=0.003, b=0.006, Dc=1e-5) == pytest.approx(100, rel=1e-15, abs=0)
+    assert np.isnan(rsf.omega_c(1e-3, a=0.003, b=0.003, Dc=1e-5))
+    assert np.isnan(rsf.omega_c(1e-3, a=0.003, b=0.001, Dc=1e-5))
 
 
 def exact_modes(V, a, b, Dc, sigma, K, M):
@@ -103,7 +99,7 @@ physical = {
 def test_eigenvalues_over_the_physical_range(p):
     b, K = p["b"] * p["a"], p["K"] * p["a"] * p["sigma"] / p["Dc"]
     p = {**p, "b": b, "K": K}
-    modes = theory.eigenvalues(**p)
+    modes = rsf.eigenvalues(**p)
     exact, amplification = exact_modes(**p)
     assert modes.shape == (3,)
     assert (np.diff(modes.real) <= 0).all()
@@ -146,9 +142,9 @@ def test_eigenvalues_that_coincide_or_are_evenly_spaced():
 def test_hopf_bifurcation(M):
     """At K = K_c the pair is +- i omega_c, whatever the mass, and stability turns there."""
     V = 3e-3
-    critical = theory.K_c(V, **FIG_2, M=M)
-    omega_c = theory.omega_c(V, **without(FIG_2, "sigma"))
-    modes = theory.eigenvalues(V, **FIG_2, K=critical, M=M)
+    critical = rsf.K_c(V, **FIG_2, M=M)
+    omega_c = rsf.omega_c(V, **without(FIG_2, "sigma"))
+    modes = rsf.eigenvalues(V, **FIG_2, K=critical, M=M)
     assert modes[0].imag == pytest.approx(omega_c, rel=1e-13, abs=0)
     assert modes[1] == modes[0].conjugate()
     assert abs(modes[0].real) < 1e-14 * omega_c
@@ -160,12 +156,10 @@ def test_hopf_bifurcation(M):
 
 
 def test_rigid_limit():
-    modes = theory.eigenvalues(1e-3, **FIG_2, K=np.inf, M=np.array([0.0, 100.0]))
+    modes = rsf.eigenvalues(1e-3, **FIG_2, K=np.inf, M=np.array([0.0, 100.0]))
     np.testing.assert_array_equal(modes, np.tile([-100, -np.inf, -np.inf], (2, 1)))
     # this is the limit of stiff springs
-    assert theory.eigenvalues(1e-3, **FIG_2, K=1e22, M=0.0)[0] == pytest.approx(
-        -100, rel=1e-12, abs=0
-    )
+    assert rsf.eigenvalues(1e-3, **FIG_2, K=1e22, M=0.0)[0] == pytest.approx(-100, rel=1e-12, abs=0)
     result = stability(rs.SpringSlider(**FIG_2, K=np.inf), 1e-3)
     assert bool(result.stable)
     assert (float(result.growth_rate), float(result.omega)) == (-100, 0)

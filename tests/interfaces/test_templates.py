@@ -11,9 +11,9 @@ import ratestate as rs
 from ratestate import ParameterError
 from ratestate.friction.laws import DEFAULT, one_length_laws
 from ratestate.friction.stability import omega_c
-from ratestate.interfaces.scenario import TEMPLATES, loads, run, template
-from ratestate.interfaces.templates import LAW, commands, description, files_of
 from ratestate.model.quantities import QUANTITIES
+from ratestate.scenario import TEMPLATES, loads, run, template
+from ratestate.scenario.templates import LAW, commands, description, files_of
 
 
 def of_template(name, function=None):

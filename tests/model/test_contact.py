@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from ratestate import ParameterError, SpringSlider, logspace
-from ratestate.interfaces.scenario import loads, template
+from ratestate.scenario import loads, template
 
 FRICTION = {"a": 0.003, "b": 0.006, "Dc": "10 um"}
 WHOLE = {"area": "20 cm^2", "mass": "6 kg", "stiffness": "1.8 MN/m", "normal_force": "4 kN"}

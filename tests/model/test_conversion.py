@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import xarray as xr
-from ratestate.scenario import from_result
 
 import ratestate as rs
 from ratestate.files import csv_text, read, write
 from ratestate.model.conversion import in_si
+from ratestate.scenario import from_result
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
 

@@ -44,7 +44,7 @@ def test_constant():
     loading.covers(1e12)
     swept = Loading.constant(xr.DataArray([1e-3, 2e-3], dims="V_lp"))
     np.testing.assert_array_equal(swept.delta_lp(3.0).coords["V_lp"], [1e-3, 2e-3])
-    with pytest.raises(ParameterError, match="V = -1 m/s must be >= 0"):
+    with pytest.raises(ParameterError, match="V_lp = -1 m/s must be >= 0"):
         Loading.constant(-1)
 
 
@@ -261,7 +261,7 @@ def test_events_with_named_arrays():
             "t is an array and not one number",
         ),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
-        (lambda x: Loading.steps("3.2 mm"), "V_start = '3.2 mm' is a length"),
+        (lambda x: Loading.steps("3.2 mm"), "V_lp = '3.2 mm' is a length"),
         (lambda x: Loading.steps(1.0, 2.0), "step 2.0 is not a pair"),
         (
             lambda x: x.step(6, logspace("V_lp", 1, 2, 2)).step(7, logspace("V_lp", 1, 3, 2)),
@@ -422,17 +422,17 @@ def test_a_loading_keeps_the_calls_that_made_it():
     loading = loading.sigma_step("2 s", 2e6).sigma_sinusoid("1 kPa", frequency="3 Hz")
     *calls, ramp, step, wave = loading.calls
     assert [(call.method, call.arguments) for call in (*calls, step, wave)] == [
-        ("constant", {"V": "1 mm/s"}),
-        ("step", {"t": "1 s", "V": "3.2 mm/s"}),
-        ("step", {"t": 2.0, "V": 1e-3}),
+        ("constant", {"V_lp": "1 mm/s"}),
+        ("step", {"t": "1 s", "V_lp": "3.2 mm/s"}),
+        ("step", {"t": 2.0, "V_lp": 1e-3}),
         ("hold", {"t": 3.0, "duration": "1 s"}),
         ("sigma_step", {"t": "2 s", "sigma": 2e6}),
         ("sigma_sinusoid", {"amplitude": "1 kPa", "frequency": "3 Hz"}),
     ]
-    assert ramp.arguments["V"].equals(to_si("V_lp", speeds))
+    assert ramp.arguments["V_lp"].equals(to_si("V_lp", speeds))
 
     assert pickle.loads(pickle.dumps(loading)).calls[:4] == loading.calls[:4]
-    assert isel(loading, {"V_lp": slice(1, 2)}).calls[4].arguments["V"].values == [2e-3]
+    assert isel(loading, {"V_lp": slice(1, 2)}).calls[4].arguments["V_lp"].values == [2e-3]
     again = Loading
     for call in loading.calls:
         again = call.apply_to(again)

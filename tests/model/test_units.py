@@ -11,7 +11,7 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ratestate import ParameterError, logspace
+from ratestate import ParameterError, linspace, logspace
 from ratestate.model.arrays import check_aligned, column_to_si
 from ratestate.model.quantities import KINDS, QUANTITIES, attrs, long_time_unit
 from ratestate.model.units import _PREFIXES, _registry, to_si, unit_factor
@@ -284,3 +284,16 @@ def test_units_of_long_times():
     assert long_time_unit(7200.0) == long_time_unit(1.99 * day) == ("hours", 3600.0)
     assert long_time_unit(2.0 * day) == long_time_unit(1.99 * year) == ("days", day)
     assert long_time_unit(2.0 * year) == ("years", year)
+
+
+def test_linspace():
+    b = linspace("b", "-0.001", 0.002, 4)
+    assert b.values.tolist() == [-0.001, 0.0, 0.001, 0.002]
+    assert b.dims == ("b",)
+    assert (
+        linspace("V_lp", "1 mm/s", "3 mm/s", 3).V_lp.attrs == logspace("V_lp", 1, 2, 2).V_lp.attrs
+    )
+    with pytest.raises(ParameterError, match=r"Give for example linspace\('M', 100, 1e5, 12\)"):
+        linspace("K", 1, "inf Pa/m", 3)
+    with pytest.raises(ParameterError, match="must be > 0"):
+        linspace("Dc", -1e-6, 1e-6, 3)

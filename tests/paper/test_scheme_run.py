@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ratestate as rs
-from ratestate.interfaces import scenario
+from ratestate import scenario
 from ratestate.paper.parameters import FIG2
 from ratestate.paper.scheme import last_cycle
 

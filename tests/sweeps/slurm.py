@@ -21,7 +21,7 @@ from slurm_node import missing, one_node
 from torture import chunks_done, contents
 
 import ratestate as rs
-from ratestate.interfaces.scenario.files import load
+from ratestate.scenario.files import load
 
 CONSOLE = Console(highlight=False, soft_wrap=True)
 COMMAND = [

@@ -176,6 +176,8 @@ def _loading(result, calls):
             if not hasattr(getattr(Loading, method), "__wrapped__"):  # it is not `recorded`
                 raise TypeError
             arguments = {k: _decoded(result, k, x) for k, x in given.items()}
+            if "V" in arguments:  # the name of V_lp in results of earlier versions
+                arguments["V_lp"] = arguments.pop("V")
             loading = Call(method, arguments).apply_to(loading)
     except ParameterError:
         raise

@@ -20,7 +20,7 @@ _current: contextvars.ContextVar[Backend] = contextvars.ContextVar("backend")
 
 
 class Stopped(Exception):
-    """A calculation was stopped by the event of `ratestate.backend.use`."""
+    """A calculation was stopped by the event of `ratestate.use`."""
 
 
 def current():
@@ -65,7 +65,7 @@ def use(*, threads=None, stop=None, device="cpu", progress=None):
     >>> slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
     >>> stop = threading.Event()
     >>> stop.set()  # another thread would do this
-    >>> with rs.backend.use(stop=stop):
+    >>> with rs.use(stop=stop):
     ...     rs.orbit(slider, "3.2 mm/s")
     Traceback (most recent call last):
     ratestate.engine.backend.Stopped

@@ -1,25 +1,32 @@
-"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all."""
+"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all.
+
+`try_reading` reads a laboratory's file for a program that must not wait.
+"""
 
 from pathlib import Path
 
 from ..errors import MissingFileError, ParameterError, RateStateError
+from ..records.reading.read import Attempt, try_reading
+from ..records.reading.titles import EXAMPLE_UNIT
 from .csv_tables import csv_text, laboratory_csv
-from .place import PICTURES, checked_path, listed, replace, writing
-from .stored import joined, read_netcdf, read_zarr, split, write_netcdf, write_zarr
+from .place import checked_path, listed, replace
+from .stored import read_netcdf, read_zarr, write_netcdf, write_zarr
 
 __all__ = [
-    "NUMBERS",
-    "PICTURES",
+    "EXAMPLE_UNIT",
+    "Attempt",
     "checked_path",
     "csv_text",
-    "joined",
     "laboratory_csv",
     "read",
     "replace",
-    "split",
+    "try_reading",
     "write",
-    "writing",
 ]
+
+
+def __dir__():
+    return __all__
 
 
 def write(data, path):

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..machine import check_fits
 from .names import refusal
-from .quantities import QUANTITIES, attrs, remedy
+from .quantities import QUANTITIES, attrs
 from .units import RESERVED, is_array, is_pint, to_si, unit_of
 
 #: dimension of the rows of swept columns; no dimension of a sweep has this name
@@ -91,7 +91,7 @@ def column_to_si(symbol, values):
         if numbers.ndim != 1:
             raise refusal("column.dimensions", symbol=symbol, ndim=numbers.ndim)
         if not numbers.size:
-            raise refusal("column.empty", symbol=symbol, wanted=remedy(symbol))
+            raise refusal("column.empty", symbol=symbol, wanted=QUANTITIES[symbol].remedy)
         rows = xarray.DataArray(numbers, dims="row", attrs={} if unit is None else {"units": unit})
         return to_si(symbol, rows, bound=">= 0").values
     items = {f"{symbol}[{i}]": value for i, value in enumerate(values)}

@@ -2,7 +2,7 @@
 
 from ..errors import ParameterError
 from .names import one_of
-from .quantities import QUANTITIES, remedy
+from .quantities import QUANTITIES
 from .units import has_unit, scaled, unit_factor
 
 
@@ -100,4 +100,6 @@ def si_factor(name, unit):
     try:
         return unit_factor(QUANTITIES[name].unit, unit)
     except ValueError as error:
-        raise ParameterError(str(error), remedy(name), symbol=name, value=repr(unit)) from None
+        raise ParameterError(
+            str(error), QUANTITIES[name].remedy, symbol=name, value=repr(unit)
+        ) from None

@@ -31,7 +31,7 @@ class Call:
     def symbol(self, argument):
         """Return the symbol of the quantity that this argument is."""
         amplitude = "sigma" if self.changes_stress else "V_lp"
-        return {"V": "V_lp", "duration": "t", "amplitude": amplitude}.get(argument, argument)
+        return {"duration": "t", "amplitude": amplitude}.get(argument, argument)
 
     @property
     def changes_stress(self):
@@ -108,7 +108,7 @@ class LoadPoint:
 
     @property
     def parameters(self):
-        """Arguments of all calls in SI, such as ``{"1 step": {"t": 1.0, "V": 0.003}}``."""
+        """Arguments of all calls in SI, such as ``{"1 step": {"t": 1.0, "V_lp": 0.003}}``."""
         return {f"{i} {call.method}": call.arguments_in_si for i, call in enumerate(self.calls)}
 
     @property

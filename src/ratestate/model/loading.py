@@ -48,25 +48,25 @@ class Loading(LoadPoint):
 
     @classmethod
     @recorded
-    def constant(cls, V):
+    def constant(cls, V_lp):
         """Return a loading with a constant speed.
 
         Parameters
         ----------
-        V : float, str, pint.Quantity or DataArray
-            Speed [m/s], >= 0.
+        V_lp : float, str, pint.Quantity or DataArray
+            Speed of the load point [m/s], >= 0.
         """
-        return cls(History.constant("V_lp", to_si("V_lp", V, label="V", bound=">= 0")))
+        return cls(History.constant("V_lp", to_si("V_lp", V_lp, bound=">= 0")))
 
     @classmethod
-    def steps(cls, V_start, *steps):
-        """Return a loading of velocity steps: V_start, V1 from t1 on, V2 from t2 on, ...
+    def steps(cls, V_lp, *steps):
+        """Return a loading of velocity steps: V_lp, V1 from t1 on, V2 from t2 on, ...
 
         Parameters
         ----------
-        V_start : float, str, pint.Quantity or DataArray
-            Speed until the first step [m/s], >= 0; a hold is a speed of 0.
-        *steps : tuple (t, V)
+        V_lp : float, str, pint.Quantity or DataArray
+            Speed of the load point until the first step [m/s], >= 0; a hold is a speed of 0.
+        *steps : tuple (t, V_lp)
             Time of each step [s], > 0 and increasing, and the speed after it [m/s], >= 0.
 
         Returns
@@ -74,8 +74,7 @@ class Loading(LoadPoint):
         Loading
             The loading.
         """
-        to_si("V_lp", V_start, label="V_start", bound=">= 0")  # its messages name V_start
-        loading = cls.constant(V_start)
+        loading = cls.constant(V_lp)
         for step in steps:
             if not isinstance(step, tuple | list) or len(step) != 2:
                 raise refusal("loading.no_pair", step=step)
@@ -131,17 +130,17 @@ class Loading(LoadPoint):
         return cls(sinusoid_history(**wave), wave["t_end"])
 
     @recorded
-    def step(self, t, V):
-        """Add a velocity step: from time t on, the speed is V.
+    def step(self, t, V_lp):
+        """Add a velocity step: from time t on, the speed is V_lp.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
             Time of the step [s]: after the last event, or at the end of a hold or ramp.
-        V : float, str, pint.Quantity or DataArray
+        V_lp : float, str, pint.Quantity or DataArray
             Speed after the step [m/s], >= 0.
         """
-        return self._with_speed("step", t, V)
+        return self._with_speed("step", t, V_lp)
 
     @recorded
     def hold(self, t, duration):
@@ -157,19 +156,19 @@ class Loading(LoadPoint):
         return self._with_speed("hold", t, duration)
 
     @recorded
-    def ramp(self, t, V, duration):
-        """Add a ramp: from time t the speed changes linearly to V.
+    def ramp(self, t, V_lp, duration):
+        """Add a ramp: from time t the speed changes linearly to V_lp.
 
         Parameters
         ----------
         t : float, str or pint.Quantity
             Start of the ramp [s]: after the last event, or at the end of a hold or ramp.
-        V : float, str, pint.Quantity or DataArray
+        V_lp : float, str, pint.Quantity or DataArray
             Speed at the end of the ramp, and after it [m/s], >= 0.
         duration : float, str or pint.Quantity
             Duration of the ramp [s], > 0.
         """
-        return self._with_speed("ramp", t, V, duration)
+        return self._with_speed("ramp", t, V_lp, duration)
 
     @recorded
     def sigma_step(self, t, sigma):
@@ -252,3 +251,8 @@ class Loading(LoadPoint):
         more = "" if stress is None else f", and {stress.t.size} of normal stress"
         sweep = f", sweep over {', '.join(self.V.dims[:-1])}" if is_array(self.V) else ""
         return f"<Loading: {self.t.size} segments from t = 0 to {self.t_last:g} s{more}{sweep}>"
+
+
+def as_loading(value):
+    """Return a loading; a speed is made a constant loading."""
+    return value if isinstance(value, Loading) else Loading.constant(value)

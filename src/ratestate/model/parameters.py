@@ -5,6 +5,7 @@ contact, and laboratories often give the stiffness as friction per length, K/sig
 """
 
 import operator
+from decimal import Decimal
 
 import numpy as np
 
@@ -123,21 +124,73 @@ def logspace(name, start, stop, n):
     >>> logspace("M", 100, 1e5, 4).values.tolist()
     [100.0, 1000.0, 10000.0, 100000.0]
     """
+    return _axis("logspace", "> 0", name, start, stop, n)
+
+
+def linspace(name, start, stop, n):
+    """Return an axis of a sweep with even spacing.
+
+    Parameters
+    ----------
+    name : str
+        Symbol of the quantity, as for `logspace`.
+    start, stop : float, str or pint.Quantity
+        First and last value, as for `logspace`, but each may have any sign that its quantity can
+        have.
+    n : int
+        Number of values, at least 2.  Intermediate values are rounded to 15 digits.
+
+    Returns
+    -------
+    xarray.DataArray
+        Array of shape (n,), as from `logspace`.
+
+    Raises
+    ------
+    ParameterError
+        If name is not a str, if a value is out of the range of its quantity or has a wrong unit, or
+        if n is not an integer from 2 to 10,000,000.
+
+    Examples
+    --------
+    >>> linspace("Dc", "1 um", "3 um", 5).values.tolist()
+    [1e-06, 1.5e-06, 2e-06, 2.5e-06, 3e-06]
+    """
+    return _axis("linspace", None, name, start, stop, n)
+
+
+def geometrically_spaced(first, last, n):
+    """Return n values, the inner ones rounded to 15 digits."""
+    values = np.array([float(f"{x:.15g}") for x in np.geomspace(first, last, n)])
+    values[[0, -1]] = first, last
+    return values
+
+
+def evenly_spaced(first, last, n):
+    """Return n values, the inner ones rounded to 15 digits."""
+    # Exact until rounded, so that an axis through 0 contains 0.
+    start, stop, m = Decimal(repr(first)), Decimal(repr(last)), n - 1
+    between = ((start * (m - i) + stop * i) / m for i in range(1, m))
+    return np.array([first, *(float(f"{x:.15g}") for x in between), last])
+
+
+def _axis(function, bound, name, start, stop, n):
+    """Return the axis of `logspace` or `linspace`, whose ends are within a bound."""
     import xarray
 
     if not isinstance(name, str):
         raise refusal("axis.name", name=name)
     symbol = quantity_of(name, start) if name in QUANTITIES else "number"
     ends = [
-        to_si(symbol, value, label=f"{name} ({which})", bound="> 0")
+        to_si(symbol, value, label=f"{name} ({which})", bound=bound)
         for which, value in (("start", start), ("stop", stop))
     ]
     if any(is_array(end) or np.isinf(end) for end in ends):
-        raise refusal("axis.ends", name=name)
+        raise refusal("axis.ends", name=name, function=function)
     if not is_integer(n) or not 2 <= n <= MAX_VALUES:
         raise refusal("axis.size", n=n, most=MAX_VALUES)
-    values = np.array([float(f"{x:.15g}") for x in np.geomspace(ends[0], ends[1], int(n))])
-    values[[0, -1]] = ends
+    spaced = geometrically_spaced if function == "logspace" else evenly_spaced
+    values = spaced(ends[0], ends[1], int(n))
     labels = attrs(symbol) if name in QUANTITIES else {}
     # Only the coordinate has a unit and a long name: xarray's arithmetic keeps the attributes of an
     # array, so that V_lp = np.sqrt(eta * ...) would still be a pure number.

@@ -35,9 +35,9 @@ class Quantity(NamedTuple):
     long_name : str
         Name for plots and messages.
     bound : {"", "> 0", ">= 0"}
-        Range that `ratestate.units.to_si` checks.
+        Range that `ratestate.to_si` checks.
     example : str
-        An example, if the example of the unit would mislead.
+        A value as a user would write it, in quotation marks if it has a unit.
     may_be_inf : bool
         Whether inf is a value.
     """
@@ -48,74 +48,49 @@ class Quantity(NamedTuple):
     example: str = ""
     may_be_inf: bool = False
 
+    @property
+    def remedy(self):
+        """The remedy for an unusable value, such as "Give a length such as '10 um'."."""
+        return f"Give {KINDS[self.unit][0]} such as {self.example}."
+
+    @property
+    def prefixes(self):
+        """Prefixes with which values are shown: [(power of ten, prefix), ...], largest first."""
+        return [
+            (power, prefixed_unit(self.unit, power).removesuffix(self.unit))
+            for power in POWERS.get(self.unit, ())
+        ]
+
+
+def quantity(unit, long_name, bound="", example="", may_be_inf=False):
+    """Return a `Quantity`; without an example of its own it has the example of its unit."""
+    return Quantity(unit, long_name, bound, example or KINDS[unit][1], may_be_inf)
+
 
 #: symbol -> `Quantity`
-QUANTITIES = {symbol: Quantity(**row) for symbol, row in _read_table("quantities")}
+QUANTITIES = {symbol: quantity(**row) for symbol, row in _read_table("quantities")}
 
 
 def add_quantities_of(law):
     """Add the parameters and states of a friction law to `QUANTITIES`."""
     for symbol, parameter in law.parameters.items():
-        QUANTITIES[symbol] = Quantity(*parameter)
+        QUANTITIES[symbol] = quantity(*parameter)
     for k, state in enumerate(law.states):
-        QUANTITIES.setdefault(state, Quantity("s", f"state {k + 1}", "> 0"))
-        QUANTITIES.setdefault(f"{state}_start", Quantity("s", f"state {k + 1} at a record's start"))
+        QUANTITIES.setdefault(state, quantity("s", f"state {k + 1}", "> 0"))
+        QUANTITIES.setdefault(f"{state}_start", quantity("s", f"state {k + 1} at a record's start"))
 
 
 for _law in LAWS.values():
     add_quantities_of(_law)
 for _form in FORMS.values():
     QUANTITIES |= {
-        symbol: Quantity(*parameter) for symbol, parameter in _form.OWN_PARAMETERS.items()
+        symbol: quantity(*parameter) for symbol, parameter in _form.OWN_PARAMETERS.items()
     }
 
 
 def attrs(symbol):
     """Return the attributes ``units`` and ``long_name`` of a variable."""
     return {"units": QUANTITIES[symbol].unit, "long_name": QUANTITIES[symbol].long_name}
-
-
-def example(symbol):
-    """Return a value of a quantity as a user would write it, in quotation marks if it has a unit.
-
-    Parameters
-    ----------
-    symbol : str
-        Symbol of the quantity.
-
-    Returns
-    -------
-    str
-        The value.
-
-    Examples
-    --------
-    >>> example("V_lp")
-    "'3.2 mm/s'"
-    """
-    quantity = QUANTITIES[symbol]
-    return quantity.example or KINDS[quantity.unit][1]
-
-
-def remedy(symbol):
-    """Return the remedy for an unusable value of a quantity: its kind, and an example.
-
-    Parameters
-    ----------
-    symbol : str
-        Symbol of the quantity.
-
-    Returns
-    -------
-    str
-        A sentence.
-
-    Examples
-    --------
-    >>> remedy("Dc")
-    "Give a length such as '10 um'."
-    """
-    return f"Give {KINDS[QUANTITIES[symbol].unit][0]} such as {example(symbol)}."
 
 
 def power_of(unit, value):
@@ -140,25 +115,6 @@ def prefixed_unit(unit, power, prefixes=PREFIXES):
     ('mm/s', 'cm^2')
     """
     return prefixes[power // 2 if unit == "m^2" else power] + unit
-
-
-def prefixes():
-    """Return the prefixes with which values of each unit are shown.
-
-    Returns
-    -------
-    dict
-        Unit -> [(power of ten, prefix), ...], the largest first.
-
-    Examples
-    --------
-    >>> prefixes()["m/s"]
-    [(0, ''), (-3, 'm'), (-6, 'u'), (-9, 'n')]
-    """
-    return {
-        unit: [(power, prefixed_unit(unit, power).removesuffix(unit)) for power in powers]
-        for unit, powers in POWERS.items()
-    }
 
 
 def exact_text(symbol, value):
@@ -191,7 +147,7 @@ def long_time_unit(seconds):
 
 
 def readable(symbol, value, digits=4):
-    """Return a value [SI] as text that `ratestate.units.to_si` reads, with a suitable unit.
+    """Return a value [SI] as text that `ratestate.to_si` reads, with a suitable unit.
 
     inf, NaN and values that are too small for any prefix have the SI unit.
 

@@ -18,7 +18,7 @@ from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
 from .names import check_keywords, refusal
 from .parameters import parameter_to_si
-from .quantities import QUANTITIES, exact_text, readable, readable_together, remedy
+from .quantities import QUANTITIES, exact_text, readable, readable_together
 from .units import is_array, named, to_si
 from .user_laws import register, register_source, source_of_law
 
@@ -456,7 +456,7 @@ def _check_names(law, form, given):
             needing = (
                 f"law = {law.name!r}" if name in law.parameters else f"friction_form = {form!r}"
             )
-            described = {"long_name": QUANTITIES[name].long_name, "wanted": remedy(name)}
+            described = {"long_name": QUANTITIES[name].long_name, "wanted": QUANTITIES[name].remedy}
             raise refusal("slider.missing", needing=needing, name=name, **described)
 
 

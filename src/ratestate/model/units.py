@@ -15,7 +15,7 @@ from decimal import Decimal
 import numpy as np
 
 from ..errors import ParameterError
-from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, prefixed_unit, remedy
+from .quantities import KINDS, POWERS, PREFIXES, QUANTITIES, attrs, prefixed_unit
 
 #: names of dimensions that only results may have
 RESERVED = {"time", "mode", "segment"}
@@ -116,7 +116,7 @@ def to_si(symbol, value, *, label=None, bound=None):
         match = _NUMBER.fullmatch(value)
         if match is None:
             raise ParameterError(
-                "is not a number with a unit", remedy(symbol), symbol=label, value=given
+                "is not a number with a unit", QUANTITIES[symbol].remedy, symbol=label, value=given
             )
         if match[2] or Decimal(match[1]).is_finite():
             x = _convert(symbol, match[1], match[2], label, given)
@@ -126,7 +126,7 @@ def to_si(symbol, value, *, label=None, bound=None):
         x = _to_float(symbol, value, label)
         given, si = f"{x:.6g}", _shown_unit(symbol)
     if problem := _problem(symbol, x, bound):
-        raise ParameterError(problem, remedy(symbol), symbol=label, value=given, unit=si)
+        raise ParameterError(problem, QUANTITIES[symbol].remedy, symbol=label, value=given, unit=si)
     return x
 
 
@@ -134,7 +134,7 @@ def one_in_si(symbol, value, *, label=None, bound=None):
     """Convert a single number to SI by `to_si`; ParameterError for array or list."""
     if isinstance(value, list | tuple) or getattr(value, "ndim", 0) > 0:
         raise ParameterError(
-            "is an array and not one number", remedy(symbol), symbol=label or symbol
+            "is an array and not one number", QUANTITIES[symbol].remedy, symbol=label or symbol
         )
     return float(to_si(symbol, value, label=label, bound=bound))
 
@@ -170,7 +170,7 @@ def _to_float(symbol, value, label):
         many = f" For many values give xarray.DataArray(values, dims='{symbol}')."
     raise ParameterError(
         f"is of type {type(value).__name__}",
-        remedy(symbol) + many,
+        QUANTITIES[symbol].remedy + many,
         symbol=label,
         value=reprlib.repr(value),
     )
@@ -188,7 +188,7 @@ def _convert(symbol, number, unit, label, given):
         problem, hint = "is beyond any size", ""
     except ValueError as error:
         problem, hint = str(error), _hint(symbol, unit)
-    raise ParameterError(problem, remedy(symbol) + hint, symbol=label, value=given)
+    raise ParameterError(problem, QUANTITIES[symbol].remedy + hint, symbol=label, value=given)
 
 
 def _hint(symbol, unit):
@@ -248,7 +248,7 @@ def _array_to_si(symbol, array, label, bound):
         unit, array = str(array.data.units), array.copy(data=array.data.magnitude)
     if array.dtype.kind not in "iuf" or array.size == 0:
         what = f"of dtype {array.dtype}" if array.size else "without values"
-        raise ParameterError(f"is a DataArray {what}", remedy(symbol), symbol=label)
+        raise ParameterError(f"is a DataArray {what}", QUANTITIES[symbol].remedy, symbol=label)
     reserved = RESERVED - {"time"} if symbol in ("t", "time", "times") else RESERVED
     for dim in array.dims:
         if dim in reserved or not re.match(r"(?!dim_\d)[^\W\d]", str(dim)):
@@ -267,8 +267,8 @@ def _array_to_si(symbol, array, label, bound):
         except ValueError as error:
             raise ParameterError(
                 f"has the attribute units = {unit!r}, which {error}",
-                f"{remedy(symbol)} If the values are in SI already, drop the attribute, which "
-                "xarray's arithmetic keeps, with .drop_attrs().",
+                f"{QUANTITIES[symbol].remedy} If the values are in SI already, drop the attribute, "
+                "which xarray's arithmetic keeps, with .drop_attrs().",
                 symbol=label,
             ) from None
         si.data = scaled(si.data, factor)
@@ -283,7 +283,7 @@ def _array_to_si(symbol, array, label, bound):
         )
         raise ParameterError(
             f"at {where} {_problem(symbol, values[index], bound)}",
-            remedy(symbol),
+            QUANTITIES[symbol].remedy,
             symbol=label,
             value=f"{values[index]:.6g}",
             unit=_shown_unit(symbol),

@@ -17,7 +17,7 @@ from ..friction.user_law import (
     reason_of,
 )
 from .names import refusal
-from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of
+from .quantities import KINDS, QUANTITIES, Quantity, add_quantities_of, quantity
 from .units import to_si
 
 #: names that sliders, scenario files and results use for other things than quantities
@@ -132,13 +132,13 @@ def _is_other_quantity(symbol, quantity, base_name):
 
 def _example(symbol, law):
     """Return the example of a parameter [SI], or 1 if it has none."""
-    quantity = Quantity(*law.parameters[symbol])
-    if not quantity.example:
+    own = Quantity(*law.parameters[symbol])
+    if not own.example:
         return 1.0
     before = QUANTITIES.get(symbol)
-    QUANTITIES[symbol] = quantity._replace(example="")
+    QUANTITIES[symbol] = quantity(*own._replace(example=""))
     try:
-        return to_si(symbol, quantity.example.strip("'\""))
+        return to_si(symbol, own.example.strip("'\""))
     except ParameterError as error:
         raise ParameterError(
             f"the example of its parameter {symbol} cannot be used: {error.text(symbol)}"

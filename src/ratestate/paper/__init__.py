@@ -5,10 +5,18 @@ Figures beyond the paper are ``atlas_figure``, ``branches``, ``basins`` and ``sc
 of figures have `compute`, which returns the numbers, and `draw`.
 """
 
+from importlib import import_module
+
+__all__ = ["im2017", "parameters"]
+
 
 def __getattr__(name):
-    if name != "im2017":
-        raise AttributeError(f"module 'ratestate.paper' has no attribute {name!r}")
-    from .scheme_run import im2017
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name == "parameters":
+        return import_module(f"{__name__}.parameters")
+    return import_module(f"{__name__}.scheme_run").im2017
 
-    return im2017
+
+def __dir__():
+    return __all__

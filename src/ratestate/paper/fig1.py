@@ -5,11 +5,12 @@ import xarray
 
 from .. import Loading, plot, simulate
 from ..plot.labels import LAWS as STYLES
+from ..plot.labels import PREFIXES
 from ..plot.layout import figure, styled
 from .figures import LAWS
 from .parameters import FIG1
 
-MICRO = plot.PREFIXES[-6]
+MICRO = PREFIXES[-6]
 BEFORE, AFTER = 2.0, 8.0  # slip shown, in Dc
 
 

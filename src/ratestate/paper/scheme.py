@@ -12,6 +12,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from .. import Loading, SolverError, limit_cycle, plot
 from ..dynamics.results import parameter
+from ..plot.labels import PREFIXES
 from ..plot.layout import figure, letters, styled
 from .parameters import FIG2, FIG2_DURATION, FIG2_SPEEDS, FIG2_START
 from .scheme_run import im2017, numbers_of, state_of, step
@@ -174,7 +175,7 @@ def _measure(slider, omega_dt, variant):
 def draw(data):
     """Draw (a) critical velocity, (b) the limit cycle's velocities, (c) its amplitude."""
     dt = 1e6 * float(data.dt[0])
-    step = rf"$\omega\,\Delta t$ = {OMEGA_DT[0]:g} is {dt:.0f} {plot.PREFIXES[-6]}s"
+    step = rf"$\omega\,\Delta t$ = {OMEGA_DT[0]:g} is {dt:.0f} {PREFIXES[-6]}s"
     fig = figure(data, 3.6, "a b Dc sigma M K", f"; {step}")
     axes = fig.subplots(1, 3)
     for ax, ((_, ylabel), names) in zip(axes, PANELS.items(), strict=True):

@@ -22,7 +22,7 @@ from ..errors import ParameterError, SolverError
 from ..friction.functions import exp, expm1, log
 from ..friction.law_formula import LOG
 from ..machine import check_fits
-from ..model.loading import Loading
+from ..model.loading import as_loading
 from ..model.names import keywords_checked
 from ..model.quantities import attrs
 from ..model.slider import check_slider
@@ -52,7 +52,7 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     ----------
     slider : SpringSlider
         One slider with mass and a spring, under the slip or the aging law.
-    loading : Loading
+    loading : Loading, or float, str or pint.Quantity
         History of the load point.
     t_end : float, str or pint.Quantity
         End of the run [s], > 0.
@@ -93,8 +93,7 @@ def im2017(slider, loading, t_end, dt, *, V_start=None, euler=False):
     10001
     """
     check_slider(slider)
-    if not isinstance(loading, Loading):
-        raise refusal("simulate.loading", loading=loading)
+    loading = as_loading(loading)
     t_end, dt = to_si("t_end", t_end), to_si("dt", dt)
     V_start = loading.V_first if V_start is None else to_si("V_start", V_start)
     if any(map(is_array, (*slider.values.values(), loading.V, t_end, dt, V_start))):

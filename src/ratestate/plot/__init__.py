@@ -14,7 +14,7 @@ that every result carries.
 ``motion``      runs and cycles: `trace`, the `phase` plane, `amplitudes`
 ``runs``        several runs: names and lines, speeds, phase plane
 ``bifurcation`` a branch of limit cycles: which of it is drawn as stable
-``atlas``       maps of the atlas: regimes, the transition, contours
+``maps``        maps of the atlas: regimes, the transition, contours
 ``curves``      a record under its fitted curves; which changes of speed are marked
 ``axis``        the axes of a sweep: scale, unit, what stands at its cases
 ``labels``      symbols, units and sentences as mathematics; colours of the laws
@@ -23,10 +23,10 @@ that every result carries.
 """
 
 from ..dynamics.results import parameter
-from .atlas import atlas, contours, transition
 from .bifurcation import branch
-from .labels import AMPLITUDE, BLUE, GRAY, PREFIXES, RED, STRESS, label, prefixed, value_text
+from .labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, STRESS, label, prefixed, value_text
 from .layout import save
+from .maps import atlas, contours, transition
 from .motion import amplitudes, phase, trace
 from .pages import figure
 from .pages.fits import fit
@@ -37,7 +37,7 @@ __all__ = [
     "AMPLITUDE",
     "BLUE",
     "GRAY",
-    "PREFIXES",
+    "LAWS",
     "RED",
     "STRESS",
     "amplitudes",
@@ -57,3 +57,7 @@ __all__ = [
     "transition",
     "value_text",
 ]
+
+
+def __dir__():
+    return __all__

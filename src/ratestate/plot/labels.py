@@ -89,7 +89,7 @@ _MICRO = re.compile(r"(?<=\d )u(?=m|s|Hz)")
 
 
 def prefixed(unit, value):
-    """Bring a value to 1 or more where a prefix can.
+    """Return the factor and the unit that bring a value to 1 or more, if a prefix can.
 
     Times of 2 hours, 2 days, 2 years or more are in these.  The factor is 1 where the unit has no
     prefixes, or none makes the value readable.
@@ -132,7 +132,7 @@ def scaled(symbol, largest):
 
 
 def label(symbol):
-    """A symbol as mathematics, for example ``$V_{lp}$``.
+    """Return a symbol as mathematics, for example ``$V_{lp}$``.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def in_unit(text, unit):
 
 
 def value_text(symbol, value, unit_of=None):
-    """A quantity as text: symbol, value and a unit that fits it, or fits `unit_of`.
+    """Return a quantity as text: symbol, value and a unit that fits it, or fits `unit_of`.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ import ratestate as rs
 from ratestate.dynamics.cycles.limit_cycle import orbit
 from ratestate.dynamics.verdict import verdict
 from ratestate.errors import RunWarning
-from ratestate.friction.formulas import friction
+from ratestate.formulas import friction
 from ratestate.paper.parameters import FIG4, FIG4_K
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import ratestate as rs
-from ratestate import files
+from ratestate import files, scenario
 from ratestate.errors import NotConverged, SolverError
-from ratestate.interfaces import scenario
 from ratestate.paper.parameters import FIG2
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="500 MPa/m")

@@ -184,7 +184,7 @@ def test_provenance_is_enough_to_run_again():
     run = simulate(SLIDER, loading, 0.2, initial=initial, rtol=1e-7)
     recorded = json.loads(run.attrs["scenario"])
     calls = recorded.pop("loading")
-    assert calls == [["constant", {"V": 1e-4}], ["step", {"t": 0.1, "V": 3e-3}]]
+    assert calls == [["constant", {"V_lp": 1e-4}], ["step", {"t": 0.1, "V_lp": 3e-3}]]
     assert recorded.pop("function") == "simulate"
     slider = SpringSlider(**recorded.pop("slider"))
     assert slider == SLIDER
@@ -551,3 +551,12 @@ def test_cycles_are_counted_however_small_they_become():
         assert counts[0] == 19
         assert all(30 <= count < 100 for count in counts[1:])
         assert runs[0].amplitude > 0.0 == runs[1].amplitude == runs[2].frequency
+
+
+@pytest.mark.parametrize("speed", ["3.2 mm/s", 3.2e-3, logspace("V_lp", 1e-3, 1e-2, 2)])
+def test_a_speed_is_a_constant_loading(speed):
+    slider = SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m", M=3000)
+    runs = [simulate(slider, x, "0.1 s", V_start=1e-3) for x in (speed, Loading.constant(speed))]
+    xr.testing.assert_identical(*runs)
+    with pytest.raises(rs.ParameterError, match="V_lp = '3 m' is a length"):
+        simulate(slider, "3 m", "0.1 s")

@@ -2,7 +2,7 @@
 
 from explorer_links import CASES
 
-from ratestate.interfaces import scenario
+from ratestate import scenario
 from ratestate.paper.parameters import FIG4
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from explorer_links import CASES
 
-from ratestate.interfaces import scenario
+from ratestate import scenario
 from ratestate_explorer import state
 
 #: stable sliding

@@ -15,11 +15,12 @@ from command_line import call
 from matplotlib.figure import Figure
 
 import ratestate
-from ratestate import files
-from ratestate.interfaces import cli, scenario, templates
+from ratestate import files, scenario
+from ratestate.interfaces import cli
 from ratestate.interfaces.cli.command import group_of, parameters_of
 from ratestate.paper import atlas_figure, claims_table, figures
 from ratestate.paper.claim import Claim, exact
+from ratestate.scenario import templates
 
 ROW = Claim(id="x", where="sec. 1", claim="Water is wet.", paper="wet", unit="", **exact(1.0))
 
@@ -278,7 +279,7 @@ def test_json_lists_what_was_made(made, charted, tmp_path):
 
 def test_help_names_the_endings_of_files():
     """Written there by hand, since the formats would load what help must not."""
-    listed = [("RESULT", files.READABLE), ("FILE", files.NUMBERS), ("FILE", files.PICTURES)]
+    listed = [("RESULT", files.READABLE), ("FILE", files.NUMBERS), ("FILE", files.place.PICTURES)]
     for what, endings in listed:
         assert f" {what}{'|'.join(endings)} " in told("run")
 

@@ -17,8 +17,8 @@ import ratestate as rs
 from ratestate import files
 from ratestate.dynamics.verdict import verdict
 from ratestate.interfaces.cli import run_scenario
-from ratestate.interfaces.scenario import load
-from ratestate.interfaces.scenario.scenario import FUNCTIONS
+from ratestate.scenario import load
+from ratestate.scenario.scenario import FUNCTIONS
 from ratestate.sweeps.calls import call_of
 from ratestate.sweeps.solve import bytes_per_case, form_of
 
@@ -103,7 +103,7 @@ def test_numbers_are_those_of_the_python_api(command, lab, api):
     assert found["ratestate"] == rs.__version__
     assert found["failed"] == 0
     assert found["attrs"]["scenario"]["slider"]["K"] == 9e8
-    same = files.split(api[command])
+    same = files.stored.split(api[command])
     assert found["data_vars"].keys() == {*same.data_vars}
     assert found["coords"].keys() == {*same.coords}
     for name, variable in (found["data_vars"] | found["coords"]).items():
@@ -601,7 +601,7 @@ def test_an_error_of_reading_is_not_called_one_of_writing(lab, monkeypatch):
     def unreadable(*_, **__):
         raise PermissionError(13, "Permission denied", "lab.toml")
 
-    monkeypatch.setattr("ratestate.interfaces.scenario.load", unreadable)
+    monkeypatch.setattr("ratestate.scenario.load", unreadable)
     assert call("cycle", lab).stderr == "error: lab.toml: Permission denied\n"
     monkeypatch.setattr("pathlib.Path.exists", unreadable)
     result = call("run", "--from", "x.nc")
@@ -690,7 +690,7 @@ def bug(*_, **__):
 
 
 def test_a_bug_is_told_and_its_traceback_shown_if_asked(lab, monkeypatch):
-    monkeypatch.setattr("ratestate.interfaces.scenario.run", bug)
+    monkeypatch.setattr("ratestate.scenario.run", bug)
     result = call("cycle", lab)
     assert result.exit_code == 1
     assert result.stderr == (
@@ -720,7 +720,7 @@ def test_other_ends(error, code, message, lab, monkeypatch):
     def end(*_):
         raise error
 
-    monkeypatch.setattr("ratestate.interfaces.scenario.run", end)
+    monkeypatch.setattr("ratestate.scenario.run", end)
     result = call("cycle", lab, "--out", "x.nc")
     assert (result.exit_code, result.stderr) == (code, message)
     assert [path.name for path in lab.parent.iterdir()] == ["lab.toml"]

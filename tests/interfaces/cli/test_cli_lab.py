@@ -9,9 +9,8 @@ import pytest
 from command_line import call
 from synthetic_records import SLIDER, STEP, record
 
-from ratestate import files
+from ratestate import describe_lab, files
 from ratestate.interfaces.cli import command
-from ratestate.records.reading import describe
 from ratestate.records.reading.rows import MAX_ROWS
 
 
@@ -46,7 +45,7 @@ def lab(folder, monkeypatch):
 
 def test_a_description_is_printed(lab):
     columns, units = {"delta_lp": 2, "tau": "ch2"}, {"delta_lp": "um", "tau": "MPa"}
-    assert lab == describe("r.txt", columns, units, sigma="20 MPa", K="60 GPa/m")
+    assert lab == describe_lab("r.txt", columns, units, sigma="20 MPa", K="60 GPa/m")
     assert tomllib.loads(lab)["machine"] == {"K": "60 GPa/m"}
     done = call("lab", "describe", "r.txt", "--lab-format", "mylab.toml", "--M", "3000 kg/m^2")
     assert tomllib.loads(done.stdout)["machine"] == {"K": "60 GPa/m", "M": "3000 kg/m^2"}

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 from command_line import call
-from ratestate.scenario import load
 
 from ratestate import limit_cycle, read_lab
 from ratestate.files import read
+from ratestate.scenario import load
 
 FILE = """
 [slider]

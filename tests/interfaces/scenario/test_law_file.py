@@ -9,7 +9,7 @@ from user_laws import MINE, PLAIN
 import ratestate as rs
 from ratestate import ParameterError
 from ratestate.friction.laws import LAW_NAMES, LAWS
-from ratestate.interfaces.scenario import from_result, load, loads, python, toml
+from ratestate.scenario import from_result, load, loads, python, toml
 
 TEXT = """[slider]
 a = 0.003
@@ -97,7 +97,7 @@ def test_a_file_given_comes_before_that_of_the_scenario(write, law_file):
     other = law_file(MINE.replace('name = "mine"', 'name = "other"'), "other.py")
     slider = load(write(('"mine.py"', '"gone.py"')), law_file=other).slider
     assert slider.law.startswith("other@")
-    with pytest.raises(rs.errors.MissingFileError, match=r"^law file none\.py"):
+    with pytest.raises(rs.MissingFileError, match=r"^law file none\.py"):
         load(write(), law_file="none.py")
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from paths import TEMPLATES as FOLDER
 
-from ratestate import ParameterError, interfaces
-from ratestate.interfaces.scenario import TEMPLATES, load, template, toml
+from ratestate import ParameterError, scenario
+from ratestate.scenario import TEMPLATES, load, template, toml
 
 FILES = {name: template(name) for name in sorted(TEMPLATES)}
 RECORD = FOLDER / "recorded-loading.csv"
@@ -214,7 +214,7 @@ def test_undamaged_files_are_sound(name, tmp_path):
 
 
 def test_the_table_of_messages_holds_those_that_are_used():
-    folder = Path(interfaces.__file__).with_name("scenario")
+    folder = Path(scenario.__file__).parent
     tables = tomllib.loads((folder / "messages.toml").read_text("utf-8"))
     held = {f"{table}.{name}" for table, messages in tables.items() for name in messages}
     source = "".join(p.read_text("utf-8") for p in folder.glob("*.py") if p.stem != "__init__")

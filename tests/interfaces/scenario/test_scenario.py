@@ -13,9 +13,9 @@ from scenario_problems import problem_lines, problems_of
 import ratestate as rs
 from ratestate import ParameterError, SpringSlider
 from ratestate.friction.laws import LAWS
-from ratestate.interfaces.scenario import load, loads, template
 from ratestate.model.units import to_si
 from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
+from ratestate.scenario import load, loads, template
 
 SLIDER = {"a": "0.003", "b": "0.006", "Dc": '"10 um"', "sigma": '"2 MPa"', "K": '"900 MPa/m"'}
 PARAMETERS = (

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from ratestate.scenario import loads, python, toml
 from scenario_problems import problems_of
 
 from ratestate import ParameterError, SpringSlider
+from ratestate.scenario import loads, python, toml
 
 FILE = """
 [slider]

@@ -8,7 +8,7 @@ from scenario_problems import problem_lines
 
 import ratestate as rs
 from ratestate import Loading, ParameterError
-from ratestate.interfaces.scenario import Output, from_result, load, loads, toml
+from ratestate.scenario import Output, from_result, load, loads, toml
 
 SLIDER = """
 [slider]
@@ -262,7 +262,7 @@ def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
     def refuses(**_):
         raise ParameterError("a and b fell out with each other", "Part them.")
 
-    monkeypatch.setattr("ratestate.interfaces.scenario.assemble.SpringSlider", refuses)
+    monkeypatch.setattr("ratestate.scenario.assemble.SpringSlider", refuses)
     (line,) = told(f"[loading]\nV_lp = 1\n{RUN}")
     assert line == "[slider]: a and b fell out with each other. Part them."
 

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 
 import ratestate as rs
 from ratestate import Loading, ParameterError, SpringSlider, files
-from ratestate.interfaces.scenario import Output, Scenario, from_result, load, python, run, toml
-from ratestate.interfaces.scenario.as_toml import quantity
-from ratestate.interfaces.scenario.values import USUAL
 from ratestate.model.history import History
 from ratestate.model.quantities import QUANTITIES
 from ratestate.model.units import is_array, to_si
+from ratestate.scenario import Output, Scenario, from_result, load, python, run, toml
+from ratestate.scenario.as_toml import quantity
+from ratestate.scenario.values import USUAL
 
 SLIDER = SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3000)
 

@@ -256,7 +256,7 @@ def test_level_and_trend_are_integrated_out(solution):
 
 def test_the_likelihood_is_a_function_of_values_in_the_order_of_free(good, solution):
     """It falls by 1/2 if a is a standard error off, with the best K for that a."""
-    function = rs.fitting.log_likelihood(good, SLIDER, ("K", "mu0", "a"), noise=2e-4)
+    function = rs.log_likelihood(good, SLIDER, ("K", "mu0", "a"), noise=2e-4)
     assert function.names == ("K", "a")
     fitted = rs.fit(good, SLIDER, ("a", "K"), noise=2e-4, errors="covariance", start="steady")
     best = np.array([float(fitted.K), float(fitted.a)])
@@ -271,9 +271,9 @@ def test_the_likelihood_is_a_function_of_values_in_the_order_of_free(good, solut
     for wrong in (best[:1], 0.01, [best, best]):
         with pytest.raises(rs.ParameterError, match="Give 2 numbers: K, a"):
             function(wrong)
-    assert rs.fitting.log_likelihood(good, SLIDER, iter(["a"]), noise=2e-4).names == ("a",)
+    assert rs.log_likelihood(good, SLIDER, iter(["a"]), noise=2e-4).names == ("a",)
     with pytest.raises(rs.ParameterError, match="alpha is free, but normal stress is constant"):
-        rs.fitting.log_likelihood(good, SLIDER, ("a", "alpha"))
+        rs.log_likelihood(good, SLIDER, ("a", "alpha"))
 
 
 def test_the_posterior_of_a_gaussian_is_the_gaussian(sampled, good):

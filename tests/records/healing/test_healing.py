@@ -132,7 +132,7 @@ def test_errors_of_a_fit_are_propagated():
 def test_a_fit_under_two_laws_predicts_with_errors():
     data = noisy(11, holds=(3.0, 30.0), white=1e-4)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rs.errors.FitWarning)
+        warnings.simplefilter("ignore", rs.FitWarning)
         fitted = rs.fit(data, SLIDER, law=("slip", "aging"), errors="covariance")
     result = rs.healing(data, fitted)
     assert result.law.values.tolist() == ["slip", "aging"]

@@ -7,11 +7,10 @@ import pytest
 from scipy.signal import lfilter
 from xarray import Dataset
 
-from ratestate import ParameterError
+from ratestate import ParameterError, find_segments
 from ratestate.records.load_point import splits
 from ratestate.records.load_point.segments import segments_from_displacement, segments_from_velocity
 from ratestate.records.loading import recorded_segments
-from ratestate.records.reading import find_segments
 
 NOISE = 0.3e-6
 

@@ -1,4 +1,4 @@
-"""A laboratory's format as a file: written by `describe`, read by `read_lab`, or refused."""
+"""A laboratory's format as a file: written by `describe_lab`, read by `read_lab`, or refused."""
 
 import json
 import tomllib
@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from lab_files import MU, N, T, X
 
 import ratestate as rs
+from ratestate import describe_lab, read_lab
 from ratestate.errors import RecordWarning
-from ratestate.records.reading import describe, read_lab
 from ratestate.records.reading.lab_format import TABLES, read_lab_format
 
 #: symbol -> values in SI
@@ -90,7 +90,7 @@ def test_a_description_reads_as_the_options_it_was_made_with(tmp_path, table):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)
         expected = read_lab(path, **options)
-        text = describe(path, **options)
+        text = describe_lab(path, **options)
         lab = tmp_path / "lab.toml"
         lab.write_text(text, "utf-8")
         data = read_lab(path, lab_format=lab)
@@ -98,14 +98,14 @@ def test_a_description_reads_as_the_options_it_was_made_with(tmp_path, table):
         notes = [json.loads(one.attrs.pop("notes")) for one in (expected, data)]
         xr.testing.assert_identical(data, expected)
         assert len(notes[0]) == len(notes[1])
-        again = describe(path, lab_format=lab)
+        again = describe_lab(path, lab_format=lab)
     assert tomllib.loads(again) == tomllib.loads(text)
 
 
 def test_what_a_description_says(tmp_path):
     header = "Zeit [s]", "ch 1", "ch 2 (%)", "p"
     path = write(tmp_path / "r.txt", header, [T, -X, 100 * MU, 0 * T])
-    text = describe(path, {"delta_lp": 2, "friction": "ch 2"}, {"delta_lp": "um"},
+    text = describe_lab(path, {"delta_lp": 2, "friction": "ch 2"}, {"delta_lp": "um"},
                     sigma="20 MPa", K="5 GPa/m")  # fmt: skip
     assert tomllib.loads(text) == {
         "columns": {"time": "Zeit [s]", "delta_lp": "ch 1", "friction": "ch 2 (%)"},
@@ -132,7 +132,7 @@ def test_what_a_description_says(tmp_path):
 def test_a_value_that_is_no_text_is_described_with_its_unit(tmp_path):
     path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, X, MU])
     stiffness = pint.Quantity(3.0, "1/mm")
-    tables = tomllib.loads(describe(path, sigma=2e7, K=stiffness, M=3000))
+    tables = tomllib.loads(describe_lab(path, sigma=2e7, K=stiffness, M=3000))
     assert tables["constants"] == {"sigma": "20000000.0 Pa"}
     assert tables["machine"] == {"K": "3000.0 1/m", "M": "3000.0 kg/m^2"}
 
@@ -197,7 +197,7 @@ def test_a_format_of_mat_files(tmp_path):
         read_lab(tmp_path / "r.mat")
     units = {"time": "s", "delta_lp": "um", "sigma": "MPa"}
     lab = tmp_path / "lab.toml"
-    lab.write_text(describe(tmp_path / "r.mat", units=units))
+    lab.write_text(describe_lab(tmp_path / "r.mat", units=units))
     assert tomllib.loads(lab.read_text())["units"] == units
     same(read_lab(tmp_path / "r.mat", lab_format=lab), read_lab(tmp_path / "r.mat", units=units))
 
@@ -256,10 +256,10 @@ def test_all_that_is_wrong_with_a_format_is_reported(tmp_path):
         ({"sigma": "20 m"}, "sigma = '20 m' is a length"),
         ({"lab_format": 3}, "lab_format = 3 is not a path"),
         ({"lab_format": "no.toml"}, "no.toml cannot be read: No such file"),
-        ({"form": "x"}, "describe has no parameter form"),
+        ({"form": "x"}, "describe_lab has no parameter form"),
     ],
 )
 def test_descriptions_refused(tmp_path, keywords, match):
     path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, X, MU])
     with pytest.raises(rs.ParameterError, match=match):
-        describe(path, **keywords)
+        describe_lab(path, **keywords)

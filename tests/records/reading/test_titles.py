@@ -9,8 +9,8 @@ import pytest
 from lab_files import MU, SIGMA, N, T, X, check, write
 
 import ratestate as rs
+from ratestate import describe_lab, read_lab
 from ratestate.errors import RecordWarning
-from ratestate.records.reading import describe, read_lab
 from ratestate.records.reading.columns import Column, unit_of
 from ratestate.records.reading.sizes import in_si
 from ratestate.records.reading.titles import (
@@ -226,7 +226,7 @@ def test_the_pore_pressure_is_subtracted(tmp_path, title):
         both = read_lab(path, named | {"pore_pressure": title})
         np.testing.assert_allclose(both.sigma, 2e7)
         lab = tmp_path / "lab.toml"
-        lab.write_text(describe(path), "utf-8")
+        lab.write_text(describe_lab(path), "utf-8")
         np.testing.assert_allclose(read_lab(path, lab_format=lab).sigma, 2e7)
 
 

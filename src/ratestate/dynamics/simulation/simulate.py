@@ -13,7 +13,7 @@ from ...friction.composition import under_varying_stress
 from ...machine import check_fits
 from ...model.arrays import Batch
 from ...model.initial_state import initial_values
-from ...model.loading import Loading
+from ...model.loading import Loading, as_loading
 from ...model.names import keywords_checked
 from ...model.slider import check_slider
 from ...model.units import is_array, to_si
@@ -52,8 +52,8 @@ def simulate(
     ----------
     slider : SpringSlider
         Parameters that are named DataArrays make a sweep.
-    loading : Loading
-        History of the load point; the run starts at its t = 0.
+    loading : Loading, or float, str, pint.Quantity or DataArray
+        History of the load point, or its constant speed [m/s].  The run starts at t = 0.
     t_end : float, str, pint.Quantity or DataArray
         End of the run [s], > 0.
     V_start : float, str, pint.Quantity or DataArray, optional
@@ -133,6 +133,8 @@ def simulate(
     >>> run = rs.simulate(slider, rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s")), t_end=11)
     >>> run.sizes["time"] > 1000 and int(run.status) == 0
     True
+    >>> round(float(rs.simulate(slider, "10 um/s", "60 s", V_start="9 um/s").V[-1]), 9)
+    1e-05
     """
     settings = {"rtol": rtol, "method": method}
     start = {"V_start": V_start, "initial": initial}
@@ -147,8 +149,7 @@ def simulate(
 def simulate_call(slider, loading, t_end, *, V_start, initial, times, rtol, method):
     """Return the `SimulateCall` with these arguments of `simulate`, checked one by one."""
     check_slider(slider)
-    if not isinstance(loading, Loading):
-        raise refusal("simulate.loading", loading=loading)
+    loading = as_loading(loading)
     rtol = solver_settings(rtol, method)
     t_end = to_si("t_end", t_end)
     V_start = None if V_start is None else to_si("V_start", V_start)

@@ -21,7 +21,7 @@ def run(file: Path | None = None, *, source: Path | None = None, outputs: Output
     units = wanted_units(outputs.units)
     if source is not None and file is None:
         from ...files import read
-        from ..scenario import from_result
+        from ...scenario import from_result
 
         register_file(outputs.law_file)
         scenario = from_result(read(source))
@@ -84,7 +84,7 @@ def branch(
 
 def _do(file: Path, function: str, outputs: Outputs, **changes: Any) -> None:
     """Call a function with a file's scenario, whose own function and [output] are ignored."""
-    from ..scenario import Output
+    from ...scenario import Output
     from .run_scenario import do, load_scenario, note_sweep, wanted_units
 
     units = wanted_units(outputs.units)

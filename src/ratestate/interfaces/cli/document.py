@@ -6,7 +6,7 @@ from typing import Any
 
 import xarray
 
-from ...files import split
+from ...files.stored import split
 from .verdict_text import VerdictText
 
 # Attributes of a result that hold JSON.

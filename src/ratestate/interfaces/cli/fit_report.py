@@ -16,7 +16,7 @@ from ...records.fitting.fit import fit
 from ...report import Report, summary
 from ...report.report import TextTable, left
 from ...report.steps import all_warnings
-from ..scenario.as_python import registration
+from ...scenario.as_python import registration
 from .output import names_of
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))

@@ -165,9 +165,9 @@ def describe(
 
     Example: ratestate lab describe record.txt
     """
-    from ...records.reading import describe as described
+    from ...records.reading.lab_format import describe_lab
 
-    print_line(described(file, sigma=sigma, K=K, M=M, **reading.keywords()).rstrip("\n"))
+    print_line(describe_lab(file, sigma=sigma, K=K, M=M, **reading.keywords()).rstrip("\n"))
 
 
 def _evaluate(

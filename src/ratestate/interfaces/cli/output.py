@@ -93,7 +93,7 @@ def _console(stderr: bool = False) -> "Console":
 
 def make_writable(out: Path) -> None:
     """Make the folder, parents too, and check that files can be written there; else OSError."""
-    from ...files import writing
+    from ...files.place import writing
 
     with writing(out):
         out.mkdir(parents=True, exist_ok=True)

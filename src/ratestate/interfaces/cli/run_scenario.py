@@ -6,17 +6,18 @@ from pathlib import Path
 import typer
 import xarray
 
+from ... import scenario as scenarios
 from ...dynamics.progress import on_terminal
 from ...dynamics.results import whole_contact
 from ...dynamics.verdict import verdict
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
-from ...files import NUMBERS, PICTURES, checked_path, write
+from ...files import NUMBERS, checked_path, write
+from ...files.place import PICTURES
 from ...model.conversion import find_variable, in_units
 from ...model.names import one_of
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array, to_si
-from .. import scenario as scenarios
-from ..scenario import Output, Scenario
+from ...scenario import Output, Scenario
 from .document import document, failed
 from .exits import FAILED, SOME_FAILED
 from .options import Outputs, pairs_of

@@ -7,7 +7,7 @@ from pathlib import Path
 import typer
 
 from ...errors import ParameterError
-from .. import templates
+from ...scenario import templates
 from ..explorer import explorer_package
 from .exits import INTERRUPTED
 from .options import register_file

@@ -15,7 +15,7 @@ from ...engine.model import RUNAWAY as RAN_AWAY
 from ...model.loading import Loading
 from ...model.names import Sentences
 from ...model.slider import SpringSlider
-from ..scenario import Scenario
+from ...scenario import Scenario
 
 SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
 # Relative difference of amplitudes beyond which a run has not reached the verdict's motion.

@@ -48,7 +48,7 @@ OWN = ("time", "segment", "mode", "multiplier", "point", "frequency", "event", "
 
 
 def figure(result, *, title=True):
-    """A figure of a result, for a file or a notebook.
+    """Return a figure of a result, for a file or a notebook.
 
     Parameters
     ----------

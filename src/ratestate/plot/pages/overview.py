@@ -5,9 +5,9 @@ import itertools
 from matplotlib.transforms import offset_copy
 
 from ...dynamics.results import normal_stress
-from ..atlas import atlas
 from ..labels import BLUE, GRAY, label, mathematics, prefixed
 from ..layout import ABOVE, blank_figure, dress, letters, wrapped
+from ..maps import atlas
 from ..motion import trace
 from ..runs import NARROW, NamedRun, named_runs, plane, speed
 

@@ -66,7 +66,7 @@ def log_likelihood(
     >>> run = rs.simulate(slider, step, 140.0, times=np.linspace(0, 140, 1401))
     >>> noise = 1e-4 * np.random.default_rng(1).normal(size=1401)
     >>> record = run[["delta_lp"]].assign(friction=run.tau / slider.sigma + noise)
-    >>> function = rs.fitting.log_likelihood(record, slider, ("Dc", "a"))
+    >>> function = rs.log_likelihood(record, slider, ("Dc", "a"))
     >>> function([10e-6, 0.01]) > function([20e-6, 0.01])
     True
     """

@@ -4,9 +4,6 @@
 `assembly` builds the record: `rows` are selected, `values` checked, and `sizes` converted to SI.
 """
 
-from ..load_point.segments import find_segments
-from .lab_format import describe
-from .read import Attempt, read_lab, try_reading
-from .titles import EXAMPLE_UNIT
+from .read import read_lab
 
-__all__ = ["EXAMPLE_UNIT", "Attempt", "describe", "find_segments", "read_lab", "try_reading"]
+__all__ = ["read_lab"]

@@ -159,7 +159,7 @@ def _expected(table, key, value):
 
 
 @keywords_checked
-def describe(
+def describe_lab(
     path,
     columns=None,
     units=None,
@@ -202,7 +202,7 @@ def describe(
 
     Examples
     --------
-    >>> text = describe("p1234.txt", {"delta_lp": 3}, sigma="20 MPa")  # doctest: +SKIP
+    >>> text = describe_lab("p1234.txt", {"delta_lp": 3}, sigma="20 MPa")  # doctest: +SKIP
     >>> Path("mylab.toml").write_text(text, "utf-8")  # doctest: +SKIP
     """
     machine = {symbol: value for symbol, value in {"K": K, "M": M}.items() if value is not None}

@@ -60,7 +60,7 @@ def read_lab(
         file.  "restart": they restart in each file, and each file follows the previous one after
         one time step.  "auto": "restart" if the times of all files begin at 0, else "absolute".
     lab_format : str or pathlib.Path, optional
-        A description of the laboratory's files, as `ratestate.lab.describe` writes it.  Other
+        A description of the laboratory's files, as `ratestate.describe_lab` writes it.  Other
         arguments have precedence.
 
     Returns

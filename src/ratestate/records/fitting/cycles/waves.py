@@ -10,8 +10,8 @@ from ....dynamics.cycles.measure import refine
 from ....dynamics.cycles.system import state, system_of
 from ....dynamics.simulation.cases import MAX_STEPS
 from ....engine.model import FINISHED, Loads
+from ....formulas import mu_ss
 from ....friction.composition import composed_law
-from ....friction.formulas import mu_ss
 from ..forward import cases_of, marched
 from .features import FEATURES, profile_features, wave_profiles
 

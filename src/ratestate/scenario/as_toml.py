@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import ParameterError
-from ...friction.law_formula import HASH_MARK
-from ...model.load_point import Call
-from ...model.loading import Loading
-from ...model.parameters import OTHER_QUANTITIES
-from ...model.quantities import QUANTITIES, exact_text
-from ...model.units import is_array
-from ...model.user_laws import file_of_law
+from ..errors import ParameterError
+from ..friction.law_formula import HASH_MARK
+from ..model.load_point import Call
+from ..model.loading import Loading
+from ..model.parameters import OTHER_QUANTITIES
+from ..model.quantities import QUANTITIES, exact_text
+from ..model.units import is_array
+from ..model.user_laws import file_of_law
 from .scenario import FUNCTIONS, Scenario
 
 WIDTH = 93  # characters of a line
@@ -106,12 +106,12 @@ def _loading(loading: Loading) -> tuple[dict[str, str], Any]:
         _refuse_arrays("the amplitude of a sinusoid", values["amplitude"])
         speeds, more = [values["V_lp"]], {"sinusoid": _table(first)}
     else:
-        speeds = [call.arguments["V"] for call in (first, *events) if "V" in call.arguments]
+        speeds = [one["V_lp"] for one in (values, *(x.arguments for x in events)) if "V_lp" in one]
         if any(map(is_array, speeds[:-1])):
             raise ParameterError(
                 "a scenario file can sweep no speed of a loading but the last one", AS_PYTHON
             )
-        steps = [_table(call, V="V_lp", duration=call.method) for call in events]
+        steps = [_table(call, duration=call.method) for call in events]
         more = {"steps": _lines(steps)} if steps else {}
     if not is_array(speeds[0]):
         more = {"V_lp": quantity("V_lp", speeds[0])} | more
@@ -134,7 +134,7 @@ def _table(call: Call, **keys: str) -> str:
         # the swept last speed is in [sweep]
         keys.get(name, name): quantity(call.symbol(name), 1.0 if is_array(value) else value)
         for name, value in call.arguments.items()
-        if name not in ("V_lp", "t_end")
+        if call.method != "sinusoid" or name not in ("V_lp", "t_end")
     }
     return _inline(literals)
 

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from ...errors import ParameterError
-from ...model.names import Sentences, one_of
-from ...model.quantities import remedy
+from ..errors import ParameterError
+from ..model.names import Sentences, one_of
+from ..model.quantities import QUANTITIES
 
 LONGEST_SHOWN = 60  # characters
 MOST_LINES = 100  # problems
@@ -50,7 +50,7 @@ class Place(NamedTuple):
 
     def missing(self, key: str, wanted: str = "") -> None:
         """Note that a key of this table is missing, and what to give if not its quantity."""
-        self.at(key).add("key.missing", wanted=wanted or remedy(key))
+        self.at(key).add("key.missing", wanted=wanted or QUANTITIES[key].remedy)
 
     def noting(self, make: Callable[[], T], symbol: str = "") -> T | None:
         """Return what `make` returns; note a ParameterError, and return None."""

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ...friction.law_formula import HASH_MARK
-from ...model.load_point import Call
-from ...model.loading import Loading
-from ...model.units import is_array
-from ...model.user_laws import file_of_law
+from ..friction.law_formula import HASH_MARK
+from ..model.load_point import Call
+from ..model.loading import Loading
+from ..model.units import is_array
+from ..model.user_laws import file_of_law
 from .as_toml import is_own_axis, numbers, quantity
 from .scenario import Scenario
 
@@ -71,7 +71,7 @@ def _loading(loading: Loading) -> str:
     calls = [_first(first), *(f".{call.method}({_arguments(call)})" for call in others)]
     if others and all(call.method == "step" for call in others):
         pairs = [f"({_arguments(call)})" for call in others]
-        calls = [_call("rs.Loading.steps", [_value("V_lp", first.arguments["V"]), *pairs], 61)]
+        calls = [_call("rs.Loading.steps", [_value("V_lp", first.arguments["V_lp"]), *pairs], 61)]
     text = "".join(calls)
     if len(calls) == 1 or len(text) < 80:
         return text

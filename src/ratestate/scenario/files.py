@@ -5,12 +5,12 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from ...errors import MissingFileError, ParameterError
-from ...friction.composition import composed
-from ...friction.forms import form_name
-from ...friction.law import FrictionLaw
-from ...friction.laws import DEFAULT, friction_law
-from ...model.names import one_of
+from ..errors import MissingFileError, ParameterError
+from ..friction.composition import composed
+from ..friction.forms import form_name
+from ..friction.law import FrictionLaw
+from ..friction.laws import DEFAULT, friction_law
+from ..model.names import one_of
 from .assemble import Tables, assemble
 from .known_keys import TABLES, example, tables_with
 from .law_file import take_law_file

@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from ...errors import ParameterError
-from ...model.load_point import Call
-from ...model.loading import Loading
-from ...model.parameters import parameter_to_si, quantity_of
-from ...model.quantities import QUANTITIES, remedy
-from ...model.units import to_si
-from ...records.reading.columns import Column, Table, requested_column
-from ...records.reading.open_table import open_table
-from ...records.reading.titles import plain_unit
+from ..errors import ParameterError
+from ..model.load_point import Call
+from ..model.loading import Loading
+from ..model.parameters import parameter_to_si, quantity_of
+from ..model.quantities import QUANTITIES
+from ..model.units import to_si
+from ..records.reading.columns import Column, Table, requested_column
+from ..records.reading.open_table import open_table
+from ..records.reading.titles import plain_unit
 from .known_keys import LIKE, LOADING_TABLES, SPEEDS_LIKE, example, known_items
 from .problems import Place, Problem, message, refusal
 from .values import LONGEST, read_number, read_values, refuse_unusual
@@ -50,7 +50,7 @@ class LoadingTable:
     @property
     def final(self) -> int:
         """Index of the last call that sets a speed."""
-        return max(i for i, (_, call) in enumerate(self.calls) if _speed(call) in call.arguments)
+        return max(i for i, (_, call) in enumerate(self.calls) if "V_lp" in call.arguments)
 
     @property
     def last(self) -> tuple[Place, float | None]:
@@ -60,7 +60,7 @@ class LoadingTable:
             columns = self.record.calls[0].arguments if self.record else {"V_lp": [None]}
             return self.place.at(key), columns["V_lp"][-1]
         place, call = self.calls[self.final]
-        return (place if self.final else self.place).at("V_lp"), call.arguments[_speed(call)]
+        return (place if self.final else self.place).at("V_lp"), call.arguments["V_lp"]
 
     def build(self, V_last: Any, t_end: float | None) -> Loading | None:
         """Return the loading up to t_end [s]; None if it has problems, or needs an unknown end.
@@ -72,13 +72,13 @@ class LoadingTable:
         if not self.is_record:
             if V_last is not None:
                 place, call = calls[self.final]
-                arguments = call.arguments | {_speed(call): V_last}
+                arguments = call.arguments | {"V_lp": V_last}
                 calls[self.final] = place, Call(call.method, arguments)
             (place, first), *calls = calls
             # (a missing speed is noted elsewhere)
-            is_known &= first.arguments[_speed(first)] is not None
+            is_known &= first.arguments["V_lp"] is not None
             if first.method == "constant" and not is_known:
-                first = Call("constant", {"V": 1.0})  # for problems of the steps
+                first = Call("constant", {"V_lp": 1.0})  # for problems of the steps
             elif first.method == "sinusoid":
                 if t_end is None or not is_known:
                     return None
@@ -91,11 +91,6 @@ class LoadingTable:
             make = functools.partial(call.apply_to, loading)
             loading = place.noting(make) or loading
         return loading if is_known and len(self.place.problems) == before else None
-
-
-def _speed(call: Call) -> str:
-    """Return the name of a call's argument that is a speed."""
-    return "V_lp" if call.method == "sinusoid" else "V"
 
 
 def loading_table(
@@ -120,7 +115,7 @@ def loading_table(
         loading.record = _from_rows(given, place, area)
     else:
         V = _first_speed(given["V_lp"], place.at("V_lp")) if "V_lp" in given else None
-        loading.calls = [(place, Call("constant", {"V": V}))]
+        loading.calls = [(place, Call("constant", {"V_lp": V}))]
     for key in {"columns", "units"} & given.keys() if "file" not in given else ():
         place.at(key).add("loading.no_file", like=file)
     if "sigma" in given and "t" not in given:
@@ -167,12 +162,14 @@ def _steps(key: str, steps: Any, place: Place, area: dict[str, Any]) -> list[tup
             for beside in {"V_lp", "ramp"} & values.keys():
                 where.at(beside).add("steps.beside_hold", like=known.like)
         elif symbol not in values:
-            of_speed = message("steps.speed_wanted", wanted=remedy("V_lp"))
+            of_speed = message("steps.speed_wanted", wanted=QUANTITIES["V_lp"].remedy)
             where.missing(symbol, of_speed if symbol == "V_lp" else "")
         _divide_force(values, "sigma", where, area)
         if len(place.problems) == before:
-            names = {"t": "t", "V_lp": "V", "sigma": "sigma", kind: "duration"}
-            arguments = {name: values[key] for key, name in names.items() if key in values}
+            order = ("t", "V_lp", "sigma", kind)
+            arguments = {
+                "duration" if key == kind else key: values[key] for key in order if key in values
+            }
             method = f"sigma_{kind}" if symbol == "sigma" else kind
             calls.append((where, Call(method, arguments)))
     return calls
@@ -185,7 +182,7 @@ def _wave(key: str, table: Any, place: Place, area: dict[str, Any]) -> list[tupl
     if values is None:
         return []
     if "amplitude" not in values:
-        place.missing("amplitude", remedy(known.keys["amplitude"][0]))
+        place.missing("amplitude", QUANTITIES[known.keys["amplitude"][0]].remedy)
     if ("period" in values) == ("frequency" in values):
         twice = "period" in values
         place.at("period").add("periodic.two_periods" if twice else "periodic.no_period")

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from ...friction.law_formula import HASH_MARK
-from ...friction.laws import find_law_name, friction_law
-from ...model.user_laws import register
+from ..friction.law_formula import HASH_MARK
+from ..friction.laws import find_law_name, friction_law
+from ..model.user_laws import register
 from .known_keys import example, keys_of, tables_with
 from .problems import Place, Problem, message, refusal
 

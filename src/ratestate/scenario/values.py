@@ -9,15 +9,14 @@ Python API takes any: a wrong unit or exponent is reported before it costs minut
 import functools
 import math
 from collections.abc import Callable, Iterable
-from decimal import Decimal
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...model.names import one_of
-from ...model.parameters import logspace, quantity_of
-from ...model.quantities import KINDS, QUANTITIES, attrs, remedy
-from ...model.units import to_si
+from ..model.names import one_of
+from ..model.parameters import evenly_spaced, logspace, quantity_of
+from ..model.quantities import KINDS, QUANTITIES, attrs
+from ..model.units import to_si
 from .problems import Place, choice, refusal, shown
 
 #: largest number of values along one axis, of saved times, and of rows of a record
@@ -73,15 +72,15 @@ def number(symbol: str, value: Any, bound: str | None = None) -> float | str:
     bound : range in place of the quantity's own, as of `to_si`
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise refusal("value.no_number", given=value, wanted=remedy(symbol))
+        raise refusal("value.no_number", given=value, wanted=QUANTITIES[symbol].remedy)
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
-        raise refusal("value.too_long", given=value, wanted=remedy(symbol))
+        raise refusal("value.too_long", given=value, wanted=QUANTITIES[symbol].remedy)
     quantity = quantity_of(symbol, value)
     try:  # (an integer may have more digits than Python writes into a message)
         given = float(value) if isinstance(value, int) else value
         x = to_si(quantity, given, label=symbol, bound=bound)
     except ArithmeticError:
-        raise refusal("value.overflow", given=value, wanted=remedy(symbol)) from None
+        raise refusal("value.overflow", given=value, wanted=QUANTITIES[symbol].remedy) from None
     refuse_unusual(quantity, x, shown(value))
     return x if quantity == symbol else str(value)
 
@@ -93,7 +92,7 @@ def refuse_unusual(quantity: str, x: float, text: str) -> None:
     if x != 0.0 and not math.isinf(x) and not low <= abs(x) <= high:
         sizes = f"{low:g} to {high:g}" if low else f"up to {high:g}"
         sizes += "" if unit == "1" else f" {unit}"
-        raise refusal("value.unusual", x=text, sizes=sizes, wanted=remedy(quantity))
+        raise refusal("value.unusual", x=text, sizes=sizes, wanted=QUANTITIES[quantity].remedy)
 
 
 def read_number(symbol: str, value: Any, place: Place, bound: str | None = None) -> Any:
@@ -127,7 +126,7 @@ def _of_one_quantity(symbol: str, values: list[Any]) -> tuple[list[float], str]:
     quantity, *others = dict.fromkeys(quantity_of(symbol, value) for value in values)
     if others:
         first, other = (KINDS[QUANTITIES[name].unit][0] for name in (quantity, others[0]))
-        raise refusal("axis.quantities", first=first, other=other, wanted=remedy(symbol))
+        raise refusal("axis.quantities", first=first, other=other, wanted=QUANTITIES[symbol].remedy)
     return [x if isinstance(x, float) else to_si(quantity, x) for x in values], quantity
 
 
@@ -148,15 +147,7 @@ def _axis(symbol: str, table: dict[str, Any], place: Place, bound: str | None) -
     (first, last), quantity = shared
     if scale == "log":
         return Many(n, lambda: logspace(symbol, first, last, n).values, quantity)
-    return Many(n, functools.partial(_linspace, first, last, n), quantity)
-
-
-def _linspace(first: float, last: float, n: int) -> np.ndarray:
-    """Return n values, the inner ones rounded to 15 digits as by `ratestate.logspace`."""
-    # Exact until rounded, so that an axis through 0 contains 0.
-    start, stop, m = Decimal(repr(first)), Decimal(repr(last)), n - 1
-    between = ((start * (m - i) + stop * i) / m for i in range(1, m))
-    return np.array([first, *(float(f"{x:.15g}") for x in between), last])
+    return Many(n, functools.partial(evenly_spaced, first, last, n), quantity)
 
 
 def read_ends(
@@ -167,9 +158,9 @@ def read_ends(
     for key in ("from", "to"):
         x = read_number(symbol, table[key], place.at(key), bound) if key in table else None
         if key not in table:
-            place.missing(key, remedy(symbol))
+            place.missing(key, QUANTITIES[symbol].remedy)
         elif x is not None and math.isinf(to_si(quantity_of(symbol, x), x, bound="")):
-            place.at(key).add("axis.infinite_end", given=x, wanted=remedy(symbol))
+            place.at(key).add("axis.infinite_end", given=x, wanted=QUANTITIES[symbol].remedy)
             x = None
         ends.append(x)
     return ends

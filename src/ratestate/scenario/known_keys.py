@@ -8,16 +8,17 @@ import itertools
 from collections.abc import Iterator
 from typing import Any
 
-from ...engine.model import METHODS
-from ...files import NUMBERS, PICTURES
-from ...friction.forms import FORMS
-from ...friction.law import FrictionLaw
-from ...friction.law_formula import LOG
-from ...friction.laws import DEFAULT, LAWS, own_parameters
-from ...model.names import nearest, one_of
-from ...model.parameters import WHOLE_CONTACT
-from ...model.quantities import example as example_of
-from ...model.slider import SpringSlider
+from ..engine.model import METHODS
+from ..files import NUMBERS
+from ..files.place import PICTURES
+from ..friction.forms import FORMS
+from ..friction.law import FrictionLaw
+from ..friction.law_formula import LOG
+from ..friction.laws import DEFAULT, LAWS, own_parameters
+from ..model.names import nearest, one_of
+from ..model.parameters import WHOLE_CONTACT
+from ..model.quantities import QUANTITIES
+from ..model.slider import SpringSlider
 from .problems import Place
 from .scenario import FUNCTIONS
 from .values import InlineTable
@@ -139,7 +140,7 @@ def initial(law: FrictionLaw | None) -> InlineTable:
 
 def example(key: str, table: str = "") -> str:
     """Return a line that sets a known key, as an example; it may depend on the table."""
-    return f"{key} = {LIKE.get(f'{key} {table}') or LIKE.get(key) or example_of(key)}"
+    return f"{key} = {LIKE.get(f'{key} {table}') or LIKE.get(key) or QUANTITIES[key].example}"
 
 
 def known_items(

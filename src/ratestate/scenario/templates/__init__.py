@@ -48,7 +48,7 @@ def template(name: str) -> str:
         Any other name; the message lists them, and the one that was perhaps meant.
     """
     if name not in TEMPLATES:
-        from ..scenario.problems import choice  # which takes a second to import
+        from ..problems import choice  # which takes a second to import
 
         choice(name, TEMPLATES)
     own = LAW.get(name, DEFAULT)

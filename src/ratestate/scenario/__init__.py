@@ -54,25 +54,48 @@
 ``problems``, ``messages.toml`` how problems are reported, all together
 ``scenario``                    `Scenario`, also of a result; which functions one may call
 ``as_toml``, ``as_python``      a scenario written down, with numbers that are read back exactly
+``templates``                   scenario files to start from, and their data
 =============================== ================================================================
+
+Modules are imported when they are first used: the templates alone need none of the others.
 """
 
-from ..templates import TEMPLATES, template
-from .as_python import python
-from .as_toml import toml
-from .files import LARGEST, load, loads
-from .scenario import Output, Scenario, from_result, run
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "LARGEST",
-    "TEMPLATES",
-    "Output",
-    "Scenario",
-    "from_result",
-    "load",
-    "loads",
-    "python",
-    "run",
-    "template",
-    "toml",
-]
+if TYPE_CHECKING:
+    from .as_python import python as python
+    from .as_toml import toml as toml
+    from .files import load as load
+    from .files import loads as loads
+    from .scenario import Output as Output
+    from .scenario import Scenario as Scenario
+    from .scenario import from_result as from_result
+    from .scenario import run as run
+    from .templates import TEMPLATES as TEMPLATES
+    from .templates import template as template
+
+#: public name -> module that defines it
+_HOMES = {
+    "TEMPLATES": "templates",
+    "Output": "scenario",
+    "Scenario": "scenario",
+    "from_result": "scenario",
+    "load": "files",
+    "loads": "files",
+    "python": "as_python",
+    "run": "scenario",
+    "template": "templates",
+    "toml": "as_toml",
+}
+__all__ = [*_HOMES]  # noqa: PLE0604
+
+
+def __getattr__(name):
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+
+
+def __dir__():
+    return __all__

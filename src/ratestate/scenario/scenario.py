@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray
 
-from ...dynamics.continuation.branch import check_rtol, checked_family, continue_cycle
-from ...dynamics.cycles.limit_cycle import limit_cycle_call
-from ...dynamics.recipe import recorded_call
-from ...dynamics.simulation.settings import solver_settings
-from ...errors import ParameterError
-from ...model.slider import SpringSlider
-from ...model.units import is_array
-from ...sweeps.calls import FUNCTIONS as SWEPT
+from ..dynamics.continuation.branch import check_rtol, checked_family, continue_cycle
+from ..dynamics.cycles.limit_cycle import limit_cycle_call
+from ..dynamics.recipe import recorded_call
+from ..dynamics.simulation.settings import solver_settings
+from ..errors import ParameterError
+from ..model.slider import SpringSlider
+from ..model.units import is_array
+from ..sweeps.calls import FUNCTIONS as SWEPT
 
 #: for checks that do not depend on the slider
 ANY = SpringSlider(a=1, b=2, Dc=1, sigma=1, K=1, M=1)

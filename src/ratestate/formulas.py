@@ -1,7 +1,9 @@
-"""Rate-and-state friction in SI units (eqs 1-3).
+"""Closed forms, in SI units: friction, steady sliding and its stability, motion without mass.
 
 The functions take floats, NumPy arrays and named DataArrays.  Ranges are not checked: a value out
 of range gives inf or NaN, or ZeroDivisionError for floats.
+
+Friction (eqs 1-3):
 
     mu = mu0 + a ln(V/V0) + b ln(V0 theta/Dc)                               (eq. 1)
     d theta/dt = 1 - V theta/Dc                           aging law         (eq. 2)
@@ -13,9 +15,43 @@ doi:10.1029/JB088iB12p10359 (slip); equation numbers follow Im, Marone & Elswort
 
 import numpy as np
 
-from ..errors import ParameterError
-from .laws import friction_law, one_length_laws
-from .point import Point
+from .errors import ParameterError
+from .friction.laws import friction_law, one_length_laws
+from .friction.point import Point
+from .friction.quasi_static import (
+    excursion,
+    period,
+    runaway_step,
+    runaway_step_lower_bound,
+    runaway_step_upper_bound,
+)
+from .friction.stability import K_c, K_c_of_any_law, K_c_qs, V_c, eigenvalues, eta, f_n, omega_c
+
+__all__ = [
+    "K_c",
+    "K_c_of_any_law",
+    "K_c_qs",
+    "V_c",
+    "dtheta_dt",
+    "dtheta_dt_partials",
+    "eigenvalues",
+    "eta",
+    "excursion",
+    "f_n",
+    "friction",
+    "friction_partials",
+    "mu_ss",
+    "omega_c",
+    "period",
+    "runaway_step",
+    "runaway_step_lower_bound",
+    "runaway_step_upper_bound",
+    "theta_ss",
+]
+
+
+def __dir__():
+    return __all__
 
 
 def friction(V, theta, *, a, b, mu0, V0, Dc):

@@ -5,15 +5,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...dynamics.continuation.branch import checked_family
-from ...dynamics.simulation.settings import check_normal_stress, saved_times
-from ...model.arrays import Batch
-from ...model.initial_state import initial_state, initial_values
-from ...model.loading import Loading
-from ...model.parameters import OTHER_QUANTITIES, parameter_to_si
-from ...model.quantities import remedy
-from ...model.slider import SpringSlider
-from ...model.units import is_array
+from ..dynamics.continuation.branch import checked_family
+from ..dynamics.simulation.settings import check_normal_stress, saved_times
+from ..model.arrays import Batch
+from ..model.initial_state import initial_state, initial_values
+from ..model.loading import Loading
+from ..model.parameters import OTHER_QUANTITIES, parameter_to_si
+from ..model.quantities import QUANTITIES
+from ..model.slider import SpringSlider
+from ..model.units import is_array
 from .known_keys import NEEDED, example, parameter_keys
 from .loading_table import LoadingTable
 from .problems import Place, Problem
@@ -65,7 +65,7 @@ def assemble(tables: Tables) -> Scenario | None:
         settings.pop("frequency", None)
         V_last = settings.pop("V_lp", None)
         if "t_end" not in settings:
-            tables.place("t_end").add("key.missing", wanted=remedy("t_end"))
+            tables.place("t_end").add("key.missing", wanted=QUANTITIES["t_end"].remedy)
         loading = tables.loading.build(V_last, settings.get("t_end"))
         _check_run(slider, settings, loading, tables)
         settings = {"loading": loading} | settings
@@ -133,7 +133,9 @@ def _last_speed(tables: Tables) -> Any:
     if "V_lp" in swept:
         place, last = tables.place("V_lp"), swept["V_lp"]
     if last is not None and not np.all(np.greater(last, 0.0)):
-        place.add("loading.at_rest", function=tables.sweep.function, wanted=remedy("V_lp"))
+        place.add(
+            "loading.at_rest", function=tables.sweep.function, wanted=QUANTITIES["V_lp"].remedy
+        )
     return last
 
 
@@ -157,7 +159,7 @@ def _check_run(
     if loading is None or slider is None or t_end is None:
         return
     if "V_start" not in values and not np.all(np.greater(loading.V_first, 0.0)):
-        place("V_start").add("run.no_start", wanted=remedy("V_start"))
+        place("V_start").add("run.no_start", wanted=QUANTITIES["V_start"].remedy)
     if np.isinf(slider.K).any() and rests(loading, float(np.max(t_end))):
         tables.table("slider").at("K").add("run.rigid_rest")
 

@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...dynamics.continuation.family import PARAMETERS
-from ...friction.composition import EXTRAS
-from ...friction.law import FrictionLaw
-from ...friction.law_formula import HASH_MARK
-from ...friction.laws import find_law_name
-from ...model.names import one_of
-from ...model.parameters import WHOLE_CONTACT
-from ...model.quantities import QUANTITIES
+from ..dynamics.continuation.family import PARAMETERS
+from ..friction.composition import EXTRAS
+from ..friction.law import FrictionLaw
+from ..friction.law_formula import HASH_MARK
+from ..friction.laws import find_law_name
+from ..model.names import one_of
+from ..model.parameters import WHOLE_CONTACT
+from ..model.quantities import QUANTITIES
 from .known_keys import (
     ENDINGS,
     SETTINGS,
