@@ -28,7 +28,7 @@ from ..unknowns import MACHINE_PARAMETERS, to_coordinate, to_value
 from . import FAILED, FITTED, NORMAL_STRESS, STICK_SLIP
 from .shared import estimates_of, mean_of, shared_fit
 from .step_table import dataset_of_steps
-from .windows import StepWindow, stick_slip_in, stick_slip_slides, windows_of
+from .windows import StepWindow, stick_slip_in, stick_slip_segments, windows_of
 
 #: most samples that are fitted in a window; ten times as many resolve a step no better
 MOST = 20_000
@@ -116,16 +116,16 @@ def fit_experiment(data, settings):
 def steps_of(data, settings):
     """Return, for each window of a record, its `Step` under each law (lists), not yet fitted."""
     windows = windows_of(data)
-    slides = stick_slip_slides(data, settings.sliders[0].sigma)
-    windows = [_steps_of(window, data, settings, slides) for window in windows]
+    segments = stick_slip_segments(data, settings.sliders[0].sigma)
+    windows = [_steps_of(window, data, settings, segments) for window in windows]
     if all(steps[0].status == STICK_SLIP for steps in windows):
-        slide = stick_slip_in(windows[-1][0].window, slides)
-        count = {"count": len(windows), "events": slide.events}
-        raise sentences.refusal("per_step.all_stick_slip", V_lp=slide.V, **count)
+        segment = stick_slip_in(windows[-1][0].window, segments)
+        count = {"count": len(windows), "events": segment.events}
+        raise sentences.refusal("per_step.all_stick_slip", V_lp=segment.V, **count)
     return windows
 
 
-def _steps_of(window, data, settings, slides):
+def _steps_of(window, data, settings, segments):
     """Return the `Step`s of a window; a window of more than `MOST` rows is averaged.
 
     Alpha alone is free at a step of normal stress; all other free parameters at other steps.
@@ -140,9 +140,9 @@ def _steps_of(window, data, settings, slides):
         changed = {"sigma": float(part["sigma"].median())}
     sliders = [slider.replace(**changed) for slider in settings.sliders]
     status, message = FAILED, ""
-    if slide := stick_slip_in(window, slides):
+    if segment := stick_slip_in(window, segments):
         status = STICK_SLIP
-        message = sentences("per_step.stick_slip", events=slide.events, V_lp=slide.V)
+        message = sentences("per_step.stick_slip", events=segment.events, V_lp=segment.V)
     of_laws = [settings._replace(free=free, sliders=[slider]) for slider in sliders]
     return [Step(window, part, max(rows, 1), one, status, message) for one in of_laws]
 
