@@ -336,6 +336,11 @@ def test_a_posterior_needs_dynesty(good, monkeypatch, per_step):
         rs.fit(good, SLIDER, ("a",), errors="posterior", per_step=per_step)
 
 
+def test_a_fit_without_a_slider_says_how_it_is_called(good):
+    with pytest.raises(ParameterError, match=r"fit needs slider too\. Call fit\(data, slider\); "):
+        rs.fit(good, law="slip")
+
+
 def test_an_unknown_kind_of_errors_is_refused(good):
     with pytest.raises(ParameterError, match="errors = 'bayes' is unknown"):
         rs.fit(good, SLIDER, errors="bayes")
