@@ -71,7 +71,7 @@ def keywords_checked(function):
         check_keywords(function.__name__, keywords, names)
         given = {*[*names][: len(args)], *keywords}
         if missing := [name for name in required if name not in given]:
-            values = {"missing": " and ".join(missing), "required": ", ".join(required)}
+            values = {"missing": ", ".join(missing), "required": ", ".join(required)}
             raise refusal("call.missing", function=function.__name__, **values)
         return function(*args, **keywords)
 
