@@ -5,6 +5,7 @@ determine alpha, while the law's other parameters are held at the estimates from
 """
 
 import itertools
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ import xarray
 from scipy.linalg import block_diag
 
 from ....dynamics.progress import bar
-from ....errors import RateStateError
+from ....errors import FitWarning, RateStateError
 from ...kit.least_squares import single_blas
 from ...kit.processes import mapped
 from ...load_point.stress_steps import VARIABLE, stress_range
@@ -45,6 +46,7 @@ class Step(NamedTuple):
     settings: Settings  # with one slider, from which the search begins
     status: int = FAILED
     message: str = ""  # why there is no fit
+    no_posterior: str = ""  # why the intervals are not from a requested posterior
     result: Any = None  # Dataset of `dataset_of`
     solution: Any = None  # `Solution`
     inflation: Any = None  # `Inflation` of the coordinates in `shared`
@@ -106,6 +108,11 @@ def fit_experiment(data, settings):
         fitted.append(fit_stress_step(step, by_law[step.law], shared[step.law]))
     fitted = sorted([*itertools.chain(*unstable), *fitted], key=lambda step: step.window.t)
     by_law = {law: [step for step in fitted if step.law == law] for law in settings.laws}
+    for law, steps in by_law.items():
+        for i, step in enumerate(steps, 1):
+            if step.no_posterior and step.status == FITTED:
+                text = f"step {i}, {law} law: {step.no_posterior}"
+                warnings.warn(text, FitWarning, stacklevel=4)  # (past `fit` and its check)
     if not any(step.status == FITTED for step in fitted):
         steps = by_law[settings.laws[0]]
         message = next(step.message for step in steps if step.status == FAILED)
@@ -206,11 +213,12 @@ def fit_window(steps, adjust=lambda inference: inference):
             pairs = zip(steps, map(adjust, inferences), strict=True)
             return [step.with_fit(inference) for step, inference in pairs]
     except RateStateError as error:
-        if len(steps) == 1:
+        if settings.errors != "posterior":
             return [steps[0]._replace(message=str(error))]
+        reason = sentences("per_step.no_posterior", reason=error)
     alone = settings._replace(errors="auto")  # a posterior needs the prior of all laws
     steps = [step._replace(settings=alone._replace(sliders=[step.slider])) for step in steps]
-    return [fit_window([step], adjust)[0] for step in steps]
+    return [fit_window([step], adjust)[0]._replace(no_posterior=reason) for step in steps]
 
 
 def fit_stress_step(step, others, shared):
