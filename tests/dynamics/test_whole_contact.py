@@ -1,5 +1,7 @@
 """Forces, displacements and accelerations of a contact whose area is known."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -72,3 +74,31 @@ def test_the_area_is_part_of_what_made_a_result(cycle, tmp_path):
     assert 'area = "20 cm^2"' in toml(kept)
     assert 'area="20 cm^2"' in python(kept)
     assert loads(toml(kept)).slider == SLIDER
+
+
+def test_answers_are_in_the_units_of_the_whole_contact():
+    found = rs.stability(SLIDER, "3.2 mm/s")
+    report = str(rs.summary(found))
+    assert re.search(r"^K +1.8 MN/m +stiffness of the whole spring", report, re.MULTILINE)
+    assert re.search(r"^K +>= [\d.]+ MN/m", report, re.MULTILINE)  # what would make it stable
+    assert "Pa" not in report
+    assert re.search(r"^K_c +[\d.]+ MPa/m", str(rs.summary(found, {"K_c": "MPa/m"})), re.MULTILINE)
+    verdict = rs.verdict(SLIDER, "3.2 mm/s")
+    assert verdict.text.count("MN/m") == 3  # K, K_c and K_c_qs
+    page = rs.plot.figure(found)
+    assert page.axes[0].get_ylabel() == "$K$ [MN/m]"
+    assert r"$\sigma$ = 4 kN, $M$ = 6 kg, $K$ = 1.8 MN/m" in page.get_suptitle()
+
+
+def test_axes_of_a_sweep_are_in_the_units_of_the_whole_contact():
+    """The places of the cases and of the line K = K_c keep their proportions."""
+    slider = SLIDER.replace(sigma=rs.logspace("sigma", "1 MPa", "4 MPa", 7))
+    found = rs.stability(slider, rs.logspace("V_lp", "1 mm/s", "10 mm/s", 7))
+    assert "over sigma (7 from 2 kN to 8 kN)" in str(rs.summary(found))
+    page = rs.plot.figure(found)
+    assert page.axes[0].get_ylabel() == r"Normal force $\sigma$ [kN]"
+    low, high = page.axes[0].get_ylim()
+    assert low * high == pytest.approx(16.0, rel=1e-6)  # they are 1.9 and 8.5 kN
+    assert "[MN/m]" in " ".join(ax.get_xlabel() for ax in page.axes)
+    few = rs.plot.figure(rs.stability(SLIDER.replace(K=rs.logspace("K", 9e8, 4e9, 3)), "3 mm/s"))
+    assert few.axes[-1].get_xlabel() == "Stiffness of the whole spring $K$ [MN/m]"

@@ -363,6 +363,6 @@ def test_a_long_time_is_reported_once(seconds, reported, cache_folder, monkeypat
     for _ in range(3):
         for name in ("one", "other"):
             machine_code.make_and_cache(name, lambda: b"code")
-        machine_code.report_time()
-    message = f"ratestate: compiled the solver for this machine in {reported} s, and kept it\n"
+        machine_code.report_time("slip law")
+    message = f"ratestate: compiled the solver for the slip law in {reported} s, and kept it\n"
     assert capfd.readouterr().err == (message if reported else "")

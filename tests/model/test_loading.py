@@ -447,3 +447,12 @@ def test_the_rows_of_a_record_are_kept_in_si():
         "V_lp": [1e-6, 2e-6],
         "sigma": [2e6, 2.1e6],
     }
+
+
+@pytest.mark.parametrize("speed", [1e-6, xr.DataArray([1e-6, 2e-6], dims="case")])
+def test_a_history_in_shorter_segments_has_the_same_values(speed):
+    pull = Loading.constant(speed).ramp(1.0, "8 um/s", 3.0).hold(6.0, 2.0)
+    refined = pull.speed.refined(np.union1d(pull.t, [0.5, 2.0, 3.0, 7.0, 9.0]))
+    assert refined.t.size == 10
+    t = np.linspace(0.0, 10.0, 41)
+    np.testing.assert_allclose(refined.at(t), pull.speed.at(t), rtol=1e-14, atol=1e-20)

@@ -97,7 +97,7 @@ def test_each_step_has_its_curves_above_their_residuals(result, page):
             expected = 1e3 * (one.friction - one.friction_fit.sel(law=law))
             np.testing.assert_allclose(line.get_ydata(), expected)
             assert line.get_color() == LAWS[law].color
-    curves = [ax for ax in page.axes if ax.get_title().startswith("1  3")]
+    curves = [ax for ax in page.axes if ax.get_title().startswith("step 1: 3")]
     _, first, second, *_ = curves[0].lines
     assert first.get_linewidth() > 1.5 * second.get_linewidth()
     assert (first.get_linestyle(), second.get_linestyle()) == ("-", "--")

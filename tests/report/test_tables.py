@@ -182,7 +182,7 @@ def test_an_unstable_slider_s_report_says_what_makes_it_stable():
     remedies = lines[lines.index("Each alone makes it stable at 1.1 V_lp = 11 mm/s") :]
     found = rs.stabilize(brake, 0.01)
     for row, name in zip(remedies[3:], ("K", "M", "damping"), strict=True):
-        assert row.split()[0] == {"K": "stiffness", "M": "mass", "damping": "dashpot"}[name]
+        assert row.split()[0] == name
         scale = {"K": 1e-6, "M": 1.0, "damping": 1.0}[name] * 2e-3  # MN/m, kg, N s/m
         assert f" {float(found[f'{name}_stable']) * scale:.4g} " in row
     assert "Each alone" not in str(rs.summary(rs.stability(brake.replace(b=0.002), 0.01)))

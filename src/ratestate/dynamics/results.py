@@ -13,6 +13,7 @@ from ..friction.composition import composed
 from ..friction.forms import form_name
 from ..friction.laws import friction_law, law_name
 from ..model.conversion import in_si
+from ..model.parameters import force
 from ..model.quantities import QUANTITIES, attrs
 from ..model.slider import OPTIONAL, PARAMETERS, SpringSlider
 from ..model.units import is_array, to_si
@@ -188,9 +189,10 @@ def domain_variables(law, batch, mu_min, reversal_margin):
     return variables
 
 
-def force(stress, area):
-    """Return the force [N] of a stress [Pa] on an area [m^2]."""
-    return stress * area
+def contact_area(result):
+    """Return the area of the contact [m^2]; None if it is not known, or not one number."""
+    area = parameter(result, "area") if "area" in slider_parameters(result) else None
+    return None if is_array(area) else area
 
 
 def whole_contact(result):

@@ -9,6 +9,7 @@ import numpy as np
 from ..engine.model import STEADY_SLIDING
 from ..errors import NotConverged, QuasiStaticInstability, SolverError
 from ..model.conversion import in_si
+from ..model.parameters import force, of_contact
 from ..model.quantities import QUANTITIES, readable
 from ..model.slider import SpringSlider, check_slider
 from ..model.units import is_array, to_si
@@ -16,7 +17,6 @@ from .continuation.coexistence import folds
 from .cycles.limit_cycle import limit_cycle
 from .cycles.regimes import UNKNOWN, regimes_of
 from .refusals import refusal
-from .results import force
 from .steady_sliding import stability_call
 from .verdict_sentences import CONDITIONAL, RUNAWAY, of_steady_sliding, on_edge, sentences
 
@@ -98,7 +98,7 @@ class Verdict:
         """Return the sentences and a table of the numbers, as a notebook shows them."""
         values = {name: getattr(self, name) for name in self.__dataclass_fields__}
         rows = "".join(
-            f"<tr><td>{name}</td><td>{readable(name, x)}</td>"
+            f"<tr><td>{name}</td><td>{readable(*of_contact(name, x, self.slider.area))}</td>"
             f"<td style='text-align: left'>{QUANTITIES[name].long_name}</td></tr>"
             for name, x in values.items()
             if name in QUANTITIES and isinstance(x, float)

@@ -7,6 +7,7 @@ import numpy as np
 from ..friction.quasi_static import runaway_step_lower_bound
 from ..friction.stability import EDGE_WIDTH
 from ..model.names import Sentences
+from ..model.parameters import of_contact
 from ..model.quantities import readable, readable_multiplier, readable_time
 from .cycles.regimes import HARMONIC, STEADY, UNKNOWN
 from .results import outside_domain
@@ -18,7 +19,17 @@ RUNAWAY, CONDITIONAL = "runaway", "conditionally stable"
 # distance of K from K_c_qs.
 NEGLIGIBLE_ETA, NEGLIGIBLE_PART = 1e-4, 0.01
 
-sentence = Sentences(Path(__file__).with_suffix(".toml"))
+_sentence = Sentences(Path(__file__).with_suffix(".toml"))
+
+
+def sentence(name, v, **values):
+    """Return a sentence with values of a `Verdict`, stiffnesses as texts, and others."""
+    stiffnesses = {"K": v.slider.K, "K_c": v.K_c, "K_c_qs": v.K_c_qs, "K_fold": v.K_fold}
+    for symbol, K in stiffnesses.items():
+        if K is not None:
+            quantity, shown = of_contact("K", K, v.slider.area)
+            values[symbol] = readable(quantity, shown, 5 if symbol == "K_fold" else 4)
+    return _sentence(name, v=v, **values)
 
 
 def sentences(v, reason):
@@ -47,7 +58,7 @@ def _motion(v, reason):
         return _unknown(v, reason)
     name, values = v.regime, {}
     if v.regime == CONDITIONAL:
-        values["safe_step"] = _safe_step(v.slider)
+        values["safe_step"] = _safe_step(v)
     elif v.regime == RUNAWAY and v.on_edge:
         name = "runaway_on_edge"
     elif v.regime == HARMONIC:
@@ -56,17 +67,17 @@ def _motion(v, reason):
     elif v.period is not None:
         values["period"] = readable_time(v.period, both=True)
     force = v.force_amplitude
-    values["force"] = "" if force is None else sentence("motion.force", force=force)
-    return sentence(f"motion.{name}", v=v, **values)
+    values["force"] = "" if force is None else sentence("motion.force", v, force=force)
+    return sentence(f"motion.{name}", v, **values)
 
 
-def _safe_step(slider):
+def _safe_step(v):
     """Describe steps that do not run away, under the slip law of eqs 1 and 3 only."""
-    if slider.friction_law.name != "slip":
+    if v.slider.friction_law.name != "slip":
         return ""
-    parameters = {name: slider.values[name] for name in ("a", "b", "Dc", "sigma", "K")}
+    parameters = {name: v.slider.values[name] for name in ("a", "b", "Dc", "sigma", "K")}
     largest = np.floor(100 * runaway_step_lower_bound(**parameters)) / 100
-    return sentence("motion.safe_step", largest=largest)
+    return sentence("motion.safe_step", v, largest=largest)
 
 
 def _unknown(v, reason):
@@ -78,14 +89,14 @@ def _unknown(v, reason):
         name = "massless_on_edge" if v.on_edge else "massless"
     else:
         name = "failed" if reason else "no_cycle"
-    return sentence(f"unknown.{name}", v=v, reason=ended)
+    return sentence(f"unknown.{name}", v, reason=ended)
 
 
 def _doubling(v):
     """Say after how many maxima of the stress the cycle repeats, if more than one."""
     if v.returns is None or v.returns < 2:
         return ""
-    return sentence("motion.doubled", v=v, period=readable_time(v.period, both=True))
+    return sentence("motion.doubled", v, period=readable_time(v.period, both=True))
 
 
 def _outside_domain(v):
@@ -93,32 +104,32 @@ def _outside_domain(v):
     if v.mu_min is None or outside_domain(v.slider.friction_law, v.mu_min, v.reversal_margin) <= 0:
         return ""
     negative = [name for name in ("mu_min", "reversal_margin") if getattr(v, name) < 0.0]
-    reasons = ", and ".join(sentence(f"outside_domain.{name}", v=v) for name in negative)
-    return reasons and sentence("outside_domain.whole", reasons=reasons)
+    reasons = ", and ".join(sentence(f"outside_domain.{name}", v) for name in negative)
+    return reasons and sentence("outside_domain.whole", v, reasons=reasons)
 
 
 def _stability(v):
     """Say whether steady sliding is stable, and at which speeds."""
     K = v.slider.K
     if np.isinf(K):
-        return sentence("stability.rigid")
+        return sentence("stability.rigid", v)
     if v.K_c <= 0.0:
         name = "strengthening" if v.slider.friction_law.one_length else "at_any_stiffness"
-        return sentence(f"stability.{name}", v=v)
+        return sentence(f"stability.{name}", v)
     if v.on_edge:
-        return sentence("stability.on_edge", v=v)
+        return sentence("stability.on_edge", v)
     if v.V_c == 0.0 or np.isinf(v.V_c):
         name = "never" if v.V_c == 0.0 else "always"
     else:
         name = "below" if v.stable else "above"
-    speeds = sentence(f"stability.{name}", v=v, side="<" if v.K_c_qs > K else "<=")
+    speeds = sentence(f"stability.{name}", v, side="<" if v.K_c_qs > K else "<=")
     stable = "stable" if v.stable else "unstable"
     values = {"compared": _compared(K / v.K_c), "stable": stable, "speeds": speeds}
     if v.V_c_upper < np.inf:
         beyond = v.V_lp > v.V_c_upper and not v.stable
         values["again"] = ", and again at this speed" if beyond else ""
-        values["speeds"] = sentence(f"stability.{'between' if v.V_c else 'below_upper'}", v=v)
-    return sentence("stability.whole" if v.V_c_upper == np.inf else "stability.only", v=v, **values)
+        values["speeds"] = sentence(f"stability.{'between' if v.V_c else 'below_upper'}", v)
+    return sentence("stability.whole" if v.V_c_upper == np.inf else "stability.only", v, **values)
 
 
 def _inertia(v):
@@ -129,7 +140,7 @@ def _inertia(v):
     if v.regime == HARMONIC:
         share = v.returns * v.frequency / v.f_n
         name = "natural" if f"{share:.3g}" == "1" else "vibration"
-        vibration = sentence(f"inertia.{name}", v=v, share=share)
+        vibration = sentence(f"inertia.{name}", v, share=share)
     away = abs(v.slider.K / v.K_c_qs - 1.0)
     rise = v.eta if v.slider.friction_law.one_length else v.K_c / v.K_c_qs - 1.0
     if rise < min(NEGLIGIBLE_ETA, NEGLIGIBLE_PART * away):
@@ -137,7 +148,7 @@ def _inertia(v):
     else:
         name = "small" if rise < 1.0 else "large"
     values = {"percent": 100 * rise, "factor": 1 + rise, "vibration": vibration}
-    return sentence(f"inertia.{name}", v=v, **values)
+    return sentence(f"inertia.{name}", v, **values)
 
 
 def _decay(v):
@@ -147,7 +158,7 @@ def _decay(v):
     if v.regime == STEADY and v.growth_rate < 0.0:
         name = "ringing" if v.omega > 0.0 else "monotonic"
         time = readable_time(-np.log(10.0) / v.growth_rate, both=True)
-        return sentence(f"decay.{name}", time=time, frequency=v.omega / (2 * np.pi))
+        return sentence(f"decay.{name}", v, time=time, frequency=v.omega / (2 * np.pi))
     if v.fade is None:
         return ""
     name = "within_a_cycle" if v.fade <= 1.0 else "in_cycles"
@@ -157,15 +168,15 @@ def _decay(v):
     )
     if multiplier.endswith("i"):  # it is complex
         multiplier += f", of size {abs(v.multiplier):.3g}"
-    return sentence(f"decay.{name}", v=v, time=time, multiplier=multiplier)
+    return sentence(f"decay.{name}", v, time=time, multiplier=multiplier)
 
 
 def _coexistence(v):
     """Name another motion that is stable as well."""
     if v.stable and v.multiplier is not None and not v.on_edge:
-        return sentence("coexistence.steady_sliding")
+        return sentence("coexistence.steady_sliding", v)
     if v.K_fold is not None and v.K_fold > v.slider.K:
-        return sentence("coexistence.cycle", v=v)
+        return sentence("coexistence.cycle", v)
     return ""
 
 

@@ -166,7 +166,7 @@ class _Worker:
         units, queue = units_of(law, kernel.units, width), np.ascontiguousarray(queue)
         lanes = width, int(taylor), s, queue, self.position, np.zeros(WORK_SIZE)
         self._program = Program(run_lanes, KernelRun(kernel, shape, units, *lanes, **fields))
-        machine_code.report_time()
+        machine_code.report_time(law.label)
 
     def run_sweeps(self, budget=BUDGET):
         """Run for `budget` sweeps over the lanes; return whether all cases are done."""

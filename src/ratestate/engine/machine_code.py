@@ -169,13 +169,13 @@ def make_and_cache(name, make):
     return code
 
 
-def report_time():
-    """Report, once in a process, how long it took to make code since the last call."""
+def report_time(law):
+    """Report, once in a process, how long it took to make a law's code since the last call."""
     seconds = sum(_seconds)
     _seconds.clear()
     if seconds >= REPORTED_SECONDS and not _reported:
         _reported.append(seconds)
-        report_once(f"compiled the solver for this machine in {seconds:.1f} s, and kept it")
+        report_once(f"compiled the solver for the {law} in {seconds:.1f} s, and kept it")
 
 
 def _cache(file, content):

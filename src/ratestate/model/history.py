@@ -128,6 +128,14 @@ class History:
         ordered = (values.transpose(..., "time", missing_dims="ignore") for values in selected)
         return [*ordered, times.copy(data=elapsed)]
 
+    def refined(self, t):
+        """Return the same history in segments that begin at t [s], which has all of its own."""
+        k, until = self.segments_at(t), self.until if np.isfinite(self.until) else t[-1]
+        columns = self.start[..., k], self.end[..., k], self.durations[k]
+        ends = (x - self.t[k] for x in (t, np.append(t[1:], until)))
+        start, end = (_on_line(*columns, elapsed) for elapsed in ends)
+        return dataclasses.replace(self, t=t, start=start, end=end)
+
     def at(self, t):
         """Return the values at times t [s], after a jump at t; shape as from `look_up`."""
         if any(map(is_array, (self.amplitude, self.period))):
@@ -135,7 +143,7 @@ class History:
         start, end, duration, elapsed = self.look_up(t, self.start, self.end, self.durations)
         phase = (as_times(t) if is_array(elapsed) else t) / self.period
         wave = self.amplitude * np.sin(2.0 * np.pi * (phase - np.round(phase)))
-        values = start + elapsed / duration * (end - start) + wave
+        values = _on_line(start, end, duration, elapsed) + wave
         if not is_array(values):
             return values
         return named(self.symbol, values.transpose(..., "time", missing_dims="ignore"))
@@ -190,6 +198,10 @@ class History:
         each = low.min([dim for dim in low.dims if dim != "segment"])
         k = int(each.values.argmin())
         return float(each[k]), float(begin[k]), float(until.isel(segment=k).max())
+
+
+def _on_line(start, end, duration, elapsed):
+    return start + elapsed / duration * (end - start)
 
 
 def _duration(t, duration, label):

@@ -62,12 +62,17 @@ def check_keywords(caller, given, names):
 
 
 def keywords_checked(function):
-    """Wrap a function: mistyped keywords raise ParameterError, not TypeError."""
+    """Wrap a function: mistyped and missing arguments raise ParameterError, not TypeError."""
     names = inspect.signature(function).parameters
+    required = [name for name, one in names.items() if one.default is one.empty]
 
     @functools.wraps(function)
     def checked(*args, **keywords):
         check_keywords(function.__name__, keywords, names)
+        given = {*[*names][: len(args)], *keywords}
+        if missing := [name for name in required if name not in given]:
+            values = {"missing": ", ".join(missing), "required": ", ".join(required)}
+            raise refusal("call.missing", function=function.__name__, **values)
         return function(*args, **keywords)
 
     return checked

@@ -33,6 +33,13 @@ WHOLE_CONTACT = {
     for name, (_, second) in others.items()
     if second == "area"
 }
+#: quantity per area -> the quantity of the whole contact as which it is shown
+OF_CONTACT = {
+    **{symbol: name for name, symbol in WHOLE_CONTACT.items()},
+    **dict.fromkeys(("K_c", "K_c_qs", "K_stable"), "stiffness"),
+    "M_stable": "mass",
+    "damping_stable": "dashpot",
+}
 #: largest number of values of an axis
 MAX_VALUES = 10_000_000
 
@@ -47,6 +54,28 @@ def quantity_of(symbol, value):
     if unit is None or has_unit(symbol, unit):
         return symbol
     return next((other for other in others if has_unit(other, unit)), symbol)
+
+
+def force(stress, area):
+    """Return the force [N] of a stress [Pa] on an area [m^2]."""
+    return stress * area
+
+
+def of_contact(symbol, value, area):
+    """Return quantity and value [SI] as they are shown: of the whole contact if its area is known.
+
+    This is the inverse of `parameter_to_si`.
+
+    area : [m^2], or None
+    """
+    name = OF_CONTACT.get(symbol)
+    return (symbol, value) if area is None or name is None else (name, value * area)
+
+
+def shown_name(symbol, area):
+    """Return the long name of a quantity as it is shown by `of_contact`."""
+    quantity, _ = of_contact(symbol, 1.0, area)
+    return QUANTITIES[quantity if WHOLE_CONTACT.get(quantity) == symbol else symbol].long_name
 
 
 def parameter_to_si(symbol, value, given, *, quantity=None, label=None):

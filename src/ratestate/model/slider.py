@@ -92,7 +92,7 @@ class SpringSlider:
     area : float, str or DataArray, optional
         Area of the contact [m^2], > 0.  The motion does not depend on it.  If it is given, sigma,
         K, M and damping may be values of the whole contact [N, N/m, kg, N s/m], and reports and
-        figures show forces.
+        figures show such values, and forces.
     **of_law : float, str or DataArray
         Parameters of the law or form of friction that are not listed here.  All are required: b2
         and Dc2 of "two-state-slip", for example, or V1 and V2 of "cut-off".

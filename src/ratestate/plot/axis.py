@@ -4,8 +4,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..dynamics.results import contact_area
+from ..model.parameters import OF_CONTACT
 from ..model.quantities import QUANTITIES
-from .labels import in_unit, label, name_and_symbol, prefixed
+from .labels import fitting_unit, in_unit, label, name_and_symbol
 from .layout import plain_ticks
 
 
@@ -58,23 +60,18 @@ def axis_of(result, dim):
     """
     size = result.sizes[dim]
     values = result[dim].values if dim in result.coords else np.arange(size)
-    name, unit = (
-        (name_and_symbol(dim), QUANTITIES[dim].unit) if dim in QUANTITIES else (str(dim), "1")
-    )
+    symbol = dim if dim in QUANTITIES else "number"
+    area = contact_area(result) if dim in OF_CONTACT else None
+    name = name_and_symbol(dim, area) if dim in QUANTITIES else str(dim)
     if values.dtype.kind not in "iuf":
         return Axis(np.arange(size), name, names=[str(value) for value in values])
-    factor, unit = prefix_of(values, unit)
+    factor, unit = fitting_unit(symbol, values, area)
     fitted = factor * values
     steps = np.diff(values) if np.isfinite(values).all() else np.array([np.nan])
     if not ((steps > 0).all() or (steps < 0).all()):
         return Axis(np.arange(size), name, unit, names=[f"{value:.4g}" for value in fitted])
     even = size > 2 and values.min() > 0.0 and _uneven(np.log(values)) < _uneven(values)
     return Axis(fitted, name, unit, bool(even))
-
-
-def prefix_of(values, unit):
-    """Factor from SI, and the unit's text, that fit the largest finite one of these values."""
-    return prefixed(unit, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
 
 
 def _uneven(values):

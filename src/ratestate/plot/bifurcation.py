@@ -3,12 +3,12 @@
 import numpy as np
 
 from ..dynamics.continuation.bifurcations import stable_pieces
-from ..dynamics.results import branch_parameter, parameter
+from ..dynamics.results import branch_parameter, contact_area, parameter
 from ..errors import ParameterError
 from ..friction.stability import K_c
 from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
-from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, in_unit, name_and_symbol, prefixed
+from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, fitting_unit, in_unit, name_and_symbol
 from .labels import label as symbol_text
 from .layout import figure, is_wide, letters, mark_outside, styled
 
@@ -71,8 +71,9 @@ def branch_page(data):
     title = f"Limit cycles along {symbol_text(symbol)}, {LAWS[parameter(data, 'law')].name}"
     fig = figure(data, 5.2, title=title)
     axes = fig.subplot_mosaic([["a", "a"], ["b", "c"]], height_ratios=[1.25, 1])
-    factor, unit = prefixed(QUANTITIES[symbol].unit, data[symbol].values.max(initial=0.0))
-    _diagram(data, axes["a"], factor, unit)
+    area = contact_area(data)
+    factor, unit = fitting_unit(symbol, data[symbol], area)
+    _diagram(data, axes["a"], factor, unit, area=area)
     x, V_lp = factor * data[symbol].values, parameter(data, "V_lp")
     stable = stable_pieces(data.special.values, data.stable.values)
     for name, color in (("V_max", RED), ("V_min", BLUE)):
@@ -90,7 +91,7 @@ def branch_page(data):
     return fig
 
 
-def _diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
+def _diagram(data, ax, factor, unit, color=BLUE, label="cycle", area=None):
     """Draw a `branch` over the parameter times a factor, which is in this unit."""
     if data.sizes["point"] < 2:
         raise ParameterError(
@@ -111,7 +112,7 @@ def _diagram(data, ax, factor, unit, color=BLUE, label="cycle"):
         if (here := special == kind).any():
             style = {"mfc": face, "mec": "k", "mew": 0.8, "ms": 4.5, "zorder": 5}
             ax.plot(x[here], amplitude[here], marker, ls="", label=_once(ax, name), **style)
-    _abscissa(ax, x, name_and_symbol(symbol), unit)
+    _abscissa(ax, x, name_and_symbol(symbol, area), unit)
     ax.set_ylabel(AMPLITUDE)
     ax.legend()
     return ax

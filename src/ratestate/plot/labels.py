@@ -3,8 +3,11 @@
 import re
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..friction.laws import LAWS as friction
 from ..model import quantities
+from ..model.parameters import of_contact, shown_name
 from ..model.quantities import QUANTITIES
 
 STRESS = r"$\tau/\sigma$"
@@ -120,6 +123,17 @@ def prefixed(unit, value):
     return 10.0**-power, "" if unit == "1" else text
 
 
+def fitting_unit(symbol, values, area=None):
+    """Factor from SI, and the unit's text, that fit the largest finite one of these values.
+
+    area : of the contact [m^2], if known: the unit is then of the whole contact
+    """
+    values = np.abs(np.asarray(values, float))
+    quantity, largest = of_contact(symbol, values[np.isfinite(values)].max(initial=0.0), area)
+    factor, unit = prefixed(QUANTITIES[quantity].unit, float(largest))
+    return of_contact(symbol, factor, area)[1], unit
+
+
 def scaled(symbol, largest):
     """What values of a quantity, up to this one [SI], are multiplied by, and the unit with that.
 
@@ -157,9 +171,12 @@ def _letters(symbol):
     return f"{letter}_{{{index}}}" if len(index) > 1 or index.isdigit() else symbol
 
 
-def name_and_symbol(symbol):
-    """A quantity by its name and symbol, for an axis; KeyError if it is not in `QUANTITIES`."""
-    return f"{QUANTITIES[symbol].long_name.capitalize()} {label(symbol)}"
+def name_and_symbol(symbol, area=None):
+    """A quantity by its name and symbol, for an axis; KeyError if it is not in `QUANTITIES`.
+
+    area : as for `fitting_unit`
+    """
+    return f"{shown_name(symbol, area).capitalize()} {label(symbol)}"
 
 
 def in_unit(text, unit):
@@ -167,7 +184,7 @@ def in_unit(text, unit):
     return f"{text} [{unit}]" if unit else text
 
 
-def value_text(symbol, value, unit_of=None):
+def value_text(symbol, value, unit_of=None, area=None):
     """Return a quantity as text: symbol, value and a unit that fits it, or fits `unit_of`.
 
     Parameters
@@ -178,20 +195,22 @@ def value_text(symbol, value, unit_of=None):
         Value in SI.
     unit_of : float, optional
         Value in SI whose unit is taken instead.
+    area : float, optional
+        Area of the contact [m^2].  The value is then shown as one of the whole contact.
 
     Returns
     -------
     str
         Such as ``$V_{lp}$ = 3.2 mm/s``; inf as the sign for it.
     """
-    return f"{label(symbol)} = {with_unit(symbol, value, unit_of)}"
+    return f"{label(symbol)} = {with_unit(symbol, value, unit_of, area)}"
 
 
-def with_unit(symbol, value, unit_of=None):
+def with_unit(symbol, value, unit_of=None, area=None):
     """A quantity's value and a unit that fits it, or fits `unit_of`, as text; the sign for inf."""
     if value == float("inf"):
         return r"$\infty$"
-    factor, unit = prefixed(QUANTITIES[symbol].unit, value if unit_of is None else unit_of)
+    factor, unit = fitting_unit(symbol, value if unit_of is None else unit_of, area)
     return f"{value * factor:.4g} {unit}".rstrip()
 
 

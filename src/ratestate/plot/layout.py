@@ -19,7 +19,7 @@ from matplotlib.ticker import (
     ScalarFormatter,
 )
 
-from ..dynamics.results import parameter, slider_parameters
+from ..dynamics.results import contact_area, parameter, slider_parameters
 from ..files import replace
 from ..model.slider import PARAMETERS
 from ..model.units import is_array
@@ -82,7 +82,8 @@ def figure(data, height, symbols=None, more="", title=None):
         no_numbers = (*PARAMETERS, "law", "friction_form", "area")
         symbols = " ".join([SLIDER, *(s for s in slider_parameters(data) if s not in no_numbers)])
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
-    listed = [value_text(symbol, x) for symbol, x in values.items() if not is_array(x)]
+    area = contact_area(data)
+    listed = [value_text(symbol, x, area=area) for symbol, x in values.items() if not is_array(x)]
     second = ", ".join(listed) + more
     return blank_figure(height, f"{title or data.attrs['title']}\n{second}")
 

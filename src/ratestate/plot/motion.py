@@ -1,10 +1,11 @@
 """Motions: stress against time, the phase plane, the amplitude of limit cycles along a sweep."""
 
-from ..dynamics.results import force, normal_stress, parameter, whole_contact
+from ..dynamics.results import normal_stress, parameter, whole_contact
 from ..dynamics.steady_sliding import steady_stress
 from ..errors import ParameterError
 from ..model.conversion import in_si
 from ..model.names import one_of
+from ..model.parameters import force
 from ..model.quantities import QUANTITIES
 from .labels import ABSCISSAE, AMPLITUDE, DASHED, RED, STRESS, prefixed
 from .layout import show_constant

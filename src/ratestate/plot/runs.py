@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 
 from ..dynamics.recipe import MANY, recorded_loading
-from ..dynamics.results import normal_stress, parameter, slider_parameters
+from ..dynamics.results import contact_area, normal_stress, parameter, slider_parameters
 from ..dynamics.steady_sliding import steady_stress
 from ..engine.model import FINISHED
 from ..errors import ParameterError
@@ -120,10 +120,10 @@ def _with_own_time(run):
     return run.assign_coords(time=run.t.variable).drop_vars("t") if "t" in run.coords else run
 
 
-def _named(symbol, value):
+def _named(symbol, value, run):
     if symbol in ("law", "friction_form"):
         return f"{value} {symbol}"
-    return value_text(symbol, value)
+    return value_text(symbol, value, area=contact_area(run))
 
 
 def _differences(runs):
@@ -137,8 +137,8 @@ def _differences(runs):
             float(run.V_load[-1]) if symbol == "V_lp" else parameter(run, symbol) for run in runs
         ]
         if len(set(values)) > 1:
-            for part, value in zip(parts, values, strict=True):
-                part.append(_named(symbol, value))
+            for part, value, run in zip(parts, values, runs, strict=True):
+                part.append(_named(symbol, value, run))
     names = [", ".join(part) for part in parts]
     return names if len(set(names)) == len(names) else [f"run {i + 1}" for i in range(len(names))]
 

@@ -7,8 +7,19 @@ import numpy as np
 import xarray
 
 from ..engine.model import FINISHED, STATUSES, STEADY_SLIDING
-from ..model.quantities import QUANTITIES, readable
-from .report import ANY_SPEED, Blocks, Heading, TextTable, Title, Units, left, place, value_text
+from ..model.quantities import QUANTITIES
+from .report import (
+    ANY_SPEED,
+    FEW_DIGITS,
+    Blocks,
+    Heading,
+    TextTable,
+    Title,
+    Units,
+    left,
+    place,
+    value_text,
+)
 
 #: failed cases listed, and places outside the domain of the friction law, at most
 FAILED_LISTED, OUTSIDE_LISTED = 20, 5
@@ -32,19 +43,20 @@ def axes_of(result: xarray.Dataset, function: str) -> list[str]:
 def sweep(result: xarray.Dataset, function: str, units: Units) -> Blocks:
     """Return axes, how cases ended, ranges of finite values, failed cases."""
     axes = axes_of(result, function)
-    over = ", ".join(_axis(result, dim) for dim in axes)
+    over = ", ".join(_axis(result, dim, units) for dim in axes)
     cases = int(np.prod([result.sizes[dim] for dim in axes]))
     blocks: Blocks = [Title(f"{cases:,} cases of {function} over {over}")]
     if "status" in result:
         blocks.append(_outcomes(result["status"].values, function))
-    blocks += [*outside_lines(result, "cases"), "", _ranges(result, function, units)]
-    return [*blocks, *failed_lines(result)] if "message" in result else blocks
+    blocks += [*outside_lines(result, "cases", units), "", _ranges(result, function, units)]
+    return [*blocks, *failed_lines(result, units)] if "message" in result else blocks
 
 
-def _axis(result: xarray.Dataset, dim: str) -> str:
+def _axis(result: xarray.Dataset, dim: str, units: Units) -> str:
     if dim not in result.coords or dim not in QUANTITIES:
         return f"{dim} ({result.sizes[dim]})"
-    low, high = (readable(dim, float(x)) for x in (result[dim].min(), result[dim].max()))
+    ends = (result[dim].min(), result[dim].max())
+    low, high = (value_text(dim, float(x), units, FEW_DIGITS) for x in ends)
     return f"{dim} ({result.sizes[dim]} from {low} to {high})"
 
 
@@ -79,20 +91,20 @@ def _value_and_place(values: xarray.DataArray, at: dict[Any, Any], units: Units)
     where = {dim: one[dim].item() if dim in one.coords else int(at[dim]) for dim in at}
     name, x = str(values.name), float(one)
     text = ANY_SPEED.get(x) if name == "V_c" else None
-    return text or value_text(name, x, units), place(where)
+    return text or value_text(name, x, units), place(where, units)
 
 
-def failed_lines(result: xarray.Dataset) -> list[str]:
+def failed_lines(result: xarray.Dataset, units: Units) -> list[str]:
     """Return a line for each of the first failed cases, and how many more there are."""
     from ..sweeps.status import failures
 
     first, number = failures(result, most=FAILED_LISTED)
-    lines = [f"  {place(where)}: {name}: {message}" for where, name, message in first]
+    lines = [f"  {place(where, units)}: {name}: {message}" for where, name, message in first]
     return lines + ([f"  and {number - len(first)} more"] if number > len(first) else [])
 
 
 def outside_lines(
-    result: xarray.Dataset, cases: str, axes: Sequence[str] | None = None
+    result: xarray.Dataset, cases: str, units: Units, axes: Sequence[str] | None = None
 ) -> list[str]:
     """Return how many cases leave the domain of the friction law, why, and where, if few.
 
@@ -120,18 +132,18 @@ def outside_lines(
         for axis, size in zip(axes, code.shape, strict=True)
     ]
     if len(axes) == 1:
-        places = _stretches(axes[0], values[0], outside)
+        places = _stretches(axes[0], values[0], outside, units)
     else:
         cells = zip(*(x[i] for x, i in zip(values, outside.nonzero(), strict=True)), strict=True)
-        places = [place(dict(zip(axes, cell, strict=True))) for cell in cells]
+        places = [place(dict(zip(axes, cell, strict=True)), units) for cell in cells]
     return [first, *(f"  {where}" for where in places if len(places) <= OUTSIDE_LISTED)]
 
 
-def _stretches(axis: str, values: np.ndarray, outside: np.ndarray) -> list[str]:
+def _stretches(axis: str, values: np.ndarray, outside: np.ndarray, units: Units) -> list[str]:
     """Return the first and last value of each stretch of cases that are outside."""
     edges = np.flatnonzero(np.diff(np.pad(outside.astype(int), 1)))
     texts = []
     for begin, end in edges.reshape(-1, 2):
-        first, last = (place({axis: values[i]}) for i in (begin, end - 1))
+        first, last = (place({axis: values[i]}, units) for i in (begin, end - 1))
         texts.append(first if first == last else f"{first} to {last.partition(' = ')[2]}")
     return texts

@@ -5,11 +5,14 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
+import xarray
 from rich import box
 from rich import table as rich_table
 from rich.console import Console, Group
 from rich.text import Text
 
+from ..dynamics.results import contact_area
+from ..model.parameters import of_contact, shown_name
 from ..model.quantities import (
     QUANTITIES,
     power_of,
@@ -29,8 +32,19 @@ DIGITS, FEW_DIGITS = 6, 4
 SMALL = 0.1
 #: values of V_c that stand for all speeds
 ANY_SPEED = {0.0: "unstable at any speed", math.inf: "stable at any speed"}
-#: symbol -> the unit in which its values are wanted
-Units = Mapping[str, str]
+
+
+class Units(NamedTuple):
+    """In which units values are shown."""
+
+    wanted: Mapping[str, str] = {}  # symbol -> the unit that is asked for
+    area: Any = None  # of the contact [m^2], if known: other values are of the whole contact
+
+
+def shown_units(result: xarray.Dataset, wanted: Mapping[str, str] | None = None) -> Units:
+    """Return the units for values of a result; wanted : symbol -> the unit that is asked for."""
+    recorded = {"scenario", "slider"} & result.attrs.keys()
+    return Units(wanted or {}, contact_area(result) if recorded else None)
 
 
 class Title(str):
@@ -193,7 +207,7 @@ def of_quantities(rows: list[Row], units: Units) -> TextTable:
         shown = [text or value_text(symbol, float(value), units)]
         if errors:
             shown.append("" if error is None else f"{error:.1g}")
-        name = QUANTITIES[symbol].long_name
+        name = shown_name(symbol, None if symbol in units.wanted else units.area)
         cells.append([symbol, *shown, f"{name}; {remark}" if remark else name])
     return TextTable(columns, cells)
 
@@ -209,11 +223,12 @@ def value_text(symbol: str, x: float, units: Units, digits: int = DIGITS) -> str
         return "-"
     if math.isinf(x) and not quantity.may_be_inf:
         return "none"  # a limit such as V_c without mass
-    if symbol in units and math.isfinite(x):
-        value = x / float(unit_factor(quantity.unit, units[symbol]))
-        return f"{value:.{digits}g} {units[symbol]}"
+    if symbol in units.wanted and math.isfinite(x):
+        unit = units.wanted[symbol]
+        return f"{x / float(unit_factor(quantity.unit, unit)):.{digits}g} {unit}"
     if quantity.unit == "s":
         return readable_time(x, digits)
+    symbol, x = of_contact(symbol, x, units.area)
     return readable(symbol, x, digits)
 
 
@@ -229,9 +244,9 @@ def scale_of(symbol: str, size: float, in_thousandths: bool = False) -> tuple[fl
     return 10.0**-power, prefixed_unit(unit, power)
 
 
-def place(where: Mapping[Any, Any]) -> str:
+def place(where: Mapping[Any, Any], units: Units) -> str:
     """Return a case's values along the axes, name -> value, as text with units."""
     return ", ".join(
-        f"{dim} = {readable(dim, float(x), DIGITS)}" if dim in QUANTITIES else f"{dim} = {x}"
+        f"{dim} = {value_text(dim, float(x), units)}" if dim in QUANTITIES else f"{dim} = {x}"
         for dim, x in where.items()
     )

@@ -37,8 +37,8 @@ from .report import (
 
 #: ratio to V_lp of the speed at which remedies make steady sliding stable
 MARGIN = 1.1
-#: what makes sliding stable -> its name for the whole contact, and the side of its bound
-REMEDIES = {"K": ("stiffness", ">="), "M": ("mass", "<="), "damping": ("dashpot", ">=")}
+#: what makes sliding stable -> the side of its bound
+REMEDIES = {"K": ">=", "M": "<=", "damping": ">="}
 #: variables in the table of special points
 OF_POINTS = ("amplitude", "period", "V_max")
 #: what oscillates -> the head of its gain
@@ -126,11 +126,11 @@ def stability(result: xarray.Dataset, units: Units) -> Blocks:
         change = "lowered" if K_c < K else "raised"
         remark = f"{hopf}, if K were {change} to K_c at this speed"
         rows.append(Row("omega_c", result.omega_c, remark))
-    title = f"Steady sliding at {readable('V_lp', V)} is {holds}"
+    title = f"Steady sliding at {value_text('V_lp', V, units, FEW_DIGITS)} is {holds}"
     blocks: Blocks = [Title(title), of_quantities(rows, units)]
     if holds == "unstable":
         heads = [left(), Heading("value"), *2 * [left()]]
-        speed = f"{MARGIN:g} V_lp = {readable('V_lp', MARGIN * V)}"
+        speed = f"{MARGIN:g} V_lp = {value_text('V_lp', MARGIN * V, units, FEW_DIGITS)}"
         blocks += ["", Title(f"Each alone makes it stable at {speed}")]
         blocks.append(TextTable(heads, remedies(result, units)))
     return blocks
@@ -143,20 +143,19 @@ def remedies(result: xarray.Dataset, units: Units) -> list[list[str]]:
     """
     known = {symbol: parameter(result, symbol) for symbol in slider_parameters(result)}
     found = stabilize(SpringSlider(**known), float(result.V_lp), MARGIN)
-    area = known.get("area")
     rows = []
-    for symbol, (of_contact, sign) in REMEDIES.items():
+    for symbol, sign in REMEDIES.items():
         x, V_c = float(found[f"{symbol}_stable"]), float(found[f"V_c_with_{symbol}"])
         if math.isnan(x):
             rows.append([symbol, "none", "", "no mass is small enough"])
             continue
-        name, value = (of_contact, x * float(area)) if area else (symbol, x)
+        bound = f"{sign} {value_text(symbol, x, units, FEW_DIGITS)}"
         speed = f"V_c = {value_text('V_c', V_c, units, FEW_DIGITS)}"
         if V_c in ANY_SPEED:
             speed = ANY_SPEED[V_c] if V_c else "but unstable at all lower speeds"
         ratio = float(found.damping_ratio_stable) if symbol == "damping" else math.nan
         remark = "" if math.isnan(ratio) else f"damping ratio {ratio:.3g}"
-        rows.append([name, f"{sign} {value_text(name, value, units, FEW_DIGITS)}", speed, remark])
+        rows.append([symbol, bound, speed, remark])
     return rows
 
 
@@ -172,7 +171,8 @@ def _in_hertz(omega: float) -> str:
 def cycle(result: xarray.Dataset, units: Units) -> Blocks:
     """The numbers of a limit cycle, with their error; of steady sliding, that there is none."""
     V = float(result.V_lp)
-    at = f"at V_lp = {readable('V_lp', V)}, {parameter(result, 'law')} law"
+    speed = value_text("V_lp", V, units, FEW_DIGITS)
+    at = f"at V_lp = {speed}, {parameter(result, 'law')} law"
     if int(result.status) == STEADY_SLIDING:
         title = Title(f"No cycle is reached {at}: steady sliding")
         return [title, of_quantities([Row("V_lp", V)], units)]
@@ -203,14 +203,15 @@ def branch(result: xarray.Dataset, units: Units) -> Blocks:
     stable = result.stable.values.astype(bool)
     cycles = result.isel(point=result.amplitude.values > 0.0)  # without Hopf points
     number = int(cycles.stable.sum())
-    low, high = (readable(symbol, float(x)) for x in (result[symbol].min(), result[symbol].max()))
+    ends = (result[symbol].min(), result[symbol].max())
+    low, high = (value_text(symbol, float(x), units, FEW_DIGITS) for x in ends)
     worst = float(result.error.max())
     title = (
         f"A branch of {cycles.sizes['point']} limit cycles, {symbol} from {low} to {high}, "
         f"{'all' if number == cycles.sizes['point'] else number} of them stable; "
         f"relative error up to {worst:.1g}"
     )
-    outside = outside_lines(cycles, "cycles", [symbol])
+    outside = outside_lines(cycles, "cycles", units, [symbol])
     return [Title(title), *outside, _special_points(result, symbol, stable, units)]
 
 

@@ -1,5 +1,7 @@
 """Reports on fits of steps and holds: a table for each law, sentences, and rows of CSV."""
 
+import re
+
 import numpy as np
 import xarray
 
@@ -25,23 +27,19 @@ from .report import Heading, TextTable, Title, left, scale_of
 
 #: heads of the first columns
 HEADS = [left("step"), left("time [s]", joined=True), left("change", joined=True)]
-#: remark on the notation of numbers in the table
-NOTATION = (
-    "In brackets: the standard error of the last digits. 9.19(18) is 9.19 +- 0.18. The signs < "
-    "and > stand before the closed end of a 95 % interval that is open on the other side. The row "
-    "all is the fit of one set of parameters to all steps and holds together, scatter the standard "
-    "deviation between steps beyond their errors, and up/down the mean over steps up divided by "
-    "the mean over steps down."
-)
+#: pattern of a cell -> what it means
+NOTATION = {
+    r".*\d\(": "In brackets: the standard error of the last digits. 9.19(18) is 9.19 +- 0.18.",
+    "< ": "The sign < stands before the upper end of a 95 % interval that is open below.",
+    "> ": "The sign > stands before the lower end of a 95 % interval that is open above.",
+    "all": "The row all is the fit of one set of parameters to all steps and holds together.",
+    "scatter": "The row scatter is the standard deviation between steps beyond their errors.",
+    "up/down": "The row up/down is the mean over steps up divided by the mean over steps down.",
+}
 #: significance level
 IMPROBABLE = 0.01
 #: least probability that is given as a number: farther tails are not Gaussian
 LEAST = 1e-6
-#: where all warnings are
-ALL_WARNINGS = (
-    "in the variable warnings of the result, and in report.md and steps.csv, which "
-    "ratestate fit --out writes"
-)
 #: text in place of an estimate
 NONE = "-"
 #: kind of step -> its singular and plural
@@ -59,10 +57,18 @@ TOGETHER, BLANK = ("all", "scatter", "up/down"), ("", "", "")
 
 def blocks(result):
     """Return title, a table for each law, and sentences."""
+    tables = {law: table_of(result, law) for law in results_by_law(result)}
     found = [heading_of_steps(result)]
-    for law in results_by_law(result):
-        found += [Title(f"{law} law"), table_of(result, law), ""]
-    return [*found, NOTATION, *remarks_on_steps(result)]
+    for law, table in tables.items():
+        found += [Title(f"{law} law"), table, ""]
+    return [*found, *filter(None, [_notation(tables.values())]), *remarks_on_steps(result)]
+
+
+def _notation(tables):
+    """Return sentences on the notation that the tables use."""
+    cells = [cell for table in tables for row in table.rows for cell in row]
+    found = (text for mark, text in NOTATION.items() if any(re.match(mark, x) for x in cells))
+    return " ".join(found)
 
 
 def table_of(result, law):
@@ -174,23 +180,12 @@ def remarks_on_steps(result):
 
 
 def warnings_on_steps(result):
-    """Return the best law's warnings; for other laws, their number and place."""
-    texts, best = [], _best_law(result)
-    for law, part in results_by_law(result).items():
-        if law == best:
-            texts += _labelled(law, part)
-        elif counted := _counted(sum(len(x.splitlines()) for x in part["warnings"].values)):
-            texts.append(f"{law} law: {counted}, {ALL_WARNINGS}")
-    return texts
-
-
-def all_warnings(result):
     """Return the warnings under every law."""
-    return [text for law, part in results_by_law(result).items() for text in _labelled(law, part)]
-
-
-def _labelled(law, part):
-    return [f"{steps}, {law} law, warning: {text}" for steps, text in warnings_by_text(part)]
+    return [
+        f"{steps}, {law} law, warning: {text}"
+        for law, part in results_by_law(result).items()
+        for steps, text in warnings_by_text(part)
+    ]
 
 
 def warnings_by_text(part):
@@ -202,14 +197,6 @@ def warnings_by_text(part):
     return [
         (f"step{'s' if len(of) > 1 else ''} {', '.join(of)}", text) for text, of in steps.items()
     ]
-
-
-def _best_law(result):
-    """Return the law with the least AIC over all steps in which all laws are fitted."""
-    laws = [*results_by_law(result)]
-    if len(laws) == 1 or not bool(result["aic_difference"].notnull().any()):
-        return laws[0]
-    return laws[int(result["aic_difference"].sum("step").argmin("law"))]
 
 
 def _on_one_set(part):

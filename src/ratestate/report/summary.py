@@ -9,7 +9,7 @@ from ..errors import ParameterError
 from ..model.conversion import si_factor
 from ..model.names import nearest
 from ..model.quantities import QUANTITIES
-from .report import Report, Row, Title, of_quantities
+from .report import Report, Row, Title, of_quantities, shown_units
 
 
 def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> Report:
@@ -46,7 +46,6 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         raise ParameterError(
             f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
         )
-    units = _checked_units(units or {})
     name = attribute_text(result, "title").removeprefix("ratestate ")
     if name == "fit":
         from .fits import report_on_fit
@@ -54,12 +53,13 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         return report_on_fit(result)
     from . import cases, evaluations, single
 
+    shown = shown_units(result, _checked_units(units or {}))
     if name in evaluations.TABLES:
         return Report(evaluations.TABLES[name](result))
     if cases.axes_of(result, name):
-        return Report(cases.sweep(result, name, units))
+        return Report(cases.sweep(result, name, shown))
     if name in single.TABLES:
-        return Report(single.TABLES[name](result, units))
+        return Report(single.TABLES[name](result, shown))
     numbers = {key: one for key, one in result.data_vars.items() if key in QUANTITIES}
     rows = [Row(str(key), one) for key, one in numbers.items() if not one.dims]
     if not rows:
@@ -67,7 +67,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
             f"the title of the Dataset, {name!r}, does not name a result",
             "Give a Dataset as ratestate returns it.",
         )
-    return Report([Title(f"Result of {name}"), of_quantities(rows, units)])
+    return Report([Title(f"Result of {name}"), of_quantities(rows, shown)])
 
 
 def _checked_units(units: Mapping[str, str]) -> Mapping[str, str]:

@@ -18,6 +18,7 @@ from .loading_table import loading_table
 from .problems import Place, Problem, choice, message, refusal, report, written
 from .scenario import FUNCTIONS, Scenario
 from .tables import plain_table, sweep_table
+from .templates import TEMPLATES
 
 LARGEST = 10**7  # bytes
 DEEPEST = 50  # keys with dots between them: time and memory go with the square
@@ -169,12 +170,21 @@ def _bytes(path: Path) -> bytes:
         else:
             return path.read_bytes()
     except FileNotFoundError:
-        raise refusal("file.missing", MissingFileError, name=repr(str(path))[1:-1]) from None
+        name, wanted = repr(str(path))[1:-1], _likely_file(path)
+        raise refusal("file.missing", MissingFileError, name=name, wanted=wanted) from None
     except OSError as error:
         what = str(error.strerror)
     except ValueError:  # a null character in the path
         what = "no such name"
     raise refusal("file.unreadable", name=repr(str(path))[1:-1], what=what)
+
+
+def _likely_file(path: Path) -> str:
+    """Return the remedy for a missing file: the file that is probably meant, or how to make it."""
+    if (file := path.with_name(f"{path.name}.toml")).is_file():
+        return f"Did you mean {file}?"
+    kind = path.stem if path.stem in TEMPLATES else "lab"
+    return f"`ratestate init {kind}` writes a scenario file, {kind}.toml."
 
 
 def _line_of_deep_key(text: bytes) -> int:

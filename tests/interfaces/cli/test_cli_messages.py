@@ -61,3 +61,26 @@ def test_what_the_command_says_can_be_typed(tmp_path, head, words):
     option, value = words.split(" ", 1)
     again = call("fit", path, option, value.replace("'", ""))
     assert words not in again.stderr
+
+
+@pytest.mark.parametrize(
+    ("option", "meant"), [("--each", "--per-step"), ("--per-stp", "--per-step")]
+)
+def test_an_unknown_option_names_the_one_that_is_meant(option, meant):
+    said = call("fit", option, "record.txt")
+    assert said.exit_code == 2
+    assert f"No such option: {option} (Possible options: {meant})" in said.stderr
+
+
+def test_a_missing_scenario_file_names_the_file_or_the_template_that_is_meant(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    said = call("stability", "brake").stderr
+    assert said == (
+        "error: brake does not exist. `ratestate init brake` writes a scenario file, brake.toml.\n"
+    )
+    call("init", "brake")
+    assert call("stability", "brake").stderr == (
+        "error: brake does not exist. Did you mean brake.toml?\n"
+    )

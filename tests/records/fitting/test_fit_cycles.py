@@ -17,7 +17,7 @@ from ratestate.records.fitting.cycles import fit_cycles as fitting
 from ratestate.records.fitting.cycles import folding
 from ratestate.records.fitting.cycles.features import FEATURES
 from ratestate.records.fitting.cycles.fit_cycles import cycles_dataset, diagnose, fit_cycles
-from ratestate.records.fitting.cycles.folding import Stretch, cut_cycles, main_period, regular_cuts
+from ratestate.records.fitting.cycles.folding import Segment, cut_cycles, main_period, regular_cuts
 from ratestate.records.fitting.cycles.measured import corrected, measure
 from ratestate.records.fitting.cycles.problem import CyclesForward, CyclesProblem
 from ratestate.records.fitting.cycles.waves import GRID, CycleModel, limit_waves, wave_at
@@ -56,7 +56,7 @@ def segment(slider, V_lp, *, cycles=12, samples=60, noise=0.02, correlation=0.0,
     y = wave.mean() + (wave_at(wave)(phase) - wave.mean()) * size[phase.astype(int)]
     y += SampleNoise(noise * np.ptp(wave), correlation).draw(t.size, rng)
     y += odd.get("trend", 0.0) * np.ptp(wave) * (t / t[-1] - 0.5)
-    return Stretch(t * period, y, V_lp)
+    return Segment(t * period, y, V_lp)
 
 
 def record(*segments):
@@ -348,7 +348,7 @@ def test_sliders_that_cannot_be_fitted(change, free, words):
 def test_records_that_cannot_be_fitted():
     whole = segment(BRAKE, 3.2e-3)
     rng = np.random.default_rng(1)
-    few = Stretch(whole.t[:110], whole.y[:110], whole.V_lp)
+    few = Segment(whole.t[:110], whole.y[:110], whole.V_lp)
     noise = whole._replace(y=rng.standard_normal(whole.t.size))
     sparse = segment(BRAKE, 3.2e-3, cycles=40, samples=4)
     irregular = segment(BRAKE, 3.2e-3, cycles=25, jitter=0.45)
@@ -436,7 +436,7 @@ def test_cycles_left_out_are_counted(small, words):
     t = np.arange(900) / 100.0
     size = np.where(t < small + 0.2, 0.6, 1.0)  # tau falls through its middle at 0.2, 1.2, ...
     y = size * np.sin(2.0 * np.pi * (t - 0.7))
-    _, notes = regular_cuts(Stretch(t, y, 1e-5), 1.0)
+    _, notes = regular_cuts(Segment(t, y, 1e-5), 1.0)
     assert notes == (f"a transient, the {words} 10 um/s, is left out",)
 
 

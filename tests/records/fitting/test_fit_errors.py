@@ -17,6 +17,7 @@ from ratestate.records.fitting import posterior as sampling
 from ratestate.records.fitting.checks import search_warnings
 from ratestate.records.fitting.fit_dataset import with_comparison
 from ratestate.records.fitting.generalized_least_squares import (
+    Solution,
     least_squares_fit,
     root_of_covariance,
 )
@@ -44,7 +45,7 @@ from ratestate.records.fitting.quantities import (
 )
 from ratestate.records.fitting.samples import Samples, samples_of
 from ratestate.records.fitting.transients import _transients, transients_p_value
-from ratestate.records.fitting.unknowns import NEAR, Unknowns, start_names, unknowns_of
+from ratestate.records.fitting.unknowns import Unknowns, start_names, unknowns_of
 from ratestate.records.kit.noise import Noise
 from ratestate.records.raw_record import raw_record
 
@@ -334,6 +335,11 @@ def test_a_posterior_needs_dynesty(good, monkeypatch, per_step):
     monkeypatch.setattr(settings, "find_spec", lambda _: None)
     with pytest.raises(ParameterError, match=r"needs dynesty.*ratestate\[posterior\]"):
         rs.fit(good, SLIDER, ("a",), errors="posterior", per_step=per_step)
+
+
+def test_a_fit_without_a_slider_says_how_it_is_called(good):
+    with pytest.raises(ParameterError, match=r"fit needs slider too\. Call fit\(data, slider\); "):
+        rs.fit(good, law="slip")
 
 
 def test_an_unknown_kind_of_errors_is_refused(good):
@@ -670,13 +676,14 @@ def test_bounds_of_the_search():
 
 
 def test_sides_of_estimates_at_a_bound():
-    """A coordinate is at a bound within 1/1000 of its range, if the range is finite."""
-    names = ("below", "above", "low", "high", "open")
-    low, high = np.array([0.0, 0.0, 0.0, 0.0, 0.0]), np.array([10.0, 10.0, 10.0, 10.0, np.inf])
-    point = np.array([0.011, 9.989, 0.009, 9.991, 0.0])
-    sides = dict(zip(names, [0, 0, -1, 1, 0], strict=True))
-    unknowns = Unknowns(names, low, high)
-    assert unknowns.sides(point, NEAR * unknowns.ranges) == sides
+    """Within 1/1000 of the range, if it is finite, and 1/1000 of the standard error."""
+    names = ("below", "above", "low", "high", "certain", "open")
+    low, high = np.zeros(6), np.array([10.0, 10.0, 10.0, 10.0, 10.0, np.inf])
+    point = np.array([0.011, 9.989, 0.009, 9.991, 0.009, 0.0])
+    errors = np.array([100.0, 100.0, 100.0, 100.0, 1.0, 100.0])
+    solution = SimpleNamespace(unknowns=Unknowns(names, low, high), point=point, errors=errors)
+    sides = dict(zip(names, [0, 0, -1, 1, 0, 0], strict=True))
+    assert Solution.sides.fget(solution) == sides
 
 
 def test_warning_on_a_start_at_its_bound(good):

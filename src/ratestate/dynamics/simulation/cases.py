@@ -61,8 +61,9 @@ def engine_loads(batch, loading):
         table, rows = batch.rows(loading.V)
         return Loads(loading.t, table, batch.rows(loading.rate)[0]), rows
     t = np.union1d(loading.t, stress.t)
-    known = stress.with_sigma(batch.values["sigma"])
-    series = [*_speeds_at(loading, t), *_stresses_at(known, t)]
+    speed, known = loading.speed.refined(t), stress.with_sigma(batch.values["sigma"]).refined(t)
+    rate = loading.rate[..., loading.speed.segments_at(t)]
+    series = [np.maximum(speed.start, 0.0), rate, known.start, known.end]  # (rounding)
     if any(map(is_array, series)):  # then all get the same dimensions
         arrays = [as_column(column).drop_vars("segment", errors="ignore") for column in series]
         series = [array.transpose(..., "segment") for array in xarray.broadcast(*arrays)]
@@ -80,21 +81,6 @@ def comes_to_rest(loads, rows, t_end):
     stop = (loads.t - V / np.where(slows, rate, 1.0)) * (1.0 - 1e-15)  # (rounding)
     rest = np.where(slows & (stop < ends), stop, np.inf)
     return np.where(V > 0.0, rest, loads.t).min(axis=1)[rows] < t_end
-
-
-def _speeds_at(loading, t):
-    """Return speed and acceleration at the start of the segments that begin at t."""
-    k = loading.speed.segments_at(t)
-    V, rate = loading.V[..., k], loading.rate[..., k]
-    return np.maximum(V + rate * (t - loading.t[k]), 0.0), rate
-
-
-def _stresses_at(stress, t):
-    """Return normal stress without its sinusoid at both ends of the segments that begin at t."""
-    k = stress.segments_at(t)
-    start, end = stress.start[..., k], stress.end[..., k]
-    ends = t, np.append(t[1:], t[-1])  # (in the last segment it is constant)
-    return (start + (x - stress.t[k]) / stress.durations[k] * (end - start) for x in ends)
 
 
 def run_cases(method, law, cases, loads, save_times, which, progress=None):

@@ -24,7 +24,7 @@ from typing import Annotated
 
 import typer
 
-from .command import GROUPS, Debug, as_command, functions, group_of
+from .command import GROUPS, Command, Debug, as_command, functions, group_of
 from .exits import EXIT_CODES
 
 COMMANDS = functions()
@@ -38,7 +38,7 @@ main = typer.Typer(
 )
 _groups = {name: typer.Typer(no_args_is_help=True, help=text) for name, text in GROUPS.items()}
 for function in COMMANDS:
-    _groups.get(group_of(function), main).command()(as_command(function))
+    _groups.get(group_of(function), main).command(cls=Command)(as_command(function))
 for name, group in _groups.items():
     main.add_typer(group, name=name)
 

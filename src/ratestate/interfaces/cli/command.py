@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
+from ...model.names import nearest
 from ...paper.figures import BEYOND
 from .exits import EXIT_CODES, exit_on_error
 from .output import warnings_as_lines
@@ -32,6 +34,24 @@ _SHARED = _TABLES.pop("shared")
 GROUPS = _TABLES.pop("groups")
 _GROUP_OF = {name: table.pop("group", "") for name, table in _TABLES.items()}
 _MODULES = {name: table.pop("module") for name, table in _TABLES.items()}
+
+
+class Command(TyperCommand):
+    """A command that names the option which an unknown one probably means."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        try:
+            return super().parse_args(ctx, args)
+        except Exception as error:  # the class is in a private module of typer
+            if unknown := getattr(error, "option_name", ""):
+                names = {_parameter_name(one): one for param in self.params for one in param.opts}
+                near = nearest(_parameter_name(unknown), names)
+                error.possibilities = [names[near]] if near else []  # type: ignore[attr-defined]
+            raise
+
+
+def _parameter_name(option: str) -> str:
+    return option.strip("-").replace("-", "_")
 
 
 def functions() -> list[Callable[..., None]]:

@@ -13,9 +13,8 @@ from ...model.quantities import readable
 from ...model.slider import SpringSlider
 from ...records.fitting.by_law import has_steps
 from ...records.fitting.fit import fit
-from ...report import Report, summary
+from ...report import summary
 from ...report.report import TextTable, left
-from ...report.steps import all_warnings
 from ...scenario.as_python import registration
 from .output import names_of
 
@@ -48,9 +47,6 @@ def markdown(
     request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
 ) -> str:
     """Return the whole report; both Datasets must have the attributes of their functions."""
-    report = summary(result)
-    if has_steps(result):
-        report = Report(report.blocks, all_warnings(result))
     time, columns = record["time"].values, json.loads(record.attrs["columns"]).items()
     rows = [[name, one["title"], one["unit"].removeprefix("1")] for name, one in columns]
     heads = [left(head) for head in ("", "column", "unit")]
@@ -58,7 +54,7 @@ def markdown(
     text = SENTENCES(
         "report.text",
         heading=HEADING + request.names,
-        report=report.markdown(),
+        report=summary(result).markdown(),
         record=record.attrs,
         rows=time.size,
         begin=time[0],

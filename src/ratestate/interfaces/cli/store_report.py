@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     """Print how a sweep into a store ended; return the number of failed cases."""
     from ...report.cases import failed_lines, outside_lines
+    from ...report.report import shown_units
     from ...sweeps.status import failures, store_status
 
     status = store_status(store)
@@ -23,8 +24,9 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
         names = ("at", "status", "message")
         _print_json(status, failures=[dict(zip(names, one, strict=True)) for one in failed])
     else:
-        outside = outside_lines(result, "cases")
-        failed_cases = failed_lines(result) if status.failed else []
+        units = shown_units(result)
+        outside = outside_lines(result, "cases", units)
+        failed_cases = failed_lines(result, units) if status.failed else []
         print_line("\n".join([_summary(status), *outside, *failed_cases]))
     return status.failed
 

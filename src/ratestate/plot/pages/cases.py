@@ -3,11 +3,10 @@
 import numpy as np
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 
-from ...dynamics.results import parameter
+from ...dynamics.results import contact_area, parameter
 from ...engine.model import FINISHED, STEADY_SLIDING
-from ...model.quantities import QUANTITIES
-from ..axis import axis_of, prefix_of
-from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, in_unit, label, value_text
+from ..axis import axis_of
+from ..labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, fitting_unit, in_unit, label, value_text
 from ..layout import (
     figure,
     is_wide,
@@ -108,7 +107,7 @@ def _lines(ax, result, name, along, across):
     dims = [along] if across is None else [across, along]
     pair = [name, "V_min"] if name == "V_max" else [name]
     found = np.array([np.atleast_2d(_values(result, one, dims)) for one in pair])
-    factor, unit = prefix_of(found, QUANTITIES[name].unit)
+    factor, unit = fitting_unit(name, found, contact_area(result))
     scaled = factor * found
     _has_none(ax, scaled)
     names = [None] if across is None else axis_of(result, across).each(across)
@@ -162,7 +161,7 @@ def _map(fig, ax, result, name, dims):
     """A variable in colours; gray where a case has no answer, white where it has no cycle."""
     along, across = (axis_of(result, dim) for dim in reversed(dims))
     values = _values(result, name, dims)
-    factor, unit = prefix_of(values, QUANTITIES[name].unit)
+    factor, unit = fitting_unit(name, values, contact_area(result))
     values = factor * values
     along.dress(ax.xaxis)
     if not _has_none(ax, values):

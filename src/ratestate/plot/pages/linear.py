@@ -3,11 +3,12 @@
 import numpy as np
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, MultipleLocator, NullLocator
 
-from ...dynamics.results import law_of_result, parameter
+from ...dynamics.results import contact_area, law_of_result, parameter
 from ...errors import ParameterError
 from ...friction.linear_stability import K_c, eigenvalues
+from ...report.report import shown_units
 from ...report.single import MARGIN, remedies
-from ..labels import BLUE, GRAY, LAWS, RED, label, mathematics, prefixed, value_text
+from ..labels import BLUE, GRAY, LAWS, RED, fitting_unit, label, mathematics, prefixed, value_text
 from ..layout import figure, letters, styled
 
 DECADES = 1.5  # of speed shown on either side, at least
@@ -38,7 +39,8 @@ def stability_page(result):
     axes["b"].tick_params(labelbottom=False)
     columns = {symbol: np.full(V.shape, value) for symbol, value in values.items()}
     critical = K_c(law, V, **columns)
-    _map(axes["a"], V, factor, K, V_lp, critical, {"V_c": V_c, "V_c_upper": upper})
+    of_K = fitting_unit("K", K if np.isfinite(K) else critical[0], contact_area(result))
+    _map(axes["a"], V, factor, of_K, K, V_lp, critical, {"V_c": V_c, "V_c_upper": upper})
     first = eigenvalues(law, V, K=np.full(V.shape, K), **columns)[:, 0]
     _mode(axes["b"], axes["c"], V, factor, V_lp, first)
     texts = "growth rate of the least stable mode", "its frequency"
@@ -48,13 +50,14 @@ def stability_page(result):
 
 def _remedies(result):
     """Return a line of the caption: what makes the slider stable, each alone."""
-    bounds = [f"{symbol} {bound}" for symbol, bound, *_ in remedies(result, {}) if bound != "none"]
+    found = remedies(result, shown_units(result))
+    bounds = [f"{symbol} {bound}" for symbol, bound, *_ in found if bound != "none"]
     text = f"Stable at {MARGIN:g} V_lp with {', '.join(bounds[:-1])} or {bounds[-1]}"
     return "\n" + mathematics(text.replace(">=", r"$\geq$"))
 
 
-def _map(ax, V, factor, K, V_lp, critical, speeds):
-    scale, unit = prefixed("Pa/m", K if np.isfinite(K) else abs(critical[0]))
+def _map(ax, V, factor, of_K, K, V_lp, critical, speeds):
+    scale, unit = of_K
     critical = np.where(critical > 0.0, critical, np.nan)
     ends = np.nan_to_num(critical[[0, -1]])
     shown = [x for x in (K, *ends) if 0.0 < x < np.inf] or [1.0]

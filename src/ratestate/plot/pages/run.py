@@ -2,12 +2,12 @@
 
 from ...dynamics.cycles.limit_cycle import orbit
 from ...dynamics.cycles.regimes import classify
-from ...dynamics.results import parameter, slider_parameters, whole_contact
+from ...dynamics.results import contact_area, parameter, slider_parameters, whole_contact
 from ...dynamics.steady_sliding import stability
 from ...engine.model import RUNAWAY, STEADY_SLIDING
 from ...errors import ParameterError
 from ...model.slider import SpringSlider
-from ..labels import BLUE, GRAY, LAWS, STRESS, prefixed, value_text, with_unit
+from ..labels import BLUE, GRAY, LAWS, STRESS, fitting_unit, prefixed, value_text, with_unit
 from ..layout import ABOVE, SLIDER, figure, letters, styled, text_width
 from ..motion import force_axis, trace
 from ..runs import THIN, NamedRun, common, named_runs, plane, speed
@@ -108,7 +108,7 @@ def _motion(run, title, result):
 
 
 def _normal_stress(run, ax):
-    factor, unit = prefixed("Pa", float(run.sigma.max()))
+    factor, unit = fitting_unit("sigma", run.sigma, contact_area(run))
     in_time, _ = prefixed("s", float(run.time.max()))
     behind = ax.twinx()
     behind.plot(in_time * run.time, factor * run.sigma, color=GRAY, **THIN)

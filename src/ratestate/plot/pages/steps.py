@@ -83,7 +83,7 @@ def _step(step, laws, axes):
         below.plot(x, 1e3 * (step["friction"] - curve), lw=0.4, color=LAWS[law].color)
     is_stick_slip = any(part["status"] == STICK_SLIP for part in laws.values())
     why = "" if fitted else " stick-slip" if is_stick_slip else " failed"
-    head = f"{int(step['step'])}  {_head(step)}{why}"
+    head = f"step {int(step['step'])}: {_head(step)}{why}"
     ax.set_title(head, fontsize=6, pad=2, color="k" if fitted else "#c00000")
     for one, ticks in ((ax, 4), (below, 2)):
         one.axvline(0.0, color=GRAY, lw=0.6, ls=":", zorder=0)

@@ -12,7 +12,7 @@ from .generalized_least_squares import FALL, chi2_gain, responds, response
 from .identifiability import bounds_of, identifiability
 from .samples import before_first_change, change_times
 from .transients import longest_distance
-from .unknowns import NEAR, motion_symbols, parameter
+from .unknowns import motion_symbols, parameter
 
 #: slip after the last step, divided by Dc, from which friction is steady
 STEADY = 3.0
@@ -81,17 +81,13 @@ def search_warnings(inference):
         yield from _posterior_warnings(inference.posterior, inference.quantities)
     coordinates = [q for q in inference.quantities if q.is_free]
     is_open = [q.name for q in coordinates if None in bounds_of(inference, q)]
-    sides = solution.unknowns.sides(solution.point, NEAR * solution.unknowns.ranges)
-    for point, (name, side) in zip(solution.point, sides.items(), strict=True):
+    for point, (name, side) in zip(solution.point, solution.sides.items(), strict=True):
         if side and parameter(name).group == "start":
             values = {"ratio": np.exp(point), "side": SIDES[side]}
             yield sentences("search.start_at_bound", name=name, **values)
         elif side and name not in is_open:
-            estimate = inference.estimates.of(name)
-            # a parameter >= 0 may be close to 0, but not held there
-            if parameter(name).least < 0.0 or point <= NEAR * estimate.error:
-                shown = readable(name, estimate.value, 3)
-                yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
+            shown = readable(name, inference.estimates.of(name).value, 3)
+            yield sentences("search.at_bound", name=name, value=shown, side=SIDES[side])
 
 
 def _posterior_warnings(posterior, quantities):

@@ -137,7 +137,8 @@ def fit(
     FitWarning
         A parameter is at a bound, the search has not converged, the record does not determine
         a free parameter, the law does not describe the record, or the estimates depend on a trend
-        that friction before the first step does not confirm.
+        that friction before the first step does not confirm.  With per_step=True: the posterior of
+        a step failed.
 
     Examples
     --------

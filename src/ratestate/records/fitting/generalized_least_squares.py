@@ -29,8 +29,8 @@ AGREE = 1e-3
 SEARCH_EVALUATIONS = 25
 #: largest change of a converged estimate, in standard errors
 CONVERGED = 0.02
-#: distance from a bound, in standard errors, below which an estimate is at the bound
-AT_BOUND = 1e-3
+#: distance from a bound, divided by the standard error or the range, of an estimate at the bound
+NEAR = 1e-3
 #: significant fall of chi-square with one more parameter (a lag, an unsteady start)
 FALL = 12.0
 #: significance level of the response to the steps
@@ -74,10 +74,18 @@ class Solution(NamedTuple):
         return self.problem.observed - self.fitted_friction
 
     @property
+    def sides(self):
+        """Name -> -1 or 1 if the coordinate is at its lower or upper bound, else 0.
+
+        It is then as close as `NEAR` of its standard error and `NEAR` of its range.
+        """
+        near = NEAR * np.minimum(self.errors, self.unknowns.ranges)
+        return self.unknowns.sides(self.point, near)
+
+    @property
     def at_bound(self):
-        """Names (list) of the coordinates at a bound, within `AT_BOUND` errors."""
-        near = AT_BOUND * self.errors
-        return [name for name, side in self.unknowns.sides(self.point, near).items() if side]
+        """Names (list) of the coordinates at a bound."""
+        return [name for name, side in self.sides.items() if side]
 
 
 def solutions_of(data, settings, loading=None):

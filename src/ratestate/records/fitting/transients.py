@@ -14,7 +14,6 @@ import dataclasses
 import numpy as np
 from scipy.special import fdtrc
 
-from ...model.history import History
 from ..kit.estimated_noise import RestrictedLikelihood
 from .forward import Forward
 from .noise_uncertainty import likely_shapes
@@ -102,14 +101,11 @@ def _effect_of_fall(solution, start, duration):
 def _with_extra_motion(loading, start, duration, distance):
     """Return a loading with a distance [m] added evenly from start on."""
     end = start + duration
-    until = loading.speed.until
     t = np.union1d(loading.t, [start, end])
-    t = t[t < until]
-    k = loading.speed.segments_at(t)
-    last = np.append(t[1:], until if np.isfinite(until) else t[-1])  # (constant if it is inf)
-    push = np.where((t >= start) & (t < end), distance / duration, 0.0)
-    first, final = (loading.V[k] + loading.rate[k] * (x - loading.t[k]) + push for x in (t, last))
-    return dataclasses.replace(loading, speed=History("V_lp", t, first, final, until))
+    speed = loading.speed.refined(t[t < loading.speed.until])
+    push = np.where((speed.t >= start) & (speed.t < end), distance / duration, 0.0)
+    pushed = dataclasses.replace(speed, start=speed.start + push, end=speed.end + push)
+    return dataclasses.replace(loading, speed=pushed)
 
 
 def longest_distance(estimates, slider):

@@ -24,8 +24,6 @@ STEP = 3e-5
 ALPHA = 0.2
 #: ln of the speed ratio that stands for a hold
 LOG_RATIO_OF_HOLD = 5.0
-#: distance from a bound, as a fraction of the range, below which an estimate is at the bound
-NEAR = 1e-3
 
 
 class FitParameter(NamedTuple):

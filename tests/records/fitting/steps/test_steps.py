@@ -2,6 +2,7 @@
 
 import io
 import itertools
+import re
 import warnings
 
 import numpy as np
@@ -13,11 +14,12 @@ from synthetic_experiments import drawn_experiment, experiment
 
 import ratestate as rs
 from ratestate.files import laboratory_csv
+from ratestate.records.fitting import inference
 from ratestate.records.fitting.settings import checked_settings
 from ratestate.records.fitting.steps import experiment as fits
 from ratestate.records.fitting.steps import shared
 from ratestate.records.fitting.steps.shared import estimates_of, mean_of, ratio_of, shared_fit
-from ratestate.records.fitting.steps.windows import stick_slip_slides, windows_of
+from ratestate.records.fitting.steps.windows import stick_slip_segments, windows_of
 from ratestate.report.steps import rows_of, table_of
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
@@ -215,13 +217,13 @@ def test_a_record_of_stick_slip_alone_is_refused(data, under_slip):
 
 def test_few_or_small_drops_are_not_stick_slip(data, under_slip):
     begin = float(under_slip.step_t[3])
-    found = [len(stick_slip_slides(sawtooth(data, n, begin), SLIDER.sigma)) for n in (3, 4)]
+    found = [len(stick_slip_segments(sawtooth(data, n, begin), SLIDER.sigma)) for n in (3, 4)]
     assert found == [0, 1]
     part = sawtooth(data, 8, begin)
     drifts = 0.05 * np.where(data.time > begin, data.time - begin, 0.0) / 50.0
     for times, count in ((1.0, 1), (4.0, 0)):
         one = part.assign(friction=part.friction + times * drifts)
-        assert len(stick_slip_slides(one, SLIDER.sigma)) == count
+        assert len(stick_slip_segments(one, SLIDER.sigma)) == count
 
 
 def test_the_joint_fit_uses_only_converged_fits(data, monkeypatch):
@@ -316,6 +318,23 @@ def test_a_step_that_fails_leaves_the_others(data, under_slip):
         np.testing.assert_allclose(result[name][[0, 1, 3]], under_slip[name][[0, 1, 3]], rtol=1e-3)
     assert np.isnan(result.interval[2]).all()
     assert "step 3, slip law, failed: friction is nan" in str(rs.summary(result))
+
+
+@pytest.mark.parametrize("law", ["slip", ("slip", "aging")])
+def test_a_step_without_a_posterior_has_a_warning(law, monkeypatch):
+    def no_posterior(*_):
+        raise rs.SolverError("no sample is likely.")
+
+    monkeypatch.setattr(inference, "sample_posterior", no_posterior)
+    data = experiment(SLIDER, (SLOW, FAST), 500e-6, ROWS, seed=2, **NOISE)
+    with pytest.warns(rs.FitWarning) as emitted:
+        result = rs.fit(data, START, ("a",), law, per_step=True, errors="posterior")
+    said = "step 1, slip law: the posterior failed, .* The reason: no sample is likely."
+    assert re.match(said, str(emitted[0].message))
+    assert emitted[0].filename == __file__
+    assert "the posterior failed" in str(result.warnings.values.flat[0])
+    assert (result.status == 0).all()
+    assert set(result.interval_kind.values.flat) <= {"covariance", "profile", ""}
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")

@@ -53,7 +53,10 @@ def test_the_table_shows_the_bound(result):
     )
     assert f"alpha < {short(upper)} (95 %)" in str(result.warnings[-1].item())
     assert of_stress[:3] == ["3", "399.5", "sigma 8 -> 8.8 MPa"]
-    assert "sigma 8 -> 8.8 MPa" in str(rs.summary(result))
+    report = str(rs.summary(result))
+    assert "sigma 8 -> 8.8 MPa" in report
+    assert "The sign < stands" in report
+    assert "The sign > stands" not in report  # the table has no such cell
 
 
 def test_normal_stress_before_and_after(result):

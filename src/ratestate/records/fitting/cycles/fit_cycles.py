@@ -19,7 +19,7 @@ from ..identifiability import identifiability
 from ..inference import Inference, infer_quantities
 from ..unknowns import distinct
 from .features import FEATURES, LEVEL
-from .folding import segments_of
+from .folding import sliding_segments
 from .measured import corrected, measure
 from .problem import CyclesProblem, check_slider, starting_points
 from .waves import wave_at
@@ -58,7 +58,7 @@ class CyclesFit(NamedTuple):
 
 def fit_cycles(record, slider, free, loading=None):
     """Return the `CyclesFit` of a record; it includes all segments that oscillate."""
-    segments = segments_of(record, slider, loading)
+    segments = sliding_segments(record, slider, loading)
     check_slider(slider, free)
     measured, left_out = _measured_segments(segments)
     problem = CyclesProblem(slider, free, measured)

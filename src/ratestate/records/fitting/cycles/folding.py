@@ -29,7 +29,7 @@ MANY, PLENTY = 20_000, 256
 MOST = 200_000
 
 
-class Stretch(NamedTuple):
+class Segment(NamedTuple):
     """A part of a record at one load-point speed."""
 
     t: np.ndarray  # (samples,) [s]
@@ -81,8 +81,8 @@ def periodic(profile, phase):
     return np.interp(phase % 1.0, middles, profile[np.arange(-1, m + 1) % m])
 
 
-def segments_of(record, slider, loading):
-    """Return the `Stretch`s (list) of a record with the load point at one speed each."""
+def sliding_segments(record, slider, loading):
+    """Return the `Segment`s (list) of a record with the load point at one speed each."""
     raw = raw_record(record, slider)
     if raw.kind != "tau":
         raise sentences.refusal("cycles.of_mu")
@@ -91,9 +91,9 @@ def segments_of(record, slider, loading):
     for start, end, V_lp in zip(loading.t, [*loading.t[1:], np.inf], loading.V, strict=True):
         rows = (t >= start) & (t < end)
         if V_lp > 0.0 and rows.sum() >= FEWEST:
-            segments.append(Stretch(raw.time[rows], raw.friction[rows], float(V_lp)))
+            segments.append(Segment(raw.time[rows], raw.friction[rows], float(V_lp)))
     if not segments:
-        raise sentences.refusal("cycles.no_stretch", fewest=FEWEST)
+        raise sentences.refusal("cycles.no_segment", fewest=FEWEST)
     return segments
 
 
@@ -115,7 +115,7 @@ def main_period(t, y):
 
 
 def thinned(segment, period):
-    """Return a `Stretch`, with neighbouring samples averaged if it has very many."""
+    """Return a `Segment`, with neighbouring samples averaged if it has very many."""
     n = segment.t.size
     dense = period / float(np.median(np.diff(segment.t)))
     every = int(min(n / MANY, dense / PLENTY))

@@ -18,7 +18,7 @@ from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, prof
 from .folding import (
     FEWEST_CYCLES,
     Cycles,
-    Stretch,
+    Segment,
     cut_cycles,
     fold,
     main_period,
@@ -44,7 +44,7 @@ DRIFT = 0.1
 class MeasuredFeatures(NamedTuple):
     """Features of a segment; logarithms, except the level."""
 
-    segment: Stretch  # without the cycles left out
+    segment: Segment  # without the cycles left out
     cycles: Cycles
     noise: SampleNoise  # of tau/sigma
     raw: np.ndarray  # (6,) features that noise has shifted

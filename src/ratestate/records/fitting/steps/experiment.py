@@ -5,6 +5,7 @@ determine alpha, while the law's other parameters are held at the estimates from
 """
 
 import itertools
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,7 @@ import xarray
 from scipy.linalg import block_diag
 
 from ....dynamics.progress import bar
-from ....errors import RateStateError
+from ....errors import FitWarning, RateStateError
 from ...kit.least_squares import single_blas
 from ...kit.processes import mapped
 from ...load_point.stress_steps import VARIABLE, stress_range
@@ -28,7 +29,7 @@ from ..unknowns import MACHINE_PARAMETERS, to_coordinate, to_value
 from . import FAILED, FITTED, NORMAL_STRESS, STICK_SLIP
 from .shared import estimates_of, mean_of, shared_fit
 from .step_table import dataset_of_steps
-from .windows import StepWindow, stick_slip_in, stick_slip_slides, windows_of
+from .windows import StepWindow, stick_slip_in, stick_slip_segments, windows_of
 
 #: most samples that are fitted in a window; ten times as many resolve a step no better
 MOST = 20_000
@@ -45,6 +46,7 @@ class Step(NamedTuple):
     settings: Settings  # with one slider, from which the search begins
     status: int = FAILED
     message: str = ""  # why there is no fit
+    no_posterior: str = ""  # why the intervals are not from a requested posterior
     result: Any = None  # Dataset of `dataset_of`
     solution: Any = None  # `Solution`
     inflation: Any = None  # `Inflation` of the coordinates in `shared`
@@ -106,6 +108,11 @@ def fit_experiment(data, settings):
         fitted.append(fit_stress_step(step, by_law[step.law], shared[step.law]))
     fitted = sorted([*itertools.chain(*unstable), *fitted], key=lambda step: step.window.t)
     by_law = {law: [step for step in fitted if step.law == law] for law in settings.laws}
+    for law, steps in by_law.items():
+        for i, step in enumerate(steps, 1):
+            if step.no_posterior and step.status == FITTED:
+                text = f"step {i}, {law} law: {step.no_posterior}"
+                warnings.warn(text, FitWarning, stacklevel=4)  # (past `fit` and its check)
     if not any(step.status == FITTED for step in fitted):
         steps = by_law[settings.laws[0]]
         message = next(step.message for step in steps if step.status == FAILED)
@@ -116,16 +123,16 @@ def fit_experiment(data, settings):
 def steps_of(data, settings):
     """Return, for each window of a record, its `Step` under each law (lists), not yet fitted."""
     windows = windows_of(data)
-    slides = stick_slip_slides(data, settings.sliders[0].sigma)
-    windows = [_steps_of(window, data, settings, slides) for window in windows]
+    segments = stick_slip_segments(data, settings.sliders[0].sigma)
+    windows = [_steps_of(window, data, settings, segments) for window in windows]
     if all(steps[0].status == STICK_SLIP for steps in windows):
-        slide = stick_slip_in(windows[-1][0].window, slides)
-        count = {"count": len(windows), "events": slide.events}
-        raise sentences.refusal("per_step.all_stick_slip", V_lp=slide.V, **count)
+        segment = stick_slip_in(windows[-1][0].window, segments)
+        count = {"count": len(windows), "events": segment.events}
+        raise sentences.refusal("per_step.all_stick_slip", V_lp=segment.V, **count)
     return windows
 
 
-def _steps_of(window, data, settings, slides):
+def _steps_of(window, data, settings, segments):
     """Return the `Step`s of a window; a window of more than `MOST` rows is averaged.
 
     Alpha alone is free at a step of normal stress; all other free parameters at other steps.
@@ -140,9 +147,9 @@ def _steps_of(window, data, settings, slides):
         changed = {"sigma": float(part["sigma"].median())}
     sliders = [slider.replace(**changed) for slider in settings.sliders]
     status, message = FAILED, ""
-    if slide := stick_slip_in(window, slides):
+    if segment := stick_slip_in(window, segments):
         status = STICK_SLIP
-        message = sentences("per_step.stick_slip", events=slide.events, V_lp=slide.V)
+        message = sentences("per_step.stick_slip", events=segment.events, V_lp=segment.V)
     of_laws = [settings._replace(free=free, sliders=[slider]) for slider in sliders]
     return [Step(window, part, max(rows, 1), one, status, message) for one in of_laws]
 
@@ -206,11 +213,12 @@ def fit_window(steps, adjust=lambda inference: inference):
             pairs = zip(steps, map(adjust, inferences), strict=True)
             return [step.with_fit(inference) for step, inference in pairs]
     except RateStateError as error:
-        if len(steps) == 1:
+        if settings.errors != "posterior":
             return [steps[0]._replace(message=str(error))]
+        reason = sentences("per_step.no_posterior", reason=error)
     alone = settings._replace(errors="auto")  # a posterior needs the prior of all laws
     steps = [step._replace(settings=alone._replace(sliders=[step.slider])) for step in steps]
-    return [fit_window([step], adjust)[0] for step in steps]
+    return [fit_window([step], adjust)[0]._replace(no_posterior=reason) for step in steps]
 
 
 def fit_stress_step(step, others, shared):

@@ -62,7 +62,8 @@ def _law_table(steps, shared, names, size):
             one = step.result
             kept = (*one["parameter"].values.tolist(), *SCALARS, *KEPT)
             row = one[[name for name in kept if name in one]].drop_attrs(deep=False)
-            warnings = [*warnings_of(one), *step.caveats]
+            own = [step.no_posterior] if step.no_posterior else []
+            warnings = [*warnings_of(one), *own, *step.caveats]
             curve = _sampled(one["friction_fit"].values, size)
         row = row.assign(labelled("sample", friction_fit=curve))
         texts = {"warnings": "\n".join(warnings), "message": step.message}

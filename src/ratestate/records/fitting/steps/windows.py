@@ -1,7 +1,7 @@
 """Windows of a record: each step and hold with the sliding before it and after it.
 
 No step can be fitted during stick-slip.  Events are detected, and tested for significance, as by
-`events`.  That test accepts some events of wandering noise.  So here a slide needs several
+`events`.  That test accepts some events of wandering noise.  So here a segment needs several
 events, with drops that are a large fraction of the range of friction.
 """
 
@@ -130,7 +130,7 @@ def _window_begin(time, over, V, change, end):
     return change.t - lead
 
 
-class Slide(NamedTuple):
+class StickSlipSegment(NamedTuple):
     """A part of a record at one load-point speed, with stick-slip."""
 
     begin: float  # [s]
@@ -139,19 +139,19 @@ class Slide(NamedTuple):
     events: int
 
 
-def stick_slip_slides(data, sigma):
-    """Return the `Slide`s (list) of a record; sigma [Pa] is used if none is recorded."""
+def stick_slip_segments(data, sigma):
+    """Return the `StickSlipSegment`s (list) of a record; sigma [Pa] is used if none is recorded."""
     time = data["time"].values
-    segments, slides = recorded_segments(data, time), []
+    segments, found = recorded_segments(data, time), []
     for begin, end, V in zip(segments.t, [*segments.t[1:], np.inf], segments.V, strict=True):
         part = data.isel(time=slice(*np.searchsorted(time, (begin, end)).tolist()))
         if V > 0.0 and (count := _events_in(part, sigma)):
-            slides.append(Slide(float(begin), float(end), float(V), count))
-    return slides
+            found.append(StickSlipSegment(float(begin), float(end), float(V), count))
+    return found
 
 
 def _events_in(part, sigma):
-    """Return the number of stick-slip events in a slide; 0 without stick-slip."""
+    """Return the number of stick-slip events in a segment; 0 without stick-slip."""
     try:
         series = series_of(part, sigma=None if "sigma" in part.variables else sigma)
     except RateStateError:  # such as missing values, on which the fit has a message
@@ -165,7 +165,7 @@ def _events_in(part, sigma):
     return len(rough) if np.median(drops) > DROP * (high - low) else 0
 
 
-def stick_slip_in(window, slides):
-    """Return the stick-slip `Slide` with most events that overlaps a window, or None."""
-    about = [one for one in slides if one.begin < window.end and window.begin < one.end]
+def stick_slip_in(window, segments):
+    """Return the `StickSlipSegment` with most events that overlaps a window, or None."""
+    about = [one for one in segments if one.begin < window.end and window.begin < one.end]
     return max(about, key=lambda one: one.events, default=None)
