@@ -32,7 +32,7 @@ def deviations(number):
     for seed in range(FIRST, FIRST + number):
         slider = SLIDERS[seed // 2 % len(SLIDERS)]
         data = noisy(seed, clean(slider), red=5e-5 * (seed % 2))
-        result = rs.machine_stiffness(data, "10 MPa", slider=slider)
+        result = rs.machine_stiffness(data, sigma="10 MPa", slider=slider)
         rows.append([float((result[k] - x) / result[f"{k}_error"]) for k, x in TRUTH.items()])
     return np.array(rows)
 

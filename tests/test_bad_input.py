@@ -206,7 +206,7 @@ EVALUATE = {
     "fit of each step": lambda data: rs.fit(data, SLIDER, ("a", "b", "Dc"), per_step=True),
     "events": lambda data: rs.events(data, sigma="2 MPa"),
     "healing": rs.healing,
-    "machine_stiffness": lambda data: rs.machine_stiffness(data, "2 MPa"),
+    "machine_stiffness": lambda data: rs.machine_stiffness(data, sigma="2 MPa"),
 }
 
 

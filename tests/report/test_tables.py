@@ -35,12 +35,12 @@ def test_a_sweep_s_places_are_never_wrapped(sweep, width):
     lines = printed(rs.summary(sweep), width)
     rows = [line for line in lines[3:] if " = " in line]
     beside = width == 140
-    assert len(rows) == (7 if beside else 14)
+    assert len(rows) == (8 if beside else 16)
     for line in rows:
         assert line.count(" = ") == (4 if beside else 2), line
         assert len(line) <= width
     most = sweep.amplitude.where(sweep.amplitude == sweep.amplitude.max(), drop=True)
-    row = rows[0 if beside else 7].rstrip()
+    row = rows[0 if beside else 8].rstrip()
     assert f"{float(most.max()):.6g}" in row
     assert row.endswith(f"V_lp = {1e3 * float(most.V_lp[0]):.6g} mm/s")
 

@@ -180,11 +180,11 @@ def _transition(slider, V_lp, critical):
     in_units = {"units": "1", "comment": "in units of V_lp/Dc"}
     data["lyapunov_1"].attrs = attrs("lyapunov_1") | in_units
     data["K_c_over_K_c_qs"] = ("row", np.asarray(critical), attrs("K_c_over_K_c_qs"))
-    fold, change = np.full(data.sizes["row"], np.nan), None
+    fold, change = np.full(data.sizes["row"], np.nan), np.nan
     if slider.friction_law.one_length:
         eta = np.asarray(slider.M)
         fold = folds(slider.law, np.full(eta.size, slider.b), eta).kappa / (slider.b - 1.0)
         change = bautin(slider.law, slider.b)
     data["K_fold_over_K_c_qs"] = ("row", fold, attrs("K_fold_over_K_c_qs"))
-    data["eta_bautin"] = ((), np.nan if change is None else change, attrs("eta_bautin"))
+    data["eta_bautin"] = ((), change, attrs("eta_bautin"))
     return data

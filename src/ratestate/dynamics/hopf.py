@@ -200,8 +200,8 @@ def bautin(law, b_over_a):
 
     Returns
     -------
-    float, DataArray or None
-        eta [1]; if the type never changes, None for a float and NaN inside a DataArray.
+    float or DataArray
+        eta [1]; NaN if the type never changes.
 
     Raises
     ------
@@ -225,5 +225,4 @@ def bautin(law, b_over_a):
 
     if is_array(value):
         return named("eta", xarray.apply_ufunc(change, value - 1, vectorize=True))
-    eta_bautin = float(change(value - 1))
-    return None if np.isnan(eta_bautin) else eta_bautin
+    return float(change(value - 1))

@@ -25,8 +25,20 @@ from .report import (
 FAILED_LISTED, OUTSIDE_LISTED = 20, 5
 #: function -> variables whose range is printed
 RANGES = {
-    "limit_cycle": ("amplitude", "period", "frequency", "V_max", "V_min", "inertia", "error"),
-    "simulate": ("amplitude", "frequency", "V_max", "V_min", "cycles", "energy_residual"),
+    "limit_cycle": (
+        "amplitude",
+        "stress_drop",
+        *"period frequency V_max V_min inertia error".split(),
+    ),
+    "simulate": (
+        "amplitude",
+        "stress_drop",
+        "frequency",
+        "V_max",
+        "V_min",
+        "cycles",
+        "energy_residual",
+    ),
     "stability": ("K_c", "V_c", "eta", "f_n", "growth_rate", "omega"),
     "frequency_response": ("resonance", "quality"),
 }
@@ -74,7 +86,7 @@ def _ranges(result: xarray.Dataset, function: str, units: Units) -> TextTable:
     rows = []
     for name in filter(result.__contains__, RANGES[function]):
         values = result[name].where(np.isfinite(result[name]))
-        if function == "limit_cycle" and name == "amplitude":
+        if function == "limit_cycle" and name in ("amplitude", "stress_drop"):
             values = values.where(values > 0.0)  # of cycles
         if not bool(values.notnull().any()):
             continue

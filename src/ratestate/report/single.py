@@ -69,20 +69,14 @@ def run(result: xarray.Dataset, units: Units) -> Blocks:
         own = parameter(result, "sigma")
         varies = "sigma" in result.data_vars
         over = f", over sigma(0) = {value_text('sigma', own, units)}" if varies else ""
-        remark = f"of the last cycle{over}; {_drop(result, units)}"
-        rows.append(Row("amplitude", result.amplitude, remark))
+        rows.append(Row("amplitude", result.amplitude, f"of the last cycle{over}"))
+        rows.append(Row("stress_drop", result.amplitude * own, "of the last cycle"))
         rows += _of_contact(result, "force_amplitude", "displacement_amplitude")
         rows.append(Row("frequency", result.frequency, "of the last cycle"))
     rows.append(Row("energy_residual", abs(result.energy_residual)))
     end, law = readable_time(float(last.time), DIGITS), parameter(result, "law")
     title = f"At the end, {end}, after {int(result.steps):,} steps, {law} law"
     return [Title(title), of_quantities(rows, units)]
-
-
-def _drop(result: xarray.Dataset, units: Units) -> str:
-    """The peak-to-peak stress of a cycle, as a remark."""
-    stress = float(result.amplitude) * parameter(result, "sigma")
-    return f"tau by {value_text('tau', stress, units)}"
 
 
 def _of_contact(result: xarray.Dataset, *symbols: str) -> list[Row]:
@@ -176,11 +170,9 @@ def cycle(result: xarray.Dataset, units: Units) -> Blocks:
     if int(result.status) == STEADY_SLIDING:
         title = Title(f"No cycle is reached {at}: steady sliding")
         return [title, of_quantities([Row("V_lp", V)], units)]
-    remarks = {"period": "", "frequency": "", "amplitude": _drop(result, units)}
-    rows = [
-        Row(name, result[name], remark, error=float(result.error))
-        for name, remark in remarks.items()
-    ]
+    numbers = {name: result[name] for name in ("period", "frequency", "amplitude")}
+    numbers["stress_drop"] = result.amplitude * parameter(result, "sigma")
+    rows = [Row(name, value, error=float(result.error)) for name, value in numbers.items()]
     names = ("force_amplitude", "displacement_amplitude", "acceleration_max")
     rows += _of_contact(result, *names)
     for name in ("V_max", "V_min"):

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 
 import ratestate as rs
 from ratestate import SpringSlider, limit_cycle, logspace, simulate
@@ -19,7 +20,7 @@ from ratestate.engine.model import RUNAWAY
 FIG2 = SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
 STICK = SpringSlider(a=0.005, b=0.008, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=4e6, M=1e2, K=0.96e9)
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
-MEASURES = ["period", "frequency", "amplitude", "V_max", "V_min", "inertia"]
+MEASURES = ["period", "frequency", "amplitude", "stress_drop", "V_max", "V_min", "inertia"]
 FIRMNESS = ["slow_fraction", "fundamental", "stable", "residual", "error"]
 FIRMNESS += ["V_max_error", "V_min_error"]
 
@@ -117,7 +118,8 @@ def test_three_numbers_decide(law):
         )
         assert float(other.K / other.K_c_qs) == pytest.approx(0.8, rel=1e-12)
         two = limit_cycle(other, V)
-        ratio = {"amplitude": a / 0.005, "period": Dc / 1e-5 * V_lp / V, "inertia": 1}
+        ratio = {"amplitude": a / 0.005, "stress_drop": a * sigma / 2e4, "inertia": 1}
+        ratio["period"] = Dc / 1e-5 * V_lp / V
         ratio |= {"V_max": V / V_lp, "V_min": V / V_lp, "frequency": 1 / ratio["period"]}
         for name in MEASURES:
             assert float(two[name] / one[name]) == pytest.approx(ratio[name], rel=1e-7), name
@@ -414,3 +416,35 @@ def test_extreme_parameters_warn_of_nothing(V_lp, values):
     with warnings.catch_warnings(), contextlib.suppress(rs.SolverError):
         warnings.simplefilter("error")
         limit_cycle(slider, V_lp)
+
+
+@LAWS
+def test_stress_drop_against_scipy(law):
+    slider, V_lp, V = FIG2.replace(K=8e8, law=law), 3e-3, 3e-4
+    friction = {"a": 0.003, "b": 0.006, "mu0": 0.6, "V0": 1e-9}
+    cycle = limit_cycle(slider, V_lp, V_start=V)
+
+    def rates(t, y):
+        (V, theta), tau = np.exp(y[:2]), y[2]
+        mu = rs.formulas.friction(V, theta, **friction, Dc=1e-5)
+        omega = V * theta / 1e-5
+        change = -omega * np.log(omega) if law == "slip" else 1.0 - omega
+        return (tau - 2e6 * mu) / (3e3 * V), change / theta, 8e8 * (V_lp - V)
+
+    start = np.log(V), np.log(1e-5 / V), 2e6 * rs.formulas.mu_ss(V, **friction)
+    t = np.linspace(59.0, 60.2, 3001) * float(cycle.period)
+    path = solve_ivp(rates, (0.0, t[-1]), start, "LSODA", t, rtol=1e-10, atol=1e-12)
+    drop = pytest.approx(np.ptp(path.y[2]), rel=1e-5, abs=0)
+    assert float(cycle.stress_drop) == drop
+    assert float(simulate(slider, V_lp, t[-1], V_start=V, rtol=1e-8).stress_drop) == drop
+
+
+def test_stress_drop_of_a_run_under_another_normal_stress():
+    slider = FIG2.replace(K=8e8)
+    pull = rs.Loading.constant(3e-3).sigma_step(0.5, 3e6)
+    run = simulate(slider, pull, 3.0, V_start=1e-3, times=np.linspace(2.8, 3.0, 20001))
+    last = run.sel(time=slice(3.0 - 1.5 / float(run.frequency), 3.0))
+    drop = float(last.tau.max() - last.tau.min())
+    assert float(run.stress_drop) == pytest.approx(drop, rel=1e-4)
+    expected = limit_cycle(slider.replace(sigma=3e6), 3e-3)
+    assert float(run.stress_drop) == pytest.approx(float(expected.stress_drop), rel=1e-4)

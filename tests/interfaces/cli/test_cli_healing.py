@@ -50,7 +50,7 @@ def test_it_prints_and_writes_all(file, tmp_path):
 def test_rates_that_a_slider_predicts_are_in_the_summary():
     from slide_hold_slide import SLIDER
 
-    result = rs.healing(noisy(1), SLIDER)
+    result = rs.healing(noisy(1), slider=SLIDER)
     table = pandas.read_csv(io.StringIO(summary_csv(result)), keep_default_na=False)
     (row,) = table[table.quantity == "beta predicted"].to_dict("records")
     assert row["law"] == SLIDER.law
@@ -84,7 +84,7 @@ def test_wrong_use(file):
 def test_the_page_shows_each_hold():
     from slide_hold_slide import SLIDER
 
-    result = rs.healing(noisy(1), SLIDER)
+    result = rs.healing(noisy(1), slider=SLIDER)
     fig = plot.figure(result)
     fig.draw_without_rendering()
     record, healing, relaxation = sorted(fig.axes, key=lambda ax: ax.get_title("left"))

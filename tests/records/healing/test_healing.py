@@ -25,7 +25,7 @@ def statuses(result):
 @pytest.fixture(scope="module")
 def one():
     """Evaluate a record with correlated noise and a drift, with the true slider."""
-    return rs.healing(noisy(1, white=2e-4, red=2e-4, trend=3.0), SLIDER)
+    return rs.healing(noisy(1, white=2e-4, red=2e-4, trend=3.0), slider=SLIDER)
 
 
 def test_holds_are_those_of_the_load_point(one):
@@ -97,7 +97,7 @@ def test_the_rate_is_a_weighted_line(one):
 
 
 def test_one_hold_time_has_no_rate():
-    result = rs.healing(noisy(2, holds=(10.0, 10.0)), SLIDER)
+    result = rs.healing(noisy(2, holds=(10.0, 10.0)), slider=SLIDER)
     assert statuses(result) == ["evaluated"] * 2
     assert np.isnan(result.beta)
     assert np.isnan(result.beta_predicted).all()
@@ -134,7 +134,7 @@ def test_a_fit_under_two_laws_predicts_with_errors():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
         fitted = rs.fit(data, SLIDER, law=("slip", "aging"), errors="covariance")
-    result = rs.healing(data, fitted)
+    result = rs.healing(data, slider=fitted)
     assert result.law.values.tolist() == ["slip", "aging"]
     slip = result.sel(law="slip")
     off = np.abs(slip.delta_mu_predicted - truth(holds=(3.0, 30.0))[:, 0])
@@ -146,7 +146,7 @@ def test_a_fit_under_two_laws_predicts_with_errors():
 
 def test_another_speed_of_reloading_is_mentioned():
     data = noisy(4, holds=(30.0,), V_after=3e-5, dt=0.05)
-    result = rs.healing(data, SLIDER)
+    result = rs.healing(data, slider=SLIDER)
     assert statuses(result) == ["evaluated"]
     assert "reloaded at 30 um/s after sliding at 10 um/s" in result.hold_message.item()
     error = float(result.delta_mu_error[0])
@@ -233,7 +233,7 @@ def test_the_error_of_a_peak_includes_the_misfit(change, hold, noise, low, high)
 
 def test_friction_of_the_interface():
     data = noisy(12, holds=(10.0,)).rename(friction="mu")
-    result = rs.healing(data, SLIDER)
+    result = rs.healing(data, slider=SLIDER)
     assert statuses(result) == ["evaluated"]
     assert float(result.delta_mu_predicted[0, 0]) > float(truth(holds=(10.0,))[0, 0])
 
@@ -285,6 +285,6 @@ def test_records_without_holds():
         rs.healing(step)
     swept = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 2))
     with pytest.raises(ParameterError, match="K of the slider is a DataArray"):
-        rs.healing(noisy(1), swept)
+        rs.healing(noisy(1), slider=swept)
     with pytest.raises(ParameterError, match="no slide of the record has 12 samples"):
         rs.healing(clean(holds=(30.0,), slide=2.0))

@@ -20,7 +20,7 @@ from ratestate.records.stick_slip import catalogue
 
 @pytest.fixture(scope="module")
 def one():
-    return rs.machine_stiffness(noisy(1, clean()), "10 MPa", slider=SLIDER)
+    return rs.machine_stiffness(noisy(1, clean()), sigma="10 MPa", slider=SLIDER)
 
 
 def test_constant_or_falling_friction_has_no_slope():
@@ -44,7 +44,7 @@ def test_the_loading_curve_solves_its_equation(h):
 def test_the_slip_rate_at_the_end_of_a_hold_is_not_a_mean():
     """It agrees with the last samples without noise, which give -dmu/dx = k r."""
     t, mu = clean().time.values, clean().friction.values
-    pair = [rs.machine_stiffness(noisy(7, clean(), white=w), "10 MPa") for w in (1e-4, -1e-4)]
+    pair = [rs.machine_stiffness(noisy(7, clean(), white=w), sigma="10 MPa") for w in (1e-4, -1e-4)]
     for i, end in enumerate((60.0, 175.0)):
         last = np.flatnonzero(t < end)[-3:]
         rate = -np.polyfit(t[last], mu[last], 1)[0]
@@ -56,7 +56,7 @@ def test_the_slip_rate_at_the_end_of_a_hold_is_not_a_mean():
 
 
 def test_a_record_with_little_noise_has_errors_from_the_assumptions():
-    result = rs.machine_stiffness(noisy(1, clean(), white=1e-7), "10 MPa")
+    result = rs.machine_stiffness(noisy(1, clean(), white=1e-7), sigma="10 MPa")
     assert result.slope_used.values.all()
     assert pytest.approx(SLIDER.K, rel=2e-4) == float(result.K)
     assert 2e-4 < float(result.K_error / result.K) < 1e-3
@@ -103,7 +103,7 @@ def test_one_step_of_a_stiff_machine_is_not_biased():
     """The rise takes about 14 samples; K of 8 records is as often too high as too low."""
     z, relative = [], []
     for seed in range(8):
-        result = rs.machine_stiffness(noisy(seed, one_step(), white=7.5e-4), STIFF.sigma)
+        result = rs.machine_stiffness(noisy(seed, one_step(), white=7.5e-4), sigma=STIFF.sigma)
         assert result.slope_kind.values.tolist() == ["step_up"]
         error = float(result.K_error / result.K)
         relative.append(error)
@@ -117,7 +117,7 @@ def test_one_step_of_a_stiff_machine_is_not_biased():
 
 
 def test_the_curve_begins_at_the_level_before():
-    result = rs.machine_stiffness(noisy(3, one_step(), white=7.5e-4), STIFF.sigma)
+    result = rs.machine_stiffness(noisy(3, one_step(), white=7.5e-4), sigma=STIFF.sigma)
     fitted = result["slope_friction"].values
     early = result["time"].values < float(result.slope_start[0])
     level = float(result.friction.values[early].mean())
@@ -189,7 +189,7 @@ def test_errors_are_calibrated():
     z = []
     for seed in range(16):
         data = noisy(seed, clean(), red=5e-5 * (seed % 2))
-        result = rs.machine_stiffness(data, "10 MPa", slider=SLIDER)
+        result = rs.machine_stiffness(data, sigma="10 MPa", slider=SLIDER)
         truth = {"K": SLIDER.K, "M": SLIDER.M, "damping": 0.0}
         z.append([float((result[k] - x) / result[f"{k}_error"]) for k, x in truth.items()])
     z = np.array(z)
@@ -199,7 +199,7 @@ def test_errors_are_calibrated():
 
 
 def test_without_a_slider_the_damping_includes_friction(one):
-    result = rs.machine_stiffness(noisy(1, clean()), "10 MPa")
+    result = rs.machine_stiffness(noisy(1, clean()), sigma="10 MPa")
     assert "friction together" in result.attrs["remarks"]
     friction = SLIDER.a * SLIDER.sigma / 0.05
     assert 0.2 * friction < float(result.damping) < 1.1 * friction
@@ -208,7 +208,7 @@ def test_without_a_slider_the_damping_includes_friction(one):
 
 
 def test_stick_slip_gives_a_lower_bound():
-    result = rs.machine_stiffness(noisy(2, stick_slip()), "10 MPa")
+    result = rs.machine_stiffness(noisy(2, stick_slip()), sigma="10 MPa")
     assert set(result.slope_kind.values.tolist()) == {"stick"}
     assert "lower bound" in result.attrs["remarks"]
     # the fraction by which creep reduces K, which the remark gives
@@ -222,7 +222,7 @@ def test_stick_slip_that_does_not_creep():
     slider = STICK_SLIP.replace(law="aging")
     z = []
     for seed in range(3):
-        result = rs.machine_stiffness(noisy(seed, stick_slip(slider)), "10 MPa")
+        result = rs.machine_stiffness(noisy(seed, stick_slip(slider)), sigma="10 MPa")
         assert set(result.slope_kind.values.tolist()) == {"stick"}
         z.append(float((result.K - slider.K) / result.K_error))
         np.testing.assert_allclose(result.slope_straight, result.slope_K, rtol=1e-9)
@@ -235,11 +235,11 @@ def test_noise_is_not_stick_slip(seed):
     """These seeds of 60 have falls that happen to be regular, or shorter than rises."""
     assert rs.events(wandering(seed), sigma="10 MPa").sizes["event"] == 0
     with pytest.raises(ParameterError, match="no slope of loading"):
-        rs.machine_stiffness(wandering(seed), "10 MPa")
+        rs.machine_stiffness(wandering(seed), sigma="10 MPa")
 
 
 def test_normal_stress_scales_stiffness(one):
-    doubled = rs.machine_stiffness(noisy(1, clean()), "20 MPa")
+    doubled = rs.machine_stiffness(noisy(1, clean()), sigma="20 MPa")
     assert float(doubled.K) == pytest.approx(2.0 * float(one.K))
     recorded = noisy(1, clean())
     recorded = recorded.assign(sigma=("time", np.full(recorded.sizes["time"], 1e7)))
@@ -273,7 +273,7 @@ def test_headings_are_above_their_columns(one):
 
 
 def test_the_page_shows_the_slopes_that_weigh_most():
-    result = rs.machine_stiffness(noisy(2, stick_slip()), "10 MPa")
+    result = rs.machine_stiffness(noisy(2, stick_slip()), sigma="10 MPa")
     assert result.sizes["slope"] == 6
     fig = plot.figure(result)
     assert "Drawn are 4 of 6 slopes, those that weigh most" in fig.get_suptitle()
@@ -298,13 +298,13 @@ def test_the_page_shows_the_slopes_that_weigh_most():
 )
 def test_bad_input(sigma, settings, text):
     with pytest.raises(ParameterError, match=text):
-        rs.machine_stiffness(noisy(1, clean()), sigma, **settings)
+        rs.machine_stiffness(noisy(1, clean()), sigma=sigma, **settings)
 
 
 def test_a_record_without_slope_or_oscillation_is_refused():
     quiet = noisy(1, clean()).sel(time=slice(0.0, 9.0))
     with pytest.raises(ParameterError, match="no slope of loading"):
-        rs.machine_stiffness(quiet, "10 MPa")
+        rs.machine_stiffness(quiet, sigma="10 MPa")
 
 
 def test_ringing_at_rest_is_distinguished_from_ringing_in_sliding():
@@ -315,7 +315,7 @@ def test_ringing_at_rest_is_distinguished_from_ringing_in_sliding():
     since = np.where(t > start, t - start, np.inf)
     ringing = 0.01 * np.exp(-since) * np.cos(10.0 * np.pi * np.minimum(since, 1e3))
     result = rs.machine_stiffness(
-        data.assign(friction=data.friction + ringing), "10 MPa", slider=SLIDER
+        data.assign(friction=data.friction + ringing), sigma="10 MPa", slider=SLIDER
     )
     at_rest = result.ring_down_V == 0.0
     assert int(at_rest.sum()) == 1
@@ -337,7 +337,7 @@ def test_an_overshoot_does_not_move_the_stiffness(excess, lasts):
     segments = {"segment_t": ("segment", loading.t), "segment_V": ("segment", loading.V)}
     record = xarray.Dataset(segments | {"delta_lp": ("time", run.delta_lp.values)}, {"time": t})
     friction = ("time", run.tau.values / 10e6 + noise)
-    result = rs.machine_stiffness(record.assign(friction=friction), "10 MPa")
+    result = rs.machine_stiffness(record.assign(friction=friction), sigma="10 MPa")
     assert result.slope_kind.values.tolist() == ["step_up"]
     assert result.slope_start.values == pytest.approx([60.0], abs=1e-12)
     assert float(result.K) == pytest.approx(12e9, rel=0.025)

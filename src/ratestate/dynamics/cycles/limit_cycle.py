@@ -26,9 +26,9 @@ from .system import state, system_of
 
 #: names of the result, which a dimension or coordinate of the sweep cannot have
 VARIABLES = (
-    "period frequency amplitude V_max V_min inertia slow_fraction fundamental multipliers"
-    " multipliers_error multiplier stable residual error V_max_error V_min_error returns mu_min"
-    " reversal_margin outside_domain status"
+    "period frequency amplitude stress_drop V_max V_min inertia slow_fraction fundamental"
+    " multipliers multipliers_error multiplier stable residual error V_max_error V_min_error"
+    " returns mu_min reversal_margin outside_domain status"
 ).split()
 # Relative error beyond which an answer is refused.
 WORST = 1e-2
@@ -66,8 +66,9 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
     xarray.Dataset
         In the sweep's dimensions:
 
-        - ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min of tau/sigma), ``V_max``
-          and ``V_min`` [m/s], ``inertia`` (max |tau/sigma - mu| divided by the amplitude);
+        - ``period`` [s], ``frequency`` [Hz], ``amplitude`` (max - min of tau/sigma),
+          ``stress_drop`` [Pa] (max - min of tau), ``V_max`` and ``V_min`` [m/s], ``inertia``
+          (max |tau/sigma - mu| divided by the amplitude);
         - ``slow_fraction``, the part of the period in which V < V_lp/10, and ``fundamental``, the
           share, in the variance of tau, of the harmonic with one oscillation a return (1:
           harmonic, 6/pi^2: sawtooth);
@@ -89,8 +90,9 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
           counts as rest);
         - ``returns``, how many returns to the section make the period: 1, 2, 4, ... up to 32, all
           of them counted in the other variables; 0 if there is no cycle;
-        - ``status`` (int8 with CF flags).  0 is a cycle; 1 is steady sliding: amplitude, inertia
-          and error are 0, V_max = V_min = V_lp, and variables that only a cycle has are NaN.
+        - ``status`` (int8 with CF flags).  0 is a cycle; 1 is steady sliding: amplitude,
+          stress_drop, inertia and error are 0, V_max = V_min = V_lp, and variables that only a
+          cycle has are NaN.
 
     Raises
     ------
@@ -241,6 +243,7 @@ def cycle_variables(law, batch, status, measures, stable):
             "period": period,
             "frequency": 1.0 / period,
             "amplitude": p.a * amplitude,
+            "stress_drop": p.sigma * (p.a * amplitude),
             "V_max": V * law.speed(measured("v_max", steady_v), psi, at_V),
             "V_min": V * law.speed(measured("v_min", steady_v), psi, at_V),
             "inertia": np.where(steady, 0.0, measured("g_max") / amplitude),

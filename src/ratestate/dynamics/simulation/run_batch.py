@@ -176,9 +176,11 @@ def _observables(law, batch, motion, rtol):
     counts = (numbers["amplitude"] > 10.0 * rtol) & (numbers["cycles"] > 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         frequency = p.V0 / p.Dc / numbers["period"]
+    amplitude = np.where(counts, p.a * numbers["amplitude"], 0.0)
     values = {
         "cycles": numbers["cycles"],
-        "amplitude": np.where(counts, p.a * numbers["amplitude"], 0.0),
+        "amplitude": amplitude,
+        "stress_drop": p.sigma * amplitude,
         "frequency": np.where(counts, frequency, 0.0),
         "V_max": p.V0 * law.speed(numbers["v_max"], law.reference_state, coefficients),
         "V_min": p.V0 * law.speed(numbers["v_min"], law.reference_state, coefficients),

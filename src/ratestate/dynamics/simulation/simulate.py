@@ -26,8 +26,8 @@ from .settings import check_normal_stress, saved_times, solver_settings, undistu
 
 # Names of the result, which a dimension or coordinate of the sweep cannot have.
 VARIABLES = (
-    "V delta delta_lp V_load tau mu status steps energy_residual amplitude frequency cycles"
-    " returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
+    "V delta delta_lp V_load tau mu status steps energy_residual amplitude stress_drop frequency"
+    " cycles returns V_max V_min inertial_force mu_min reversal_margin outside_domain t"
 ).split()
 # Memory of a case at each time: seven variables of the result, three of the engine; two more for
 # each state but the first.
@@ -94,8 +94,9 @@ def simulate(
           less stored and dissipated energy, divided by the sum of their sizes);
         - ``cycles``, the number of stress maxima after the first since the last jump in the
           loading;
-        - ``amplitude`` (max - min of tau/sigma(0), without the first maximum) and ``frequency``
-          [Hz] of the last period; 0 if there is none, or its amplitude is below 10 a rtol;
+        - ``amplitude`` (max - min of tau/sigma(0), without the first maximum), ``stress_drop`` [Pa]
+          (max - min of tau) and ``frequency`` [Hz] of the last period; 0 if there is none, or its
+          amplitude is below 10 a rtol;
         - ``returns``, the number of maxima in this period: 1, or up to 32 if unequal maxima follow
           each other in a fixed order throughout the later half of the last 64; 0 if they have no
           such order, and then this half gives the amplitude, and frequency is the number of maxima

@@ -126,7 +126,7 @@ def healing(
     fitted = read(slider) if slider else None
 
     def evaluate(record: "xarray.Dataset") -> "xarray.Dataset":
-        return find_healing(record, fitted, **settings)
+        return find_healing(record, slider=fitted, **settings)
 
     result = _evaluate("healing", evaluate, "hold", files, reading, out, json)
     if bool((result["hold_status"] != 0).any()):
@@ -148,7 +148,7 @@ def stiffness(
     from ...records.machine.machine_stiffness import machine_stiffness
 
     def evaluate(record: "xarray.Dataset") -> "xarray.Dataset":
-        return machine_stiffness(record, sigma)
+        return machine_stiffness(record, sigma=sigma)
 
     _evaluate("stiffness", evaluate, "slope", files, reading, out, json)
 

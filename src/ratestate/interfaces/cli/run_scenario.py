@@ -18,6 +18,7 @@ from ...model.names import one_of
 from ...model.quantities import QUANTITIES
 from ...model.units import is_array, to_si
 from ...scenario import Output, Scenario
+from ...scenario.files import LARGEST
 from .document import document, failed
 from .exits import FAILED, SOME_FAILED
 from .options import Outputs, pairs_of
@@ -32,7 +33,7 @@ def load_scenario(file: Path, function: str | None, law_file: Path | None) -> Sc
     """Return the scenario of a file, or of standard input for "-"."""
     if file != Path("-"):
         return scenarios.load(file, function, law_file=law_file)
-    text = typer.get_binary_stream("stdin").read(scenarios.LARGEST + 1)
+    text = typer.get_binary_stream("stdin").read(LARGEST + 1)
     return scenarios.loads(text, function, name="standard input", law_file=law_file)
 
 
@@ -166,8 +167,7 @@ def in_numbers(result: xarray.Dataset, units: dict[str, str] | None) -> xarray.D
     numbers = result.assign(whole_contact(result).data_vars)
     wanted = units or {}
     there = {k: unit for k, unit in wanted.items() if find_variable(numbers, k) is not None}
-    in_table = {"tau"} if "amplitude" in numbers else set()  # by how much it changes in a cycle
-    if absent := [name for name in wanted if name not in there.keys() | in_table]:
+    if absent := [name for name in wanted if name not in there]:
         print_line(f"--units: this result has no {', '.join(absent)}", err=True)
     return in_units(numbers, **there)
 

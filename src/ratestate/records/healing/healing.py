@@ -17,7 +17,7 @@ from .steady import levels_of
 
 
 @keywords_checked
-def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
+def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
     """Measure frictional healing and relaxation in each hold, and their rates per decade.
 
     The record is a slide-hold-slide test.  Healing is the peak of friction on reloading minus
@@ -100,7 +100,7 @@ def healing(data, slider=None, *, loading=None, trend="slip", noise=None):
     >>> run = rs.simulate(slider, loading, 170.0, times=np.linspace(0, 170, 3401))
     >>> noise = 1e-4 * np.random.default_rng(1).normal(size=3401)
     >>> record = run[["delta_lp"]].assign(friction=run.tau / slider.sigma + noise)
-    >>> result = rs.healing(record, slider)
+    >>> result = rs.healing(record, slider=slider)
     >>> result.delta_mu.values.round(3).tolist(), round(float(result.beta), 3)
     ([0.016, 0.03], 0.014)
     """

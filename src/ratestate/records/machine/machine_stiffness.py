@@ -32,7 +32,7 @@ CYCLES, LASTING = 3, 0.6
 
 
 @keywords_checked
-def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
+def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
     """Measure stiffness, mass and damping of a machine, per area, from a record.
 
     K follows from the slope of stress against load-point displacement while the spring loads, after
@@ -101,7 +101,7 @@ def machine_stiffness(data, sigma=None, *, slider=None, loading=None):
     >>> run = rs.simulate(slider, loading, 140.0, times=np.linspace(0, 140, 14001))
     >>> noise = 1e-4 * np.random.default_rng(1).normal(size=14001)
     >>> record = run[["delta_lp"]].assign(friction=run.tau / slider.sigma + noise)
-    >>> result = rs.machine_stiffness(record, "5 MPa")
+    >>> result = rs.machine_stiffness(record, sigma="5 MPa")
     >>> bool(abs(result.K - 8e9) < 2 * result.K_error), bool(result.K_error < 2e8)
     (True, True)
     """

@@ -125,10 +125,10 @@ def test_healing_is_predicted_by_the_joint_fit(data, under_both):
     slider, joint = rs.fitted_slider(under_both, law), under_both.sel(law=law, parameter=FREE)
 
     def healed(**changes):
-        result = rs.healing(data, slider.replace(**changes))
+        result = rs.healing(data, slider=slider.replace(**changes))
         return float(result.delta_mu_predicted[0, 0])
 
-    predicted = rs.healing(data, under_both).sel(law=law)
+    predicted = rs.healing(data, slider=under_both).sel(law=law)
     assert float(predicted.delta_mu_predicted[0]) == pytest.approx(healed(), rel=1e-9)
     spacing = {name: 1e-3 * getattr(slider, name) for name in FREE}
     slopes = [
@@ -152,7 +152,7 @@ def test_healing_of_steps_without_a_joint_fit_is_refused(data, under_both):
     lacking.shared.loc[{"law": "aging"}] = np.nan
     lacking.shared_error.loc[{"law": "aging"}] = np.nan
     with pytest.raises(rs.ParameterError, match="no joint fit under the aging law"):
-        rs.healing(data, lacking)
+        rs.healing(data, slider=lacking)
 
 
 def sawtooth(data, teeth, begin, end=np.inf):
