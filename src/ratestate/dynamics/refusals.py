@@ -1,7 +1,7 @@
 """What functions say of arguments that they cannot use, of idle runs, of branches that end early.
 
 Every `ParameterError` that this package makes is a sentence of refusals.toml, but for that of a
-status of the engine, whose text is engine/statuses.toml's (`simulation.cases.failure`).
+status of the engine, whose text is engine/statuses.toml's (`simulation.engine_cases.failure`).
 """
 
 from pathlib import Path

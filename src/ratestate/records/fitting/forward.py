@@ -8,7 +8,7 @@ differences of 3e-5, derivatives are accurate to 1e-6.  Fits of cycles use `marc
 
 import numpy as np
 
-from ...dynamics.simulation.cases import V_LIMIT, comes_to_rest, engine_loads
+from ...dynamics.simulation.engine_cases import V_LIMIT, comes_to_rest, engine_loads
 from ...engine import backend, dispatch
 from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
 from ...errors import ParameterError
