@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from ratestate.plot.pages.overview import MUTED
+from ratestate.plot.figures.overview import MUTED
 from ratestate_explorer.bundle import STATIC
 from ratestate_explorer.wire import PINS
 
