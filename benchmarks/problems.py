@@ -4,7 +4,7 @@ import copy
 
 import numpy as np
 
-from ratestate.dynamics.simulation.cases import engine_cases, run_cases
+from ratestate.dynamics.simulation.engine_cases import engine_cases, run_cases
 from ratestate.engine.model import Loads
 from ratestate.friction.laws import LAWS, friction_law
 from ratestate.model.arrays import Batch

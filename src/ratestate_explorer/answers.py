@@ -50,7 +50,7 @@ def answer_rows(question, deadline):
 def run_job(job, question, deadline):
     """Return the answer of a job, of kind "problem" if it failed, and whether it did.
 
-    backend.Stopped if it was cancelled.
+    `Stopped` if it was cancelled.
     """
     place = PLACES.get(question.ask, "")  # of a problem that is not one of an entry
     try:

@@ -27,7 +27,7 @@ DENSITY = 40
 MARKED = ("fold", "period_doubling", "torus")
 
 
-class Axis(NamedTuple):
+class ParameterRange(NamedTuple):
     """The range of the parameter [SI], and where steady sliding is stable in it."""
 
     low: float
@@ -61,7 +61,7 @@ def branch(state, along, deadline):
 
     The arrays hold all pieces of branches, one after another: the parameter, amplitude, V_max, and
     whether the cycles between a point and the next are stable.  What could not be followed is
-    named in the header's note.  backend.Stopped if it was cancelled.
+    named in the header's note.  `Stopped` if it was cancelled.
     """
     slider, V_lp = state.slider, state.V_lp
     axis = axis_of(slider, V_lp, along)
@@ -87,7 +87,7 @@ def branch(state, along, deadline):
 
 
 def axis_of(slider, V_lp, along):
-    """Return the `Axis` of the diagram of a slider at a speed."""
+    """Return the `ParameterRange` of the diagram of a slider at a speed."""
     value = V_lp if along == "V_lp" else getattr(slider, along)
     there = 0.0 < value < np.inf
     anchor = value if there else _scale(slider, V_lp, along)
@@ -104,7 +104,7 @@ def axis_of(slider, V_lp, along):
         ends = _rounded_decades(value, SIDE / 2.0)
         low, high = min(low, ends[0]), max(high, ends[1])
     changes, stable = _stability(slider, V_lp, along, low, high)
-    return Axis(low, high, tuple(changes), stable)
+    return ParameterRange(low, high, tuple(changes), stable)
 
 
 def _scale(slider, V_lp, along):

@@ -67,7 +67,7 @@ def chart(slider, size, deadline, limits=WHOLE):
 
     limits : first and last K/K_c_qs, first and last eta
 
-    ParameterError if b <= a, for a law without a chart, and if it takes too long; backend.Stopped
+    ParameterError if b <= a, for a law without a chart, and if it takes too long; `Stopped`
     if it was cancelled.
     """
     key = key_of(slider)
@@ -101,7 +101,7 @@ def chart(slider, size, deadline, limits=WHOLE):
 
 @functools.lru_cache(CACHED_CHARTS)
 def survey(law, b_over_a, size, limits=WHOLE):
-    """Return the atlas of this size; backend.Stopped past the deadline of the part of the work."""
+    """Return the atlas of this size; `Stopped` past the deadline of the part of the work."""
     ratio, eta = limits[:2], limits[2:]
     return rs.atlas(
         b_over_a, law, n=size, rtol=RTOL, eta=eta, K_over_K_c_qs=ratio, transition=False

@@ -29,7 +29,7 @@ def plan_of_experiment(state, verdict, orbit, settled, deadline):
     verdict, orbit : of the motion at its end
     settled : the `Settled` motion before it
 
-    `TimeUp` if the start takes too long, backend.Stopped if it was cancelled.
+    `TimeUp` if the start takes too long, `Stopped` if it was cancelled.
     """
     plan = partial(_plan, verdict, orbit, settled, state.segments, state.kick)
     if not state.protocol:

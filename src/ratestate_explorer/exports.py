@@ -15,7 +15,7 @@ def export(question, deadline):
     """Return name, type and content (bytes) of a file, a dict; the question names one of `FILES`.
 
     ParameterError for more than `MOST_ROWS`, and where a figure has no run; `TimeUp` past the
-    deadline, backend.Stopped if cancelled.
+    deadline, `Stopped` if cancelled.
     """
     kind, state = question.ask, state_of(question.entries)
     try:

@@ -35,7 +35,7 @@ def figure_file(form, state, pinned, deadline):
 def figure_of(state, pinned, deadline):
     """Return the Figure of a `PageState`, with the runs of other states behind it.
 
-    ParameterError if there is no run to draw; `TimeUp` past the deadline, backend.Stopped if it
+    ParameterError if there is no run to draw; `TimeUp` past the deadline, `Stopped` if it
     was cancelled.
     """
     study, run, notes = _motion(state, deadline)

@@ -13,7 +13,7 @@ from starlette.responses import Response
 
 import ratestate as rs
 
-from . import wire
+from . import record_fit, wire
 from .picture import decimated
 from .state import with_unit
 
@@ -127,15 +127,19 @@ def _response(message, status):
 
 
 class Choices(BaseModel, extra="forbid", strict=True):
-    """What the page lets a person choose, keyword arguments of `read_lab`."""
+    """What the page lets a person choose, keyword arguments of `read_lab`; and `fit`.
+
+    fit : the page's entries, if the record shall be fitted
+    """
 
     columns: dict[str, Any] = {}
     units: dict[str, Any] = {}
     time: list[str | None] = []
+    fit: dict[str, Any] = {}
 
 
 def choices_of(text):
-    """Return the choices in a JSON text as keyword arguments of `read_lab`; `wire.BadQuestion`."""
+    """Return the `Choices` in a JSON text that are made, a dict; `wire.BadQuestion`."""
     choices = wire.checked(Choices, text).model_dump(exclude_unset=True)
     if "time" in choices:
         choices["time"] = [t and with_unit("t", t) for t in choices["time"]]
@@ -147,10 +151,12 @@ def answer_record(name, contents, choices, stop):
 
     It has the `quantities` for which a column can be chosen, the file's columns, [[title, unit],
     ...], and which of them was `chosen`, symbol -> number from 1; and either the record or the
-    `problem`, why there is none.
+    `problem`, why there is none.  With a fit, the record has `friction_fit`, and `fitted` are
+    sentences on it.
 
-    stop : threading.Event that ends the reading
+    stop : `Deadline` that ends the reading, and the fit
     """
+    entries = choices.pop("fit", None)
     file = io.BytesIO(contents)
     file.name = name = name[-LONGEST:] or "the file"
     found = rs.files.try_reading(file, choices, seconds=READING_SECONDS, stop=stop)
@@ -160,7 +166,15 @@ def answer_record(name, contents, choices, stop):
         return wire.answer(None, "record", problem=_problem(found), **header)
     record = found.record
     header |= {"found": record.attrs["found"], "notes": json.loads(record.attrs["notes"])}
-    header |= {"begin": _begin(record), "conditions": conditions(record)}
+    header |= {"begin": _begin(record), "conditions": conditions(record), "fitted": []}
+    if entries:
+        try:
+            friction, header["fitted"] = record_fit.fit_of(record, entries, stop)
+        except rs.RateStateError as error:
+            return wire.answer(None, "record", problem=str(error), **header)
+        except rs.Stopped:
+            return wire.answer(None, "record", problem="the fit was stopped", **header)
+        record = record.assign(friction_fit=("time", friction))
     return wire.answer(None, "record", _arrays(record), problem="", **header)
 
 
@@ -180,8 +194,9 @@ def _problem(found):
 
 
 def _arrays(record):
-    """Friction, and the speed of the load point if that was recorded, in time; and the segments."""
-    curves = {name: record[name].values for name in ("friction", "V_load") if name in record}
+    """Friction, a fit if any, and the load point's speed if recorded, in time; and segments."""
+    names = ("friction", "friction_fit", "V_load")
+    curves = {name: record[name].values for name in names if name in record}
     which = decimated(*curves.values())
     arrays = {name: values[which] for name, values in curves.items()}
     segments = {name: record[name].values for name in ("segment_t", "segment_V")}

@@ -50,7 +50,7 @@ class Study(NamedTuple):
 def study_of(state, deadline):
     """Return the `Study` of a `PageState`; a search that fails or takes too long is noted.
 
-    `TimeUp` if the verdict or the run's start takes too long, backend.Stopped if it was cancelled.
+    `TimeUp` if the verdict or the run's start takes too long, `Stopped` if it was cancelled.
     """
     cycle, orbit = _attractor(state.slider, state.V_lp, deadline)
     with deadline.part():

@@ -2,13 +2,12 @@
 
 import asyncio
 import secrets
-import threading
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
-from . import branch, charts, lab_record, picture, wire
+from . import branch, charts, lab_record, picture, record_fit, wire
 from .answers import (
     answer_branch,
     answer_chart,
@@ -16,6 +15,7 @@ from .answers import (
     answer_rows,
     run_job,
 )
+from .deadline import Deadline
 from .entries import BadEntries, state_of
 from .exports import export
 from .menus import example, offers, presets
@@ -63,7 +63,7 @@ class Session:
         self.shared, self.socket, self.send_lock = shared, socket, asyncio.Lock()
         self.nonsense = 0
         self.token = secrets.token_urlsafe(16)  # names the page when it sends a file
-        self.record_stop = threading.Event()  # of the record that is being read
+        self.record_stop = Deadline(record_fit.SECONDS)  # of the record that is being read
         surveys = [partial(answer_chart, size=size) for size in charts.SIZES]
         in_pool = partial(QuestionQueue, shared.pool, seconds=picture.SECONDS)
         of_charts = partial(QuestionQueue, shared.chart_pool, seconds=charts.SECONDS, patience=0.0)
@@ -139,9 +139,9 @@ class Session:
         self.record_stop.set()
 
     def begin_record(self):
-        """Stop reading an earlier record; return the threading.Event that stops a new one."""
+        """Stop reading an earlier record; return the `Deadline` that stops a new one."""
         self.record_stop.set()
-        self.record_stop = threading.Event()
+        self.record_stop = Deadline(record_fit.SECONDS)
         return self.record_stop
 
 
@@ -152,7 +152,7 @@ def answer_file(question, deadline):
 
 
 def warm_up(kind, deadline):
-    """Do all work once for a `Kind`; backend.Stopped if it was cancelled."""
+    """Do all work once for a `Kind`; `Stopped` if it was cancelled."""
     entries = presets()[0]["entries"] | {symbol: example(symbol) for symbol in kind.own}
     entries |= {"law": kind.law, "friction_form": kind.friction_form}
     if kind.sigma_varies:

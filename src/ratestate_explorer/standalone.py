@@ -30,7 +30,7 @@ def standalone(entries, pinned, deadline):
 
     entries : as `entries.state_of` reads them; pinned : list of such
 
-    `BadEntries`; `TimeUp` past the deadline, backend.Stopped if it was cancelled.
+    `BadEntries`; `TimeUp` past the deadline, `Stopped` if it was cancelled.
     """
     header, first = _picture(entries, deadline)
     live = address_of(PORT, urlencode(_texts(entries)))

@@ -9,7 +9,7 @@ from helpers.textbook import Textbook
 from scipy.integrate import solve_ivp
 
 import ratestate as rs
-from ratestate.dynamics.simulation import cases
+from ratestate.dynamics.simulation import engine_cases
 from ratestate.friction.composition import composed_law
 from ratestate.friction.forms import RESOLVED
 from ratestate.friction.point import point_at
@@ -23,7 +23,7 @@ UNIT = DC / V
 @pytest.fixture(autouse=True)
 def few_steps(monkeypatch):
     """A run that makes no headway ends soon."""
-    monkeypatch.setattr(cases, "MAX_STEPS", 2e4)
+    monkeypatch.setattr(engine_cases, "MAX_STEPS", 2e4)
 
 
 def run(K, V1, V2, V_start, *, end=10.0, rtol=1e-6):

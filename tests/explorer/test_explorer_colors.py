@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from ratestate.plot.pages.overview import MUTED
+from ratestate.plot.figures.overview import MUTED
 from ratestate_explorer.bundle import STATIC
 from ratestate_explorer.wire import PINS
 
@@ -52,7 +52,7 @@ def test_text_is_readable(colors):
 
 @pytest.mark.parametrize("colors", [LIGHT, DARK], ids=["light", "dark"])
 def test_lines_and_borders_are_seen(colors):
-    inks = ("stress", "friction", "speed", "cycle", "run", "record", "edge", "accent")
+    inks = ("stress", "friction", "speed", "cycle", "run", "record", "fit", "edge", "accent")
     pairs = [(ink, "card") for ink in (*inks, "pinned-1", "pinned-2", "pinned-3")]
     pairs += [(ink, "inertia") for ink in ("stress", "friction")]
     pairs += [(ink, regime) for ink in ("text", "jump") for regime in REGIMES[:4]]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import ratestate as rs
-from ratestate.plot.pages import overview
+from ratestate.plot.figures import overview
 from ratestate_explorer import charts, entries, exports, figure, picture, wire
 from ratestate_explorer.deadline import Deadline
 from ratestate_explorer.menus import presets

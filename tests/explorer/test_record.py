@@ -4,6 +4,7 @@ import contextlib
 import http.client
 import io
 import json
+import re
 import threading
 import time
 from urllib.parse import urlencode
@@ -13,9 +14,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from explorer_server import page, read, served
+from synthetic_records import SLIDER, STEP, record
 
 from ratestate import machine
+from ratestate.model.units import to_si
 from ratestate_explorer import lab_record, wire
+from ratestate_explorer.deadline import Deadline
 from ratestate_explorer.picture import MOST_SENT
 
 T = np.arange(9000) * 0.1
@@ -61,6 +65,50 @@ def test_what_is_drawn_of_a_record(without_child):
     V_from, V_lp = arrays["segment_V"]
     step = {"time": header["begin"], "V_from": V_from, "V_lp": V_lp, "sigma": 2e7}
     assert header["conditions"] == step
+
+
+ENTRIES = {"a": "0.01", "b": "0.014", "Dc": "20 um", "K": "60 GPa/m", "sigma": "1 MPa"}
+ENTRIES |= {"M": "0", "mu0": "0.6", "V0": "1 um/s", "V_lp": "1 um/s"}
+
+
+@pytest.fixture(scope="module")
+def of_a_step():
+    """A record whose parameters are known, as a file."""
+    t = np.arange(0.0, 240.0, 0.2)
+    data = record(SLIDER, STEP, t, noise=2e-4, seed=18)
+    columns = t, data.delta_lp * 1e6, data.friction, np.full_like(t, SLIDER.sigma / 1e6)
+    rows = (",".join(f"{x:.7g}" for x in row) for row in zip(*columns, strict=True))
+    return "\n".join([",".join(HEADER), *rows]).encode()
+
+
+def test_a_record_is_fitted_from_the_fields_of_the_page(without_child, of_a_step):
+    entries = ENTRIES | {"law": SLIDER.law}
+    found = lab_record.answer_record("r.csv", of_a_step, {"fit": entries}, Deadline(60.0))
+    header, arrays = read(found)
+    assert header["problem"] == ""
+    assert arrays["friction_fit"].size == arrays["friction"].size
+    assert np.std(arrays["friction_fit"] - arrays["friction"]) < 2.5e-4
+    said = header["fitted"][0]
+    for name in ("a", "b", "Dc"):
+        texts = re.search(rf"\b{name} = (\S+(?: um)?) \xb1 (\S+(?: [un]m)?)[,.]", said).groups()
+        value, error = (to_si(name, text) for text in texts)
+        truth = getattr(SLIDER, name)
+        assert abs(value - truth) < 4.0 * error < 0.2 * truth
+
+
+def test_a_fit_ends_with_a_problem_and_on_a_stop(without_child, of_a_step):
+    def problem(entries, deadline):
+        choices = {"fit": entries}
+        header, arrays = read(lab_record.answer_record("r.csv", of_a_step, choices, deadline))
+        assert not arrays
+        return header["problem"]
+
+    entries = ENTRIES | {"law": "slip"}
+    assert problem(entries | {"a": "-1"}, Deadline(60.0)).startswith("a = '-1' must be > 0")
+    assert problem(entries, Deadline(0.0)).startswith("the fit takes more than 0 s. Give times")
+    stopped = Deadline(60.0)
+    threading.Timer(0.05, stopped.set).start()
+    assert problem(entries, stopped) == "the fit was stopped"
 
 
 @pytest.mark.parametrize(

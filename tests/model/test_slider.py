@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ratestate import ParameterError, SpringSlider, logspace
+from ratestate import ParameterError, SpringSlider, logspace, stability
 from ratestate.friction.laws import LAWS
 
 FIG_2 = {
@@ -136,3 +136,14 @@ def test_steady_stress_is_friction_and_damping():
     assert damped.steady_stress(1e-3).values == pytest.approx(
         [friction, friction + 5e-4], rel=1e-14
     )
+
+
+def test_a_plain_array_has_a_dimension_with_the_name_of_the_parameter():
+    stiff = SpringSlider(**FIG_2 | {"K": np.array([1e9, 2e9])})
+    assert stiff.K.dims == ("K",)
+    assert stiff.K.K.values.tolist() == [1e9, 2e9]
+    assert stability(stiff, np.array([1e-3, 2e-3, 3e-3])).growth_rate.sizes == {"K": 2, "V_lp": 3}
+    with pytest.raises(ParameterError, match=r"K and M are numpy arrays, .* dims='K'\)"):
+        stiff.replace(K=np.array([1e9, 2e9]), M=np.array([1.0, 2.0]))
+    with pytest.raises(ParameterError, match=r"For many values give .* dims='V_lp'\)"):
+        stability(stiff, np.ones((2, 2)))

@@ -14,7 +14,7 @@ import ratestate as rs
 from ratestate import ParameterError, plot
 from ratestate.model.quantities import with_error
 from ratestate.plot.curves import MOST, _envelope, record_of
-from ratestate.plot.pages.fit_parts import SIZE, likelihood, non_gaussian, write
+from ratestate.plot.figures.fit_parts import SIZE, likelihood, non_gaussian, write
 from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical, warnings_of
 
 HOLD = rs.Loading.steps("10 um/s", (30.0, 0.0), (130.0, "10 um/s"))

@@ -17,7 +17,7 @@ from ..friction.roots import root
 from ..model.arrays import Batch
 from ..model.slider import check_slider
 from ..model.units import to_si
-from .continuation.family import Family
+from .continuation.family import CycleFamily
 from .cycles.attractor import find_attractors
 from .cycles.measure import refine
 from .cycles.shooting import return_map
@@ -140,7 +140,7 @@ def _cycles_around(system, columns, which, u):
     single = attractors.n_returns == 1  # as of the unstable cycle that meets it
     for i, u_i in zip(which[single], attractors.u[single], strict=True):
         values = {symbol: float(column[i]) for symbol, column in columns.items()}
-        family, p = Family(system.law, values, "K", CYCLE_RTOL), np.log(values["K"])
+        family, p = CycleFamily(system.law, values, "K", CYCLE_RTOL), np.log(values["K"])
         branch = family.branch(family.chart(u_i[None], p)[0], p, stop=p + np.log(FARTHEST_FOLD))
         # Close to the Hopf point p hardly changes along the branch, and noise hides the solution at
         # exactly the first p.

@@ -1,7 +1,7 @@
 """What functions say of arguments that they cannot use, of idle runs, of branches that end early.
 
 Every `ParameterError` that this package makes is a sentence of refusals.toml, or the text of a
-status in engine/statuses.toml (`simulation.cases.failure`).
+status in engine/statuses.toml (`simulation.engine_cases.failure`).
 """
 
 from pathlib import Path

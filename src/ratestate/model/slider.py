@@ -19,7 +19,7 @@ from .arrays import check_aligned
 from .names import check_keywords, refusal
 from .parameters import parameter_to_si
 from .quantities import QUANTITIES, exact_text, readable, readable_together
-from .units import is_array, named, to_si
+from .units import is_array, is_plain_array, named, to_si
 from .user_laws import register, register_source, source_of_law
 
 
@@ -47,8 +47,9 @@ class SpringSlider:
     The equation of motion is M dV/dt = tau - sigma mu - damping V.  The spring's stress is tau.
 
     Every parameter is a number in SI, a string or pint quantity with a unit, or a named
-    xarray.DataArray.  Arrays broadcast by the names of their dimensions, which makes a sweep.  The
-    attributes are floats or DataArrays in SI.
+    xarray.DataArray.  Arrays broadcast by the names of their dimensions, which makes a sweep.  One
+    parameter may be a 1-D numpy array; its dimension is called as the parameter.  The attributes
+    are floats or DataArrays in SI.
 
     Parameters
     ----------
@@ -149,6 +150,9 @@ class SpringSlider:
         area = {} if area is None else {"area": area}
         given: dict[str, Any] = {}  # area and sigma come first: others may need them
         optional = {"damping": damping, "alpha": alpha}
+        plain = [s for s, x in (area | common | of_law | optional).items() if is_plain_array(x)]
+        if len(plain) > 1:
+            raise refusal("slider.plain_arrays", names=" and ".join(plain), first=plain[0])
         for symbol, value in (area | common | of_law | optional).items():
             given[symbol] = parameter_to_si(symbol, value, given)
         form = form_of(base_law, friction_form)

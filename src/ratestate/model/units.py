@@ -42,6 +42,11 @@ def is_array(value):
     return xarray is not None and isinstance(value, xarray.DataArray)
 
 
+def is_plain_array(value):
+    """Return whether value is a 1-D array without the name of its dimension."""
+    return isinstance(value, np.ndarray) and value.ndim == 1
+
+
 def is_pint(value):
     """Return whether value is a pint quantity of any registry."""
     return hasattr(value, "magnitude") and hasattr(value, "units")
@@ -86,8 +91,9 @@ def to_si(symbol, value, *, label=None, bound=None):
     ----------
     symbol : str
         Symbol of the quantity.
-    value : float, str, pint.Quantity or DataArray
-        The value; in SI if it is a number, or has no attribute ``units``.
+    value : float, str, pint.Quantity, DataArray or ndarray
+        The value; in SI if it is a number, or has no attribute ``units``.  The dimension of a 1-D
+        ndarray is called as the symbol.
     label : str, optional
         Name of the value in messages; by default the symbol.
     bound : {"", "> 0", ">= 0"}, optional
@@ -106,6 +112,10 @@ def to_si(symbol, value, *, label=None, bound=None):
         If type, unit or range are wrong, for NaN, and if a dimension has a reserved name.
     """
     label = label or symbol
+    if is_plain_array(value) and label == symbol:
+        import xarray
+
+        value = xarray.DataArray(value, dims=symbol)
     if is_array(value):
         return _array_to_si(symbol, value, label, bound)
     given, si = repr(value) if isinstance(value, str) else str(value), ""

@@ -10,7 +10,7 @@ Parameters that a picture needs (the normal stress, for tau/sigma) are read from
 that every result carries.
 
 =============== ===================================================================
-``pages``       `figure`: a whole figure of any result
+``figures``     `figure`: a whole figure of any result
 ``motion``      runs and cycles: `trace`, the `phase` plane, `amplitudes`
 ``runs``        several runs: names and lines, speeds, phase plane
 ``bifurcation`` a branch of limit cycles: which of it is drawn as stable
@@ -24,13 +24,13 @@ that every result carries.
 
 from ..dynamics.results import parameter
 from .bifurcation import branch
+from .figures import figure
+from .figures.fits import fit
+from .figures.overview import overview
 from .labels import AMPLITUDE, BLUE, GRAY, LAWS, RED, STRESS, label, prefixed, value_text
 from .layout import save
 from .maps import atlas, contours, transition
 from .motion import amplitudes, phase, trace
-from .pages import figure
-from .pages.fits import fit
-from .pages.overview import overview
 from .runs import since
 
 __all__ = [

@@ -11,7 +11,7 @@ from .labels import fitting_unit, in_unit, label, name_and_symbol
 from .layout import plain_ticks
 
 
-class Axis(NamedTuple):
+class SweepAxis(NamedTuple):
     """Abscissae of the cases along a dimension, and what stands at them."""
 
     values: np.ndarray
@@ -53,7 +53,7 @@ class Axis(NamedTuple):
 
 
 def axis_of(result, dim):
-    """`Axis` of a dimension of a result, in a unit that fits.
+    """`SweepAxis` of a dimension of a result, in a unit that fits.
 
     Values that are not finite numbers, or not in order, stand by name at 0, 1, 2 ..., which are
     also the values of a dimension without coordinate.
@@ -64,14 +64,14 @@ def axis_of(result, dim):
     area = contact_area(result) if dim in OF_CONTACT else None
     name = name_and_symbol(dim, area) if dim in QUANTITIES else str(dim)
     if values.dtype.kind not in "iuf":
-        return Axis(np.arange(size), name, names=[str(value) for value in values])
+        return SweepAxis(np.arange(size), name, names=[str(value) for value in values])
     factor, unit = fitting_unit(symbol, values, area)
     fitted = factor * values
     steps = np.diff(values) if np.isfinite(values).all() else np.array([np.nan])
     if not ((steps > 0).all() or (steps < 0).all()):
-        return Axis(np.arange(size), name, unit, names=[f"{value:.4g}" for value in fitted])
+        return SweepAxis(np.arange(size), name, unit, names=[f"{value:.4g}" for value in fitted])
     even = size > 2 and values.min() > 0.0 and _uneven(np.log(values)) < _uneven(values)
-    return Axis(fitted, name, unit, bool(even))
+    return SweepAxis(fitted, name, unit, bool(even))
 
 
 def _uneven(values):

@@ -1,4 +1,4 @@
-"""The bifurcation diagram of a branch of limit cycles, and its page."""
+"""The bifurcation diagram of a branch of limit cycles, and its figure."""
 
 import numpy as np
 
@@ -65,8 +65,8 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
 
 
 @styled
-def branch_page(data):
-    """Page (Figure) of a branch of limit cycles; ParameterError if it has one point."""
+def branch_figure(data):
+    """Draw the figure of a branch of limit cycles; ParameterError if it has one point."""
     symbol = branch_parameter(data)
     title = f"Limit cycles along {symbol_text(symbol)}, {LAWS[parameter(data, 'law')].name}"
     fig = figure(data, 5.2, title=title)

@@ -19,7 +19,7 @@ from ..dynamics.verdict_sentences import on_edge
 from ..engine.model import STEADY_SLIDING
 from ..model.quantities import readable, readable_multiplier, readable_time
 from ..model.slider import SpringSlider
-from .cases import outside_lines
+from .many_cases import outside_lines
 from .report import (
     ANY_SPEED,
     DIGITS,

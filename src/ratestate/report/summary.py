@@ -51,13 +51,13 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         from .fits import report_on_fit
 
         return report_on_fit(result)
-    from . import cases, evaluations, single
+    from . import evaluations, many_cases, single
 
     shown = shown_units(result, _checked_units(units or {}))
     if name in evaluations.TABLES:
         return Report(evaluations.TABLES[name](result))
-    if cases.axes_of(result, name):
-        return Report(cases.sweep(result, name, shown))
+    if many_cases.axes_of(result, name):
+        return Report(many_cases.sweep(result, name, shown))
     if name in single.TABLES:
         return Report(single.TABLES[name](result, shown))
     numbers = {key: one for key, one in result.data_vars.items() if key in QUANTITIES}

@@ -114,6 +114,33 @@ def test_a_record_lies_behind_the_curve(show, text, data):
     assert shown.shifts == []
 
 
+def test_a_record_is_fitted_where_it_lies(show, text):
+    shown = show(SLIDER, viewport={"width": 1440, "height": 900})
+    page = shown.page
+    drop(shown, "p1234.csv", text)
+    page.click("#record-earlier")
+    before = zero(shown)
+    page.click("#record-fit")
+    page.wait_for_function(
+        "() => document.querySelector('#record-notes').textContent.startsWith('Fit under the')",
+        timeout=60_000,
+    )
+    said = shown.text("#record-notes").replace(" ", "")
+    assert re.search(r"^Fitundertheslip.*law:a=0.01\d*\xb1.*,Dc=.*\xb5m,K=", said), said
+    assert zero(shown) == before
+    assert shown.text("#record-fit") == "Fit a, b, Dc and K"
+    assert "fit" in shown.text("#readout")
+    wanted = f"chart => ({PAINTED})(chart).count > 100"
+    page.wait_for_function(wanted, arg=["#stress-chart canvas", "fit"])
+    # a fit that is stopped leaves what was there
+    page.click("#record-fit")
+    assert shown.text("#record-fit") == "Stop the fit"
+    page.click("#record-fit")
+    assert shown.text("#record-fit") == "Fit a, b, Dc and K"
+    assert shown.text("#record-notes").replace(" ", "") == said
+    assert zero(shown) == before
+
+
 def test_columns_are_chosen(show, data):
     columns = T, data.delta_lp.values * 1e3, data.friction.values
     shown = show()

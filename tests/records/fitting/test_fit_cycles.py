@@ -21,7 +21,7 @@ from ratestate.records.fitting.cycles.folding import Segment, cut_cycles, main_p
 from ratestate.records.fitting.cycles.measured import corrected, measure
 from ratestate.records.fitting.cycles.problem import CyclesForward, CyclesProblem
 from ratestate.records.fitting.cycles.waves import GRID, CycleModel, limit_waves, wave_at
-from ratestate.records.fitting.generalized_least_squares import solution_from
+from ratestate.records.fitting.solutions import solution_from
 from ratestate.records.kit.sample_noise import SampleNoise
 
 VIBRATION = rs.SpringSlider(**FIG2)  # the paper's Fig. 2, 1 % below K_c

@@ -16,11 +16,6 @@ from ratestate.records.fitting import inference, settings, transients
 from ratestate.records.fitting import posterior as sampling
 from ratestate.records.fitting.checks import search_warnings
 from ratestate.records.fitting.fit_dataset import with_comparison
-from ratestate.records.fitting.generalized_least_squares import (
-    Solution,
-    least_squares_fit,
-    root_of_covariance,
-)
 from ratestate.records.fitting.identifiability import (
     correlated_groups,
     identifiability,
@@ -44,6 +39,11 @@ from ratestate.records.fitting.quantities import (
     reported_quantities,
 )
 from ratestate.records.fitting.samples import Samples, samples_of
+from ratestate.records.fitting.solutions import (
+    Solution,
+    least_squares_fit,
+    root_of_covariance,
+)
 from ratestate.records.fitting.transients import _transients, transients_p_value
 from ratestate.records.fitting.unknowns import Unknowns, start_names, unknowns_of
 from ratestate.records.kit.noise import Noise

@@ -23,7 +23,7 @@ from ..recipe import record_scenario
 from ..refusals import refusal, sentence
 from ..simulation.settings import checked_rtol
 from .bifurcations import NO_CONVERGENCE, NO_RETURN
-from .family import PARAMETERS, Family
+from .family import PARAMETERS, CycleFamily
 
 # Amplitudes of ln V at which a branch leaves its Hopf point, and below which it ends at one.
 START_AMPLITUDE, END_AMPLITUDE = 0.03, 0.02
@@ -159,7 +159,7 @@ def check_rtol(rtol):
 
 
 def checked_family(slider, parameter, start, stop, V_lp, rtol):
-    """Return the `Family` and {"start": ..., "stop": ...} [SI], from checked arguments."""
+    """Return the `CycleFamily` and {"start": ..., "stop": ...} [SI], from checked arguments."""
     law = check_slider(slider).friction_law
     parameters = (*PARAMETERS, *law.parameters)
     if not isinstance(parameter, str) or parameter not in parameters:
@@ -186,7 +186,7 @@ def checked_family(slider, parameter, start, stop, V_lp, rtol):
             raise refusal("branch.range", symbol=symbol, value=value, unit=unit, reason=reason)
     if ends["start"] == ends["stop"]:
         raise refusal("branch.no_length", start=ends["start"])
-    family = Family(law.name, values, parameter, rtol)
+    family = CycleFamily(law.name, values, parameter, rtol)
     system = family.system(np.log([*ends.values()]))
     if not system.may_cycle.any():
         raise refusal("branch.strengthening", beta=system.beta[0])

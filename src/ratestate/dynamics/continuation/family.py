@@ -73,7 +73,7 @@ class MapValues(NamedTuple):
 
 
 @dataclasses.dataclass(frozen=True)
-class Family:
+class CycleFamily:
     """Sliders that differ in one parameter; nothing is checked here (see `checked_family`)."""
 
     law: str
@@ -222,7 +222,9 @@ class _Correction(NamedTuple):
 
 
 def _polished(family, points, exact):
-    """Return the `_Points` of a branch from its `BranchPoint`s; `exact` as in `Family.measures`.
+    """Return the `_Points` of a branch from its `BranchPoint`s.
+
+    exact : as in `CycleFamily.measures`
 
     A point whose next correction is not finite, or too long, stays as it is, with the errors found
     so far.

@@ -17,7 +17,7 @@ from ...model.units import to_si
 from ..progress import bar
 from ..refusals import refusal
 from ..results import CheckedCall, columns, domain_variables, status_variable
-from ..simulation.cases import failure
+from ..simulation.engine_cases import failure
 from ..simulation.settings import checked_rtol
 from ..simulation.simulate import SimulateCall
 from .attractor import SLOWER, find_attractors, steady_start

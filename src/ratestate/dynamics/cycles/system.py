@@ -21,7 +21,7 @@ from ...engine.model import SLAVED
 from ...friction import linear_stability
 from ...friction.composition import composed_law
 from ...friction.stability import eta
-from ..simulation.cases import V_LIMIT
+from ..simulation.engine_cases import V_LIMIT
 
 # Tolerance of a step in x, v and psi that rounding of numbers of order 1 allows.
 TIGHTEST = 2e-14

@@ -14,7 +14,7 @@ from ...model.initial_state import initial_state
 from ...model.quantities import attrs
 from ...model.units import is_array
 from ..results import columns, domain_variables, status_variable
-from .cases import comes_to_rest, engine_cases, engine_loads, run_cases, run_path
+from .engine_cases import comes_to_rest, engine_cases, engine_loads, run_cases, run_path
 
 # A double below this has lost digits.
 SMALLEST = np.finfo(float).tiny

@@ -20,7 +20,7 @@ from ...model.units import is_array, to_si
 from ..progress import bar
 from ..refusals import refusal
 from ..results import CheckedCall
-from .cases import failure
+from .engine_cases import failure
 from .run_batch import blank_motion, motion_variables, move
 from .settings import check_normal_stress, saved_times, solver_settings, undisturbed_warning
 

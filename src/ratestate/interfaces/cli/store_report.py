@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     """Print how a sweep into a store ended; return the number of failed cases."""
-    from ...report.cases import failed_lines, outside_lines
+    from ...report.many_cases import failed_lines, outside_lines
     from ...report.report import shown_units
     from ...sweeps.status import failures, store_status
 

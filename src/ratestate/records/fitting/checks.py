@@ -8,9 +8,9 @@ from ..load_point.stress_steps import VARIABLE, stress_range
 from ..messages import fitting as sentences
 from .by_law import rate_dependence_text
 from .forward import Forward
-from .generalized_least_squares import FALL, chi2_gain, responds, response
 from .identifiability import bounds_of, identifiability
 from .samples import before_first_change, change_times
+from .solutions import FALL, chi2_gain, responds, response
 from .transients import longest_distance
 from .unknowns import motion_symbols, parameter
 

@@ -8,8 +8,8 @@ differences of 3e-5, derivatives are accurate to 1e-6.  Fits of cycles use `marc
 
 import numpy as np
 
-from ...dynamics.simulation.cases import V_LIMIT, comes_to_rest, engine_loads
-from ...engine import dispatch
+from ...dynamics.simulation.engine_cases import V_LIMIT, comes_to_rest, engine_loads
+from ...engine import backend, dispatch
 from ...engine.model import FINISHED, RIGID_REST, STATUSES, Cases
 from ...errors import ParameterError
 from ...friction.composition import under_varying_stress
@@ -240,6 +240,7 @@ def cases_of(*, kappa, **columns):
 
 def marched(law, cases, loads, times):
     """Return x, v, psi (n, m, 2 + states) of cases at times; NaN if a run fails."""
+    backend.check_stopped()  # a march may be too short to look
     results = dispatch.run_march(True, law, cases, loads, times, np.arange(cases.kappa.size))
     results.saved[results.status != FINISHED] = np.nan
     return results.saved

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .generalized_least_squares import Solution, responds, solution_from, solutions_of
 from .noise_uncertainty import Inflation, LikelyNoise, Widening, likely_noise
 from .posterior import Posterior, common_prior, sample_posterior
 from .profile import LEAST_GAIN, BetterPoint, compute_profiles
 from .quantities import Estimates, estimates_from, reported_quantities
+from .solutions import Solution, responds, solution_from, solutions_of
 from .transients import longest_distance, transients_p_value
 
 #: how often a fit may start again from a better point on a profile

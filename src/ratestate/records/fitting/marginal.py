@@ -11,9 +11,9 @@ import numpy as np
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from ..messages import fitting as sentences
-from .generalized_least_squares import solutions_of
 from .problem import SamplesProblem
 from .settings import checked_settings
+from .solutions import solutions_of
 from .unknowns import LINEAR, parameter, to_coordinate, unknowns_of
 
 #: ln(likelihood) if a slider does not move through the whole record

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.special import ndtr
 
 from ..kit.estimated_noise import RestrictedLikelihood, families, modes
-from .generalized_least_squares import Solution, project_out
 from .quantities import GAUSSIAN, LEVELS
+from .solutions import Solution, project_out
 
 #: spacing of the grid, in standard deviations of the shape; its least and largest length
 STEP, SHORTEST, LONGEST = 1.0, 0.1, 1.5

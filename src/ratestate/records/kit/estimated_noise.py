@@ -88,7 +88,7 @@ class RestrictedLikelihood:
         return -minus, variance, inverse, projected
 
 
-class Family(NamedTuple):
+class NoiseFamily(NamedTuple):
     """White noise and one relaxation, or white noise and a spectrum that is a power of frequency.
 
     The first coordinate of a shape is ln(share/(1 - share)).  The second is ln(time), or the
@@ -119,8 +119,8 @@ def families(likelihood):
     times, exponents = np.log([SHORTEST * spacing, length]), np.array(EXPONENTS) / UNIT
     starts = [np.array([0.0, math.log(time)]) for time in (2.0 * spacing, 0.02 * length)]
     return (
-        Family(False, length, np.array([LOG_ODDS, times]), starts),
-        Family(True, length, np.array([LOG_ODDS, exponents]), [np.array([1.0, 1.0 / UNIT])]),
+        NoiseFamily(False, length, np.array([LOG_ODDS, times]), starts),
+        NoiseFamily(True, length, np.array([LOG_ODDS, exponents]), [np.array([1.0, 1.0 / UNIT])]),
     )
 
 

@@ -55,7 +55,7 @@ const marks = { show: (found) => controls.mark(found) };
 const sound = new Sound($("sound"), $("volume"), $("heard"));
 const views = [verdict, traces, ...moving, phase, standing, sound, marks, { show: describe }, { show: (found) => tasks.show(found) }];
 const explanations = new Explanations($("explanation"));
-const recordPanel = new RecordPanel(record, () => traces.window.shown(), (conditions) => controls && whenRead(() => controls.experiments.takeConditions(conditions)));
+const recordPanel = new RecordPanel(record, () => traces.window.shown(), (conditions) => controls && whenRead(() => controls.experiments.takeConditions(conditions)), () => controls.entries.asked());
 const saved = $("recording")?.textContent; // of a page that was saved
 if (saved) views.push({ show: disable });
 const connection = saved ? new Recording(saved, { answer }) : new Connection({ answer, lost });

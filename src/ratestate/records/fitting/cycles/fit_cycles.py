@@ -14,9 +14,9 @@ from ...kit.results import labelled
 from ...messages import fitting as sentences
 from ..checks import search_warnings
 from ..fit_dataset import curve_variables, estimate_variables, text_variables
-from ..generalized_least_squares import solution_from
 from ..identifiability import identifiability
 from ..inference import Inference, infer_quantities
+from ..solutions import solution_from
 from ..unknowns import distinct
 from .features import FEATURES, LEVEL
 from .folding import sliding_segments

@@ -8,7 +8,7 @@ from ....dynamics.cycles.attractor import find_attractors, steady_start
 from ....dynamics.cycles.limit_cycle import WORST
 from ....dynamics.cycles.measure import refine
 from ....dynamics.cycles.system import state, system_of
-from ....dynamics.simulation.cases import MAX_STEPS
+from ....dynamics.simulation.engine_cases import MAX_STEPS
 from ....engine.model import FINISHED, Loads
 from ....formulas import mu_ss
 from ....friction.composition import composed_law

@@ -21,10 +21,10 @@ from ...messages import fitting as sentences
 from ..checks import is_misfit
 from ..fit_dataset import dataset_of
 from ..forward import Forward
-from ..generalized_least_squares import responds
 from ..inference import inferences_of, inflation_of
 from ..quantities import ROOTS
 from ..settings import Settings
+from ..solutions import responds
 from ..unknowns import MACHINE_PARAMETERS, to_coordinate, to_value
 from . import FAILED, FITTED, NORMAL_STRESS, STICK_SLIP
 from .shared import estimates_of, mean_of, shared_fit

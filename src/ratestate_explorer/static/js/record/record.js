@@ -40,19 +40,27 @@ export class LabRecord {
   draw({ ctx, scales }, name, X, Y) {
     if (!this.arrays) return;
     const isLog = scales.y.distr === 3;
-    ctx.beginPath();
     ctx.lineWidth = WIDTH * devicePixelRatio;
     ctx.lineJoin = "round";
     ctx.strokeStyle = color("record");
     const { time, values } = this.curve(name);
-    let goesOn = false;
-    for (let i = 0; i < time.length; i += 1) {
-      // A load point that rests has no place on a logarithmic axis.
-      const is = !(name === "speed" && isLog) || values[i] > 0;
-      if (is) ctx[goesOn ? "lineTo" : "moveTo"](X(time[i] - this.zero), Y(values[i]));
-      goesOn = is;
-    }
-    ctx.stroke();
+    const line = (values) => {
+      ctx.beginPath();
+      let goesOn = false;
+      for (let i = 0; i < time.length; i += 1) {
+        // A load point that rests has no place on a logarithmic axis.
+        const is = !(name === "speed" && isLog) || values[i] > 0;
+        if (is) ctx[goesOn ? "lineTo" : "moveTo"](X(time[i] - this.zero), Y(values[i]));
+        goesOn = is;
+      }
+      ctx.stroke();
+    };
+    line(values);
+    const fit = this.arrays.friction_fit;
+    if (!fit || name === "speed") return;
+    ctx.strokeStyle = color("fit");
+    ctx.lineWidth *= 2;
+    line(fit);
   }
 
   /** Of speeds, the range of those that slide. */
@@ -77,7 +85,8 @@ export class LabRecord {
     const short = long ? `${this.name.slice(0, LONGEST_NAME - 1)}\u2026` : this.name;
     const value = time === null ? null : this.frictionAt(time);
     const text = value === null ? short : value.toPrecision(4); // one line must hold all values
-    return element("span", { title: this.name }, element("span", { className: "line record" }), text);
+    const fit = this.arrays.friction_fit ? [element("span", { className: "line fit" }), "fit"] : [];
+    return element("span", { title: this.name }, element("span", { className: "line record" }), text, ...fit);
   }
 
   // ---- what there is

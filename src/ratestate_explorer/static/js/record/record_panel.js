@@ -14,9 +14,10 @@ export class RecordPanel {
   /**
    * record: LabRecord, a layer of traces; shown: function () that gives the times that these show [s]
    * take: function (conditions) that puts a record's conditions into the fields
+   * entries: function () that gives the texts of the fields, from which a fit starts
    */
-  constructor(record, shown, take) {
-    Object.assign(this, { record, shown, take, found: null });
+  constructor(record, shown, take, entries) {
+    Object.assign(this, { record, shown, take, entries, found: null });
     this.file = new RecordFile((fraction) => this.progress(fraction));
     this.choices = new RecordChoices(() => this.read());
     this.listen();
@@ -49,6 +50,7 @@ export class RecordPanel {
     on("record-later", "click", () => this.shiftBy(-1));
     on("record-whole", "change", ({ target }) => this.record.showWhole(target.checked));
     on("record-conditions", "click", () => this.takeConditions());
+    on("record-fit", "click", () => (this.isFitting ? this.stopFit() : this.fit()));
     on("record-remove", "click", () => this.remove());
   }
 
@@ -67,22 +69,45 @@ export class RecordPanel {
     this.read();
   }
 
-  /** Have the file read as chosen. */
-  async read() {
+  /** Have the file read as chosen, and fitted from these entries, if any. */
+  async read(fit = null) {
     $("record").show();
-    this.say(`Reading ${this.chosen.name} \u2026`);
+    this.say(`${fit ? "Fitting" : "Reading"} ${this.chosen.name} \u2026`);
     $("record-notes").replaceChildren();
     this.progress(0);
-    const found = await this.file.send(this.chosen, this.choices.choices);
-    if (!found) return; // for a newer one
+    this.tellFit(Boolean(fit));
+    const found = await this.file.send(this.chosen, { ...this.choices.choices, ...(fit && { fit }) });
+    if (!found) return; // for a newer one, or for none
     $("record-progress").hidden = true;
+    this.tellFit(false);
     this.choices.offer(found);
     if (found.problem) {
       this.say(found.problem, true);
-      if (found.columns.length) this.choices.show();
+      if (found.columns.length && !fit) this.choices.show();
       return;
     }
     this.show(found);
+  }
+
+  /** Have the record fitted; it stays where it lies. */
+  async fit() {
+    const { zero } = this.record;
+    await this.read(this.entries());
+    if (this.record.arrays) this.shift(zero);
+  }
+
+  stopFit() {
+    this.file.stop();
+    $("record-progress").hidden = true;
+    this.tellFit(false);
+    const { zero } = this.record;
+    this.show(this.found);
+    this.shift(zero);
+  }
+
+  tellFit(isFitting) {
+    this.isFitting = isFitting;
+    $("record-fit").textContent = isFitting ? "Stop the fit" : "Fit a, b, Dc and K";
   }
 
   /** So much is sent, of 1; null: all is, and is being read. */
@@ -100,7 +125,7 @@ export class RecordPanel {
     $("record-said").append(written("span", `: ${found.found}.`));
     $("record-shown").disabled = false;
     $("record-conditions").disabled = found.conditions.V_lp === null;
-    $("record-notes").replaceChildren(...found.notes.map((note) => written("li", note)));
+    $("record-notes").replaceChildren(...[...found.fitted, ...found.notes].map((note) => written("li", note)));
     this.tellZero();
   }
 

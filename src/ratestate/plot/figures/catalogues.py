@@ -1,4 +1,4 @@
-"""The page of a catalogue of stick-slip events, or of several: simulated beside measured."""
+"""The figure of a catalogue of stick-slip events, or of several: simulated beside measured."""
 
 from typing import Any, NamedTuple
 
@@ -40,8 +40,8 @@ class Named(NamedTuple):
 
 
 @styled
-def events_page(catalogues):
-    """Page (Figure) of a catalogue, or of a list or dict of them: records above, lines below."""
+def events_figure(catalogues):
+    """Draw the figure of a catalogue, or of a list or dict of them: records above, lines below."""
     named = _named(catalogues)
     loaded = any(bool(one.data.recurrence.notnull().any()) for one in named)
     heights = [RECORD * len(named) + 0.3, *([BELOW + 0.3] if loaded else [])]

@@ -1,4 +1,4 @@
-"""Evaluations of records: the page of healing, and the page of a machine."""
+"""Evaluations of records: the figure of healing, and the figure of a machine."""
 
 import numpy as np
 
@@ -28,8 +28,8 @@ DRAWN = {"slope": ("slopes", "slope_K"), "ring_down": ("ring-downs", "ring_down_
 
 
 @styled
-def healing_page(result):
-    """Page (Figure) of a result of `healing`."""
+def healing_figure(result):
+    """Draw the figure of a result of `healing`."""
     holds, found = result.sizes["hold"], int((result["hold_status"] == 0).sum())
     source = attribute_text(result, "source", "")
     title = f"Healing{f' in {source}' if source else ''}: {found} of {holds} holds evaluated"
@@ -96,8 +96,8 @@ def _predicted(part, name, rate, ax, law):
 
 
 @styled
-def machine_page(result):
-    """Page (Figure) of a result of `machine_stiffness`."""
+def machine_figure(result):
+    """Draw the figure of a result of `machine_stiffness`."""
     source = attribute_text(result, "source", "")
     title = f"Machine{f' of {source}' if source else ''}: " + ", ".join(
         estimate(result, symbol) for symbol in ("K", "M", "damping")

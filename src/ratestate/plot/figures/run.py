@@ -1,4 +1,4 @@
-"""The pages of runs and of a limit cycle: stress, speed against time, and the phase plane."""
+"""The figures of runs and of a limit cycle: stress, speed against time, and the phase plane."""
 
 from ...dynamics.cycles.limit_cycle import orbit
 from ...dynamics.cycles.regimes import classify
@@ -11,7 +11,7 @@ from ..labels import BLUE, GRAY, LAWS, STRESS, fitting_unit, prefixed, value_tex
 from ..layout import ABOVE, SLIDER, figure, letters, styled, text_width
 from ..motion import force_axis, trace
 from ..runs import THIN, NamedRun, common, named_runs, plane, speed
-from .linear import stability_page
+from .linear import stability_figure
 
 # Cycles of a run from which lines run together, and how many are shown on their own.
 MANY, FEW = 25, 5
@@ -22,16 +22,16 @@ COMPACT = {"handlelength": 1.5, "handletextpad": 0.5, "columnspacing": 1.0}
 
 
 @styled
-def run_page(run):
-    """Page (Figure) of one slider's run."""
+def run_figure(run):
+    """Draw the figure of one slider's run."""
     end, law = with_unit("t", float(run.time[-1])), LAWS[parameter(run, "law")].name
     unstable = ", up to the quasi-static instability" if int(run.status) == RUNAWAY else ""
     return _motion(run, f"Run of {end}{unstable}, {law}", run)
 
 
 @styled
-def runs_page(runs):
-    """Page (Figure) of several runs, as `named_runs` takes them; ParameterError as of it."""
+def runs_figure(runs):
+    """Draw the figure of several runs, as `named_runs` takes them; ParameterError as of it."""
     named = named_runs(runs)
     parts = [one.run for one in named]
     if any(run.attrs.get("title") != "ratestate simulate" for run in parts):
@@ -39,7 +39,7 @@ def runs_page(runs):
             "a figure of several runs shows results of simulate alone", "Give only such results."
         )
     if len(parts) == 1:
-        return run_page(parts[0])
+        return run_figure(parts[0])
     laws = {LAWS[parameter(run, "law")].name for run in parts}
     title = f"{len(parts)} runs, {' and '.join(sorted(laws))}"
     fig = figure(parts[0], 4.4, common(parts, SLIDER), title=title)
@@ -57,13 +57,16 @@ def runs_page(runs):
 
 
 @styled
-def cycle_page(cycle):
-    """Draw a slider's cycle, computed again for a period, or its stability if it has no cycle."""
+def cycle_figure(cycle):
+    """Draw the figure of a slider's cycle; of its stability if it has no cycle.
+
+    The cycle is computed again for a period.
+    """
     symbols = slider_parameters(cycle)
     slider = SpringSlider(**{symbol: parameter(cycle, symbol) for symbol in symbols})
     V_lp = float(cycle.V_lp)
     if int(cycle.status) == STEADY_SLIDING:
-        return stability_page(stability(slider, V_lp))
+        return stability_figure(stability(slider, V_lp))
     kind = str(classify(cycle).regime.values)
     title = (
         f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law].name}: "

@@ -1,4 +1,4 @@
-"""Fits: record and curves, pages with residuals and close-ups, and the page of a fit of cycles."""
+"""Fits: record and curves, figures with residuals and close-ups, and of a fit of cycles."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from ..curves import WHOLE, curves, marks, normal_95, record_of, residuals
 from ..labels import LAWS
 from ..layout import letters, styled
 from .fit_parts import finished, framed, legend
-from .steps import steps_page
+from .steps import steps_figure
 
 #: close-ups: how many at most, the fewest samples, what is before a step over what is after it
 MOST, FEWEST, BEFORE = 3, 12, 0.3
@@ -60,11 +60,11 @@ def fit(result, ax=None, *, x=None):
             raise ParameterError(
                 "fits of steps fill a whole figure", "Leave ax out, or pick one with .isel."
             )
-        return fit_page(in_si(result))
+        return fit_figure(in_si(result))
     checked_by_law(result, "plot.fit")
     result = in_si(result)
     if ax is None:
-        return fit_page(result, x)
+        return fit_figure(result, x)
     record = record_of(result, x)
     curves(record, ax)
     marks(record, ax)
@@ -73,12 +73,12 @@ def fit(result, ax=None, *, x=None):
 
 
 @styled
-def fit_page(result, x=None):
-    """Page (Figure) of a fit; x as of `fit`, without effect on a fit of cycles."""
+def fit_figure(result, x=None):
+    """Draw the figure of a fit; x as of `fit`, without effect on a fit of cycles."""
     if has_steps(result):
-        return steps_page(result)
+        return steps_figure(result)
     if result.attrs.get("against") == "cycles":
-        return cycles_page(result)
+        return cycles_figure(result)
     record = record_of(result, x)
     laws, close = [*record.laws], _close_ups(record)
     rows, heights = _rows(laws, [*close])
@@ -155,8 +155,8 @@ def _share(column, *, named):
             panel.set_ylabel("")
 
 
-def cycles_page(result):
-    """Page (Figure) of a fit against cycles."""
+def cycles_figure(result):
+    """Draw the figure of a fit against cycles."""
     record = record_of(result, "time")
     laws, t = record.laws, record.t
     fig, (top, *below) = framed(result, laws, sum(HEIGHTS))

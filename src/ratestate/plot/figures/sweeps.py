@@ -1,4 +1,4 @@
-"""The page of a sweep: lines over one axis, maps over two, or a line for each of a few values."""
+"""The figure of a sweep: lines over one axis, maps over two, or a line for each of a few values."""
 
 import numpy as np
 from matplotlib.colors import LogNorm, Normalize, SymLogNorm
@@ -39,8 +39,8 @@ FEW = 5
 
 
 @styled
-def sweep_page(result, function, dims):
-    """Page (Figure) of a sweep of a function of `SHOWN` over one or two dimensions."""
+def sweep_figure(result, function, dims):
+    """Draw the figure of a sweep of a function of `SHOWN` over one or two dimensions."""
     cases, shown = SHOWN[function]
     names = [name for name in shown if set(dims) & set(result[name].dims)] or shown
     over = " and ".join(label(str(dim)) for dim in dims)

@@ -37,7 +37,7 @@ def divide(fig, axes, result, dims, along, across, outside):
     Regions are regimes of limit cycles, or where steady sliding is stable; runs have none.  One
     that has no room for its name has none, and axes of unordered values have no V_c.
 
-    dims : of the result, vertical and horizontal; across, along : their `Axis`
+    dims : of the result, vertical and horizontal; across, along : their `SweepAxis`
     outside : of each case, whether its motion leaves the domain of the friction law
     """
     marks, texts = [], []
@@ -65,7 +65,7 @@ def divide(fig, axes, result, dims, along, across, outside):
 
 
 def _critical(result, axes):
-    """Lines (x, y) on which K = K_c; axes : vertical and horizontal dimension -> `Axis`."""
+    """Lines (x, y) on which K = K_c; axes : vertical and horizontal dimension -> `SweepAxis`."""
     if any(axis.names or axis.values.size < 2 for axis in axes.values()):
         return
     V = result.V_load.isel(time=-1) if "V_load" in result else parameter(result, "V_lp")

@@ -1,4 +1,4 @@
-"""What pages of fits have in common: frame, likelihoods, and the table of estimates."""
+"""What figures of fits have in common: frame, likelihoods, and the table of estimates."""
 
 import numpy as np
 from matplotlib.patches import Patch

@@ -1,10 +1,10 @@
-"""A page for each kind of result: what a person wants to see of it at once.
+"""A figure for each kind of result: what a person wants to see of it at once.
 
 =================== ====================================================
 ``run``             runs and a limit cycle: stress, speed, phase plane
 ``overview``        a run with its limit cycle, and its place on the atlas
 ``linear``          stability at all speeds; a frequency response
-``cases``           lines or maps of a sweep
+``sweeps``          lines or maps of a sweep
 ``regions``         what divides its maps: V_c, and regimes by their names
 ``fits``            fits of whole records and of cycles
 ``fit_parts``       what these share: frame, likelihoods, estimates
@@ -18,26 +18,26 @@ import xarray
 
 from ...errors import ParameterError
 from ...model.conversion import in_si
-from ..bifurcation import branch_page
+from ..bifurcation import branch_figure
 from ..layout import untitled
-from .cases import FEW, sweep_page
-from .catalogues import events_page
-from .fits import fit_page
-from .laboratory import healing_page, machine_page
-from .linear import response_page, stability_page
-from .run import cycle_page, run_page, runs_page
+from .catalogues import events_figure
+from .fits import fit_figure
+from .laboratory import healing_figure, machine_figure
+from .linear import response_figure, stability_figure
+from .run import cycle_figure, run_figure, runs_figure
+from .sweeps import FEW, sweep_figure
 
-#: function -> page of a single slider's result
+#: function -> figure of a single slider's result
 SINGLE = {
-    "simulate": run_page,
-    "limit_cycle": cycle_page,
-    "stability": stability_page,
-    "frequency_response": response_page,
-    "continue_cycle": branch_page,
-    "fit": fit_page,
-    "events": events_page,
-    "healing": healing_page,
-    "machine_stiffness": machine_page,
+    "simulate": run_figure,
+    "limit_cycle": cycle_figure,
+    "stability": stability_figure,
+    "frequency_response": response_figure,
+    "continue_cycle": branch_figure,
+    "fit": fit_figure,
+    "events": events_figure,
+    "healing": healing_figure,
+    "machine_stiffness": machine_figure,
 }
 #: functions of a record, which are never swept
 OF_RECORDS = ("fit", "events", "healing", "machine_stiffness")
@@ -79,7 +79,7 @@ def _figure(result):
     if isinstance(result, list | tuple | dict):
         parts = result.values() if isinstance(result, dict) else result
         titles = {getattr(part, "attrs", {}).get("title") for part in parts}
-        return events_page(result) if "ratestate events" in titles else runs_page(result)
+        return events_figure(result) if "ratestate events" in titles else runs_figure(result)
     title = str(result.attrs.get("title", "")) if isinstance(result, xarray.Dataset) else ""
     function = title.removeprefix("ratestate ")
     if function not in SINGLE:
@@ -106,5 +106,5 @@ def _figure(result):
         )
     few = len(axes) == 1 and result.sizes[axes[0]] <= FEW
     if few and result.sizes.get("time", 1) > 1 and bool(result["V"].notnull().any()):
-        return runs_page(result)
-    return sweep_page(result, function, axes) if axes else SINGLE[function](result)
+        return runs_figure(result)
+    return sweep_figure(result, function, axes) if axes else SINGLE[function](result)

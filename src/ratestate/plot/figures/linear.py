@@ -1,4 +1,4 @@
-"""Linear theory: the page of stability, and the page of a frequency response."""
+"""Linear theory: the figure of stability, and the figure of a frequency response."""
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, MultipleLocator, NullLocator
@@ -18,8 +18,8 @@ INPUTS = {"V_lp": "load-point velocity", "sigma": "normal stress"}
 
 
 @styled
-def stability_page(result):
-    """Page (Figure) of one slider's steady sliding."""
+def stability_figure(result):
+    """Draw the figure of one slider's steady sliding."""
     law = law_of_result(result)
     values = {s: float(parameter(result, s)) for s in (*law.symbols, "sigma", "M")}
     K, V_lp, V_c = float(parameter(result, "K")), float(result.V_lp), float(result.V_c)
@@ -107,8 +107,8 @@ def _mode(growth, frequency, V, factor, V_lp, first):
 
 
 @styled
-def response_page(result):
-    """Page (Figure) of one slider's response to oscillations of many frequencies."""
+def response_figure(result):
+    """Draw the figure of one slider's response to oscillations of many frequencies."""
     if result.sizes.get("frequency", 1) < 2:
         raise ParameterError(
             "a figure of a frequency response shows several frequencies",

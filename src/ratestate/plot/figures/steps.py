@@ -35,8 +35,8 @@ RECORDED = {"color": "0.6", "rasterized": True}
 MARKERS = {("step", True): "^", ("step", False): "v", ("hold", False): "o"}
 
 
-def steps_page(result):
-    """Page (Figure) of fits of steps: a panel for each, and a - b and Dc along the experiment."""
+def steps_figure(result):
+    """Draw the figure of fits of steps: a panel for each, and a - b and Dc along the experiment."""
     laws = results_by_law(result)
     shown = np.unique(np.linspace(0, result.sizes["step"] - 1, MOST).astype(int))
     shown = shown if result.sizes["step"] > MOST else np.arange(result.sizes["step"])
