@@ -21,7 +21,7 @@ from matplotlib.ticker import (
 
 from ..dynamics.results import contact_area, parameter, slider_parameters
 from ..files import replace
-from ..model.slider import PARAMETERS
+from ..model.slider_parameters import PARAMETERS
 from ..model.units import is_array
 from .labels import value_text
 
