@@ -82,7 +82,7 @@ def figure(data, height, symbols=None, more="", title=None):
         no_numbers = (*PARAMETERS, "law", "friction_form", "area")
         symbols = " ".join([SLIDER, *(s for s in slider_parameters(data) if s not in no_numbers)])
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
-    area = contact_area(data)
+    area = contact_area(data) if values else None  # results of records have no slider
     listed = [value_text(symbol, x, area=area) for symbol, x in values.items() if not is_array(x)]
     second = ", ".join(listed) + more
     return blank_figure(height, f"{title or data.attrs['title']}\n{second}")
