@@ -105,7 +105,9 @@ def test_every_public_name_with_a_docstring_is_documented(monkeypatch):
     assert plain <= {*described} | packages | functions_of_formulas
 
 
-@pytest.mark.parametrize("page", ["typical_values", "reference/scenario_files", "reference/api"])
+@pytest.mark.parametrize(
+    "page", ["typical_values", "reference/scenario_files", "reference/api", "developer/modules"]
+)
 def test_tables_shown_in_markdown_are_current(page, monkeypatch):
     """`python docs/_ext/generated.py` writes them anew."""
     monkeypatch.syspath_prepend(DOCS / "_ext")

@@ -5,6 +5,7 @@ read as Markdown the part follows, up to ``<!-- end -->``: ``python docs/_ext/ge
 it.
 """
 
+import ast
 import inspect
 import operator
 import re
@@ -233,12 +234,44 @@ def _first_sentence(path):
         return VALUES[path]
     import ratestate as rs
 
-    text = inspect.getdoc(operator.attrgetter(path)(rs))
-    text = " ".join(text.partition("\n\n")[0].split()).replace("``", "`")
+    text = _one_line(inspect.getdoc(operator.attrgetter(path)(rs)))
     return re.sub(r"`ratestate\.(\w+)`", r"`\1`", text)
 
 
+def modules():
+    """Every module with the first sentence of its docstring, in the order of folders."""
+    source = DOCS.parent / "src"
+    folders = sorted({path.parent for path in source.rglob("*.py")})
+    tables = []
+    for folder in folders:
+        name = ".".join(folder.relative_to(source).parts)
+        rows = [
+            f"## {name}",
+            "",
+            _sentence_of(folder / "__init__.py"),
+            "",
+            "| module | |",
+            "|---|---|",
+        ]
+        paths = sorted(folder.glob("*.py"))
+        rows += [
+            f"| `{path.stem}` | {_sentence_of(path)} |" for path in paths if path.stem[0] != "_"
+        ]
+        tables.append("\n".join(rows))
+    return "\n\n".join(tables)
+
+
+def _sentence_of(path):
+    docstring = ast.get_docstring(ast.parse(path.read_text("utf-8")))
+    return _one_line(docstring)
+
+
+def _one_line(docstring):
+    return " ".join(docstring.partition("\n\n")[0].split()).replace("``", "`")
+
+
 WRITERS = {
+    "modules": modules,
     "names": names,
     "commands": commands,
     "exit_codes": exit_codes,

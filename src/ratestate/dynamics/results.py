@@ -15,7 +15,8 @@ from ..friction.laws import friction_law, law_name
 from ..model.conversion import in_si
 from ..model.parameters import force
 from ..model.quantities import QUANTITIES, attrs
-from ..model.slider import OPTIONAL, PARAMETERS, SpringSlider
+from ..model.slider import SpringSlider
+from ..model.slider_parameters import OPTIONAL, PARAMETERS
 from ..model.units import is_array, to_si
 from .recipe import recorded, recorded_result, value_of, versions
 from .refusals import refusal

@@ -12,7 +12,7 @@ from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c, re
 from ..friction.stability import call_elementwise, eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
-from ..model.parameters import logspace
+from ..model.parameters import logspace, of_contact
 from ..model.slider import check_slider
 from ..model.units import is_array, to_si
 from .refusals import refusal
@@ -175,7 +175,7 @@ def frequency_response(slider, V_lp, frequency=None):
     call = frequency_response_call(slider, V_lp, frequency)
     call.batch.check_fits(4 * len(TRANSFER), "Ask for fewer frequencies at a time.")
     if call.sliders.is_single and not call.resonances["stable"][0]:
-        raise refusal("response.unstable", V_lp=call.V_lp, K=slider.K)
+        raise refusal("response.unstable", V_lp=call.V_lp, K=of_contact("K", slider.K, slider.area))
     return call.dataset(call.run())
 
 

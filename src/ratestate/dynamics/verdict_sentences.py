@@ -23,13 +23,12 @@ _sentence = Sentences(Path(__file__).with_suffix(".toml"))
 
 
 def sentence(name, v, **values):
-    """Return a sentence with values of a `Verdict`, stiffnesses as texts, and others."""
-    stiffnesses = {"K": v.slider.K, "K_c": v.K_c, "K_c_qs": v.K_c_qs, "K_fold": v.K_fold}
-    for symbol, K in stiffnesses.items():
-        if K is not None:
-            quantity, shown = of_contact("K", K, v.slider.area)
-            values[symbol] = readable(quantity, shown, 5 if symbol == "K_fold" else 4)
-    return _sentence(name, v=v, **values)
+    """Return a sentence with values of a `Verdict`, its stiffnesses by name, and others."""
+    stiffnesses = {"K": v.slider.K, "K_c": v.K_c, "K_c_qs": v.K_c_qs}
+    if v.K_fold is not None:
+        stiffnesses["K_fold"] = v.K_fold
+    shown = {symbol: of_contact("K", K, v.slider.area) for symbol, K in stiffnesses.items()}
+    return _sentence(name, v=v, **shown, **values)
 
 
 def sentences(v, reason):

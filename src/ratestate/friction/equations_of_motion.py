@@ -164,9 +164,11 @@ class Motion:
         return self._lists[name]
 
     def values(self, name, inputs):
-        """Return the values of one of the lists, in tuples; rows as dicts.
+        """Return the values of one of the lists of expressions, in its shape.
 
-        inputs : symbol -> value; w and exponentials too if they are known
+        A single expression gives a number, a list a tuple, rows a tuple of tuples or dicts.
+
+        inputs : expression of a symbol -> value; w and exponentials too if they are known
         """
         return _refill(self[name], iter(values_of(_flatten(self[name]), inputs)))
 

@@ -1,7 +1,1 @@
-"""Ways in beside Python.
-
-============ ======================================================
-``cli``      the command line, ``ratestate``
-``explorer`` the function `explore`, and the package that it needs
-============ ======================================================
-"""
+"""Ways in besides Python: the command line, and the function `explore`."""

@@ -207,7 +207,7 @@ class Batch:
         return table, self._flat(number).astype(np.int64)
 
     def evaluate(self, function, t):
-        """Evaluate a `Loading` method at times t (n, m): array (n, m)."""
+        """Evaluate a function of time, such as `loading.V_load`, at t (n, m); array (n, m)."""
         if not self.dims:
             return np.asarray(function(t[0]))[None]
         import xarray

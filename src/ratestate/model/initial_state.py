@@ -5,7 +5,7 @@ import numpy as np
 from ..friction.expressions import LIMIT
 from ..friction.roots import root
 from .names import refusal
-from .slider import PARAMETERS
+from .slider_parameters import PARAMETERS
 from .units import to_si
 
 # largest difference x - S that is due to rounding

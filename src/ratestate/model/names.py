@@ -82,7 +82,8 @@ class Sentences(string.Formatter):
     """The sentences of a TOML file, by name; values replace the fields in braces.
 
     Besides the formats of `str.format`, ``{V_max:as V}`` shows a value in SI as a quantity with a
-    suitable unit, and ``{V_max:as V 3}`` does so with three digits.
+    suitable unit, and ``{V_max:as V 3}`` does so with three digits.  A pair is another quantity and
+    its value, as from `of_contact`.
 
     path : a TOML file with tables of strings
     """
@@ -124,6 +125,8 @@ class Sentences(string.Formatter):
         if kind != "as":
             return super().format_field(value, spec)
         symbol, *digits = symbol_and_digits
+        if isinstance(value, tuple):
+            symbol, value = value
         return readable(symbol, value, *map(int, digits))
 
 

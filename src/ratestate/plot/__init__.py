@@ -8,18 +8,6 @@
 
 Parameters that a picture needs (the normal stress, for tau/sigma) are read from the provenance
 that every result carries.
-
-=============== ===================================================================
-``figures``     `figure`: a whole figure of any result
-``motion``      runs and cycles: `trace`, the `phase` plane, `amplitudes`
-``runs``        several runs: names and lines, speeds, phase plane
-``bifurcation`` a branch of limit cycles: which of it is drawn as stable
-``maps``        maps of the atlas: regimes, the transition, contours
-``curves``      a record under its fitted curves; which changes of speed are marked
-``axis``        the axes of a sweep: scale, unit, what stands at its cases
-``labels``      symbols, units and sentences as mathematics; colours of the laws
-``layout``      type, captions, letters; when a scale is logarithmic; `save`
-=============== ===================================================================
 """
 
 from ..dynamics.results import parameter

@@ -21,7 +21,7 @@ from matplotlib.ticker import (
 
 from ..dynamics.results import contact_area, parameter, slider_parameters
 from ..files import replace
-from ..model.slider import PARAMETERS
+from ..model.slider_parameters import PARAMETERS
 from ..model.units import is_array
 from .labels import value_text
 
@@ -82,7 +82,7 @@ def figure(data, height, symbols=None, more="", title=None):
         no_numbers = (*PARAMETERS, "law", "friction_form", "area")
         symbols = " ".join([SLIDER, *(s for s in slider_parameters(data) if s not in no_numbers)])
     values = {symbol: parameter(data, symbol) for symbol in symbols.split()}
-    area = contact_area(data)
+    area = contact_area(data) if values else None  # results of records have no slider
     listed = [value_text(symbol, x, area=area) for symbol, x in values.items() if not is_array(x)]
     second = ", ".join(listed) + more
     return blank_figure(height, f"{title or data.attrs['title']}\n{second}")

@@ -11,7 +11,7 @@ from ..dynamics.steady_sliding import steady_stress
 from ..engine.model import FINISHED
 from ..errors import ParameterError
 from ..model.conversion import in_si
-from ..model.slider import OPTIONAL
+from ..model.slider_parameters import OPTIONAL
 from .axis import axis_of
 from .labels import GRAY, LAWS, RED, STRESS, prefixed, value_text
 from .layout import ABOVE, is_wide, shades, show_constant

@@ -44,19 +44,6 @@
     file = "out.nc"   # or .csv, .zarr
     plot = "out.png"  # or .pdf
 
-=============================== ================================================================
-``files``, ``law_file``         which files are read: `load`, `loads`; the friction law in a file
-``known_keys``                  which tables and keys there are, and an example of each
-``tables``                      [slider], [run], [output] and [sweep] read
-``loading_table``               [loading] read, with a record of times and speeds in a file
-``values``                      numbers and axes read: which magnitudes are refused
-``assemble``                    the scenario out of the tables; which arguments do not go together
-``problems``, ``messages.toml`` how problems are reported, all together
-``scenario``                    `Scenario`, also of a result; which functions one may call
-``as_toml``, ``as_python``      a scenario written down, with numbers that are read back exactly
-``templates``                   scenario files to start from, and their data
-=============================== ================================================================
-
 Modules are imported when they are first used: the templates alone need none of the others.
 """
 

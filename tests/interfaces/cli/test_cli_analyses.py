@@ -379,7 +379,7 @@ def test_a_branch_begins_with_a_value_of_the_whole_contact(area, lab):
     found = call("branch", lab, "--parameter", "K", "--start", "1.8 MN/m", "--stop", "1.79 MN/m")
     if area:
         assert found.exit_code == 0, found.output
-        assert "K from 895 MPa/m to 900 MPa/m" in found.stdout
+        assert "K from 1.79 MN/m to 1.8 MN/m" in found.stdout
     else:
         assert found.exit_code == 2
         assert "give the area too, such as area = '20 cm^2'" in found.stderr

@@ -16,6 +16,7 @@ from ...engine.model import (
 )
 from ...errors import NotConverged, ParameterError, QuasiStaticInstability, SolverError
 from ...model.arrays import as_column
+from ...model.parameters import of_contact
 from ...model.units import is_array
 from ..refusals import sentence
 from ..results import columns
@@ -139,9 +140,13 @@ def failure(function, slider, status, t=None, best=None, loading=None):
     if status == RUNAWAY and not slider.friction_law.has_speed_scale and slider.K_c_qs > 0.0:
         varies = loading is not None and loading.normal_stress is not None
         then = loading.slider_at(t, slider) if varies else slider
-        at = sentence("failure.stress", sigma=then.sigma) if varies else ""
-        ratio = then.K / then.K_c_qs
-        text = sentence("failure.runaway", slider=then, ratio=ratio, at=at, text=text)
+        sigma, K, K_c_qs = (
+            of_contact(symbol, getattr(then, symbol), then.area)
+            for symbol in ("sigma", "K", "K_c_qs")
+        )
+        at = sentence("failure.stress", sigma=sigma) if varies else ""
+        values = {"K": K, "K_c_qs": K_c_qs, "ratio": then.K / then.K_c_qs}
+        text = sentence("failure.runaway", at=at, text=text, **values)
     message = f"{function} stopped{when} ({name}): {text}.\n{slider!r}"
     kinds = {RUNAWAY: QuasiStaticInstability, NO_CONVERGENCE: NotConverged}
     return kinds.get(int(status), SolverError)(message, best)

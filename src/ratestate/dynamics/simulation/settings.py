@@ -8,6 +8,7 @@ from ...friction.stability import EDGE_WIDTH
 from ...model.arrays import column_to_si
 from ...model.initial_state import initial_state, steady_sliding_state
 from ...model.names import one_of
+from ...model.parameters import of_contact
 from ...model.units import is_array, to_si
 from ..refusals import refusal, sentence
 from ..results import columns
@@ -73,7 +74,7 @@ def undisturbed_warning(calls):
     calls : iterable of `simulate.SimulateCall`, the parts of one
     """
     cases, count = 0, 0
-    first: dict[str, float] = {}
+    first: dict = {}
     for call in calls:
         V_lp = _constant_speeds(call)
         p, law = columns(call.batch), call.slider.friction_law
@@ -89,7 +90,10 @@ def undisturbed_warning(calls):
         count += int(stays.sum())
         if stays.any() and not first:
             i = int(np.argmax(stays))
-            first = {"V_lp": V_lp[i], "K": p.K[i], "K_c": critical[i]}
+            area = p.area[i] if call.slider.has_area else None
+            stiffnesses = {"K": p.K[i], "K_c": critical[i]}
+            first = {symbol: of_contact("K", K, area) for symbol, K in stiffnesses.items()}
+            first["V_lp"] = V_lp[i]
     if not count:
         return ""
     name = "undisturbed" if cases == 1 else "undisturbed_sweep"

@@ -1,21 +1,5 @@
 """The command line, ``ratestate``: a command is a function and its table in commands.toml.
 
-======================================= ==========================================================
-``command``, ``commands.toml``          which commands there are; their options and help
-``options``                             options that several commands share; NAME=VALUE read
-``start``                               ``init`` and ``explore``
-``analyses``                            commands on a scenario file: ``run``, ``stability``, ...
-``run_scenario``                        what these do: outputs checked, computed, printed, written
-``laboratory``                          commands on a record: ``fit``, ``events``, ...
-``run_fit``, ``fit_report``             initial guesses and files of a fit; report.md
-``sweep_store``, ``store_report``       ``sweep``; what is said of a store
-``paper``                               ``figures`` and ``atlas``
-``document``                            results as JSON
-``verdict_text``, ``verdict_text.toml`` which verdict stands beside a result
-``output``                              how lines, tables and messages are printed
-``exits``                               which error ends with which code and message
-======================================= ==========================================================
-
 The function's docstring is the head of its help.  Nothing heavy is imported before a command needs
 it, so help and version come at once.
 """

@@ -14,6 +14,7 @@ from ...engine.model import FINISHED
 from ...engine.model import RUNAWAY as RAN_AWAY
 from ...model.loading import Loading
 from ...model.names import Sentences
+from ...model.parameters import of_contact
 from ...model.slider import SpringSlider
 from ...scenario import Scenario
 
@@ -59,8 +60,10 @@ def verdict_text(scenario: Scenario, result: xarray.Dataset) -> VerdictText | No
 def _which_stress(loading: Loading, last: SpringSlider, first: SpringSlider) -> str:
     """Which normal stress the verdict is about; "" where it is the one of the beginning."""
     if loading.stress_oscillates:
-        return SENTENCES("about.mean_stress", sigma=last.sigma)
-    return "" if last.sigma == first.sigma else SENTENCES("about.last_stress", sigma=last.sigma)
+        return SENTENCES("about.mean_stress", sigma=of_contact("sigma", last.sigma, last.area))
+    if last.sigma == first.sigma:
+        return ""
+    return SENTENCES("about.last_stress", sigma=of_contact("sigma", last.sigma, last.area))
 
 
 def speed_of_verdict(loading: Loading) -> float | None:

@@ -1,18 +1,4 @@
-"""A figure for each kind of result: what a person wants to see of it at once.
-
-=================== ====================================================
-``run``             runs and a limit cycle: stress, speed, phase plane
-``overview``        a run with its limit cycle, and its place on the atlas
-``linear``          stability at all speeds; a frequency response
-``sweeps``          lines or maps of a sweep
-``regions``         what divides its maps: V_c, and regimes by their names
-``fits``            fits of whole records and of cycles
-``fit_parts``       what these share: frame, likelihoods, estimates
-``steps``           fits of all steps and holds of a record
-``catalogues``      stick-slip events
-``laboratory``      healing, and the stiffness of a machine
-=================== ====================================================
-"""
+"""A figure for each kind of result: what a person wants to see of it at once."""
 
 import xarray
 

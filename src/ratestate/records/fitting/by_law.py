@@ -7,7 +7,8 @@ from ...dynamics.results import law_of_result, parameter, slider_parameters
 from ...friction.laws import law_name
 from ...friction.linear_stability import K_c
 from ...model.conversion import in_si
-from ...model.slider import OPTIONAL, PARAMETERS, SpringSlider
+from ...model.slider import SpringSlider
+from ...model.slider_parameters import OPTIONAL, PARAMETERS
 from ..messages import fitting as sentences
 
 #: relative step of finite differences

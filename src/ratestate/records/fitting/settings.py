@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...dynamics.refusals import check_one_length
-from ...model.slider import check_slider, resolve_law
+from ...model.slider import check_slider
+from ...model.slider_parameters import resolve_law
 from ...model.units import is_array
 from ..kit.noise import Noise, given_noise
 from ..messages import fitting as sentences

@@ -88,7 +88,7 @@ class HealingRecord(NamedTuple):
         return self.t if self.trend == "time" else self.slip
 
     def drift_coordinate_at(self, t, friction):
-        """Return the drift coordinate at a time [s], from friction at this time."""
+        """Return t [s] if the trend is in time, else fault slip [m], from friction at this time."""
         if self.trend == "time":
             return t
         return float(self.segments.displacement(t)) - friction / self.k

@@ -266,7 +266,11 @@ def sampling_rates(t):
 
 
 def _misfit_reductions(t, y, noise, first, length, degree):
-    """Return the reductions (k,) of the misfit when runs of two lengths are cut in half."""
+    """Return the reductions (k,) of the misfit when runs of 2 length rows are cut in half.
+
+    Runs begin at the rows `first` (k,).  The misfit is chi-square with the variance `noise`, and
+    divided so that the reductions have a median of 1 in white noise.
+    """
     both = first[:, None] + np.arange(2 * length)
     misfits = [
         _misfits(t[rows], y[rows], 1.0 / noise[rows], degree)

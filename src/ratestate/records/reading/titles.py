@@ -92,7 +92,7 @@ def _is_quantity_unit(unit):
 
 def is_unit(text):
     """Return whether a text is one of the units (or "-" for none) in column_names.toml."""
-    return plain_unit(text).lower() in _UNIT_NAMES
+    return plain_unit(text).lower().replace("^", "") in _UNIT_NAMES
 
 
 def plain_unit(unit):

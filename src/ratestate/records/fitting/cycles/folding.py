@@ -225,7 +225,7 @@ def _slope(t, y):
 
 
 def _moving_average(y, width):
-    """Return means over a window of this width [samples]; edge values near the ends."""
+    """Return means over 2 (width//2) + 1 samples; near the ends the last such mean."""
     half = min(round(width) // 2, (y.size - 1) // 2)
     if half < 1:
         return y
