@@ -10,7 +10,7 @@ import ratestate as rs
 from ratestate.engine.backend import Stopped
 from ratestate.paper.parameters import FIG2, FIG4, FIG6
 from ratestate_explorer import branch, entries, wire
-from ratestate_explorer.branch import Axis
+from ratestate_explorer.branch import ParameterRange
 from ratestate_explorer.deadline import Deadline
 from ratestate_explorer.entries import PageState
 from ratestate_explorer.menus import presets
@@ -158,7 +158,7 @@ class TestBranch:
         ],
     )
     def test_every_unstable_interval_is_followed_from_its_hopf_points(self, hopf, stable, courses):
-        assert Axis(1.0, 256.0, hopf, stable).courses() == courses
+        assert ParameterRange(1.0, 256.0, hopf, stable).courses() == courses
 
 
 class TestWire:
