@@ -8,7 +8,7 @@ import types
 
 import numpy as np
 import pytest
-from user_laws import CUBIC, MINE, PLAIN, SLOWED
+from user_laws import CUBIC, MINE, PLAIN
 
 import ratestate as rs
 from ratestate.friction.laws import LAWS
@@ -178,20 +178,6 @@ def test_a_law_changes_with_its_parameters_states_and_form(law_file, changes):
     assert rs.register(law_file(MINE.replace(*changes))) != first
 
 
-def test_a_class_is_registered_when_a_slider_takes_it(law_file):
-    class Faster(rs.FrictionLaw):
-        name = "faster"
-
-        def evolution(self, V, theta, p):
-            return -2 * V * theta / p.Dc * log(V * theta / p.Dc)
-
-    slider = rs.SpringSlider(**COMMON, law=Faster)
-    assert slider.law.startswith("faster@")
-    # a double rate equals half the slip distance
-    half = rs.SpringSlider(**(COMMON | {"Dc": 5e-6}), law="slip")
-    assert slider.K_c(1e-3) == pytest.approx(half.K_c(1e-3), rel=1e-9)
-
-
 def test_a_pickled_slider_contains_its_law(law_file, tmp_path):
     """Another process registers the law from its source, even if the file is removed."""
     path = law_file(MINE)
@@ -267,16 +253,6 @@ def test_a_name_means_the_law_registered_last(law_file):
     assert rs.SpringSlider(**COMMON, law="plain").law == second
     assert rs.register(law_file(PLAIN)) == first
     assert rs.SpringSlider(**COMMON, law="plain").law == first
-
-
-def test_a_law_may_use_the_reference_speed_of_its_slider(law_file):
-    """The state evolves more slowly at high V/V0; K_c has a closed form."""
-    name = rs.register(law_file(SLOWED))
-    slider = rs.SpringSlider(**COMMON | {"M": 0.0}, law=name, V0=1e-3)
-    for V in (1e-4, 2e-3):
-        expected = (0.006 - 0.003) * 2e6 / 1e-5 / (1.0 + V / 1e-3)
-        assert float(rs.stability(slider, V).K_c) == pytest.approx(expected, rel=1e-12)
-        assert float(rs.stability(slider.replace(mu0=0.5), V).K_c) == pytest.approx(expected)
 
 
 def test_laws_do_not_depend_on_the_process():
