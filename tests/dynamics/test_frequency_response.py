@@ -202,20 +202,6 @@ def test_usual_frequencies():
     assert slow.frequency.values[[0, -1]].tolist() == [1e-6, 1000.0]
 
 
-def test_a_sweep_into_a_store(tmp_path):
-    """With an unstable slider, whose numbers are NaN, and chunks along both dimensions."""
-    slider = FIG2.replace(K=xr.DataArray([5e8, 7e8, 9e8], dims="K"), alpha=0.2)
-    arguments = {"V_lp": V, "frequency": ["1 Hz", "10 Hz", 100.0, 500.0]}
-    whole = rs.frequency_response(slider, **arguments)
-    store = tmp_path / "x.zarr"
-    kept = rs.sweep("frequency_response", slider, **arguments, store=store, chunk=3, progress=False)
-    assert not (kept.status != 0).any()
-    for name in whole.variables:
-        xr.testing.assert_identical(kept[name].compute().variable, whole[name].variable)
-    with pytest.raises(rs.ParameterError, match="frequency_response is in closed form"):
-        rs.sweep("frequency_response", slider, **arguments, device="cuda", progress=False)
-
-
 def test_alpha_counts_and_is_kept():
     slider = FIG2.replace(alpha=0.2)
     assert (slider.alpha, slider.values["alpha"], FIG2.alpha) == (0.2, 0.2, 0.0)

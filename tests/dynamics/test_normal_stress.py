@@ -119,25 +119,6 @@ def test_extremes_are_those_of_the_motion():
         assert float(coarse[name]) == pytest.approx(float(run[name]), rel=3e-3), name
 
 
-def test_inertia_is_0_in_steady_sliding_under_a_dashpot():
-    slider = rs.SpringSlider(**(SLIDER | {"K": 3e9, "damping": 1e6}))
-    run = rs.simulate(slider, rs.Loading.constant(1e-4), 1.0)
-    assert float(run.inertial_force) < 1e-12
-
-
-def test_axes_of_its_own_and_a_store(tmp_path):
-    """Amplitudes along one dimension, sliders along another, in parts."""
-    amplitude = xr.DataArray([0.0, 1e4, 5e4], dims="wave")
-    sigma = xr.DataArray([2e6, 3e6], dims="slider")
-    slider = rs.SpringSlider(**(SLIDER | {"sigma": sigma}), alpha=0.2)
-    loading = rs.Loading.constant(1e-4).sigma_ramp(0.1, 2.5e6, 0.1)
-    loading = loading.sigma_sinusoid(amplitude, period=0.3)
-    settings = {"loading": loading, "t_end": 0.3, "times": [0.0, 0.15, 0.3]}
-    whole = rs.simulate(slider, **settings)
-    stored = rs.sweep(rs.simulate, slider, **settings, store=tmp_path / "x.zarr", chunk=2)
-    xr.testing.assert_equal(whole.V, stored.V.compute())
-
-
 def test_where_the_slider_moves_with_its_load_point_the_state_decays_with_slip():
     """Under the slip law ln theta is linear: after a step mu returns as exp(-V t/Dc)."""
     slider = rs.SpringSlider(**(SLIDER | {"K": math.inf, "damping": 1e6}), alpha=0.3)
@@ -172,21 +153,6 @@ def test_runaway_without_mass_is_told_at_the_stiffness_of_that_time():
         "= 4 MPa, and V grows without bound"
     ) in str(told.value)
     assert "add damping or set M" in str(told.value)
-
-
-def test_runaway_during_a_fall_of_normal_stress_is_told_at_what_is_left_of_it():
-    slider = rs.SpringSlider(**(UNDAMPED | {"M": 0.0, "K": 7e8, "sigma": 4e6}), law="nagata", c=0.0)
-    with pytest.raises(rs.QuasiStaticInstability) as told:
-        rs.simulate(
-            slider, rs.Loading.constant(1e-4).sigma_ramp(0.01, 1e6, 10.0), 60.0, V_start=1.2e-4
-        )
-    sigma = float(told.value.best.sigma[-1])
-    K_c_qs = 0.003 * sigma / 1e-5
-    assert 3.9e6 < sigma < 3.99e6
-    assert f"K = 700 MPa/m is {7e8 / K_c_qs:.4g} times K_c_qs = " in str(told.value)
-    assert f" at the normal stress of that time, sigma = {sigma / 1e6:.4g} MPa, and" in str(
-        told.value
-    )
 
 
 def test_a_record_is_what_its_ramps_are():
@@ -384,23 +350,3 @@ def test_only_what_happens_before_the_end_counts():
         with pytest.warns(rs.RunWarning, match="nothing disturbs it"):
             rs.simulate(unstable, late, 1.0)
     rs.simulate(unstable, steady.sigma_step(0.5, 2.1e6), 1.0)
-
-
-def test_alpha_is_fitted_from_a_record_of_steps():
-    """From the recorded normal stress, and from a loading that is given."""
-    true = rs.SpringSlider(a=0.010, b=0.012, Dc=1e-5, sigma=5e6, K=5e9, damping=1e6, alpha=0.25)
-    steps = rs.Loading.constant(3e-6).sigma_step(40.0, 5.3e6).sigma_step(90.0, 5e6)
-    run = rs.simulate(true, steps, 150.0, times=np.linspace(0.0, 150.0, 1501))
-    noise = 1e-4 * np.random.default_rng(1).normal(size=1501)
-    record = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma + noise)
-    guess, free = true.replace(a=0.008, b=0.009, alpha=0.1), ("a", "b", "Dc", "K", "alpha")
-    for data, loading in ((record, None), (record.drop_vars("sigma"), steps)):
-        result = rs.fit(data, guess, free=free, loading=loading)
-        error = float(result.standard_error.sel(parameter="alpha"))
-        assert float(result.alpha) == pytest.approx(0.25, abs=3.0 * error)
-        assert 1e-4 < error < 5e-3
-        assert result.warnings.item() == ""
-    constant = record.assign(sigma=("time", np.full(1501, 5e6)))
-    late = rs.Loading.steps(3e-6, (75.0, 1e-5))
-    with pytest.raises(rs.ParameterError, match="alpha is free, but normal stress is constant"):
-        rs.fit(constant.drop_vars("delta_lp"), guess, free=free, loading=late)

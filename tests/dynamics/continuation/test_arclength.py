@@ -87,16 +87,9 @@ def special(branch, name):
     return point
 
 
-def lengths(branch, scale):
-    y = np.array([point.y for point in branch.points])
-    weights = np.hstack([scale + np.abs(y[:-1, :-1]), np.ones((len(y) - 1, 1))])
-    return np.linalg.norm(np.diff(y, axis=0) / weights, axis=1)
-
-
 EXACT = 1e-15  # what `noise` is of maps that are a formula
 
 parabola = line(lambda u, p: u + p - u**2, lambda u, p: 1 - 2 * u)
-circle = line(lambda u, p: u + 0.3 * (1 - u**2 - p**2), lambda u, p: 1 - 0.6 * u)
 logistic = line(lambda u, p: p * u * (1 - u), lambda u, p: p * (1 - 2 * u))
 cubic = line(lambda u, p: u + 0.2 * (p + u - u**3), lambda u, p: 1 + 0.2 * (1 - 3 * u**2))
 FOLD_OF_CUBIC = 2 / np.sqrt(27)  # p = u^3 - u turns at u = +-1/sqrt(3)
@@ -132,15 +125,6 @@ def test_fold():
         assert 1e-11 < point.error <= 1e-8  # the noise that is assumed, at least
     near = np.abs(u) < 0.5  # the curve turns by 90 degrees here
     assert 10 < near.sum() < 40
-
-
-@pytest.mark.parametrize("start", [0.0, 0.3, -0.9])
-def test_isola_ends_on_its_other_side(start):
-    branch = follow(circle, [np.sqrt(1 - start**2)], start, stop=5.0, scale=[1.0])
-    assert specials(branch) == ["fold", "start"]
-    assert special(branch, "fold").y == pytest.approx([0, 1], abs=1e-10)
-    assert branch.points[-1].y == pytest.approx([-np.sqrt(1 - start**2), start], abs=1e-8)
-    assert branch.points[-1].p == start
 
 
 def test_two_folds_forth_and_back():
@@ -257,21 +241,6 @@ def test_a_crossing_branch_is_no_fold():
     assert all(point.u[0] == pytest.approx(0, abs=1e-9) for point in branch.points)
 
 
-@pytest.mark.parametrize("second", [1e6, -1e6, 0.0, 1e-300, -1e-20])
-def test_multipliers_over_many_decades(second):
-    """The fold of the parabola beside another multiplier, the two coordinates coupled."""
-    stretched = planar(
-        lambda x, y, p: x + p - x**2,
-        lambda x, y, p: x + second * (y - x),
-        lambda x, y, p: (1 - 2 * x, 0.0, 1 - second, second),
-    )
-    branch = follow(stretched, [0.8, 0.8], 0.64, stop=-1.0, scale=[1.0, 1.0])
-    assert specials(branch) == ["fold", "start"]
-    fold = special(branch, "fold")
-    assert fold.y == pytest.approx([0, 0, 0], abs=1e-8)
-    assert second in fold.multipliers
-
-
 @pytest.mark.parametrize("duration", [1, 10, 100])
 def test_multipliers_that_vary_fast(duration):
     """The cubic's differential equation after this time, linearised: up to exp(duration)."""
@@ -320,15 +289,6 @@ def flow(l1, l2):
     return evaluate
 
 
-@pytest.mark.parametrize(("stop", "end", "count"), [(-1.0, "hopf", 1), (0.5, "stop", 18)])
-def test_start_below_the_least_amplitude(stop, end, count):
-    r = 0.01
-    evaluate = flow(-0.5, 0.0)
-    branch = follow(evaluate, [r], r**2 / 2, stop=stop, scale=[1.0], amplitude=less(0.05))
-    assert branch.end == end
-    assert len(branch.points) == pytest.approx(count, abs=count / 3)
-
-
 def test_subcritical_hopf_with_its_fold_of_cycles():
     """0 = p + r^2/2 - r^4: the fold is at r^2 = 1/4, p = -1/16, and the Hopf point at 0."""
     start = 0.5
@@ -372,12 +332,6 @@ def test_the_branch_is_kept_up_to_where_the_map_ends():
     assert specials(branch) == []
     assert 2.71 - 1e-5 < branch.points[-1].p <= 2.71
     assert branch.points[-1].u[0] == pytest.approx(1 - 1 / branch.points[-1].p, abs=1e-8)
-
-
-def test_a_stop_at_the_edge_of_the_map_is_reached():
-    branch = follow(beyond(logistic, 2.71), [0.5], 2.0, stop=2.71, scale=[1.0])
-    assert branch.end == "stop"
-    assert branch.points[-1].p == 2.71
 
 
 def test_noise_makes_no_folds(monkeypatch):
@@ -448,40 +402,6 @@ def test_a_branch_that_breaks_off(slope):
     assert branch.end == "no convergence"
     assert 0.5 - 1e-4 < branch.points[-1].p < 0.5
     assert branch.points[-1].u[0] == pytest.approx(2 * slope * branch.points[-1].p, abs=1e-8)
-
-
-def test_limits_of_steps_and_points(monkeypatch):
-    for name, length in (("FIRST", 0.01), ("SMALLEST", 1e-4), ("LARGEST", 0.05)):
-        monkeypatch.setattr(arclength, f"{name}_STEP", length)
-    branch = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0])
-    assert specials(branch) == ["fold", "fold", "stop"]
-    length = lengths(branch, 1.0)
-    assert length[0] == pytest.approx(0.01, rel=0.02)
-    assert 0.045 < length.max() < 0.052
-    few = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0], max_points=7)
-    assert few.end == "max_points"
-    assert len(few.points) == 7
-
-
-def test_progress_is_told_of_every_point():
-    seen = []
-    branch = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0], progress=seen.append)
-    assert [point.y.tolist() for point in seen] == [point.y.tolist() for point in branch.points]
-
-
-@pytest.mark.parametrize("factor", [1e-4, 1e5])
-def test_scale_follows_the_size_of_u(factor):
-    """The cubic in other units of u has the same branch, of about as many points."""
-
-    def image(u, p):
-        return u + 0.2 * factor * (p + u / factor - (u / factor) ** 3)
-
-    resized = line(image, lambda u, p: 1 + 0.2 * (1 - 3 * (u / factor) ** 2))
-    branch = follow(resized, [-1.5 * factor], -1.875, stop=1.875, scale=[factor])
-    folds = [point.p for point in branch.points if point.special == "fold"]
-    assert folds == pytest.approx([FOLD_OF_CUBIC, -FOLD_OF_CUBIC], abs=1e-12)
-    usual = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0])
-    assert len(branch.points) == len(usual.points)
 
 
 NOISE = 1e-9

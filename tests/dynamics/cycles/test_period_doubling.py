@@ -10,7 +10,7 @@ from dimensionless import make_system, measured_by_scipy
 import ratestate as rs
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.measure import refine
-from ratestate.dynamics.cycles.shooting import iterated_map, return_map
+from ratestate.dynamics.cycles.shooting import return_map
 from ratestate.dynamics.cycles.system import state
 from ratestate.dynamics.verdict import verdict
 from ratestate.engine.model import FINISHED, NO_CONVERGENCE
@@ -106,36 +106,6 @@ def test_cycles_that_are_hard_to_reach(kappa, beta, eta, returns):
         assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-4)
 
 
-def test_a_run_of_three_returns():
-    """In a window of chaos; amplitude and frequency by the stress itself."""
-    slider = slip_slider(36.36280876475656, 35.12013230487405, 3.2505416021127913)
-    times = np.linspace(9.0, 10.0, 100_001)
-    run = rs.simulate(slider, rs.Loading.constant(V), 10.0, V_start=V / 10, times=times, rtol=1e-9)
-    stress = run.tau.values / slider.sigma
-    assert int(run.returns) == 3
-    assert float(run.amplitude) == pytest.approx(np.ptp(stress), rel=1e-4)
-    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
-    period = 3 * np.diff(times[maxima]).mean()
-    assert float(run.frequency) == pytest.approx(1 / period, rel=0.01)
-
-
-def test_a_slowly_modulated_run():
-    """Stick-slip under a sinusoid some 10 events long: no order, though events change smoothly."""
-    slider = rs.SpringSlider(
-        a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=0.9 * 0.003 * 2e6 / 1e-5, M=0.01 * 0.06 / V**2
-    )
-    times = np.linspace(70.0, 100.0, 300_001)
-    loading = rs.Loading.sinusoid(V, V / 2, t_end=100.0, period=1.0)
-    run = rs.simulate(slider, loading, 100.0, times=times)
-    assert int(run.returns) == 0
-    stress = run.tau.values / slider.sigma
-    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
-    last = slice(maxima[-33], None)
-    assert float(run.amplitude) == pytest.approx(np.ptp(stress[last]), rel=0.02)
-    rate = 32 / (times[maxima[-1]] - times[maxima[-33]])
-    assert float(run.frequency) == pytest.approx(rate, rel=0.02)
-
-
 def test_a_run_without_a_period():
     """Chaos: 0 returns, and the range of the stress over the later half of the last 64."""
     slider = slip_slider(*CHAOTIC)
@@ -167,47 +137,6 @@ def test_measures_of_two_returns_by_scipy():
         assert found[name] == pytest.approx(value, **tolerance), name
 
 
-def test_iterate_is_the_map_applied_again():
-    """Image, derivative, times and extremes of three returns at once, against one by one."""
-    system = make_system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
-    u = return_map(system, steady_start(system), 1e-11).image
-    together = iterated_map(system, u, 1e-11, np.array([3, 1]), observe=True)
-    point, matrix, times, highs, lows, traces = u[:1], np.eye(2), [], [], [], []
-    one = system.at([0])
-    for _ in range(3):
-        single = return_map(one, state(one, point), 1e-11)
-        highs.append(state(one, point)[0, 0])
-        lows.append(single.numbers["x_low"][0])
-        times.append(single.numbers["period"][0])
-        traces.append(single.numbers["trace"][0])
-        matrix = single.jacobian[0] @ matrix
-        point = single.image
-    np.testing.assert_allclose(together.image[0], point[0], rtol=1e-12)
-    np.testing.assert_allclose(together.jacobian[0], matrix, rtol=1e-10)
-    numbers = {name: value[0] for name, value in together.numbers.items()}
-    assert numbers["period"] == pytest.approx(sum(times), rel=1e-13)
-    assert numbers["x_high"] == max(highs)
-    assert numbers["x_low"] == min(lows)
-    # derivatives of what is measured, against differences
-    for column in range(2):
-        change = 1e-6 * np.eye(2)[column]
-        up, down = (
-            iterated_map(one, start, 1e-13, np.array([3]), observe=True).numbers
-            for start in (u[:1] + change, u[:1] - change)
-        )
-        for what in ("period", "x_high", "x_low", "v_max", "v_min"):
-            slope = (up[what][0] - down[what][0]) / 2e-6
-            derivative = together.gradients[what][0, column]
-            if what == "v_min":  # V stops falling within 1e-14 of a cycle
-                assert 0.25 < derivative / slope < 4.0
-            else:
-                assert derivative == pytest.approx(slope, rel=1e-5, abs=1e-6), what
-    assert numbers["trace"] == pytest.approx(sum(traces), rel=1e-12)
-    # and where one return is asked for, it is one
-    single = return_map(system.at([1]), state(system.at([1]), u[1:]), 1e-11)
-    assert together.numbers["period"][1] == single.numbers["period"][0]
-
-
 def test_cascade_against_plain_iteration():
     """Random sliders where cycles double: returns and extremes are those of the orbit itself."""
     rng = np.random.default_rng(7)
@@ -236,28 +165,6 @@ def test_cascade_against_plain_iteration():
     assert cycle[repeats > 0].all()
     assert (repeats[attractors.status == NO_CONVERGENCE] == 0).all()
     assert (attractors.status == NO_CONVERGENCE).any()
-
-
-@pytest.mark.parametrize("law", ["slip", "aging"])
-def test_one_return_where_one_is_all(law):
-    slider = BESIDE.replace(b=0.006, K=9e8, law=law)
-    found = rs.limit_cycle(slider, 3.2e-3)
-    assert found.returns == 1
-    run = rs.simulate(slider, rs.Loading.constant(3.2e-3), 10.0, V_start=3.2e-4)
-    assert run.returns == 1
-    assert rs.limit_cycle(slider, 1e-4).returns == 0  # steady sliding
-    rest = rs.simulate(slider, rs.Loading.constant(1e-4), 1.0)
-    assert rest.returns == 0
-
-
-def test_a_drift_is_no_alternation():
-    """Growing and shrinking cycles count return by return, until they alternate."""
-    slider = BESIDE.replace(b=0.006, K=9e8)
-    for V_start in (3.2e-3 * 1.0001, 3.2e-5):
-        times = np.linspace(0.1, 3.0, 30)
-        ends = xr.DataArray(times, dims="end")
-        run = rs.simulate(slider, rs.Loading.constant(3.2e-3), ends, V_start=V_start)
-        assert (run.returns == 1).all()
 
 
 def test_verdict_tells_of_the_doubling():

@@ -41,13 +41,6 @@ def test_states(name):
 
 
 @names
-def test_states_at_the_default_tolerance(name):
-    found = errors(name, 1e-6)
-    assert (found < 500e-6).all()
-    assert found.max() > 1e-8  # or the tolerance had no effect
-
-
-@names
 def test_cycles_before_t(name):
     """Mean period and amplitude of the last three complete cycles."""
     t, period, amplitude = TABLE[name][4], *TABLE[name][8:]
