@@ -12,7 +12,7 @@ from synthetic_records import SLIDER, correlated, power_law, record
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.records.fitting import inference, settings, transients
+from ratestate.records.fitting import inference, settings
 from ratestate.records.fitting import posterior as sampling
 from ratestate.records.fitting.checks import search_warnings
 from ratestate.records.fitting.fit_dataset import with_comparison
@@ -154,13 +154,6 @@ def test_an_interval_of_a_parameter_far_below_its_guess_is_closed():
     assert 1.0 * error < float(result.c) - low < 3.0 * error
     assert 1.0 * error < high - float(result.c) < 4.0 * error
     assert low < 2.0 < high
-
-
-def test_a_record_without_inertia_gives_an_upper_bound_of_M(good):
-    with pytest.warns(rs.FitWarning, match=r"the record only says M < .* no inertia is seen"):
-        result = rs.fit(good, SLIDER.replace(M=1e8), ("a", "b", "M"))
-    assert float(result.interval.sel(parameter="M", level=0.95, side="lower")) == 0.0
-    assert 1e6 < float(result.interval.sel(parameter="M", level=0.95, side="upper")) < 1e12
 
 
 def test_a_profile_starts_from_fits_of_another_profile():
@@ -440,19 +433,6 @@ def test_a_second_state_is_not_taken_for_correlated_noise(exponent):
     assert float(both.misfit_p_value) > 0.03
 
 
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-@pytest.mark.parametrize(("law", "other"), [("aging", "slip"), ("slip", "aging")])
-def test_the_oscillation_of_a_soft_machine_is_not_taken_for_correlated_noise(law, other):
-    """Under the other law the red noise is as large as the white noise."""
-    data = record(SOFT.replace(law=law), LONG_STEP, LONG_T, noise=3e-4, seed=2)
-    wrong, right = (rs.fit(data, SOFT, law=one, errors="covariance") for one in (other, law))
-    assert float(wrong.noise_red) > 1e-4
-    assert float(wrong.misfit_p_value) < 1e-4
-    assert "the law does not describe the record after its steps" in wrong.warnings.item()
-    assert float(right.misfit_p_value) > 0.05
-    assert "does not describe" not in right.warnings.item()
-
-
 @pytest.mark.parametrize("slider", [SLIDER, SOFT])
 @pytest.mark.parametrize("Dc2", ["4 um", "80 um"])
 def test_the_transients_span_the_effect_of_a_second_state(slider, Dc2):
@@ -483,27 +463,6 @@ def test_a_probability_of_misfit_is_uniform_under_the_right_law():
         found.append(transients_p_value(solution, SLIDER.Dc))
     assert 0.35 < np.mean(found) < 0.7
     assert np.mean(np.array(found) < 0.05) < 0.12
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_law_that_could_not_be_tested_has_a_warning(good, monkeypatch):
-    """One of several marches may fail; the probability is NaN if all fail."""
-    effect, calls = transients._effect_of_fall, []
-
-    def one_fails(*args):
-        calls.append(args)
-        return effect(*args) * (np.nan if len(calls) == 1 else 1.0)
-
-    told = "was not tested against transients"
-    monkeypatch.setattr(transients, "_effect_of_fall", one_fails)
-    tested = rs.fit(good, SLIDER, errors="covariance")
-    assert len(calls) == len(transients.LENGTHS)
-    assert 0.01 < float(tested.misfit_p_value) < 1.0
-    assert told not in tested.warnings.item()
-    monkeypatch.setattr(transients, "_effect_of_fall", lambda *args: effect(*args) * np.nan)
-    untested = rs.fit(good, SLIDER, errors="covariance")
-    assert np.isnan(untested.misfit_p_value)
-    assert told in untested.warnings.item()
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -554,17 +513,6 @@ def test_a_trend_only_after_the_step_has_a_warning():
         assert moved == pytest.approx(change, rel=0.25, abs=0.3 * float(one.standard_error)), name
     assert abs(change) > 3.0 * float(one.standard_error)
     assert "without_trend" not in plain
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_lag_of_the_load_point_is_suggested(good):
-    later = rs.Loading.steps("1 um/s", (39.95, "10 um/s"))
-    data = good.drop_vars("delta_lp")
-    result = rs.fit(data, SLIDER, ("a", "b"), loading=later)
-    words = result.warnings.item()
-    found = re.search(r"moves ([0-9.]+) ms later than recorded .* add 'lag' to free", words)
-    assert found
-    assert 35.0 < float(found[1]) < 70.0
 
 
 def test_tradeoffs_are_named():
@@ -632,17 +580,6 @@ def test_settings_of_samples_are_refused_for_cycles(good):
         rs.fit(good, SLIDER, against="cycles", errors="profile", noise=1e-4)
     with pytest.raises(rs.ParameterError, match="does not name different laws"):
         rs.fit(good, SLIDER, law=("slip", "slip"))
-
-
-@pytest.mark.parametrize(("law", "noise"), [("slip", 1e-4), ("aging", 3e-4)])
-def test_the_wrong_law_is_not_taken_for_slow_noise(law, noise):
-    """What the other law cannot fit resembles noise as slow as the whole record."""
-    loading = rs.Loading.steps("3 um/s", (60.0, "10 um/s"), (90.0, "3 um/s"))
-    data = record(SLIDER, loading, np.arange(0.0, 150.0, 0.1), noise=noise, law=law)
-    assert rs.fit(data, SLIDER, law=law).warnings.item() == ""
-    other = "aging" if law == "slip" else "slip"
-    with pytest.warns(rs.FitWarning, match="the law does not describe the record"):
-        rs.fit(data, SLIDER, law=other)
 
 
 def test_bounds_of_the_search():

@@ -56,13 +56,6 @@ def test_the_summary_has_a_row_for_each_quantity(both):
     assert not re.search(r"\d\n +(%|um|s)\b", text)
 
 
-def test_the_summary_of_one_law_says_what_each_number_is(both):
-    text = str(rs.summary(both.sel(law="aging")))
-    assert "521 samples, aging law" in text
-    assert re.search(r"^Dc \[um\] .*   critical slip distance$", text, re.MULTILINE)
-    assert "slip law:" not in text
-
-
 def test_an_interval_from_a_profile_gives_the_standard_error(both):
     (part,) = results_by_law(refuted(both.sel(law="slip"), 5.0e10, 9.0e10)).values()
     assert error_of(part, "K") == 2.0e10
@@ -177,21 +170,3 @@ def test_datasets_without_a_slider_or_summary_are_refused(both):
             function(both[["Dc"]])
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
         _ = fitting.nonsense
-
-
-def test_alpha_given_or_free_at_a_step_of_normal_stress():
-    loading = rs.Loading.steps("1 um/s", (40.0, "10 um/s")).sigma_step(60.0, "21 MPa")
-    t = np.linspace(0.0, 80.0, 801)
-    run = rs.simulate(SLIDER.replace(alpha=0.2), loading, 80.0, times=t)
-    friction = run.tau / run.sigma + 1e-4 * np.random.default_rng(3).normal(size=t.size)
-    data = run[["delta_lp", "sigma"]].assign(friction=friction)
-    with pytest.warns(rs.FitWarning, match="normal stress varies by 4.9 %"):
-        given = rs.fit(data, SLIDER, ("a", "b", "Dc"), errors="covariance")
-    free = rs.fit(data, SLIDER, ("a", "b", "Dc", "alpha"), errors="covariance")
-    text = " ".join(str(rs.summary(given)).split())
-    assert "M = 0 kg/m^2, alpha = 0, sigma = 20 MPa" in text
-    assert "normal stress varies by 4.9 % in this window, and alpha is held at 0," in text
-    text = " ".join(str(rs.summary(free)).split())
-    assert float(free.alpha) == pytest.approx(0.2, abs=0.03)
-    assert "alpha = " not in text
-    assert "alpha is held" not in text

@@ -131,15 +131,6 @@ def test_a_search_near_the_noise_finds_it_again():
     assert estimated_noise(T, residual, JACOBIAN, near=Noise(0.0, 1.0, 0.5)).red > 0.0
 
 
-def test_inflation_of_one_coordinate_is_that_of_its_error():
-    rng = np.random.default_rng(3)
-    solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))
-    wider = likely_noise(solution).widening(TRANSIENT).errors[0]
-    found = likely_noise(solution).inflation([2])
-    assert found.factor == pytest.approx(wider**2, rel=1e-6)
-    assert 0.0 < found.spread < 1.0
-
-
 def test_inflation_of_several_coordinates_does_not_depend_on_their_units_or_axes():
     rng = np.random.default_rng(3)
     solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))

@@ -5,12 +5,10 @@ import re
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from xarray import Dataset
 
 from ratestate import ParameterError
 from ratestate.records.load_point import splits
 from ratestate.records.load_point.segments import segments_from_displacement, segments_from_velocity
-from ratestate.records.loading import recorded_segments
 from ratestate.records.reading import find_segments
 
 NOISE = 0.3e-6
@@ -192,19 +190,6 @@ def test_levels_of_a_recorded_velocity():
     assert max(abs(f.t[2] - 60.05) for f in many) < 0.01
 
 
-def test_segments_of_a_dataset_without_stored_ones():
-    """They are found in the whole record, as by `read_lab`, and a window keeps its own."""
-    t = np.arange(0, 100, 0.1)
-    rng = np.random.default_rng(7)
-    V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5) + 1e-7 * rng.standard_normal(t.size)
-    data, found = Dataset({"V_load": ("time", V)}, {"time": t}), segments_from_velocity(t, V)
-    for first, last, kept in ((0, 1000, [0, 1, 2]), (400, 500, [1]), (250, 400, [0, 1])):
-        part = recorded_segments(data, t[first:last])
-        for name in ("t", "V", "t_error", "V_error"):
-            assert getattr(part, name).tolist() == getattr(found, name)[kept].tolist()
-        assert part.end == t[last - 1]
-
-
 def test_refused():
     t = np.arange(100.0)
     for times, x, match in [
@@ -235,14 +220,6 @@ def test_no_constant_speeds(monkeypatch):
         find_segments(t, x)
     monkeypatch.undo()
     assert find_segments(t, x)[1].size == 41
-
-
-def test_many_rows():
-    t = np.linspace(0, 1000, 200_001)
-    x = history(t, [0, 500, 700], [1e-6, 0, 1e-5])
-    noise = 1e-7 * np.random.default_rng(8).standard_normal(t.size)
-    found = segments_from_displacement(t, x + noise)
-    assert abs(found.t - [0, 500, 700]).max() < 0.01
 
 
 @pytest.mark.parametrize(("moved", "still"), [(1.0, True), (2.2, False)])
@@ -372,16 +349,6 @@ def test_noise_that_differs_with_the_sampling_rate(seed, parts, noises, other):
         np.testing.assert_allclose(found.V, [V for _, V in steps], rtol=0.01)
         assert abs(found.t[1] - steps[1][0]) < 5.0 * found.t_error[1]
         assert 1e-4 < found.t_error[1] < 0.01
-
-
-@pytest.mark.parametrize("ratio", [4.0, 10.0])
-def test_noise_that_differs_at_one_rate(ratio):
-    rng = np.random.default_rng(3)
-    t = np.arange(0, 100, 0.02)
-    noise = np.where(t < 60.0, 0.07e-6, ratio * 0.07e-6) * rng.standard_normal(t.size)
-    found = segments_from_displacement(t, history(t, [0, 62], [2e-6, 2e-5]) + noise)
-    np.testing.assert_allclose(found.V, [2e-6, 2e-5], rtol=2e-3)
-    assert abs(found.t[1] - 62.0) < 5.0 * found.t_error[1] < 0.05
 
 
 def test_errors_come_from_the_noise_of_their_own_rate():

@@ -2,7 +2,6 @@
 
 import json
 import warnings
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
 from ratestate.records.reading import text as text_files
-from ratestate.records.reading.rows import MAX_ROWS, block_means, block_starts, downsample
+from ratestate.records.reading.rows import MAX_ROWS, block_means, block_starts
 
 DT, FACTOR = 0.01, 10
 N = 20_000
@@ -63,15 +62,6 @@ def test_numbers_of_rows_refused(tmp_path, rows):
         read_lab(path, max_rows=rows)
 
 
-def test_a_mean_is_named_by_the_row_in_its_middle():
-    record = {"time": np.arange(N) * DT}
-    rows = SimpleNamespace(kept=3 + np.arange(N), record=record, gaps=np.array([15]), warnings=[])
-    downsample(rows, N // FACTOR)
-    np.testing.assert_array_equal(rows.kept[:3], [8, 23, 33])
-    np.testing.assert_allclose(rows.record["time"][:2], [7 * DT, 19.5 * DT])
-    np.testing.assert_array_equal(rows.gaps, [1])
-
-
 def test_an_oscillation_is_weakened_as_stated():
     """By sin(pi B/P)/(pi B/P) over blocks of B, and not aliased at the new rate."""
     for period, most in ((0.4, 0.91), (0.1, 1e-6)):
@@ -113,14 +103,6 @@ def test_blocks_cover_all_rows_once():
         assert lengths.max() < 2 * factor
         short = lengths < factor
         assert {*starts[short]} <= {0, *gaps}  # stretches that are shorter as a whole
-
-
-def test_segments_of_very_long_records_are_found_in_means(tmp_path, monkeypatch):
-    path, *_ = record(tmp_path / "r.csv")
-    monkeypatch.setattr("ratestate.records.reading.assembly.MAX_ROWS", 1000)
-    data = read_lab(path, max_rows=None)
-    assert data.sizes["time"] == N
-    np.testing.assert_allclose(data.segment_t[1], 100.003, atol=5e-3)
 
 
 def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):

@@ -337,13 +337,6 @@ def test_titles_of_an_effective_stress(tmp_path, title):
 
 
 @pytest.mark.parametrize(
-    "title", ["Kinetic normal stress", "Normal stress (magnetic cell)", "sigma_n"]
-)
-def test_other_normal_stresses_are_not_effective(title):
-    assert match_rank("Normal stress, net", "sigma") == 0 < match_rank(title, "sigma")
-
-
-@pytest.mark.parametrize(
     "title",
     ["EPWP (MPa)", "Excess pore pressure (MPa)", "Porenwasser\u00fcberdruck (MPa)"],
 )
