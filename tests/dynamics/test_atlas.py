@@ -9,7 +9,6 @@ from ratestate.dynamics.atlas import atlas
 from ratestate.dynamics.continuation.coexistence import folds
 from ratestate.dynamics.cycles.attractor import find_attractors
 from ratestate.dynamics.cycles.regimes import REGIMES, classify
-from ratestate.dynamics.cycles.shooting import multipliers, return_map
 from ratestate.dynamics.cycles.small_cycles import curvature
 from ratestate.dynamics.cycles.system import one_length_system, small_amplitude, state
 from ratestate.engine.model import FINISHED, STEADY_SLIDING
@@ -51,17 +50,6 @@ def test_the_fold_is_where_a_branch_turns_back(b_over_a, eta):
     assert 1e-3 < width < 1e-2
     beyond = eta > rs.bautin("aging", b_over_a)
     assert str(rs.hopf(slider, 1.0).type.values) == ("supercritical" if beyond else "subcritical")
-
-
-def test_two_cycles_meet_there():
-    eta = np.geomspace(1e-6, 0.12, 12)
-    found = folds("aging", 2.0, eta)
-    there = system("aging", found.kappa, 2.0, eta)
-    returns = return_map(there, state(there, found.u), 1e-12)
-    # G is stress over eta: weighed by it
-    off = np.abs(returns.image - found.u) * np.stack([np.ones(12), eta], axis=1)
-    assert off.max() < 1e-6
-    np.testing.assert_allclose(multipliers(returns)[:, 0], 1.0, atol=1e-4)
 
 
 @pytest.mark.parametrize("eta", [1e-3, 0.05])

@@ -11,13 +11,7 @@ import ratestate as rs
 from ratestate import Loading, continue_cycle, limit_cycle, simulate
 from ratestate.dynamics import basin
 from ratestate.dynamics.basin import escape
-from ratestate.engine.model import FINISHED, NO_CONVERGENCE, STEP_LIMIT
-from ratestate.friction.quasi_static import (
-    EDGES,
-    runaway_step,
-    runaway_step_lower_bound,
-    runaway_step_upper_bound,
-)
+from ratestate.engine.model import NO_CONVERGENCE
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
 # Aging law, K just above K_c_qs: between a fold at 0.33 mm/s and V_c = 0.447 mm/s stable sliding
@@ -166,25 +160,6 @@ def test_no_steady_sliding(changes, law):
         assert np.isnan(found[name]), name
 
 
-@pytest.mark.parametrize("b", [0.0036, 0.006, 0.0363])
-def test_runaway_without_inertia(b):
-    """Slip law: at K_c_qs from V_lp/V = b/(b - a) on; above it between two closed forms."""
-    rest = {name: getattr(MASSLESS, name) for name in ("a", "Dc", "sigma")} | {"b": b}
-    ratio = np.array([1 + 1e-5, 1.001, 1.1, 1.5, 3.0])
-    K = xr.DataArray(ratio * MASSLESS.replace(b=b).K_c_qs, dims="K")
-    found = escape(MASSLESS.replace(b=b, K=K), 1e-6)
-    assert (found.outcome == "runaway").all()
-    assert float(found.step_up[0]) == pytest.approx(runaway_step(a=0.003, b=b), rel=1e-4)
-    lower = runaway_step_lower_bound(K=K.values, **rest)
-    upper = runaway_step_upper_bound(K=K.values, **rest)
-    assert (found.step_up.values > lower * (1 - 1e-9)).all()
-    assert (found.step_up.values < upper * (1 + 1e-9)).all()
-    assert (np.diff(found.step_up) > 0).all()
-    assert (found.step_down == 0).all()
-    for name in CYCLES:
-        assert np.isnan(found[name]).all(), name
-
-
 def test_without_inertia_the_aging_law_comes_back():
     """Above K_c_qs from every start, by way of whatever speed."""
     K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.001, 1.5, 2.0, 10.0]), dims="K")
@@ -193,35 +168,6 @@ def test_without_inertia_the_aging_law_comes_back():
     assert (found.step_down == 0).all()
     assert (found.kick_up == np.inf).all()
     assert (found.outcome == "none").all()
-
-
-@pytest.mark.parametrize(
-    ("ends", "outcome"),
-    [
-        ([FINISHED, NO_CONVERGENCE, FINISHED, FINISHED], "irregular cycles"),
-        ([FINISHED, NO_CONVERGENCE, STEP_LIMIT, FINISHED], "unknown"),
-    ],
-)
-def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
-    """What is worse counts, and what is unknown is not of any size."""
-
-    def escapes(system, kind, largest, progress):
-        return np.arange(1.0, 5.0), np.array(ends), np.full((4, 2), 0.1)
-
-    monkeypatch.setattr(basin, "_search", escapes)
-    monkeypatch.setattr(basin, "_is_irregular", lambda system, u: np.full(len(u), True))
-    stiff = STRIP.replace(K=xr.DataArray([6.06e8, 5e8], dims="K"))  # the second has nothing to lose
-    found = escape(stiff, V_LP)
-    assert found.outcome.values.tolist() == [outcome, "no steady sliding"]
-    assert float(found.step_down[0]) == pytest.approx(np.exp(-2), rel=1e-12)
-    assert float(found.kick_down[0]) == pytest.approx(-4 * 0.003 * 2e6, rel=1e-12)
-    assert np.isnan(found.amplitude[0])
-    if outcome == "unknown":
-        assert np.isnan(found.kick_up[0])
-        with pytest.raises(rs.SolverError, match="could not be followed"):
-            escape(STRIP, V_LP)
-    else:
-        assert float(found.kick_up[0]) == pytest.approx(3 * 0.003 * 2e6, rel=1e-12)
 
 
 def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
@@ -238,24 +184,6 @@ def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
     turns = itertools.cycle([0.02, 0.01])
     monkeypatch.setattr(basin, "small_amplitude", lambda system, u: next(turns))
     assert escape(slow, V_LP).outcome.values.tolist() == ["irregular cycles"]
-
-
-def test_an_edge_of_runaway_that_is_lost_harms_no_other(monkeypatch):
-    whole = EDGES["slip"]
-
-    def lost(kappa, beta, largest):
-        if kappa < 1.2 * (beta - 1.0):
-            raise rs.SolverError("the edge of runaway (M = 0) could not be followed")
-        return whole(kappa, beta, largest)
-
-    monkeypatch.setitem(EDGES, "slip", lost)
-    K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.1, 1.5]), dims="K")
-    found = escape(MASSLESS.replace(K=K), 1e-6)
-    assert found.outcome.values.tolist() == ["unknown", "runaway"]
-    assert np.isnan(found.step_up[0])
-    assert found.step_up[1] > 1
-    with pytest.raises(rs.SolverError, match="edge of runaway"):
-        escape(MASSLESS.replace(K=float(K[0])), 1e-6)
 
 
 def near_its_edge(law, M, K_over_K_c, **own):

@@ -16,7 +16,6 @@ from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.regimes import classify
 from ratestate.dynamics.refusals import check_one_length
 from ratestate.dynamics.results import whole_contact
-from ratestate.dynamics.steady_sliding import steady_stress
 from ratestate.friction.composition import composed_law
 from ratestate.friction.laws import LAWS, one_length_laws
 
@@ -208,14 +207,6 @@ def test_acceleration_is_what_the_dashpot_leaves():
     slope = (V[largest + 1] - V[largest - 1]) / (t[largest + 1] - t[largest - 1])
     assert acceleration[largest] == pytest.approx(slope, rel=0.05)
     assert float(found.acceleration_max) == pytest.approx(abs(acceleration[largest]), rel=0.05)
-
-
-def test_steady_sliding_in_the_phase_plane_holds_the_dashpot_too():
-    stiff = DAMPED.replace(K=1e9)
-    run = rs.simulate(stiff, rs.Loading.constant(1e-3), 0.05, V_start=5e-4)
-    steady = rs.simulate(stiff, rs.Loading.constant(1e-3), 1.0, initial={"V": 1e-3}, times=[0.0])
-    expected = float(steady.tau[0]) / DAMPED.sigma
-    assert float(steady_stress(run, 1e-3)) == pytest.approx(expected, rel=1e-13)
 
 
 def test_what_does_without_damping_says_so():

@@ -299,20 +299,6 @@ def test_alpha_and_constant_normal_stress_change_nothing():
     assert "sigma" not in runs[0]
 
 
-def test_a_rigid_slider_is_seen_in_each_period():
-    """By its own steps, however many periods there are."""
-    changes = {"a": 0.008, "mu0": 0.3, "K": math.inf, "M": 0.0, "damping": 0.0}
-    slider = rs.SpringSlider(**(SLIDER | changes), alpha=0.5)
-    loading = rs.Loading.constant(1e-5).sigma_sinusoid(1.9e6, period=0.05)
-    run = rs.simulate(slider, loading, 1.0)
-    dense = rs.simulate(slider, loading, 1.0, times=np.linspace(0.0, 1.0, 4001))
-    margin = (dense.tau + dense.sigma * dense.mu) / 2e6
-    assert -1e-4 < float(run.mu_min - dense.mu.min()) < 1e-12
-    assert -1e-4 < float(run.reversal_margin - margin.min()) < 1e-12
-    assert float(run.mu_min) < -0.15
-    assert int(run.outside_domain) == 3
-
-
 def test_a_rigid_slider_at_a_step_at_the_end():
     slider = rs.SpringSlider(**(SLIDER | {"K": math.inf}), alpha=0.2)
     run = rs.simulate(

@@ -213,20 +213,6 @@ def test_unstable_cycles_against_scipy():
     assert multiplier == pytest.approx(float(cycle.multipliers[0].real), abs=1e-6)
 
 
-def test_beyond_the_hopf_point_on_the_upper_sheet():
-    """V_c itself is passed on stable cycles, on the way to `stop` and from `start`."""
-    V_c = STRIP.V_c
-    down = continue_cycle(STRIP, "V_lp", 1e-3, V_c)
-    up = continue_cycle(STRIP, "V_lp", V_c, 1e-3)
-    for branch, here in ((down, -1), (up, 0)):
-        assert specials(branch) == ["start", "stop"]
-        assert branch.V_lp[here] == V_c
-        assert branch.stable.all()
-    assert float(down.amplitude[-1]) == pytest.approx(float(up.amplitude[0]), rel=1e-7)
-    hopf = continue_cycle(FIG2, "V_lp", FIG2.V_c, 1e-2, rtol=1e-6)
-    assert specials(hopf) == ["hopf", "stop"]
-
-
 def test_period_doublings():
     """A multiplier is -1; where it is beyond, limit_cycle finds a cycle of two returns."""
     branch = continue_cycle(WILD, "V_lp", 1e-2, 1e-3)

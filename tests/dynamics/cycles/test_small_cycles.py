@@ -139,18 +139,6 @@ def test_error_counts_what_subtraction_loses():
     assert 0 < abs(blurred.r[0] / exact.r[0] - 1) < blurred.error[0]
 
 
-def test_same_bits_in_any_batch():
-    rng = np.random.default_rng(6)
-    beta, eta = 1 + 10 ** rng.uniform(-3, 1, 12), 10 ** rng.uniform(-3, 3, 12)
-    law, *arguments = at_margin_of(10 ** rng.uniform(-4, -0.8, 12), "aging", beta, eta)
-    together = small_cycle(law, *arguments)
-    assert together.valid.mean() > 0.9
-    for i in range(12):
-        alone = small_cycle(law, *(value[i : i + 1] for value in arguments))
-        for one, all_ in zip(alone, together, strict=True):
-            assert one.tobytes() == all_[i : i + 1].tobytes()
-
-
 @settings(max_examples=15, deadline=None)
 @given(
     laws,

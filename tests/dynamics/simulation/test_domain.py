@@ -119,20 +119,6 @@ def test_extremes_lie_between_saved_times(law):
     assert lowest[0] < 0
 
 
-@LAWS
-def test_extremes_lie_between_steps(law):
-    """In lanes, where only steps that hold an event are looked into, as alone, where all are."""
-    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=300, law=law)
-    loading, settings = rs.Loading.constant(1e-2), {"V_start": 5e-3, "rtol": 1e-3}
-    swept = rs.simulate(
-        slider.replace(K=xr.DataArray([5e8, 9e8], dims="K")), loading, 0.1, **settings
-    )
-    alone = rs.simulate(slider, loading, 0.1, **settings)
-    for name, least in zip(("mu_min", "reversal_margin"), sampled(slider, alone), strict=True):
-        assert float(swept[name][0]) == pytest.approx(float(alone[name]), abs=1e-9)
-        assert 1e-10 < least - float(alone[name]) < 1e-3, name
-
-
 def test_failed_cases_are_unknown():
     K = xr.DataArray([3e8, 9e9], dims="K")
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=K, M=0.0)

@@ -16,12 +16,6 @@ STIFF = SLIDER.replace(K=3e9)  # always stable
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 
 
-def logs(run, i=-1):
-    """tau/(a sigma), ln V, ln theta at one time of a run of one slider with BASE's a and sigma."""
-    at = run.isel(time=i)
-    return np.array([float(at.tau) / 6e3, math.log(at.V), math.log(at.theta)])
-
-
 # The result ---------------------------------------------------------------------------------------
 
 
@@ -86,16 +80,6 @@ def test_last_time_may_pass_t_end_by_rounding():
     for t in (0.3 * (1 + 5e-13), 0.3, 0.3 * (1 - 5e-13)):
         run = simulate(SLIDER, Loading.constant(1e-3), 0.3, V_start=1e-4, times=[0.1, t])
         assert np.isfinite(run.V.values).all()
-
-
-def test_saved_times_agree_with_a_run_that_ends_there():
-    loading = Loading.steps(1e-4, (0.2, 3e-3))
-    times = np.linspace(0, 0.5, 41)
-    saved = simulate(SLIDER, loading, 0.5, times=times, rtol=1e-10)
-    for i in (5, 16, 17, 29, 40):
-        ended = simulate(SLIDER, loading, times[i], times=[times[i]], rtol=1e-10)
-        np.testing.assert_allclose(logs(saved, i), logs(ended), rtol=0, atol=2e-8)
-    np.testing.assert_array_equal(logs(saved, 0), logs(simulate(SLIDER, loading, 0.5), 0))
 
 
 # The start and the load point ---------------------------------------------------------------------

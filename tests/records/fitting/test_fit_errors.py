@@ -12,9 +12,8 @@ from synthetic_records import SLIDER, correlated, power_law, record
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.records.fitting import inference, settings
 from ratestate.records.fitting import posterior as sampling
-from ratestate.records.fitting.checks import search_warnings
+from ratestate.records.fitting import settings
 from ratestate.records.fitting.fit_dataset import with_comparison
 from ratestate.records.fitting.generalized_least_squares import (
     least_squares_fit,
@@ -44,9 +43,8 @@ from ratestate.records.fitting.quantities import (
 )
 from ratestate.records.fitting.samples import Samples, samples_of
 from ratestate.records.fitting.transients import _transients, transients_p_value
-from ratestate.records.fitting.unknowns import NEAR, Unknowns, start_names, unknowns_of
+from ratestate.records.fitting.unknowns import NEAR, Unknowns, unknowns_of
 from ratestate.records.kit.noise import Noise
-from ratestate.records.raw_record import raw_record
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
@@ -58,14 +56,6 @@ LONG_T, LONG_STEP = np.arange(0.0, 140.0, 0.2), rs.Loading.steps("1 um/s", (100.
 def solution_of(data, slider, free=FREE, noise=None):
     checked = samples_of(data, slider, loading=None, trend="slip", against="time")
     return least_squares_fit(checked, slider, free, noise, "steady")
-
-
-@pytest.mark.parametrize("sigma", ["99 Pa", "1.01e11 Pa"])
-def test_an_impossible_normal_stress_is_refused(good, sigma):
-    with pytest.raises(ParameterError, match=r"sigma = .* is impossible in a record"):
-        raw_record(good, SLIDER.replace(sigma=sigma))
-    for usual in ("100 Pa", "1e11 Pa"):
-        assert raw_record(good, SLIDER.replace(sigma=usual)).friction.size == T.size
 
 
 @pytest.fixture(scope="module")
@@ -156,22 +146,6 @@ def test_an_interval_of_a_parameter_far_below_its_guess_is_closed():
     assert low < 2.0 < high
 
 
-def test_a_profile_starts_from_fits_of_another_profile():
-    """Alone, the profile of a stops at a ridge that the profile of K passes around."""
-    slider = SLIDER.replace(K=1e12)
-    found = solution_of(record(slider, STEP, T, noise=4e-4, seed=6), slider)
-    numbers = {number.name: number for number in reported_quantities(found.problem)}
-    gaussian = dict(zip(numbers, are_gaussian(found, tuple(numbers.values())), strict=True))
-    assert [name for name, is_gaussian in gaussian.items() if not is_gaussian] == ["K"]
-    alone = compute_profile(found, numbers["a"])
-    assert set(compute_profiles(found, (numbers["a"], numbers["Dc"]), False)) == set()
-    together = compute_profiles(found, tuple(numbers.values()), False)
-    assert together["K"].interval()[-1, 1] == np.inf
-    value, deviance = numbers["a"].value(together["K"].points[-1]), together["K"].deviance[-1]
-    assert deviance < ROOTS[-1] ** 2
-    assert alone.interval()[-1, 1] < value < together["a"].interval()[-1, 1]
-
-
 def test_a_better_point_on_a_profile_becomes_the_solution(good, solution):
     point = solution.point.copy()
     point[2] += 0.01
@@ -182,21 +156,6 @@ def test_a_better_point_on_a_profile_becomes_the_solution(good, solution):
     assert again.solution.chi2 == pytest.approx(solution.chi2, rel=1e-3)
     np.testing.assert_allclose(again.solution.point, solution.point, rtol=1e-3)
     assert not again.still_improving
-
-
-@pytest.mark.parametrize(("better", "improving"), [(3, False), (4, True)])
-def test_still_improving_after_the_last_restart(solution, monkeypatch, better, improving):
-    """After the third better point, only the profiles about it can find a fourth."""
-    points = [solution.point] * better
-
-    def profiles(*_):
-        if points:
-            raise BetterPoint(points.pop())
-        return {}
-
-    monkeypatch.setattr(inference, "compute_profiles", profiles)
-    assert infer(solution, None, "auto").still_improving == improving
-    assert not points
 
 
 def test_interval_ends_of_a_profile_that_is_not_a_parabola():
@@ -614,21 +573,6 @@ def test_sides_of_estimates_at_a_bound():
     sides = dict(zip(names, [0, 0, -1, 1, 0], strict=True))
     unknowns = Unknowns(names, low, high)
     assert unknowns.sides(point, NEAR * unknowns.ranges) == sides
-
-
-def test_warning_on_a_start_at_its_bound(good):
-    """The warning has the reported name and a remedy: a start cannot be fixed."""
-    checked = samples_of(good, SLIDER, loading=None, trend="slip", against="time")
-    found = infer(least_squares_fit(checked, SLIDER, ("a",), None, "free"), None, "covariance")
-    assert not [*search_warnings(found)]
-    at = [found.solution.unknowns.names.index(name) for name in start_names(SLIDER.friction_law)]
-    point = found.solution.point.copy()
-    point[at] = 20.0, -20.0
-    found = found._replace(solution=found.solution._replace(point=point))
-    upper, lower = search_warnings(found)
-    assert upper.startswith("V_start has run to the upper bound of the search, 4.852e+08 times")
-    assert lower.startswith("theta_start has run to the lower bound of the search, 2.061e-09 times")
-    assert "Give start='steady' (command line: --start steady) if" in upper
 
 
 class Combination(ReportedQuantity):

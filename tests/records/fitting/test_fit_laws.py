@@ -171,21 +171,6 @@ def test_friction_at_a_point_does_not_depend_on_the_other_points(noisy):
     assert np.ptp(together, axis=0).max() > 1e-3
 
 
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_an_unsteady_start_has_all_states():
-    loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (90.0, "10 um/s"))
-    t = np.concatenate([np.linspace(0.0, 89.0, 300), np.linspace(90.1, 190.0, 600)])
-    late = record(TWO, loading, t, noise=3e-5).sel(time=slice(11.0, None))
-    found = rs.fit(late, START, FREE)
-    run = rs.simulate(TWO, loading, 12.0, times=[float(late.time[0])])
-    for name in ("V", "theta", "theta2"):
-        assert float(found[f"{name}_start"]) == pytest.approx(float(run[name][0]), rel=0.1), name
-        assert found[f"{name}_start"].attrs["units"] == ("m/s" if name == "V" else "s")
-    assert_finds(found, TWO, FREE, widest=np.inf)
-    steady = rs.fit(late, START, FREE, start="steady", errors="covariance")
-    assert float(found.log_likelihood) > float(steady.log_likelihood) + 30.0
-
-
 def test_states_keep_the_order_of_their_distances(noisy):
     """The distances in the slider tell which of two states is the first."""
     other = START.replace(b=0.002, Dc="80 um", b2=0.005, Dc2="20 um")
@@ -311,17 +296,3 @@ def test_friction_and_mu0_under_every_law_and_form(law, form, kind):
     np.testing.assert_allclose(found, checked.friction, rtol=0.0, atol=2e-7)
     (mu0,) = [q for q in reported_quantities(problem) if q.name == "mu0"]
     assert mu0.value(point) == pytest.approx(0.55, abs=2e-7)
-
-
-@pytest.mark.parametrize(
-    ("law", "form"),
-    [("slip", "cut-off"), ("flash-heating", "regularized")],
-)
-def test_fits_under_forms_of_friction(law, form):
-    slider = slider_under(law, form)
-    data = record(slider, STEP, T, noise=1e-4, seed=4)
-    result = rs.fit(data, slider.replace(a=0.006, b=0.009, Dc="20 um"), trend=None)
-    assert_finds(result, slider, ("a", "b", "Dc", "K", "mu0"), within=3.5, widest=0.5 / 3.5)
-    found = rs.fitted_slider(result, law)
-    assert (found.friction_form, found.mu0) == (form, float(result.mu0))
-    assert f"{law} law" in str(rs.summary(result))

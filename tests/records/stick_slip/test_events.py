@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import json
 
 import numpy as np
 import pytest
@@ -361,16 +360,3 @@ def test_errors_of_lines_are_calibrated():
     assert trend(V[:8], drop[:8], V[:8], "V_lp").message.startswith(
         "V_lp varies by a factor of only 1"
     )
-
-
-def test_catalogues_are_datasets_of_the_package(measured, tmp_path):
-    path = rs.files.write(measured, tmp_path / "events.nc")
-    again = rs.files.read(path)
-    xarray.testing.assert_equal(
-        again.drop_vars("event_message"), measured.drop_vars("event_message")
-    )
-    assert json.loads(measured.attrs["versions"])["ratestate"]
-    for name, variable in measured.data_vars.items():
-        assert variable.attrs["units"]
-        if f"{name}_error" in measured:
-            assert variable.attrs["units"] == measured[f"{name}_error"].attrs["units"]

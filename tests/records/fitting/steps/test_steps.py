@@ -327,14 +327,6 @@ def test_settings_that_do_not_go_together(data, changed, match):
         rs.fit(data, START, **({"per_step": True} | changed))
 
 
-def test_a_hold_at_the_end(data):
-    until = data.sel(time=slice(250.0, 600.5))
-    with pytest.warns(rs.FitWarning):
-        result = rs.fit(until, SLIDER, per_step=True, errors="covariance")
-    assert "217 s, to the record's end" in str(rs.summary(result))
-    assert np.isnan(result.V_after[-1])
-
-
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_a_window_that_begins_soon_after_a_step_has_a_free_start():
     """The change before is not over: a start in steady sliding would bias the fit."""
