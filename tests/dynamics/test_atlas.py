@@ -211,7 +211,6 @@ def test_any_slider_is_a_point_of_it(charts, law):
     ("law", "own", "M"),
     [
         ("two-state-aging", {"b2": 0.5, "Dc2": 0.2}, None),
-        ("nagata", {"c": 0.7}, None),
         ("kato-tullis", {"V_cut": 3.0}, 1e-3),
     ],
 )

@@ -169,41 +169,34 @@ def test_a_record_is_what_its_ramps_are():
     np.testing.assert_allclose(one.sigma, [2e6, 2e6, 1.9e6], rtol=1e-12)
 
 
-SINUSOID = rs.Loading.constant(1e-4).sigma_sinusoid("1 MPa", period=1.0)
+AT = rs.Loading.constant(1e-4)
+SINUSOID = AT.sigma_sinusoid("1 MPa", period=1.0)
+ROWS = [0, 1], [1, 1]
 
 
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: rs.Loading.constant(1).sigma_step(1, "3 MPa s"), "sigma from t = 1.0 s on"),
-        (lambda: rs.Loading.constant(1).sigma_step(1, 0.0), "must be > 0"),
-        (lambda: rs.Loading.constant(1).sigma_step(0, 1e6), "> 0"),
-        (lambda: rs.Loading.constant(1).sigma_ramp(1, 1e6, 0), "> 0"),
+        (lambda: AT.sigma_step(1, "3 MPa s"), "sigma from t = 1.0 s on"),
+        (lambda: AT.sigma_step(1, 0.0), "must be > 0"),
+        (lambda: AT.sigma_step(0, 1e6), "> 0"),
+        (lambda: AT.sigma_ramp(1, 1e6, 0), "> 0"),
         (
-            lambda: rs.Loading.constant(1).sigma_step(2, 1e6).sigma_step(1, 2e6),
-            "t = 1.0 s must come after t = 2.0 s, up to which normal stress is given",
+            lambda: AT.sigma_step(2, 1e6).sigma_step(1, 2e6),
+            "t = 1.0 s must come after t = 2.0 s, u",
         ),
+        (lambda: SINUSOID.sigma_sinusoid(1.0, period=1.0), "has a sinusoid already"),
+        (lambda: AT.sigma_sinusoid(1.0), "either its period or its frequency"),
+        (lambda: AT.sigma_sinusoid(-1.0, period=1), "amplitude = -1 Pa"),
+        (lambda: rs.Loading.series(*ROWS, sigma=[1e6]), "sigma has 1 values for 2 times"),
+        (lambda: rs.Loading.series(*ROWS, sigma=[1e6, 0.0]), "sigma[1] = 0 Pa"),
         (
-            lambda: SINUSOID.sigma_sinusoid(1.0, period=1.0),
-            "has a sinusoid already",
-        ),
-        (lambda: rs.Loading.constant(1).sigma_sinusoid(1.0), "either its period or its frequency"),
-        (lambda: rs.Loading.constant(1).sigma_sinusoid(-1.0, period=1), "amplitude = -1 Pa"),
-        (
-            lambda: rs.Loading.series([0, 1], [1, 1], sigma=[1e6]),
-            "sigma has 1 values for 2 times",
-        ),
-        (
-            lambda: rs.Loading.series([0, 1], [1, 1], sigma=[1e6, 0.0]),
-            "sigma[1] = 0 Pa",
-        ),
-        (
-            lambda: rs.Loading.series([0, 1], [1, 1], sigma=[1e6, 1e6]).sigma_step(0.5, 2e6),
+            lambda: rs.Loading.series(*ROWS, sigma=[1e6, 1e6]).sigma_step(0.5, 2e6),
             "the series has a normal stress of its own",
         ),
         (
-            lambda: rs.Loading.series([0, 1], [1, 1]).sigma_step(1.0, 2e6),
-            "t = 1.0 s is not before the end of the history, 1.0 s",
+            lambda: rs.Loading.series(*ROWS).sigma_step(1.0, 2e6),
+            "t = 1.0 s is not before the end of",
         ),
     ],
 )
@@ -217,11 +210,11 @@ def test_histories_that_cannot_be(make, words):
     ("loading", "words"),
     [
         (
-            rs.Loading.constant(1e-4).sigma_sinusoid("2 MPa", period=1.0),
-            "sigma would fall to 0 Pa between t = 0 s and t = 3 s",
+            AT.sigma_sinusoid("2 MPa", period=1.0),
+            "sigma would fall to 0 Pa between t = 0 s and t =",
         ),
         (
-            rs.Loading.constant(1e-4).sigma_step(1.0, "0.9 MPa").sigma_sinusoid(1e6, period=1.0),
+            AT.sigma_step(1.0, "0.9 MPa").sigma_sinusoid(1e6, period=1.0),
             "sigma would fall to -100000 Pa between t = 1 s",
         ),
         (

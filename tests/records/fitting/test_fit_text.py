@@ -66,20 +66,6 @@ def test_an_interval_from_a_profile_gives_the_standard_error(both):
     assert wide > 2.0 * usual
 
 
-@pytest.mark.parametrize(
-    ("factor", "meaning"),
-    [
-        (1.0, "above 1: steady sliding is stable"),
-        (0.05, "below 1: steady sliding is unstable"),
-    ],
-)
-def test_meaning_of_the_stiffness_ratio(both, factor, meaning):
-    part = results_by_law(both)["slip"]
-    rows = estimates({"slip": part.assign(K=factor * part.K)})
-    (row,) = (row for row in rows if row.symbol == "K/K_c_qs")
-    assert row.meaning == meaning
-
-
 def test_stiffness_over_critical_depends_on_a_minus_b_only(both):
     """Its error is finite even if the errors of a and b are not."""
     (part,) = results_by_law(both.sel(law="slip")).values()

@@ -138,8 +138,16 @@ def test_what_is_not_a_clock_time(cell):
     assert detect_clock(cell) is None
 
 
-@pytest.mark.parametrize("title", ["Time", "Time (s)", "Time (hh:mm:ss)", "Uhrzeit", "Date/Time"])
-@pytest.mark.parametrize("delimiter", ["\t", ",", ";"])
+@pytest.mark.parametrize(
+    ("title", "delimiter"),
+    [
+        ("Time", "\t"),
+        ("Time (s)", ","),
+        ("Time (hh:mm:ss)", ";"),
+        ("Uhrzeit", "\t"),
+        ("Date/Time", ","),
+    ],
+)
 def test_a_record_with_clock_times(tmp_path, title, delimiter):
     t = np.arange(120) * 0.25
     start = datetime.datetime(2019, 5, 14, 23, 59, 50)

@@ -1,7 +1,6 @@
 """Very long records: means over blocks of rows, and text that is read in blocks."""
 
 import json
-import warnings
 
 import numpy as np
 import pytest
@@ -73,21 +72,6 @@ def test_an_oscillation_is_weakened_as_stated():
         exact = np.sin(np.pi * 0.1 / period) / (FACTOR * np.sin(np.pi * DT / period))
         np.testing.assert_allclose(after, abs(exact), atol=1e-10)
         assert after.max() < most
-
-
-def test_no_block_spans_a_gap(tmp_path):
-    """Rows 5003 to 9998 are lost, 50 s: no mean lies inside, and the step is found beside it."""
-    path, t, *_ = record(tmp_path / "r.csv", lost=range(5003, 9999))
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        data = read_lab(path, max_rows=2000)
-    texts = [str(one.message) for one in caught]
-    assert any("a gap in time before line 5005 (50 s)" in text for text in texts)
-    times = data.time.values
-    assert not ((times > t[5002]) & (times < t[9999])).any()
-    assert times[times < 60].max() > t[5002] - DT * FACTOR
-    np.testing.assert_allclose(data.segment_t[1:], [100.003], atol=0.05)
-    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-3)
 
 
 def test_blocks_cover_all_rows_once():
