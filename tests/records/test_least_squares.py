@@ -125,7 +125,7 @@ def test_collinear_columns_within_bounds():
     """Linear problems, two columns nearly alike, of any scale, against the exact solution."""
     rng = np.random.default_rng(0)
     held = 0
-    for _ in range(500):
+    for _ in range(150):
         k = rng.integers(2, 6)
         A = rng.normal(size=(30, k))
         A[:, 1] = A[:, 0] + 10.0 ** rng.uniform(-6.0, -1.0) * A[:, 1]
@@ -142,7 +142,7 @@ def test_collinear_columns_within_bounds():
         assert cost == pytest.approx(best.cost, rel=1e-5)
         assert found.cost == pytest.approx(cost, rel=1e-6)
         held += ((found.x == low) | (found.x == high)).any()
-    assert held > 200
+    assert held > 60
 
 
 def test_an_end_at_the_edge_of_motion_is_no_minimum():

@@ -78,7 +78,7 @@ def sampled(good):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sampling, "LIVE", 60)
         patch.setattr(sampling, "FEWEST", 100)
-        return rs.fit(good, SLIDER, ("a", "Dc"), errors="posterior")
+        return rs.fit(good, SLIDER, ("a",), errors="posterior")
 
 
 def test_the_profile_of_a_gaussian_likelihood_is_the_covariance(solution):
@@ -229,7 +229,7 @@ def test_the_likelihood_is_a_function_of_values_in_the_order_of_free(good, solut
 
 
 def test_the_posterior_of_a_gaussian_is_the_gaussian(sampled, good):
-    profiled = rs.fit(good, SLIDER, ("a", "Dc"), errors="profile")
+    profiled = rs.fit(good, SLIDER, ("a",), errors="profile")
     assert (sampled.interval_kind == "posterior").all()
     assert (profiled.interval_kind == "profile").all()
     width = sampled.interval.diff("side") / profiled.interval.diff("side")
