@@ -233,20 +233,6 @@ def kicked(slider, change):
     return {"V_start": V_LP, "initial": initial}
 
 
-def test_the_cycle_beyond_under_a_law_with_a_speed_of_its_own():
-    """Between two speeds sliding is unstable; below them a cycle coexists with stable sliding."""
-    slider = near_its_edge("kato-tullis", FIG2.M, 1.0005, V_cut=1e-2)
-    found = escape(slider, V_LP)
-    assert found.outcome == "cycle"
-    cycle = continue_cycle(slider, "K", 0.98 * slider.K, slider.K, V_lp=V_LP).isel(point=-1)
-    assert float(found.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-7)
-    sizes = float(found.step_up) ** (1 + np.array([-1e-2, 1e-2]))
-    runs = disturbed(slider, V_LP, "step_up", sizes, 1600 * found.unstable_period, rtol=1e-9)
-    amplitude = runs.amplitude / found.amplitude
-    assert amplitude[0] < 0.05
-    assert float(amplitude[1]) == pytest.approx(1, abs=1e-3)
-
-
 def test_steps_where_sliding_is_stable_above_the_unstable_speeds():
     """No step up comes from a speed at which sliding is unstable; one down may lead to runaway."""
     slider = FIG2.replace(M=0.0, K=6.3e8, law="kato-tullis", V_cut=1e-4)

@@ -122,14 +122,6 @@ def test_what_is_wrong_with_damping_is_told():
         rs.SpringSlider(**FIG2.parameters, dampng=1.0)
 
 
-def test_damping_of_the_whole_contact():
-    rest = {"a": 0.003, "b": 0.006, "Dc": 1e-5}
-    whole = {"area": "20 cm^2", "mass": "6 kg", "stiffness": "0.8 MN/m", "normal_force": "4 kN"}
-    slider = rs.SpringSlider.of_contact(**whole, damping="100 N s/m", **rest)
-    assert slider.damping == pytest.approx(5e4, rel=1e-15)
-    assert slider.replace(damping="200 N s/m").damping == pytest.approx(1e5, rel=1e-15)
-
-
 @pytest.mark.parametrize("kind", ["friction", "mu"])
 def test_damping_is_fitted(kind):
     """Beside all that friction has: it tells in three speeds, in tau/sigma and through K in mu."""

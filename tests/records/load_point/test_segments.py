@@ -287,16 +287,6 @@ def test_a_hold_may_move_by_the_noise(moved, still):
     assert (found.V[1] == 0.0) == still
 
 
-@pytest.mark.parametrize("degree", [0, 1])
-def test_the_noise_of_a_record_is_its_variance(degree):
-    """White noise of 2 um, about a line or a level."""
-    t = np.arange(40_000.0)
-    white = 2e-6 * np.random.default_rng(9).standard_normal(t.size)
-    line = 3e-6 * t if degree else np.zeros(t.size)
-    noise = splits.RowSums(t, line + white, degree).noise / 4e-12
-    assert 0.95 < noise.min() == noise.max() < 1.15
-
-
 def averaging_recorder(seed, first, then, steps, noises, correlation=0.0, digit=0.0):
     """Times and displacement of a record at two rates, each with noise of its own.
 
