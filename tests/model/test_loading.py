@@ -233,20 +233,14 @@ def test_a_step_may_begin_when_a_ramp_to_the_same_speed_ends():
 @pytest.mark.parametrize(
     ("event", "message"),
     [
-        (
-            lambda x: x.step(5, 1.0),
-            "t = 5.0 s must come after t = 5.0 s, up to which the history is",
-        ),
+        (lambda x: x.step(5, 1.0), "t = 5.0 s must come after t = 5.0 s, up to which the hist"),
         (lambda x: x.hold(7, 1).step(7.5, 1.0), "t = 7.5 s must come after t = 8.0 s"),
         (lambda x: x.step(6, -1.0), "V_lp from t = 6.0 s on = -1 m/s must be >= 0"),
         (lambda x: x.hold(6, 0), "hold = 0 s must be > 0"),
         (lambda x: x.hold(6, 1e-17), "hold = 1e-17 is too short or too long after t = 6.0 s"),
         (lambda x: x.ramp(6, 1, "1 m"), "ramp = '1 m' is a length"),
         (lambda x: x.ramp(6, 1e300, 1e-15), "ramp = 1e-15 is too short. For a jump"),
-        (
-            lambda x: x.step(logspace("t", 6, 7, 2), 1.0),
-            "t is an array and not one number",
-        ),
+        (lambda x: x.step(logspace("t", 6, 7, 2), 1.0), "t is an array and not one number"),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
         (lambda x: Loading.steps("3.2 mm"), "V_start = '3.2 mm' is a length"),
         (lambda x: Loading.steps(1.0, 2.0), "step 2.0 is not a pair"),
