@@ -125,13 +125,14 @@ def test_a_lag_of_the_record_is_found(clean):
 
 def test_against_displacement_needs_no_clock(noisy):
     """The fit is the same as by time, and works with noise of displacement."""
-    result = rs.fit(noisy, START, against="displacement")
-    by_time = rs.fit(noisy, START)
+    how = {"errors": "covariance", "against": "displacement"}
+    result = rs.fit(noisy, START, **how)
+    by_time = rs.fit(noisy, START, errors="covariance")
     for name in FREE:
         assert float(result[name]) == pytest.approx(float(by_time[name]), rel=1e-6)
     noise = 2e-8 * np.random.default_rng(0).normal(size=T.size)
     rough = noisy.assign(delta_lp=noisy.delta_lp + noise)
-    assert_finds(rs.fit(rough, START, against="displacement"), SLIDER, within=5.0)
+    assert_finds(rs.fit(rough, START, **how), SLIDER, within=5.0)
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -164,7 +165,7 @@ def test_equivalent_records_give_the_same_fit(noisy, fitted):
         "units": (noisy, {"law": "slip"}),
     }
     for label, (data, options) in others.items():
-        result = rs.fit(data, START, **options)
+        result = rs.fit(data, START, errors="covariance", **options)
         for name in FREE:
             assert float(result[name]) == pytest.approx(float(fitted[name]), rel=1e-4), label
     # between two samples of the speed the step may be anywhere
@@ -175,7 +176,7 @@ def test_equivalent_records_give_the_same_fit(noisy, fitted):
 
 def test_the_initial_guess_does_not_matter(noisy, fitted):
     for far in ({"a": 1e-4, "b": 0.5, "Dc": 1e-2, "K": 1e6}, {"a": 0.5, "b": 0.1, "Dc": 1e-8}):
-        result = rs.fit(noisy, SLIDER.replace(**far))
+        result = rs.fit(noisy, SLIDER.replace(**far), errors="covariance")
         for name in FREE:
             assert float(result[name]) == pytest.approx(float(fitted[name]), rel=2e-3)
 
