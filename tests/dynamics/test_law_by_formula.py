@@ -63,8 +63,8 @@ def test_stability_and_the_hopf_point(pair):
 
 def test_cycles_large_and_small(pair):
     own, its = pair()
-    K = float(its.K_c(V)) * xr.DataArray([0.3, 0.9, 0.999], dims="K")
-    cycles = [rs.limit_cycle(one.replace(K=K), V, rtol=1e-12) for one in (own, its)]
+    K = float(its.K_c(V)) * xr.DataArray([0.3, 0.999], dims="K")
+    cycles = [rs.limit_cycle(one.replace(K=K), V, rtol=1e-11) for one in (own, its)]
     names = "amplitude period V_max V_min mu_min multipliers".split()
     assert (cycles[1].status == 0).all()
     for name in names:

@@ -7,7 +7,7 @@ from scipy.linalg import cholesky, solve_triangular
 from synthetic_records import SLIDER, STEP, correlated, power_law, record
 
 from ratestate.paper.figures import LAWS
-from ratestate.records.fitting.forward import Forward, _difference
+from ratestate.records.fitting.forward import Forward
 from ratestate.records.fitting.samples import samples_of
 from ratestate.records.kit.estimated_noise import (
     RestrictedLikelihood,
@@ -203,22 +203,3 @@ def test_white_noise_is_called_white():
     found = [estimated_noise(t, 2e-4 * rng.normal(size=t.size), fitted) for _ in range(40)]
     assert sum(noise.red > 0.0 for noise in found) <= 2
     assert np.mean([noise.level for noise in found]) == pytest.approx(2e-4, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("down", "lost", "slope"),
-    [
-        (0.5, (), 6.0),
-        (0.2, (), 6.3),
-        (0.0, (), 6.5),
-        (0.5, ("above",), 5.5),
-        (0.5, ("below",), 6.5),
-        (0.5, ("above", "below"), np.nan),
-    ],
-)
-def test_a_difference_at_the_end_of_motion_is_one_sided(down, lost, slope):
-    """Differences of x^2 at 3, with a step of 1/2 up, and a shorter step down."""
-    friction = {"above": 3.5**2, "centre": 3.0**2, "below": (3.0 - down) ** 2}
-    lanes = {k: np.array([x, np.nan if k in lost else x]) for k, x in friction.items()}
-    found = _difference(*lanes.values(), 0.5, down)[0]
-    assert found == pytest.approx(slope, rel=1e-14, nan_ok=True)

@@ -94,16 +94,6 @@ def test_an_open_interval_has_no_error(both, ends, shown):
     assert "+-" in cells["a"][0]
 
 
-@pytest.mark.parametrize(("high", "shown"), [(9e15, True), (np.inf, False)])
-def test_an_error_is_left_out_if_the_covariance_interval_is_open(both, high, shown):
-    part = results_by_law(refuted(both.sel(law="slip"), 5e10, high, level=0.95))["slip"]
-    part = part.assign(interval_kind=part.interval_kind.where(part.parameter != "K", "covariance"))
-    (K,) = (row for row in estimates({"slip": part}) if row.symbol == "K")
-    assert ("+-" in K.texts[0][0]) == shown
-    expected = float(part.standard_error.sel(parameter="K")) if shown else np.inf
-    assert error_of(part, "K") == expected
-
-
 def test_a_greater_than_b_is_stable_at_any_K(both):
     part = results_by_law(both.assign(a=both.b + 0.001))["slip"]
     (ratio,) = (row for row in estimates({"slip": part}) if row.symbol == "K/K_c_qs")
