@@ -101,19 +101,6 @@ def test_a_rigid_spring_is_the_limit_of_a_stiff_one(law):
     assert float(rigid.mu_min) == pytest.approx(float(stiff.mu_min), rel=2e-5)
 
 
-@pytest.mark.parametrize("kind", ["slip", "aging"])
-@pytest.mark.parametrize("part", [0.0, 0.3, 1.2])
-def test_two_states_over_one_distance_are_one(kind, part):
-    """However b is shared between them, one part of it perhaps < 0."""
-    loading, times = rs.Loading.steps(V / 3, (0.01, V)), np.linspace(0.0, 0.3, 31)
-    common = {"K": 6e8, "b": 0.005 * part, "b2": 0.005 * (1 - part), "Dc2": 1e-5}
-    two = rs.simulate(slider(f"two-state-{kind}", **common), loading, 0.3, times=times, rtol=1e-11)
-    one = rs.simulate(slider(kind, K=6e8), loading, 0.3, times=times, rtol=1e-11)
-    np.testing.assert_allclose(two.tau, one.tau, rtol=1e-12)
-    np.testing.assert_allclose(np.log(two.V / one.V), 0.0, atol=1e-9)
-    np.testing.assert_allclose(two.theta, two.theta2, rtol=1e-9)
-
-
 @pytest.mark.parametrize(
     ("law", "form"), [(name, form) for name, law in LAWS.items() for form in forms_of(law)]
 )
@@ -323,17 +310,3 @@ def test_multipliers_of_two_states_are_those_of_one_and_of_their_difference():
     expected = np.sort(np.append(np.abs(one.multipliers.values), np.exp(-slip)))[::-1]
     np.testing.assert_allclose(found[0], expected[0], rtol=1e-6)
     np.testing.assert_allclose(found[1], expected[1], rtol=1e-3, atol=1e-9)
-
-
-def test_sweeps_take_a_laws_own_parameters():
-    """As axes, by name, in every function; each case as by itself."""
-    many = slider("two-state-slip", b2=xr.DataArray([-0.0005, 0.0, 0.001], dims="b2"))
-    runs = rs.simulate(many, rs.Loading.constant(V), 0.2, V_start=V / 3)
-    cycles, steady = rs.limit_cycle(many, V), rs.stability(many, V)
-    assert runs.theta2.dims == ("b2", "time")
-    for i in range(3):
-        one = slider("two-state-slip", b2=float(many.b2[i]))
-        run = rs.simulate(one, rs.Loading.constant(V), 0.2, V_start=V / 3, times=[0.2])
-        assert float(runs.theta2[i, 0]) == pytest.approx(float(run.theta2[0]), rel=1e-6)
-        assert float(cycles.period[i]) == pytest.approx(float(rs.limit_cycle(one, V).period))
-        assert float(steady.K_c[i]) == pytest.approx(one.K_c(V), rel=1e-12)

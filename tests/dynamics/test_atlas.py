@@ -2,17 +2,13 @@
 
 import numpy as np
 import pytest
-import xarray as xr
-from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 
 import ratestate as rs
-from ratestate import ParameterError, SpringSlider, limit_cycle, plot
+from ratestate import ParameterError, SpringSlider, limit_cycle
 from ratestate.dynamics.atlas import atlas
 from ratestate.dynamics.continuation.coexistence import folds
 from ratestate.dynamics.cycles.attractor import find_attractors
 from ratestate.dynamics.cycles.regimes import REGIMES, classify
-from ratestate.dynamics.cycles.shooting import multipliers, return_map
 from ratestate.dynamics.cycles.small_cycles import curvature
 from ratestate.dynamics.cycles.system import one_length_system, small_amplitude, state
 from ratestate.engine.model import FINISHED, STEADY_SLIDING
@@ -54,17 +50,6 @@ def test_the_fold_is_where_a_branch_turns_back(b_over_a, eta):
     assert 1e-3 < width < 1e-2
     beyond = eta > rs.bautin("aging", b_over_a)
     assert str(rs.hopf(slider, 1.0).type.values) == ("supercritical" if beyond else "subcritical")
-
-
-def test_two_cycles_meet_there():
-    eta = np.geomspace(1e-6, 0.12, 12)
-    found = folds("aging", 2.0, eta)
-    there = system("aging", found.kappa, 2.0, eta)
-    returns = return_map(there, state(there, found.u), 1e-12)
-    # G is stress over eta: weighed by it
-    off = np.abs(returns.image - found.u) * np.stack([np.ones(12), eta], axis=1)
-    assert off.max() < 1e-6
-    np.testing.assert_allclose(multipliers(returns)[:, 0], 1.0, atol=1e-4)
 
 
 @pytest.mark.parametrize("eta", [1e-3, 0.05])
@@ -190,16 +175,6 @@ def test_a_part_of_it():
     assert part.K_c_over_K_c_qs.values == pytest.approx([1.1, 2.0, 11.0])
 
 
-def test_another_b_over_a():
-    data = atlas(5.0, "aging", n=12)
-    assert data.b_over_a == 5.0
-    beyond = (data.K_fold_over_K_c_qs / data.K_c_over_K_c_qs - 1.0).dropna("eta")
-    assert 2 < beyond.size < 12
-    assert 0.0 < float(beyond.min()) < float(beyond.max()) < 0.0125
-    assert float(data.eta_bautin) == pytest.approx(1.0 / (3.0 + 2.0 * np.sqrt(8.0)), rel=1e-9)
-    np.testing.assert_array_equal(data.status[0] == 0, data.K_over_K_c_qs < 1.0)
-
-
 def assert_same_cycle(here, suffix, cycle, slider, V):
     """Compare a point of an atlas with the cycle of a slider given in SI units."""
     expected = {
@@ -236,7 +211,6 @@ def test_any_slider_is_a_point_of_it(charts, law):
     ("law", "own", "M"),
     [
         ("two-state-aging", {"b2": 0.5, "Dc2": 0.2}, None),
-        ("nagata", {"c": 0.7}, None),
         ("kato-tullis", {"V_cut": 3.0}, 1e-3),
     ],
 )
@@ -294,17 +268,6 @@ def test_bad_input(options):
 # pictures
 
 
-def test_the_chart_is_drawn_from_a_file_alone(charts, tmp_path, monkeypatch):
-    monkeypatch.setattr(chart, "atlas", lambda b_over_a, law, n: charts(law))
-    # (the next test looks at it, and `test_files` writes a figure)
-    monkeypatch.setattr(Figure, "savefig", lambda _, path, **how: path.touch())
-    paths = chart.make("aging", tmp_path / "new")
-    assert [path.name for path in paths] == ["atlas_aging.png", "atlas_aging.pdf", "atlas_aging.nc"]
-    assert sorted(paths) == sorted((tmp_path / "new").iterdir())
-    with xr.open_dataset(paths[2], engine="h5netcdf") as back:
-        xr.testing.assert_equal(back.load(), charts("aging"))
-
-
 @LAWS
 def test_how_the_chart_looks(charts, law, looks_as_before):
     fig = chart.draw(charts(law))
@@ -315,35 +278,3 @@ def test_how_the_chart_looks(charts, law, looks_as_before):
     assert any("supercritical" in name for name in named)
     for part in ("subcritical", "both stable"):
         assert any(part in name for name in named) == (law == "aging"), part
-
-
-def test_chart_colours_tell_the_regimes(charts):
-    data = charts("slip")
-    ax = Figure().subplots()
-    artists = plot.atlas(data, ax)
-    legend = {artist.get_label(): artist for artist in artists}
-    (mesh,) = (c for c in ax.collections if hasattr(c, "get_coordinates"))
-    colors = mesh.to_rgba(mesh.get_array()).reshape(N, N, 4)
-    for name in ("stick-slip", "quasi-harmonic"):
-        rows = colors[(data.regime == REGIMES.index(name)).values]
-        assert {to_hex(color) for color in rows} == {to_hex(legend[name].get_facecolor())}
-    assert to_hex(colors[(data.regime == 0).values][0]) == "#ffffff"
-
-
-def test_branches_share_axes_and_legend():
-    slider = SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=6.06e8, law="aging")
-    ax = Figure().subplots()
-    for law, color in (("aging", "tab:red"), ("slip", "tab:green")):
-        found = rs.continue_cycle(slider.replace(law=law), "V_lp", 1e-3, 1e-5, rtol=1e-6)
-        plot.branch(found, ax, color=color, label=law)
-    named = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert len(named) == len(set(named))
-    assert {"aging, stable", "aging, unstable", "slip, stable", "Hopf", "start"} <= set(named)
-    assert "slip, unstable" not in named
-    assert ax.get_xscale() == "log"
-    # V_c, and that of the fold below it
-    V_c = float(slider.V_c)
-    steady = next(line for line in ax.lines if line.get_label() == "steady sliding, stable")
-    assert steady.get_xdata()[-1] == pytest.approx(V_c, rel=1e-2)
-    (fold,) = (line for line in ax.lines if line.get_label() == "fold of cycles")
-    assert 0.5 * V_c < fold.get_xdata()[0] < 0.99 * V_c

@@ -2,23 +2,16 @@
 
 import functools
 import itertools
-import json
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import ratestate as rs
-from ratestate import Loading, ParameterError, continue_cycle, limit_cycle, simulate
+from ratestate import Loading, continue_cycle, limit_cycle, simulate
 from ratestate.dynamics import basin
 from ratestate.dynamics.basin import escape
-from ratestate.engine.model import FINISHED, NO_CONVERGENCE, STEP_LIMIT
-from ratestate.friction.quasi_static import (
-    EDGES,
-    runaway_step,
-    runaway_step_lower_bound,
-    runaway_step_upper_bound,
-)
+from ratestate.engine.model import NO_CONVERGENCE
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e3, K=9e8)
 # Aging law, K just above K_c_qs: between a fold at 0.33 mm/s and V_c = 0.447 mm/s stable sliding
@@ -61,19 +54,6 @@ def disturbed(slider, V_lp, name, sizes, t_end, **settings):
     return simulate(slider, loading, t_end, V_start=V_lp, initial=start, **settings)
 
 
-def test_contract():
-    found = edge()
-    assert sorted(found.data_vars) == sorted([*STEPS, *KICKS, *CYCLES, "outcome"])
-    for name, variable in found.data_vars.items():
-        assert variable.dims == (), name
-        assert variable.attrs["units"], name
-        assert variable.attrs["long_name"], name
-    assert found.kick_up.attrs["units"] == found.kick_down.attrs["units"] == "Pa"
-    assert found.V_lp == json.loads(found.attrs["scenario"])["V_lp"] == V_LP
-    assert found.attrs["title"] == "ratestate escape"
-    assert rs.SpringSlider(**json.loads(found.attrs["scenario"])["slider"]) == STRIP
-
-
 @pytest.mark.parametrize("name", ["step_up", *KICKS])
 def test_against_plain_marching(name):
     """A little less comes to rest in steady sliding, a little more in the limit cycle."""
@@ -87,16 +67,6 @@ def test_against_plain_marching(name):
     assert edge().outcome == "cycle"
     assert edge().step_up > 1
     assert edge().kick_up > 0 > edge().kick_down
-
-
-@pytest.mark.parametrize("name", ["step_up", *KICKS])
-def test_all_smaller_ones_come_back(name):
-    """The threshold found is the first: there is no gap below it."""
-    size, period = float(edge()[name]), float(edge().unstable_period)
-    part = np.linspace(0.02, 0.98, 25)
-    sizes = size**part if name in STEPS else size * part
-    runs = disturbed(STRIP, V_LP, name, sizes, 900 * period)
-    assert (runs.amplitude < 0.05 * edge().amplitude).all()
 
 
 def test_no_step_down_leaves():
@@ -190,37 +160,6 @@ def test_no_steady_sliding(changes, law):
         assert np.isnan(found[name]), name
 
 
-@pytest.mark.parametrize("b", [0.0036, 0.006, 0.0363])
-def test_runaway_without_inertia(b):
-    """Slip law: at K_c_qs from V_lp/V = b/(b - a) on; above it between two closed forms."""
-    rest = {name: getattr(MASSLESS, name) for name in ("a", "Dc", "sigma")} | {"b": b}
-    ratio = np.array([1 + 1e-5, 1.001, 1.1, 1.5, 3.0])
-    K = xr.DataArray(ratio * MASSLESS.replace(b=b).K_c_qs, dims="K")
-    found = escape(MASSLESS.replace(b=b, K=K), 1e-6)
-    assert (found.outcome == "runaway").all()
-    assert float(found.step_up[0]) == pytest.approx(runaway_step(a=0.003, b=b), rel=1e-4)
-    lower = runaway_step_lower_bound(K=K.values, **rest)
-    upper = runaway_step_upper_bound(K=K.values, **rest)
-    assert (found.step_up.values > lower * (1 - 1e-9)).all()
-    assert (found.step_up.values < upper * (1 + 1e-9)).all()
-    assert (np.diff(found.step_up) > 0).all()
-    assert (found.step_down == 0).all()
-    for name in CYCLES:
-        assert np.isnan(found[name]).all(), name
-
-
-@pytest.mark.parametrize("name", ["step_up", "kick_up", "kick_down"])
-def test_runaway_against_plain_marching(name):
-    found = escape(MASSLESS, 1e-6)
-    size, t_end = float(found[name]), 1000 * 1e-5 / 1e-6
-    off = np.array([-1e-2, -1e-7, 1e-7, 1e-2])
-    sizes = size ** (1 + off) if name in STEPS else size * (1 + off)
-    runs = disturbed(MASSLESS, 1e-6, name, sizes, t_end, rtol=1e-11)
-    runaway = 5
-    assert runs.status.values.tolist() == [0, 0, runaway, runaway]
-    assert runs.V.isel(time=-1)[:2].values == pytest.approx([1e-6] * 2, rel=1e-6)
-
-
 def test_without_inertia_the_aging_law_comes_back():
     """Above K_c_qs from every start, by way of whatever speed."""
     K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.001, 1.5, 2.0, 10.0]), dims="K")
@@ -229,61 +168,6 @@ def test_without_inertia_the_aging_law_comes_back():
     assert (found.step_down == 0).all()
     assert (found.kick_up == np.inf).all()
     assert (found.outcome == "none").all()
-
-
-def test_inertia_small_and_none():
-    """Slip law: what runs away without mass comes back with it; both by marching."""
-    for M, ends in ((0.0, "runaway"), (1e-3, "none"), (3e3, "none")):
-        assert escape(MASSLESS.replace(M=M), 1e-6).outcome == ends
-    heavy = MASSLESS.replace(M=1e-3)
-    runs = disturbed(heavy, 1e-6, "step_up", [2.0, 3.0, 100.0], 2000 * 1e-5 / 1e-6)
-    assert runs.V.isel(time=-1).values == pytest.approx([1e-6] * 3, rel=1e-2)
-
-
-def test_broadcasting():
-    K = xr.DataArray([6.06e8, 9e8, 5e8], dims="K")
-    V_lp = xr.DataArray([V_LP, 3e-4], dims="V_lp")
-    found = escape(STRIP.replace(K=K), V_lp)
-    for variable in found.data_vars.values():
-        assert variable.dims == ("K", "V_lp")
-    np.testing.assert_array_equal(found.K, K)
-    np.testing.assert_array_equal(found.V_lp, V_lp)
-    no = "no steady sliding"
-    assert found.outcome.values.tolist() == [["cycle", "none"], ["none", "none"], [no, no]]
-    for name in [*STEPS, *KICKS, *CYCLES]:
-        one, same = found[name].values[0, 0], float(edge()[name])
-        assert one == pytest.approx(same, rel=2e-5), name
-    kinds = escape(STRIP.replace(K=xr.DataArray([9e8, 5e8], dims="case")), V_LP)
-    assert kinds.outcome.dims == ("case",)
-
-
-@pytest.mark.parametrize(
-    ("ends", "outcome"),
-    [
-        ([FINISHED, NO_CONVERGENCE, FINISHED, FINISHED], "irregular cycles"),
-        ([FINISHED, NO_CONVERGENCE, STEP_LIMIT, FINISHED], "unknown"),
-    ],
-)
-def test_where_disturbances_end_in_different_ways(monkeypatch, ends, outcome):
-    """What is worse counts, and what is unknown is not of any size."""
-
-    def escapes(system, kind, largest, progress):
-        return np.arange(1.0, 5.0), np.array(ends), np.full((4, 2), 0.1)
-
-    monkeypatch.setattr(basin, "_search", escapes)
-    monkeypatch.setattr(basin, "_is_irregular", lambda system, u: np.full(len(u), True))
-    stiff = STRIP.replace(K=xr.DataArray([6.06e8, 5e8], dims="K"))  # the second has nothing to lose
-    found = escape(stiff, V_LP)
-    assert found.outcome.values.tolist() == [outcome, "no steady sliding"]
-    assert float(found.step_down[0]) == pytest.approx(np.exp(-2), rel=1e-12)
-    assert float(found.kick_down[0]) == pytest.approx(-4 * 0.003 * 2e6, rel=1e-12)
-    assert np.isnan(found.amplitude[0])
-    if outcome == "unknown":
-        assert np.isnan(found.kick_up[0])
-        with pytest.raises(rs.SolverError, match="could not be followed"):
-            escape(STRIP, V_LP)
-    else:
-        assert float(found.kick_up[0]) == pytest.approx(3 * 0.003 * 2e6, rel=1e-12)
 
 
 def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
@@ -300,45 +184,6 @@ def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
     turns = itertools.cycle([0.02, 0.01])
     monkeypatch.setattr(basin, "small_amplitude", lambda system, u: next(turns))
     assert escape(slow, V_LP).outcome.values.tolist() == ["irregular cycles"]
-
-
-def test_an_edge_of_runaway_that_is_lost_harms_no_other(monkeypatch):
-    whole = EDGES["slip"]
-
-    def lost(kappa, beta, largest):
-        if kappa < 1.2 * (beta - 1.0):
-            raise rs.SolverError("the edge of runaway (M = 0) could not be followed")
-        return whole(kappa, beta, largest)
-
-    monkeypatch.setitem(EDGES, "slip", lost)
-    K = xr.DataArray(MASSLESS.K_c_qs * np.array([1.1, 1.5]), dims="K")
-    found = escape(MASSLESS.replace(K=K), 1e-6)
-    assert found.outcome.values.tolist() == ["unknown", "runaway"]
-    assert np.isnan(found.step_up[0])
-    assert found.step_up[1] > 1
-    with pytest.raises(rs.SolverError, match="edge of runaway"):
-        escape(MASSLESS.replace(K=float(K[0])), 1e-6)
-
-
-SWEEP = STRIP.replace(K=xr.DataArray([6.06e8, 9e8], dims="q"))
-
-
-@pytest.mark.parametrize(
-    ("slider", "V_lp", "parts"),
-    [
-        ("STRIP", V_LP, ["slider = 'STRIP'", "SpringSlider"]),
-        (STRIP, 0, ["V_lp = 0 m/s must be > 0"]),
-        (STRIP, xr.DataArray([1e-3, -1.0], dims="q"), ["V_lp = -1 m/s at q[1]"]),
-        (SWEEP, xr.DataArray([1e-3] * 3, dims="q"), ["K", "V_lp", "2 and 3 values", "'q'"]),
-        (STRIP, xr.DataArray([1e-3], dims="outcome"), ["outcome"]),
-        (STRIP.replace(K=xr.DataArray([9e8], dims="step_up")), V_LP, ["step_up"]),
-    ],
-)
-def test_bad_input(slider, V_lp, parts):
-    with pytest.raises(ParameterError) as caught:
-        escape(slider, V_lp)
-    for part in parts:
-        assert part in str(caught.value)
 
 
 def near_its_edge(law, M, K_over_K_c, **own):
@@ -386,20 +231,6 @@ def kicked(slider, change):
         states["theta"] *= factor
     initial = states | {"tau": float(steady.tau) + change}
     return {"V_start": V_LP, "initial": initial}
-
-
-def test_the_cycle_beyond_under_a_law_with_a_speed_of_its_own():
-    """Between two speeds sliding is unstable; below them a cycle coexists with stable sliding."""
-    slider = near_its_edge("kato-tullis", FIG2.M, 1.0005, V_cut=1e-2)
-    found = escape(slider, V_LP)
-    assert found.outcome == "cycle"
-    cycle = continue_cycle(slider, "K", 0.98 * slider.K, slider.K, V_lp=V_LP).isel(point=-1)
-    assert float(found.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-7)
-    sizes = float(found.step_up) ** (1 + np.array([-1e-2, 1e-2]))
-    runs = disturbed(slider, V_LP, "step_up", sizes, 1600 * found.unstable_period, rtol=1e-9)
-    amplitude = runs.amplitude / found.amplitude
-    assert amplitude[0] < 0.05
-    assert float(amplitude[1]) == pytest.approx(1, abs=1e-3)
 
 
 def test_steps_where_sliding_is_stable_above_the_unstable_speeds():

@@ -1,7 +1,6 @@
 """Sliders without mass or damping at speeds at which friction hardly depends on V: beyond V1."""
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +9,7 @@ from scipy.integrate import solve_ivp
 
 import ratestate as rs
 from ratestate.dynamics.simulation import engine_cases
-from ratestate.friction.composition import composed_law
 from ratestate.friction.forms import RESOLVED
-from ratestate.friction.point import point_at
 
 A, B, DC, SIGMA, V = 0.01, 0.015, 1e-5, 1e7, 1e-3
 COMMON = {"a": A, "b": B, "Dc": DC, "sigma": SIGMA, "mu0": 0.6, "V0": 1e-6, "M": 0.0}
@@ -112,22 +109,6 @@ def test_beyond_what_friction_tells_of_the_speed_nothing_is_said():
         with pytest.raises(rs.SolverError, match=r"not_finite.*far above V1\); check") as told:
             run(stiff, V1, slow, 0.99 * V)
         assert not isinstance(told.value, rs.QuasiStaticInstability)
-
-
-def test_what_friction_loses_with_slip_decides():
-    """Under the slip law b ln(V theta/Dc) of it where theta is well above Dc/V2, else a part."""
-    law = composed_law("slip+cut-off")
-    values = SimpleNamespace(**COMMON, V1=1e-4, V2=1e-2)
-    p = law.coefficients(V, values)
-    v, psi = 30.0, (-1.0,)
-    part = 10.0 * math.exp(-1.0) / (1.0 + 10.0 * math.exp(-1.0))
-    loses = B / A * part * (30.0 - 1.0)
-    at = point_at(law, p, (0.0, v, *psi))
-    found = [law.weakens_faster_than_spring(at, loses * x) for x in (0.999, 1.001)]
-    assert found == [True, False]
-    assert law.largest_resolved_v(math.log(3e8 / V), p) == pytest.approx(math.log(0.1) + RESOLVED)
-    assert law.largest_resolved_v(1.0, p) == 1.0
-    assert law.largest_resolved_v(math.inf, p) == math.inf
 
 
 def test_a_leap_from_slow_sliding_ends_where_spring_and_friction_fall_alike():

@@ -1,10 +1,6 @@
 """A dashpot beside friction: its motion, stability and cycles under every law."""
 
-import copy
-import itertools
 import math
-import pickle
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,19 +9,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 from synthetic_records import record
-from textbook import Textbook, drawn
-from user_laws import MINE
+from textbook import drawn
 
 import ratestate as rs
-from ratestate import files, scenario
 from ratestate.dynamics.basin import escape
 from ratestate.dynamics.cycles.regimes import classify
 from ratestate.dynamics.refusals import check_one_length
-from ratestate.dynamics.results import parameter, whole_contact
-from ratestate.dynamics.steady_sliding import steady_stress
+from ratestate.dynamics.results import whole_contact
 from ratestate.friction.composition import composed_law
 from ratestate.friction.laws import LAWS, one_length_laws
-from ratestate.friction.linear_stability import stability_margin
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=4e8)
 DAMPED = FIG2.replace(damping=5e4)
@@ -100,30 +92,6 @@ def test_a_branch_along_damping_ends_where_it_makes_sliding_stable():
     assert end.K_c(V) == pytest.approx(slider.K, rel=1e-9)
 
 
-def test_without_mass_it_runs_through_an_instability():
-    """Which is the end of a run without damping; V_max grows as damping falls."""
-    slider, loading = FIG2.replace(M=0.0), rs.Loading.steps(1e-3, (0.1, 3e-3))
-    with pytest.raises(rs.QuasiStaticInstability):
-        rs.simulate(slider, loading, 1.0)
-    fastest = []
-    for damping in (1e5, 1e4, 1e3):
-        run = rs.simulate(slider.replace(damping=damping), loading, 1.0)
-        assert int(run.status) == 0
-        assert abs(float(run.energy_residual)) < 1e-5
-        fastest.append(float(run.V_max) * damping / slider.sigma)
-    assert fastest[0] < fastest[1] < fastest[2] < 0.05  # the stress drop over damping, at most
-
-
-def test_a_start_without_mass_balances_both():
-    slider = DAMPED.replace(M=0.0)
-    loading, theta = rs.Loading.constant(1e-3), 1e-2
-    given = rs.simulate(slider, loading, 1e-6, initial={"V": 1e-2, "theta": theta}, times=[0.0])
-    tau = float(given.tau[0])
-    assert tau == pytest.approx(2e6 * float(given.mu[0]) + 5e4 * 1e-2, rel=1e-14)
-    back = rs.simulate(slider, loading, 1e-6, initial={"tau": tau, "theta": theta}, times=[0.0])
-    assert float(back.V[0]) == pytest.approx(1e-2, rel=1e-10)
-
-
 def test_no_damping_is_the_law_alone():
     """The same kernel, and so the same bits; the slider says nothing of it."""
     slider = FIG2.replace(damping=0.0)
@@ -135,21 +103,6 @@ def test_no_damping_is_the_law_alone():
     assert DAMPED.friction_law.name == "slip+damping"
     assert DAMPED.replace(law="aging").friction_law is composed_law("aging+damping")
     assert DAMPED.replace(law="aging").damping == 5e4
-
-
-def test_damping_may_be_swept_and_is_taken_along():
-    damping = xr.DataArray([0.0, 1e4, 5e4], dims="damping")
-    slider = FIG2.replace(damping=damping)
-    assert slider.friction_law.name == "slip+damping"
-    cycles = rs.limit_cycle(slider, 1e-3)
-    alone = rs.limit_cycle(DAMPED, 1e-3)
-    assert float(cycles.amplitude[2]) == float(alone.amplitude)
-    none = rs.limit_cycle(FIG2, 1e-3)
-    assert float(cycles.amplitude[0]) == pytest.approx(float(none.amplitude), rel=1e-9)
-    again = pickle.loads(pickle.dumps(DAMPED))
-    assert again == copy.copy(DAMPED) == DAMPED
-    law = pickle.loads(pickle.dumps(DAMPED.friction_law))
-    assert (law.name, law.states) == ("slip+damping", LAWS["slip"].states)
 
 
 def test_what_is_wrong_with_damping_is_told():
@@ -167,14 +120,6 @@ def test_what_is_wrong_with_damping_is_told():
         _ = cut.K_c_qs
     with pytest.raises(rs.ParameterError, match=r"no parameter dampng.* Did you mean damping"):
         rs.SpringSlider(**FIG2.parameters, dampng=1.0)
-
-
-def test_damping_of_the_whole_contact():
-    rest = {"a": 0.003, "b": 0.006, "Dc": 1e-5}
-    whole = {"area": "20 cm^2", "mass": "6 kg", "stiffness": "0.8 MN/m", "normal_force": "4 kN"}
-    slider = rs.SpringSlider.of_contact(**whole, damping="100 N s/m", **rest)
-    assert slider.damping == pytest.approx(5e4, rel=1e-15)
-    assert slider.replace(damping="200 N s/m").damping == pytest.approx(1e5, rel=1e-15)
 
 
 @pytest.mark.parametrize("kind", ["friction", "mu"])
@@ -200,37 +145,6 @@ def test_damping_is_fitted(kind):
         rs.fit(data, start.replace(damping=0.0), ("a", "damping"))
 
 
-def test_a_users_law_may_be_damped(law_file):
-    mine = DAMPED.replace(law=rs.register(law_file(MINE)), m=1.0)
-    assert mine.K_c(1e-3) == pytest.approx(DAMPED.replace(law="aging").K_c(1e-3), rel=1e-9)
-    again = pickle.loads(pickle.dumps(mine))
-    assert (again, again.friction_law) == (mine, mine.friction_law)
-    twin, times = Textbook("aging", DAMPED.parameters), np.linspace(0.0, 0.2, 5)
-    loading = rs.Loading.constant(3e-3)
-    run = rs.simulate(mine, loading, 0.2, times=times, V_start=1e-3, rtol=1e-9)
-    assert twin.differs(run, twin.solve(twin.steady(1e-3), 3e-3, times)) < 1e-6
-
-
-def test_scenarios_and_stores_hold_damping(tmp_path):
-    slider = DAMPED.replace(damping=xr.DataArray([1e4, 5e4, 2e5], dims="damping"))
-    cycles = rs.sweep(rs.limit_cycle, slider, V_lp=1e-3, store=tmp_path / "x.zarr", chunk=1)
-    np.testing.assert_array_equal(cycles.amplitude, rs.limit_cycle(slider, 1e-3).amplitude)
-    run = rs.simulate(DAMPED, rs.Loading.steps(1e-3, (0.01, 3e-3)), 0.05)
-    text = scenario.toml(scenario.from_result(run))
-    assert scenario.loads(text).slider == DAMPED
-    assert 'damping = "50 kPa s/m"' in text
-    written = files.read(files.write(run, tmp_path / "run.nc"))
-    assert parameter(written, "damping") == 5e4
-    assert parameter(rs.stability(FIG2, 1e-3), "damping") == 0.0
-    text = text.replace("50 kPa s/m", "100 N s/m")
-    with pytest.raises(rs.ParameterError, match="give the area too"):
-        scenario.loads(text)
-    whole = text.replace("[slider]", '[slider]\narea = "20 cm^2"')
-    assert scenario.loads(whole).slider.damping == pytest.approx(5e4)
-    total = whole.replace('damping = "100 N s/m"', "dashpot = 100")
-    assert scenario.loads(total).slider.damping == pytest.approx(5e4)
-
-
 @pytest.mark.parametrize(("M", "below"), [(100.0, 1e-2), (777.0, 1e-4), (3e3, 1e-6)])
 def test_a_narrow_band_of_unstable_speeds_is_found(M, below):
     """Of a slider just softer than the peak of K_c, which lies between speeds of any grid."""
@@ -243,19 +157,6 @@ def test_a_narrow_band_of_unstable_speeds_is_found(M, below):
         assert K_c(speed, **soft.values) == pytest.approx(soft.K, rel=1e-9)
     assert str(rs.hopf(soft).type.values) != "none"
     assert slider.replace(K=K * (1.0 + below)).V_c == math.inf
-
-
-def test_critical_speeds_take_few_linearisations(monkeypatch):
-    counted = Mock(wraps=stability_margin)
-    monkeypatch.setattr("ratestate.friction.critical_speeds.stability_margin", counted)
-    assert 0.0 < DAMPED.replace(K=7e8).V_c < math.inf
-    assert 0 < counted.call_count < 20
-
-
-def test_sliders_are_equal_from_both_sides():
-    others = FIG2, DAMPED.replace(alpha=0.3), DAMPED.replace(friction_form="cut-off", V1=1, V2=1)
-    for one, other in itertools.permutations([DAMPED, *others], 2):
-        assert (one == other) is False
 
 
 def test_a_push_does_not_run_away_from_a_dashpot():
@@ -298,14 +199,6 @@ def test_acceleration_is_what_the_dashpot_leaves():
     slope = (V[largest + 1] - V[largest - 1]) / (t[largest + 1] - t[largest - 1])
     assert acceleration[largest] == pytest.approx(slope, rel=0.05)
     assert float(found.acceleration_max) == pytest.approx(abs(acceleration[largest]), rel=0.05)
-
-
-def test_steady_sliding_in_the_phase_plane_holds_the_dashpot_too():
-    stiff = DAMPED.replace(K=1e9)
-    run = rs.simulate(stiff, rs.Loading.constant(1e-3), 0.05, V_start=5e-4)
-    steady = rs.simulate(stiff, rs.Loading.constant(1e-3), 1.0, initial={"V": 1e-3}, times=[0.0])
-    expected = float(steady.tau[0]) / DAMPED.sigma
-    assert float(steady_stress(run, 1e-3)) == pytest.approx(expected, rel=1e-13)
 
 
 def test_what_does_without_damping_says_so():

@@ -82,24 +82,6 @@ def test_it_is_that_of_the_textbooks_equations(law):
                     assert abs(ours - value) < 1e-5 * abs(value) + near_0, (out, name, f)
 
 
-@pytest.mark.parametrize("M", [3e3, 0.0])
-@pytest.mark.parametrize("ratio", [0.3, 1.0, 3.0])
-def test_small_oscillations_of_a_run(ratio, M):
-    """Of the load point, by the solver of the whole equations: the second half of forty periods."""
-    slider = FIG2.replace(M=M, K=1e9, damping=2e4)
-    frequency, amplitude = ratio * float(rs.stability(slider, V).omega) / (2 * math.pi), 1e-5
-    t = np.linspace(20.0, 40.0, 20 * 64, endpoint=False) / frequency
-    shake = rs.Loading.sinusoid(V, amplitude * V, t_end=41.0 / frequency, frequency=frequency)
-    run = rs.simulate(slider, shake, 40.0 / frequency, times=t, rtol=1e-10)
-    wave = 2.0 * np.exp(-2j * math.pi * frequency * t) / t.size
-    found = rs.frequency_response(slider, V, frequency)
-    for name, value, mean in (("tau", run.tau, run.tau.mean()), ("V", run.V, V), ("mu", run.mu, 0)):
-        # of a sine, which is the imaginary part of what is asked for
-        measured = 1j * complex(((value - mean).values * wave).sum()) / (amplitude * V)
-        expected = complex(found[f"{name}_by_V_lp"])
-        assert abs(measured - expected) < 1e-4 * abs(expected), name
-
-
 @given(seed=st.integers(0, 10**6))
 def test_without_mass_in_closed_form(seed):
     """That of Perfettini et al. (2001), and of a slider that its load point takes along."""
@@ -200,20 +182,6 @@ def test_usual_frequencies():
     assert alone.frequency.values[[0, -1]].tolist() == [1.0, 1000.0]
     slow = rs.frequency_response(FIG2, xr.DataArray([V, 1e-9], dims="V_lp"))
     assert slow.frequency.values[[0, -1]].tolist() == [1e-6, 1000.0]
-
-
-def test_a_sweep_into_a_store(tmp_path):
-    """With an unstable slider, whose numbers are NaN, and chunks along both dimensions."""
-    slider = FIG2.replace(K=xr.DataArray([5e8, 7e8, 9e8], dims="K"), alpha=0.2)
-    arguments = {"V_lp": V, "frequency": ["1 Hz", "10 Hz", 100.0, 500.0]}
-    whole = rs.frequency_response(slider, **arguments)
-    store = tmp_path / "x.zarr"
-    kept = rs.sweep("frequency_response", slider, **arguments, store=store, chunk=3, progress=False)
-    assert not (kept.status != 0).any()
-    for name in whole.variables:
-        xr.testing.assert_identical(kept[name].compute().variable, whole[name].variable)
-    with pytest.raises(rs.ParameterError, match="frequency_response is in closed form"):
-        rs.sweep("frequency_response", slider, **arguments, device="cuda", progress=False)
 
 
 def test_alpha_counts_and_is_kept():

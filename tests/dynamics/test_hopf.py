@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 import ratestate as rs
 from ratestate import bautin, hopf, stability
-from ratestate.dynamics.cycles.small_cycles import curvature
 from ratestate.friction.normal_form import law_curvatures, lyapunov_1
 from ratestate.paper.figures import LAWS
 
@@ -117,19 +116,6 @@ def test_lyapunov_1_of_any_law_with_one_length(eta, b1, h2, h3):
     truth = first_lyapunov(*slider_system(eta, b1, (-1, -1), second, third))
     value, _ = lyapunov_1(eta, b1, h2, h3)
     assert value == pytest.approx(float(truth), rel=1e-13, abs=0)
-
-
-@settings(deadline=None)
-@given(st.floats(-2, 3), st.floats(-2, 1.5))
-def test_small_cycles_found_by_harmonic_balance_have_this_amplitude(log_eta, log_b1):
-    """kappa - kappa_c = curvature r^2 there; here growth = slope (kappa - kappa_c)/kappa_c."""
-    eta, b1 = 10**log_eta, 10**log_b1
-    for law in LAWS:
-        value, doubt = lyapunov_1(eta, b1, *law_curvatures(law))
-        slope = -0.5 / ((1 + eta) ** 2 + b1 * eta**2)
-        (bend,) = curvature(law, 1 + b1, eta)
-        if abs(value) > 1e8 * doubt:
-            assert value == pytest.approx(-slope * bend, rel=1e-5 if eta < 0.1 else 1e-7, abs=0)
 
 
 # The functions.
@@ -263,17 +249,6 @@ def test_no_bifurcation_in_V(law, changes, V_c):
     assert all(np.isnan(rest[name]) for name in rest)
 
 
-@pytest.mark.parametrize("b", [0.003, 0.001, -0.001])
-def test_no_bifurcation_in_K(b):
-    slider = rs.SpringSlider(**{**FIG_2, "b": b}, K=9e8, M=3e3)
-    point = hopf(slider, 1e-3)
-    assert str(point.type.values) == "none"
-    assert float(point.V_c) == np.inf
-    assert float(point.K_c) == slider.K_c(1e-3)
-    rest = point.drop_vars(["type", "V_c", "K_c"])
-    assert all(np.isnan(rest[name]) for name in rest)
-
-
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("K", [1e8, 9e8, np.inf])
 def test_without_mass_the_bifurcation_in_K_is_degenerate(law, K):
@@ -284,79 +259,6 @@ def test_without_mass_the_bifurcation_in_K_is_degenerate(law, K):
     assert float(point.omega_c) == pytest.approx(100, rel=1e-15)
     assert float(point.eigenvalue_3) == -np.inf
     assert float(point.amplitude_coefficient) == np.inf
-
-
-UNITS = {
-    "V_c": "m/s",
-    "K_c": "Pa/m",
-    "eta": "1",
-    "omega_c": "rad/s",
-    "frequency": "Hz",
-    "eigenvalue_3": "1/s",
-    "lyapunov_1": "1/s",
-    "type": "1",
-    "amplitude_coefficient": "1",
-}
-
-
-def test_dataset():
-    slider = rs.SpringSlider(**FIG_2, K="900 MPa/m", M=3000, law="aging")
-    point = hopf(slider)
-    assert {name: v.attrs["units"] for name, v in point.data_vars.items()} == UNITS
-    assert all(v.attrs["long_name"] for v in point.variables.values())
-    assert point.sizes == {}
-    assert "V_lp" not in point.coords
-    assert point.attrs == {"slider": repr(slider), "law": "aging", "parameter": "V_lp"}
-    assert point.V_c == slider.V_c
-    given = hopf(slider, "3.2 mm/s")
-    assert given.V_lp == 0.0032
-    assert given.attrs["parameter"] == "K"
-    assert given.K_c == slider.K_c(3.2e-3)
-    assert "V_lp/V_c" in point.amplitude_coefficient.attrs["comment"]
-    assert "K/K_c" in given.amplitude_coefficient.attrs["comment"]
-
-
-def test_broadcasting_gives_what_one_call_a_case_gives():
-    slider = rs.SpringSlider(
-        a=0.003,
-        b=xr.DataArray([0.002, 0.006, 0.009], dims="b"),
-        Dc="10 um",
-        sigma="2 MPa",
-        K=xr.DataArray([1e8, 1.23e9, 1e10], dims="K"),
-        M=xr.DataArray([0.0, 1e3], dims="M"),
-        law="aging",
-    )
-    V_lp = rs.logspace("V_lp", 1e-4, 1e-1, 3)
-    for grid, dims in ((hopf(slider), ("b", "M", "K")), (hopf(slider, V_lp), ("b", "M", "V_lp"))):
-        assert set(dims) == set(grid.sizes)
-        seen = set()
-        for where in itertools.product(*(grid[dim].values for dim in dims)):
-            case = dict(zip(dims, where, strict=True))
-            at = grid.sel(case)
-            V = case.pop("V_lp", None)
-            alone = hopf(slider.replace(**{"K": 1.0, **case}), V)
-            xr.testing.assert_identical(
-                at.drop_vars(dims),
-                alone.drop_vars("V_lp", errors="ignore").assign_attrs(grid.attrs),
-            )
-            seen.add(str(at.type.values))
-        assert seen >= {"none", "subcritical", "supercritical"}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (
-            (xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M"),),
-            "M and V_lp have different coordinates along the dimension 'M'",
-        ),
-        ((xr.DataArray([1.0], dims="type"),), "the dimension 'type' clashes"),
-    ],
-)
-def test_bad_input(arguments, message):
-    slider = rs.SpringSlider(**FIG_2, K=900e6, M=rs.logspace("M", 1, 10, 3))
-    with pytest.raises(rs.ParameterError, match=message):
-        hopf(slider, *arguments)
 
 
 @pytest.mark.parametrize(

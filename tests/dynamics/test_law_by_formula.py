@@ -5,12 +5,10 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.integrate import solve_ivp
 from synthetic_records import SLIDER, record
 from user_laws import MINE
 
 import ratestate as rs
-from ratestate import scenario
 from ratestate.dynamics.verdict import verdict
 
 FIG2 = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, M=3e3, K=9e8)
@@ -45,7 +43,7 @@ def assert_same(found, wanted, rtol=1e-9):
 
 @pytest.mark.parametrize(
     "part",
-    [{}, {"M": 0.0, "K": 4e9}, {"damping": 1e5}, {"friction_form": "regularized"}, {"alpha": 0.3}],
+    [{"M": 0.0, "K": 4e9}, {"friction_form": "regularized"}, {"alpha": 0.3, "damping": 1e5}],
 )
 def test_a_run(pair, part):
     loading = rs.Loading.steps(V / 3, (0.02, V))
@@ -65,8 +63,8 @@ def test_stability_and_the_hopf_point(pair):
 
 def test_cycles_large_and_small(pair):
     own, its = pair()
-    K = float(its.K_c(V)) * xr.DataArray([0.3, 0.9, 0.999], dims="K")
-    cycles = [rs.limit_cycle(one.replace(K=K), V, rtol=1e-12) for one in (own, its)]
+    K = float(its.K_c(V)) * xr.DataArray([0.3, 0.999], dims="K")
+    cycles = [rs.limit_cycle(one.replace(K=K), V, rtol=1e-11) for one in (own, its)]
     names = "amplitude period V_max V_min mu_min multipliers".split()
     assert (cycles[1].status == 0).all()
     for name in names:
@@ -85,73 +83,6 @@ def test_a_fit(pair):
         assert float(own[name]) == pytest.approx(float(its[name]), rel=1e-9), name
     freed = rs.fit(data, start[0].replace(m=1.5), ("a", "b", "Dc", "K", "m"))
     assert float(freed.m) == pytest.approx(2.0, rel=1e-3)
-
-
-def test_a_scenario_and_a_store(pair, tmp_path):
-    """The law file lies beside the scenario; two cases of a sweep, a chunk each."""
-    own, its = pair()
-    loading = rs.Loading.steps(V / 3, (0.01, V))
-    text = scenario.toml(scenario.from_result(rs.simulate(its, loading, 0.02)))
-    assert 'law = "prz"' in text
-    (tmp_path / "mine.toml").write_text(
-        text.replace('law = "prz"', 'law_file = "mine.py"\nm = 2.0')
-    )
-    result = scenario.run(scenario.load(tmp_path / "mine.toml"))
-    wanted = rs.simulate(own, loading, 0.02)
-    np.testing.assert_array_equal(result.tau, wanted.tau)
-    swept = own.replace(m=xr.DataArray([1.0, 2.0], dims="m"), K=6e8)
-    how = {"V_lp": V, "chunk": 1, "progress": False}
-    stored = rs.sweep("limit_cycle", swept, store=tmp_path / "s.zarr", **how)
-    for k, law in enumerate(("aging", "prz")):
-        cycle = rs.limit_cycle(its.replace(law=law, K=6e8), V)
-        assert float(stored.period[k]) == pytest.approx(float(cycle.period), rel=1e-6)
-
-
-class Sides(rs.FrictionLaw):
-    """Of either side of x = 3 the formula of the other side is no number a little further."""
-
-    name = "sides"
-
-    def evolution(self, V, theta, p):
-        x = V * theta / p.Dc
-        below = (1 - x) * (1 + 0.1 * rs.laws.sqrt(3.5 - x))
-        above = (1 - x) * (1 + 0.1 * 0.5**0.5) - (x - 3) * rs.laws.log(x - 2.5)
-        return rs.laws.where(x < 3, below, above)
-
-
-def by_scipy(slider, V, V_start, times):
-    """tau, V and theta at times from steady sliding at V_start, as columns."""
-    p = slider
-
-    def rates(t, y):
-        tau, v, theta = y[0], y[1], y[2]
-        x = np.exp(v) * theta / p.Dc
-        if x < 3:
-            rate = (1 - x) * (1 + 0.1 * np.sqrt(3.5 - x))
-        else:
-            rate = (1 - x) * (1 + 0.1 * np.sqrt(0.5)) - (x - 3) * np.log(x - 2.5)
-        mu = p.mu0 + p.a * (v - np.log(p.V0)) + p.b * np.log(p.V0 * theta / p.Dc)
-        return [p.K * (V - np.exp(v)), (tau - p.sigma * mu) / (p.M * np.exp(v)), rate]
-
-    mu = p.mu0 + (p.a - p.b) * np.log(V_start / p.V0)
-    start = [mu * p.sigma, np.log(V_start), p.Dc / V_start]
-    scales = [1e-11 * p.sigma, 1e-11, 1e-11 * p.Dc / V_start]
-    found = solve_ivp(
-        rates, (0.0, times[-1]), start, "LSODA", times, rtol=1e-11, atol=scales, max_step=1e-4
-    )
-    return found.y[0], np.exp(found.y[1]), found.y[2]
-
-
-def test_the_side_of_where_that_is_not_chosen_does_no_harm():
-    """In a run, whose x passes 3 both ways, and in the derivative."""
-    slider = FIG2.replace(law=Sides, K=2e9)
-    assert slider.K_c_qs == pytest.approx(0.003 * 2e6 / 1e-5 * (1 + 0.1 * 2.5**0.5), rel=1e-12)
-    times = np.linspace(0.0, 0.02, 41)
-    run = rs.simulate(slider, rs.Loading.constant(V), 0.02, V_start=V / 20, times=times, rtol=1e-9)
-    x = run.V.values * run.theta.values / 1e-5
-    assert x.min() < 1 < 3.5 < x.max()
-    for name, wanted in zip(("tau", "V", "theta"), by_scipy(slider, V, V / 20, times), strict=True):
-        np.testing.assert_allclose(run[name], wanted, rtol=1e-6, err_msg=name)
 
 
 def test_friction_that_falls_with_speed_is_refused():

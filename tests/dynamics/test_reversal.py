@@ -202,13 +202,6 @@ def test_friction_keeps_its_digits_where_it_is_nearly_0(M):
         assert 0.0 < float(run.mu[0]) < 2e-9
 
 
-def test_what_does_not_reverse_says_so():
-    with pytest.raises(rs.ParameterError, match=r"^initial V = 0 m/s must be > 0"):
-        rs.simulate(
-            SWINGING.replace(friction_form="log"), rs.Loading.constant(0.1), 1.0, initial={"V": 0.0}
-        )
-
-
 @pytest.mark.parametrize("barrier", [3.0, 10.64, 40.0])
 def test_a_return_takes_time(barrier):
     """Though rounding may put a start on the section on either side of it."""

@@ -70,18 +70,6 @@ def test_a_stable_slider_needs_nothing():
     assert np.isinf([found.M_stable, found.V_c_with_K]).all()
 
 
-def test_sweeps_are_their_cases():
-    M, V_lp = rs.logspace("M", 10.0, 1e5, 3), rs.logspace("V_lp", 1e-3, 0.1, 2)
-    many = rs.stabilize(SLIDER.replace(M=M), V_lp)
-    assert many.damping_stable.dims == ("M", "V_lp")
-    for i, mass in enumerate(M.values):
-        for j, V in enumerate(V_lp.values):
-            one = rs.stabilize(SLIDER.replace(M=mass), V)
-            for name in one.data_vars:
-                case = many[name].isel({"M": i, "V_lp": j})
-                np.testing.assert_array_equal(case, one[name])
-
-
 @pytest.mark.parametrize("margin", [0.0, -1.0, "1 m", np.nan])
 def test_margins_that_cannot_be(margin):
     with pytest.raises(rs.ParameterError, match="margin"):

@@ -7,8 +7,6 @@ import pytest
 
 import ratestate as rs
 from ratestate.dynamics.results import whole_contact
-from ratestate.files import read, write
-from ratestate.scenario import from_result, loads, python, toml
 
 SLIDER = rs.SpringSlider.of_contact(
     area="20 cm^2",
@@ -66,14 +64,6 @@ def test_the_verdict_states_the_force(cycle):
     without = rs.verdict(SLIDER.replace(area=None), "3.2 mm/s")
     assert without.force_amplitude is None
     assert "force" not in without.sentences[0]
-
-
-def test_the_area_is_part_of_what_made_a_result(cycle, tmp_path):
-    kept = from_result(read(write(cycle, tmp_path / "cycle.nc")))
-    assert kept.slider == SLIDER
-    assert 'area = "20 cm^2"' in toml(kept)
-    assert 'area="20 cm^2"' in python(kept)
-    assert loads(toml(kept)).slider == SLIDER
 
 
 def test_answers_are_in_the_units_of_the_whole_contact():

@@ -119,14 +119,14 @@ def reference():
 
 
 @LAWS
-@pytest.mark.parametrize("n", [2, 3, 15, 16, 17, 31, 32, 33, 40])
+@pytest.mark.parametrize("n", [2, 15, 16, 17, 33])
 def test_order_and_size(reference, law, n):
     pick = np.random.default_rng(n).permutation(40)[:n]
     same(run(*cases(40), law, pick), reference[law].isel(case=pick))
 
 
 @LAWS
-@pytest.mark.parametrize("cores", [1, 2, 3, 7])
+@pytest.mark.parametrize("cores", [1, 3])
 def test_threads_and_repeats(reference, law, cores, monkeypatch):
     monkeypatch.setattr(dispatch, "cores", lambda: cores)
     pick = np.append(np.full(35, 7), np.tile(np.arange(40), 4))  # enough sets of lanes, in each 7
@@ -147,7 +147,7 @@ def test_a_single_run_is_stopped_between_two_budgets(times):
 def test_single_sliders(reference, law):
     """A slider in a call of its own."""
     parameters, t_end = cases(40)
-    for i in range(40):
+    for i in range(0, 40, 3):
         batch = reference[law].isel(case=i)
         slider = rs.SpringSlider(
             **{k: float(v[i]) for k, v in parameters.items()}, Dc=1e-5, sigma=2e6, V0=1e-9, law=law

@@ -22,7 +22,7 @@ LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 
 
 @LAWS
-@pytest.mark.parametrize("eta", [1e-20, 1e-12, 1e-7, 1e-3, 0.1, 1.0, 10.0, 1e4])
+@pytest.mark.parametrize("eta", [1e-20, 1e-7, 1e-3, 1.0, 1e4])
 def test_derivative_by_differences(law, eta):
     """Of the map, the period and the lowest stress; by differences of much finer returns."""
     system, y = random_sliders(law, 12, eta)

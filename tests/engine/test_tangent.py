@@ -1,4 +1,4 @@
-"""One step with its derivative, against complex steps and differences; its trace."""
+"""One step with its derivative, against differences of the march's step."""
 
 import functools
 import math
@@ -6,9 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from dimensionless import jacobian, rates
 from machine_control import Formula
-from published_step import published_step
 
 from ratestate.engine import rodas5p as R
 from ratestate.engine import tangent as T
@@ -16,7 +14,6 @@ from ratestate.friction.laws import LAWS as FORMULAS
 from ratestate.friction.point import point_at
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
-SMALLEST = 1e-30  # an imaginary part whose square vanishes
 
 
 class Step(NamedTuple):
@@ -58,26 +55,6 @@ def base_step(y, h, system):
     return steps_of(law)[1](tuple(y), h, *others)
 
 
-# The method as in the books, and derivatives by complex steps ------------------------------------
-
-
-def plain_step(y, h, f, J):
-    """Return y_new and the integral of the trace of J, which is a fourth variable."""
-    n = len(y)
-    matrix = np.zeros((n + 1, n + 1), np.result_type(y))
-    matrix[:n, :n] = J(y)
-    for j in range(n) if np.isrealobj(y) else ():  # gradient of the trace
-        there = np.array(y, complex)
-        there[j] += 1j * SMALLEST
-        matrix[n, j] = np.trace(J(there)).imag / SMALLEST
-
-    def rates(_, u):
-        return np.append(f(u[:n]), np.trace(J(u[:n])))
-
-    end, *_ = published_step(rates, matrix, 0.0, np.append(y, 0.0), h)
-    return end[:n], end[n]
-
-
 def system_of(law, kappa, beta, eta):
     """Return the arguments of a step that describe the slider."""
     return FORMULAS[law], kappa, eta, (beta,)
@@ -93,26 +70,6 @@ def random_step(law, rng, eta=None, spread=1.0, slaved=False):
     while not np.abs(base_step(tuple(y), h, system)[1]).max() < 1e-4:
         h /= 4
     return y, h, system
-
-
-@LAWS
-def test_derivative_of_the_method(law):
-    """Against complex steps through the method as in the books: exact to rounding."""
-    rng = np.random.default_rng(21)
-    for _ in range(40):
-        y, h, system = random_step(law, rng)
-        _, kappa, eta, (beta,) = system
-        f, J = rates(law, kappa, beta, eta), jacobian(law, kappa, beta, eta)
-        y1, y2 = rng.normal(size=(2, 3))
-        got = step(y, y1, y2, h, system)
-        y_new, trace = plain_step(y, h, f, J)
-        rounding = 1e-13 * (1 + 0.01 / eta)
-        np.testing.assert_allclose(got.y, y_new, rtol=0, atol=rounding)
-        assert got.trace == pytest.approx(trace, rel=100 * rounding)
-        for along, z in ((y1, got.z1), (y2, got.z2)):
-            moved, _ = plain_step(y + 1j * SMALLEST * along, h, f, J)
-            exact = moved.imag / SMALLEST
-            np.testing.assert_allclose(z, exact, rtol=0, atol=100 * rounding * np.abs(exact).max())
 
 
 # The engine's own step ----------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 import itertools
 import math
-from types import MappingProxyType, SimpleNamespace
+from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
@@ -12,8 +12,6 @@ from exact_functions import exact_function
 from ratestate.friction.composition import composed, forms_of
 from ratestate.friction.expressions import Graph
 from ratestate.friction.functions import DERIVATIVES
-from ratestate.friction.law import FrictionLaw
-from ratestate.friction.law_formula import EXAMPLE, Parameter
 from ratestate.friction.laws import LAWS
 from ratestate.friction.rewriting import Derivative, Hoisting, values_of
 from ratestate.laws import asinh, cosh, exp, log, maximum, sinh, sqrt, tanh, where
@@ -129,24 +127,6 @@ def test_derivatives_at_extreme_speeds(name, form):
                     assert mp.almosteq(slope, true, 1e-20, 1e-300), by
 
 
-def test_constants_are_computed_once():
-    class Powers(FrictionLaw):
-        name = "powers"
-        parameters = MappingProxyType({"n": Parameter("1", "exponent", "> 0")})
-
-        def evolution(self, V, theta, p):
-            """(1 - (V theta/Dc)^n)/n."""
-            return (1.0 - (V * theta / p.Dc) ** p.n) / p.n
-
-    equations = Powers().equations
-    values = dict.fromkeys(EXAMPLE, 2.0) | {"b": 3.0, "n": 4.0}
-    # 1/n, -1/n, n and b/a; V_ref and Dc drop out
-    assert sorted(equations.coefficients(7.0, values)) == [-0.25, 0.25, 1.5, 4.0]
-    p = equations.coefficients(7.0, values)
-    (rate,) = equations.values(equations.rates, 0.3, [0.2], p)
-    assert rate == pytest.approx((1.0 - math.exp(2.0)) / 4.0 * math.exp(-0.2), rel=1e-15)
-
-
 # Expressions
 
 
@@ -232,21 +212,3 @@ def test_where_ignores_the_side_that_is_not_selected():
     by_x = Derivative(graph, {x: graph.number(1.0)})
     found = values_of([y, by_x(y)], {x: np.array([-3.0, 0.0])})
     np.testing.assert_array_equal(found, [[9.0, 0.0], [-6.0, 0.0]])
-
-
-@pytest.mark.parametrize(
-    ("formula", "remedy"),
-    [
-        (lambda x: 1.0 if x > 0.0 else 2.0, "where"),
-        (lambda x: max(x, 1.0), "where"),
-        (lambda x: math.exp(x), "ratestate.laws"),
-        (lambda x: x == 1.0, "=="),
-        (lambda x: x + "1", "not a finite number"),
-        (lambda x: x ** float("inf"), "not a finite number"),
-        (lambda x: (x > 1.0) + (x > 2.0), "where"),
-    ],
-)
-def test_invalid_formulas_are_refused(formula, remedy):
-    x = Graph().symbol("x", is_constant=False)
-    with pytest.raises(TypeError, match=remedy):
-        formula(x)

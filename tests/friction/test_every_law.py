@@ -1,8 +1,6 @@
 """Each friction law: its formulas, steady states, parameters, and pickle."""
 
 import math
-import pickle
-from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -96,53 +94,3 @@ def test_a_slider_has_the_parameters_of_its_law(name):
         missing = {k: x for k, x in own.parameters.items() if k != symbol}
         with pytest.raises(rs.ParameterError, match=rf"'{name}' needs {symbol}, "):
             rs.SpringSlider(**missing)
-
-
-@pytest.mark.parametrize(
-    ("law", "changes", "message"),
-    [
-        (
-            "slip",
-            {"b2": 0.1},
-            "law = 'slip' has no parameter b2, which belongs to 'two-state-aging'",
-        ),
-        ("aging", {"Dc3": 0.1}, "SpringSlider has no parameter Dc3"),
-        ("nagata", {"c": -0.1}, "c = -0.1 must be >= 0"),
-        ("nagata", {"b": 0.0}, "law = 'nagata' has b = 0 and c > 0"),
-        ("kato-tullis", {"V_cut": 0.0}, "V_cut = 0 m/s must be > 0"),
-        ("kato-tullis", {"V_cut": "3 um"}, "is a length"),
-        ("two-state-slip", {"Dc2": "1 s"}, "is a time"),
-        ("two-state-slip", {"b2": np.nan}, "b2 = nan is not a number"),
-    ],
-)
-def test_invalid_parameters_are_refused(law, changes, message):
-    with pytest.raises(rs.ParameterError) as error:
-        slider(law, **changes)
-    assert message in str(error.value)
-
-
-def test_steady_states_of_many_sliders():
-    """The iteration takes a different number of steps for each V theta/Dc = r."""
-
-    class Healing(rs.FrictionLaw):
-        name = "healing"
-        parameters = MappingProxyType({"r": rs.laws.Parameter("1", "V theta/Dc", "> 0")})
-
-        def evolution(self, V, theta, p):
-            return p.r - V * theta / p.Dc
-
-    law, r = Healing(), np.array([0.5, 1.0, 2.0, 3.0, 900.0, 1e-8])
-    values = {"a": 0.01, "b": 0.012, "Dc": 1e-5, "mu0": 0.6, "V0": 1e-6}
-    for found in (r, np.array(2.0)):
-        (psi,) = law.steady(law.coefficient_arrays(1.0, values | {"r": found})).psi
-        np.testing.assert_allclose(psi, np.log(found), rtol=1e-12, atol=1e-12)
-
-
-@NAMES
-def test_pickle_leaves_out_derived_properties(name):
-    for damped in (False, True):
-        law = composed(LAWS[name], damped=damped)
-        _ = law.steady((1.0,) * law.n_coefficients), law.one_length
-        pickled = pickle.dumps(law)
-        assert len(pickled) < 500
-        assert pickle.loads(pickled).equations.text == law.equations.text

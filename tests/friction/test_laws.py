@@ -23,13 +23,6 @@ logs = st.floats(-9, 1)
 spread = st.floats(-8, 8)
 
 
-def test_friction_is_mu0_at_V0_and_e_fold_steps_give_a_and_b():
-    at_V0 = rsf.friction(1e-9, 1e-5 / 1e-9, **FRICTION)
-    assert at_V0 == pytest.approx(0.6, abs=1e-15)
-    assert rsf.friction(1e-9 * math.e, 1e4, **FRICTION) - at_V0 == pytest.approx(0.003, abs=1e-15)
-    assert rsf.friction(1e-9, 1e4 * math.e, **FRICTION) - at_V0 == pytest.approx(0.006, abs=1e-15)
-
-
 @given(logs)
 def test_steady_state_is_steady_for_both_laws(log_V):
     V = 10**log_V

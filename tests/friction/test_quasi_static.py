@@ -162,26 +162,6 @@ def test_rate_of_the_excursion(law, ratio):
     assert E[-1] - E[0] == pytest.approx(integral, rel=1e-6)
 
 
-@pytest.mark.parametrize(("v", "psi"), [(-12.0, 5.0), (6.0, -2.0), (1e-3, 0.0)])
-def test_stiffness_alone_decides_runaway_under_the_aging_law(v, psi):
-    run, E = march("aging", 2.0, 1.2, v, psi, [0.0, 1.0], 600 * UNIT)
-    assert E[0] > 1e-7
-    assert abs(E[1]) < 1e-13
-    assert float(run.V[1]) == pytest.approx(V_LP, rel=1e-7)
-    with pytest.raises(rs.QuasiStaticInstability):
-        march("aging", 2.0, 0.8, v, psi, [1.0], 600 * UNIT)
-
-
-@pytest.mark.parametrize("ratio", [1.0, 1.5, 4.0])
-def test_runaway_criterion_of_the_slip_law(ratio):
-    """If ln(V theta/Dc) >= K/K_c_qs at any V; at V >> V_lp only then."""
-    for v in (-3.0, 0.0, 3.0, 8.0):
-        with pytest.raises(rs.QuasiStaticInstability):
-            march("slip", 2.0, ratio, v, ratio + 1e-6 - v, [1.0], 100 * UNIT)
-    run, _ = march("slip", 2.0, ratio, 8.0, ratio - 1e-3 - 8.0, [1.0], 100 * UNIT)
-    assert run.status == 0
-
-
 def test_bounds_at_the_paper_s_stiffness():
     """b/a = 2, K = 1.5 K_c_qs as in Fig. 2: 2.5 < 3.469 < 4.718."""
     parameters = friction(2.0) | {"K": stiffness(2.0, 1.5)}
@@ -208,23 +188,3 @@ def test_limits():
     assert period(np.inf, V_lp=V_LP, a=A, b=2 * A, Dc=DC) == np.inf
     with pytest.raises(rs.ParameterError, match="law = 'cut-off'"):
         excursion(1.0, 1.0, V_lp=1.0, **friction(2.0), K=1e9, law="cut-off")
-
-
-def test_named_arrays():
-    b = xr.DataArray([A, 2 * A, 3 * A], dims="b")
-    K = xr.DataArray([1e9, 4e9], dims="K")
-    parameters = {"a": A, "b": b, "Dc": DC, "sigma": SIGMA, "K": K}
-    np.testing.assert_allclose(runaway_step(a=A, b=b), [np.inf, 2, 1.5], rtol=1e-14)
-    for bound in (runaway_step_lower_bound, runaway_step_upper_bound):
-        found = bound(**parameters)
-        assert dict(found.sizes) == {"b": 3, "K": 2}
-        one = bound(**(parameters | {"b": 2 * A, "K": 4e9}))
-        assert float(found[1, 1]) == pytest.approx(float(one), rel=1e-14)
-    E = excursion(
-        V_LP * xr.DataArray([1.0, 1.5], dims="V"), UNIT, V_lp=V_LP, **parameters, law="slip"
-    )
-    assert dict(E.sizes) == {"V": 2, "b": 3, "K": 2}
-    assert (E[0] == 0).all()
-    T = period(xr.DataArray([0.1, 1.0, 2.0], dims="E"), V_lp=V_LP, a=A, b=b, Dc=DC)
-    assert dict(T.sizes) == {"E": 3, "b": 3}
-    assert (T[:, 1:].diff("E") > 0).all()

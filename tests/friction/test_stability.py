@@ -5,7 +5,6 @@ import itertools
 import mpmath
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -163,57 +162,3 @@ def test_rigid_limit():
     result = stability(rs.SpringSlider(**FIG_2, K=np.inf), 1e-3)
     assert bool(result.stable)
     assert (float(result.growth_rate), float(result.omega)) == (-100, 0)
-
-
-VARIABLES = {
-    "K_c": "Pa/m",
-    "K_c_qs": "Pa/m",
-    "eta": "1",
-    "V_c": "m/s",
-    "V_c_upper": "m/s",
-    "f_n": "Hz",
-    "eigenvalues": "1/s",
-    "growth_rate": "1/s",
-    "omega": "rad/s",
-    "omega_c": "rad/s",
-    "stable": "1",
-}
-
-
-def test_dataset():
-    result = stability(rs.SpringSlider(**FIG_2, K="900 MPa/m", M=3000), "3.2 mm/s")
-    assert {name: v.attrs["units"] for name, v in result.data_vars.items()} == VARIABLES
-    assert all(v.attrs["long_name"] for v in result.variables.values())
-    assert result.sizes == {"mode": 3}
-    assert result.V_lp == 0.0032
-    assert result.eigenvalues.dtype == complex
-    assert result.stable.dtype == bool
-    assert complex(result.growth_rate, result.omega) == result.eigenvalues[0]
-
-
-def test_axes_that_are_not_parameters():
-    eta = rs.logspace("ratio", 0.01, 100, 5)
-    slider = rs.SpringSlider(**FIG_2, K=900e6, M=3000, mu0=xr.DataArray([0.5, 0.6], dims="mu0"))
-    V_lp = np.sqrt(eta * 0.003 * 1e-5 * 2e6 / 3000)
-    result = stability(slider, V_lp)
-    np.testing.assert_allclose(result.eta, eta, rtol=1e-15)
-    xr.testing.assert_equal(result.V_lp.reset_coords(drop=True), V_lp)
-    assert result.eigenvalues.dims == ("ratio", "mode")
-
-
-@pytest.mark.parametrize(
-    ("V_lp", "message"),
-    [
-        (0, "V_lp = 0 m/s must be > 0"),
-        ("3.2 mm", "V_lp = '3.2 mm' is a length"),
-        (
-            xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M"),
-            "M and V_lp have different coordinates along the dimension 'M'",
-        ),
-        (xr.DataArray([1.0], dims="eta"), "the dimension 'eta' clashes with the result"),
-    ],
-)
-def test_bad_input(V_lp, message):
-    slider = rs.SpringSlider(**FIG_2, K=900e6, M=rs.logspace("M", 1, 10, 3))
-    with pytest.raises(rs.ParameterError, match=message):
-        stability(slider, V_lp)

@@ -33,13 +33,3 @@ class Cubic(rs.FrictionLaw):
         z = rs.laws.log(V * theta / p.Dc)
         return -V * theta / p.Dc * (z - p.q + 0.1 * z**3)
 """
-#: slip law whose state evolves the slower, the faster the slider slips compared with its V0
-SLOWED = """
-import ratestate as rs
-
-class Slowed(rs.FrictionLaw):
-    name = "slowed"
-
-    def evolution(self, V, theta, p):
-        return -V * theta / p.Dc * rs.laws.log(V * theta / p.Dc) / (1 + V / p.V0)
-"""

@@ -1,7 +1,5 @@
 """Parameters of the whole contact, K as friction per length, and mistyped names."""
 
-import pickle
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -34,15 +32,6 @@ def test_values_of_the_whole_contact_are_divided_by_the_area():
     assert SpringSlider(**FRICTION, **PER_AREA).area is None
 
 
-def test_the_area_stays_with_the_slider():
-    slider = SpringSlider.of_contact(**WHOLE, **FRICTION)
-    assert "area='20 cm^2'" in repr(slider)
-    for copy in (eval(repr(slider)), pickle.loads(pickle.dumps(slider)), slider.replace(a=0.003)):
-        assert copy == slider
-        assert hash(copy) == hash(slider)
-    assert "area" not in repr(SpringSlider(**FRICTION, **PER_AREA))
-
-
 def test_area_as_an_array_at_a_fixed_force():
     area = xr.DataArray([1e-3, 2e-3], dims="area")
     slider = SpringSlider.of_contact(**{**WHOLE, "area": area}, **FRICTION)
@@ -60,30 +49,6 @@ def test_stiffness_as_friction_per_length():
     np.testing.assert_allclose(swept, [2e9, 4e9], rtol=1e-15)
     np.testing.assert_array_equal(swept.coords["K"], swept)
     assert slider.replace(sigma="4 MPa").K == 2e9
-
-
-def test_axis_of_friction_per_length_with_several_normal_stresses():
-    axis, sigma = logspace("K", "1e-4/um", "1e-3/um", 3), logspace("sigma", 1e6, 1e7, 2)
-    K = SpringSlider(**FRICTION, sigma=sigma, K=axis).K
-    assert dict(K.sizes) == {"K_over_sigma": 3, "sigma": 2}
-    assert K.K_over_sigma.attrs["units"] == "1/m"
-    np.testing.assert_allclose(K.sel(K_over_sigma=1e3), [1e9, 1e10], rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        (
-            {"M": "3 kg"},
-            r"M = '3 kg' is of the whole.* give the area too",
-        ),
-        ({"K": "-1/um"}, "K = '-1/um' must be > 0"),
-        ({"area": "1 m^2", "sigma": "-4 N"}, "sigma = '-4 N' must be > 0. Give a force"),
-    ],
-)
-def test_wrong_values_are_refused(changes, message):
-    with pytest.raises(ParameterError, match=message):
-        SpringSlider(**FRICTION | PER_AREA | changes)
 
 
 @pytest.mark.parametrize(

@@ -68,21 +68,6 @@ def test_scenario_of_a_converted_result(steady):
     assert scenario.settings["V_lp"] == 3e-3
 
 
-def test_figures_of_a_converted_result(run):
-    from matplotlib.figure import Figure
-
-    from ratestate.plot import phase, trace
-
-    converted = rs.in_units(run, V="um/s", tau="MPa", time="ms", V_load="um/s")
-    for draw in (trace, phase):
-        expected, drawn = Figure().subplots(), Figure().subplots()
-        draw(run, expected)
-        draw(converted, drawn)
-        assert expected.get_xlabel() == drawn.get_xlabel()
-        for one, other in zip(expected.lines, drawn.lines, strict=True):
-            np.testing.assert_allclose(one.get_xydata(), other.get_xydata(), rtol=1e-14)
-
-
 def test_files_of_a_converted_result(run, tmp_path):
     converted = rs.in_units(run, V="um/s", tau="MPa", time="ms", delta_lp="um")
     assert csv_text(converted).startswith("time [ms],V [um/s],theta [s],delta [m],delta_lp [um],")

@@ -83,32 +83,51 @@ def test_equality_and_hash():
     assert "M=<M: 3; 1 to 10 kg/m^2>" in repr(swept)
 
 
+PLAIN = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 1e9}
+HEATED = {"law": "flash-heating", "V_w": 0.1, "mu_w": 0.2}
+CUT_OFF = {"friction_form": "cut-off", "V1": 1.0, "V2": 1.0}
+TWO = {"law": "two-state-slip", "b2": 0.001, "Dc2": 1e-4}
+MANY = {"mu0": xr.DataArray([0.6, 0.5], dims="mu0")}
+MANY |= {"mu_w": xr.DataArray([0.2, 0.55, 0.5], dims="mu_w")}
+CLASH = {"M": logspace("M", 1, 10, 3), "K": xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M")}
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
         ({"sigma": -2e6}, "sigma = -2e+06 Pa must be > 0"),
+        ({"K": "-1/um"}, "K = '-1/um' must be > 0"),
+        ({"M": "3 kg"}, "M = '3 kg' is of the whole contact"),
+        ({"area": "1 m^2", "sigma": "-4 N"}, "sigma = '-4 N' must be > 0. Give a force"),
+        (CLASH, "K and M have different coordinates along the dimension 'M'"),
         ({"law": "nope"}, f"law = 'nope' is unknown. Choose {' or '.join(map(repr, LAWS))} (or "),
         ({"law": "nagata"}, "law = 'nagata' needs c, stress weakening of the state. Give a"),
+        ({"law": "nagata", "c": -0.1}, "c = -0.1 must be >= 0"),
+        ({"law": "nagata", "c": 1.0, "b": 0.0}, "law = 'nagata' has b = 0 and c > 0"),
         ({"c": 1.0}, "law = 'slip' has no parameter c, which belongs to 'nagata'"),
+        (TWO | {"b2": np.nan}, "b2 = nan is not a number"),
+        (HEATED | {"mu0": 0.03}, "law = 'flash-heating' gives a steady friction"),
+        (HEATED | {"b": 0.0}, "law = 'flash-heating' needs b > 0"),
+        (HEATED | {"mu_w": 0.61}, "law = 'flash-heating' has mu_w = 0.61 > mu0 = 0.6"),
+        (HEATED | MANY, "law = 'flash-heating' has mu_w = 0.55 > mu0 = 0.5"),
         (
-            {"M": logspace("M", 1, 10, 3), "K": xr.DataArray([1, 2, 3.0], {"M": [1, 2, 3]}, "M")},
-            "K and M have different coordinates along the dimension 'M'",
+            HEATED | {"friction_form": "log"},
+            "friction_form = 'log' does not go with law = 'flash-h",
         ),
+        (CUT_OFF | {"law": "nagata", "c": 1.0}, "friction_form = 'cut-off' does not go with law"),
+        (CUT_OFF | {"V1": 0.0}, "V1 = 0 m/s must be > 0"),
+        ({"friction_form": "cut-off", "V1": 1.0}, "friction_form = 'cut-off' needs V2, cut-off sp"),
+        ({"V1": 1.0}, "friction_form = 'log' has no parameter V1, which belongs to 'cut-off'"),
+        ({"friction_form": "asinh"}, "friction_form = 'asinh' is unknown. Choose 'log' or 'cut-o"),
+        ({"friction_form": 3}, "friction_form = 3 is unknown"),
     ],
 )
-def test_wrong_parameters_are_refused(changes, message):
-    with pytest.raises(ParameterError, match=re.escape(message)):
-        SpringSlider(**{**FIG_2, **changes})
-    with pytest.raises(ParameterError, match=re.escape(message)):
-        SpringSlider(**FIG_2).replace(**changes)
-
-
-def test_speeds_are_checked():
-    slider = SpringSlider(**FIG_2).replace(M=logspace("M", 1, 10, 3))
-    with pytest.raises(ParameterError, match="V = '3 um' is a length"):
-        slider.K_c("3 um")
-    with pytest.raises(ParameterError, match="M and V have 3 and 2 values"):
-        slider.eta(xr.DataArray([1.0, 2.0], dims="M"))
+def test_sliders_that_cannot_be_are_refused(changes, message):
+    """Made so, or made so from another."""
+    with pytest.raises(ParameterError, match="^" + re.escape(message)):
+        SpringSlider(**PLAIN | changes)
+    with pytest.raises(ParameterError, match="^" + re.escape(message)):
+        SpringSlider(**PLAIN).replace(**changes)
 
 
 def test_copies_of_a_slider_have_its_class():
@@ -117,8 +136,7 @@ def test_copies_of_a_slider_have_its_class():
     class Rig(SpringSlider):
         pass
 
-    common = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "K": 9e8}
-    rig = Rig(**common, law="two-state-slip", b2=0.001, Dc2=1e-4)
+    rig = Rig(**PLAIN, **TWO)
     for same in (copy.copy(rig), copy.deepcopy(rig), rig.replace(), rig.__replace__(b2=0.001)):
         assert type(same) is Rig
         assert same == rig

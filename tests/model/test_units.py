@@ -88,11 +88,7 @@ def test_scalars(value):
 
 
 REFUSED = [
-    (
-        "V_lp",
-        "3.2 mm",
-        "V_lp = '3.2 mm' is a length. Give a speed such as '3.2 mm/s'",
-    ),
+    ("V_lp", "3.2 mm", "V_lp = '3.2 mm' is a length. Give a speed such as '3.2 mm/s'"),
     ("V_lp", "3.2", "V_lp = '3.2' has no unit. Give a speed"),
     ("V_lp", "3.2 mn/s", "V_lp = '3.2 mn/s' has an unknown unit 'mn/s'. Give a speed"),
     ("V_lp", "fast", "V_lp = 'fast' is not a number with a unit. Give a speed"),
@@ -107,21 +103,13 @@ REFUSED = [
     ("sigma", 10**400, "sigma = inf Pa must be finite"),
     ("Dc", np.nan, "Dc = nan m is not a number. Give a length such as '10 um'"),
     ("a", "3 um", "a = '3 um' is a length. Give a pure number such as 0.003"),
-    (
-        "M",
-        -1,
-        "M = -1 kg/m^2 must be >= 0. Give a mass per area such as '3000",
-    ),
+    ("M", -1, "M = -1 kg/m^2 must be >= 0. Give a mass per area such as '3000"),
     ("M", -5e-324, "must be >= 0"),
     ("M", True, "M = True is of type bool. Give a mass per area"),
     ("M", np.True_, "is of type bool"),
     ("M", None, "M = None is of type NoneType. Give a mass per area"),
     ("M", 1j, "is of type complex"),
-    (
-        "M",
-        [1.0, 2.0],
-        "For many values give xarray.DataArray(",
-    ),
+    ("M", [1.0, 2.0], "For many values give xarray.DataArray("),
 ]
 
 
@@ -210,18 +198,9 @@ def test_arrays_of_pint_and_without_dimensions():
 @pytest.mark.parametrize(
     ("array", "message"),
     [
-        (
-            xr.DataArray([1.0, -2, -3], dims="M"),
-            "M = -2 kg/m^2 at M[1] must be >= 0",
-        ),
-        (
-            xr.DataArray([1, np.nan], {"x": [5, 6]}, "x"),
-            "M = nan kg/m^2 at x[1] = 6 is not a ",
-        ),
-        (
-            xr.DataArray([[1, np.inf]], dims=("x", "y")),
-            "M = inf kg/m^2 at x[0], y[1] must be ",
-        ),
+        (xr.DataArray([1.0, -2, -3], dims="M"), "M = -2 kg/m^2 at M[1] must be >= 0"),
+        (xr.DataArray([1, np.nan], {"x": [5, 6]}, "x"), "M = nan kg/m^2 at x[1] = 6 is not a "),
+        (xr.DataArray([[1, np.inf]], dims=("x", "y")), "M = inf kg/m^2 at x[0], y[1] must be "),
         (xr.DataArray([1.0, 2.0]), "M has a dimension called 'dim_0', which cannot name a sweep"),
         (xr.DataArray([1.0, 2.0], dims="time"), "M has a dimension called 'time'"),
         (xr.DataArray([1.0, 2.0], dims="mode"), "M has a dimension called 'mode'"),

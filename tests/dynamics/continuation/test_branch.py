@@ -76,36 +76,6 @@ def at(slider, parameter, values, V_lp):
     return slider.replace(**{parameter: values}), V_lp
 
 
-def test_contract():
-    branch = continue_cycle(STRIP, "V_lp", "0.36 mm/s", "0.1 mm/s", rtol=1e-7)
-    cycle = limit_cycle(STRIP, 1e-2)
-    assert list(branch.data_vars) == [*cycle.data_vars, "special"]
-    assert branch.multipliers.dims == ("point", "multiplier")
-    assert branch.multipliers.dtype.kind == "c"
-    assert branch.special.dtype.kind == "U"
-    for name, variable in branch.variables.items():
-        assert variable.dims[0] == "point", name
-        assert variable.attrs["long_name"], name
-        assert name == "special" or variable.attrs["units"], name
-    assert branch.V_lp.attrs["units"] == "m/s"
-    assert (branch.status == 0).all()
-    assert rs.SpringSlider(**json.loads(branch.attrs["scenario"])["slider"]) == STRIP
-    assert branch.attrs["title"] == "ratestate continue_cycle"
-    asked = json.loads(branch.attrs["scenario"])
-    del asked["slider"]
-    given = {"parameter": "V_lp", "start": 3.6e-4, "stop": 1e-4, "rtol": 1e-7}
-    assert asked == {"function": "continue_cycle", **given}
-
-
-def test_contract_at_constant_speed():
-    branch = continue_cycle(FIG2, "K", "900 MPa/m", "1 GPa/m", V_lp="10 mm/s", rtol=1e-6)
-    assert branch.K.dims == ("point",)
-    assert branch.V_lp.dims == ()
-    assert float(branch.V_lp) == json.loads(branch.attrs["scenario"])["V_lp"] == 1e-2
-    same = continue_cycle(FIG2, "K", 9e8, 1e9, V_lp=1e-2, rtol=1e-6)
-    xr.testing.assert_identical(branch, same)
-
-
 @SIDES
 def test_agrees_with_limit_cycle(parameter, law):
     """Where a cycle is stable, and reached from steady sliding, it is this one."""
@@ -194,18 +164,6 @@ def test_multipliers_and_the_divergence(parameter, law):
     assert np.isfinite(exponent).any()
 
 
-def test_forth_and_back():
-    forth, back = strip(), strip(forth=False)
-    assert specials(forth) == ["hopf", "fold", "stop"]
-    assert specials(back) == ["start", "fold", "hopf"]
-    folds = [special(branch, "fold") for branch in (forth, back)]
-    for name in ("V_lp", "amplitude", "period"):
-        one, two = (float(fold[name]) for fold in folds)
-        assert one == pytest.approx(two, rel=3e-8 if name == "V_lp" else 3e-5), name
-    for name in ("amplitude", "period", "V_max", "inertia"):
-        assert float(forth[name][-1]) == pytest.approx(float(back[name][0]), rel=1e-7), name
-
-
 def test_fold():
     """A multiplier is 1, the branch turns back, and cycles exist on one side only."""
     fold = special(strip(), "fold")
@@ -253,20 +211,6 @@ def test_unstable_cycles_against_scipy():
     multiplier = max(np.linalg.eigvals(jacobian).real)
     assert 1.005 < multiplier < 1.03
     assert multiplier == pytest.approx(float(cycle.multipliers[0].real), abs=1e-6)
-
-
-def test_beyond_the_hopf_point_on_the_upper_sheet():
-    """V_c itself is passed on stable cycles, on the way to `stop` and from `start`."""
-    V_c = STRIP.V_c
-    down = continue_cycle(STRIP, "V_lp", 1e-3, V_c)
-    up = continue_cycle(STRIP, "V_lp", V_c, 1e-3)
-    for branch, here in ((down, -1), (up, 0)):
-        assert specials(branch) == ["start", "stop"]
-        assert branch.V_lp[here] == V_c
-        assert branch.stable.all()
-    assert float(down.amplitude[-1]) == pytest.approx(float(up.amplitude[0]), rel=1e-7)
-    hopf = continue_cycle(FIG2, "V_lp", FIG2.V_c, 1e-2, rtol=1e-6)
-    assert specials(hopf) == ["hopf", "stop"]
 
 
 def test_period_doublings():
@@ -329,17 +273,6 @@ def test_bad_input(given, settings, parts):
         assert part in str(caught.value)
 
 
-def test_values_of_the_slider_that_play_no_part():
-    """The parameter's own value in the slider, even one that no cycle could have."""
-    for parameter, odd in (("M", 0.0), ("K", np.inf), ("b", 0.001)):
-        start, stop = {"M": (3e3, 4e3), "K": (9e8, 8e8), "b": (6e-3, 7e-3)}[parameter]
-        one = continue_cycle(FIG2, parameter, start, stop, V_lp=1e-2, rtol=1e-6)
-        two = continue_cycle(
-            FIG2.replace(**{parameter: odd}), parameter, start, stop, V_lp=1e-2, rtol=1e-6
-        )
-        xr.testing.assert_equal(one, two)
-
-
 def test_stop_out_of_reach(monkeypatch):
     """At Dc = 1e-19 m double precision ends; what was found comes along."""
     names = list(strip().data_vars)  # cached for other tests: with the steps as they are
@@ -355,17 +288,6 @@ def test_stop_out_of_reach(monkeypatch):
     assert f"Dc = {float(best.Dc[-1]):.6g}" in str(caught.value)
     assert list(best.data_vars) == names
     assert json.loads(best.attrs["scenario"])["V_lp"] == 1e-2
-
-
-def test_too_many_points(monkeypatch):
-    whole = strip()
-    monkeypatch.setattr("ratestate.dynamics.continuation.branch.MAX_POINTS", 7)
-    with pytest.raises(NotConverged, match="max_points") as caught:
-        continue_cycle(STRIP, "V_lp", 1e-4, 1e-3)
-    best = caught.value.best
-    assert specials(best) == ["hopf"]
-    assert best.sizes["point"] == 8
-    np.testing.assert_array_equal(best.amplitude, whole.amplitude[:8])
 
 
 def test_no_single_cycle_at_start():

@@ -57,25 +57,6 @@ def test_errors_bound_true_errors_and_not_by_far(name):
     assert cycle.error < rtol
 
 
-def test_points_of_a_branch_that_rounding_limits():
-    """eta = 409, small cycles: beside the Hopf point amplitudes lie on a curve known to be smooth.
-
-    ln(amplitude) - ln(K_c - K)/2 is analytic in K there; how far points lie from a polynomial is
-    noise, and no more than their errors.
-    """
-    slider = rs.SpringSlider(**SI, b=0.006199090535645865, K=1.0, M=81886578.33818296, law="aging")
-    K_c = slider.K_c(V_LP)
-    branch = rs.continue_cycle(slider, "K", 0.64 * K_c, 1.1 * K_c, V_lp=V_LP, rtol=1e-10)
-    branch = branch.isel(point=(0.8 * K_c < branch.K) & (branch.special != "hopf"))
-    distance = (1.0 - branch.K / K_c).values
-    smooth = np.log(branch.amplitude.values) - 0.5 * np.log(distance)
-    error = branch.error.values
-    fit = np.polynomial.Polynomial.fit(distance, smooth, 8, w=1.0 / error)
-    assert len(error) > 20
-    assert (np.abs(fit(distance) - smooth) < error).all()
-    assert np.median(error) < 1e-8
-
-
 def two_state_K_c(*, a, b, b2, Dc, Dc2, sigma, M, V):
     """K_c [Pa/m] under a law of two states, in 64 bits of mantissa: by its quadratic in omega^2."""
     a, b, b2, Dc, Dc2, sigma, M, V = map(np.longdouble, (a, b, b2, Dc, Dc2, sigma, M, V))

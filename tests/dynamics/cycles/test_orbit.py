@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from naive import Naive
 
 import ratestate as rs
 from ratestate import orbit
@@ -32,27 +31,6 @@ def test_it_closes_and_measures_as_the_cycle(name):
     assert 0.999 < float(stress.max() - stress.min()) / amplitude < 1.0 + 1e-7
     assert 0.99 < float(run.V.max() / cycle.V_max) < 1.0 + 1e-6
     assert run.sizes["time"] > 40
-
-
-@pytest.mark.parametrize("name", ["stick-slip", "quasi-harmonic"])
-def test_it_begins_at_the_stress_maximum(name):
-    slider, V_lp = CASES[name]
-    run = orbit(slider, V_lp)
-    assert run.V[0] == pytest.approx(V_lp, rel=1e-13)
-    assert run.V[1] > V_lp
-    assert float(run.tau[0]) == pytest.approx(float(run.tau.max()), rel=1e-9)
-
-
-def test_the_equations_bring_it_back():
-    slider, V_lp = CASES["quasi-harmonic"]
-    run = orbit(slider, V_lp)
-    twin = Naive(**slider.parameters)
-    tau, V, theta = (float(run[name][0]) for name in ("tau", "V", "theta"))
-    start = [tau / slider.sigma, np.log(V), np.log(theta)]
-    late = twin.solve(start, 0.0, float(run.time[-1]), V_lp).y[:, -1]
-    amplitude = float(run.tau.max() - run.tau.min()) / slider.sigma
-    assert late[0] == pytest.approx(start[0], abs=1e-6 * amplitude)
-    assert late[1] == pytest.approx(start[1], abs=1e-6)
 
 
 def test_steady_sliding_is_one_point():

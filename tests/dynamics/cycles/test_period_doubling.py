@@ -1,7 +1,5 @@
 """Cycles of several returns: which attractor is reached, and what is said of it."""
 
-import math
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,29 +8,14 @@ from dimensionless import make_system, measured_by_scipy
 import ratestate as rs
 from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.measure import refine
-from ratestate.dynamics.cycles.shooting import iterated_map, return_map
 from ratestate.dynamics.cycles.system import state
 from ratestate.dynamics.verdict import verdict
-from ratestate.engine.model import FINISHED, NO_CONVERGENCE
 
 # A stable cycle of one return lies beside one of two, to which the start at V_lp/10 leads.
 BESIDE = rs.SpringSlider(
     a=0.003, b=0.0363, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3000, K=1.06 * 0.0333 * 2e6 / 1e-5
 )
 V_LP = 8.78e-3
-
-
-def iterate_plainly(system, returns, rtol=1e-10):
-    """Stress maxima and minima of the last 64 returns of plain iteration, and where it ends."""
-    u = return_map(system, steady_start(system), rtol).image
-    high, low = [], []
-    for number in range(returns):
-        single = return_map(system, state(system, u), rtol)
-        if number >= returns - 64:
-            high.append(state(system, u)[:, 0])
-            low.append(single.numbers["x_low"])
-        u = single.image
-    return np.array(high), np.array(low), u
 
 
 def cycles_by_search(system):
@@ -81,7 +64,6 @@ HARD = [
     (11.4, 12.971660394273613, 1.047916942260419, (16,)),
     (11.406, 12.971660394273613, 1.047916942260419, (32,)),
 ]
-CHAOTIC = 11.45, 12.971660394273613, 1.047916942260419
 V = 1e-3
 
 
@@ -106,51 +88,6 @@ def test_cycles_that_are_hard_to_reach(kappa, beta, eta, returns):
         assert float(run.frequency) == pytest.approx(float(found.frequency), rel=1e-4)
 
 
-def test_a_run_of_three_returns():
-    """In a window of chaos; amplitude and frequency by the stress itself."""
-    slider = slip_slider(36.36280876475656, 35.12013230487405, 3.2505416021127913)
-    times = np.linspace(9.0, 10.0, 100_001)
-    run = rs.simulate(slider, rs.Loading.constant(V), 10.0, V_start=V / 10, times=times, rtol=1e-9)
-    stress = run.tau.values / slider.sigma
-    assert int(run.returns) == 3
-    assert float(run.amplitude) == pytest.approx(np.ptp(stress), rel=1e-4)
-    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
-    period = 3 * np.diff(times[maxima]).mean()
-    assert float(run.frequency) == pytest.approx(1 / period, rel=0.01)
-
-
-def test_a_slowly_modulated_run():
-    """Stick-slip under a sinusoid some 10 events long: no order, though events change smoothly."""
-    slider = rs.SpringSlider(
-        a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=0.9 * 0.003 * 2e6 / 1e-5, M=0.01 * 0.06 / V**2
-    )
-    times = np.linspace(70.0, 100.0, 300_001)
-    loading = rs.Loading.sinusoid(V, V / 2, t_end=100.0, period=1.0)
-    run = rs.simulate(slider, loading, 100.0, times=times)
-    assert int(run.returns) == 0
-    stress = run.tau.values / slider.sigma
-    maxima = np.flatnonzero((stress[1:-1] > stress[:-2]) & (stress[1:-1] >= stress[2:])) + 1
-    last = slice(maxima[-33], None)
-    assert float(run.amplitude) == pytest.approx(np.ptp(stress[last]), rel=0.02)
-    rate = 32 / (times[maxima[-1]] - times[maxima[-33]])
-    assert float(run.frequency) == pytest.approx(rate, rel=0.02)
-
-
-def test_a_run_without_a_period():
-    """Chaos: 0 returns, and the range of the stress over the later half of the last 64."""
-    slider = slip_slider(*CHAOTIC)
-    times = np.linspace(0.0, 40.0, 400_001)
-    run = rs.simulate(slider, rs.Loading.constant(V), 40.0, V_start=V / 10, times=times, rtol=1e-9)
-    assert int(run.returns) == 0
-    stress = run.tau.values / slider.sigma
-    rises = np.flatnonzero((run.V.values[:-1] < V) & (run.V.values[1:] >= V))
-    assert len(rises) > 64
-    last = stress[rises[-33] :]
-    assert float(run.amplitude) == pytest.approx(np.ptp(last), rel=1e-4)
-    rate = 32 / (times[rises[-1]] - times[rises[-33]])
-    assert float(run.frequency) == pytest.approx(rate, rel=1e-3)
-
-
 def test_measures_of_two_returns_by_scipy():
     """Period, extremes and the waveform of the whole period, by Radau and an FFT."""
     parameters = (1.06 * 11.1, 12.1, 3000 * V_LP**2 / (0.003 * 2e6 * 1e-5))
@@ -165,99 +102,6 @@ def test_measures_of_two_returns_by_scipy():
     for name, value in exact.items():
         tolerance = tolerances.get(name, {"rel": 1e-5, "abs": 1e-6})
         assert found[name] == pytest.approx(value, **tolerance), name
-
-
-def test_iterate_is_the_map_applied_again():
-    """Image, derivative, times and extremes of three returns at once, against one by one."""
-    system = make_system("slip", 1.1 * 8.0, [9.0, 9.0], [0.9, 0.9])
-    u = return_map(system, steady_start(system), 1e-11).image
-    together = iterated_map(system, u, 1e-11, np.array([3, 1]), observe=True)
-    point, matrix, times, highs, lows, traces = u[:1], np.eye(2), [], [], [], []
-    one = system.at([0])
-    for _ in range(3):
-        single = return_map(one, state(one, point), 1e-11)
-        highs.append(state(one, point)[0, 0])
-        lows.append(single.numbers["x_low"][0])
-        times.append(single.numbers["period"][0])
-        traces.append(single.numbers["trace"][0])
-        matrix = single.jacobian[0] @ matrix
-        point = single.image
-    np.testing.assert_allclose(together.image[0], point[0], rtol=1e-12)
-    np.testing.assert_allclose(together.jacobian[0], matrix, rtol=1e-10)
-    numbers = {name: value[0] for name, value in together.numbers.items()}
-    assert numbers["period"] == pytest.approx(sum(times), rel=1e-13)
-    assert numbers["x_high"] == max(highs)
-    assert numbers["x_low"] == min(lows)
-    # derivatives of what is measured, against differences
-    for column in range(2):
-        change = 1e-6 * np.eye(2)[column]
-        up, down = (
-            iterated_map(one, start, 1e-13, np.array([3]), observe=True).numbers
-            for start in (u[:1] + change, u[:1] - change)
-        )
-        for what in ("period", "x_high", "x_low", "v_max", "v_min"):
-            slope = (up[what][0] - down[what][0]) / 2e-6
-            derivative = together.gradients[what][0, column]
-            if what == "v_min":  # V stops falling within 1e-14 of a cycle
-                assert 0.25 < derivative / slope < 4.0
-            else:
-                assert derivative == pytest.approx(slope, rel=1e-5, abs=1e-6), what
-    assert numbers["trace"] == pytest.approx(sum(traces), rel=1e-12)
-    # and where one return is asked for, it is one
-    single = return_map(system.at([1]), state(system.at([1]), u[1:]), 1e-11)
-    assert together.numbers["period"][1] == single.numbers["period"][0]
-
-
-def test_cascade_against_plain_iteration():
-    """Random sliders where cycles double: returns and extremes are those of the orbit itself."""
-    rng = np.random.default_rng(7)
-    n = 30
-    beta = 10 ** rng.uniform(math.log10(8), math.log10(50), n)
-    eta = 10 ** rng.uniform(-0.7, 1, n)
-    ratio = rng.uniform(0.95, 1.35, n)
-    system = make_system("slip", ratio * (beta - 1), beta, eta)
-    high, low, _ = iterate_plainly(system, 300, rtol=1e-9)
-    swing = high.max(axis=0) - low.min(axis=0)
-    repeats = np.zeros(n, int)
-    for p in (32, 16, 8, 4, 2, 1):
-        same = np.abs(high[p:] - high[:-p]).max(axis=0) < 1e-5 * swing
-        repeats[same] = p
-    # the search goes on long where nothing repeats: two of these are enough
-    kept = np.sort(np.append(np.flatnonzero(repeats > 0), np.flatnonzero(repeats == 0)[:2]))
-    repeats, swing = repeats[kept], swing[kept]
-    attractors, found = cycles_by_search(system.at(kept))
-    cycle = attractors.status == FINISHED
-    quick = cycle & (np.abs(found["multipliers"][:, 0]) < 0.9)
-    assert quick.sum() > 18
-    assert (attractors.n_returns[quick] == repeats[quick]).all()
-    np.testing.assert_allclose(found["amplitude"][quick], swing[quick], rtol=1e-5)
-    assert set(attractors.n_returns[quick].tolist()) >= {1, 2, 4}
-    # what repeats is found, and what is refused does not
-    assert cycle[repeats > 0].all()
-    assert (repeats[attractors.status == NO_CONVERGENCE] == 0).all()
-    assert (attractors.status == NO_CONVERGENCE).any()
-
-
-@pytest.mark.parametrize("law", ["slip", "aging"])
-def test_one_return_where_one_is_all(law):
-    slider = BESIDE.replace(b=0.006, K=9e8, law=law)
-    found = rs.limit_cycle(slider, 3.2e-3)
-    assert found.returns == 1
-    run = rs.simulate(slider, rs.Loading.constant(3.2e-3), 10.0, V_start=3.2e-4)
-    assert run.returns == 1
-    assert rs.limit_cycle(slider, 1e-4).returns == 0  # steady sliding
-    rest = rs.simulate(slider, rs.Loading.constant(1e-4), 1.0)
-    assert rest.returns == 0
-
-
-def test_a_drift_is_no_alternation():
-    """Growing and shrinking cycles count return by return, until they alternate."""
-    slider = BESIDE.replace(b=0.006, K=9e8)
-    for V_start in (3.2e-3 * 1.0001, 3.2e-5):
-        times = np.linspace(0.1, 3.0, 30)
-        ends = xr.DataArray(times, dims="end")
-        run = rs.simulate(slider, rs.Loading.constant(3.2e-3), ends, V_start=V_start)
-        assert (run.returns == 1).all()
 
 
 def test_verdict_tells_of_the_doubling():

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.small_cycles import curvature, small_cycle
-from ratestate.friction.laws import friction_law, one_length_laws
 from ratestate.paper.figures import LAWS
 
 laws = st.sampled_from(sorted(LAWS))
@@ -132,56 +131,12 @@ def test_keeps_all_digits_however_small(law, r, beta, eta):
     np.testing.assert_allclose(ours, theirs, rtol=error + 3e-15)
 
 
-def test_curvature_changes_sign_with_inertia_for_the_aging_law_alone():
-    # at b/a = 2 and eta = 1/10 the curvature is a short decimal
-    np.testing.assert_allclose(curvature("slip", 2.0, [0.1, 1.0]), [-0.0836, -1.25], rtol=1e-13)
-    np.testing.assert_allclose(curvature("aging", 2.0, [0.1, 1.0]), [0.0058, -0.5], rtol=1e-13)
-    eta = np.logspace(-6, 6, 25)
-    assert np.all(curvature("slip", 2.0, eta) < 0)
-    for law, kappa, margin, there in [
-        ("aging", 1.05, 1e-6, True),
-        ("aging", 1.05, -1e-6, False),
-        ("aging", 2.0, 1e-6, False),
-        ("aging", 2.0, -1e-6, True),
-        ("slip", 1.05, 1e-6, False),
-        ("slip", 1.05, -1e-6, True),
-    ]:
-        cycle = small_cycle(law, kappa + margin, 2.0, kappa - 1, margin)
-        assert cycle.valid[0] == there
-        assert np.isnan(cycle.r[0]) != there
-
-
 def test_error_counts_what_subtraction_loses():
     exact = small_cycle("slip", 4.0 - 1e-11, 2.0, 3.0, -1e-11)
     blurred = small_cycle("slip", 4.0 - 1e-11, 2.0, 3.0)
     assert exact.error[0] < 1e-14
     assert 3e-5 < blurred.error[0] < 3e-4
     assert 0 < abs(blurred.r[0] / exact.r[0] - 1) < blurred.error[0]
-
-
-@pytest.mark.parametrize("law", sorted(one_length_laws()))
-def test_series_is_that_of_the_law(law):
-    rng = np.random.default_rng(5)
-    v, z = rng.uniform(-3, 3, 50), rng.uniform(-0.5, 0.5, 50)
-    h = -z + sum(c * z**k for k, c in enumerate(friction_law(law).series, 2))
-
-    def rate(v, psi):
-        return friction_law(law).at_speed(v, (psi,), (2.0,)).f[0]
-
-    np.testing.assert_allclose(np.exp(v) * h, rate(v, z - v), rtol=0, atol=3e-14)
-    np.testing.assert_allclose(h, rate(0.0, z), rtol=0, atol=3e-16)
-
-
-def test_same_bits_in_any_batch():
-    rng = np.random.default_rng(6)
-    beta, eta = 1 + 10 ** rng.uniform(-3, 1, 12), 10 ** rng.uniform(-3, 3, 12)
-    law, *arguments = at_margin_of(10 ** rng.uniform(-4, -0.8, 12), "aging", beta, eta)
-    together = small_cycle(law, *arguments)
-    assert together.valid.mean() > 0.9
-    for i in range(12):
-        alone = small_cycle(law, *(value[i : i + 1] for value in arguments))
-        for one, all_ in zip(alone, together, strict=True):
-            assert one.tobytes() == all_[i : i + 1].tobytes()
 
 
 @settings(max_examples=15, deadline=None)

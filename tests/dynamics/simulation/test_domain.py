@@ -104,35 +104,6 @@ def test_friction_that_pushes():
     assert float(slow.mu_min) == pytest.approx(0.6 - 0.0333 * math.log(6e7), rel=1e-4)
 
 
-@LAWS
-def test_extremes_lie_between_saved_times(law):
-    """Those of the run, however little of it is saved; in a sweep and alone."""
-    slider = WEAK.replace(law=law, K=5e8)
-    loading = rs.Loading.steps(1e-3, (0.02, 1e-2))
-    dense = rs.simulate(slider, loading, 0.1, times=np.linspace(0, 0.1, 100001), rtol=1e-9)
-    lowest = sampled(slider, dense)
-    last = {"times": [0.1], "rtol": 1e-9}
-    swept = rs.simulate(slider.replace(K=xr.DataArray([5e8, 2e9], dims="K")), loading, 0.1, **last)
-    for run in (dense, rs.simulate(slider, loading, 0.1, **last), swept.isel(K=0)):
-        for name, least in zip(("mu_min", "reversal_margin"), lowest, strict=True):
-            assert least - 1e-4 < float(run[name]) < least + 1e-7, name
-    assert lowest[0] < 0
-
-
-@LAWS
-def test_extremes_lie_between_steps(law):
-    """In lanes, where only steps that hold an event are looked into, as alone, where all are."""
-    slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=5e8, M=300, law=law)
-    loading, settings = rs.Loading.constant(1e-2), {"V_start": 5e-3, "rtol": 1e-3}
-    swept = rs.simulate(
-        slider.replace(K=xr.DataArray([5e8, 9e8], dims="K")), loading, 0.1, **settings
-    )
-    alone = rs.simulate(slider, loading, 0.1, **settings)
-    for name, least in zip(("mu_min", "reversal_margin"), sampled(slider, alone), strict=True):
-        assert float(swept[name][0]) == pytest.approx(float(alone[name]), abs=1e-9)
-        assert 1e-10 < least - float(alone[name]) < 1e-3, name
-
-
 def test_failed_cases_are_unknown():
     K = xr.DataArray([3e8, 9e9], dims="K")
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=K, M=0.0)
@@ -156,38 +127,3 @@ def test_mu_is_that_of_V_and_theta_or_none(law):
     assert (np.isnan(run.mu) == (slider.V0 * math.exp(-600) * (1 + 1e-9) >= run.V)).all()
     assert float(run.mu_min) < -1.7  # 0.003 times -600, and less
     assert "double precision" in run.mu.attrs["comment"]
-
-
-def test_branch():
-    """A Hopf point is steady sliding; along the branch the cycles' own values."""
-    branch = rs.continue_cycle(WEAK.replace(K=6.8e9, M=100.0), "V_lp", 2e-3, 2e-2, rtol=1e-6)
-    assert branch.special[0] == "hopf"
-    mu = 0.6 - 0.0333 * np.log(branch.V_lp.values / 1e-9)
-    assert float(branch.mu_min[0]) == pytest.approx(mu[0], rel=1e-9)
-    assert float(branch.reversal_margin[0]) == pytest.approx(2 * mu[0], rel=1e-9)
-    assert (branch.mu_min.values[1:] < mu[1:]).all()
-
-
-def test_verdict():
-    found = cycles("slip").sel(V_lp=30.0)
-    said = verdict(SLIDER, 30.0)
-    assert said.mu_min == pytest.approx(float(found.mu_min), rel=1e-9)
-    assert said.reversal_margin == pytest.approx(float(found.reversal_margin), rel=1e-9)
-    told = f"tau/sigma + mu falls to {float(found.reversal_margin):.3g}, so that the spring pulls"
-    assert told in said.sentences[1]
-    assert "push" not in said.text
-    assert "domain" not in verdict(SLIDER, 10.0).text
-
-
-def test_cycle_of_two_returns():
-    """The smallest of both."""
-    slider = WEAK.replace(K=1.06 * 0.0333 * 2e6 / 1e-5)
-    cycle = rs.limit_cycle(slider, 8.78e-3)
-    assert int(cycle.returns) == 2
-    turn = orbit(slider, 8.78e-3)
-    both = (turn.mu, turn.tau / slider.sigma + turn.mu)
-    half = turn.time < 0.5 * turn.time[-1]
-    for name, values in zip(("mu_min", "reversal_margin"), both, strict=True):
-        assert float(cycle[name]) == pytest.approx(float(turn[name]), abs=1e-8)
-        assert -1e-8 < float(values.min()) - float(cycle[name]) < 1e-3
-        assert abs(float(values[half].min() - values[~half].min())) > 3e-3

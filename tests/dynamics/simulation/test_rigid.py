@@ -90,31 +90,6 @@ def test_both_sides_of_a_jump_are_stored(steps):
     assert np.nextafter(1.0, 0.0) not in ramp.time
 
 
-def test_a_record_of_normal_stress():
-    """Against the integral of the linear equation that the state of the slip law obeys."""
-    rng, n, Dc, alpha, b = np.random.default_rng(4), 400, 1e-5, 0.3, 0.006
-    t = np.cumsum(10 ** rng.uniform(-3, -1, n)) - 1e-3
-    t[0] = 0.0
-    V, sigma = 10 ** rng.uniform(-5, -4, n), 2e6 * np.append(1.0, rng.uniform(0.5, 2.0, n - 1))
-    loading = rs.Loading.series(t, V, sigma=sigma)
-    slider = rs.SpringSlider(a=0.003, b=b, Dc=Dc, sigma=2e6, K=np.inf, alpha=alpha)
-    run = rs.simulate(slider, loading, t[-1], V_start=3e-4)
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    z = [np.log(V[0] / 3e-4)]  # ln(V theta/Dc)
-    for i in range(n - 1):
-        since = 0.5 * (t[i + 1] - t[i]) * (1.0 + nodes)
-        rate, growth = (np.diff(x[i : i + 2])[0] / (t[i + 1] - t[i]) for x in (V, sigma))
-        speed = V[i] + rate * since
-        slip = 0.5 * (speed + V[i + 1]) * (t[i + 1] - t[i] - since) / Dc  # still to come
-        forced = rate / speed - alpha / b * growth / (sigma[i] + growth * since)
-        whole = 0.5 * (V[i] + V[i + 1]) * (t[i + 1] - t[i]) / Dc
-        added = 0.5 * (t[i + 1] - t[i]) * np.sum(weights * forced * np.exp(-slip))
-        z.append(z[-1] * np.exp(-whole) + added)
-    rows = run.sel(time=t)
-    np.testing.assert_allclose(np.log(rows.V * rows.theta / Dc), z, rtol=0, atol=3e-11)
-    np.testing.assert_allclose(rows.sigma, sigma, rtol=1e-12)
-
-
 @pytest.mark.parametrize("M", [0.0, 3e3])
 def test_stress_has_both_sides_of_a_kink_if_there_is_mass(M):
     """The load point's force M dV/dt begins at once; V does not jump."""

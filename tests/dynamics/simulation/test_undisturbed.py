@@ -1,7 +1,5 @@
 """Runs that start on unstable steady sliding, undisturbed: which they are, and what is said."""
 
-import warnings
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -91,10 +89,3 @@ def test_a_sweep_says_once_how_many(way, tmp_path, monkeypatch):
         "below K_c = 600.003 MPa/m. Give another start, such as V_start = '1 um/s'."
     )
     assert said[0].filename == __file__
-
-
-def test_sweeps_of_other_functions_say_nothing():
-    slider = SLIDER.replace(K=xr.DataArray([9e8, 4e8], dims="K"))
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        rs.sweep("stability", slider, V_lp=V, progress=False)

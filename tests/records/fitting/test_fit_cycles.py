@@ -1,8 +1,6 @@
 """Fits of stick-slip and vibration by the features of their cycles."""
 
 import functools
-import warnings
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,10 +15,10 @@ from ratestate.records.fitting.cycles import fit_cycles as fitting
 from ratestate.records.fitting.cycles import folding
 from ratestate.records.fitting.cycles.features import FEATURES
 from ratestate.records.fitting.cycles.fit_cycles import cycles_dataset, diagnose, fit_cycles
-from ratestate.records.fitting.cycles.folding import Segment, cut_cycles, main_period, regular_cuts
+from ratestate.records.fitting.cycles.folding import Segment, regular_cuts
 from ratestate.records.fitting.cycles.measured import corrected, measure
-from ratestate.records.fitting.cycles.problem import CyclesForward, CyclesProblem
-from ratestate.records.fitting.cycles.waves import GRID, CycleModel, limit_waves, wave_at
+from ratestate.records.fitting.cycles.problem import CyclesProblem
+from ratestate.records.fitting.cycles.waves import CycleModel, limit_waves, wave_at
 from ratestate.records.fitting.solutions import solution_from
 from ratestate.records.kit.sample_noise import SampleNoise
 
@@ -117,34 +115,6 @@ def test_derivatives_are_those_of_an_independent_solver():
     np.testing.assert_allclose((up - down) / (2.0 * step), expected, rtol=5e-3)
 
 
-def forward_of(slider, free, V_lp):
-    """Return the `CyclesForward` of a record at one speed that resolves all features."""
-    used, part = np.ones(len(FEATURES), bool), SimpleNamespace(V_lp=V_lp)
-    return CyclesForward(slider, free, [SimpleNamespace(used=used, segment=part, bins=40)])
-
-
-def test_jacobian_of_features_against_wider_differences():
-    forward = forward_of(BRAKE, ("a", "b", "Dc"), 3.2e-3)
-    point = forward.slider_coordinates()[0] + [0.0, 0.0, 0.0, 0.6]
-    _, jacobian = forward.jacobian(point)
-    for i, step in enumerate(5e-3 * np.eye(4)):  # five times the step of the search
-        up, down = forward.friction(np.stack([point + step, point - step]))
-        np.testing.assert_allclose(jacobian[:, i], (up - down) / 1e-2, rtol=0.02, atol=5e-3)
-
-
-@pytest.mark.parametrize("free", [("a", "b"), ("a",), ("b", "K"), ("Dc", "K", "M"), SYMBOLS])
-def test_coordinates_and_values_are_inverse(free):
-    forward = forward_of(STICK_SLIP, free, 1e-5)
-    q = forward.slider_coordinates() + np.append(np.linspace(-0.2, 0.3, len(free)), 0.0)
-    values = forward.values(q)
-    np.testing.assert_allclose(forward.coordinates(values), q, rtol=1e-9)
-    own = forward.values(forward.slider_coordinates())
-    for symbol in SYMBOLS:
-        assert own[symbol][0] == pytest.approx(getattr(STICK_SLIP, symbol), rel=1e-9)
-        if symbol not in free:
-            assert values[symbol][0] == pytest.approx(getattr(STICK_SLIP, symbol), rel=1e-12)
-
-
 # --- the record's features ------------------------------------------------------------------------
 
 
@@ -187,15 +157,6 @@ def test_a_trend_is_removed_and_noted():
     np.testing.assert_allclose(drifting.values[:5], plain.values[:5], atol=2e-2)
     assert any("trend of friction at 3.2 mm/s" in text for text in drifting.notes)
     assert drifting.warnings == ()
-
-
-def test_cycles_are_cut_where_tau_falls():
-    part = segment(STICK_SLIP, 1e-5, noise=0.05)
-    period = main_period(part.t, part.y)
-    assert period == pytest.approx(29.975265, rel=0.05)
-    cuts = cut_cycles(part.t, part.y, period)
-    np.testing.assert_allclose(np.diff(cuts), 29.975265, rtol=0.03)
-    assert cuts.size in (12, 13)
 
 
 # --- the fit --------------------------------------------------------------------------------------
@@ -262,14 +223,6 @@ def test_fits_that_lose_their_cycles_are_refused(vibration, monkeypatch):
     assert problems[-1] is not problems[0]
 
 
-def test_fit_of_stick_slip_at_two_speeds_recovers_the_slider():
-    data = record(segment(STICK_SLIP, 1e-5), segment(STICK_SLIP, 1e-4, seed=1))
-    found = fit_cycles(data, STICK_SLIP.replace(a=0.004, b=0.009), ("a", "b"))
-    assert len(found.problem.measured) == 2
-    check_estimates(found, STICK_SLIP, 1.0)
-    assert "eta and b/a alone" in diagnose(found)[0]
-
-
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_two_laws_are_fitted_side_by_side(vibration):
     data, slip = vibration
@@ -279,25 +232,6 @@ def test_two_laws_are_fitted_side_by_side(vibration):
     assert float(both.aic_difference.min()) == 0.0
     assert "AIC" in both.attrs["comparison"]
     assert "Neither" not in both.attrs["comparison"]
-
-
-def test_interval_ends_agree_with_constrained_fits():
-    part = segment(BRAKE, 3.2e-3, noise=0.06, seed=3)
-    found = fit_cycles(record(part), BRAKE, ("a", "b", "Dc"))
-    solution = found.inference.solution
-    at = found.problem.forward.values(solution.point[None])
-    Dc = found.inference.estimates.of("Dc")
-    for side in (0, 1):
-        # a separate fit of a slider with this Dc
-        constrained = BRAKE.replace(Dc=float(Dc.interval[1, side]))
-        problem = CyclesProblem(constrained, ("a", "b"), found.problem.measured)
-        ratio = constrained.Dc / Dc.value
-        starts = []
-        for part in (1.0, ratio):
-            near = at | {"Dc": at["Dc"] * ratio, "a": at["a"] * part, "b": at["b"] * part}
-            starts.append(problem.forward.coordinates(near)[0] + [0.0, 0.0, solution.point[-1]])
-        best, *_ = fitting._solutions_from(problem, starts)
-        assert np.sqrt(best.chi2 - found.chi2) == pytest.approx(1.96, rel=0.12)
 
 
 @pytest.mark.statistics
@@ -402,16 +336,6 @@ def test_the_result_keeps_the_speeds_and_can_be_drawn():
     assert len(plot.figure(result).axes) >= 3
 
 
-def test_points_far_from_all_sliders_have_no_cycle_and_no_warning():
-    forward = forward_of(BRAKE, ("a", "b", "Dc"), 3.2e-3)
-    far = [[0.0, 0.0, 700.0, 0.0], [0.0, 700.0, 700.0, 0.0], [700.0, 0.0, 0.0, 0.0]]
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        features = forward.friction(forward.slider_coordinates() + np.array([[0.0] * 4, *far]))
-    assert np.isfinite(features[0]).all()
-    assert np.isnan(features[1:]).all()
-
-
 def test_more_samples_than_can_be_used_are_refused_by_fits_of_cycles(monkeypatch):
     part = segment(BRAKE, 3.2e-3)
     monkeypatch.setattr(folding, "MOST", part.t.size)
@@ -438,9 +362,3 @@ def test_cycles_left_out_are_counted(small, words):
     y = size * np.sin(2.0 * np.pi * (t - 0.7))
     _, notes = regular_cuts(Segment(t, y, 1e-5), 1.0)
     assert notes == (f"a transient, the {words} 10 um/s, is left out",)
-
-
-def test_grid_covers_a_cycle():
-    assert GRID[0] == 0.0
-    assert GRID[-1] == 1.0
-    assert np.all(np.diff(GRID) > 0.0)

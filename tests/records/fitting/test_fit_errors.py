@@ -12,9 +12,8 @@ from synthetic_records import SLIDER, correlated, power_law, record
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.records.fitting import inference, settings, transients
 from ratestate.records.fitting import posterior as sampling
-from ratestate.records.fitting.checks import search_warnings
+from ratestate.records.fitting import settings
 from ratestate.records.fitting.fit_dataset import with_comparison
 from ratestate.records.fitting.identifiability import (
     correlated_groups,
@@ -45,9 +44,8 @@ from ratestate.records.fitting.solutions import (
     root_of_covariance,
 )
 from ratestate.records.fitting.transients import _transients, transients_p_value
-from ratestate.records.fitting.unknowns import Unknowns, start_names, unknowns_of
+from ratestate.records.fitting.unknowns import Unknowns, unknowns_of
 from ratestate.records.kit.noise import Noise
-from ratestate.records.raw_record import raw_record
 
 T = np.concatenate([np.linspace(60.0, 99.0, 80), np.linspace(99.1, 130.0, 220)]) - 60.0
 STEP = rs.Loading.steps("1 um/s", (40.0, "10 um/s"))
@@ -59,14 +57,6 @@ LONG_T, LONG_STEP = np.arange(0.0, 140.0, 0.2), rs.Loading.steps("1 um/s", (100.
 def solution_of(data, slider, free=FREE, noise=None):
     checked = samples_of(data, slider, loading=None, trend="slip", against="time")
     return least_squares_fit(checked, slider, free, noise, "steady")
-
-
-@pytest.mark.parametrize("sigma", ["99 Pa", "1.01e11 Pa"])
-def test_an_impossible_normal_stress_is_refused(good, sigma):
-    with pytest.raises(ParameterError, match=r"sigma = .* is impossible in a record"):
-        raw_record(good, SLIDER.replace(sigma=sigma))
-    for usual in ("100 Pa", "1e11 Pa"):
-        assert raw_record(good, SLIDER.replace(sigma=usual)).friction.size == T.size
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +79,7 @@ def sampled(good):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(sampling, "LIVE", 60)
         patch.setattr(sampling, "FEWEST", 100)
-        return rs.fit(good, SLIDER, ("a", "Dc"), errors="posterior")
+        return rs.fit(good, SLIDER, ("a",), errors="posterior")
 
 
 def test_the_profile_of_a_gaussian_likelihood_is_the_covariance(solution):
@@ -157,29 +147,6 @@ def test_an_interval_of_a_parameter_far_below_its_guess_is_closed():
     assert low < 2.0 < high
 
 
-def test_a_record_without_inertia_gives_an_upper_bound_of_M(good):
-    with pytest.warns(rs.FitWarning, match=r"the record only shows that M < .* no inertia is seen"):
-        result = rs.fit(good, SLIDER.replace(M=1e8), ("a", "b", "M"))
-    assert float(result.interval.sel(parameter="M", level=0.95, side="lower")) == 0.0
-    assert 1e6 < float(result.interval.sel(parameter="M", level=0.95, side="upper")) < 1e12
-
-
-def test_a_profile_starts_from_fits_of_another_profile():
-    """Alone, the profile of a stops at a ridge that the profile of K passes around."""
-    slider = SLIDER.replace(K=1e12)
-    found = solution_of(record(slider, STEP, T, noise=4e-4, seed=6), slider)
-    numbers = {number.name: number for number in reported_quantities(found.problem)}
-    gaussian = dict(zip(numbers, are_gaussian(found, tuple(numbers.values())), strict=True))
-    assert [name for name, is_gaussian in gaussian.items() if not is_gaussian] == ["K"]
-    alone = compute_profile(found, numbers["a"])
-    assert set(compute_profiles(found, (numbers["a"], numbers["Dc"]), False)) == set()
-    together = compute_profiles(found, tuple(numbers.values()), False)
-    assert together["K"].interval()[-1, 1] == np.inf
-    value, deviance = numbers["a"].value(together["K"].points[-1]), together["K"].deviance[-1]
-    assert deviance < ROOTS[-1] ** 2
-    assert alone.interval()[-1, 1] < value < together["a"].interval()[-1, 1]
-
-
 def test_a_better_point_on_a_profile_becomes_the_solution(good, solution):
     point = solution.point.copy()
     point[2] += 0.01
@@ -190,21 +157,6 @@ def test_a_better_point_on_a_profile_becomes_the_solution(good, solution):
     assert again.solution.chi2 == pytest.approx(solution.chi2, rel=1e-3)
     np.testing.assert_allclose(again.solution.point, solution.point, rtol=1e-3)
     assert not again.still_improving
-
-
-@pytest.mark.parametrize(("better", "improving"), [(3, False), (4, True)])
-def test_still_improving_after_the_last_restart(solution, monkeypatch, better, improving):
-    """After the third better point, only the profiles about it can find a fourth."""
-    points = [solution.point] * better
-
-    def profiles(*_):
-        if points:
-            raise BetterPoint(points.pop())
-        return {}
-
-    monkeypatch.setattr(inference, "compute_profiles", profiles)
-    assert infer(solution, None, "auto").still_improving == improving
-    assert not points
 
 
 def test_interval_ends_of_a_profile_that_is_not_a_parabola():
@@ -278,7 +230,7 @@ def test_the_likelihood_is_a_function_of_values_in_the_order_of_free(good, solut
 
 
 def test_the_posterior_of_a_gaussian_is_the_gaussian(sampled, good):
-    profiled = rs.fit(good, SLIDER, ("a", "Dc"), errors="profile")
+    profiled = rs.fit(good, SLIDER, ("a",), errors="profile")
     assert (sampled.interval_kind == "posterior").all()
     assert (profiled.interval_kind == "profile").all()
     width = sampled.interval.diff("side") / profiled.interval.diff("side")
@@ -411,7 +363,7 @@ def test_each_problem_has_its_warning(good):
     }
     for words, (data, options) in cases.items():
         with pytest.warns(rs.FitWarning) as emitted:
-            rs.fit(data, SLIDER, **options)
+            rs.fit(data, SLIDER, **{"errors": "covariance"} | options)
         texts = [str(one.message) for one in emitted]
         assert any(words in text for text in texts), (words, texts)
         assert {one.filename for one in emitted} == {__file__}  # the line that asked
@@ -446,19 +398,6 @@ def test_a_second_state_is_not_taken_for_correlated_noise(exponent):
     assert float(both.misfit_p_value) > 0.03
 
 
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-@pytest.mark.parametrize(("law", "other"), [("aging", "slip"), ("slip", "aging")])
-def test_the_oscillation_of_a_soft_machine_is_not_taken_for_correlated_noise(law, other):
-    """Under the other law the red noise is as large as the white noise."""
-    data = record(SOFT.replace(law=law), LONG_STEP, LONG_T, noise=3e-4, seed=2)
-    wrong, right = (rs.fit(data, SOFT, law=one, errors="covariance") for one in (other, law))
-    assert float(wrong.noise_red) > 1e-4
-    assert float(wrong.misfit_p_value) < 1e-4
-    assert "the law does not describe the record after its steps" in wrong.warnings.item()
-    assert float(right.misfit_p_value) > 0.05
-    assert "does not describe" not in right.warnings.item()
-
-
 @pytest.mark.parametrize("slider", [SLIDER, SOFT])
 @pytest.mark.parametrize("Dc2", ["4 um", "80 um"])
 def test_the_transients_span_the_effect_of_a_second_state(slider, Dc2):
@@ -489,27 +428,6 @@ def test_a_probability_of_misfit_is_uniform_under_the_right_law():
         found.append(transients_p_value(solution, SLIDER.Dc))
     assert 0.35 < np.mean(found) < 0.7
     assert np.mean(np.array(found) < 0.05) < 0.12
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_law_that_could_not_be_tested_has_a_warning(good, monkeypatch):
-    """One of several marches may fail; the probability is NaN if all fail."""
-    effect, calls = transients._effect_of_fall, []
-
-    def one_fails(*args):
-        calls.append(args)
-        return effect(*args) * (np.nan if len(calls) == 1 else 1.0)
-
-    told = "was not tested against transients"
-    monkeypatch.setattr(transients, "_effect_of_fall", one_fails)
-    tested = rs.fit(good, SLIDER, errors="covariance")
-    assert len(calls) == len(transients.LENGTHS)
-    assert 0.01 < float(tested.misfit_p_value) < 1.0
-    assert told not in tested.warnings.item()
-    monkeypatch.setattr(transients, "_effect_of_fall", lambda *args: effect(*args) * np.nan)
-    untested = rs.fit(good, SLIDER, errors="covariance")
-    assert np.isnan(untested.misfit_p_value)
-    assert told in untested.warnings.item()
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -560,17 +478,6 @@ def test_a_trend_only_after_the_step_has_a_warning():
         assert moved == pytest.approx(change, rel=0.25, abs=0.3 * float(one.standard_error)), name
     assert abs(change) > 3.0 * float(one.standard_error)
     assert "without_trend" not in plain
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_lag_of_the_load_point_is_suggested(good):
-    later = rs.Loading.steps("1 um/s", (39.95, "10 um/s"))
-    data = good.drop_vars("delta_lp")
-    result = rs.fit(data, SLIDER, ("a", "b"), loading=later)
-    words = result.warnings.item()
-    found = re.search(r"moves ([0-9.]+) ms later than recorded .* add 'lag' to free", words)
-    assert found
-    assert 35.0 < float(found[1]) < 70.0
 
 
 def test_tradeoffs_are_named():
@@ -640,17 +547,6 @@ def test_settings_of_samples_are_refused_for_cycles(good):
         rs.fit(good, SLIDER, law=("slip", "slip"))
 
 
-@pytest.mark.parametrize(("law", "noise"), [("slip", 1e-4), ("aging", 3e-4)])
-def test_the_wrong_law_is_not_taken_for_slow_noise(law, noise):
-    """What the other law cannot fit resembles noise as slow as the whole record."""
-    loading = rs.Loading.steps("3 um/s", (60.0, "10 um/s"), (90.0, "3 um/s"))
-    data = record(SLIDER, loading, np.arange(0.0, 150.0, 0.1), noise=noise, law=law)
-    assert rs.fit(data, SLIDER, law=law).warnings.item() == ""
-    other = "aging" if law == "slip" else "slip"
-    with pytest.warns(rs.FitWarning, match="the law does not describe the record"):
-        rs.fit(data, SLIDER, law=other)
-
-
 def test_bounds_of_the_search():
     """They are multiples of sizes from the range of friction and the displacement."""
     t = np.linspace(0.0, 100.0, 201)
@@ -684,21 +580,6 @@ def test_sides_of_estimates_at_a_bound():
     solution = SimpleNamespace(unknowns=Unknowns(names, low, high), point=point, errors=errors)
     sides = dict(zip(names, [0, 0, -1, 1, 0, 0], strict=True))
     assert Solution.sides.fget(solution) == sides
-
-
-def test_warning_on_a_start_at_its_bound(good):
-    """The warning has the reported name and a remedy: a start cannot be fixed."""
-    checked = samples_of(good, SLIDER, loading=None, trend="slip", against="time")
-    found = infer(least_squares_fit(checked, SLIDER, ("a",), None, "free"), None, "covariance")
-    assert not [*search_warnings(found)]
-    at = [found.solution.unknowns.names.index(name) for name in start_names(SLIDER.friction_law)]
-    point = found.solution.point.copy()
-    point[at] = 20.0, -20.0
-    found = found._replace(solution=found.solution._replace(point=point))
-    upper, lower = search_warnings(found)
-    assert upper.startswith("V_start has run to the upper bound of the search, 4.852e+08 times")
-    assert lower.startswith("theta_start has run to the lower bound of the search, 2.061e-09 times")
-    assert "Give start='steady' (command line: --start steady) if" in upper
 
 
 class Combination(ReportedQuantity):

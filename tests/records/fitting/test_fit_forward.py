@@ -6,9 +6,8 @@ import pytest
 from scipy.linalg import cholesky, solve_triangular
 from synthetic_records import SLIDER, STEP, correlated, power_law, record
 
-import ratestate as rs
 from ratestate.paper.figures import LAWS
-from ratestate.records.fitting.forward import Forward, _difference
+from ratestate.records.fitting.forward import Forward
 from ratestate.records.fitting.samples import samples_of
 from ratestate.records.kit.estimated_noise import (
     RestrictedLikelihood,
@@ -88,17 +87,6 @@ def test_a_lag_is_the_same_motion_later():
     np.testing.assert_allclose(jacobian[:, 0], differ / (2 * h), rtol=0, atol=3e-5)
 
 
-@pytest.mark.parametrize("kind", ["friction", "mu"])
-def test_friction_of_the_spring_or_of_the_interface(kind):
-    """They differ by the inertial force; `simulate` gives both."""
-    slider = SLIDER.replace(M=MASSES["inertial"])
-    run = rs.simulate(slider, STEP, 104.0, times=T, rtol=1e-10)
-    model = forward(("level",), M=slider.M, kind=kind, trend=None)
-    expected = run.mu if kind == "mu" else run.tau / slider.sigma
-    assert np.abs(run.mu - run.tau / slider.sigma).max() > 1e-3
-    np.testing.assert_allclose(model.friction(np.array([[0.6]]))[0], expected, rtol=0, atol=1e-8)
-
-
 def test_a_slider_that_runs_away_gives_nan():
     """Below K_c no motion exists without inertia; neighbours in lanes are unaffected."""
     model = forward(("K", "V_start", "level"), trend=None)
@@ -160,26 +148,6 @@ def test_the_exponent_of_noise_is_found(exponent, within):
     assert abs(found.exponent - exponent) < within
 
 
-def test_the_noise_is_found_as_it_was_made():
-    """Estimates of 40 records scatter about the truth after a fit of 12 parameters."""
-    rng = np.random.default_rng(2)
-    t = times(600, rng)
-    fitted = np.stack([np.cos(k * np.pi * t / t[-1]) for k in range(12)], axis=1)
-    truth = Noise(white=1e-4, red=3e-4, time=2.0)
-    found = []
-    for _ in range(40):
-        made = truth.white * rng.normal(size=t.size) + truth.red * correlated(t, truth.time, rng)
-        coefficients, *_ = np.linalg.lstsq(fitted, made, rcond=None)
-        found.append(estimated_noise(t, made - fitted @ coefficients, fitted))
-    found = [noise for noise in found if noise.exponent is None]
-    assert len(found) >= 34  # for the others a power law happens to be likelier
-    for name in ("white", "red", "time"):
-        values = np.log([getattr(noise, name) for noise in found])
-        error = values.std() / np.sqrt(len(values))
-        assert abs(values.mean() - np.log(getattr(truth, name))) < 3.5 * error + 0.02, name
-        assert values.std() < 0.35, name
-
-
 def restricted_likelihood(t, y, X, share, time):
     """Return ln of it at the best variance, from the dense covariance."""
     correlation = (1 - share) * np.eye(t.size) + share * np.exp(-np.abs(t[:, None] - t) / time)
@@ -228,13 +196,6 @@ def test_correlated_noise_needs_a_rise_of_the_likelihood(seed, counts):
     assert (4.0 < rise < 6.0) if counts else (1.5 < rise < 2.9)
 
 
-def test_noise_does_not_depend_on_coordinates_without_effect():
-    rng, t = np.random.default_rng(4), np.arange(200.0)
-    y, X = 1e-4 * rng.normal(size=200), np.stack([np.ones(200), t], axis=1)
-    unseen = np.column_stack([X, np.zeros(200)])
-    assert estimated_noise(t, y, unseen) == estimated_noise(t, y, X)
-
-
 def test_white_noise_is_called_white():
     rng = np.random.default_rng(3)
     t = times(500, rng)
@@ -242,22 +203,3 @@ def test_white_noise_is_called_white():
     found = [estimated_noise(t, 2e-4 * rng.normal(size=t.size), fitted) for _ in range(40)]
     assert sum(noise.red > 0.0 for noise in found) <= 2
     assert np.mean([noise.level for noise in found]) == pytest.approx(2e-4, rel=0.02)
-
-
-@pytest.mark.parametrize(
-    ("down", "lost", "slope"),
-    [
-        (0.5, (), 6.0),
-        (0.2, (), 6.3),
-        (0.0, (), 6.5),
-        (0.5, ("above",), 5.5),
-        (0.5, ("below",), 6.5),
-        (0.5, ("above", "below"), np.nan),
-    ],
-)
-def test_a_difference_at_the_end_of_motion_is_one_sided(down, lost, slope):
-    """Differences of x^2 at 3, with a step of 1/2 up, and a shorter step down."""
-    friction = {"above": 3.5**2, "centre": 3.0**2, "below": (3.0 - down) ** 2}
-    lanes = {k: np.array([x, np.nan if k in lost else x]) for k, x in friction.items()}
-    found = _difference(*lanes.values(), 0.5, down)[0]
-    assert found == pytest.approx(slope, rel=1e-14, nan_ok=True)

@@ -11,7 +11,6 @@ import ratestate as rs
 from ratestate.friction.forms import FORMS, parameters_of
 from ratestate.friction.laws import LAWS
 from ratestate.laws import FrictionLaw, Parameter, log
-from ratestate.model.quantities import with_error
 from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical
 from ratestate.records.fitting.forward import Forward
 from ratestate.records.fitting.problem import SamplesProblem
@@ -19,9 +18,6 @@ from ratestate.records.fitting.quantities import reported_quantities
 from ratestate.records.fitting.samples import samples_of
 from ratestate.records.fitting.solutions import least_squares_fit
 from ratestate.records.fitting.unknowns import (
-    checked_free,
-    motion_symbols,
-    parameter,
     unknowns_of,
 )
 
@@ -123,16 +119,6 @@ def test_a_user_s_law_is_fitted():
     assert (found.law, found.h_n, found.r_n) == (own.law, 0.7, float(result.r_n))
 
 
-def test_parameters_move_as_their_unit_and_bound_say():
-    assert parameter("Dc2") == parameter("Dc")
-    assert parameter("b2") == parameter("b")
-    assert (parameter("V_cut").is_log, parameter("V_cut").least) == (True, -np.inf)
-    assert (parameter("c").is_log, parameter("c").least) == (False, 0.0)
-    assert parameter("theta2_start").group == "start"
-    with pytest.raises(KeyError, match="nothing"):
-        parameter("nothing")
-
-
 def test_bounds_of_a_law_s_own_parameters(noisy):
     """Sizes: Dc2 as Dc; b2 as b or its value; c its value; V_cut the slowest V."""
 
@@ -185,21 +171,6 @@ def test_friction_at_a_point_does_not_depend_on_the_other_points(noisy):
     assert np.ptp(together, axis=0).max() > 1e-3
 
 
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_an_unsteady_start_has_all_states():
-    loading = rs.Loading.steps("4 um/s", (10.0, "1 um/s"), (90.0, "10 um/s"))
-    t = np.concatenate([np.linspace(0.0, 89.0, 300), np.linspace(90.1, 190.0, 600)])
-    late = record(TWO, loading, t, noise=3e-5).sel(time=slice(11.0, None))
-    found = rs.fit(late, START, FREE)
-    run = rs.simulate(TWO, loading, 12.0, times=[float(late.time[0])])
-    for name in ("V", "theta", "theta2"):
-        assert float(found[f"{name}_start"]) == pytest.approx(float(run[name][0]), rel=0.1), name
-        assert found[f"{name}_start"].attrs["units"] == ("m/s" if name == "V" else "s")
-    assert_finds(found, TWO, FREE, widest=np.inf)
-    steady = rs.fit(late, START, FREE, start="steady", errors="covariance")
-    assert float(found.log_likelihood) > float(steady.log_likelihood) + 30.0
-
-
 def test_states_keep_the_order_of_their_distances(noisy):
     """The distances in the slider tell which of two states is the first."""
     other = START.replace(b=0.002, Dc="80 um", b2=0.005, Dc2="20 um")
@@ -226,20 +197,6 @@ def test_each_compared_law_has_its_own_parameters(noisy, compared):
     np.testing.assert_allclose(counted, [7 + white[0], 9 + white[1]])
     assert float(compared.aic_difference.sel(law="slip")) > 100.0
     assert "The two-state-slip law fits clearly better than the slip law" in compared.comparison
-
-
-def test_the_table_of_compared_laws_has_gaps(compared):
-    text = str(rs.summary(compared))
-    rows = {line.split("  ")[0]: line for line in text.splitlines() if "  " in line}
-    two = results_by_law(compared)["two-state-slip"]
-    error = 1e6 * float(two.standard_error.sel(parameter="Dc2"))
-    assert rows["Dc2 [um]"].split()[2] == "-"
-    assert with_error(1e6 * float(two.Dc2), error) in rows["Dc2 [um]"]
-    assert "d mu_ss/d ln V" in rows
-    assert "Given: M = 0 kg/m^2, sigma = 20 MPa, V0 = 1 um/s." in text
-    held = rs.fit(record(TWO, STEP, T, noise=1e-4), TWO, ("a", "b"), errors="covariance")
-    given = "Given: Dc = 10 um, b2 = 0.004, Dc2 = 120 um, K = 64 GPa/m, M = 0 kg/m^2, "
-    assert given in str(rs.summary(held))
 
 
 def test_stiffness_over_critical_with_two_states(compared):
@@ -308,12 +265,6 @@ def test_a_law_with_a_reserved_parameter_name_is_refused(name, noisy, monkeypatc
         rs.fit(noisy, TWO, ("a",))
 
 
-def test_free_parameters_under_several_laws():
-    assert motion_symbols(TWO.friction_law) == ("a", "b", "Dc", "b2", "Dc2", "K", "M")
-    both = [SLIDER, TWO]
-    assert checked_free(["K", "b2", "a", "mu0"], both) == ("a", "b2", "K")
-
-
 #: symbol -> value, of parameters that laws and forms of friction have
 OWN = {"b2": 0.004, "Dc2": 1.2e-4, "c": 1.0, "V_cut": 3e-8, "V_w": 1e-2, "mu_w": 0.2}
 OWN |= {"V1": 1e-2, "V2": 1e-3}
@@ -345,34 +296,3 @@ def test_friction_and_mu0_under_every_law_and_form(law, form, kind):
     np.testing.assert_allclose(found, checked.friction, rtol=0.0, atol=2e-7)
     (mu0,) = [q for q in reported_quantities(problem) if q.name == "mu0"]
     assert mu0.value(point) == pytest.approx(0.55, abs=2e-7)
-
-
-@pytest.mark.parametrize(
-    ("law", "form"),
-    [("slip", "cut-off"), ("flash-heating", "regularized")],
-)
-def test_fits_under_forms_of_friction(law, form):
-    slider = slider_under(law, form)
-    data = record(slider, STEP, T, noise=1e-4, seed=4)
-    result = rs.fit(data, slider.replace(a=0.006, b=0.009, Dc="20 um"), trend=None)
-    assert_finds(result, slider, ("a", "b", "Dc", "K", "mu0"), within=3.5, widest=0.5 / 3.5)
-    found = rs.fitted_slider(result, law)
-    assert (found.friction_form, found.mu0) == (form, float(result.mu0))
-    assert f"{law} law" in str(rs.summary(result))
-
-
-def test_a_form_of_friction_under_normal_stress_that_varies():
-    """Regularized friction equals eq. 1 at 50 a, and so do fits."""
-    slider = slider_under("slip", "regularized", alpha=0.2)
-    stress = STEP.sigma_step(110.0, 2.1e7)
-    run = rs.simulate(slider, stress, float(T[-1]), times=T, rtol=1e-9)
-    data = run[["delta_lp", "sigma"]].assign(friction=run.tau / run.sigma)
-    free, start = ("a", "b", "alpha"), slider.replace(a=0.006, alpha=0.1)
-    result, log = (
-        rs.fit(data, one, free, loading=stress)
-        for one in (start, start.replace(friction_form="log"))
-    )
-    for name in ("a", "b", "alpha", "mu0"):
-        value = getattr(slider, name)
-        assert float(result[name]) == pytest.approx(value, rel=1e-4), name
-        assert float(log[name]) == pytest.approx(value, rel=1e-4), name

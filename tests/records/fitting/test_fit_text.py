@@ -56,13 +56,6 @@ def test_the_summary_has_a_row_for_each_quantity(both):
     assert not re.search(r"\d\n +(%|um|s)\b", text)
 
 
-def test_the_summary_of_one_law_says_what_each_number_is(both):
-    text = str(rs.summary(both.sel(law="aging")))
-    assert "521 samples, aging law" in text
-    assert re.search(r"^Dc \[um\] .*   critical slip distance$", text, re.MULTILINE)
-    assert "slip law:" not in text
-
-
 def test_an_interval_from_a_profile_gives_the_standard_error(both):
     (part,) = results_by_law(refuted(both.sel(law="slip"), 5.0e10, 9.0e10)).values()
     assert error_of(part, "K") == 2.0e10
@@ -71,20 +64,6 @@ def test_an_interval_from_a_profile_gives_the_standard_error(both):
     assert K.texts[0][1] == "50 to 90"
     wide, usual = (stiffness_over_critical(one)[1] for one in (part, results_by_law(both)["slip"]))
     assert wide > 2.0 * usual
-
-
-@pytest.mark.parametrize(
-    ("factor", "meaning"),
-    [
-        (1.0, "above 1: steady sliding is stable"),
-        (0.05, "below 1: steady sliding is unstable"),
-    ],
-)
-def test_meaning_of_the_stiffness_ratio(both, factor, meaning):
-    part = results_by_law(both)["slip"]
-    rows = estimates({"slip": part.assign(K=factor * part.K)})
-    (row,) = (row for row in rows if row.symbol == "K/K_c_qs")
-    assert row.meaning == meaning
 
 
 def test_stiffness_over_critical_depends_on_a_minus_b_only(both):
@@ -113,16 +92,6 @@ def test_an_open_interval_has_no_error(both, ends, shown):
     assert cells["K"][1] == shown
     assert "+-" not in cells["K/K_c_qs"][0]
     assert "+-" in cells["a"][0]
-
-
-@pytest.mark.parametrize(("high", "shown"), [(9e15, True), (np.inf, False)])
-def test_an_error_is_left_out_if_the_covariance_interval_is_open(both, high, shown):
-    part = results_by_law(refuted(both.sel(law="slip"), 5e10, high, level=0.95))["slip"]
-    part = part.assign(interval_kind=part.interval_kind.where(part.parameter != "K", "covariance"))
-    (K,) = (row for row in estimates({"slip": part}) if row.symbol == "K")
-    assert ("+-" in K.texts[0][0]) == shown
-    expected = float(part.standard_error.sel(parameter="K")) if shown else np.inf
-    assert error_of(part, "K") == expected
 
 
 def test_a_greater_than_b_is_stable_at_any_K(both):
@@ -177,21 +146,3 @@ def test_datasets_without_a_slider_or_summary_are_refused(both):
             function(both[["Dc"]])
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
         _ = fitting.nonsense
-
-
-def test_alpha_given_or_free_at_a_step_of_normal_stress():
-    loading = rs.Loading.steps("1 um/s", (40.0, "10 um/s")).sigma_step(60.0, "21 MPa")
-    t = np.linspace(0.0, 80.0, 801)
-    run = rs.simulate(SLIDER.replace(alpha=0.2), loading, 80.0, times=t)
-    friction = run.tau / run.sigma + 1e-4 * np.random.default_rng(3).normal(size=t.size)
-    data = run[["delta_lp", "sigma"]].assign(friction=friction)
-    with pytest.warns(rs.FitWarning, match="normal stress varies by 4.9 %"):
-        given = rs.fit(data, SLIDER, ("a", "b", "Dc"), errors="covariance")
-    free = rs.fit(data, SLIDER, ("a", "b", "Dc", "alpha"), errors="covariance")
-    text = " ".join(str(rs.summary(given)).split())
-    assert "M = 0 kg/m^2, alpha = 0, sigma = 20 MPa" in text
-    assert "normal stress varies by 4.9 % in this window, and alpha is held at 0," in text
-    text = " ".join(str(rs.summary(free)).split())
-    assert float(free.alpha) == pytest.approx(0.2, abs=0.03)
-    assert "alpha = " not in text
-    assert "alpha is held" not in text

@@ -119,27 +119,6 @@ def test_the_shift_and_covariance_are_those_of_generalized_least_squares():
     )
 
 
-def test_a_search_near_the_noise_finds_it_again():
-    rng = np.random.default_rng(8)
-    residual = correlated(T, 0.5, rng) + 0.4 * rng.normal(size=T.size)
-    found = estimated_noise(T, residual, JACOBIAN)
-    again = estimated_noise(T, residual, JACOBIAN, near=found)
-    assert found.red > 0.0
-    # (the search ends within 0.05 in a logarithm)
-    np.testing.assert_allclose(again[:3], found[:3], rtol=0.05)
-    # noise without a white part has no finite coordinates from which to start
-    assert estimated_noise(T, residual, JACOBIAN, near=Noise(0.0, 1.0, 0.5)).red > 0.0
-
-
-def test_inflation_of_one_coordinate_is_that_of_its_error():
-    rng = np.random.default_rng(3)
-    solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))
-    wider = likely_noise(solution).widening(TRANSIENT).errors[0]
-    found = likely_noise(solution).inflation([2])
-    assert found.factor == pytest.approx(wider**2, rel=1e-6)
-    assert 0.0 < found.spread < 1.0
-
-
 def test_inflation_of_several_coordinates_does_not_depend_on_their_units_or_axes():
     rng = np.random.default_rng(3)
     solution, _ = fitted(correlated(T, 2.0, rng) + 0.5 * rng.normal(size=T.size))

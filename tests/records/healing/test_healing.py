@@ -1,6 +1,5 @@
 """`healing` of known holds: values, errors, rates, statuses and predictions."""
 
-import json
 import warnings
 
 import numpy as np
@@ -231,13 +230,6 @@ def test_the_error_of_a_peak_includes_the_misfit(change, hold, noise, low, high)
     assert abs(off) < error
 
 
-def test_friction_of_the_interface():
-    data = noisy(12, holds=(10.0,)).rename(friction="mu")
-    result = rs.healing(data, slider=SLIDER)
-    assert statuses(result) == ["evaluated"]
-    assert float(result.delta_mu_predicted[0, 0]) > float(truth(holds=(10.0,))[0, 0])
-
-
 def test_a_given_loading_and_a_load_velocity():
     data = noisy(13, holds=(10.0, 30.0)).drop_vars(["segment_t", "segment_V"])
     loading, _ = loading_of((10.0, 30.0))
@@ -247,13 +239,6 @@ def test_a_given_loading_and_a_load_velocity():
     V_load = xarray.DataArray(np.gradient(data.delta_lp, data.time), dims="time")
     speeds = rs.healing(data.assign(V_load=V_load).drop_vars("delta_lp"), loading=loading)
     np.testing.assert_allclose(speeds.delta_mu, given.delta_mu, rtol=0, atol=1e-6)
-
-
-def test_in_other_units_and_from_a_file(one, tmp_path):
-    back = rs.files.read(rs.files.write(one, tmp_path / "healing.nc"))
-    assert str(summary(back)) == str(summary(one))
-    assert str(summary(rs.in_units(one, V_before="um/s", t_hold="ms"))) == str(summary(one))
-    assert json.loads(one.attrs["noise"]) is None
 
 
 def test_the_summary_has_the_numbers(one):

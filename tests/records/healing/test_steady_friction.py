@@ -6,8 +6,7 @@ from slide_hold_slide import clean, loading_of, noisy, truth
 
 import ratestate as rs
 from ratestate.records.healing.holds import healing_record
-from ratestate.records.healing.steady import Shape, fitted_line, levels_of, scatter_about_line
-from ratestate.records.kit.noise import Noise
+from ratestate.records.healing.steady import Shape, fitted_line, scatter_about_line
 from ratestate.records.kit.sample_noise import resolution
 
 #: slider for which slides of 200 um are short: friction oscillates with a decay length of 32 um
@@ -31,20 +30,6 @@ def test_short_slides_have_larger_errors_and_a_message():
     assert np.abs(z).max() < 3.0
     assert np.mean(np.abs(z)) > 0.2
     assert np.abs(beta).max() < 3.0
-
-
-def test_drift_with_time_over_a_long_hold_is_unknown():
-    result = rs.healing(noisy(1, **SHORT), trend="time")
-    known = result.hold_status == 0
-    assert known[:2].all()
-    assert (
-        (np.abs(result.delta_mu - HEALING) < 3.0 * result.delta_mu_error).where(known, True).all()
-    )
-    assert "not yet steady" in result.hold_message.values[2]
-    steady = rs.healing(noisy(1, **SHORT | {"slide": 80.0}), trend="time")
-    assert (steady.hold_status == 0).all()
-    assert (np.abs(steady.delta_mu - HEALING) < 3.0 * steady.delta_mu_error).all()
-    assert float(steady.delta_mu_error[2]) < 1e-3
 
 
 @pytest.mark.parametrize("hardening", [-5.0])
@@ -99,34 +84,6 @@ def test_scatter_of_levels_about_their_line_is_estimated():
         assert 0.05 < off.max() < 3.0
 
 
-def test_a_slide_without_samples_of_its_own_has_the_level_of_the_others():
-    data = noisy(4, trend=3.0)
-    record = healing_record(data, None, "slip")
-    noise = Noise(3e-4)
-    levels = levels_of(record, noise)
-    number = [*record.slides][2]
-    without = record.slides[number]._replace(tail=record.slides[number].tail[:3])
-    other = levels_of(record._replace(slides=record.slides | {number: without}), noise)[number]
-    assert levels[number].error_alone < 2e-4
-    assert other.error_alone == np.inf
-    both = np.hypot(other.at(other.end)[1], levels[number].at(other.end)[1])
-    assert 0.0 < abs(other.at(other.end)[0] - levels[number].at(other.end)[0]) < 3.0 * both < 1e-3
-
-
-def test_the_steady_line_ends_at_the_peak():
-    result = rs.healing(noisy(1, holds=(30.0, 100.0), trend=4.0))
-    steady = result.friction_steady
-    for hold in (0, 1):
-        one = result.isel(hold=hold)
-        at_start = float(steady.sel(time=float(one.hold_start) - 0.2, method="nearest"))
-        assert at_start == pytest.approx(float(one.friction_before), abs=2e-5)
-        at_peak = float(steady.sel(time=float(one.peak_time) - 0.1, method="nearest"))
-        expected = float(one.friction_peak - one.delta_mu)
-        assert at_peak == pytest.approx(expected, abs=2e-5)
-        assert abs(at_peak - at_start) > 2e-5
-        assert np.isnan(steady.sel(time=float(one.peak_time) + 0.3, method="nearest"))
-
-
 @pytest.mark.parametrize(("digits", "step"), [(9, 1e-9), (4, 1e-4)])
 def test_a_record_without_noise_has_the_errors_of_its_digits(digits, step):
     slider = rs.SpringSlider(
@@ -149,15 +106,6 @@ def test_resolution():
     assert resolution(values) == pytest.approx(0.002)
     assert resolution(np.append(values, values * (1.0 + 1e-15))) == pytest.approx(0.002)
     assert resolution(np.full(5, 0.6)) == 0.0
-
-
-def test_many_samples_are_averaged():
-    """Averaging more than 2,000 samples of a slide keeps its level and its error."""
-    fine, coarse = (noisy(2, holds=(30.0,), dt=dt, white=3e-4) for dt in (0.008, 0.1))
-    few, many = (rs.healing(data) for data in (coarse, fine))
-    assert (np.abs(many.delta_mu - truth(holds=(30.0,))[:, 0]) < 3.0 * many.delta_mu_error).all()
-    ratio = float(few.friction_before_error[0] / many.friction_before_error[0])
-    assert 0.6 * 12.5**0.5 < ratio < 1.7 * 12.5**0.5
 
 
 @pytest.mark.parametrize("trend", ["slip", "time", None])

@@ -1,16 +1,15 @@
 """The load point's history out of its displacement: known truth, noise, machines as they are."""
 
 import re
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from xarray import Dataset
 
 from ratestate import ParameterError, find_segments
 from ratestate.records.load_point import splits
 from ratestate.records.load_point.segments import segments_from_displacement, segments_from_velocity
-from ratestate.records.loading import recorded_segments
 
 NOISE = 0.3e-6
 
@@ -103,38 +102,101 @@ def test_a_break_is_found_as_exactly_as_noise_allows(V):
         assert {f.V[1] for f in found} == {0.0}
 
 
-def test_one_speed():
-    t = np.arange(3000) * 0.1
-    noise = NOISE * np.random.default_rng(1).standard_normal(t.size)
-    for V in (1e-7, 1e-5):
-        found_t, found_V = find_segments(t, V * t + noise)
-        assert found_t.tolist() == [0.0]
-        np.testing.assert_allclose(found_V, [V], rtol=0.01)
-    assert find_segments(t, noise)[1].tolist() == [0.0]
+class Case(NamedTuple):
+    """Rows of a displacement, its segments and what is noted of it; None: whatever that is."""
+
+    t: np.ndarray
+    x: np.ndarray
+    V: tuple
+    starts: tuple = (0.0,)
+    rtol: float = 0.01
+    within: float = 0.05  # of starts [s]
+    t_error: float | None = None  # of the last start [s]
+    notes: tuple | None = ()
 
 
-def test_machines_that_wander_do_not_step():
-    # a tenth of a turn of a gear, and drifts of a tenth of a micron: a change of speed by 3 %
+def white(size, seed, t):
+    return size * np.random.default_rng(seed).standard_normal(t.size)
+
+
+DT_GAP, GAP = 0.1, 600  # s between rows, and rows that are lost
+MINUTE, FIVE, THREE = np.arange(600) * 0.1, np.arange(3000) * 0.1, np.arange(10_000) * 0.02
+GAPPED = np.append(DT_GAP * np.arange(600), DT_GAP * (600 + GAP + np.arange(600)))
+TWO, UP = (1e-6, 1e-5), (3e-6, 1e-5)
+
+
+def wandering():
+    """A tenth of a turn of a gear, and drifts of a tenth of a micron: a change of speed by 3 %."""
     t = np.arange(0, 600, 0.05)
-    x = history(t, [0, 300], [1e-6, 1e-5])
+    x = history(t, [0, 300], TWO)
     wander = 2e-7 * np.sin(2 * np.pi * x / 100e-6) + 1e-7 * np.sin(2 * np.pi * t / 170)
-    noise = 5e-8 * np.random.default_rng(3).standard_normal(t.size)
-    found = segments_from_displacement(t, x + wander + noise)
-    np.testing.assert_allclose(found.V, [1e-6, 1e-5], rtol=0.01)
-    assert abs(found.t[1] - 300) < 0.05
-    big = segments_from_displacement(t, 1e-5 * t + 1e-6 * np.sin(t / 5) + noise * 1e-2)
-    assert "wanders about constant speeds" in big.notes[-1]
+    return t, x + wander + white(5e-8, 3, t)
 
 
-def test_a_jump_of_the_displacement_moves_no_step():
-    t = np.arange(0, 200, 0.02)
-    x = history(t, [0, 100], [3e-6, 1e-5]) + 1e-6 * (t >= 104) + 1e-6 * (t >= 40)
-    noise = 1.5e-7 * np.random.default_rng(4).standard_normal(t.size)
-    found = segments_from_displacement(t, x + noise)
-    np.testing.assert_allclose(found.V, [3e-6, 1e-5], rtol=0.002)
-    assert abs(found.t[1] - 100) < 4 * found.t_error[1] < 0.05
-    assert [" at 40 s" in found.notes[0], " at 104 s" in found.notes[1]] == [True, True]
-    assert "as in 0.1 s at that speed" in found.notes[1]
+def cases():
+    for V in (1e-7, 1e-5, 0.0):
+        yield f"one speed, {V}", Case(FIVE, V * FIVE + white(NOISE, 1, FIVE), (V,))
+    yield "a machine that wanders", Case(*wandering(), TWO, (0, 300), notes=None)
+    x = 1e-5 * FIVE + 1e-6 * np.sin(FIVE / 5) + white(5e-10, 3, FIVE)
+    yield "and more", Case(FIVE, x, None, notes=("wanders about constant speeds",))
+    x = history(THREE, [0, 100], UP) + 1e-6 * (THREE >= 104) + 1e-6 * (THREE >= 40)
+    notes = " at 40 s", "as in 0.1 s at that speed"
+    yield "jumps", Case(THREE, x + white(1.5e-7, 4, THREE), UP, (0, 100), 0.002, notes=notes)
+    x = history(FIVE, [0, 100, 200], [1e-5, 0, 1e-5]) - 2e-8 * np.clip(FIVE - 100, 0, 100)
+    notes = ("runs back by 2 um in the hold at 100",)
+    V, starts = (1e-5, 0.0, 1e-5), (0, 100, 200)
+    yield (
+        "a hold that gives",
+        Case(FIVE, x + white(5e-8, 6, FIVE), V, starts, within=0.15, notes=notes),
+    )
+    x = history(FIVE, [0, 1], [2e-8, 1e-5]) + white(5e-8, 6, FIVE)
+    notes = ("cannot be distinguished from a speed of up to",)
+    yield "a short hold", Case(FIVE, x, (0.0, 1e-5), (0, 1), within=0.1, notes=notes)
+    # a sensor that sticks gives a hold that was none, which ends with a jump
+    x = history(MINUTE, [0, 20, 25], [1e-5, 0, 1e-5])
+    yield "a hold", Case(MINUTE, x, V, (0, 20, 25), within=0.1)
+    stuck = x + 50e-6 * (MINUTE >= 25)
+    notes = ("jumps by 49 um at 25 s",)
+    yield "a sensor that sticks", Case(MINUTE, stuck, V, (0, 20, 25), within=0.1, notes=notes)
+    for jump in (-100e-6, -30e-6, 30e-6):  # a sensor that is set to zero when the speed changes
+        for noise in (0.0, 0.2e-6):
+            x = history(MINUTE, [0, 29.95], TWO) + jump * (MINUTE > 29.95)
+            error, notes = 0.1 / 12**0.5, ("its speed changes there as well",)
+            case = Case(MINUTE, x + white(noise, 2, MINUTE), TWO, (0, 29.95), 0.01, 0.051, error)
+            yield f"a jump of {jump} at a step, {noise}", case._replace(notes=notes)
+    for moved in (0.0, 1.0, 3.0):  # in a gap: nothing, as before, or three times as far
+        for noise in (1e-9, 5e-8):
+            t = GAPPED
+            x = np.where(t < 60, t, t + (moved - 1) * (60 + DT_GAP)) * 1e-6 + white(noise, 4, t)
+            notes = ("jumps",) if moved != 1.0 else ()
+            yield f"a gap, {moved}, {noise}", Case(t, x, (1e-6,), rtol=1e-3, notes=notes)
+    for V in (1e-5, 0.0):  # a step where the speeds meet: at a gap's beginning, inside, at its end
+        for where in (0.0, 0.3, 1.0):
+            step, t = 59.9 + where * DT_GAP * (GAP + 1), GAPPED
+            x = np.where(t < step, 1e-6 * t, 1e-6 * step + V * (t - step)) + white(1e-9, 5, t)
+            yield f"a step in a gap, {V}, {where}", Case(t, x, (1e-6, V), (0, step), 1e-4, 2e-3)
+    for moved in (0.0, 100.0):  # the load point stood still for a time, or was moved
+        x = np.where(t < 60, 1e-6 * t, 59.9e-6 + moved * 60.1e-6 + 1e-5 * (t - 120))
+        error, notes = 60.1 / 12**0.5, ("changes in the gap in time from 59.9 s to 120 s",)
+        case = Case(t, x + white(1e-9, 6, t), TWO, (0, 89.95), 1e-4, 1e-6, error)
+        yield f"open in a gap, {moved}", case._replace(notes=notes)
+
+
+CASES = dict(cases())
+
+
+@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+def test_records_as_machines_make_them(case):
+    found = segments_from_displacement(case.t, case.x)
+    if case.V is not None:
+        np.testing.assert_allclose(found.V, case.V, rtol=case.rtol)
+        np.testing.assert_allclose(found.t, case.starts, rtol=0, atol=case.within)
+    if case.t_error is not None:
+        assert found.t_error[-1] == pytest.approx(case.t_error, rel=0.01)
+    if case.notes is not None:
+        for words in case.notes:
+            assert any(words in note for note in found.notes), found.notes
+        assert bool(case.notes) == bool(found.notes), found.notes
 
 
 @pytest.mark.parametrize(("intervals", "segments"), [(1, 2), (2, 2), (5, 4)])
@@ -164,19 +226,6 @@ def test_a_ramp_is_a_step():
     )
 
 
-def test_holds_that_creep_or_are_short():
-    t = np.arange(0, 300, 0.1)
-    noise = 5e-8 * np.random.default_rng(6).standard_normal(t.size)
-    x = history(t, [0, 100, 200], [1e-5, 0, 1e-5]) - 2e-8 * np.clip(t - 100, 0, 100)
-    found = segments_from_displacement(t, x + noise)  # a machine that gives a little
-    assert found.V[1] == 0.0
-    assert "runs back by 2 um in the hold at 100" in found.notes[0]
-    x = history(t, [0, 1], [2e-8, 1e-5])
-    found = segments_from_displacement(t, x + noise)
-    assert found.V[0] == 0.0
-    assert "cannot be distinguished from a speed of up to" in found.notes[0]
-
-
 def test_levels_of_a_recorded_velocity():
     t = np.arange(0, 100, 0.1)
     V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5)
@@ -189,19 +238,6 @@ def test_levels_of_a_recorded_velocity():
     misses = [(f.t[1] - 30.05) / f.t_error[1] for f in many]
     assert 0.4 < np.std(misses) < 1.6
     assert max(abs(f.t[2] - 60.05) for f in many) < 0.01
-
-
-def test_segments_of_a_dataset_without_stored_ones():
-    """They are found in the whole record, as by `read_lab`, and a window keeps its own."""
-    t = np.arange(0, 100, 0.1)
-    rng = np.random.default_rng(7)
-    V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5) + 1e-7 * rng.standard_normal(t.size)
-    data, found = Dataset({"V_load": ("time", V)}, {"time": t}), segments_from_velocity(t, V)
-    for first, last, kept in ((0, 1000, [0, 1, 2]), (400, 500, [1]), (250, 400, [0, 1])):
-        part = recorded_segments(data, t[first:last])
-        for name in ("t", "V", "t_error", "V_error"):
-            assert getattr(part, name).tolist() == getattr(found, name)[kept].tolist()
-        assert part.end == t[last - 1]
 
 
 def test_refused():
@@ -236,14 +272,6 @@ def test_no_constant_speeds(monkeypatch):
     assert find_segments(t, x)[1].size == 41
 
 
-def test_many_rows():
-    t = np.linspace(0, 1000, 200_001)
-    x = history(t, [0, 500, 700], [1e-6, 0, 1e-5])
-    noise = 1e-7 * np.random.default_rng(8).standard_normal(t.size)
-    found = segments_from_displacement(t, x + noise)
-    assert abs(found.t - [0, 500, 700]).max() < 0.01
-
-
 @pytest.mark.parametrize(("moved", "still"), [(1.0, True), (2.2, False)])
 def test_a_hold_may_move_by_the_noise(moved, still):
     """1.5 times its standard deviation: far more than the error of so long a hold's speed."""
@@ -256,77 +284,6 @@ def test_a_hold_may_move_by_the_noise(moved, still):
     )
     assert found.V.size == 3
     assert (found.V[1] == 0.0) == still
-
-
-@pytest.mark.parametrize("degree", [0, 1])
-def test_the_noise_of_a_record_is_its_variance(degree):
-    """White noise of 2 um, about a line or a level."""
-    t = np.arange(40_000.0)
-    white = 2e-6 * np.random.default_rng(9).standard_normal(t.size)
-    line = 3e-6 * t if degree else np.zeros(t.size)
-    noise = splits.RowSums(t, line + white, degree).noise / 4e-12
-    assert 0.95 < noise.min() == noise.max() < 1.15
-
-
-DT_GAP, GAP = 0.1, 600  # s between rows, and rows that are lost
-
-
-@pytest.mark.parametrize("moved", [0.0, 1.0, 3.0])
-@pytest.mark.parametrize("noise", [1e-9, 5e-8])
-def test_a_gap_makes_no_step(moved, noise):
-    """Whatever the load point did in it: stand still, go on, or move three times as far."""
-    t = np.append(DT_GAP * np.arange(600), DT_GAP * (600 + GAP + np.arange(600)))
-    x = np.where(t < 60, t, t + (moved - 1) * (60 + DT_GAP)) * 1e-6
-    x = x + noise * np.random.default_rng(4).normal(size=t.size)
-    data = segments_from_displacement(t, x)
-    np.testing.assert_allclose(data.V, [1e-6], rtol=1e-3)
-    assert any("jumps" in note for note in data.notes) == (moved != 1.0)
-
-
-def test_short_pieces_between_gaps_make_no_steps():
-    """Pieces of 3 rows and more at one speed, the displacement of each anywhere: 40 records."""
-    rng = np.random.default_rng(1)
-    for _ in range(40):
-        V = 1e-6 * 10 ** rng.uniform(-1, 1.5)
-        t, x, t_from, x_from = [], [], 0.0, 0.0
-        for rows in [*rng.integers(3, 500, rng.integers(1, 5)), 50]:
-            t.append(t_from + DT_GAP * np.arange(rows))
-            x.append(x_from + V * DT_GAP * np.arange(rows))
-            gap = rng.uniform(60, 600)
-            t_from, x_from = t[-1][-1] + gap, x[-1][-1] + rng.choice([0, 1, 1, 3]) * V * gap
-        t, x = np.concatenate(t), np.concatenate(x)
-        noise = V * DT_GAP * 10 ** rng.uniform(-2, 1) * rng.normal(size=t.size)
-        for sign in (1, -1):  # and the other way round in time
-            _, segment_V = find_segments((sign * t)[::sign], (sign * (x + noise))[::sign])
-            np.testing.assert_allclose(segment_V, [V], rtol=0.05)
-
-
-@pytest.mark.parametrize("V", [1e-5, 0.0])
-@pytest.mark.parametrize("where", [0.0, 0.3, 1.0])
-def test_a_step_in_a_gap_is_where_the_speeds_meet(V, where):
-    """At its beginning, inside, at its end: to a part of the sampling interval."""
-    step = 59.9 + where * DT_GAP * (GAP + 1)
-    t = np.append(DT_GAP * np.arange(600), DT_GAP * (600 + GAP + np.arange(600)))
-    x = np.where(t < step, 1e-6 * t, 1e-6 * step + V * (t - step))
-    noise = 1e-9 * np.random.default_rng(5).normal(size=t.size)
-    data = segments_from_displacement(t, x + noise)
-    np.testing.assert_allclose(data.V, [1e-6, V], rtol=1e-4)
-    np.testing.assert_allclose(data.t, [0, step], atol=2e-3)
-    assert data.t_error[1] < 2e-3
-    assert data.notes == []
-
-
-@pytest.mark.parametrize("moved", [0.0, 100.0])
-def test_a_step_in_a_gap_is_open_where_the_load_point_moved_otherwise(moved):
-    """It stood still for a time, or was moved: the speeds are right, and the time is open."""
-    t = np.append(DT_GAP * np.arange(600), DT_GAP * (600 + GAP + np.arange(600)))
-    x = np.where(t < 60, 1e-6 * t, 59.9e-6 + moved * 60.1e-6 + 1e-5 * (t - 120))
-    noise = 1e-9 * np.random.default_rng(6).normal(size=t.size)
-    data = segments_from_displacement(t, x + noise)
-    np.testing.assert_allclose(data.V, [1e-6, 1e-5], rtol=1e-4)
-    np.testing.assert_allclose(data.t, [0, 89.95], atol=1e-6)
-    np.testing.assert_allclose(data.t_error, [0, 60.1 / 12**0.5], rtol=1e-6)
-    assert "changes in the gap in time from 59.9 s to 120 s" in data.notes[0]
 
 
 def averaging_recorder(seed, first, then, steps, noises, correlation=0.0, digit=0.0):
@@ -373,16 +330,6 @@ def test_noise_that_differs_with_the_sampling_rate(seed, parts, noises, other):
         assert 1e-4 < found.t_error[1] < 0.01
 
 
-@pytest.mark.parametrize("ratio", [4.0, 10.0])
-def test_noise_that_differs_at_one_rate(ratio):
-    rng = np.random.default_rng(3)
-    t = np.arange(0, 100, 0.02)
-    noise = np.where(t < 60.0, 0.07e-6, ratio * 0.07e-6) * rng.standard_normal(t.size)
-    found = segments_from_displacement(t, history(t, [0, 62], [2e-6, 2e-5]) + noise)
-    np.testing.assert_allclose(found.V, [2e-6, 2e-5], rtol=2e-3)
-    assert abs(found.t[1] - 62.0) < 5.0 * found.t_error[1] < 0.05
-
-
 def test_errors_come_from_the_noise_of_their_own_rate():
     """Of a speed at 10 Hz and 0.07 um, then at 100 Hz and 0.42 um: by least squares."""
     scaled = []
@@ -393,28 +340,3 @@ def test_errors_come_from_the_noise_of_their_own_rate():
     assert (np.abs(np.std(scaled, axis=0) - 1.0) < 0.25).all()
     slow = 0.07e-6 / np.sqrt(2500 * 250.0**2 / 12.0)
     assert found.V_error[0] == pytest.approx(slow, rel=0.15)
-
-
-@pytest.mark.parametrize("jump", [-100e-6, -30e-6, 30e-6])
-@pytest.mark.parametrize("noise", [0.0, 0.2e-6])
-def test_a_jump_at_a_step_moves_no_step(jump, noise):
-    """A sensor that is set to zero when the speed changes, as the next slide begins."""
-    t = np.arange(600) * 0.1
-    x = history(t, [0, 29.95], [1e-6, 1e-5]) + jump * (t > 29.95)
-    x += noise * np.random.default_rng(2).standard_normal(t.size)
-    found = segments_from_displacement(t, x)
-    np.testing.assert_allclose(found.V, [1e-6, 1e-5], rtol=0.01)
-    assert abs(found.t[1] - 29.95) < 0.051
-    np.testing.assert_allclose(found.t_error[1], 0.1 / 12**0.5, rtol=0.01)
-    assert sum("its speed changes there as well" in note for note in found.notes) == 1
-
-
-def test_a_sensor_that_sticks_is_reported():
-    """It gives a hold that was none, which ends with a jump; a hold that was one does not."""
-    t = np.arange(600) * 0.1
-    stuck, held = (history(t, [0, 20, 25], [1e-5, 0, 1e-5]) for _ in range(2))
-    stuck[t >= 25] += 50e-6
-    for x, jumps in ((stuck, True), (held, False)):
-        found = segments_from_displacement(t, x)
-        assert found.V[1] == 0.0
-        assert any("jumps by 49 um at 25 s" in note for note in found.notes) == jumps

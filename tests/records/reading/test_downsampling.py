@@ -1,8 +1,6 @@
 """Very long records: means over blocks of rows, and text that is read in blocks."""
 
 import json
-import warnings
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +9,7 @@ import ratestate as rs
 from ratestate.errors import RecordWarning
 from ratestate.records.reading import read_lab
 from ratestate.records.reading import text as text_files
-from ratestate.records.reading.rows import MAX_ROWS, block_means, block_starts, downsample
+from ratestate.records.reading.rows import MAX_ROWS, block_means, block_starts
 
 DT, FACTOR = 0.01, 10
 N = 20_000
@@ -63,15 +61,6 @@ def test_numbers_of_rows_refused(tmp_path, rows):
         read_lab(path, max_rows=rows)
 
 
-def test_a_mean_is_named_by_the_row_in_its_middle():
-    record = {"time": np.arange(N) * DT}
-    rows = SimpleNamespace(kept=3 + np.arange(N), record=record, gaps=np.array([15]), warnings=[])
-    downsample(rows, N // FACTOR)
-    np.testing.assert_array_equal(rows.kept[:3], [8, 23, 33])
-    np.testing.assert_allclose(rows.record["time"][:2], [7 * DT, 19.5 * DT])
-    np.testing.assert_array_equal(rows.gaps, [1])
-
-
 def test_an_oscillation_is_weakened_as_stated():
     """By sin(pi B/P)/(pi B/P) over blocks of B, and not aliased at the new rate."""
     for period, most in ((0.4, 0.91), (0.1, 1e-6)):
@@ -83,21 +72,6 @@ def test_an_oscillation_is_weakened_as_stated():
         exact = np.sin(np.pi * 0.1 / period) / (FACTOR * np.sin(np.pi * DT / period))
         np.testing.assert_allclose(after, abs(exact), atol=1e-10)
         assert after.max() < most
-
-
-def test_no_block_spans_a_gap(tmp_path):
-    """Rows 5003 to 9998 are lost, 50 s: no mean lies inside, and the step is found beside it."""
-    path, t, *_ = record(tmp_path / "r.csv", lost=range(5003, 9999))
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        data = read_lab(path, max_rows=2000)
-    texts = [str(one.message) for one in caught]
-    assert any("a gap in time before line 5005 (50 s)" in text for text in texts)
-    times = data.time.values
-    assert not ((times > t[5002]) & (times < t[9999])).any()
-    assert times[times < 60].max() > t[5002] - DT * FACTOR
-    np.testing.assert_allclose(data.segment_t[1:], [100.003], atol=0.05)
-    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-3)
 
 
 def test_blocks_cover_all_rows_once():
@@ -113,14 +87,6 @@ def test_blocks_cover_all_rows_once():
         assert lengths.max() < 2 * factor
         short = lengths < factor
         assert {*starts[short]} <= {0, *gaps}  # stretches that are shorter as a whole
-
-
-def test_segments_of_very_long_records_are_found_in_means(tmp_path, monkeypatch):
-    path, *_ = record(tmp_path / "r.csv")
-    monkeypatch.setattr("ratestate.records.reading.assembly.MAX_ROWS", 1000)
-    data = read_lab(path, max_rows=None)
-    assert data.sizes["time"] == N
-    np.testing.assert_allclose(data.segment_t[1], 100.003, atol=5e-3)
 
 
 def test_blocks_of_text_leave_no_trace(tmp_path, monkeypatch):

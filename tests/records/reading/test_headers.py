@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lab_files import MU, N, T, X
+from lab_files import MU, T, X
 
 import ratestate as rs
 from ratestate.errors import RecordWarning
@@ -108,20 +108,6 @@ def test_a_file_of_labview(tmp_path, x, d, mark, comment):
     text = [d.join(row + [comment] * (comment is not None)).replace(".", mark) for row in rows]
     path = tmp_path / "r.lvm"
     path.write_text("\n".join([LABVIEW.format(d=d, mark=mark, x=x), *text]))
-    check(read_lab(path))
-
-
-@pytest.mark.parametrize("shift", [0, -3])
-def test_names_of_twelve_letters_that_touch(tmp_path, shift):
-    """The columns of xlook are as wide; the counts of records may stand elsewhere."""
-    names = ["LP_displacem", "Shear_stress", "Nor_stress", "Time"]
-    header = [" " * 6 + "".join(word.rjust(12) for word in words)
-              for words in (names, ["micron", "MPa", "MPa", "sec"])]  # fmt: skip
-    counts = " " * (6 + shift) + "".join("120 recs".rjust(12) for _ in names)
-    columns = [np.arange(N), X, 5 * MU, 5.0 + 0.0 * T, T]
-    rows = [f"{row}" for row in lines(columns, delimiter="  ")]
-    path = tmp_path / "p1.txt"
-    path.write_text("\n".join(["number of records = 120", *header, counts, *rows]))
     check(read_lab(path))
 
 

@@ -6,9 +6,7 @@ import warnings
 
 import lab_files
 import numpy as np
-import pint
 import pytest
-import scipy.io
 import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -38,10 +36,6 @@ def write(path, header, columns, delimiter="\t", decimal="."):
         return repr(x).replace(".", decimal)
 
     return lab_files.write(path, columns, header, number, delimiter=delimiter)
-
-
-def same(data, other):
-    xr.testing.assert_identical(data, other)
 
 
 @st.composite
@@ -129,14 +123,6 @@ def test_what_a_description_says(tmp_path):
     assert json.loads(data.attrs["columns"])["delta_lp"]["sign"] == -1
 
 
-def test_a_value_that_is_no_text_is_described_with_its_unit(tmp_path):
-    path = write(tmp_path / "r.txt", ["t (s)", "disp (um)", "mu"], [T, X, MU])
-    stiffness = pint.Quantity(3.0, "1/mm")
-    tables = tomllib.loads(describe_lab(path, sigma=2e7, K=stiffness, M=3000))
-    assert tables["constants"] == {"sigma": "20000000.0 Pa"}
-    assert tables["machine"] == {"K": "3000.0 1/m", "M": "3000.0 kg/m^2"}
-
-
 def test_options_of_the_call_go_first(tmp_path):
     header = "Zeit [s]", "a", "b", "mu", "p (MPa)", "sigma (MPa)"
     columns = [T, X, 2 * X, MU, 0 * T, 30 + 0 * T]
@@ -187,19 +173,6 @@ def test_text_as_the_format_has_it(tmp_path):
     data = read_lab(path, lab_format=lab)
     np.testing.assert_allclose(data.delta_lp, 1e-6 * (np.arange(N) + 0.5))
     np.testing.assert_allclose(data.friction, 0.1 * (np.arange(N) % 7 + 1))
-
-
-def test_a_format_of_mat_files(tmp_path):
-    """RSFit3000 has its columns in a struct, without units."""
-    fields = {"time": T, "lpdisp": X, "mu": MU, "sigma": 20 + 0 * T}
-    scipy.io.savemat(tmp_path / "r.mat", {"data": fields})
-    with pytest.raises(rs.ParameterError, match="has no unit"):
-        read_lab(tmp_path / "r.mat")
-    units = {"time": "s", "delta_lp": "um", "sigma": "MPa"}
-    lab = tmp_path / "lab.toml"
-    lab.write_text(describe_lab(tmp_path / "r.mat", units=units))
-    assert tomllib.loads(lab.read_text())["units"] == units
-    same(read_lab(tmp_path / "r.mat", lab_format=lab), read_lab(tmp_path / "r.mat", units=units))
 
 
 @pytest.mark.parametrize(

@@ -378,15 +378,6 @@ def test_a_normal_stress_that_few_machines_reach_is_reported(tmp_path, sigma):
         read_lab(path)
 
 
-def test_a_load_point_that_rested_long_still_wanders(tmp_path):
-    rows = np.arange(1500)
-    moved = np.maximum(rows - 900, 0)
-    x = 0.5 * moved + 0.05 * np.sin(moved / 60.0)
-    mu, sigma = 0.6 + 1e-4 * np.random.default_rng(1).normal(size=rows.size), 20.0 + 0.0 * rows
-    data = read_lab(write_rows(tmp_path / "p1.txt", cells((0.5 * rows, x, mu, sigma))))
-    assert "wanders about constant speeds" in data.attrs["notes"]
-
-
 @pytest.mark.parametrize(("wanders", "noted"), [(0.0, False), (0.05, True)])
 def test_a_load_point_wanders_where_it_is_more_than_rounding(tmp_path, wanders, noted):
     """Displacement to 0.01 um: by 0.5 um a row, and from a step on by 1.2345 um."""

@@ -1,6 +1,7 @@
 # ruff: noqa: RUF001 (titles of files in Japanese and Chinese)
 """Which columns are read, which are not, and which are reported, by the words of their titles."""
 
+import contextlib
 import json
 import warnings
 
@@ -203,13 +204,18 @@ def test_a_raw_column_is_read_only_alone(tmp_path):
         read_lab(path)
 
 
-PORE = ["Pore pressure (MPa)", "Pp (MPa)", "Porendruck [MPa]", "Pression interstitielle (MPa)",
-        "pf_MPa", "Presión de poros (MPa)", "Pressão neutra (MPa)", "Pressione dei pori (MPa)",
-        "間隙水圧 (MPa)", "孔隙压力 (MPa)", "Pore fluid press. (MPa)", "PWP (MPa)"]  # fmt: skip
+PORE = ["Pp (MPa)", "Porendruck [MPa]", "Pression interstitielle (MPa)", "Pressão neutra (MPa)",
+        "pf_MPa", "Presión de poros (MPa)", "Pressione dei pori (MPa)", "PWP (MPa)",
+        "間隙水圧 (MPa)", "孔隙压力 (MPa)", "Pore fluid press. (MPa)"]  # fmt: skip
 
 
 @pytest.mark.parametrize("title", PORE)
-def test_the_pore_pressure_is_subtracted(tmp_path, title):
+def test_titles_of_pore_pressures(title):
+    assert match_rank(name_and_units(title)[0], "pore_pressure") is not None
+
+
+def test_the_pore_pressure_is_subtracted(tmp_path):
+    title = "Pore pressure (MPa)"
     p = 3.0 + 0.1 * np.sin(T)
     path = write(tmp_path / "r.txt", BASE | {"Normal stress (MPa)": SIGMA + p, title: p})
     with pytest.warns(RecordWarning, match="sigma is the effective normal stress: the pore"):
@@ -230,15 +236,44 @@ def test_the_pore_pressure_is_subtracted(tmp_path, title):
         np.testing.assert_allclose(read_lab(path, lab_format=lab).sigma, 2e7)
 
 
-def test_a_pressure_that_is_not_subtracted(tmp_path):
-    effective = {"Effective normal stress (MPa)": SIGMA, "Pore pressure (MPa)": 0.0 * T + 3.0}
-    path = write(tmp_path / "r.txt", without("Normal stress (MPa)") | effective)
-    assert float(read_lab(path).sigma[0]) == 2e7
-    confined = write(tmp_path / "c.txt", BASE | {"Confining pressure (MPa)": 0.0 * T + 3.0})
-    assert float(read_lab(confined).sigma[0]) == 2e7
-    gas = write(tmp_path / "g.txt", BASE | {"Argon pressure (MPa)": 0.0 * T + 3.0})
-    with pytest.warns(RecordWarning, match=r"the pressure 'Argon pressure \(MPa\)' is not subtr"):
-        read_lab(gas)
+NORMAL, PRESSURE, P = "Normal stress (MPa)", "Pore pressure (MPa)", 0.0 * T + 3.0
+#: titles beside which a pore pressure is not subtracted a second time
+EFFECTIVE = ["Effective normal stress (MPa)", "Normal stress effective (MPa)", "sigma_n' (MPa)",
+             "Normal stress (effective) [MPa]", "Net normal stress (MPa)", "\u03c3'n (MPa)",
+             "Normal stress minus pore pressure (MPa)", "eff. Normalspannung [MPa]",
+             "Normalspannung effektiv [MPa]", "Contrainte effective normale (MPa)",
+             "Sn\u2019 (MPa)"]  # fmt: skip
+RELATIVE = ["EPWP (MPa)", "Excess pore pressure (MPa)", "Porenwasser\u00fcberdruck (MPa)"]
+#: units of stress as laboratories write them [Pa]
+STRESSES = {"Mpa": 1e6, "mpa": 1e6, "KPa": 1e3, "kpa": 1e3, "Bar": 1e5, "psig": 6894.757293168,
+            "kg/cm2": 98066.5, "kg/cm\u00b2": 98066.5, "kp/cm2": 98066.5, "kg/cm^2": 98066.5,
+            "t/m2": 9806.65, "lb/in2": 6894.757293168, "Atm": 101325.0}  # fmt: skip
+SUBTRACTED, TENSION = "sigma is the effective normal stress", -(SIGMA + 3.0)
+#: columns in the place of the normal stress; words of the warning; sigma that is read [Pa]
+READ_AS = [
+    *(({title: SIGMA, "Pp (MPa)": P}, None, 2e7) for title in EFFECTIVE),
+    *(
+        ({f"Normal stress ({x})": 2e7 / pascals + 0.0 * T}, None, 2e7)
+        for x, pascals in STRESSES.items()
+    ),
+    *(({NORMAL: SIGMA, x: 0.1 * SIGMA}, "is relative to an initial", 2e7) for x in RELATIVE),
+    ({NORMAL: SIGMA, "Confining pressure (MPa)": P}, None, 2e7),
+    ({NORMAL: SIGMA, "Argon pressure (MPa)": P}, "the pressure 'Argon .* is not subtr", 2e7),
+    ({NORMAL: TENSION, PRESSURE: P}, SUBTRACTED, 2e7),
+    ({NORMAL: TENSION, PRESSURE: -P}, SUBTRACTED, 2e7),  # where tension is positive
+    ({NORMAL: SIGMA, PRESSURE: 0.0 * T - 0.01}, SUBTRACTED, 20.01e6),  # suction
+]
+
+
+@pytest.mark.parametrize(("columns", "words", "sigma"), READ_AS)
+def test_normal_stresses_that_are_read(tmp_path, columns, words, sigma):
+    path = write(tmp_path / "r.txt", without(NORMAL) | columns)
+    with pytest.warns(RecordWarning, match=words) if words else contextlib.nullcontext():
+        data = read_lab(path)
+    np.testing.assert_allclose(data.sigma, sigma)
+
+
+def test_two_pore_pressures_are_asked_for(tmp_path):
     two = BASE | {"Upstream pore pressure (MPa)": SIGMA, "Downstream pore pressure (MPa)": SIGMA}
     with pytest.raises(rs.ParameterError, match="pore_pressure may be any of the columns"):
         read_lab(write(tmp_path / "t.txt", two))
@@ -298,19 +333,6 @@ def test_a_title_and_a_row_of_units_that_contradict_each_other(tmp_path):
     np.testing.assert_allclose(data.friction, MU)
 
 
-@pytest.mark.parametrize(
-    ("unit", "pascals"),
-    [("Mpa", 1e6), ("mpa", 1e6), ("KPa", 1e3), ("kpa", 1e3), ("Bar", 1e5), ("psig", 6894.757293168),
-     ("kg/cm2", 98066.5), ("kg/cm²", 98066.5), ("kp/cm2", 98066.5), ("kg/cm^2", 98066.5),
-     ("t/m2", 9806.65), ("lb/in2", 6894.757293168), ("Atm", 101325.0)],
-)  # fmt: skip
-def test_units_of_stress_as_laboratories_write_them(tmp_path, unit, pascals):
-    columns = without("Shear stress (MPa)", "Normal stress (MPa)")
-    columns |= {"Friction": MU, f"Normal stress ({unit})": 2e7 / pascals + 0.0 * T}
-    data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.sigma, 2e7)
-
-
 @pytest.mark.parametrize("unit", ["mPa", "GPa"])
 def test_a_prefix_keeps_its_meaning(tmp_path, unit):
     columns = without("Normal stress (MPa)") | {f"Normal stress ({unit})": SIGMA}
@@ -318,58 +340,6 @@ def test_a_prefix_keeps_its_meaning(tmp_path, unit):
     refused = pytest.raises(rs.ParameterError, match="impossible in a record")
     with refused if unit == "mPa" else told:
         read_lab(write(tmp_path / "r.txt", columns), units={"tau": unit})
-
-
-@pytest.mark.parametrize(
-    "title",
-    ["Normal stress effective (MPa)", "Normal stress (effective) [MPa]", "Net normal stress (MPa)",
-     "Normal stress minus pore pressure (MPa)", "sigma_n' (MPa)", "\u03c3'n (MPa)",
-     "Sn\u2019 (MPa)", "eff. Normalspannung [MPa]", "Normalspannung effektiv [MPa]",
-     "Contrainte effective normale (MPa)"],
-)  # fmt: skip
-def test_titles_of_an_effective_stress(tmp_path, title):
-    """The pore pressure beside it is not subtracted a second time."""
-    columns = without("Normal stress (MPa)") | {title: SIGMA, "Pp (MPa)": 0.0 * T + 3.0}
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.friction, MU)
-
-
-@pytest.mark.parametrize(
-    "title", ["Kinetic normal stress", "Normal stress (magnetic cell)", "sigma_n"]
-)
-def test_other_normal_stresses_are_not_effective(title):
-    assert match_rank("Normal stress, net", "sigma") == 0 < match_rank(title, "sigma")
-
-
-@pytest.mark.parametrize(
-    "title",
-    ["EPWP (MPa)", "Excess pore pressure (MPa)", "Porenwasser\u00fcberdruck (MPa)"],
-)
-def test_a_pressure_from_an_initial_one_is_not_subtracted(tmp_path, title):
-    path = write(tmp_path / "r.txt", BASE | {"Normal stress (MPa)": SIGMA, title: 0.1 * SIGMA})
-    with pytest.warns(RecordWarning, match="is relative to an initial pore pressure"):
-        data = read_lab(path)
-    np.testing.assert_allclose(data.sigma, 2e7)
-
-
-@pytest.mark.parametrize(("pore", "turned"), [(3.0, False), (-3.0, True)])
-def test_the_sign_of_the_pore_pressure_follows_the_stress(tmp_path, pore, turned):
-    """Where tension is positive, both are negative."""
-    columns = without("Normal stress (MPa)")
-    columns |= {"Normal stress (MPa)": -(SIGMA + 3.0), "Pore pressure (MPa)": 0.0 * T + pore}
-    with pytest.warns(RecordWarning, match="sigma is the effective normal stress"):
-        data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.sigma, 2e7)
-    assert ("pore_pressure is negative throughout" in data.attrs["notes"]) == turned
-
-
-def test_suction_keeps_its_sign(tmp_path):
-    columns = BASE | {"Pore pressure (MPa)": 0.0 * T - 0.01}
-    with pytest.warns(RecordWarning, match="sigma is the effective normal stress"):
-        data = read_lab(write(tmp_path / "r.txt", columns))
-    np.testing.assert_allclose(data.sigma, 20.01e6)
 
 
 #: language -> titles of time, displacement [um], shear and normal stress [MPa]; and its encodings

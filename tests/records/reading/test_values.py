@@ -116,17 +116,6 @@ def test_what_is_measured_stays(tmp_path):
         np.testing.assert_array_equal(read_lab(write(tmp_path / "r.txt", T, X, mu)).friction, mu)
 
 
-def test_single_samples():
-    smooth = np.sin(T)
-    assert not dropouts(smooth, 0.0, 1).any()
-    smooth[[50, 120]] += [3, -3]
-    assert np.flatnonzero(dropouts(smooth, 0.0, 1)).tolist() == [50, 120]
-    assert not dropouts(smooth, 10.0, 1).any()
-    bent = T.copy()
-    bent[100] += 0.5  # five steps: far, but no more than noise of long tails is
-    assert not dropouts(bent, 0.0, 1).any()
-
-
 @pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])
 def test_signs_are_turned(tmp_path, signs):
     tau, sigma = 20 * MU * signs[0], 20.0 * signs[1] + 0 * T

@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import json
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from synthetic_records import correlated
 from synthetic_stick_slip import cycles
 
 import ratestate as rs
-from ratestate.records.kit.sample_noise import sample_noise
 from ratestate.records.stick_slip.catalogue import (
     CUT_BY_END,
     CUT_BY_START,
@@ -24,7 +22,7 @@ from ratestate.records.stick_slip.catalogue import (
     UNDERSAMPLED,
     WHOLE,
 )
-from ratestate.records.stick_slip.detection import in_gaps, turning_points
+from ratestate.records.stick_slip.detection import turning_points
 from ratestate.records.stick_slip.lines import trend
 
 AGING = rs.SpringSlider(
@@ -158,16 +156,6 @@ def test_noise_has_no_event(time, most):
     assert sum(number > 0 for number in found) <= most
 
 
-def test_recorded_tension_is_refused(sawtooth):
-    record = sawtooth.assign(friction=sawtooth.tau / 4e6).drop_vars("tau")
-    sigma = np.full(record.sizes["time"], 4e6)
-    whole = rs.events(record.assign(sigma=("time", sigma)))
-    np.testing.assert_allclose(whole.stress_drop, rs.events(record, sigma=4e6).stress_drop)
-    sigma[7] = -4e6
-    with pytest.raises(rs.ParameterError, match=r"sigma is -4e\+06 Pa in row 7 .* must be > 0"):
-        rs.events(record.assign(sigma=("time", sigma)))
-
-
 @pytest.fixture(scope="module")
 def sawtooth():
     """Return ten cycles of 21 s, with a fall of 100 kPa in 1 s and noise of 2 kPa."""
@@ -203,17 +191,6 @@ def test_events_in_a_gap_are_not_measured(sawtooth, lost, is_gap):
     assert np.isnan(events.recurrence[1]) == is_gap
     off = (events.stress_drop[1:] - 1e5) / events.stress_drop_error[1:]
     assert np.abs(off).max() < 4.0
-
-
-def test_two_sampling_rates_are_not_a_gap():
-    t = np.concatenate([np.arange(0.0, 10.0, 0.5), np.arange(10.0, 12.0, 0.01), [12.5, 13.0, 13.5]])
-    assert not in_gaps(t, np.array([(19, 220), (-1, 220)])).any()
-    assert in_gaps(np.delete(t, slice(60, 75)), np.array([(19, 200)])).all()
-
-
-def test_one_number_of_normal_stress_holds_for_all_samples(sawtooth):
-    given, scalar = rs.events(sawtooth, sigma="8 MPa"), rs.events(sawtooth.assign(sigma=8e6))
-    np.testing.assert_array_equal(given.friction_drop, scalar.friction_drop)
 
 
 def test_two_clean_drops_are_events(drawn):
@@ -349,14 +326,6 @@ def test_other_records_are_refused(experiment, change, text):
         rs.events(change(experiment[0]), sigma="4 MPa")
 
 
-def test_runs_of_few_times_or_several_sliders_are_refused(experiment):
-    run = experiment[1]
-    with pytest.raises(rs.ParameterError, match="the run has 10 saved times"):
-        rs.events(run.isel(time=slice(10)))
-    with pytest.raises(rs.ParameterError, match="the run has the dimension 'K'"):
-        rs.events(run.expand_dims(K=2))
-
-
 def test_friction_alone_needs_a_normal_stress(experiment):
     with pytest.raises(rs.ParameterError, match="Give sigma"):
         rs.events(experiment[0])
@@ -375,12 +344,6 @@ def test_turning_points_alternate_and_are_far_apart(values, threshold):
         assert one * y[i] == (one * y[i : j + 1]).max()
 
 
-def test_white_noise_is_measured_under_a_trend():
-    rng = np.random.default_rng(3)
-    y = 1e6 * np.sin(np.linspace(0.0, 20.0, 20000)) + 50.0 * rng.normal(size=20000)
-    assert sample_noise(y) == pytest.approx(50.0, rel=0.03)
-
-
 def test_errors_of_lines_are_calibrated():
     """Events at seven speeds share a deviation from the line: 95 % intervals of B."""
     rng = np.random.default_rng(7)
@@ -397,16 +360,3 @@ def test_errors_of_lines_are_calibrated():
     assert trend(V[:8], drop[:8], V[:8], "V_lp").message.startswith(
         "V_lp varies by a factor of only 1"
     )
-
-
-def test_catalogues_are_datasets_of_the_package(measured, tmp_path):
-    path = rs.files.write(measured, tmp_path / "events.nc")
-    again = rs.files.read(path)
-    xarray.testing.assert_equal(
-        again.drop_vars("event_message"), measured.drop_vars("event_message")
-    )
-    assert json.loads(measured.attrs["versions"])["ratestate"]
-    for name, variable in measured.data_vars.items():
-        assert variable.attrs["units"]
-        if f"{name}_error" in measured:
-            assert variable.attrs["units"] == measured[f"{name}_error"].attrs["units"]

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ratestate.records.kit.sample_noise import SampleNoise
-from ratestate.records.stick_slip.detection import loading_noise
 from ratestate.records.stick_slip.extremes import FallWindow, edges, extremes
 
 DRAWS = 1500
@@ -98,13 +97,6 @@ def placed(samples, span, c, sign, sd, events=1):
     return edges(samples, spans, scales, np.tile(c, (events, 1)), sign, sign, sd)
 
 
-def test_an_extreme_without_a_bound():
-    """The extreme is between the window's end and the fall's middle."""
-    t, c = np.arange(40.0), np.array([0.0, 0.01, 0.0])
-    place = placed((t, 0.01 * t), (0, 20, 39), c, 1, 1.0)
-    assert [float(x[0]) for x in place] == [19.0, 10.0, False]
-
-
 def test_many_events_show_a_fall_that_noise_hides_in_one():
     """A sample deviates by 2 standard deviations in each of 16 events."""
     t, c = np.arange(40.0), np.zeros(3)
@@ -114,23 +106,3 @@ def test_many_events_show_a_fall_that_noise_hides_in_one():
     u, error, bounded = placed((t, y), (0, 20, 22), c, 1, 1.0, 16)
     assert bounded.all()
     assert (np.abs(19.5 - u) < 2.0 * error).all()
-
-
-def test_noise_of_the_loading():
-    """White noise and first-order noise about a curved loading in three phases."""
-    t = np.arange(3000.0)
-    curve = np.sin(2.0 * np.pi * t / 4000.0) * 1e4
-    rises = [(0, 999), (1000, 1999), (2000, 2999)]
-    rng = np.random.default_rng(3)
-    z = rng.normal(size=t.size)
-    white = loading_noise(t, curve + 5.0 * z, rises, 1.0)
-    assert white.sd == pytest.approx(5.0, rel=0.06)
-    assert white.correlation == 0.0
-    red = z.copy()
-    for i in range(1, t.size):
-        red[i] = 0.6 * red[i - 1] + 0.8 * z[i]
-    found = loading_noise(t, curve + 5.0 * red, rises, 1.0)
-    assert found.sd == pytest.approx(5.0, rel=0.1)
-    assert found.correlation == pytest.approx(0.6, abs=0.06)
-    assert found.inflation == pytest.approx(4.0, rel=0.25)
-    assert loading_noise(t, curve, [], 2.0) == SampleNoise(2.0)

@@ -8,7 +8,7 @@ from synthetic_stick_slip import sawtooth
 
 import ratestate as rs
 from ratestate.records.kit.sample_noise import SampleNoise, rounding
-from ratestate.records.stick_slip.between_samples import has_several, has_step_down
+from ratestate.records.stick_slip.between_samples import has_several
 from ratestate.records.stick_slip.catalogue import SEVERAL, UNDERSAMPLED, WHOLE
 from ratestate.records.stick_slip.detection import without_rebounds
 
@@ -140,28 +140,6 @@ def test_small_falls_in_the_loading_are_reported(size, found):
         count += reported[2]
         assert not any(reported[:2] + reported[3:])
     assert count == (2 if found else 0)
-
-
-def test_outliers_are_not_hidden_events():
-    """One outlier is in the loading, and one is in a fall."""
-    rng, part = np.random.default_rng(0), np.linspace(0.0, 1.0, 100)
-    one = DROP * np.concatenate([np.linspace(0.0, 1.0, 400), 0.5 + 0.5 * np.cos(np.pi * part)])
-    tau = np.tile(one, 8) + 0.003 * DROP * rng.normal(size=4000)
-    tau[[1700, 2475]] += 0.4 * DROP
-    t = 0.01 * np.arange(4000)
-    record = xarray.Dataset({"tau": ("time", tau), "delta_lp": ("time", 1e-5 * t)}, {"time": t})
-    events = rs.events(record)
-    assert SEVERAL not in events.event_status
-    assert not any("may span two events" in text for text in messages(events))
-
-
-def test_a_smooth_loading_has_no_step():
-    rng, t = np.random.default_rng(0), np.arange(300.0)
-    y = 1e5 * np.tanh(t / 150.0)
-    for _ in range(100):
-        assert not has_step_down(t, y + 1e3 * rng.normal(size=t.size), 1e5, SampleNoise(1e3))
-    y = np.where(t > 150.0, y - 6e3, y) + 1e3 * rng.normal(size=t.size)
-    assert has_step_down(t, y, 1e5, SampleNoise(1e3))
 
 
 @pytest.mark.parametrize(("noise", "expected"), [(0.02, False), (0.1, True)])

@@ -1,26 +1,23 @@
 """Fits of each step and hold of an experiment."""
 
-import io
 import itertools
 import re
 import warnings
 
 import numpy as np
-import pandas
 import pytest
 import xarray
 from scipy.stats import ttest_ind
 from synthetic_experiments import drawn_experiment, experiment
 
 import ratestate as rs
-from ratestate.files import laboratory_csv
 from ratestate.records.fitting import inference
 from ratestate.records.fitting.settings import checked_settings
 from ratestate.records.fitting.steps import experiment as fits
 from ratestate.records.fitting.steps import shared
 from ratestate.records.fitting.steps.shared import estimates_of, mean_of, ratio_of, shared_fit
 from ratestate.records.fitting.steps.windows import stick_slip_segments, windows_of
-from ratestate.report.steps import rows_of, table_of
+from ratestate.report.steps import table_of
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
 SLIDER = rs.SpringSlider(a=0.009, b=0.012, Dc="20 um", sigma="8 MPa", K="6 GPa/m")
@@ -183,29 +180,6 @@ def test_steps_in_stick_slip_are_not_fitted(data, under_slip):
     assert "stick-slip" in next(row for row in table_of(result, "slip").rows if row[0] == "4")
 
 
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_a_step_of_normal_stress_in_stick_slip_has_both_levels(data, under_slip):
-    begin, t = float(under_slip.step_t[3]), data.time.values
-    at = begin + 0.45 * (t[-1] - begin)
-    sigma = np.where(t < at, 8e6, 8.8e6)
-    record = sawtooth(data, 6, begin).assign(sigma=("time", sigma))
-    result = rs.fit(record, START, per_step=True, errors="covariance")
-    of_stress = result.isel(step=result.kind.values == "normal stress")
-    assert of_stress.status.values.tolist() == [2]
-    assert float(of_stress.sigma[0]) == pytest.approx(8e6)
-    assert float(of_stress.sigma_after[0]) == pytest.approx(8.8e6)
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_one_number_of_normal_stress_holds_for_all_steps(data):
-    first = data.isel(time=slice(0, 2 * ROWS))
-    found, expected = (
-        rs.fit(one, START, per_step=True, errors="covariance")
-        for one in (first.assign(sigma=8e6), first)
-    )
-    np.testing.assert_allclose(found.a, expected.a, rtol=1e-6)
-
-
 def test_a_record_of_stick_slip_alone_is_refused(data, under_slip):
     times = [float(data.time[0]), *under_slip.step_t.values, np.inf]
     for begin, end in itertools.pairwise(times):
@@ -276,14 +250,6 @@ def test_steps_up_and_down_are_alike_under_the_right_law_alone():
     text = str(rs.summary(result))
     assert "slip law: steps up and steps down are alike: Dc of steps up is" in text
     assert "aging law: steps up and steps down are not alike" in text
-
-
-def test_the_summary_says_whether_one_set_serves_all_steps(under_both):
-    text = " ".join(str(rs.summary(under_both)).split())
-    assert "slip law: one set of parameters serves all steps" in text
-    assert "aging law: one set of parameters does not serve all steps" in text
-    p = float(under_both.shared_p_value.sel(law="slip"))
-    assert f"for 9 parameters fewer (p = {p:.2g})" in text
 
 
 def test_ratio_of_steps_up_and_down():
@@ -378,20 +344,6 @@ def test_records_that_cannot_be_fitted_are_refused(data, spoil, match):
 def test_settings_that_do_not_go_together(data, changed, match):
     with pytest.raises(rs.ParameterError, match=match):
         rs.fit(data, START, **({"per_step": True} | changed))
-
-
-def test_a_slow_change_of_normal_stress_is_not_a_step(data):
-    wave = 8e6 * (1.0 + 0.1 * np.sin(data.time.values / 60.0))
-    windows = windows_of(data.assign(sigma=("time", wave)))
-    assert [window.kind for window in windows] == ["step", "step", "hold", "step"]
-
-
-def test_a_hold_at_the_end(data):
-    until = data.sel(time=slice(250.0, 600.5))
-    with pytest.warns(rs.FitWarning):
-        result = rs.fit(until, SLIDER, per_step=True, errors="covariance")
-    assert "217 s, to the record's end" in str(rs.summary(result))
-    assert np.isnan(result.V_after[-1])
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -496,22 +448,6 @@ def test_intervals_of_experiments_contain_the_truth():
     assert 0.87 < part <= 1.0
 
 
-def test_rows_of_a_table(under_both):
-    """Rows are in laboratory units, for one law after the other."""
-    table = pandas.read_csv(io.StringIO(laboratory_csv(rows_of(under_both), "step")))
-    assert table["step"].tolist() == [1, 2, 3, 4] * 2
-    assert table["law"].tolist() == ["slip"] * 4 + ["aging"] * 4
-    assert table["kind"].tolist() == ["step", "step", "hold", "step"] * 2
-    assert table["status"].tolist() == ["fitted"] * 8
-    slip = under_both.sel(law="slip")
-    np.testing.assert_allclose(table["Dc (um)"][:4], 1e6 * slip.Dc, rtol=1e-9)
-    errors = 1e6 * slip.standard_error.sel(parameter="Dc")
-    np.testing.assert_allclose(table["Dc error (um)"][:4], errors, rtol=1e-9)
-    np.testing.assert_allclose(table["V after (um/s)"][:4], [10.0, 3.0, 3.0, 10.0], rtol=1e-6)
-    aging = 1e-9 * under_both.K.sel(law="aging")
-    np.testing.assert_allclose(table["K (GPa/m)"][4:], aging, rtol=1e-9)
-
-
 def test_the_slider_of_all_steps(under_both):
     """It has shared estimates, or else medians over the steps."""
     slider = rs.fitted_slider(under_both, law="slip")
@@ -523,18 +459,3 @@ def test_the_slider_of_all_steps(under_both):
     assert slider.sigma == SLIDER.sigma
     with pytest.raises(rs.ParameterError, match="several laws"):
         rs.fitted_slider(under_both)
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-@pytest.mark.parametrize(("K", "sprung"), [("60 GPa/m", True), ("1e6 GPa/m", False)])
-def test_a_missing_spring_has_a_warning(K, sprung):
-    """With K = inf elasticity passes for friction; this warning precedes the others."""
-    truth = SLIDER.replace(K=K)
-    data = experiment(truth, (SLOW, FAST, SLOW), 300e-6, 300, seed=4, noise=1.5e-4)
-    rigid = truth.replace(K=np.inf)
-    result = rs.fit(data, rigid, free=("a", "b", "Dc"), per_step=True, errors="covariance")
-    for text in result.warnings.values:
-        assert text.startswith("a spring, or a load point that moves later or more") == sprung
-        assert ("K = inf was given" in text) == sprung
-    off = np.abs(result.a / truth.a - 1.0)
-    assert (off > 0.2).all() if sprung else (off < 0.1).all()

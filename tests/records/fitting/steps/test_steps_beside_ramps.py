@@ -5,7 +5,6 @@ import pytest
 import xarray
 
 import ratestate as rs
-from ratestate.records.fitting.steps import experiment
 from ratestate.records.fitting.steps.windows import windows_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
@@ -78,26 +77,3 @@ def test_a_step_in_a_ramp_begins_with_it():
         step = next(window for window in windows_of(data) if window.kind == "step")
         assert step.begin >= (begin + lasts - 0.2 if lasts < 10.0 else begin - 0.2)
         assert step.begin < 150.0
-
-
-def test_estimates_at_a_bound_are_left_out_of_the_joint_fit(monkeypatch):
-    loading = rs.Loading.steps("3 um/s", (60, "10 um/s"), (90, "3 um/s"), (160, "10 um/s"))
-    data = recorded(loading, 195.0)
-
-    def at_its_bound(fit_window, windows, report=None):
-        """Return the fits, with b of the step at 160 s moved to its bound."""
-        fits = [step for steps in windows for step in fit_window(steps)]
-        for k, step in enumerate(fits):
-            if step.window.t > 150.0:
-                point, i = step.solution.point.copy(), step.solution.unknowns.names.index("b")
-                point[i] = step.solution.unknowns.high[i]
-                fits[k] = step._replace(solution=step.solution._replace(point=point))
-        return [[step] for step in fits]
-
-    monkeypatch.setattr(experiment, "mapped", at_its_bound)
-    result = fitted(data)
-    assert int(result.shared_degrees) == 3
-    assert result.warnings.values[2].startswith("b ends at a bound")
-    assert "ends at a bound" not in "".join(result.warnings.values[:2].tolist())
-    first = float(result.Dc[0] / result.Dc[1])  # one step up, and one down
-    assert float(result.up_over_down.sel(parameter="Dc")) == pytest.approx(first, rel=1e-6)

@@ -62,17 +62,3 @@ def test_the_table_shows_the_bound(result):
 def test_normal_stress_before_and_after(result):
     np.testing.assert_allclose(result.sigma, 8e6, rtol=1e-6)
     np.testing.assert_allclose(result.sigma_after, [np.nan, np.nan, 8.8e6], rtol=1e-6)
-
-
-def test_laws_that_fit_no_step_do_not_fit(data):
-    """The given noise is a tenth of the record's noise."""
-    settings = {"per_step": True, "law": ("slip", "aging"), "errors": "covariance"}
-    steps = data.sel(time=slice(0.0, 390.0))
-    found = rs.fit(steps, START, ("a", "Dc"), noise=3e-5, **settings)
-    assert found.sizes["step"] == 2
-    assert found.comparison.startswith("Neither law fits")
-
-
-def test_one_estimate_has_no_scatter(result):
-    assert np.isnan(result.scatter.sel(parameter="alpha"))
-    assert (result.scatter.sel(parameter=["a", "Dc"]) >= 0.0).all()
