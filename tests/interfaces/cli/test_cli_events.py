@@ -59,9 +59,3 @@ def test_json_has_all_numbers(written):
     drops = [x for x in document["data_vars"]["stress_drop"]["data"] if x is not None]
     assert 3e5 < min(drops) < max(drops) < 5e5
     assert document["data_vars"]["K"]["data"] == 6e8
-
-
-def test_a_missing_normal_stress_ends_it(written):
-    result = call(written)
-    assert result.exit_code == 2
-    assert "Give sigma" in result.stderr

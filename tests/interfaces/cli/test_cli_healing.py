@@ -68,19 +68,6 @@ def test_json_and_a_window(file):
     assert status[2] != 0
 
 
-def test_a_record_without_holds_leaves_no_folder(file, tmp_path):
-    done = call(file, "--time", "0 s,9 s", "--out", tmp_path / "made")
-    assert done.exit_code == 2
-    assert "no hold" in done.stderr
-    assert [*tmp_path.iterdir()] == []
-
-
-def test_wrong_use(file):
-    assert call(file, "--noise", "nonsense").exit_code == 2
-    assert call(file, "--time", "5 s").exit_code == 2
-    assert call(file, "--trend", "other").exit_code == 2
-
-
 def test_the_page_shows_each_hold():
     from slide_hold_slide import SLIDER
 

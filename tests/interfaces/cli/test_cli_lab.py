@@ -101,12 +101,3 @@ def test_most_rows_are_an_option(lab):
     assert "--max-rows = 0 is not a usable number" in done.stderr
     tables = tomllib.loads((Path(command.__file__).parent / "commands.toml").read_text("utf-8"))
     assert tables["shared"]["max_rows"]["show_default"] == str(MAX_ROWS)
-
-
-def test_a_format_that_is_wrong_is_refused_in_one_line(lab):
-    Path("wrong.toml").write_text("[units]\ntime = 'm'\n", "utf-8")
-    done = call("fit", "r.txt", "--lab-format", "wrong.toml")
-    assert done.exit_code == 2
-    assert done.stderr.splitlines()[-1].endswith(
-        "wrong.toml: [units] time = 'm' is not valid. Give a unit such as 's'."
-    )
