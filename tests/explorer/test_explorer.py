@@ -55,11 +55,6 @@ def painted(texts, seconds=10.0):
 
 
 class TestEntries:
-    def test_texts_make_a_slider(self):
-        state = entries.state_of(VIBRATION | {"V_from": "0.1 mm/s"})
-        assert state.slider == FIG2
-        assert (state.V_lp, state.V_from) == (3.2e-3, 1e-4)
-
     @pytest.mark.parametrize(
         ("field", "text", "said"),
         [
@@ -264,10 +259,6 @@ class TestWire:
         assert found["x"].tolist() == [0.0, 1.0, 2.0]
         assert found["y"].tolist() == [1.0]
 
-    def test_questions(self):
-        found = wire.checked(wire.Question, '{"id": 3, "ask": "csv", "entries": 1}')
-        assert (found.id, found.ask, found.entries) == (3, "csv", 1)
-
     @pytest.mark.parametrize(
         "text",
         [
@@ -382,12 +373,6 @@ class TestPicture:
         assert len(tried) == 1
         assert header["notes"][0].startswith("No run is shown: of ")
         assert arrays["run_time"].size == 0
-
-    def test_a_cancelled_picture_gives_nothing(self):
-        deadline = Deadline(10.0)
-        deadline.set()
-        with pytest.raises(Stopped):
-            picture.picture(entries.state_of(STICK_SLIP), deadline)
 
     def test_a_cancelled_run_gives_nothing(self, monkeypatch):
         deadline = Deadline(60.0)
@@ -561,17 +546,6 @@ def ask(socket, number, what="picture", texts=VIBRATION):
 
 
 class TestServer:
-    def test_questions_are_answered(self, port):
-        with page(port) as socket:
-            ask(socket, 1)
-            header, arrays = answered(socket, 1)
-            assert header["numbers"]["regime"] == "quasi-harmonic"
-            assert arrays["run_time"].size > 100
-            ask(socket, 2, texts=VIBRATION | {"K": "900 MPa"})
-            assert "is a stress" in answered(socket, 2)[0]["problems"]["K"]
-            ask(socket, 3, "python")
-            assert b"rs.simulate(" in answered(socket, 3)[0]["content"]
-
     def test_the_newest_question_wins(self, port):
         with page(port) as socket:
             for number in range(1, 41):

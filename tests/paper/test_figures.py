@@ -13,7 +13,7 @@ from ratestate.paper.fig4 import FIG4, steepest
 LAWS = ["slip", "aging"]
 #: (number, law) of each picture: of the aging law two, one of them with folds
 PICTURES = [
-    *((number, "slip") for number in figures.FIGURES),
+    *((number, "slip") for number in figures.FIGURES if number != "branches"),
     ("4", "aging"),
     ("branches", "aging"),
 ]

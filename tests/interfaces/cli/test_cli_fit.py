@@ -56,7 +56,7 @@ def test_help_states_the_initial_guesses():
 def folder(tmp_path_factory):
     """A folder with a record, and a report on it under both laws; what was printed."""
     folder = tmp_path_factory.mktemp("lab")
-    written(folder / "step.txt")
+    written(folder / "step.txt", rows=351)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         done = call("step.txt", "--law", "slip,aging", *WINDOW, "--out", "made")

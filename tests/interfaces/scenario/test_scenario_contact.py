@@ -102,11 +102,6 @@ def test_branch_over_friction_per_length():
     assert (settings["start"], settings["stop"]) == (6e8, 8e8)
 
 
-@pytest.mark.parametrize("law", ["Ruina", "SLIP"])
-def test_synonyms(law):
-    assert scenario(f'{WHOLE}law = "{law}"').slider.law == "slip"
-
-
 STRESS = 'sigma = "2 MPa"'
 BAD = [
     (STRESS + '\nK = 9e8\nM = "6 kg"', "", "[slider] M: '6 kg' is of the whole contact"),

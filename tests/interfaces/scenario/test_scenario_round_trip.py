@@ -344,18 +344,6 @@ def test_of_a_sweep_that_was_cut(again):
         np.testing.assert_array_equal(found, part[name])
 
 
-def test_of_a_sweep_in_a_store(tmp_path):
-    scenario = SCENARIOS["cycles"]
-    kept = rs.sweep(
-        "limit_cycle",
-        scenario.slider,
-        **scenario.settings,
-        store=tmp_path / "x.zarr",
-        progress=False,
-    )
-    check(from_result(kept), scenario)
-
-
 def test_of_results_side_by_side():
     """Coordinates that join results are their parameters."""
     runs = [rs.stability(SLIDER.replace(K=K), 1e-3).assign_coords(K=K) for K in (9e8, 8e8)]
