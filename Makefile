@@ -83,7 +83,7 @@ mutants: .venv/.ready ## see which random mutants of the source the tests kill; 
 	$(BIN)/python tools/mutants.py $(ARGS)
 
 slurm: .venv/.ready ## sweep in jobs of a real SLURM, which cancels some; needs Debian's slurm-wlm and munge
-	$(BIN)/python tests/sweeps/slurm.py $(ARGS)
+	$(BIN)/python tools/slurm.py $(ARGS)
 
 COMPILE := pip compile --universal --python-version 3.11 --fork-strategy fewest \
     --generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock"

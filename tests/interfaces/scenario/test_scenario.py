@@ -208,21 +208,15 @@ MUTATED = [
     ({"a": "0"}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range"),
     # values
     ({"a": "true"}, {}, "[slider] a: true is not one number"),
-    ({"Dc": "1" + "0" * 400}, {}, "[slider] Dc: a huge integer is beyond what can be"),
     ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be"),
     ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999 * is too long"),
     ({"Dc": "07:32:00"}, {}, "[slider] Dc: 07:32:00 is not one number"),
-    ({"Dc": '[1, "10 um"]'}, {}, "[slider] Dc: a list of 2 makes an axis"),
     ({"Dc": "{ from = 1 }"}, {}, "[slider] Dc: a table makes an axis"),
-    ({"law": '"Slip law"'}, {}, "[slider] law: 'Slip law' is unknown"),
     ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown"),
     # keys
-    ({"a": None}, {}, "[slider] a: is missing"),
     ({"Dc": None, "dc": "1"}, {}, "[slider] dc: unknown key. Give one of * Did you mean Dc?"),
-    ({"zzz": "1"}, {}, "[slider] zzz: unknown key"),
     ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key"),
     ({'""': "1"}, {}, "[slider] '': unknown key"),
-    ({"t_end": "1"}, {}, "[slider] t_end: stands in the wrong table"),
     ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis"),
     # the function of [sweep]
     ({}, {"function": None}, "[sweep] function: is missing"),
@@ -245,7 +239,6 @@ MUTATED = [
     ({}, {"M": "[[1, 2]]"}, "[sweep] M[0]: a list of 2 is not one number"),
     # axes
     ({}, {"M": "{}"}, "[sweep] M.n: is missing"),
-    ({}, {"M": "{ to = 3, n = 2 }"}, "[sweep] M.from: is missing"),
     *(
         ({}, {"M": f"{{ from = 1, to = 2, n = {n} }}"}, f"[sweep] M.n: {said} cannot be the number")
         for n, said in (
