@@ -296,25 +296,6 @@ def test_a_zarr_without_checksums_is_read(results, tmp_path):
     xr.testing.assert_identical(files.read(path), results["cycle"])
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("x.txt", "Give a name that ends in .nc, .csv or .zarr"),
-        ("x", "another ending"),
-        ("no/x.nc", "the folder of .* does not exist"),
-    ],
-)
-def test_bad_places(name, message, tmp_path):
-    with pytest.raises(ParameterError, match=message):
-        files.checked_path(tmp_path / name, files.NUMBERS)
-    assert not [*tmp_path.iterdir()]
-
-
-def test_one_ending_alone(tmp_path):
-    with pytest.raises(ParameterError, match=r"Give a name that ends in \.toml\.$"):
-        files.checked_path(tmp_path / "x.txt", (".toml",))
-
-
 @pytest.mark.parametrize("ending", ["nc", "zarr"])
 def test_what_is_no_result_is_refused(ending, tmp_path):
     path = tmp_path / f"x.{ending}"

@@ -20,7 +20,7 @@ from paths import TESTS
 from torture import SMALL, Here, same, torture
 
 import ratestate as rs
-from ratestate.errors import ParameterError, StoreError
+from ratestate.errors import StoreError
 from ratestate.files import read
 from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps import tasks, writing
@@ -538,12 +538,6 @@ def test_no_folder_to_make_a_store_in(tmp_path):
         store_status(tmp_path / "missing/x.zarr")
 
 
-def test_relative_paths_and_text(tmp_path, monkeypatch, expected):
-    monkeypatch.chdir(tmp_path)
-    assert_same(sweep("x.zarr"), expected)
-    assert [path.name for path in tmp_path.iterdir()] == ["x.zarr"]
-
-
 # Read again ---------------------------------------------------------------------------------------
 
 
@@ -704,9 +698,3 @@ def test_held_before_anything_is_done(path):
     data = xr.open_zarr(path)
     assert (data.status == -1).all()
     assert failures(data) == ([], 0)
-
-
-def test_a_sweep_that_cannot_be_asked_makes_no_store(path):
-    with pytest.raises(ParameterError):
-        sweep(path, "limit_cycle", rtol=1.0)
-    assert list(path.parent.iterdir()) == []

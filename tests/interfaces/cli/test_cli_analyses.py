@@ -448,16 +448,6 @@ def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
     assert found["data_vars"]["eigenvalues_real"]["data"][1:] == ["-inf", "-inf"]
 
 
-@pytest.mark.parametrize("ending", ["csv", "zarr"])
-def test_other_files(ending, lab, api):
-    out = lab.with_name(f"out.{ending}")
-    assert call("cycle", lab, "--out", out).exit_code == 0
-    if ending == "zarr":
-        xr.testing.assert_identical(files.read(out), api["cycle"])
-    else:
-        assert out.read_text() == files.csv_text(api["cycle"])
-
-
 def test_output_of_the_file_is_for_run_alone(lab):
     lab.write_text(LAB + '[output]\nfile = "x.csv"\nplot = "x.png"\n')
     assert call("cycle", lab).exit_code == 0
@@ -557,15 +547,6 @@ def test_the_frequencies_of_a_response(lab):
 
 
 # ------------------------------------------------------------------------------------------ again
-
-
-@pytest.mark.parametrize(("command", "ending"), [("run", "zarr"), ("branch", "nc")])
-def test_from_a_result_to_the_same_bits(command, ending, lab, api):
-    first, second = (lab.with_name(f"{name}.{ending}") for name in ("first", "second"))
-    files.write(api[command], first)  # as the command does
-    result = call("run", "--from", first, "--out", second)
-    assert result.exit_code == 0, result.output
-    xr.testing.assert_identical(files.read(second), files.read(first))
 
 
 # ------------------------------------------------------------------------------ what may go wrong

@@ -30,11 +30,6 @@ def scenario(slider, sweep="b = [0.006]", function="stability"):
     return loads(FILE.format(slider=slider, sweep=sweep, function=function))
 
 
-def test_whole_contact():
-    slider = scenario(WHOLE).slider
-    assert (slider.sigma, slider.K, slider.M, slider.area) == (2e6, 9e8, 3000.0, 2e-3)
-
-
 def test_axes_of_the_whole_contact_and_of_the_area():
     slider = scenario(WHOLE, 'M = { from = "2 kg", to = "6 kg", n = 3 }').slider
     np.testing.assert_allclose(slider.M, [1000, 2000, 3000], rtol=1e-15)
