@@ -54,6 +54,21 @@ def painted(texts, seconds=10.0):
     return picture.picture(entries.state_of(texts), Deadline(seconds))
 
 
+#: law -> texts of its own parameters, and the form of friction that it is for
+OWN = {
+    name: {s: menus.example(s) for s in law.parameters} | {"friction_form": law.form}
+    for name, law in LAWS.items()
+}
+
+
+def problem_of(field, texts):
+    """The problem of entries, which is said of this field alone."""
+    with pytest.raises(entries.BadEntries) as caught:
+        entries.state_of(texts)
+    assert list(caught.value.problems) == [field]
+    return caught.value.problems[field]
+
+
 class TestEntries:
     @pytest.mark.parametrize(
         ("field", "text", "said"),
@@ -67,13 +82,19 @@ class TestEntries:
             ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0. Give a speed"),
             ("law", "dry", "law = 'dry' is unknown; choose slip or aging or flash-heating"),
             ("K", "1 m**9**9**9**9/Pa", "unknown unit"),
+            ("friction_form", "asinh", "'asinh' does not go with law = 'slip'; choose log or"),
+            ("friction_form", 3, "friction_form = '3' does not go"),
+            ("friction_form", "x" * 900, f"friction_form = '{'x' * 64}' does not go"),
         ],
     )
     def test_what_is_wrong_is_said_of_its_field(self, field, text, said):
-        with pytest.raises(entries.BadEntries) as caught:
-            entries.state_of(VIBRATION | {field: text})
-        assert list(caught.value.problems) == [field]
-        assert said in caught.value.problems[field]
+        assert said in problem_of(field, VIBRATION | {field: text})
+
+    @pytest.mark.parametrize(("law", "form"), [("nagata", "cut-off"), ("flash-heating", "log")])
+    def test_a_form_that_does_not_go_is_said_of_its_menu(self, law, form):
+        texts = VIBRATION | OWN[law] | {"law": law, "friction_form": form}
+        said = f"friction_form = '{form}' does not go with law = '{law}'"
+        assert said in problem_of("friction_form", texts)
 
     @pytest.mark.parametrize(
         ("symbol", "text", "value"),
@@ -94,13 +115,6 @@ class TestEntries:
     def test_presets_are_the_papers(self):
         assert all(entries.state_of(preset["entries"]) for preset in presets())
         assert entries.state_of(STICK_SLIP).slider == FIG4
-
-
-#: law -> texts of its own parameters, and the form of friction that it is for
-OWN = {
-    name: {s: menus.example(s) for s in law.parameters} | {"friction_form": law.form}
-    for name, law in LAWS.items()
-}
 
 
 class TestLaws:
@@ -196,30 +210,6 @@ class TestFriction:
         with pytest.raises(entries.BadEntries) as caught:
             entries.state_of(VIBRATION | {"friction_form": "cut-off", "V1": "10 m/s"})
         assert list(caught.value.problems) == ["V2"]
-
-    @pytest.mark.parametrize(
-        ("law", "form", "said"),
-        [
-            (
-                "slip",
-                "asinh",
-                "friction_form = 'asinh' does not go with law = 'slip'; choose log or",
-            ),
-            ("slip", 3, "friction_form = '3' does not go"),
-            ("slip", "x" * 900, f"friction_form = '{'x' * 64}' does not go"),
-            ("nagata", "cut-off", "friction_form = 'cut-off' does not go with law = 'nagata'"),
-            (
-                "flash-heating",
-                "log",
-                "friction_form = 'log' does not go with law = 'flash-heating'",
-            ),
-        ],
-    )
-    def test_one_that_does_not_go_is_said_of_its_menu(self, law, form, said):
-        with pytest.raises(entries.BadEntries) as caught:
-            entries.state_of(VIBRATION | OWN[law] | {"law": law, "friction_form": form})
-        assert list(caught.value.problems) == ["friction_form"]
-        assert said in caught.value.problems["friction_form"]
 
     def test_without_one_it_is_that_of_the_law(self):
         own = OWN["flash-heating"] | {"law": "flash-heating"}
