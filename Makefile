@@ -77,7 +77,7 @@ statistics: .venv/.ready ## run the tests that fit or evaluate hundreds of recor
 	$(BIN)/pytest -n 2 -m statistics $(ARGS)
 
 torture: .venv/.ready ## kill a sweep 30 times, and see that nothing is lost; ARGS="--kills 100 --seed 1"
-	$(BIN)/python tests/sweeps/torture.py $(ARGS)
+	$(BIN)/python tools/torture.py $(ARGS)
 
 mutants: .venv/.ready ## see which random mutants of the source the tests kill; ARGS="--count 100 --seed 13 --jobs 2"
 	$(BIN)/python tools/mutants.py $(ARGS)

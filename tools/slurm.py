@@ -18,12 +18,10 @@ from pathlib import Path
 
 from rich.console import Console
 from slurm_node import missing, one_node
+from torture import chunks_done, contents
 
 import ratestate as rs
 from ratestate.interfaces.scenario.files import load
-
-sys.path.append(str(Path(__file__).parents[1] / "tests/sweeps"))
-from torture import chunks_done, contents
 
 CONSOLE = Console(highlight=False, soft_wrap=True)
 COMMAND = [

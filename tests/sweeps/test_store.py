@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 import zarr
 from limits import largest_file
-from paths import TESTS
+from paths import ROOT, TESTS
 from torture import SMALL, Here, same, torture
 
 import ratestate as rs
@@ -288,7 +288,7 @@ def test_no_room_for_a_store(path):
 
 OTHERS = f"""
 import os, sys
-sys.path[:0] = {[str(Path(__file__).parent), str(TESTS / "helpers")]!r}
+sys.path[:0] = {[str(Path(__file__).parent), str(TESTS / "helpers"), str(ROOT / "tools")]!r}
 from test_store import StoreError, store_status, sweep
 sweep(sys.argv[1] + "/warm.zarr", chunk=16)  # all that is imported and compiled lazily
 if os.getuid() == 0:  # whom no permissions bind
