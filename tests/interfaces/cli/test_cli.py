@@ -281,16 +281,6 @@ print(*({heavy} & set(sys.modules)))
     assert done.stdout.split() == [ratestate.__version__]
 
 
-def test_a_figure_is_written_and_listed(tmp_path):
-    out = tmp_path / "new" / "folder"
-    result = call("figures", "1", "--out", out)
-    assert result.exit_code == 0, result.output
-    names = ["fig1.nc", "fig1.pdf", "fig1.png"]
-    assert sorted(path.name for path in out.iterdir()) == names
-    assert all(str(out / name) in result.stderr for name in names)
-    assert result.stdout == ""
-
-
 ALL = [*"123456", "scheme", "branches", "basins"]
 
 

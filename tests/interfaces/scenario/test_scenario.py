@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenario_problems import problem_lines, problems_of
@@ -47,21 +46,6 @@ def read(tmp_path_factory):
         return load(path)
 
     return read
-
-
-def test_a_file_runs_as_the_python_lines_do(read):
-    scenario = read(toml(sweep=CYCLE | {"function": '"stability"', "a": "[0.003, 0.004]"}))
-    slider = SpringSlider(
-        a=xr.DataArray([0.003, 0.004], {"a": [0.003, 0.004]}, "a"),
-        b=0.006,
-        Dc="10 um",
-        sigma="2 MPa",
-        K="900 MPa/m",
-        M=rs.logspace("M", 100, 1e5, 4),
-    )
-    assert scenario.slider == slider
-    result = rs.stability(scenario.slider, **scenario.settings)
-    assert result.identical(rs.stability(slider, "3.2 mm/s"))
 
 
 def test_simulate_gets_a_loading_and_saved_times(read):

@@ -212,20 +212,6 @@ def test_quantities(symbol, x):
     assert len(text) < 40 or not 1e-30 < x < 1e30
 
 
-@pytest.mark.parametrize(
-    ("symbol", "x", "text"),
-    [
-        ("Dc", 1e-5, '"10 um"'),
-        ("K", math.inf, "inf"),
-        ("V_lp", 0.0, '"0 m/s"'),
-        ("a", 0.003, "0.003"),
-        ("Dc", 1 / 3, '"333.3333333333333 mm"'),
-    ],
-)
-def test_quantities_read_well(symbol, x, text):
-    assert quantity(symbol, x) == text
-
-
 def simulation(loading, t_end, slider=SLIDER, **more):
     return Scenario("simulate", slider, {"loading": loading, "t_end": t_end, **more})
 
