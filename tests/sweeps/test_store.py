@@ -32,7 +32,6 @@ POINT = {"a": 0.003, "b": 0.006, "Dc": "10 um", "sigma": "2 MPa", "K": "900 MPa/
 # 16 cases in 8 chunks: (M, V_lp) in blocks of (1, 2).
 AXES = {"M": rs.logspace("M", 100, 1e4, 4), "V_lp": rs.logspace("V_lp", 1e-3, 1e-2, 4)}
 CHUNKS, CHUNK = 8, 2
-WHOLE = 16  # all cases in one chunk: where it does not matter, that is quick
 
 
 def asked_of(changes):

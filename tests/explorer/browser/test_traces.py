@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 PLOT = "#stress-chart .u-over"
-READOUT = "() => document.querySelector('#readout').innerText"
 
 
 def drag(page, begin, end):
