@@ -78,13 +78,13 @@ statistics: .venv/.ready ## run the tests that fit or evaluate hundreds of recor
 	$(BIN)/pytest -n 2 -m statistics $(ARGS)
 
 torture: .venv/.ready ## kill a sweep 30 times, and see that nothing is lost; ARGS="--kills 100 --seed 1"
-	$(BIN)/python tests/sweeps/torture.py $(ARGS)
+	$(BIN)/python tools/torture.py $(ARGS)
 
 mutants: .venv/.ready ## see which random mutants of the source the tests kill; ARGS="--count 100 --seed 13 --jobs 2"
 	$(BIN)/python tools/mutants.py $(ARGS)
 
 slurm: .venv/.ready ## sweep in jobs of a real SLURM, which cancels some; needs Debian's slurm-wlm and munge
-	$(BIN)/python tests/sweeps/slurm.py $(ARGS)
+	$(BIN)/python tools/slurm.py $(ARGS)
 
 COMPILE := pip compile --universal --python-version 3.11 --fork-strategy fewest \
     --generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock"

@@ -33,9 +33,12 @@ def small_maps():
 
 
 @pytest.fixture(scope="module")
-def svg():
-    """A figure of `STICK_SLIP`."""
-    return file_of("svg", STICK_SLIP)
+def files():
+    """Form of a file -> the file of a figure with a run behind, which is made once."""
+    fig, _ = drawn(STICK_SLIP, STEPPED)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figure, "figure_of", lambda *_: fig)
+        return {form: file_of(form, STICK_SLIP, STEPPED) for form in exports.FIGURES}
 
 
 @functools.cache
@@ -167,8 +170,8 @@ def _told(svg):
 
 
 class TestFiles:
-    def test_legends_and_captions_are_in_the_svg(self, svg):
-        text = svg.decode()
+    def test_legends_and_captions_are_in_the_svg(self, files):
+        text = files["svg"].decode()
         root = ElementTree.fromstring(text)
         assert root.tag == "{http://www.w3.org/2000/svg}svg"
         said = "\n".join(re.findall("<!-- (.*?) -->", text, re.DOTALL))
@@ -179,8 +182,8 @@ class TestFiles:
         assert "<text" not in text  # letters are outlines, the same on every machine
         assert "V_lp=100+um%2Fs" in text.replace("&amp;", "&")  # and it says how to make it again
 
-    def test_the_pdf_has_one_page_and_its_fonts(self):
-        content = file_of("pdf", STICK_SLIP)
+    def test_the_pdf_has_one_page_and_its_fonts(self, files):
+        content = files["pdf"]
         assert content.startswith(b"%PDF-1.")
         assert content.count(b"/Type /Page\n") + content.count(b"/Type /Page ") == 1
         fonts = re.findall(rb"/FontFile2|/FontFile3|/FontFile", content)
@@ -188,8 +191,8 @@ class TestFiles:
         assert set(fonts) == {b"/FontFile2"}  # TrueType, whole
         assert b"/Type3" not in content
 
-    def test_the_png_is_twice_as_fine_as_a_page(self):
-        content = file_of("png", STICK_SLIP, STEPPED)
+    def test_the_png_is_twice_as_fine_as_a_page(self, files):
+        content = files["png"]
         assert content[:8] == b"\x89PNG\r\n\x1a\n"
         width, height = struct.unpack(">II", content[16:24])
         assert width == round(7.2 * 96) * 2

@@ -84,6 +84,8 @@ VALUES = {
     "other parameter": "b",
     "long text": "x" * 100_000,
 }
+#: of those some
+FEW = ("gone", "number", "nan", "texts", "text", "null", "JSON list", "JSON dict", "deep")
 #: what may stand within JSON, in place of any value of it
 INNER = [
     *(None, True, -1.0, 0.0, float("nan"), float("inf"), 10**400, "three", [], {}, [[1.0], [2.0]]),
@@ -209,6 +211,8 @@ def test_altered_attributes_of_a_fit(results):
         reader(results["fit"])
         changes = [one for one in altered(results, "fit") if one[0].split()[0] in names]
         changes = [one for one in changes if " is " not in one[0]]
+        if reader is rs.summary:  # which takes long
+            changes = [one for one in changes if one[0].split()[1] in FEW]
         assert not failures(reader, results, "fit", changes)
 
 
@@ -219,12 +223,11 @@ DRAWN = {
     "cycles": (plot.figure, ("title", "scenario")),
     "stability": (plot.figure, ("title", "scenario")),
     "branch": (plot.figure, ("title", "scenario")),
-    "fit": (plot.figure, ("title", "slider", "loading", "source")),
+    "fit": (plot.figure, ("slider", "loading")),
     "wave": (lambda run: plot.trace(run, Figure().subplots()), ("scenario",)),
     "record": (lambda run: plot.phase(run, Figure().subplots()), ("scenario",)),
     "branch in K": (lambda data: plot.branch(data, Figure().subplots()), ("scenario",)),
 }
-FEW = ("gone", "number", "nan", "texts", "text", "null", "JSON list", "JSON dict", "deep")
 
 
 @pytest.mark.parametrize("kind", DRAWN)

@@ -208,12 +208,6 @@ def test_a_later_run_widens_the_range_of_a_constant_one():
     assert low < float(run.tau.min() / 2e6) < float(run.tau.max() / 2e6) < high
 
 
-def test_a_cycle_s_page_says_its_size():
-    cycle = rs.limit_cycle(SLIDER.replace(K=9e8), 3.2e-3)
-    expected = rf"peak-to-peak $\tau/\sigma$ {float(cycle.amplitude):.4g}"
-    assert expected in plot.figure(cycle).get_suptitle()
-
-
 def test_a_run_that_ran_away_is_drawn():
     with pytest.raises(rs.QuasiStaticInstability) as raised:
         run_of(M=0.0, K=5e8)

@@ -20,7 +20,7 @@ LAWS_OF_FIT = ("slip", "aging")
 def result():
     """Two steps up, one down and a hold, under both laws."""
     speeds = (3e-6, 1e-5, 3e-6, (0.0, 100.0), 3e-6, 2e-5)
-    data = experiment(SLIDER, speeds, 300e-6, 300, noise=2e-4, seed=4)
+    data = experiment(SLIDER, speeds, 300e-6, 150, noise=2e-4, seed=4)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rs.FitWarning)
         return rs.fit(data, SLIDER, law=LAWS_OF_FIT, per_step=True, errors="covariance")

@@ -6,23 +6,6 @@ from ratestate import scenario
 from ratestate.paper.parameters import FIG4
 
 
-def test_a_link_holds_everything(show):
-    shown = show()
-    shown.type("sigma", "5 MPa")
-    shown.page.click("#step-V_lp")
-    shown.page.select_option("#law", "aging")
-    shown.wait()
-    other = show(shown.copied_link())
-    assert other.entry("sigma") == "5 MPa"
-    assert other.entry("V_lp") == "300 \u00b5m/s"
-    assert other.page.input_value("#law") == "aging"
-    assert other.text("#headline") == shown.text("#headline")
-    assert other.text("#stepped") == shown.text("#stepped")
-    other.page.reload()
-    other.wait()
-    assert other.text("#headline") == shown.text("#headline")
-
-
 def test_downloads(show, tmp_path):
     shown = show(CASES["stick-slip"])
     files = {name: shown.saved(name, tmp_path) for name in ("scenario", "python", "csv", "png")}

@@ -58,22 +58,6 @@ def test_a_velocity_step_and_back(show):
     shown.wait()
     assert shown.entry("V_lp") == "100 \u00b5m/s"
     assert not shown.page.is_visible("#stepped")
-    # and of normal stress
-    shown.go(STEADY)
-    shown.type("alpha", "0.2")
-    shown.wait()
-    shown.page.fill("#factor-sigma", "0")
-    shown.page.click("#step-sigma")
-    assert "factor = '0' is no use" in shown.text("#problem-factor-sigma")
-    shown.page.fill("#factor-sigma", "1.05")
-    shown.page.click("#step-sigma")
-    shown.wait()
-    assert shown.entry("sigma") == "2.1 MPa"
-    assert shown.text("#stepped").startswith("Stepped from 2 MPa to 2.1 MPa at time 0.")
-    assert not shown.page.is_visible("#problem-factor-sigma")
-    shown.page.click("#unstep")
-    shown.wait()
-    assert shown.entry("sigma") == "2 MPa"
     # a link may have both at once, and both are undone together
     shown.go(f"{STEADY}&V_from=0.1 mm/s&sigma_from=1.9 MPa")
     assert shown.text("#stepped").startswith(

@@ -249,24 +249,6 @@ def test_init_leaves_nothing_if_a_file_cannot_be_written(tmp_path, monkeypatch):
     assert not [*tmp_path.iterdir()]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["barke"], "error: 'barke' is unknown. Give one of lab, brake, "),
-        (["slide_hold_slide"], "Did you mean slide-hold-slide?"),
-        (["lab", "--out", "lab.tml"], "does not end in .toml"),
-        (["lab", "--out", "no/lab.toml"], "error: the folder of no/lab.toml does not exist"),
-        (["lab", "--out", "/proc/lab.toml"], "error: /proc/lab.toml: cannot be written: "),
-    ],
-)
-def test_init_refuses(arguments, message, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    result = call("init", *arguments)
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert message in " ".join(result.stderr.split())
-    assert not [*tmp_path.iterdir()]
-
-
 def test_json_lists_what_was_made(made, charted, tmp_path):
     found = json.loads(call("figures", "2", "--json", "--out", tmp_path).stdout)
     assert found == {"files": [str(tmp_path / "fig2_slip.png")]}
@@ -300,80 +282,44 @@ print(*({heavy} & set(sys.modules)))
     assert done.stdout.split() == [ratestate.__version__]
 
 
-def test_a_figure_is_written_and_listed(tmp_path):
-    out = tmp_path / "new" / "folder"
-    result = call("figures", "1", "--out", out)
-    assert result.exit_code == 0, result.output
-    names = ["fig1.nc", "fig1.pdf", "fig1.png"]
-    assert sorted(path.name for path in out.iterdir()) == names
-    assert all(str(out / name) in result.stderr for name in names)
-    assert result.stdout == ""
-
-
-def test_all_is_every_figure_the_scheme_and_the_claims(made, tmp_path):
-    result = call("figures", "all", "--law", "aging", "--out", tmp_path)
-    assert result.exit_code == 0, result.output
-    assert made == [(name, "aging") for name in [*"123456", "scheme", "branches", "basins"]]
-    assert {path.name for path in tmp_path.iterdir()} == {"claims_aging.md", "claims_aging.json"}
-    assert "Water is wet." in result.stdout
-    assert "scheme_aging.png" in result.stderr
-
-
-def test_figures_come_in_the_paper_s_order(made, tmp_path):
-    assert call("figures", "scheme", "4", "2", "4", "--out", tmp_path).exit_code == 0
-    assert made == [("2", "slip"), ("4", "slip"), ("scheme", "slip")]
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("arguments", [["7"], ["1", "none"], ["1", "--law", "sloth"], ["--oops"]])
-def test_bad_arguments_exit_2(made, tmp_path, arguments):
-    result = call("figures", *arguments, "--out", tmp_path)
-    assert result.exit_code == 2
-    assert arguments[-1].strip("-") in result.stderr
-    assert made == []
-
-
-def test_folder_that_is_a_file_exits_2(made, tmp_path):
-    path = tmp_path / "taken"
-    path.write_text("")
-    result = call("figures", "1", "--out", path)
-    assert result.exit_code == 2
-    assert result.stderr == f"error: {path}: cannot be written: File exists\n"
-    assert made == []
-
-
-def test_figures_without_titles(made, tmp_path):
-    assert call("figures", "2", "--no-titles", "--out", tmp_path).exit_code == 0
-    assert made == [("2", "slip", "no title")]
-
-
-def test_atlas_is_of_both_laws_unless_one_is_named(charted, tmp_path):
-    result = call("atlas", "--out", tmp_path / "new")
-    assert result.exit_code == 0, result.output
-    assert charted == [(law, {"b_over_a": 2.0, "n": 200}) for law in ("slip", "aging")]
-    assert str(tmp_path / "new" / "atlas_aging.png") in result.stderr
-    charted.clear()
-    result = call("atlas", "--law", "slip", "--b-over-a", 1.6, "--n", 50, "--out", tmp_path)
-    assert charted == [("slip", {"b_over_a": 1.6, "n": 50})]
-    charted.clear()
-    own = ("--set", "V_cut=2", "--set", "M=1e-3")
-    result = call("atlas", "--law", "kato-tullis", *own, "--out", tmp_path)
-    assert charted == [("kato-tullis", {"b_over_a": 2.0, "n": 200, "V_cut": 2.0, "M": 1e-3})]
+ALL = [*"123456", "scheme", "branches", "basins"]
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "asked", "claims"),
     [
-        (["atlas", "--law", "nagata", "--set", "q=1"], "the law's own"),
-        (["atlas", "--law", "nagata", "--set", "c=1 um"], "plain number"),
-        (["figures", "--law", "nagata"], "'nagata' needs c, which the paper does not give"),
+        (["all", "--law", "aging"], [(name, "aging") for name in ALL], True),
+        (["scheme", "4", "2", "4"], [(name, "slip") for name in ("2", "4", "scheme")], False),
+        (["2", "--no-titles"], [("2", "slip", "no title")], False),
     ],
 )
-def test_values_of_a_law_that_no_map_or_figure_has(charted, tmp_path, arguments, said):
-    result = call(*arguments, "--out", tmp_path)
-    assert result.exit_code == 2
-    assert said in " ".join(result.stderr.replace("│", " ").split())
-    assert charted == []
+def test_figures_come_once_and_in_the_papers_order(arguments, asked, claims, made, tmp_path):
+    result = call("figures", *arguments, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert made == asked
+    written = {"claims_aging.md", "claims_aging.json"} if claims else set()
+    assert {path.name for path in tmp_path.iterdir()} == written
+    assert ("Water is wet." in result.stdout) == claims
+    last, law, *_ = asked[-1]
+    assert f"{figures.FIGURES[last].stem(law)}.png" in result.stderr
+
+
+OWN = ("--set", "V_cut=2", "--set", "M=1e-3")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "laws", "options"),
+    [
+        ([], ("slip", "aging"), {}),
+        (["--law", "slip", "--b-over-a", 1.6, "--n", 50], ("slip",), {"b_over_a": 1.6, "n": 50}),
+        (["--law", "kato-tullis", *OWN], ("kato-tullis",), {"V_cut": 2.0, "M": 1e-3}),
+    ],
+)
+def test_atlas_is_of_both_laws_unless_one_is_named(arguments, laws, options, charted, tmp_path):
+    result = call("atlas", *arguments, "--out", tmp_path / "new")
+    assert result.exit_code == 0, result.output
+    assert charted == [(law, {"b_over_a": 2.0, "n": 200} | options) for law in laws]
+    assert str(tmp_path / "new" / f"atlas_{laws[-1]}.png") in result.stderr
 
 
 def test_atlas_without_instability_is_one_message(tmp_path):

@@ -56,7 +56,7 @@ def test_help_states_the_initial_guesses():
 def folder(tmp_path_factory):
     """A folder with a record, and a report on it under both laws; what was printed."""
     folder = tmp_path_factory.mktemp("lab")
-    written(folder / "step.txt")
+    written(folder / "step.txt", rows=351)
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         done = call("step.txt", "--law", "slip,aging", *WINDOW, "--out", "made")
@@ -140,44 +140,6 @@ def test_json_and_options(tmp_path):
     assert variables["noise_red"]["data"] == 1e-5
     assert variables["a"]["data"] == pytest.approx(SLIDER.a, rel=0.05)
     assert [path.name for path in tmp_path.iterdir()] == ["step.txt"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([], "no normal stress.*--sigma '20 MPa'"),
-        (["--sigma", "20 MPa", "--free", "a,b,Dc"], "K is neither free nor given. Add --K VALUE"),
-        (["--sigma", "1e300 MPa"], r"sigma = 1e\+297 GPa is impossible.*such as '20 MPa'"),
-        (["--time", "3 s"], "'3 s' is not START,END"),
-        (["--law", "slip, Rina"], "law = 'Rina' is unknown"),
-        (["--columns", "friction"], "'friction' has no NAME="),
-    ],
-)
-def test_bad_input_is_told_in_one_line(tmp_path, arguments, message):
-    done = call(written(tmp_path / "step.txt", sigma=False, rows=101), *arguments)
-    assert done.exit_code == 2
-    assert re.search(message, " ".join(re.sub("[\u2500-\u257f]", "", done.stderr).split()))
-    assert "Traceback" not in done.stderr
-
-
-def test_an_error_leaves_no_empty_folder(tmp_path):
-    out = tmp_path / "new" / "made"
-    done = call(tmp_path / "absent.txt", "--out", out)
-    assert done.exit_code == 2
-    assert [*tmp_path.iterdir()] == []
-    (tmp_path / "new").mkdir()
-    assert call(tmp_path / "absent.txt", "--out", tmp_path / "new").exit_code == 2
-    assert (tmp_path / "new").is_dir()  # which was there before
-    assert "fit of .," in call(".").stderr
-
-
-def test_a_report_of_others_is_not_replaced(tmp_path):
-    (tmp_path / "report.md").write_text("# Minutes of a meeting\n")
-    done = call(written(tmp_path / "step.txt", rows=101), "--out", tmp_path)
-    assert done.exit_code == 2
-    assert "is not a report of ratestate fit" in done.stderr
-    assert (tmp_path / "report.md").read_text() == "# Minutes of a meeting\n"
-    assert not (tmp_path / "fit.nc").exists()
 
 
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")

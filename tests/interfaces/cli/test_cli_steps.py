@@ -28,7 +28,7 @@ NUMBER = r"-?\d+(?:\.\d+)?\(\d+\)"
 def folder(tmp_path_factory):
     """A folder with the report on an experiment under both laws; what was printed."""
     folder = tmp_path_factory.mktemp("lab")
-    data = experiment(SLIDER, SPEEDS, 400e-6, 300, noise=2e-4, seed=1)
+    data = experiment(SLIDER, SPEEDS, 400e-6, 150, noise=2e-4, seed=1)
     columns = {"Time(s)": data.time, "Displ(microns)": 1e6 * data.delta_lp}
     columns |= {"Friction": data.friction, "Normal_stress(MPa)": np.full(data.time.size, 8.0)}
     table = np.column_stack([np.asarray(values) for values in columns.values()])

@@ -113,17 +113,6 @@ def test_without_area_nothing_is_of_the_whole_contact(file, tmp_path):
     assert document["coords"]["time"]["data"][-1] == 100.0
 
 
-@pytest.mark.parametrize(
-    ("units", "code", "message"),
-    [
-        ("V=MPa", 2, "--units V = '1 MPa' is a stress"),
-        ("speed=um/s", 2, "--units: speed is not a quantity"),
-        ("um/s", 2, "'um/s' has no NAME=..."),
-        ("theta=ms", 0, "--units: this result has no theta"),
-        ("force=N", 0, "--units: this result has no force"),
-    ],
-)
-def test_units_that_cannot_be(file, units, code, message):
-    done = call("cycle", file, "--units", units)
-    assert done.exit_code == code
-    assert message in done.stderr
+def test_units_of_what_is_not_there(file):
+    done = call("cycle", file, "--units", "theta=ms,force=N")
+    assert (done.exit_code, done.stderr) == (0, "--units: this result has no theta, force\n")

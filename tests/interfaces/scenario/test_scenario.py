@@ -1,11 +1,9 @@
 """Scenario files: they mean what the Python API means, and all that is wrong is told at once."""
 
-import math
 import re
 
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenario_problems import problem_lines, problems_of
@@ -14,8 +12,7 @@ import ratestate as rs
 from ratestate import ParameterError, SpringSlider
 from ratestate.friction.laws import LAWS
 from ratestate.model.units import to_si
-from ratestate.paper.parameters import FIG2, FIG3_M, FIG3_V_LP
-from ratestate.scenario import load, loads, template
+from ratestate.scenario import load
 
 SLIDER = {"a": "0.003", "b": "0.006", "Dc": '"10 um"', "sigma": '"2 MPa"', "K": '"900 MPa/m"'}
 PARAMETERS = (
@@ -51,29 +48,6 @@ def read(tmp_path_factory):
     return read
 
 
-def test_the_template_is_fig_3():
-    scenario = loads(template("fig3"))
-    assert scenario.function == "limit_cycle"
-    assert scenario.slider == FIG2.replace(M=rs.logspace("M", *FIG3_M))
-    assert scenario.settings.keys() == {"V_lp"}
-    assert scenario.settings["V_lp"].identical(rs.logspace("V_lp", *FIG3_V_LP))
-
-
-def test_a_file_runs_as_the_python_lines_do(read):
-    scenario = read(toml(sweep=CYCLE | {"function": '"stability"', "a": "[0.003, 0.004]"}))
-    slider = SpringSlider(
-        a=xr.DataArray([0.003, 0.004], {"a": [0.003, 0.004]}, "a"),
-        b=0.006,
-        Dc="10 um",
-        sigma="2 MPa",
-        K="900 MPa/m",
-        M=rs.logspace("M", 100, 1e5, 4),
-    )
-    assert scenario.slider == slider
-    result = rs.stability(scenario.slider, **scenario.settings)
-    assert result.identical(rs.stability(slider, "3.2 mm/s"))
-
-
 def test_simulate_gets_a_loading_and_saved_times(read):
     sweep = SIMULATE | {"times": '[0.5, "1 s"]', "V_lp": '["1 mm/s", 0]', "V_start": '"1 um/s"'}
     scenario = read(toml(sweep=sweep | {"rtol": "1e-5"}))
@@ -104,14 +78,6 @@ def test_sweep_overrides_the_slider_and_stands_in_for_it(read):
     assert (
         read(toml(SLIDER | {"law": '"slip"'}, sweep)).slider
         == read(toml(SLIDER | {"K": None, "law": '"aging"'}, CYCLE | {"K": "1e9"})).slider
-    )
-
-
-def test_an_axis_may_be_a_table_of_its_own(read):
-    text = toml(sweep=CYCLE | {"M": None}) + "\n[sweep.M]\nfrom = 100\nto = 1e5\nn = 4\n"
-    M = read(text + 'scale = "log"').slider.M
-    assert M.identical(
-        SpringSlider(a=1, b=1, Dc=1, sigma=1, K=1, M=rs.logspace("M", 100, 1e5, 4)).M
     )
 
 
@@ -155,14 +121,6 @@ def test_values_are_those_of_the_python_api(read, found, n, start, stop):
 
 
 @settings(deadline=None)
-@given(st.lists(st.floats(1e-20, 1e20) | st.just(0.0), min_size=1, max_size=20))
-def test_lists_are_kept(read, numbers):
-    axis = read(toml(sweep=CYCLE | {"M": "[" + ", ".join(map(repr, numbers)) + "]"})).slider.M
-    assert axis.values.tolist() == axis.M.values.tolist() == numbers
-    assert axis.dims == ("M",)
-
-
-@settings(deadline=None)
 @given(st.floats(-1e2, 1e2), st.floats(-1e2, 1e2), st.integers(2, 50))
 def test_linear_axes(read, start, stop, n):
     b = read(toml(sweep=CYCLE | {"b": f"{{from={start!r}, to={stop!r}, n={n}}}"})).slider.b.values
@@ -180,11 +138,6 @@ def test_a_linear_axis_meets_the_numbers_it_should(read):
         tenths = [round(10 * start + i * step, 9) for i in range(n)]
         assert b.tolist() == [float(f"{x / 10:.12g}") for x in tenths]
         assert 0.0 in b
-
-
-def test_rigid_and_quasi_static_limits(read):
-    K = read(toml(sweep=CYCLE | {"K": '[inf, "inf Pa/m", 9e8]', "M": "0"})).slider.K
-    assert K.values.tolist() == [math.inf, math.inf, 9e8]
 
 
 def test_many_problems_are_told_at_once(read):
@@ -239,21 +192,15 @@ MUTATED = [
     ({"a": "0"}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range"),
     # values
     ({"a": "true"}, {}, "[slider] a: true is not one number"),
-    ({"Dc": "1" + "0" * 400}, {}, "[slider] Dc: a huge integer is beyond what can be"),
     ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be"),
     ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999 * is too long"),
     ({"Dc": "07:32:00"}, {}, "[slider] Dc: 07:32:00 is not one number"),
-    ({"Dc": '[1, "10 um"]'}, {}, "[slider] Dc: a list of 2 makes an axis"),
     ({"Dc": "{ from = 1 }"}, {}, "[slider] Dc: a table makes an axis"),
-    ({"law": '"Slip law"'}, {}, "[slider] law: 'Slip law' is unknown"),
     ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown"),
     # keys
-    ({"a": None}, {}, "[slider] a: is missing"),
     ({"Dc": None, "dc": "1"}, {}, "[slider] dc: unknown key. Give one of * Did you mean Dc?"),
-    ({"zzz": "1"}, {}, "[slider] zzz: unknown key"),
     ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key"),
     ({'""': "1"}, {}, "[slider] '': unknown key"),
-    ({"t_end": "1"}, {}, "[slider] t_end: stands in the wrong table"),
     ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis"),
     # the function of [sweep]
     ({}, {"function": None}, "[sweep] function: is missing"),
@@ -276,7 +223,6 @@ MUTATED = [
     ({}, {"M": "[[1, 2]]"}, "[sweep] M[0]: a list of 2 is not one number"),
     # axes
     ({}, {"M": "{}"}, "[sweep] M.n: is missing"),
-    ({}, {"M": "{ to = 3, n = 2 }"}, "[sweep] M.from: is missing"),
     *(
         ({}, {"M": f"{{ from = 1, to = 2, n = {n} }}"}, f"[sweep] M.n: {said} cannot be the number")
         for n, said in (
@@ -391,11 +337,12 @@ def test_nothing_at_all_is_all_that_is_missing(read, text):
         assert places == {f"[slider] {key}" for key in SLIDER} | {"[loading] V_lp", "[run] t_end"}
 
 
-def test_a_sweep_too_large_is_refused_before_it_takes_memory(read):
+def test_a_sweep_too_large_is_refused_before_it_takes_memory(read, monkeypatch):
     axes = dict.fromkeys(("a", "b", "Dc", "sigma", "K"), "{ from = 1, to = 2, n = 1_000_000 }")
     found = lines(read, toml(sweep=CYCLE | axes))
     assert len(found) == 2
     assert found[1].startswith("[sweep]: 4 M x 1000000 a x ")
     assert f"are {4 * 10**30} cases" in found[1]
-    wide = CYCLE | {"M": "[" + "1," * 1_000_001 + "]"}
-    assert lines(read, toml(sweep=wide))[1].startswith("[sweep] M: is a list of 1000001")
+    monkeypatch.setattr("ratestate.scenario.values.LONGEST", 3)
+    wide = lines(read, toml(sweep=CYCLE | {"M": "[1, 1, 1, 1]"}))
+    assert wide[1].startswith("[sweep] M: is a list of 4. Give 1 to 3 values")

@@ -30,11 +30,6 @@ def scenario(slider, sweep="b = [0.006]", function="stability"):
     return loads(FILE.format(slider=slider, sweep=sweep, function=function))
 
 
-def test_whole_contact():
-    slider = scenario(WHOLE).slider
-    assert (slider.sigma, slider.K, slider.M, slider.area) == (2e6, 9e8, 3000.0, 2e-3)
-
-
 def test_axes_of_the_whole_contact_and_of_the_area():
     slider = scenario(WHOLE, 'M = { from = "2 kg", to = "6 kg", n = 3 }').slider
     np.testing.assert_allclose(slider.M, [1000, 2000, 3000], rtol=1e-15)
@@ -100,11 +95,6 @@ def test_branch_over_friction_per_length():
     text = 'sigma = "2 MPa"\nM = 3000'
     settings = scenario(text, 'K = { from = "3e-4/um", to = "4e-4/um" }', "continue_cycle").settings
     assert (settings["start"], settings["stop"]) == (6e8, 8e8)
-
-
-@pytest.mark.parametrize("law", ["Ruina", "SLIP"])
-def test_synonyms(law):
-    assert scenario(f'{WHOLE}law = "{law}"').slider.law == "slip"
 
 
 STRESS = 'sigma = "2 MPa"'

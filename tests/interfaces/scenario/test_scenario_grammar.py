@@ -285,7 +285,6 @@ def test_records_that_are_no_files(told, file, line):
 
 LOADINGS = [
     ("V_lp = -1", "V_lp: -1 m/s must be >= 0"),
-    ("V_lp = [1, 2]", "V_lp: a list of 2 makes an axis"),
     ("V_lp = { from = 1 }", "V_lp: a table makes an axis"),
     ("V_pl = 1", "V_pl: unknown key. Give one of * Did you mean V_lp?"),
     ("t_end = 1", "t_end: stands in the wrong table"),
@@ -344,14 +343,12 @@ RUNS = [
     ("t_end = 1\ninitial = { theta = 1.01e40 }", "initial.theta: 1.01e+40 is beyond any usual"),
     ("t_end = 1\ntimes = 'often'", "times: 'often' is not a number with a unit"),
     ("t_end = 1\ntimes = [2]", "times: reaches 2 s, beyond t_end = 1 s"),
-    ("t_end = 1\nrtol = 1", "rtol: 1.0 is out of range"),
     ("t_end = 1\nmethod = 'im2017'", "method: 'im2017' is unknown"),
     ("t_end = 1\ndt = 1e-4", "dt: unknown key"),
     ("t_end = 1\ninitial = 3", "initial: 3 is not a table"),
     ("t_end = 1\ninitial = { mu = 1 }", "initial.mu: unknown key"),
     ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time"),
     ("t_end = 1\nfunction = 'run'", "function: 'run' is unknown"),
-    ("t_end = 1\nV_lp = 3", "V_lp: stands in the wrong table"),
     ("", "t_end: is missing"),
 ]
 
@@ -528,24 +525,17 @@ def test_a_limit_cycle_says_from_which_start(b):
     assert usual.settings == {"V_lp": 4e-3, "rtol": 1e-4}
 
 
-def test_a_branch_along_a_parameter_of_the_law(read, told):
-    """Where the slider's law has it."""
-    sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\nb2 = { from = 2e-3, to = 1e-3 }'
-    of_law = 'law = "two-state-slip"\nb2 = 1e-3\nDc2 = "50 um"\n'
-    scenario = read(sweep, slider=SLIDER + of_law)
-    assert scenario.settings == {"parameter": "b2", "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
+@pytest.mark.parametrize(
+    ("symbol", "more"),
+    [("b2", 'law = "two-state-slip"\nb2 = 1e-3\nDc2 = "50 um"\n'), ("damping", "damping = 1e3\n")],
+)
+def test_a_branch_along_what_the_slider_has(symbol, more, read, told):
+    sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\n'
+    sweep += f"{symbol} = {{ from = 2e-3, to = 1e-3 }}"
+    wanted = {"parameter": symbol, "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
+    assert read(sweep, slider=SLIDER + more).settings == wanted
     (line,) = told(sweep)
-    wanted = "cannot be followed"
-    assert line.startswith(f"[sweep] b2: {wanted}")
-
-
-def test_a_branch_along_damping(read, told):
-    """Of a slider that has some."""
-    sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = 3e-3\ndamping = { from = 2e3, to = 1e3 }'
-    settings = read(sweep, slider=SLIDER + "damping = 1e3\n").settings
-    assert settings == {"parameter": "damping", "start": 2e3, "stop": 1e3, "V_lp": 3e-3}
-    (line,) = told(sweep)
-    assert "[sweep] damping: cannot be followed" in line
+    assert line.startswith(f"[sweep] {symbol}: cannot be followed")
 
 
 def test_a_branch(read, told):

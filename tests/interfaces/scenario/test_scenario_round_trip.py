@@ -212,20 +212,6 @@ def test_quantities(symbol, x):
     assert len(text) < 40 or not 1e-30 < x < 1e30
 
 
-@pytest.mark.parametrize(
-    ("symbol", "x", "text"),
-    [
-        ("Dc", 1e-5, '"10 um"'),
-        ("K", math.inf, "inf"),
-        ("V_lp", 0.0, '"0 m/s"'),
-        ("a", 0.003, "0.003"),
-        ("Dc", 1 / 3, '"333.3333333333333 mm"'),
-    ],
-)
-def test_quantities_read_well(symbol, x, text):
-    assert quantity(symbol, x) == text
-
-
 def simulation(loading, t_end, slider=SLIDER, **more):
     return Scenario("simulate", slider, {"loading": loading, "t_end": t_end, **more})
 
@@ -327,13 +313,6 @@ def test_a_start_at_rest_or_backwards_and_back(again, V):
         again(Scenario("simulate", SLIDER, given))
 
 
-def test_a_record_swept_along_rows():
-    speeds = [xr.DataArray([1e-4, 2e-4], dims="row"), 1e-4, 2e-4, 3e-4]
-    given = {"loading": Loading.series([0.0, 1.0, 1.0, 3.0], speeds), "t_end": 3.0}
-    result = run(Scenario("simulate", SLIDER, given | {"times": np.array([3.0])}))
-    assert run(from_result(result)).identical(result)
-
-
 def test_of_a_sweep_that_was_cut(again):
     whole = run(SCENARIOS["cycles"])
     part = whole.sel(M=1e4).isel(V_lp=[0, 2])
@@ -342,18 +321,6 @@ def test_of_a_sweep_that_was_cut(again):
     assert scenario.settings["V_lp"].values.tolist() == [1e-3, 1e-2]
     for name, found in run(again(scenario)).data_vars.items():
         np.testing.assert_array_equal(found, part[name])
-
-
-def test_of_a_sweep_in_a_store(tmp_path):
-    scenario = SCENARIOS["cycles"]
-    kept = rs.sweep(
-        "limit_cycle",
-        scenario.slider,
-        **scenario.settings,
-        store=tmp_path / "x.zarr",
-        progress=False,
-    )
-    check(from_result(kept), scenario)
 
 
 def test_of_results_side_by_side():
@@ -385,31 +352,48 @@ def test_results_that_tell_too_little(damage, message):
 SAMPLE = xr.DataArray([1e3, 2e3], dims="sample")
 
 
-def test_a_record_with_swept_speeds_and_back():
-    sigma = [2e6, 2e6, 2e3 * SAMPLE]
-    loading = Loading.series([0, 0.3, 1], [1e-3, 1e-6 * SAMPLE, 2e-3], sigma=sigma)
-    settings = {"loading": loading, "t_end": 0.9, "times": np.array([0.1, 0.5])}
-    scenario = Scenario("simulate", SLIDER, settings)
-    result = run(scenario)
-    check(from_result(result), scenario)
-    part = from_result(result.isel(sample=1))
-    assert run(part).tau.equals(result.tau.isel(sample=1, drop=True))
+ROWS = [xr.DataArray([1e-4, 2e-4], dims="row"), 1e-4, 2e-4, 3e-4]
+#: what a result holds and no file: slider and settings
+UNWRITTEN = {
+    "speeds along rows": (
+        SLIDER,
+        {"loading": Loading.series([0.0, 1.0, 1.0, 3.0], ROWS), "times": np.array([3.0])},
+    ),
+    "speeds and stresses of samples": (
+        SLIDER,
+        {
+            "loading": Loading.series(
+                [0, 0.3, 1], [1e-3, 1e-6 * SAMPLE, 2e-3], sigma=[2e6, 2e6, 2e3 * SAMPLE]
+            ),
+            "times": np.array([0.1, 0.5]),
+        },
+    ),
+    "times of each case": (
+        SLIDER.replace(M=rs.logspace("M", 100, 1e3, 2)),
+        {
+            "loading": Loading.constant(1e-3),
+            "times": xr.DataArray([[0.0, 0.1], [0.05, 0.2]], dims=("M", "time")),
+        },
+    ),
+    "initial values": (
+        SLIDER,
+        {"loading": Loading.constant(1e-3), "initial": {"V": 1e-9 * SAMPLE}},
+    ),
+}
 
 
-def test_saved_times_of_each_case_and_back():
-    times = xr.DataArray([[0.0, 0.1], [0.05, 0.2]], dims=("M", "time"))
-    settings = {"loading": Loading.constant(1e-3), "t_end": 0.2, "times": times}
-    result = run(Scenario("simulate", SLIDER.replace(M=rs.logspace("M", 100, 1e3, 2)), settings))
+@pytest.mark.parametrize("name", UNWRITTEN)
+def test_what_no_file_can_say_comes_back_from_a_result(name, tmp_path):
+    slider, given = UNWRITTEN[name]
+    t_end = 3.0 if name == "speeds along rows" else 0.9
+    result = run(Scenario("simulate", slider, given | {"t_end": t_end}))
+    if name == "initial values":
+        files.write(result, tmp_path / "run.nc")
+        result = files.read(tmp_path / "run.nc")
     assert run(from_result(result)).identical(result)
-
-
-def test_swept_initial_values_and_back(tmp_path):
-    given = {"loading": Loading.constant(1e-3), "t_end": 0.1, "initial": {"V": 1e-9 * SAMPLE}}
-    result = run(Scenario("simulate", SLIDER, given))
-    files.write(result, tmp_path / "run.nc")
-    assert run(from_result(files.read(tmp_path / "run.nc"))).identical(result)
-    part = from_result(result.isel(sample=1))
-    assert part.settings["initial"] == {"V": 2e3 * 1e-9}
+    if "sample" in result.dims:
+        part = from_result(result.isel(sample=1))
+        assert run(part).V_max.equals(result.V_max.isel(sample=1, drop=True))
 
 
 @pytest.mark.parametrize(
