@@ -44,7 +44,7 @@ def stability_figure(result):
     first = eigenvalues(law, V, K=np.full(V.shape, K), **columns)[:, 0]
     _mode(axes["b"], axes["c"], V, factor, V_lp, first)
     texts = "growth rate of the least stable mode", "its frequency"
-    letters(axes.values(), "stiffness beside the critical one", *texts)
+    letters(axes.values(), "stiffness and critical stiffness", *texts)
     return fig
 
 
