@@ -480,7 +480,7 @@ def motion(tmp_path_factory):
 @pytest.mark.parametrize(
     ("changed", "named"),
     [
-        ({"loading": rs.Loading.steps("1 mm/s", (0.01, "4 mm/s"))}, {"loading 1 step V"}),
+        ({"loading": rs.Loading.steps("1 mm/s", (0.01, "4 mm/s"))}, {"loading 1 step V_lp"}),
         ({"loading": rs.Loading.steps("1 mm/s", (0.02, "3 mm/s"))}, {"loading 1 step t"}),
         ({"times": [0.0, 0.03]}, {"times"}),
         ({"times": None}, {"times"}),
