@@ -47,8 +47,8 @@ def stabilize(slider, V_lp, margin=1.1):
         if no mass will; ``damping_stable`` [Pa s/m], the least damping, 0 if none is needed, with
         its ratio ``damping_ratio_stable`` to critical damping 2 sqrt(K M), NaN if M = 0.  For each
         remedy the critical velocity of the slider that has it, ``V_c_with_K``, ``V_c_with_M`` and
-        ``V_c_with_damping`` [m/s]: with damping it may be 0, because damping stabilizes high speeds
-        only.
+        ``V_c_with_damping`` [m/s]: with damping it may be 0, if the slider stays unstable at low
+        speeds.
 
     Raises
     ------

@@ -50,7 +50,7 @@ def stability(slider, V_lp):
         [rad/s] (real and imaginary part of the first mode; omega is 0 if it does not
         oscillate), ``omega_c`` [rad/s] and ``stable`` (K > K_c).  If K = inf, sliding is stable,
         V_c and f_n are inf, and the eigenvalues are -V/Dc and twice -inf.  For other limits see
-        the functions of these names in the module `ratestate.stability`.
+        the functions of these names in `ratestate.formulas`.
 
     Raises
     ------
@@ -135,7 +135,7 @@ def frequency_response(slider, V_lp, frequency=None):
     ----------
     slider : SpringSlider
         Parameters may be named DataArrays.  ``alpha`` is the response of its state to normal
-        stress; damping and mass count too.
+        stress; damping and mass are taken into account.
     V_lp : float, str, pint.Quantity or DataArray
         Mean load-point velocity [m/s], > 0.
     frequency : float, str, pint.Quantity, array_like or DataArray, optional

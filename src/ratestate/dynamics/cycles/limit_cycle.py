@@ -56,8 +56,8 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
         Load-point velocity [m/s], > 0.
     V_start : float, str, pint.Quantity or DataArray, optional
         Slip velocity of the steady sliding from which the motion starts [m/s], > 0 and not V_lp;
-        V_lp/10 by default.  From another start a slider may reach another cycle, or without mass
-        not run away.
+        V_lp/10 by default.  Another start may lead to another cycle.  Without mass, a start nearer
+        V_lp may avoid a runaway.
     rtol : float
         Relative accuracy of amplitude and period, from 1e-12 to 1e-2.
 
@@ -70,7 +70,7 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
           ``stress_drop`` [Pa] (max - min of tau), ``V_max`` and ``V_min`` [m/s], ``inertia``
           (max |tau/sigma - mu| divided by the amplitude);
         - ``slow_fraction``, the part of the period in which V < V_lp/10, and ``fundamental``, the
-          share, in the variance of tau, of the harmonic with one oscillation a return (1:
+          fraction of the variance of tau in the harmonic with one oscillation per return (1:
           harmonic, 6/pi^2: sawtooth);
         - ``multipliers``, complex, in the dimension ``multiplier``: the Floquet multipliers
           beside the trivial 1, one more than the law has states, the largest first.  Small

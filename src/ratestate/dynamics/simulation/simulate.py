@@ -66,9 +66,9 @@ def simulate(
         friction_form="regularized".
     times : array_like or DataArray, optional
         Times to save [s], in increasing order, from 0 to t_end (the shortest, if they
-        differ): 1-D, or a DataArray with the dimensions ``time`` and of the sweep.  By
-        default one slider is saved at the solver's own steps, with seven more times inside each
-        step of Taylor series, and a sweep at its end.
+        differ): 1-D, or a DataArray with the dimensions ``time`` and of the sweep.  By default one
+        slider is saved at each step of the solver and at seven times within each Taylor step, and a
+        sweep only at t_end.
     rtol : float
         Error allowed in a step, in tau/(a sigma), ln V and ln theta: 1e-13 to 0.1, by default
         1e-6.  If K = inf it is at most 1e-12.

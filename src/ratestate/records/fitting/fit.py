@@ -115,14 +115,14 @@ def fit(
         alone: ``kind`` ("step", "hold" or "normal stress"), its place ``step_t`` [s] and
         ``step_delta_lp`` [m], ``V_before`` and ``V_after`` [m/s], ``t_hold`` [s], ``sigma`` and,
         after a step of normal stress, ``sigma_after`` [Pa], ``samples``, each the mean of
-        ``rows_per_sample`` rows (1 up to 20,000 rows); along ``sample``, too, some of the record
-        and of the fitted curve.  Along ``parameter``: ``shared``, the estimate of one set for all
-        steps and holds, ``shared_error`` and, with ``other``, ``shared_correlation``; ``scatter``,
-        the standard deviation between steps beyond their errors; ``up_over_down``, the mean over
-        steps up divided by the mean over steps down, with its error and the p-value of Student's
-        test.  ``shared_p_value`` is the probability of as large a ``shared_deviance`` if one set
-        serves all steps.  At a step of normal stress only alpha is free; a, b, Dc and K are held at
-        the estimates from the other steps.
+        ``rows_per_sample`` rows (1 if the window has at most 20,000 rows).  A thinned record and
+        fitted curve are along ``sample``.  Along ``parameter``: ``shared``, the estimate of one set
+        for all steps and holds, ``shared_error`` and, with ``other``, ``shared_correlation``;
+        ``scatter``, the standard deviation between steps beyond their errors; ``up_over_down``, the
+        mean over steps up divided by the mean over steps down, with its error and the p-value of
+        Student's test.  ``shared_p_value`` is the probability of as large a ``shared_deviance`` if
+        one set serves all steps.  At a step of normal stress only alpha is free; a, b, Dc and K are
+        held at the estimates from the other steps.
 
     Raises
     ------
