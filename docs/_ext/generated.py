@@ -245,18 +245,10 @@ def modules():
     tables = []
     for folder in folders:
         name = ".".join(folder.relative_to(source).parts)
-        rows = [
-            f"## {name}",
-            "",
-            _sentence_of(folder / "__init__.py"),
-            "",
-            "| module | |",
-            "|---|---|",
-        ]
-        paths = sorted(folder.glob("*.py"))
-        rows += [
-            f"| `{path.stem}` | {_sentence_of(path)} |" for path in paths if path.stem[0] != "_"
-        ]
+        rows = [f"## {name}", "", _sentence_of(folder / "__init__.py")]
+        if paths := [path for path in sorted(folder.glob("*.py")) if path.stem[0] != "_"]:
+            rows += ["", "| module | |", "|---|---|"]
+            rows += [f"| `{path.stem}` | {_sentence_of(path)} |" for path in paths]
         tables.append("\n".join(rows))
     return "\n\n".join(tables)
 

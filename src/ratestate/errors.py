@@ -121,7 +121,7 @@ class NotConverged(SolverError):
 
 
 class FitWarning(UserWarning):
-    """A fit has an answer that must not be used without reading this."""
+    """The result of a fit may be unreliable; the message says why."""
 
 
 class RecordWarning(UserWarning):
@@ -129,4 +129,4 @@ class RecordWarning(UserWarning):
 
 
 class RunWarning(UserWarning):
-    """A run starts on unstable steady sliding undisturbed, or takes a law that is slow."""
+    """A run starts undisturbed on unstable steady sliding, or its law is slow to compute."""

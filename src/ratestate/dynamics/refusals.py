@@ -1,4 +1,4 @@
-"""What functions say of arguments that they cannot use, of idle runs, of branches that end early.
+"""Error and warning messages of the functions in `dynamics`.
 
 Every `ParameterError` that this package makes is a sentence of refusals.toml, or the text of a
 status in engine/statuses.toml (`simulation.engine_cases.failure`).

@@ -93,7 +93,7 @@ def provenance(function, slider, **settings):
 
 
 def parameter(result, symbol):
-    """Return a parameter of the slider that a result was made with, or another argument.
+    """Return the value of a parameter or argument with which a result was computed.
 
     Raises ParameterError if the result has lost its attributes, if they were altered, or if it
     lacks the parameter.

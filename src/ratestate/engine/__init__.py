@@ -1,4 +1,4 @@
-"""The solver: machine code of a law's units, and the control that calls them.
+"""The solver: machine code for each law, and the loop that steps many sliders with it.
 
 The engine handles numbers and arrays only: no xarray, no units of measurement.  `dispatch` runs
 cases from Python, and docs/developer/engine.md explains how the modules work together.

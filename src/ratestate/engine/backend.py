@@ -20,7 +20,7 @@ _current: contextvars.ContextVar[Backend] = contextvars.ContextVar("backend")
 
 
 class Stopped(Exception):
-    """A calculation was stopped by the event of `ratestate.use`."""
+    """A calculation was stopped because the event given to `use` was set."""
 
 
 def current():
@@ -37,7 +37,7 @@ def check_stopped():
 
 @contextlib.contextmanager
 def use(*, threads=None, stop=None, device="cpu", progress=None):
-    """Run the calculations that this thread starts inside a block with these settings.
+    """Set threads, device, a stop event or progress for calculations in a `with` block.
 
     A setting that is left out has its default, whatever an enclosing `use` says.  The device is not
     checked here: `sweep` does that.

@@ -1,4 +1,4 @@
-"""Write LLVM text by running Python with numbers that record their arithmetic.
+"""Generate LLVM text: run Python functions on numbers that record each operation.
 
 A `Number` stands for as many doubles as the code's width, one for each lane.  Its arithmetic
 appends instructions to its `Code`, each of them once.  Conditions become bits by which `where`

@@ -1,4 +1,4 @@
-"""Compile functions in a small part of Python into LLVM text: the control.
+"""Compile functions in a small part of Python into LLVM text, such as the loops in control.py.
 
 The control is the same for all laws.  A function holds numbers (floats, 64-bit ints and bools),
 tuples of numbers, and values that are known when it is compiled: numbers, functions, modules, and

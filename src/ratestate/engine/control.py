@@ -1,4 +1,4 @@
-"""The control of lanes: the part that marches and return maps have in common.
+"""The loop that takes cases from a queue and steps them; marches and return maps share it.
 
 The control fills lanes from a queue, lets them step, and stops them at events and breaks.  All its
 state is in the lane buffer and in the queue's position.  So `run_lanes` can be left and entered

@@ -1,4 +1,4 @@
-"""Run kernels from Python: threads, progress, interruption, a slider's path."""
+"""Run cases from Python: threads, progress, interruption, and the steps of a single slider."""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor, wait

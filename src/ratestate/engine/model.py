@@ -1,4 +1,4 @@
-"""The contract with compiled code: dimensionless equations, parameters, statuses.
+"""The dimensionless equations, parameters and statuses that compiled code and Python share.
 
 With w = V/V0, v = ln w, psi = ln(V0 theta/Dc), x = (tau/sigma - mu_ref)/a and T = t V0/Dc,
 

@@ -1,4 +1,4 @@
-"""The return map: from one point of the section V = V_lp to the next.
+"""Compiled return map: from one point of the section V = V_lp to the next.
 
 Speeds are in units of a constant V_lp and times in units of Dc/V_lp, so the section is w = 1.
 There v is 0 if v = ln(V/V_lp), but under regularized friction v is mu/a.  At the section dx/dT = 0.

@@ -1,4 +1,4 @@
-"""Results as files: NetCDF, CSV or Zarr by the ending of the name, whole or not there at all.
+"""Write and read results as NetCDF, CSV or Zarr, by the file's ending; no partial files.
 
 `try_reading` reads a laboratory's file for a program that must not wait.
 """

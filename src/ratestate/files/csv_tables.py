@@ -25,7 +25,7 @@ BETWEEN_LINES = " | "
 
 
 def csv_text(data):
-    """Return a result as CSV: a header such as ``time [s],V [m/s],mu``, then a row a time or case.
+    """Return a result as CSV: a header such as ``time [s],mu``, then a row for each time or case.
 
     Single numbers of a result with rows, such as ``status`` of a run, are left out.  Without rows
     they are the one row.  Numbers are exact, missing values are empty, and True and False are 1 and

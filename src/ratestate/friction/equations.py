@@ -1,4 +1,4 @@
-"""The equations of motion under a law, derived from its formulas.
+"""Derive state evolution and friction from a law's formulas, as functions of arrays.
 
 The formulas, d theta/dt and perhaps friction, run once with expressions (expressions.py):
 

@@ -1,4 +1,4 @@
-"""The equations of motion under a law as expressions, in the engine's variables.
+"""The equations of motion under a law, as expressions in the engine's variables.
 
     dx/dT = kappa (w_lp - w),    dv/dT = g/(eta0 c) - sum_k s_k f_k,    d psi_k/dT = f_k
 

@@ -1,4 +1,4 @@
-"""Derivatives, constant coefficients and Python functions of expressions."""
+"""Turn expressions into derivatives, constant coefficients and Python functions."""
 
 import functools
 import operator

@@ -129,7 +129,7 @@ def a_of_K_c(V, critical, *, b, Dc, sigma, M):
 
 
 def K_c_of_any_law(V, *, Dc, M, dtau_ss_dV, dtau_dV):
-    """Return the critical stiffness of a law of one length, from its slopes (eq. 5).
+    """Return the critical stiffness of any law with one slip distance (eq. 5).
 
     Parameters
     ----------

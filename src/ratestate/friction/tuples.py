@@ -1,4 +1,4 @@
-"""Arithmetic on tuples, of any length, of numbers of any kind (functions.py)."""
+"""Sums and products of tuples of numbers, arrays or expressions."""
 
 import functools
 import operator

@@ -20,7 +20,7 @@ def explorer_package():
 
 
 def explore(slider, V_lp):
-    """Open the explorer with a slider: in a notebook, the page itself with all its parameters.
+    """Open the interactive explorer for a slider, in the browser or in a notebook.
 
     A thread of this process serves the page on 127.0.0.1, for the browser of this machine only.
     The page's method ``close`` ends the thread; otherwise the end of the process does.

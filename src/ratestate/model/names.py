@@ -1,4 +1,4 @@
-"""Wording of messages: sentences kept in TOML files, and suggestions for mistyped names."""
+"""Messages from TOML files, and suggestions for mistyped names."""
 
 import difflib
 import functools

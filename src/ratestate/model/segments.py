@@ -1,4 +1,4 @@
-"""Histories from the rows of a record, and of a sinusoid."""
+"""Make histories from the rows of a record, or of a sinusoid."""
 
 from typing import Any
 

@@ -108,7 +108,7 @@ def force_axis(run, ax):
 
 
 def phase(run, ax, *, unit_of=None, **style):
-    """Draw slip velocity against tau/sigma, and a cross at steady sliding at the last V_load > 0.
+    """Draw slip velocity against tau/sigma, and a cross at steady sliding at the last speed > 0.
 
     Parameters
     ----------

@@ -60,7 +60,7 @@ def named_runs(runs):
 
 
 def since(run, t_zero):
-    """Return a run with its time 0 at another time; the attribute ``t_zero`` keeps that.
+    """Return a run with time counted from another moment, which the attribute `t_zero` keeps.
 
     Parameters
     ----------

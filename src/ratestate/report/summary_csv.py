@@ -1,4 +1,4 @@
-"""What a whole record tells, beside the rows of its table: a row of CSV for each quantity."""
+"""CSV of the quantities that describe a whole record, one row each."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Assembles a scenario from the tables of a file, and checks what does not go together."""
+"""Build the scenario from its tables; refuse arguments that exclude each other."""
 
 import functools
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""The law file of a scenario: Python of its user's, which is run to know the friction law in it."""
+"""Run the user's Python file that a scenario names, and take its friction law."""
 
 from pathlib import Path
 from typing import Any

@@ -92,7 +92,7 @@ class Scenario:
 
 
 def run(scenario: Scenario) -> Any:
-    """Run a scenario; its ``output`` is left to the caller.
+    """Run a scenario and return its result; no file is written.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The tables whose keys have a value each, [slider], [run] and [output], and [sweep]."""
+"""Read the tables [slider], [run], [output] and [sweep] of a scenario file."""
 
 import math
 from pathlib import Path

@@ -40,7 +40,7 @@ def sweep(
     slurm=None,
     **arguments,
 ):
-    """Call a function for each combination of values in its named DataArrays, in chunks.
+    """Call a function for every case of its named arrays, in chunks that can be resumed.
 
     Each case gives the same result, bit for bit, however the sweep is divided, and on any number
     of cores, threads or machines of one kind (processors of different kinds differ in their last

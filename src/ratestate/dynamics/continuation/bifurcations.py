@@ -1,4 +1,4 @@
-"""Points of a branch of fixed points u = P(u, p): by Newton's method, and bifurcations between.
+"""Find points of a branch by Newton's method, and the bifurcations between them.
 
 The map P of R^n has one parameter p; this module does not depend on the map.  Points y = (u, p) are
 measured in z = y/weights, with weights scale + |u| for u and 1 for p, so that a step or an error is

@@ -1,4 +1,4 @@
-"""Where a user starts: ``ratestate init``, a scenario file, and ``explore``, the browser's page."""
+"""The commands `init` and `explore`."""
 
 import os
 import shlex

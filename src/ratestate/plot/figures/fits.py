@@ -1,4 +1,4 @@
-"""Fits: record and curves, figures with residuals and close-ups, and of a fit of cycles."""
+"""Figures of fits: record and curves, residuals, close-ups; also fits of cycles."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The Dataset of `healing`."""
+"""Build the Dataset that `healing` returns, with its rates per decade."""
 
 import numpy as np
 import xarray

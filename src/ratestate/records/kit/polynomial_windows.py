@@ -1,4 +1,4 @@
-"""Polynomials in the largest windows of a record that show no misfit.
+"""Fit polynomials in the largest windows of a record in which they fit.
 
 A window grows until two more orders of the polynomial would fit significantly better, and the next
 smaller window is used.  An estimate with the tested order would be biased by the terms that the

@@ -1,4 +1,4 @@
-"""Variables and attributes of results."""
+"""Build variables and attributes of results."""
 
 from ...model.conversion import in_si
 from ...model.quantities import attrs

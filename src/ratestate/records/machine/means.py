@@ -1,4 +1,4 @@
-"""The Dataset of `machine_stiffness`."""
+"""Build the Dataset that `machine_stiffness` returns, with means over holds and steps."""
 
 import json
 

@@ -110,7 +110,7 @@ def read_lab(
 
 
 class Attempt(NamedTuple):
-    """The columns of a file, and either its record or the error.
+    """Result of `try_reading`: the columns, and either the record or the error.
 
     Attributes
     ----------
