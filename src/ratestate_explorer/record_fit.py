@@ -46,8 +46,11 @@ def _estimates(result, free):
     """Return the estimates with their standard errors as text."""
     parts = []
     for name in free:
-        error = float(result.standard_error.sel(parameter=name))
-        known = f" \N{PLUS-MINUS SIGN} {rs.readable(name, error, 2)}"
-        text = f"{name} = {rs.readable(name, float(result[name]))}"
-        parts.append(text + (known if np.isfinite(error) else " (not determined)"))
+        value, error = float(result[name]), float(result.standard_error.sel(parameter=name))
+        number, _, unit = rs.readable(name, value).partition(" ")
+        if np.isfinite(error):
+            number += f" \N{PLUS-MINUS SIGN} {error * float(number) / value:.2g}"
+        else:
+            unit += " (not determined)"
+        parts.append(f"{name} = {number} {unit}".rstrip())
     return ", ".join(parts)

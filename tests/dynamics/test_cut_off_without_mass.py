@@ -106,7 +106,7 @@ def test_beyond_what_friction_tells_of_the_speed_nothing_is_said():
         if off < 0.0:
             assert float(run(stiff, V1, slow, 0.99 * V).V[-1]) == pytest.approx(V, rel=1e-4)
             continue
-        with pytest.raises(rs.SolverError, match=r"not_finite.*far above V1\); check") as told:
+        with pytest.raises(rs.SolverError, match=r"not_finite.*far above V1\): check") as told:
             run(stiff, V1, slow, 0.99 * V)
         assert not isinstance(told.value, rs.QuasiStaticInstability)
 

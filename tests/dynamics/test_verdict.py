@@ -100,7 +100,7 @@ def test_a_cycle_beside_stable_sliding():
     assert "well" not in beyond.text
     on_the_way = verdict(slider.replace(K=1.001 * K_c), V_lp)
     assert on_the_way.regime == "stick-slip"
-    assert "the start decides" in on_the_way.text
+    assert "The start decides" in on_the_way.text
 
 
 def test_a_search_without_an_answer_is_told(monkeypatch):

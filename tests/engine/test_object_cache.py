@@ -163,8 +163,8 @@ def test_a_folder_that_cannot_be_made(cache_folder, other_folder, tmp_path, capf
     only_file(other_folder)
     assert stat.S_IMODE(other_folder.parent.stat().st_mode) == 0o700
     assert capfd.readouterr().err == (
-        f"ratestate: machine code cannot be kept in {cache_folder} (Not a directory); "
-        f"it is in {other_folder}\n"
+        f"ratestate: machine code cannot be kept in {cache_folder} (Not a directory), "
+        f"so it is in {other_folder}\n"
     )
 
 

@@ -39,7 +39,7 @@ def test_one_page_too_many_asks_ever_more_seldom(browser, server):
         page.goto(server.address)
         for seconds in ("0.5", "1"):
             page.wait_for_function(f"""() => document.querySelector('#banner').textContent
-                .includes('too many pages are open; close one); trying again in {seconds} s')""")
+                .includes('too many pages are open: close one); trying again in {seconds} s')""")
 
 
 def test_what_is_shown_is_grey_while_its_answer_takes_long(show, server):

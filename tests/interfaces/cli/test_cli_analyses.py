@@ -158,7 +158,7 @@ SAID = {
     "branch from forces": (
         [("[slider]", "[slider]\narea = '20 cm^2'")],
         ["branch", "--parameter", "K", "--start", "1.8 MN/m", "--stop", "1.79 MN/m"],
-        ["K from 895 MPa/m to 900 MPa/m"],
+        ["K from 1.79 MN/m to 1.8 MN/m"],
         [],
     ),
     # the motion under a speed or a normal stress that goes on varying is not known

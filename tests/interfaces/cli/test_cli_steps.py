@@ -145,6 +145,6 @@ def test_tables_have_all_that_a_paper_quotes(folder, result):
     assert of_one == ",".join([*summary.index.names, *summary.columns]) + "\n"
     steps = (path / "steps.csv").read_text("utf-8").splitlines()
     assert len(steps) == 1 + 3 * len(LAWS)  # one line each, warnings too
-    assert "those of all steps together in steps_summary.csv" in " ".join(
+    assert "the numbers of all steps together in steps_summary.csv" in " ".join(
         (path / "report.md").read_text("utf-8").split()
     )

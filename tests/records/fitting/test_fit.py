@@ -241,7 +241,7 @@ REFUSED = {
     "parts": (lambda d: d, {"noise": {"red": 1e-4}}, "no time"),
     "per cent": (lambda d: d.assign(friction=100.0 * d.friction), {}, "in per cent"),
     "sign": (lambda d: d.assign(friction=-d.friction), {}, "Turn its sign"),
-    "unit": (lambda d: d.assign(delta_lp=1e6 * d.delta_lp), {}, "if it is in um, divide it by 1e6"),
+    "unit": (lambda d: d.assign(delta_lp=1e6 * d.delta_lp), {}, "If it is in um, divide it by 1e6"),
     "speeds": (
         lambda d: d,
         {"loading": rs.Loading.steps("1 mm/s", (40.0, "10 mm/s"))},

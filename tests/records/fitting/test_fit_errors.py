@@ -290,7 +290,7 @@ def test_a_posterior_needs_dynesty(good, monkeypatch, per_step):
 
 
 def test_a_fit_without_a_slider_says_how_it_is_called(good):
-    with pytest.raises(ParameterError, match=r"fit needs slider too\. Call fit\(data, slider\); "):
+    with pytest.raises(ParameterError, match=r"fit needs slider too\. Call fit\(data, slider\)\. "):
         rs.fit(good, law="slip")
 
 

@@ -37,7 +37,7 @@ def test_a_hold_is_refused():
         rs.Loading.constant(1e-6).ramp(T[200], 0.0, 5.0),
     ):
         data = record(truth, loading, T, noise=1e-5).drop_vars("delta_lp")
-        with pytest.raises(rs.ParameterError, match=r"V_lp = 0 m/s with K = inf: .* finite K"):
+        with pytest.raises(rs.ParameterError, match=r"V_lp = 0 m/s with K = inf, .* finite K"):
             rs.fit(data, RIGID, free=("a", "b", "Dc"), loading=loading)
 
 
@@ -91,7 +91,7 @@ def moved(lag=0.0, takes=0.0, K=np.inf, seed=0, last=5e-6):
 def test_the_warning_names_a_spring_and_a_late_load_point(cause):
     text = warned(*moved(**cause))
     assert "a spring, or a load point that moves later or more gradually than recorded" in text
-    assert "or look at the clock" in text
+    assert "Or check the clock" in text
 
 
 @pytest.mark.parametrize(

@@ -137,7 +137,7 @@ def test_columns_with_few_numbers(tmp_path):
         [row[0], *(["", row[2]] if i % 2 else [row[1], ""]), row[3]] for i, row in enumerate(rows)
     ]
     path.write_text("\n".join([",".join(TITLES), *map(",".join, half)]))
-    with pytest.raises(rs.ParameterError, match=r"only 60 of 120 rows, .* only 0 rows have"):
+    with pytest.raises(rs.ParameterError, match=r"only 60 of 120 rows, .* Only 0 rows have"):
         read_lab(path)
     most = [[*row[:3], row[3] if i % 2 or i > 100 else ""] for i, row in enumerate(rows)]
     path.write_text("\n".join([",".join(TITLES), *map(",".join, most)]))

@@ -502,7 +502,7 @@ def test_a_load_point_that_runs_downwards(tmp_path):
     data = read_lab(path)
     np.testing.assert_allclose(data.delta_lp, 1e-6 * (X - 1000), rtol=1e-12)
     np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-9)
-    assert "runs downwards; its sign is turned" in data.attrs["notes"]
+    assert "runs downwards, so its sign is turned" in data.attrs["notes"]
     assert "(-985 um)" in data.attrs["found"]
     data = read_lab(path, displacement=("935 um", "990 um"))  # as the file has it
     assert data.sizes["time"] == 41

@@ -127,7 +127,7 @@ def test_signs_are_turned(tmp_path, signs):
         for s, sign in zip(("tau", "sigma"), signs, strict=True)
         if sign < 0
     ]
-    assert [note.partition(";")[0] for note in json.loads(data.attrs["notes"])] == notes
+    assert [note.partition(",")[0] for note in json.loads(data.attrs["notes"])] == notes
     if signs == (-1, -1):
         data = read_lab(write(tmp_path / "r.txt", T, X, -MU))
         np.testing.assert_array_equal(data.friction, MU)
@@ -170,7 +170,7 @@ def test_velocity_and_displacement_disagree(tmp_path):
             "00h01m{:05.2f}",
             r"'Time\(s\)' \(time\) has no number.*'00h01m00.00' in line 2",
         ),
-        (HEADER, "12:{:02.0f}", r"'12:00' in line 2; clock times are read as .*\(mm:ss\)"),
+        (HEADER, "12:{:02.0f}", r"'12:00' in line 2. Clock times are read as .*\(mm:ss\)"),
         ("Aika (s)\tDispl(um)\tFriction", "{}", r"as columns={'time': 'Aika \(s\)'}"),
         ("Vrijeme\tDispl(um)\tFriction", "{}", r"number, in columns={'time': \.\.\.}"),
         ("t (s)\tslip (um)\tFriction", "{}", r"in columns={'delta_lp': \.\.\.}"),
