@@ -90,8 +90,8 @@ def test_a_record_is_fitted_from_the_fields_of_the_page(without_child, of_a_step
     assert np.std(arrays["friction_fit"] - arrays["friction"]) < 2.5e-4
     said = header["fitted"][0]
     for name in ("a", "b", "Dc"):
-        texts = re.search(rf"\b{name} = (\S+(?: um)?) \xb1 (\S+(?: [un]m)?)[,.]", said).groups()
-        value, error = (to_si(name, text) for text in texts)
+        *numbers, unit = re.search(rf"\b{name} = (\S+) \xb1 (\S+)( um)?[,.]", said).groups()
+        value, error = (to_si(name, number + (unit or "")) for number in numbers)
         truth = getattr(SLIDER, name)
         assert abs(value - truth) < 4.0 * error < 0.2 * truth
 
