@@ -37,7 +37,7 @@ def check_stopped():
 
 @contextlib.contextmanager
 def use(*, threads=None, stop=None, device="cpu", progress=None):
-    """Set threads, device, a stop event or progress for calculations in a `with` block.
+    """Set threads, device, a stop event or progress for calculations in a ``with`` block.
 
     A setting that is left out has its default, whatever an enclosing `use` says.  The device is not
     checked here: `sweep` does that.
