@@ -33,7 +33,7 @@ def hopf(slider, V_lp=None):
     Without V_lp it is the bifurcation as speed increases at the slider's K, at V_c (eq. 10).  With
     V_lp it is the bifurcation as stiffness decreases at this speed, at K_c (eq. 6), whatever the
     slider's K.  The formulas are closed for laws of one length; for others Kuznetsov's (2004)
-    formula is evaluated with numbers.
+    formula is evaluated numerically.
 
     Near it ln(V/V_lp) = r cos(omega t), with dr/dt = growth_rate r + lyapunov_1 r^3.  If
     lyapunov_1 < 0 the bifurcation is supercritical: small stable cycles appear on the unstable side

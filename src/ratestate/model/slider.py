@@ -22,7 +22,7 @@ class SpringSlider(SliderParameters):
 
     Every parameter is a number in SI, a string or pint quantity with a unit, or a named
     xarray.DataArray.  Arrays broadcast by the names of their dimensions, which makes a sweep.  One
-    parameter may be a 1-D numpy array; its dimension is called as the parameter.  The attributes
+    parameter may be a 1-D numpy array; its dimension has the parameter's name.  The attributes
     are floats or DataArrays in SI.
 
     Parameters
@@ -56,7 +56,7 @@ class SpringSlider(SliderParameters):
         replaces them by an inverse hyperbolic sine (Rice & Ben-Zion 1996): friction is finite at
         rest, and slip may reverse.  The law "flash-heating" uses "regularized".
     damping : float, str or DataArray
-        Damping [Pa s/m], >= 0, by default 0, of a dashpot parallel to friction or by radiated shear
+        Damping [Pa s/m], >= 0, by default 0: a dashpot parallel to friction, or radiation of shear
         waves, G/(2 c_s).  A slider with damping and without mass is quasi-dynamic.  Its velocity
         stays finite.
     alpha : float or DataArray

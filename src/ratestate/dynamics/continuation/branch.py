@@ -62,8 +62,8 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
         meet), "period_doubling", "torus", "start" or "stop" at an end that is none of these, and
         "" everywhere else.  The attribute ``parameter`` names the parameter.  Laws of one length
         have no torus: the product of the multipliers is below exp(-(1 + 1/eta) V_lp period/Dc).
-        ``error`` bounds the difference from this branch's own cycle at exactly the parameter
-        returned; at a fold, from the cycle there.  It may exceed `rtol` if amplitudes change much
+        ``error`` bounds the difference from this branch's exact cycle at the parameter returned,
+        or at a fold from the cycle there.  It may exceed `rtol` if amplitudes change much
         faster than the parameter, as on a canard or near a Hopf point of almost no curvature: the
         parameter's last digit then matters.
 

@@ -44,8 +44,8 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
     """Find the cycle that a slider reaches from steady sliding at V_start.
 
     The method is shooting: Newton's method on the return map of the section V = V_lp, where the
-    stress has its maximum, with the map's derivative from the variational equations.  The motion
-    from the start on decides which of several cycles, or steady sliding, it is.  If the stress
+    stress has its maximum, with the map's derivative from the variational equations.  If several
+    attractors exist, the result is the one that the motion from the start reaches.  If the stress
     maxima alternate, the cycle closes after 2, 4, ... returns to the section (period doubling).
 
     Parameters
@@ -84,8 +84,9 @@ def limit_cycle(slider, V_lp, *, V_start=None, rtol=1e-8):
           ``reversal_margin``, is negative);
         - ``stable``, whether small disturbances decay;
         - ``residual``, the relative distance by which the cycle fails to close, and ``error``, the
-          estimated relative error of amplitude and period, with rounding of the parameters, which
-          a canard multiplies by up to 1e7 and more; ``V_max_error`` and ``V_min_error``, the errors
+          estimated relative error of amplitude and period.  It includes the rounding of the
+          parameters, which counts 1e7 times and more if the cycle changes abruptly with a
+          parameter, as on a canard; ``V_max_error`` and ``V_min_error``, the errors
           of the speeds, which may exceed rtol if they span decades (a V_min below 1e-260 V_lp
           counts as rest);
         - ``returns``, how many returns to the section make the period: 1, 2, 4, ... up to 32, all

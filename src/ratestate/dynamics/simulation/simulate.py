@@ -96,11 +96,11 @@ def simulate(
           loading;
         - ``amplitude`` (max - min of tau/sigma(0), without the first maximum), ``stress_drop`` [Pa]
           (max - min of tau) and ``frequency`` [Hz] of the last period; 0 if there is none, or its
-          amplitude is below 10 a rtol;
-        - ``returns``, the number of maxima in this period: 1, or up to 32 if unequal maxima follow
-          each other in a fixed order throughout the later half of the last 64; 0 if they have no
-          such order, and then this half gives the amplitude, and frequency is the number of maxima
-          in a second; 1 also if there are too few to decide, below 20 or so;
+          amplitude is below 10 * a * rtol;
+        - ``returns``, the number of maxima in this period: 1 if all are equal, or if there are
+          fewer than about 20; up to 32 if unequal maxima follow each other in a fixed order
+          throughout the later half of the last 64; 0 if they have no such order.  Then this half
+          gives the amplitude, and frequency is the number of maxima in a second;
         - ``V_max`` and ``V_min`` [m/s] of the run; without mass V_max may be inf, beyond double
           precision, in a motion that comes back;
         - ``inertial_force``, the largest |M dV/dt|/sigma(0) (without damping |tau/sigma - mu|);

@@ -40,10 +40,11 @@ def figure(result, *, title=True):
     ----------
     result : xarray.Dataset, or list or dict of these
         From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`,
-        `events`, `healing`, `machine_stiffness` or `sweep`: of one slider, or over one axis (lines)
-        or two (maps; lines too where one of them has a few values only).  Several runs of
-        `simulate` are compared: a list or dict as for `plot.trace`, or a few along one axis with
-        more than their ends saved.  So are several results of `events`: measured beside simulated.
+        `events`, `healing`, `machine_stiffness` or `sweep`.  One slider gives curves in time or
+        along its branch, a sweep over one axis lines, and over two axes maps, or lines if one of
+        them has few values.  Several runs of `simulate` are compared: a list or dict as for
+        `plot.trace`, or a sweep along one axis that saved more than the ends of runs.  So are
+        several results of `events`: measured beside simulated.
     title : bool
         Whether a title and the parameters stand above the panels.
 

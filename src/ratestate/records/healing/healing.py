@@ -22,9 +22,10 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
 
     The record is a slide-hold-slide test.  Healing is the peak of friction on reloading minus
     steady friction before the hold.  Relaxation is steady friction minus friction at the end of the
-    hold.  Steady friction is a line, extrapolated to the peak, whose slope is common to all slides.
-    The rest of the transient after the previous hold is modelled.  The peak is taken from a fitted
-    polynomial (generalized least squares), because the largest noisy sample is too high.
+    hold.  Steady friction is a straight line, extrapolated to the time of the peak; all slides
+    share its slope.  The rest of the transient after the previous hold is modelled.  The peak is
+    taken from a fitted polynomial (generalized least squares), because the largest noisy sample is
+    too high.
 
     Parameters
     ----------
@@ -42,7 +43,8 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
     noise : float or dict, optional
         Standard deviation of the noise in friction, or a dict with the standard deviations of its
         parts "white" and "red" and the correlation time "time" [s] of the red part.  By default it
-        is estimated from the later halves of the slides, and at least the resolution of friction.
+        is estimated from the later halves of the slides, and never less than the resolution of
+        friction.
 
     Returns
     -------
@@ -86,7 +88,7 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
     Healing is defined as by Dieterich (1972, doi:10.1029/JB077i020p03690) and Marone (1998,
     doi:10.1146/annurev.earth.26.1.643).  The rate is the slope of healing against log10 of hold
     time, by least squares weighted with the errors.  Slip of the fault is the load point's
-    displacement minus friction/k, with k the slope of reloading.  If k is not resolved, it is the
+    displacement minus friction/k, with k the slope of reloading.  If k is not resolved, slip is the
     load point's displacement.  No error is less than the rounding of friction.  ``hold_message``
     says if healing depends on the drift, or if a slide was too short to become steady.  The level
     of such a slide is taken from a line through all slides, with an error that includes their

@@ -36,7 +36,7 @@ def events(data, *, K=None, M=None, sigma=None):
         - ``event_start`` and ``event_end`` [s]: times of the largest and smallest stress.
         - ``event_time`` [s]: when the stress is midway between them.
         - ``tau_max``, ``tau_min`` and ``stress_drop`` [Pa]; ``friction_drop``.
-        - ``recurrence`` [s]: time since the ``event_time`` of the last event.
+        - ``recurrence`` [s]: time since the ``event_time`` of the previous event.
         - ``duration`` [s], ``slip`` [m], ``peak_slip_rate`` [m/s], ``V_lp`` [m/s].
         - ``friction_work`` [J/m^2]: the integral of tau over slip.
         - ``spring_energy`` [J/m^2]: the energy that the spring loses.
@@ -47,8 +47,8 @@ def events(data, *, K=None, M=None, sigma=None):
         for a whole event.  ``event_message`` explains NaN and gives remarks.
 
         Along ``abscissa`` ("recurrence", "V_lp"): the line stress_drop = A + B log10(x), with x in
-        SI, through whole events loaded at one V_lp: ``trend_A`` and ``trend_B`` [Pa] with errors,
-        ``trend_events`` and ``trend_message``.
+        SI, through whole events during whose loading V_lp was constant: ``trend_A`` and ``trend_B``
+        [Pa] with errors, ``trend_events`` and ``trend_message``.
 
         Scalars: ``K`` and ``K_error`` [Pa/m]; ``tau_noise`` [Pa] and ``tau_noise_correlation`` of
         neighbouring samples, from the loading; ``detection_threshold`` [Pa], the smallest stress
@@ -73,10 +73,10 @@ def events(data, *, K=None, M=None, sigma=None):
 
     Two events are found as one fall if the loading between them raises the stress by less than the
     detection threshold.  A fall that slows down and speeds up again is several events (status 6),
-    and its errors cover the values of each of them.  Messages report a stress drop with few samples
-    of more than 1.5 times the median, which may be several events.  They report a smaller fall
-    during the loading before an event.  They report a stress drop of less than twice the threshold,
-    because similar events may then be missing.
+    and its errors cover the values of each of them.  A message reports a stress drop with few
+    samples that exceeds 1.5 times the median, because it may be several events.  Messages also report
+    a smaller fall during the loading before an event, and a stress drop of less than twice the
+    threshold, because similar events may then be missing.
 
     If the middle half of a fall has fewer than 8 samples, the peak slip rate is the mean slip rate
     there, a lower bound.
