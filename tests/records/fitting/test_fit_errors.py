@@ -369,6 +369,14 @@ def test_each_problem_has_its_warning(good):
         assert {one.filename for one in emitted} == {__file__}  # the line that asked
 
 
+def test_the_end_of_a_ramp_of_normal_stress_is_not_a_step(good):
+    """The ramp lasts as long as the record, which shows steady friction after its step."""
+    pressed = good.assign(sigma=("time", np.linspace(2.05e7, 2.25e7, T.size)))
+    with pytest.warns(rs.FitWarning) as emitted:
+        rs.fit(pressed, SLIDER, errors="covariance")
+    assert not [one for one in emitted if "after its last step" in str(one.message)]
+
+
 @pytest.mark.parametrize("given", [5e-5, 8e-4])
 @pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
 def test_misfit_does_not_depend_on_the_given_noise(good, given):

@@ -105,7 +105,9 @@ def _ends_early(inference):
     problem = inference.solution.problem
     name, D, high = longest_distance(inference.estimates, problem.slider)
     record, loading = problem.record, problem.record.loading
-    last = max(change_times(loading), default=0.0)
+    changes = change_times(loading)
+    within = changes[changes < record.t[-1]]  # a ramp of normal stress may end with the record
+    last = max(within, default=0.0)
     slip = float(np.diff(loading.delta_lp(np.array([last, record.t[-1]])))[0])
     if loading.V[-1] == 0.0 or slip >= STEADY * high:
         return

@@ -74,8 +74,8 @@ def events(data, *, K=None, M=None, sigma=None):
     Two events are found as one fall if the loading between them raises the stress by less than the
     detection threshold.  A fall that slows down and speeds up again is several events (status 6),
     and its errors cover the values of each of them.  A message reports a stress drop with few
-    samples that exceeds 1.5 times the median, because it may be several events.  Messages also report
-    a smaller fall during the loading before an event, and a stress drop of less than twice the
+    samples that exceeds 1.5 times the median, because it may be several events.  Messages also
+    report a smaller fall during the loading before an event, and a stress drop below twice the
     threshold, because similar events may then be missing.
 
     If the middle half of a fall has fewer than 8 samples, the peak slip rate is the mean slip rate
