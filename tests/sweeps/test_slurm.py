@@ -353,6 +353,16 @@ def test_jobs_are_replaced_until_that_is_used_up(slurm, kept, capfd):
         assert slurm.submitted == 4
 
 
+def test_the_cluster_closes_while_a_lost_job_is_remembered(slurm, kept):
+    """As by the traceback of the error, which Dask's own check of its jobs must not replace."""
+    held = []
+    with kept("cores=1,jobs=1,replacements=0") as jobs:
+        held += jobs.cluster.workers.values()
+        slurm.say(held[0].job_id, "TIMEOUT")
+        with pytest.raises(rs.SolverError, match=r"were lost before a worker came"):
+            jobs.maintain()
+
+
 @pytest.mark.parametrize("way", ["fail", "sbatch: error: QOSMaxSubmitJobPerUserLimit"])
 def test_jobs_that_end_before_any_worker_comes_are_not_replaced(slurm, kept, way):
     slurm.answer(way)

@@ -53,7 +53,10 @@ def job_cluster(text):
     from distributed.core import Status
 
     class Job(SLURMJob):
-        """A job that says why sbatch refused it; Dask could not close a cluster with it."""
+        """A job that says why sbatch refused it, and that is closed once it was cancelled.
+
+        Dask closes no cluster with a job that could not start, or that is still "running".
+        """
 
         refused = ""
 
@@ -64,6 +67,10 @@ def job_cluster(text):
                 # dask-jobqueue quotes the whole call; the message of sbatch comes last
                 self.refused = str(error).rpartition("stderr:")[-1].strip()
                 self.status = Status.running  # as Dask expects
+
+        async def close(self):
+            await super().close()
+            self.status = Status.closed
 
     options = {key: value for key, value in _options(text).items() if key not in OF_JOBS}
     # Another sweep may have the usual port.
