@@ -11,6 +11,9 @@ from ..model.names import nearest
 from ..model.quantities import QUANTITIES
 from .report import Report, Row, Title, of_quantities, shown_units
 
+#: functions of records, whose reports evaluations.py makes
+EVALUATIONS = "events", "healing", "machine_stiffness"
+
 
 def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> Report:
     """Describe the result of any function of ratestate, to print.
@@ -51,10 +54,12 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         from .fits import report_on_fit
 
         return report_on_fit(result)
-    from . import evaluations, many_cases, single
+    from . import many_cases, single
 
     shown = shown_units(result, _checked_units(units or {}))
-    if name in evaluations.TABLES:
+    if name in EVALUATIONS:  # their modules take a third of a second to import
+        from . import evaluations
+
         return Report(evaluations.TABLES[name](result))
     if many_cases.axes_of(result, name):
         return Report(many_cases.sweep(result, name, shown))
