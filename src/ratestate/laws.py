@@ -82,7 +82,7 @@ def catalogue():
             name,
             tuple(known for known, its in LAW_NAMES.items() if its == name),
             law.label,
-            {form: composed(law, form).parameters for form in forms_of(law)},
+            {form: dict(composed(law, form).parameters) for form in forms_of(law)},
         )
         for name, law in LAWS.items()
     ]

@@ -92,3 +92,21 @@ def test_axes_of_a_sweep_are_in_the_units_of_the_whole_contact():
     assert "[MN/m]" in " ".join(ax.get_xlabel() for ax in page.axes)
     few = rs.plot.figure(rs.stability(SLIDER.replace(K=rs.logspace("K", 9e8, 4e9, 3)), "3 mm/s"))
     assert few.axes[-1].get_xlabel() == "Stiffness of the whole spring $K$ [MN/m]"
+
+
+def test_a_unit_may_be_of_the_whole_contact_or_per_area():
+    found = rs.stability(SLIDER, "3.2 mm/s")
+    report = str(rs.summary(found, {"K": "kN/mm", "K_c": "GPa/m"}))
+    assert re.search(r"^K +1.8 kN/mm +stiffness of the whole spring", report, re.MULTILINE)
+    per_area = rf"^K_c +{float(found.K_c) / 1e9:.6g} GPa/m +critical stiffness"
+    assert re.search(per_area, report, re.MULTILINE)
+    with pytest.raises(rs.ParameterError, match="K = 'kN' is a force"):
+        rs.summary(found, {"K": "kN"})
+
+
+def test_dimensions_of_the_whole_contact_have_the_symbols_of_parameters():
+    values = {"mass": "6 kg", "stiffness": "1.8 MN/m", "area": "20 cm^2"}
+    forces = np.array([3e3, 4e3, 5e3])
+    slider = rs.SpringSlider.of_contact(a=0.003, b=0.006, Dc="10 um", normal_force=forces, **values)
+    fig = rs.plot.figure(rs.stability(slider, "3.2 mm/s"))
+    assert "$\\sigma$" in " ".join(ax.get_xlabel() for ax in fig.axes)

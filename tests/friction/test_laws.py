@@ -1,6 +1,7 @@
 """Friction and the evolution laws equal their definitions (eqs 1-3)."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from ratestate import ParameterError
 from ratestate import formulas as rsf
+from ratestate.laws import catalogue
 from ratestate.paper.figures import LAWS as LAWS_OF_PAPER
 
 LAWS = list(LAWS_OF_PAPER)
@@ -98,3 +100,8 @@ def test_arrays_and_named_arrays_broadcast():
 def test_unknown_law(law):
     with pytest.raises(ParameterError, match=r"is unknown"):
         rsf.dtheta_dt(1e-6, 1.0, Dc=1e-5, law=law)
+
+
+def test_the_catalogue_can_be_copied():
+    for entry in catalogue():
+        assert pickle.loads(pickle.dumps(entry)).forms.keys() == entry.forms.keys()

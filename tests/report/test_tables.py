@@ -186,3 +186,18 @@ def test_an_unstable_slider_s_report_says_what_makes_it_stable():
         scale = {"K": 1e-6, "M": 1.0, "damping": 1.0}[name] * 2e-3  # MN/m, kg, N s/m
         assert f" {float(found[f'{name}_stable']) * scale:.4g} " in row
     assert "Each alone" not in str(rs.summary(rs.stability(brake.replace(b=0.002), 0.01)))
+
+
+@pytest.mark.parametrize(
+    ("found", "units"),
+    [
+        (lambda: rs.limit_cycle(SLIDER, 1e-2), {"V_max": "mm/s", "period": "ms"}),
+        (lambda: rs.stability(SLIDER, 1e-2), {"K_c": "MPa/m", "V_lp": "mm/s"}),
+        (lambda: rs.stability(SLIDER, rs.logspace("V_lp", 1e-3, 1e-1, 3)), {"V_lp": "um/s"}),
+        (lambda: rs.continue_cycle(SLIDER, "K", 9e8, 8.95e8, V_lp=1e-2), {"K": "MPa/m"}),
+    ],
+)
+def test_units_of_the_variables_are_read(found, units):
+    """The report on a result does not depend on the units of its variables."""
+    result = found()
+    assert str(rs.summary(rs.in_units(result, **units))) == str(rs.summary(result))

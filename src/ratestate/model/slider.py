@@ -48,7 +48,7 @@ class SpringSlider(SliderParameters):
     V0 : float, str or DataArray
         Reference velocity [m/s], > 0.  With cut-offs, friction does not depend on it.
     law : str
-        Friction law: a name in `ratestate.friction.laws.LAWS` or a synonym, such as "Ruina" (eq. 3)
+        Friction law: a name in `ratestate.laws.catalogue` or a synonym, such as "Ruina" (eq. 3)
         or "Dieterich" (eq. 2), in upper or lower case.  The attribute is the law's name.
     friction_form : {"log", "cut-off", "regularized"}, optional
         How friction depends on speed and state.  "log", the default, is eq. 1.  "cut-off" limits

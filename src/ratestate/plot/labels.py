@@ -7,7 +7,7 @@ import numpy as np
 
 from ..friction.laws import LAWS as friction
 from ..model import quantities
-from ..model.parameters import of_contact, shown_name
+from ..model.parameters import WHOLE_CONTACT, of_contact, shown_name
 from ..model.quantities import QUANTITIES
 
 STRESS = r"$\tau/\sigma$"
@@ -163,6 +163,7 @@ def label(symbol):
 
 def _letters(symbol):
     """A symbol as mathematics; what follows an underscore, and digits at the end, are lowered."""
+    symbol = WHOLE_CONTACT.get(symbol, symbol)
     if symbol in LETTERS:
         return LETTERS[symbol]
     head = symbol.rstrip("0123456789")

@@ -20,7 +20,7 @@ from ..model.quantities import (
     readable,
     readable_time,
 )
-from ..model.units import unit_factor
+from ..model.units import has_unit, unit_factor
 
 #: width of a report as plain text [characters]
 WIDTH = 110
@@ -39,6 +39,11 @@ class Units(NamedTuple):
 
     wanted: Mapping[str, str] = {}  # symbol -> the unit that is asked for
     area: Any = None  # of the contact [m^2], if known: other values are of the whole contact
+
+    def area_of(self, symbol: str) -> Any:
+        """Return the area if a value is shown for the whole contact, else None."""
+        per_area = symbol in self.wanted and has_unit(symbol, self.wanted[symbol])
+        return None if per_area else self.area
 
 
 def shown_units(result: xarray.Dataset, wanted: Mapping[str, str] | None = None) -> Units:
@@ -207,7 +212,7 @@ def of_quantities(rows: list[Row], units: Units) -> TextTable:
         shown = [text or value_text(symbol, float(value), units)]
         if errors:
             shown.append("" if error is None else f"{error:.1g}")
-        name = shown_name(symbol, None if symbol in units.wanted else units.area)
+        name = shown_name(symbol, units.area_of(symbol))
         cells.append([symbol, *shown, f"{name}; {remark}" if remark else name])
     return TextTable(columns, cells)
 
@@ -223,13 +228,13 @@ def value_text(symbol: str, x: float, units: Units, digits: int = DIGITS) -> str
         return "-"
     if math.isinf(x) and not quantity.may_be_inf:
         return "none"  # a limit such as V_c without mass
-    if symbol in units.wanted and math.isfinite(x):
-        unit = units.wanted[symbol]
-        return f"{x / float(unit_factor(quantity.unit, unit)):.{digits}g} {unit}"
-    if quantity.unit == "s":
+    unit = units.wanted.get(symbol)
+    if quantity.unit == "s" and unit is None:
         return readable_time(x, digits)
-    symbol, x = of_contact(symbol, x, units.area)
-    return readable(symbol, x, digits)
+    symbol, x = of_contact(symbol, x, units.area_of(symbol))
+    if unit is None or math.isinf(x):
+        return readable(symbol, x, digits)
+    return f"{x / float(unit_factor(QUANTITIES[symbol].unit, unit)):.{digits}g} {unit}"
 
 
 def scale_of(symbol: str, size: float, in_thousandths: bool = False) -> tuple[float, str]:

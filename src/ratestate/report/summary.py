@@ -6,10 +6,12 @@ import xarray
 
 from ..dynamics.recipe import attribute_text
 from ..errors import ParameterError
-from ..model.conversion import si_factor
+from ..model.conversion import in_si, si_factor
 from ..model.names import nearest
+from ..model.parameters import of_contact
 from ..model.quantities import QUANTITIES
-from .report import Report, Row, Title, of_quantities, shown_units
+from ..model.units import has_unit
+from .report import Report, Row, Title, Units, of_quantities, shown_units
 
 #: functions of records, whose reports evaluations.py makes
 EVALUATIONS = "events", "healing", "machine_stiffness"
@@ -49,6 +51,7 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         raise ParameterError(
             f"a {type(result).__name__} is not a result", "Give a Dataset from ratestate."
         )
+    result = in_si(result)
     name = attribute_text(result, "title").removeprefix("ratestate ")
     if name == "fit":
         from .fits import report_on_fit
@@ -56,7 +59,8 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
         return report_on_fit(result)
     from . import many_cases, single
 
-    shown = shown_units(result, _checked_units(units or {}))
+    shown = shown_units(result, units)
+    _check_units(shown)
     if name in EVALUATIONS:  # their modules take a third of a second to import
         from . import evaluations
 
@@ -75,12 +79,12 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
     return Report([Title(f"Result of {name}"), of_quantities(rows, shown)])
 
 
-def _checked_units(units: Mapping[str, str]) -> Mapping[str, str]:
-    """Return the units; ParameterError if a symbol is unknown or a unit does not fit."""
-    for symbol, unit in units.items():
+def _check_units(units: Units) -> None:
+    """Raise ParameterError if a symbol is unknown or a unit does not fit."""
+    for symbol, unit in units.wanted.items():
         if symbol not in QUANTITIES:
             near = nearest(symbol, QUANTITIES)
             wanted = f"Did you mean {near}?" if near else "Give symbols such as V_lp."
             raise ParameterError("is not a quantity", wanted, symbol=symbol)
-        si_factor(symbol, unit)
-    return units
+        if not has_unit(of_contact(symbol, 1.0, units.area)[0], unit):
+            si_factor(symbol, unit)

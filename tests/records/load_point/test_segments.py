@@ -340,3 +340,11 @@ def test_errors_come_from_the_noise_of_their_own_rate():
     assert (np.abs(np.std(scaled, axis=0) - 1.0) < 0.25).all()
     slow = 0.07e-6 / np.sqrt(2500 * 250.0**2 / 12.0)
     assert found.V_error[0] == pytest.approx(slow, rel=0.15)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("speed", [0.0, 1e-6])
+def test_a_constant_speed_without_noise(speed):
+    """As in a window of a simulated run: no division by the noise of 0."""
+    found = segments_from_velocity(np.arange(0.0, 50.0, 0.2), np.full(250, speed))
+    assert found.V.tolist() == [speed]

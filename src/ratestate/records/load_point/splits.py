@@ -27,6 +27,8 @@ MIN_GAIN = 40.0
 MIN_SPREAD = 1e-15
 #: rows whose median sampling interval is the local one; ratio of intervals of two different rates
 NEIGHBOURS, RATE_RATIO = 9, 1.3
+# Least standard deviation of noise, relative to the largest value: below any rounding.
+LEAST_NOISE = 1e-19
 MIN_RUN_ROWS = 4  # rows of the shortest run
 #: median of chi-squared with one degree of freedom (a level) and with two (a line)
 CHI2_MEDIANS = (0.455, 1.386)
@@ -60,7 +62,9 @@ class RowSums:
         u = t - t.mean()
         # removing the overall line or mean saves significant digits
         y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
-        self.noise, self.rates = sampling_noise(t, y, degree, longest)
+        noise, self.rates = sampling_noise(t, y, degree, longest)
+        least = LEAST_NOISE * np.abs(x).max() or 1.0  # of a simulated record; 1 if it is at rest
+        self.noise = np.maximum(noise, least**2)
         columns = np.array([np.ones_like(u), u, u * u, y, u * y, y * y]) / self.noise
         self.all_sums = np.zeros((6, t.size + 1))
         self.all_sums[:, 1:] = running_sum(columns)

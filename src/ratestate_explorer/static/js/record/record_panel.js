@@ -86,14 +86,13 @@ export class RecordPanel {
       if (found.columns.length && !fit) this.choices.show();
       return;
     }
+    const { zero } = this.record;
     this.show(found);
+    if (fit) this.shift(zero); // a fitted record stays where it lies
   }
 
-  /** Have the record fitted; it stays where it lies. */
-  async fit() {
-    const { zero } = this.record;
-    await this.read(this.entries());
-    if (this.record.arrays) this.shift(zero);
+  fit() {
+    return this.read(this.entries());
   }
 
   stopFit() {
@@ -131,6 +130,7 @@ export class RecordPanel {
 
   remove() {
     this.file.stop();
+    this.tellFit(false);
     $("record-progress").hidden = true;
     this.record.set(null);
     this.choices.clear();
