@@ -12,7 +12,7 @@
         `-- NotConverged                        no answer good enough; carries the best estimate
 
     UserWarning
-    |-- FitWarning                              an answer that must not be used unread
+    |-- FitWarning                              a fit that may be unreliable
     |-- RecordWarning                           rows of a record left out, or odd
     `-- RunWarning                              a run without visible motion, or a slow one
 """

@@ -152,7 +152,7 @@ def warnings_of_steps(result):
     for which, what, variable in (
         (unstable, "are stick-slip, and are not fitted", "message"),
         (failed, "cannot be fitted", "message"),
-        (doubtful & ~failed, "must not be used unread", "warnings"),
+        (doubtful & ~failed, "have warnings", "warnings"),
     ):
         if which.any():
             steps = ", ".join(map(str, (np.flatnonzero(which) + 1).tolist()))
