@@ -27,8 +27,6 @@ MIN_GAIN = 40.0
 MIN_SPREAD = 1e-15
 #: rows whose median sampling interval is the local one; ratio of intervals of two different rates
 NEIGHBOURS, RATE_RATIO = 9, 1.3
-# Least standard deviation of noise, relative to the largest value: below any rounding.
-LEAST_NOISE = 1e-19
 MIN_RUN_ROWS = 4  # rows of the shortest run
 #: median of chi-squared with one degree of freedom (a level) and with two (a line)
 CHI2_MEDIANS = (0.455, 1.386)
@@ -43,6 +41,8 @@ GAP_RATIO, GAP_ROWS = 5.0, 10
 #: least variance of the noise: as a fraction of the sum of squares of all values (rounding), and of
 #: the largest variance at any rate (the precision of cumulative sums)
 ROUNDING, MIN_VARIANCE_RATIO = 1e-15, 1e-6
+# Variance of the noise of values that are all equal, by which sums are divided.
+LEAST_VARIANCE = 1e-100
 
 
 class RowSums:
@@ -62,9 +62,7 @@ class RowSums:
         u = t - t.mean()
         # removing the overall line or mean saves significant digits
         y = x - (np.polyval(np.polyfit(u, x, 1), u) if degree else x.mean())
-        noise, self.rates = sampling_noise(t, y, degree, longest)
-        least = LEAST_NOISE * np.abs(x).max() or 1.0  # of a simulated record; 1 if it is at rest
-        self.noise = np.maximum(noise, least**2)
+        self.noise, self.rates = sampling_noise(t, y, degree, longest)
         columns = np.array([np.ones_like(u), u, u * u, y, u * y, y * y]) / self.noise
         self.all_sums = np.zeros((6, t.size + 1))
         self.all_sums[:, 1:] = running_sum(columns)
@@ -232,7 +230,7 @@ def sampling_noise(t, y, degree, longest):
     known = [one.size >= MIN_PAIRS for one in own]
     levels = [np.median(one) for one, enough in zip(own, known, strict=True) if enough]
     noisiest = max(levels or [np.median(shortest) if shortest.size else 0.0])
-    least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y))
+    least = max(MIN_VARIANCE_RATIO * noisiest, ROUNDING * float(y @ y), LEAST_VARIANCE)
     variances = np.full(len(own), max(noisiest, least))
     variances[known] = np.maximum(levels, least)
     growth, length = np.ones(len(own)), 2 * MIN_RUN_ROWS
