@@ -109,7 +109,7 @@ _NAMES = {
 }
 _HOMES = {name: module for module, names in _NAMES.items() for name in names.split()}
 
-__all__ = sorted([*_HOMES, *_PACKAGES])  # noqa: PLE0605
+__all__ = sorted([*_HOMES, *_PACKAGES])  # noqa: PLE0605  (the tables above)
 
 
 def __getattr__(name: str) -> Any:

@@ -138,7 +138,7 @@ simulate("slip")
 """
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="numbers of Linux's mmap")
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the flags of mmap are Linux's")
 def test_code_and_constants_lie_side_by_side_in_scattered_memory():
     done = subprocess.run([sys.executable, "-c", SCATTERED_MEMORY], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

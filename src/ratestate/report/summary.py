@@ -13,9 +13,6 @@ from ..model.quantities import QUANTITIES
 from ..model.units import has_unit
 from .report import Report, Row, Title, Units, of_quantities, shown_units
 
-#: functions of records, whose reports evaluations.py makes
-EVALUATIONS = "events", "healing", "machine_stiffness"
-
 
 def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> Report:
     """Describe the result of any function of ratestate, to print.
@@ -61,10 +58,11 @@ def summary(result: xarray.Dataset, units: Mapping[str, str] | None = None) -> R
 
     shown = shown_units(result, units)
     _check_units(shown)
-    if name in EVALUATIONS:  # their modules take a third of a second to import
-        from . import evaluations
+    if name not in single.TABLES:
+        from . import evaluations  # slow: it imports what evaluates records
 
-        return Report(evaluations.TABLES[name](result))
+        if name in evaluations.TABLES:
+            return Report(evaluations.TABLES[name](result))
     if many_cases.axes_of(result, name):
         return Report(many_cases.sweep(result, name, shown))
     if name in single.TABLES:

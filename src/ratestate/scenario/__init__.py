@@ -75,7 +75,7 @@ _HOMES = {
     "template": "templates",
     "toml": "as_toml",
 }
-__all__ = [*_HOMES]  # noqa: PLE0604
+__all__ = [*_HOMES]  # noqa: PLE0604  (the table above)
 
 
 def __getattr__(name):
