@@ -100,8 +100,10 @@ def run_lanes(run, budget):
                 kernel.end(run, l)
                 if s[R.CASE + l] == IDLE:
                     vacant = regroup = True
-        if run.taylor > 0 and change_sets(s, shape, first):
-            regroup = True
+        if run.taylor > 0:
+            regroup = leave_set(s, shape, first, n) or regroup
+            if regroup:
+                enter_set(s, shape, first)
     return False
 
 
@@ -216,23 +218,24 @@ def move(s, shape, l, to):
     s[R.CASE + l] = IDLE
 
 
-def change_sets(s, shape, first):
-    """Move sliders that change their method out of a set, waiting sliders into it.
-
-    Returns whether any slider has moved.
-    """
-    size, has_moved = shape.size, False
-    taylor = 1.0 if first == size else 0.0
-    for l in range(first, first + R.LANES):
+def leave_set(s, shape, first, n):
+    """Move those of a set's first n sliders that change their method; return whether any has."""
+    has_moved = False
+    to_taylor = 0.0 if first > 0 else 1.0
+    for l in range(first, first + n):
         if s[R.CHANGES + l] > 0.0 and s[R.CASE + l] != IDLE:
-            s[R.TAYLOR + l] = 1.0 - taylor
-            move(s, shape, l, free_column(s, shape, 1.0 - taylor))
+            s[R.TAYLOR + l] = to_taylor
+            move(s, shape, l, free_column(s, shape, to_taylor))
             has_moved = True
-    for l in range(2 * size, 2 * size + R.LANES):
+    return has_moved
+
+
+def enter_set(s, shape, first):
+    """Move sliders that wait for a set into it, as far as it has room."""
+    taylor = 1.0 if first > 0 else 0.0
+    for l in range(2 * shape.size, 2 * shape.size + R.LANES):
         if s[R.CASE + l] != IDLE and s[R.TAYLOR + l] == taylor:
             to = idle_column(s, first)
             if to < 0:
                 break
             move(s, shape, l, to)
-            has_moved = True
-    return has_moved

@@ -48,6 +48,25 @@ def write_point(s, l, at, at_end=False):
     s[w + l] = at.w
 
 
+def dense_output(s, l, rows, fraction):
+    """Return polynomials of the dense output at a fraction of the step, and their derivatives.
+
+    The degree is 4 after a step of Rodas5P, and `rows.ORDER` after a Taylor step.
+
+    rows : a tuple for each polynomial, with the rows of its coefficients, the constant first
+    """
+    values, derivatives = [], []
+    is_taylor = s[R.TAYLOR + l] > 0.0
+    for one in rows:
+        y = dy = 0.0
+        for k, row in reversed([*enumerate(one)]):
+            c = s[row + l] if k < R.RODAS5P_TERMS else where(is_taylor, s[row + l], 0.0)
+            y, dy = c + fraction * y, y + fraction * dy
+        values.append(y)
+        derivatives.append(dy)
+    return tuple(values), tuple(derivatives)
+
+
 def extremes(s, l, at):
     """Return row -> extreme of V, |g|, f or x + N so far, including the `Point` `at`."""
     return {

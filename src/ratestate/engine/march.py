@@ -234,12 +234,9 @@ def save_inside_step(run, l):
             break
         fraction = max(fraction, 0.0)
         work[0] = fraction
-        step_events.state_at(run, l, fraction, work, 1)
-        if run.shape.rigid:
-            call_point(run.units.state, s, l, work)
-            work[1], work[2] = work[OUTPUT], work[OUTPUT + 1]
+        call_point(run.units.state, s, l, work)
         for k in range(2 + run.shape.states):
-            run.results.saved[i, n, k] = work[1 + k]
+            run.results.saved[i, n, k] = work[OUTPUT + k]
         n += 1
     set_next_save(run, l, n)
 
@@ -262,13 +259,14 @@ def append_to_path(run, l):
 
 def append_inside_step(run, l):
     """Append points inside the lane's Taylor step to the path, before the commit."""
-    s, path = run.s, run.path
+    s, path, work = run.s, run.path, run.work
     for j in range(1, POINTS_PER_STEP):
         fraction, row = j / POINTS_PER_STEP, run.position[2]
         path[row, 0] = s[R.T + l] + (s[R.T_LOW + l] + fraction * s[R.H_USED + l])
-        step_events.state_at(run, l, fraction, run.work, 0)
+        work[0] = fraction
+        call_point(run.units.state, s, l, work)
         for k in range(2 + run.shape.states):
-            path[row, 1 + k] = run.work[k]
+            path[row, 1 + k] = work[OUTPUT + k]
         run.position[2] += 1
 
 

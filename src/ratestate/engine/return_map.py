@@ -187,17 +187,13 @@ def store_speed_derivatives(run, l, fraction, row):
 
     row : the first row for the changes
     """
-    s, shape, work = run.s, run.shape, run.work
-    n = 2 + shape.states
+    s, work = run.s, run.work
+    work[0] = fraction
     if s[R.TAYLOR + l] > 0.0:
-        step_events.state_at(run, l, fraction, work, 0)
-        for i in range(n, n * n):
-            work[i], _ = step_events.component(run, l, i, fraction)
         call_point(run.units.speed_derivatives_taylor, s, l, work)
     else:
-        work[0] = fraction
         call_point(run.units.speed_derivatives, s, l, work)
-    for j in range(n - 1):
+    for j in range(run.shape.states + 1):
         s[row + j * R.LANES + l] = work[OUTPUT + j]
 
 

@@ -3,29 +3,20 @@
 The spring stress has its extremes at V = V_lp, because dx/dT = kappa (w_lp - w).  An upward
 crossing is a stress maximum and closes a cycle.  A downward crossing is a stress minimum.
 
-The dense output of a step is a polynomial for each variable, in the fraction of the step that has
-passed, 0 to 1.  Rows of the lane buffer hold its coefficients, the constant first.  The degree is 4
-after a step of Rodas5P, and `rows.ORDER` after a Taylor step.
-
 The period of a run follows from the stress maxima and minima of its last cycles.
 """
 
 import math
 
-from ..friction.functions import log
 from . import rows as R
 from .rows import OUTPUT, call_point
 
 #: allowed error of extreme forces, as a multiple of the tolerance of a step
 FORCE_TOLERANCE = 0.01
-#: quantities of `evaluate`
-FORCE, SPEED, LEAD = 0, 1, 2
 # Weights of x, the stress S that opposes motion, the strength N and friction R in `units.force`.
-NO_FORCE, INERTIAL_FORCE = (0.0, 0.0, 0.0, 0.0), (1.0, -1.0, 0.0, 0.0)
+INERTIAL_FORCE = (1.0, -1.0, 0.0, 0.0)
 FRICTION, X_PLUS_N = (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)
-NO_SPEEDS = (0.0, 0.0)  # if `evaluate` does not need them
-#: w_lp that stands for rest, since ln 0 is not a number
-REST_SPEED = 1e-300
+NOTHING = (0.0, 0.0, 0.0, 0.0)  # inputs of `units.speed`
 
 # Smallest visible change of stress maxima or minima from one return to the next, divided by the
 # amplitude; fraction of that change that may remain after a whole period.
@@ -39,57 +30,19 @@ EXACT, ERRORS = 1e-4, 100.0
 REVERSALS, LASTING = 3, 0.5
 
 
-def component(run, l, i, fraction):
-    """Return number i of (x, v, psi...) at a fraction of the step; its derivative.
-
-    After a Taylor step of a return map, the numbers of y are followed by the perturbations z.
-    """
-    s, shape = run.s, run.shape
-    row = shape.c + i * shape.terms * R.LANES + l
-    last = (shape.terms if s[R.TAYLOR + l] > 0.0 else R.RODAS5P_TERMS) - 1
-    y, dy = s[row + last * R.LANES], 0.0
-    for k in range(1, last + 1):
-        dy = y + fraction * dy
-        y = s[row + (last - k) * R.LANES] + fraction * y
-    return y, dy
-
-
-def state_at(run, l, fraction, work, start):
-    """Put x, v and each psi at a fraction of the step into `work`, then derivatives."""
-    n = 2 + run.shape.states
-    for i in range(n):
-        work[start + i], work[start + n + i] = component(run, l, i, fraction)
-
-
-def evaluate(run, l, quantity, weights, speeds, fraction):
+def evaluate(run, l, unit, inputs, fraction):
     """Return a quantity at a fraction of the step, and the number that `root` zeroes.
 
-    =====  ==========================================================================
-    FORCE  a weighted sum of x, S, N and R; its slope
-    SPEED  the speed, as `Point.speed_measure`; its slope
-    LEAD   the speed; the excess of v over v at the load-point speed
-    =====  ==========================================================================
-
-    weights : of x, S, N and R; speeds : w_lp at the start of the step, and its change
+    unit : `force`, `speed` or `lead` of `run.units`; inputs : four numbers, as units.py says
     """
     work = run.work
-    if quantity == FORCE:
-        work[0] = fraction
-        work[1], work[2], work[3], work[4] = weights
-        state_at(run, l, fraction, work, 5)
-        call_point(run.units.force, run.s, l, work)
-        return work[OUTPUT], work[OUTPUT + 1]
-    w_lp = speeds[0] + speeds[1] * fraction
-    if run.shape.reverses == 0:
-        v, slope = component(run, l, 1, fraction)
-        return v, slope if quantity == SPEED else v - log(max(w_lp, REST_SPEED))
-    work[0] = w_lp
-    state_at(run, l, fraction, work, 1)
-    call_point(run.units.speed, run.s, l, work)
-    return work[OUTPUT], work[OUTPUT + 1] if quantity == SPEED else work[OUTPUT + 2]
+    work[0] = fraction
+    work[1], work[2], work[3], work[4] = inputs
+    call_point(unit, run.s, l, work)
+    return work[OUTPUT], work[OUTPUT + 1]
 
 
-def root(run, l, quantity, weights, speeds, low, high, tolerance):
+def root(run, l, unit, inputs, low, high, tolerance):
     """Find the zero of `evaluate`'s second number; return it and the first number.
 
     The method is regula falsi (Illinois).  If the sign is the same at both ends, the result is the
@@ -97,14 +50,14 @@ def root(run, l, quantity, weights, speeds, low, high, tolerance):
 
     tolerance : error that the first number may have if the second is its slope; else 0
     """
-    value_at_low, at_low = evaluate(run, l, quantity, weights, speeds, low)
-    value, at_high = evaluate(run, l, quantity, weights, speeds, high)
+    value_at_low, at_low = evaluate(run, l, unit, inputs, low)
+    value, at_high = evaluate(run, l, unit, inputs, high)
     if (at_low < 0.0) == (at_high < 0.0):
         return (low, value_at_low) if abs(at_low) < abs(at_high) else (high, value)
     side, at, last = 0, high, 2.0
     for _ in range(100):
         at = (low * at_high - high * at_low) / (at_high - at_low)
-        value, residual = evaluate(run, l, quantity, weights, speeds, at)
+        value, residual = evaluate(run, l, unit, inputs, at)
         if residual == 0.0 or abs(at - last) < 1e-14 or abs(residual * (at - last)) < tolerance:
             break
         last = at
@@ -121,18 +74,22 @@ def root(run, l, quantity, weights, speeds, low, high, tolerance):
 
 def extreme_value(run, l, weights, tolerance):
     """Return the extreme value of a weighted sum of forces inside the step."""
-    _, value = root(run, l, FORCE, weights, NO_SPEEDS, 0.0, 1.0, tolerance)
+    _, value = root(run, l, run.units.force, weights, 0.0, 1.0, tolerance)
     return value
 
 
 def extreme_speed(run, l):
     """Return the fraction of the step at which the speed is extreme, and the speed."""
-    return root(run, l, SPEED, NO_FORCE, NO_SPEEDS, 0.0, 1.0, 0.0)
+    return root(run, l, run.units.speed, NOTHING, 0.0, 1.0, 0.0)
 
 
 def crossing(run, l, speeds, low, high):
-    """Return where V, which crosses V_lp between two fractions, equals V_lp."""
-    fraction, _ = root(run, l, LEAD, NO_FORCE, speeds, low, high, 0.0)
+    """Return where V, which crosses V_lp between two fractions, equals V_lp.
+
+    speeds : w_lp at the start of the step, and its change in the step
+    """
+    inputs = speeds[0], speeds[1], 0.0, 0.0
+    fraction, _ = root(run, l, run.units.lead, inputs, low, high, 0.0)
     return fraction
 
 
@@ -161,7 +118,9 @@ def record_crossing(run, l, speeds, rises, low, high):
     """Record a crossing between two fractions: a stress maximum if V rises."""
     s = run.s
     at = crossing(run, l, speeds, low, high)
-    x, _ = component(run, l, 0, at)
+    run.work[0] = at
+    call_point(run.units.state, s, l, run.work)
+    x = run.work[OUTPUT]
     if rises:
         close_cycle(run, l, s[R.T_LOW + l] + at * s[R.H_USED + l], x)
     else:
@@ -183,7 +142,8 @@ def handle(run, l):
     if (s[R.W + l] < speeds[0]) == above:
         record_crossing(run, l, speeds, above, 0.0, 1.0)
     elif at > 0.0:
-        _, lead = evaluate(run, l, LEAD, NO_FORCE, speeds, at)
+        inputs = speeds[0], speeds[1], 0.0, 0.0
+        _, lead = evaluate(run, l, run.units.lead, inputs, at)
         if (lead < 0.0) == above:  # V crosses V_lp twice in this step
             record_crossing(run, l, speeds, not above, 0.0, at)
             record_crossing(run, l, speeds, above, at, 1.0)

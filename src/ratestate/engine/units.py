@@ -19,9 +19,9 @@ from .rows import OUTPUT, load_each, read_rows, rows_of, write_rows
 #: addresses of a law's units for a march on a spring; 0 if the law has no such unit
 MarchUnits = namedtuple(
     "MarchUnits",
-    "step taylor commit first_step force v_extremes "
-    "begin speed check_runaway "  # only on a spring
-    "state refresh "  # only without a spring; `refresh` also if normal stress varies
+    "step taylor commit first_step state force v_extremes "
+    "begin speed lead check_runaway "  # only on a spring
+    "refresh "  # only without a spring, or if normal stress varies
     "enter_stress stress_jump excess_stress",  # only if normal stress varies
 )
 
@@ -33,9 +33,13 @@ class RigidUnits(MarchUnits):
 #: addresses of a law's units for a return map
 ReturnUnits = namedtuple(
     "ReturnUnits",
-    "step taylor commit begin first_step force speed check_runaway "
+    "step taylor commit begin first_step force speed lead check_runaway "
     "add_rodas5p add_taylor move_to_section speed_derivatives speed_derivatives_taylor outcome",
 )
+
+
+#: w_lp that stands for rest, since ln 0 is not a number
+REST_SPEED = 1e-300
 
 
 def refresh(s, l, law):
@@ -66,26 +70,39 @@ def first_step(s, l, law):
     return ()
 
 
-def force(s, l, law, fraction, *inputs):
-    """Return a weighted sum of x, S, N and R at a fraction of the step; its slope.
+def state(s, l, law, fraction):
+    """Return x, v and each psi at a fraction of the step."""
+    y, _ = lanes.dense_output(s, l, rows_of(law).c, fraction)
+    return y
 
-    inputs : four weights; x, v, psi... there; their derivatives by the fraction
-    """
-    n, h = 2 + len(law.states), s[R.H_USED + l]
-    weights, y, dy = inputs[:4], inputs[4 : 4 + n], inputs[4 + n : 4 + 2 * n]
+
+def force(s, l, law, fraction, *weights):
+    """Return a weighted sum of x, S, N and R at a fraction of the step; its slope."""
+    h, (y, dy) = s[R.H_USED + l], lanes.dense_output(s, l, rows_of(law).c, fraction)
     here = lanes.read_point(s, l, law).at(y, fraction * h)
     return dot(weights, here.forces), dot(weights, here.changes_of_forces(here.in_omega(dy), h))
 
 
-def speed(s, l, law, w_lp, *inputs):
-    """Return w at a fraction of the step, its slope, and v minus v at w_lp.
+def speed(s, l, law, fraction):
+    """Return `Point.speed_measure` at a fraction of the step, and its slope."""
+    if not law.reverses:
+        (v,), (slope,) = lanes.dense_output(s, l, rows_of(law).c[1:2], fraction)
+        return v, slope
+    y, dy = lanes.dense_output(s, l, rows_of(law).c, fraction)
+    here = lanes.read_point(s, l, law).at(y)
+    return here.w, here.c * here.in_omega(dy)[1]
 
-    inputs : x, v, psi... there, and their derivatives by the fraction
+
+def lead(s, l, law, fraction, w_lp, change):
+    """Return v at a fraction of the step, and its excess over v at the load point's speed.
+
+    w_lp, change : the load point's speed at the start of the step, and its change in the step
     """
-    n = 2 + len(law.states)
-    here = lanes.read_point(s, l, law).at(inputs[:n])
-    _, d_omega, *_ = here.in_omega(inputs[n : 2 * n])
-    return here.w, here.c * d_omega, here.v - law.v_at(w_lp, here.psi, here.p)
+    (_, v, *psi), _ = lanes.dense_output(s, l, rows_of(law).c, fraction)
+    w_lp = w_lp + fraction * change
+    if not law.reverses:
+        w_lp = larger(w_lp, REST_SPEED)
+    return v, v - law.v_at(w_lp, psi, read_rows(s, rows_of(law).p, l))
 
 
 def check_runaway(s, l, law):
@@ -178,11 +195,11 @@ def speed_derivatives(s, l, law, fraction):
     return v_changes(end, z)
 
 
-def speed_derivatives_taylor(s, l, law, *inputs):
-    """Return `v_changes`; inputs : x, v, psi... and the numbers of each perturbation."""
-    n = 2 + len(law.states)
-    at = lanes.read_point(s, l, law).at(inputs[:n])
-    return v_changes(at, grouped(inputs[n : n * n], inputs[:n]))
+def speed_derivatives_taylor(s, l, law, fraction):
+    """Return `v_changes` at a fraction of a Taylor step, by its dense output."""
+    y, _ = lanes.dense_output(s, l, rows_of(law).c, fraction)
+    z, _ = lanes.dense_output(s, l, rows_of(law).c_z, fraction)
+    return v_changes(lanes.read_point(s, l, law).at(y), grouped(z, y))
 
 
 def outcome(s, l, law):
@@ -230,20 +247,19 @@ def lane_units(law, kind):
 
 def point_units(law, kind):
     """Return name -> a function of (s, l, law, *inputs), and its number of inputs."""
-    n = 2 + len(law.states)
     units: dict[str, Any] = {"first_step": (first_step, 0)}
     if kind is RigidUnits:
-        units |= {"refresh": (refresh_rigid, 0), "state": (rigid.state, 1 + n)}
-        units["force"] = rigid.force, 5 + 2 * n
+        units |= {"refresh": (refresh_rigid, 0), "force": (rigid.force, 5)}
     else:
         units |= {"begin": (begin, 0), "check_runaway": (check_runaway, 0)}
-        units |= {"force": (force, 5 + 2 * n), "speed": (speed, 1 + 2 * n)}
+        units |= {"force": (force, 5), "speed": (speed, 1), "lead": (lead, 3)}
     if kind is ReturnUnits:
         units |= {"move_to_section": (move_to_section, 0)}
         units |= {"speed_derivatives": (speed_derivatives, 1), "outcome": (outcome, 0)}
         if law.has_recurrences:
-            units["speed_derivatives_taylor"] = speed_derivatives_taylor, n * n
+            units["speed_derivatives_taylor"] = speed_derivatives_taylor, 1
         return units
+    units["state"] = rigid.state if kind is RigidUnits else state, 1
     units["v_extremes"] = v_extremes, 0
     if rows_of(law).history:
         units |= {"enter_stress": (enter_stress, 2), "stress_jump": (stress_jump, 1)}
