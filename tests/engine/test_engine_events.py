@@ -123,7 +123,7 @@ def test_a_crossing_of_a_load_point(c, load, at):
 
 def count_extremes(force, c, parts, h, law, p):
     """Compare the extreme force of a step with a dense grid; return the extremes inside."""
-    found = events.extreme_value(lane(law, c, p, h), LANE, parts, 0.0)
+    found = events.extreme_value(lane(law, c, p, h), LANE, parts, 0.0, events.ANY_VALUE)
     rises = np.diff(force) > 0.0
     inner = 1 + np.flatnonzero(rises[1:] != rises[:-1])
     if rises[0] != rises[-1]:
@@ -185,3 +185,20 @@ def test_extreme_forces_where_normal_stress_varies(parts):
         force = x + (parts[1] + parts[2]) * strength
         counts.append(count_extremes(force, c, parts, h, law, p))
     assert counts.count(1) > 12
+
+
+@pytest.mark.parametrize(
+    ("of_x", "known", "found"),
+    [
+        ((0.0, 1.0, -1.0, 0.0, 0.0), (-1.0, 0.99), 0.25),  # tangents meet at 0.5: at most 1.0
+        ((0.0, 1.0, -1.0, 0.0, 0.0), (-1.0, 1.01), 0.0),
+        ((0.0, -1.0, 1.0, 0.0, 0.0), (-0.99, np.inf), -0.25),
+        ((0.0, -1.0, 1.0, 0.0, 0.0), (-1.01, np.inf), 0.0),
+        # the slope 0.1 + 10 s (0.95 - s) rises before it falls: no bound follows from the ends
+        ((0.0, 0.1, 4.75, -10.0 / 3.0, 0.0), (-9.0, 9.0), 1.52448),
+    ],
+)
+def test_an_extreme_that_cannot_leave_the_known_values_is_not_searched_for(of_x, known, found):
+    run = lane(SlipLaw(), [np.array(of_x), np.zeros(5), np.zeros(5)], (1.5,))
+    value = events.extreme_value(run, LANE, (1.0, 0.0, 0.0, 0.0), 0.0, known)
+    assert value == pytest.approx(found, abs=1e-4)

@@ -219,7 +219,7 @@ def move(s, shape, l, to):
 
 
 def leave_set(s, shape, first, n):
-    """Move those of a set's first n sliders that change their method; return whether any has."""
+    """Move sliders that change their method out of a set of n lanes; return whether any has."""
     has_moved = False
     to_taylor = 0.0 if first > 0 else 1.0
     for l in range(first, first + n):

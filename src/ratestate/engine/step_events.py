@@ -17,6 +17,11 @@ FORCE_TOLERANCE = 0.01
 INERTIAL_FORCE = (1.0, -1.0, 0.0, 0.0)
 FRICTION, X_PLUS_N = (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)
 NOTHING = (0.0, 0.0, 0.0, 0.0)  # inputs of `units.speed`
+#: `root` looks for the zero, whatever the value there
+ANY_VALUE = (math.inf, -math.inf)
+#: largest height of an extreme above the ends of a step, as a multiple of the height at which the
+#: tangents of both ends meet; it is 1/2 for a parabola
+HIGHEST = 2.0
 
 # Smallest visible change of stress maxima or minima from one return to the next, divided by the
 # amplitude; fraction of that change that may remain after a whole period.
@@ -42,18 +47,34 @@ def evaluate(run, l, unit, inputs, fraction):
     return work[OUTPUT], work[OUTPUT + 1]
 
 
-def root(run, l, unit, inputs, low, high, tolerance):
+def farthest_value(value_at_low, slope_at_low, value, slope):
+    """Return a bound of the extreme of a step from values and slopes at its ends."""
+    meeting = slope_at_low * (value - value_at_low - slope) / (slope_at_low - slope)
+    is_maximum = slope_at_low > 0.0
+    end = max(value_at_low, value) if is_maximum else min(value_at_low, value)
+    height = value_at_low + meeting - end
+    if (height > 0.0) == is_maximum:
+        return end + HIGHEST * height
+    return math.inf  # the slope is not monotonic
+
+
+def root(run, l, unit, inputs, low, high, tolerance, known):
     """Find the zero of `evaluate`'s second number; return it and the first number.
 
     The method is regula falsi (Illinois).  If the sign is the same at both ends, the result is the
     end at which the second number is smaller in size.
 
     tolerance : error that the first number may have if the second is its slope; else 0
+    known : least and greatest value so far, if an extreme between them is not needed
     """
     value_at_low, at_low = evaluate(run, l, unit, inputs, low)
     value, at_high = evaluate(run, l, unit, inputs, high)
     if (at_low < 0.0) == (at_high < 0.0):
         return (low, value_at_low) if abs(at_low) < abs(at_high) else (high, value)
+    if known[0] < known[1]:
+        farthest = farthest_value(value_at_low, at_low, value, at_high)
+        if known[0] <= farthest and farthest <= known[1]:
+            return low, value_at_low
     side, at, last = 0, high, 2.0
     for _ in range(100):
         at = (low * at_high - high * at_low) / (at_high - at_low)
@@ -72,15 +93,18 @@ def root(run, l, unit, inputs, low, high, tolerance):
     return at, value
 
 
-def extreme_value(run, l, weights, tolerance):
-    """Return the extreme value of a weighted sum of forces inside the step."""
-    _, value = root(run, l, run.units.force, weights, 0.0, 1.0, tolerance)
+def extreme_value(run, l, weights, tolerance, known):
+    """Return the extreme value of a weighted sum of forces inside the step.
+
+    If the extreme lies between the two known values, the result is any value between them.
+    """
+    _, value = root(run, l, run.units.force, weights, 0.0, 1.0, tolerance, known)
     return value
 
 
 def extreme_speed(run, l):
     """Return the fraction of the step at which the speed is extreme, and the speed."""
-    return root(run, l, run.units.speed, NOTHING, 0.0, 1.0, 0.0)
+    return root(run, l, run.units.speed, NOTHING, 0.0, 1.0, 0.0, ANY_VALUE)
 
 
 def crossing(run, l, speeds, low, high):
@@ -89,7 +113,7 @@ def crossing(run, l, speeds, low, high):
     speeds : w_lp at the start of the step, and its change in the step
     """
     inputs = speeds[0], speeds[1], 0.0, 0.0
-    fraction, _ = root(run, l, run.units.lead, inputs, low, high, 0.0)
+    fraction, _ = root(run, l, run.units.lead, inputs, low, high, 0.0, ANY_VALUE)
     return fraction
 
 
@@ -105,12 +129,15 @@ def record_extremes(run, l):
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if events & R.G_EXTREME > 0:
-        force = extreme_value(run, l, INERTIAL_FORCE, tolerance)
-        s[R.G_HIGH + l] = max(s[R.G_HIGH + l], abs(force))
+        g_high = s[R.G_HIGH + l]
+        force = extreme_value(run, l, INERTIAL_FORCE, tolerance, (-g_high, g_high))
+        s[R.G_HIGH + l] = max(g_high, abs(force))
     if events & R.F_EXTREME > 0:
-        s[R.F_LOW + l] = min(s[R.F_LOW + l], extreme_value(run, l, FRICTION, tolerance))
+        known = s[R.F_LOW + l], math.inf
+        s[R.F_LOW + l] = min(known[0], extreme_value(run, l, FRICTION, tolerance, known))
     if events & R.XF_EXTREME > 0:
-        s[R.XF_LOW + l] = min(s[R.XF_LOW + l], extreme_value(run, l, X_PLUS_N, tolerance))
+        known = s[R.XF_LOW + l], math.inf
+        s[R.XF_LOW + l] = min(known[0], extreme_value(run, l, X_PLUS_N, tolerance, known))
     return at
 
 

@@ -74,19 +74,22 @@ def initial_state(law, batch, V_load):
     if "V" in given and (np.abs(v - law.v_at(w_given, states, p)) > TOLERANCE).any():
         others = f", and {' or '.join(law.states)} or tau" if "tau" in given and not missing else ""
         raise refusal("initial.rigid_speed", others=others)
-    fixed = in_balance if "V" in given else rigid & (V_load > 0.0)  # at rest friction fixes nothing
-    differs = fixed & (np.abs(x - stress(law, v, states, p)) > TOLERANCE)
-    if "tau" in given and not missing and differs.any():
-        _raise_disagreement(law, batch, int(np.argmax(differs)), v, states, p, given)
+    if "tau" in given and not missing:
+        # (at rest friction fixes nothing)
+        fixed = in_balance if "V" in given else rigid & (V_load > 0.0)
+        differs = fixed & (np.abs(x - stress(law, v, states, p)) > TOLERANCE)
+        if differs.any():
+            _raise_disagreement(law, batch, int(np.argmax(differs)), v, states, p, given)
     from_stress = in_balance & (("V" in given) | rigid)
     if "tau" in given and missing and from_stress.any():
         states = _state_from_stress(law, x, w, states, p, missing[0], from_stress)
         v = law.v_at(w, states, p)
     elif "V" in given:
         x = np.where(in_balance, stress(law, v, states, p), x)
-    x = np.where(rigid, stress(law, v, states, p), x)
-    free_speed = in_balance & ~rigid
-    v = np.where(free_speed, root(lambda v: stress(law, v, states, p) - x, v, free_speed), v)
+    if rigid.any():
+        x = np.where(rigid, stress(law, v, states, p), x)
+    if (free_speed := in_balance & ~rigid).any():
+        v = np.where(free_speed, root(lambda v: stress(law, v, states, p) - x, v, free_speed), v)
     _check_start_speed((law.log_jump_rate(v, states, p) + np.log(V0))[free_speed], names)
     return np.stack([x, v, *law.variables(v, states, p)], axis=1)
 
