@@ -58,11 +58,17 @@ def farthest_value(value_at_low, slope_at_low, value, slope):
     return math.inf  # the slope is not monotonic
 
 
+def smaller_weight(residual, previous):
+    """Return the factor for the residual at the other end if two in a row have the same sign."""
+    weight = 1.0 - residual / previous
+    return weight if weight > 0.0 else 0.5
+
+
 def root(run, l, unit, inputs, low, high, tolerance, known):
     """Find the zero of `evaluate`'s second number; return it and the first number.
 
-    The method is regula falsi (Illinois).  If the sign is the same at both ends, the result is the
-    end at which the second number is smaller in size.
+    The method is regula falsi (Anderson & Bjorck 1973 doi:10.1007/BF01951936).  If the sign is the
+    same at both ends, the result is the end at which the second number is smaller in size.
 
     tolerance : error that the first number may have if the second is its slope; else 0
     known : least and greatest value so far, if an extreme between them is not needed
@@ -83,13 +89,11 @@ def root(run, l, unit, inputs, low, high, tolerance, known):
             break
         last = at
         if (residual < 0.0) == (at_low < 0.0):
-            low, at_low = at, residual
-            at_high = 0.5 * at_high if side == 1 else at_high
-            side = 1
+            at_high = at_high * smaller_weight(residual, at_low) if side == 1 else at_high
+            low, at_low, side = at, residual, 1
         else:
-            high, at_high = at, residual
-            at_low = 0.5 * at_low if side == -1 else at_low
-            side = -1
+            at_low = at_low * smaller_weight(residual, at_high) if side == -1 else at_low
+            high, at_high, side = at, residual, -1
     return at, value
 
 
