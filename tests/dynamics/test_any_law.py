@@ -181,21 +181,6 @@ def test_critical_stiffness_and_speeds_are_where_eigenvalues_cross(law):
     assert count > 5
 
 
-def test_sliding_may_be_unstable_between_two_speeds_alone():
-    """A second state that strengthens, over a long distance, wins at large speeds."""
-    between = slider("two-state-slip", b=0.0039, b2=-0.0039, Dc2=2e-4, K=1.5e8)
-    low, high = between.V_c, between.V_c_upper
-    assert 1e-3 < low < 2e-3 < 2e-2 < high < 3e-2
-    found = rs.stability(between, rs.logspace("V_lp", 1e-5, 1.0, 300))
-    inside = (low < found.V_lp) & (found.V_lp < high)
-    np.testing.assert_array_equal(found.stable, ~inside)
-    np.testing.assert_array_equal(found.growth_rate > 0, inside)
-    assert (found.V_c == low).all()
-    assert (found.V_c_upper == high).all()
-    alone = slider("two-state-slip", b=0.002, b2=0.0, Dc2=1e-5)  # strengthens at any speed
-    assert (alone.V_c, alone.V_c_upper) == (np.inf, np.inf)
-
-
 def test_sliding_may_be_stable_below_both_edges():
     """A spring that is soft enough for the second pair of roots to be stable again."""
     shares = {"a": 0.01, "b": 0.0189, "b2": -0.009, "Dc2": 2e-5}

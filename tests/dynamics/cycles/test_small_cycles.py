@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from dimensionless import rates
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -20,28 +21,15 @@ def at_margin_of(r, law, beta, eta):
     return law, (beta - 1) * (1 + eta) + margin, beta, eta, margin
 
 
-def rates(law, kappa, beta, eta):
-    """Right-hand side of the slider's equations, as published."""
-
-    def f(T, y):
-        x, v, psi = y
-        w = np.exp(v)
-        evolution = -w * (v + psi) if law == "slip" else np.exp(-psi) - w
-        return [kappa * (1 - w), (x - v - beta * psi) / (eta * w), evolution]
-
-    return f
-
-
 def integrated(law, kappa, beta, eta, psi, G, period):
     """State and stress extremes after this time, by DOP853 from the section."""
 
     def v(T, y):
         return y[1]
 
-    start = [beta * psi + eta * G, 0.0, psi]
-    run = solve_ivp(
-        rates(law, kappa, beta, eta), (0, period), start, "DOP853", rtol=3e-14, atol=1e-16, events=v
-    )
+    start, f = [beta * psi + eta * G, 0.0, psi], rates(law, kappa, beta, eta)
+    settings = {"rtol": 3e-14, "atol": 1e-16, "events": v}
+    run = solve_ivp(lambda T, y: f(y), (0, period), start, "DOP853", **settings)
     x, v_end, psi_end = run.y[:, -1]
     stress = [start[0], *run.y_events[0][:, 0]]
     return np.array([v_end, psi_end, (x - beta * psi_end) / eta]), max(stress) - min(stress)
