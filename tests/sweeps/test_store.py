@@ -372,23 +372,6 @@ def test_two_threads_on_a_store(begun, expected):
     sweep(begun)  # the lock is gone
 
 
-# zarr's warnings: filters are common to all threads, and come and go with any of them
-@pytest.mark.filterwarnings("ignore:Consolidated metadata is", "ignore:The data type")
-def test_two_threads_make_a_store(path, expected, monkeypatch):
-    contents, outcomes = writing._contents, []
-
-    def contents_while_another_begins(*arguments):
-        monkeypatch.setattr(writing, "_contents", contents)
-        in_thread(path, outcomes).join(20)
-        return contents(*arguments)
-
-    monkeypatch.setattr(writing, "_contents", contents_while_another_begins)
-    assert_same(sweep(path), expected)
-    (error,) = outcomes
-    assert str(error).startswith(f"Another sweep is writing to {path}.")
-    assert [*path.parent.iterdir()] == [path]
-
-
 def test_a_store_that_another_sweep_makes_meanwhile_stays(path, expected, monkeypatch):
     outcomes = []
 
@@ -634,18 +617,6 @@ def test_read_again(stored, name):
             assert found == {k: np.asarray(v).tolist() for k, v in variable.attrs.items()}, key
             kinds = (result[key].dtype.kind, variable.dtype.kind)
             assert kinds[0] == kinds[1] or set(kinds) <= set("OTU"), key
-
-
-def test_types_and_what_is_not_a_number(stored):
-    _, result = stored("limit cycles")
-    assert result.status.dtype == np.int8
-    assert result.multipliers.dtype == np.complex128
-    assert result.stable.dtype.kind == "b" or result.stable.dtype == float
-    assert set(np.unique(result.status)) == {0, 1, 5}
-    nan = np.isnan(result.multipliers.values).all(axis=-1)
-    np.testing.assert_array_equal(nan, result.status.values != 0)
-    assert (result.message.values != "").tolist() == (result.status.values == 5).tolist()
-    assert (result.amplitude.values[result.status.values == 1] == 0.0).all()
 
 
 # What is held -------------------------------------------------------------------------------------

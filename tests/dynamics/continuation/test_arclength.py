@@ -79,8 +79,6 @@ EXACT = 1e-15  # what `noise` is of maps that are a formula
 
 parabola = line(lambda u, p: u + p - u**2, lambda u, p: 1 - 2 * u)
 logistic = line(lambda u, p: p * u * (1 - u), lambda u, p: p * (1 - 2 * u))
-cubic = line(lambda u, p: u + 0.2 * (p + u - u**3), lambda u, p: 1 + 0.2 * (1 - 3 * u**2))
-FOLD_OF_CUBIC = 2 / np.sqrt(27)  # p = u^3 - u turns at u = +-1/sqrt(3)
 delayed_logistic = planar(
     lambda x, y, p: p * x * (1 - y),
     lambda x, y, p: x,
@@ -115,23 +113,6 @@ def test_fold():
     assert 10 < near.sum() < 40
 
 
-def test_two_folds_forth_and_back():
-    forth = follow(cubic, [-1.5], -1.875, stop=1.875, scale=[1.0])
-    back = follow(cubic, forth.points[-1].u, 1.875, stop=-1.875, scale=[1.0])
-    assert specials(forth) == specials(back) == ["fold", "fold", "stop"]
-    for branch, sign in ((forth, 1), (back, -1)):
-        folds = [point for point in branch.points if point.special == "fold"]
-        expected = sign * FOLD_OF_CUBIC
-        assert [fold.p for fold in folds] == pytest.approx([expected, -expected], abs=1e-13)
-        u, p = np.array([point.y for point in branch.points]).T
-        assert np.abs(u**3 - u - p).max() < 1.2e-7
-        assert np.all(sign * np.diff(u) > 0)
-        # along the branch p rises, falls between the folds and rises again
-        turns = [i for i, point in enumerate(branch.points) if point.special == "fold"]
-        assert np.array_equal(np.flatnonzero(np.diff(np.sign(np.diff(p)))) + 1, turns)
-    assert back.points[-1].u[0] == pytest.approx(-1.5, abs=1e-7)
-
-
 def test_henon_map():
     root = np.sqrt((1 - B) ** 2 + 4)
     u0 = [(B - 1 + root) / 2] * 2
@@ -147,22 +128,6 @@ def test_henon_map():
     moduli = np.abs([point.multipliers for point in branch.points])
     assert np.all(moduli[:, 0] >= moduli[:, 1])
     assert np.prod(moduli, axis=1) == pytest.approx(B, rel=1e-12)
-
-
-def test_period_doubling_and_fold_within_one_step():
-    b = 0.95
-    near = planar(
-        lambda x, y, p: p - x**2 + b * y,
-        lambda x, y, p: x,
-        lambda x, y, p: (-2 * x, b, 1.0, 0.0),
-    )
-    x0 = (b - 1 + np.sqrt((1 - b) ** 2 + 1)) / 2
-    branch = follow(near, [x0, x0], 0.25, stop=-1.0, scale=[1.0, 1.0], noise=EXACT)
-    first, second = specials_at(branch)[:2]
-    assert second == first + 1
-    assert specials(branch) == ["period_doubling", "fold", "start"]
-    assert special(branch, "period_doubling").p == pytest.approx(3 * (1 - b) ** 2 / 4, abs=1e-12)
-    assert special(branch, "fold").p == pytest.approx(-((1 - b) ** 2) / 4, abs=1e-12)
 
 
 def test_a_fast_excursion_of_a_multiplier_is_not_stepped_over():
@@ -219,58 +184,6 @@ def test_a_crossing_branch_is_no_fold():
     assert all(point.u[0] == pytest.approx(0, abs=1e-9) for point in branch.points)
 
 
-def flow(l1, l2):
-    """Map after time 2 pi of r' = p r + l1 r^3 + l2 r^5, the radius of a Hopf normal form.
-
-    Runge-Kutta steps have the fixed points of the flow exactly, whatever their size.
-    """
-
-    def rate(r, p):
-        return p * r + l1 * r**3 + l2 * r**5, p + 3 * l1 * r**2 + 5 * l2 * r**4
-
-    def evaluate(u, p):
-        r, slope = u[:, 0], np.ones(len(p))
-        h = 2 * np.pi / 64
-        for _ in range(64):
-            k, dk, r_stage, slope_stage = 0.0, 0.0, r, slope
-            for weight, reach in ((1, 0.5), (2, 0.5), (2, 1.0), (1, 0.0)):
-                value, derivative = rate(r_stage, p)
-                k, dk = k + weight * value, dk + weight * derivative * slope_stage
-                r_stage, slope_stage = (
-                    r + h * reach * value,
-                    slope + h * reach * derivative * slope_stage,
-                )
-            r, slope = r + h / 6 * k, slope + h / 6 * dk
-        return Orbit(r[:, None], slope[:, None, None], u[:, 0] > 0, {})
-
-    return evaluate
-
-
-def test_subcritical_hopf_with_its_fold_of_cycles():
-    """0 = p + r^2/2 - r^4: the fold is at r^2 = 1/4, p = -1/16, and the Hopf point at 0."""
-    start = 0.5
-    r = np.sqrt((0.5 + np.sqrt(0.25 + 4 * start)) / 2)
-    branch = follow(flow(0.5, -1.0), [r], start, stop=-1.0, scale=[1.0], amplitude=less(1e-3))
-    assert branch.end == "hopf"
-    assert specials(branch) == ["fold"]
-    assert special(branch, "fold").y == pytest.approx([0.5, -1 / 16], abs=1e-8)
-    assert special(branch, "fold").p == pytest.approx(-1 / 16, abs=1e-12)
-    assert branch.points[-1].u[0] == pytest.approx(1e-3, abs=1e-8)
-    assert -1e-6 < branch.points[-1].p < -4e-7
-    stable = [abs(point.multipliers[0]) < 1 for point in branch.points]
-    fold = specials_at(branch)[0]
-    assert all(stable[:fold])
-    assert not any(stable[fold + 1 :])
-
-
-def less(threshold):
-    return lambda point: point.u[0] - threshold
-
-
-def specials_at(branch):
-    return [i for i, point in enumerate(branch.points) if point.special]
-
-
 def beyond(evaluate, edge):
     """The map without an image where p > edge."""
 
@@ -289,34 +202,6 @@ def test_the_branch_is_kept_up_to_where_the_map_ends():
     assert specials(branch) == []
     assert 2.71 - 1e-5 < branch.points[-1].p <= 2.71
     assert branch.points[-1].u[0] == pytest.approx(1 - 1 / branch.points[-1].p, abs=1e-8)
-
-
-def test_noise_makes_no_folds(monkeypatch):
-    """p rises to 0.1 and then varies by 1e-11, a hundredth of what is known of it."""
-
-    monkeypatch.setattr(arclength, "LARGEST_STEP", 0.02)
-
-    def rise(u):
-        return 0.1 * (1 - np.exp(-60 * (1 - u))) + 1e-11 * np.sin(40 * (1 - u))
-
-    def slope(u, p):
-        return 1 + 1.2 * np.exp(-60 * (1 - u)) + 0.2 * 4e-10 * np.cos(40 * (1 - u))
-
-    branches = [
-        follow(
-            line(lambda u, p: u + 0.2 * (p - rise(u)), slope),
-            [1.0],
-            0.0,
-            stop=1.0,
-            scale=[1.0],
-            amplitude=less(0.1),
-            noise=noise,
-            tol=1e-13,
-        )
-        for noise in (EXACT, 1e-9)
-    ]
-    assert [branch.end for branch in branches] == ["hopf", "hopf"]
-    assert [len(specials(branch)) for branch in branches] == [7, 0]
 
 
 @pytest.mark.parametrize(

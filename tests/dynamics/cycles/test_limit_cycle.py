@@ -16,8 +16,6 @@ FIG2 = SpringSlider(a=0.003, b=0.006, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=2e6, M=3e
 STICK = SpringSlider(a=0.005, b=0.008, Dc=1e-5, mu0=0.6, V0=1e-9, sigma=4e6, M=1e2, K=0.96e9)
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 MEASURES = ["period", "frequency", "amplitude", "stress_drop", "V_max", "V_min", "inertia"]
-FIRMNESS = ["slow_fraction", "fundamental", "stable", "residual", "error"]
-FIRMNESS += ["V_max_error", "V_min_error"]
 
 
 @pytest.mark.parametrize(
