@@ -130,16 +130,6 @@ def test_whitening_is_that_of_the_dense_covariance(noise):
     assert log_determinant == pytest.approx(2 * np.log(np.diag(lower)).sum(), abs=1e-8)
 
 
-@pytest.mark.parametrize("exponent", [0.7, 1.0, 1.5])
-def test_the_spectrum_of_a_power_law_is_one(exponent):
-    """The sum of Lorentzians is within 10 % of 1/f^exponent between the ends."""
-    variances, times = Noise(0.0, 1.0, 1e5, exponent).relaxations(0.1)
-    f = np.geomspace(1e-3, 1e-1, 60)
-    spectrum = (2.0 * variances * times / (1.0 + (2.0 * np.pi * f[:, None] * times) ** 2)).sum(1)
-    scaled = spectrum * f**exponent
-    assert np.ptp(np.log(scaled)) < 0.2
-
-
 @pytest.mark.parametrize(("exponent", "within"), [(0.7, 0.12), (1.0, 0.15), (1.5, 0.3)])
 def test_the_exponent_of_noise_is_found(exponent, within):
     """A filter in frequency makes the noise, up to half the sampling rate."""
