@@ -200,7 +200,7 @@ ROWS = [0, 1], [1, 1]
         ),
     ],
 )
-def test_histories_that_cannot_be(make, words):
+def test_impossible_histories_are_refused(make, words):
     with pytest.raises(rs.ParameterError) as told:
         make()
     assert words in str(told.value)
@@ -223,13 +223,13 @@ def test_histories_that_cannot_be(make, words):
         ),
     ],
 )
-def test_histories_that_do_not_fit_the_slider(loading, words):
+def test_histories_that_contradict_the_slider_are_refused(loading, words):
     with pytest.raises(rs.ParameterError) as told:
         rs.simulate(rs.SpringSlider(**SLIDER), loading, 3.0)
     assert words in str(told.value)
 
 
-def test_what_may_just_be():
+def test_histories_just_inside_their_limits_are_accepted():
     """An amplitude just below sigma; a series within 1e-6; a trough after the end of the run."""
     changes = {"K": 1e11, "M": 0.0, "a": 0.01, "b": 0.005, "damping": 1e7}
     stiff = rs.SpringSlider(**(SLIDER | changes))

@@ -71,6 +71,6 @@ def test_a_stable_slider_needs_nothing():
 
 
 @pytest.mark.parametrize("margin", [0.0, -1.0, "1 m", np.nan])
-def test_margins_that_cannot_be(margin):
+def test_impossible_margins_are_refused(margin):
     with pytest.raises(rs.ParameterError, match="margin"):
         rs.stabilize(SLIDER, 0.01, margin)

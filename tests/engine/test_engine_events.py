@@ -1,4 +1,4 @@
-"""What the engine finds inside a step: extremes and crossings of the dense output."""
+"""Extremes and crossings of the dense output inside a step."""
 
 from types import SimpleNamespace
 
@@ -10,7 +10,7 @@ from ratestate.engine import step_events as events
 from ratestate.engine.rows import WORK_SIZE
 from ratestate.engine.units import MarchUnits, in_python
 from ratestate.friction.built_in_laws import SlipLaw
-from ratestate.friction.composition import composed, under_varying_stress
+from ratestate.friction.composition import composed
 from ratestate.laws import log
 
 LANE = 3
@@ -168,20 +168,3 @@ def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
         counts.append(count_extremes(force, c, parts, h, law, p))
     assert counts.count(0) > 15
     assert counts.count(1) > 15
-
-
-@pytest.mark.parametrize("parts", [(1.0, -1.0, 0.0, 0.0), (1.0, 0.0, 1.0, 0.0)])
-def test_extreme_forces_where_normal_stress_varies(parts):
-    """N = s R + (s - 1) mu_ref/a, s = 1.1 + 0.2 T + 0.1 sin(2 pi (0.3 + T))."""
-    rng, law = np.random.default_rng(13), under_varying_stress(SlipLaw())
-    s, h, counts = np.linspace(0.0, 1.0, 100_001), 0.4, []
-    for _ in range(40):
-        c, beta = rng.normal(size=(3, 5)), rng.uniform(1.1, 5.0)
-        own = (beta, 1.0, 3.0, 0.0, 0.0, 1.1, 0.2, 0.1, 1.0, 0.3, 1.0, 0.0, 0.0)
-        p = tuple(map(float, law.at_time(own, 1.1, 0.2, 0.3)))
-        x, v, psi = np.polynomial.polynomial.polyval(s, c.T)
-        ratio = 1.1 + 0.2 * h * s + 0.1 * np.sin(2.0 * np.pi * (0.3 + h * s))
-        strength = ratio * (v + beta * psi) + (ratio - 1.0) * 3.0
-        force = x + (parts[1] + parts[2]) * strength
-        counts.append(count_extremes(force, c, parts, h, law, p))
-    assert counts.count(1) > 12

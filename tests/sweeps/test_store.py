@@ -472,7 +472,7 @@ def motion(tmp_path_factory):
         ({"rtol": 1e-5, "t_end": 0.05}, {"rtol", "t_end"}),
     ],
 )
-def test_of_another_motion(motion, changed, named):
+def test_a_sweep_of_other_runs_is_refused(motion, changed, named):
     assert differences(motion, "simulate", **MOTION | changed).keys() == named
 
 
@@ -622,7 +622,7 @@ def test_read_again(stored, name):
 # What is held -------------------------------------------------------------------------------------
 
 
-def test_held_and_failures_of_part_of_a_sweep(path):
+def test_status_and_failures_of_part_of_a_sweep(path):
     M = xr.DataArray([0.0, 100.0, 3000.0, 1e4], dims="M")
     asked = {"M": M, "V_lp": rs.logspace("V_lp", 1e-3, 1e-1, 4)}
     interrupted(path, after=5, function="limit_cycle", **asked)
@@ -661,7 +661,7 @@ def test_held_and_failures_of_part_of_a_sweep(path):
     assert there.failed == (whole.status > 1).sum()
 
 
-def test_held_before_anything_is_done(path):
+def test_status_before_anything_is_done(path):
     interrupted(path, after=0)
     there = store_status(path)
     assert (there.done, there.failed, there.steady, there.chunks_done) == (0, 0, 0, 0)

@@ -144,7 +144,7 @@ def test_a_probe_stops_in_time():
 
 @pytest.mark.parametrize("function", CALLS)
 @pytest.mark.parametrize("chunk", [None, 1, 7])
-def test_the_verb_and_its_sweep_agree(function, chunk):
+def test_a_function_and_its_sweep_agree(function, chunk):
     alone = getattr(rs, function)(SLIDER, **CALLS[function])
     found = sweep(function, chunk=chunk, **CALLS[function])
     added = ["message"] if "status" in alone else ["message", "status"]

@@ -224,7 +224,7 @@ def test_folds_beyond_noise(p, kept):
     assert [i for i, point in enumerate(found) if point.special == "fold"] == kept
 
 
-def test_no_start():
+def test_a_start_without_a_solution_has_no_branch():
     nowhere = line(lambda u, p: u + 1 + p**2 + u**2, lambda u, p: 1 + 2 * u)
     assert follow(nowhere, [0.3], 0.0, stop=1.0, scale=[1.0]) == ([], "no convergence")
     on_a_fold = follow(parabola, [1e-9], 1e-18, stop=-1.0, scale=[1.0])

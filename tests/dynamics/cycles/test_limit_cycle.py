@@ -169,7 +169,7 @@ def test_error_is_what_it_says(law):
 
 @LAWS
 @pytest.mark.parametrize("K", [6.3e8, 9e8, 2.4e9, 6e10])
-def test_birth(law, K):
+def test_small_cycles_follow_the_hopf_bifurcation(law, K):
     """Just above V_c the amplitude grows as the normal form says, or jumps, as the type says."""
     slider = FIG2.replace(K=K, law=law)
     point = rs.hopf(slider)
@@ -194,7 +194,7 @@ def test_birth(law, K):
     np.testing.assert_allclose(taken[:4], 2 * added[:4], rtol=0.03)
 
 
-def test_which_of_two():
+def test_a_cycle_is_found_if_a_run_ends_on_it():
     """Above K_c, aging law: a cycle where marching from V_lp/10 finds one, else steady sliding."""
     beta, eta = 2.0, 0.05
     above = np.array([0.001, 0.003, 0.005, 0.0054, 0.0065, 0.009, 0.02])
@@ -211,7 +211,7 @@ def test_which_of_two():
     assert found.stable.all()
 
 
-def test_refuses_what_rounding_hides():
+def test_cycles_that_rounding_hides_are_refused():
     """K within some 1e-8 of K_c_qs, slip law: 1 - x at the maximum decides and is near rounding.
 
     An answer must be the march's, or none.
@@ -240,7 +240,7 @@ def test_a_waveform_that_is_not_resolved_is_no_answer():
     assert not limit_cycle(slider, 1e-3, rtol=1e-10).fundamental > 1.01
 
 
-def test_runs_away_late():
+def test_a_late_runaway_is_found():
     """Without inertia and barely softer than K_c_qs, after some 300 returns."""
     slider = sliders([0.9999], [6.011872336272722], [0.0], "aging")
     found = limit_cycle(slider, 1e-3, rtol=1e-6)

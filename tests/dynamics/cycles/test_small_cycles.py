@@ -136,7 +136,9 @@ def test_error_counts_what_subtraction_loses():
     st.sampled_from([-1, 0, 1]),
     st.booleans(),
 )
-def test_never_fails(law, log_b1, log_eta, log_margin, sign, given_margin):
+def test_any_slider_has_finite_numbers_or_none(
+    law, log_b1, log_eta, log_margin, sign, given_margin
+):
     beta, eta = 1 + 10**log_b1, 10**log_eta
     critical = (beta - 1) * (1 + eta)
     margin = max(sign * 10**log_margin, -0.99) * critical
@@ -151,7 +153,7 @@ def test_never_fails(law, log_b1, log_eta, log_margin, sign, given_margin):
 
 @settings(max_examples=10, deadline=None)
 @given(laws, st.floats(-6, 2), st.floats(-6, 14), st.floats(-8, -1.5))
-def test_finds_what_there_is(law, log_b1, log_eta, log_r):
+def test_cycles_of_known_size_are_found(law, log_b1, log_eta, log_r):
     arguments = at_margin_of(10**log_r, law, 1 + 10**log_b1, 10**log_eta)
     _, _, beta, eta, margin = arguments
     relative = np.abs(margin[0]) / (10 ** (2 * log_r) * (beta[0] - 1) * eta[0])

@@ -240,7 +240,7 @@ def test_the_summary_has_the_numbers(one):
         ({"friction": "tau"}, {}, "tau .* no normal stress"),
     ],
 )
-def test_bad_input(change, arguments, text):
+def test_settings_of_healing_that_are_refused(change, arguments, text):
     with pytest.raises(ParameterError, match=text):
         rs.healing(noisy(1).rename(change), **arguments)
 

@@ -152,7 +152,7 @@ def above_the_table():
 
 
 @pytest.mark.parametrize("how", [*above_the_table()])
-def test_layouts(tmp_path, how):
+def test_lines_above_the_table_and_encodings(tmp_path, how):
     data = read_lab(write_rows(tmp_path / "r.dat", cells(COLUMNS), **how))
     check(data)
     assert set(data.sigma.values) == {2e7}
@@ -397,7 +397,7 @@ def test_rows_that_are_never_as_long_as_the_next_are_refused(tmp_path):
         read_lab(write_rows(tmp_path / "r.txt", rows))
 
 
-def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
+def test_texts_that_are_too_long_are_refused(tmp_path, monkeypatch):
     path = tmp_path / "r.txt"
     for content, match in [
         ("1," * 300_000 + "\n", "r.txt is not a record: line 1 has 600,000 characters"),

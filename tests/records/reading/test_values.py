@@ -179,7 +179,7 @@ def test_velocity_and_displacement_disagree(tmp_path):
         (HEADER, "x x {}", "no line of numbers .it begins 'Time.*' and 'x x 0"),
     ],
 )
-def test_what_messages_suggest(tmp_path, header, time, match):
+def test_messages_suggest_a_remedy(tmp_path, header, time, match):
     times = np.array([time.format(t) for t in T])
     columns = (times, X, MU) if " x" not in time else (times,)
     with pytest.raises(rs.ParameterError, match=match):
@@ -306,7 +306,7 @@ def test_a_channel_at_the_end_of_its_range(tmp_path):
 
 @pytest.mark.parametrize(("rows", "warned"), [(19, False), (20, True)])
 @pytest.mark.parametrize("at", [0, 300, -1])
-def test_how_long_it_must_be(tmp_path, rows, warned, at):
+def test_a_constant_value_is_reported_from_20_rows_on(tmp_path, rows, warned, at):
     friction = noisy()
     first = at if at >= 0 else friction.size - rows
     friction[first : first + rows] = 0.61
