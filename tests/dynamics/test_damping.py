@@ -105,7 +105,7 @@ def test_no_damping_is_the_law_alone():
     assert DAMPED.replace(law="aging").damping == 5e4
 
 
-def test_what_is_wrong_with_damping_is_told():
+def test_impossible_damping_is_refused():
     for value, text in (
         (-1.0, r"damping = -1 Pa s/m must be >= 0"),
         ("5 MPa", r"damping = '5 MPa' is a stress"),
@@ -201,7 +201,7 @@ def test_acceleration_is_what_the_dashpot_leaves():
     assert float(found.acceleration_max) == pytest.approx(abs(acceleration[largest]), rel=0.05)
 
 
-def test_what_does_without_damping_says_so():
+def test_functions_without_damping_refuse_a_damped_slider():
     with pytest.raises(rs.ParameterError, match=r"law = 'slip' .*no damping"):
         check_one_length("fit", DAMPED.friction_law.name)
     given = {"V": 1e-2, "theta": 1e-2, "tau": 1e6}

@@ -49,8 +49,6 @@ def from_derivative(terms, *roots):
 
 #: of a step of Rodas5P, and of the Taylor method
 TERMS = pytest.mark.parametrize("terms", [5, 13])
-#: roots of a derivative of which one is inside the step
-MANY = (0.4, -0.2, 1.3, 2.5, -3.0, 1.7, -0.6)
 
 
 @TERMS
@@ -72,17 +70,6 @@ MANY = (0.4, -0.2, 1.3, 2.5, -3.0, 1.7, -0.6)
 def test_extreme_of_a_step(roots, at, sign, terms):
     c = sign * from_derivative(terms, *roots)
     assert extreme(of_v(c)) == pytest.approx(at, abs=1e-13)
-
-
-def test_extreme_of_a_taylor_step():
-    """All coefficients count, and those of the step before, of another method, do not."""
-    run = of_v(from_derivative(13, *MANY))
-    assert extreme(run) == pytest.approx(0.4, abs=1e-13)
-    run.s[R.TAYLOR + LANE] = 0.0
-    of_rodas5p = np.polynomial.Polynomial(from_derivative(13, *MANY)[:5]).deriv().roots()
-    inside = [z.real for z in of_rodas5p if abs(z.imag) < 1e-9 and 0.0 < z.real < 1.0]
-    assert extreme(run) == pytest.approx(inside[0], abs=1e-13)
-    assert abs(inside[0] - 0.4) > 1e-3
 
 
 def crossing(c, *load):

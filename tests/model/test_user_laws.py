@@ -29,11 +29,7 @@ def test_a_law_file_works_like_a_built_in_law(law_file):
     assert not hasattr(aging, "m")
     assert slider.V_c == pytest.approx(aging.V_c, rel=1e-13)
     assert eval(repr(slider), {"SpringSlider": rs.SpringSlider}) == slider
-    run, reference = (
-        rs.simulate(one, rs.Loading.constant(4e-3), 0.05, V_start=4e-4) for one in (slider, aging)
-    )
-    assert float(run.tau[-1]) == pytest.approx(float(reference.tau[-1]), rel=1e-9)
-    assert f'"law": "{name}"' in run.attrs["scenario"]
+    assert f'"law": "{name}"' in rs.stability(slider, 4e-3).attrs["scenario"]
     with pytest.raises(rs.ParameterError, match=r"needs m"):
         rs.SpringSlider(**COMMON, law="mine")
 

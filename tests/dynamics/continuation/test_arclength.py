@@ -84,12 +84,6 @@ delayed_logistic = planar(
     lambda x, y, p: x,
     lambda x, y, p: (p * (1 - y), -p * x, 1.0, 0.0),
 )
-B = 0.3
-henon = planar(
-    lambda x, y, p: p - x**2 + B * y,
-    lambda x, y, p: x,
-    lambda x, y, p: (-2 * x, B, 1.0, 0.0),
-)
 
 
 def test_fold():
@@ -111,23 +105,6 @@ def test_fold():
         assert 1e-11 < point.error <= 1e-8  # the noise that is assumed, at least
     near = np.abs(u) < 0.5  # the curve turns by 90 degrees here
     assert 10 < near.sum() < 40
-
-
-def test_henon_map():
-    root = np.sqrt((1 - B) ** 2 + 4)
-    u0 = [(B - 1 + root) / 2] * 2
-    branch = follow(henon, u0, 1.0, stop=-2.0, scale=[1.0, 1.0], noise=EXACT)
-    assert specials(branch) == ["period_doubling", "fold", "start"]
-    doubling, fold = special(branch, "period_doubling"), special(branch, "fold")
-    assert doubling.p == pytest.approx(3 * (1 - B) ** 2 / 4, abs=1e-12)
-    assert sorted(doubling.multipliers.real) == pytest.approx([-1, B], abs=1e-12)
-    assert fold.p == pytest.approx(-((1 - B) ** 2) / 4, abs=1e-13)
-    assert sorted(fold.multipliers.real) == pytest.approx([-B, 1], abs=1e-9)
-    assert branch.points[-1].u == pytest.approx([(B - 1 - root) / 2] * 2, abs=1e-8)
-    assert branch.points[-1].measures["sum"] == pytest.approx(B - 1 - root, abs=1e-8)
-    moduli = np.abs([point.multipliers for point in branch.points])
-    assert np.all(moduli[:, 0] >= moduli[:, 1])
-    assert np.prod(moduli, axis=1) == pytest.approx(B, rel=1e-12)
 
 
 def test_a_fast_excursion_of_a_multiplier_is_not_stepped_over():

@@ -142,7 +142,7 @@ def test_reference_cycles(slider, V_lp, period, amplitude, rtol):
 
 
 @LAWS
-def test_error_is_what_it_says(law):
+def test_errors_bound_the_true_errors_of_random_sliders(law):
     """Neither too small nor far too large, of random sliders and close to the Hopf point."""
     rng = np.random.default_rng(42)
     n = 20

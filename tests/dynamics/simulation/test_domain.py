@@ -45,7 +45,7 @@ def lowest_at(slider, run):
 
 
 @LAWS
-def test_cycles(law):
+def test_extremes_of_friction_in_cycles(law):
     """At 10 m/s (the inset of Fig. 5) the spring pulls back, but less than friction can hold."""
     found = cycles(law)
     assert names(found) == ["inside", "inside", "spring_reverses", "spring_reverses"]
@@ -88,7 +88,7 @@ def test_both_sides_of_the_edge(law, name, flag, share):
         assert float(found.amplitude) == float(cycle.amplitude)
 
 
-def test_friction_that_pushes():
+def test_negative_friction_is_flagged():
     """Steady sliding so fast that mu < 0, and a little slower."""
     steady = WEAK.replace(K=1e13, M=0.0)
     mu = 0.6 - 0.0333 * math.log(1e9)

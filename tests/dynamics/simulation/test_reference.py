@@ -10,7 +10,7 @@ import ratestate as rs
 
 
 @pytest.mark.parametrize("name", TABLE)
-def test_states(name):
+def test_states_equal_those_in_quad_precision(name):
     parameters, law, V_start, V_lp, t, *exact = TABLE[name]
     slider, loading = rs.SpringSlider(**parameters, law=law), rs.Loading.constant(V_lp)
     found = rs.simulate(slider, loading, t, V_start=V_start, rtol=1e-10, times=[t]).isel(time=-1)
