@@ -138,36 +138,6 @@ def test_what_is_not_a_clock_time(cell):
     assert detect_clock(cell) is None
 
 
-@pytest.mark.parametrize(
-    ("title", "delimiter"),
-    [
-        ("Time", "\t"),
-        ("Time (s)", ","),
-        ("Time (hh:mm:ss)", ";"),
-        ("Uhrzeit", "\t"),
-        ("Date/Time", ","),
-    ],
-)
-def test_a_record_with_clock_times(tmp_path, title, delimiter):
-    t = np.arange(120) * 0.25
-    start = datetime.datetime(2019, 5, 14, 23, 59, 50)
-    rows = [
-        delimiter.join(
-            [
-                f"{(start + datetime.timedelta(seconds=s)).strftime('%H:%M:%S.%f')[:-3]}",
-                f"{s if s < 15 else 10 * s - 135:.4f}",
-                f"{0.6 + 0.003 * np.sin(s):.6f}",
-            ]
-        )
-        for s in t.tolist()
-    ]
-    path = tmp_path / "r.txt"
-    path.write_text("\n".join([delimiter.join([title, "Disp (um)", "Friction"]), *rows]))
-    data = read_lab(path)
-    np.testing.assert_allclose(data.time - 86390.0, t, atol=1e-9)
-    np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-6)
-
-
 @pytest.mark.parametrize("clock", ["Time", "Timestamp", "Date/Time", "Uhrzeit"])
 def test_seconds_beside_a_clock_are_read(tmp_path, clock):
     """The clock has whole seconds: of ten rows nine would have the time of the row before."""

@@ -77,7 +77,7 @@ def test_an_attempt_that_fails_has_what_there_is_to_choose():
     assert found.error.sentence == "units.none"
 
 
-def test_an_attempt_at_what_is_no_record():
+def test_an_attempt_at_another_kind_of_file_has_an_error():
     found = tried("r.png", b"\x89PNG\r\n\x1a\n" + bytes(100))
     assert found[:3] == ([], {}, None)
     assert str(found.error).startswith("r.png is neither text nor HDF5 nor MAT")

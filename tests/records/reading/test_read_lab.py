@@ -24,15 +24,6 @@ from ratestate.records.reading.columns import Column, Table, choose_columns
 COLUMNS = T, X, MU, SIGMA
 
 
-@pytest.mark.parametrize(("rows", "found"), [(1, True), (40, False)])
-def test_a_step_of_normal_stress_is_found_and_a_ramp_is_none(tmp_path, rows, found):
-    """Over as many rows; the load point's step is at 15 s."""
-    sigma = np.interp(T, [20.0, 20.0 + 0.25 * rows], [8.0, 8.8])
-    data = read_lab(write_rows(tmp_path / "p1.txt", cells((T, X, MU, sigma))))
-    step = "; step of normal stress 8 -> 8.8 MPa at 20.12 s (66 um)" if found else ""
-    assert data.attrs["found"] == f"velocity step 1.00 -> 10.0 um/s at 15 s (15 um){step}"
-
-
 def test_a_record(tmp_path):
     data = read_lab(write_rows(tmp_path / "p1.txt", cells(COLUMNS)))
     check(data)
