@@ -230,17 +230,6 @@ def test_how_jobs_are_kept(slurm, options, kept):
     assert cluster.Cluster(client, "cpu").thread_count == 5
 
 
-def test_a_client_or_slurm():
-    with pytest.raises(rs.ParameterError, match="client and slurm are both given"):
-        rs.sweep(
-            "limit_cycle",
-            SLIDER,
-            V_lp=1e-2,
-            client=types.SimpleNamespace(nthreads=None),
-            slurm="cores=1,memory=1GB",
-        )
-
-
 # -------------------------------------------------------------------------- what SLURM says of jobs
 
 

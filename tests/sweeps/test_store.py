@@ -596,7 +596,7 @@ def stored(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", cases())
-def test_read_again(stored, name):
+def test_a_stored_sweep_is_read_again(stored, name):
     function, arguments = asked(name)
     path, returned = stored(name)
     expected = sweep(None, function, **arguments)

@@ -300,6 +300,10 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
             "'x' has labels that cannot be stored",
         ),
         ({"client": "tcp://1"}, r"client = 'tcp://1' is not a dask.distributed.Client"),
+        (
+            {"client": SimpleNamespace(nthreads=None), "slurm": "cores=1,memory=1GB"},
+            "client and slurm are both given",
+        ),
         ({"store": 3}, "store = 3 must be the path of a folder"),
         ({"store": "s3://bucket/x.zarr"}, "must be the path of a folder"),
         ({"slider": 3}, "slider = 3 is not a SpringSlider"),
