@@ -215,22 +215,6 @@ def test_multiplier_tends_to_that_of_the_modes():
     assert fine - growth == pytest.approx(0.5 * (coarse - growth), rel=0.02)
 
 
-def test_scheme_figure(monkeypatch):
-    monkeypatch.setattr(scheme, "OMEGA_DT", [0.1, 0.05, 0.02])
-    data = scheme.compute("aging")
-    assert data.V_c_scheme.sizes == {"scheme": 2, "omega_dt": 3}
-    error = abs(data[["V_c_scheme", "V_min", "V_max", "amplitude"]] - _truth(data))
-    for name in error:  # smaller for smaller steps, and everywhere smaller by backward Euler
-        assert (error[name].diff("omega_dt") < 0).all(), name
-        assert (error[name].sel(scheme="euler") < error[name].sel(scheme="exact")).all()
-    assert len(scheme.draw(data).axes) == 3
-
-
-def _truth(data):
-    found = {name: data[f"cycle_{name}"] for name in ("V_min", "V_max", "amplitude")}
-    return data[["V_c"]].rename(V_c="V_c_scheme").assign(found)
-
-
 @pytest.mark.statistics
 def test_the_cases_of_figure_3():
     rows = claims("slip", [claims_steps.on_map])
