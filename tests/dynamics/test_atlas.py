@@ -92,7 +92,7 @@ def test_slip_law_has_no_cycle_beside_stable_sliding(b_over_a):
     np.testing.assert_array_equal(found.status, STEADY_SLIDING)
 
 
-def test_folds_of_a_batch_are_those_of_each():
+def test_folds_of_a_batch_equal_those_found_alone():
     eta = np.array([1e-7, 1e-5, 1e-2, 0.13, 1.0])
     beta = np.array([2.0, 1.5, 5.0, 2.0, 3.0])
     together = folds("aging", beta, eta)

@@ -179,7 +179,7 @@ def test_a_little_damping_is_enough():
     assert float(cycle.V_max) > 3e8
 
 
-def test_an_earthquake_is_no_slow_stick_slip():
+def test_an_earthquake_is_not_slow_stick_slip():
     """Without mass it is the dashpot that holds it: by a tenth of the stress drop, or less."""
     fault = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-2, sigma=5e7, K=1e6, damping=5e6)
     cycle = rs.limit_cycle(fault, 1e-9)
@@ -190,7 +190,7 @@ def test_an_earthquake_is_no_slow_stick_slip():
         assert str(classify(cycle.assign(V_max=V_max)).regime.values) == regime
 
 
-def test_acceleration_is_what_the_dashpot_leaves():
+def test_acceleration_with_a_dashpot():
     slider = DAMPED.replace(area=2e-3)
     run = rs.simulate(slider, rs.Loading.steps(1e-3, (0.01, 5e-3)), 0.05, rtol=1e-8)
     found = whole_contact(run)

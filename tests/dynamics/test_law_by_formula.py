@@ -44,7 +44,7 @@ def assert_same(found, wanted, rtol=1e-9):
     "part",
     [{"M": 0.0, "K": 4e9}, {"friction_form": "regularized"}, {"alpha": 0.3, "damping": 1e5}],
 )
-def test_runs_equal_those_of_the_built_in_law(pair, part):
+def test_runs_agree_with_the_built_in_law(pair, part):
     loading = rs.Loading.steps(V / 3, (0.02, V))
     if "alpha" in part:
         loading = loading.sigma_step(0.04, 2.1e6).sigma_sinusoid(5e4, period=0.03)

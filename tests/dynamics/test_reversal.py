@@ -54,7 +54,7 @@ def swinging(law, rng, mass, damping):
         ("two-state-slip", 0, 0.0),
     ],
 )
-def test_a_slider_that_was_pulled_back_is_that_of_the_textbook(law, mass, damping):
+def test_a_slider_that_was_pulled_back_agrees_with_the_textbook(law, mass, damping):
     """By SciPy, with V itself as a variable: it slides back, sticks, and is pulled on.
 
     Where it is damped, under a normal stress that oscillates.
@@ -161,7 +161,7 @@ def test_a_slider_that_rests_may_be_pulled_either_way():
 
 
 @pytest.mark.parametrize("M", [2.94e8, 1.1e9])
-def test_friction_keeps_its_digits_where_it_is_nearly_0(M):
+def test_friction_near_0_keeps_its_digits(M):
     """mu falls to 1e-10 at V_lp and beyond; then the slider slides back.  By SciPy."""
     p = {"a": 0.0192, "b": 0.104, "Dc": 1e-5, "sigma": 1e6, "mu0": 0.7, "V0": 1e-9, "K": 1.437e9}
     p["M"] = M

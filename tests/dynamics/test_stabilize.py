@@ -44,7 +44,7 @@ def test_stability_changes_at_the_edge(slider):
         assert not is_stable(slider, V, **{name: edge * (1.0 - toward)}), name
 
 
-def test_mass_and_stiffness_are_those_of_eqs_6_and_7():
+def test_mass_and_stiffness_agree_with_eqs_6_and_7():
     found, V = rs.stabilize(SLIDER, 0.01, margin=1.0), 0.01
     K_c_qs = (SLIDER.b - SLIDER.a) * SLIDER.sigma / SLIDER.Dc
     M = SLIDER.a * SLIDER.sigma * SLIDER.Dc / V**2 * (SLIDER.K / K_c_qs - 1.0)

@@ -142,7 +142,7 @@ UNITS = {"a": 1.0, "Dc": 1.0, "mu0": 0.6, "V0": 1.0, "sigma": 1.0, "damping": 0.
     [(1.0, -1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 1.0, 0.0)],
     ids=["x - S", "f", "x + N"],
 )
-def test_extreme_forces_are_those_of_a_dense_grid(law, damped, parts):
+def test_extreme_forces_agree_with_a_dense_grid(law, damped, parts):
     rng, law = np.random.default_rng(12), composed(law, damped=damped)
     s, h, counts = np.linspace(0.0, 1.0, 20_001), 0.7, []
     for _ in range(70):

@@ -87,7 +87,7 @@ def test_a_motion_that_leaves_an_orbit_of_two_returns_is_irregular(growth, large
 
 
 @pytest.mark.parametrize(("multiplier", "returns"), [(0.5, 1), (0.9, 1), (-0.5, 1), (-0.9, 1)])
-def test_a_run_that_settles_has_the_period_it_settles_to(multiplier, returns):
+def test_a_run_that_settles_has_its_final_period(multiplier, returns):
     x = 0.3 * multiplier ** np.arange(40)
     assert returns_of(1.0 + x, -x) == returns
     pair = np.where(np.arange(60) % 2, 0.2, -0.2) + 0.3 * multiplier ** np.arange(60)

@@ -80,7 +80,7 @@ MODULE.G = 1.0
 
 
 @pytest.mark.parametrize("changed", "constant helper base default table module".split())
-def test_a_law_changes_with_anything_that_it_refers_to(changed, monkeypatch):
+def test_a_law_changes_with_its_references(changed, monkeypatch):
     plain = {"constant": 1.0, "helper": lambda x: x, "base": base_with(1.0)}
     others = {"constant": 2.0, "helper": lambda x: x + x, "base": base_with(2.0)}
     others |= {"default": 2.0, "table": np.array([2.0])}

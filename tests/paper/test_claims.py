@@ -66,7 +66,7 @@ def test_verdicts(rows):
     ) | others
 
 
-def test_what_the_papers_phrases_cover(rows):
+def test_ranges_of_the_papers_phrases(rows):
     """No wider than the phrase allows: each is a range that a value well beside it leaves."""
     phrases = {
         "slope": (-math.inf, 0.0),
@@ -203,7 +203,7 @@ def test_limit_cycle_of_the_scheme(omega_dt, V_min, V_max):
     np.testing.assert_allclose(np.diff(run.time), time_step(FIG2, omega_dt), rtol=1e-6)
 
 
-def test_multiplier_tends_to_that_of_the_modes():
+def test_the_multiplier_tends_to_the_growth_rate():
     """exp(growth rate * dt), once the scheme's error of order dt is extrapolated away."""
     V = 3.3e-3
     coarse, fine = (

@@ -128,7 +128,7 @@ def test_collinear_columns_within_bounds():
     assert held > 60
 
 
-def test_an_end_at_the_edge_of_motion_is_no_minimum():
+def test_an_end_at_the_edge_of_motion_is_not_a_minimum():
     """Least on the edge x + 2 y = 2 is (1.8, 0.1), and no search gets there."""
 
     def function(x):

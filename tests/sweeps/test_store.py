@@ -438,7 +438,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize(("changes", "told"), CHANGES.values(), ids=CHANGES)
-def test_another_sweep_is_refused_with_what_differs(changes, told, begun):
+def test_another_sweep_is_refused_with_the_differences(changes, told, begun):
     found = differences(begun, **changes)
     assert found.keys() == told.keys()
     assert all(words in found[name] for name, words in told.items()), found
@@ -498,7 +498,7 @@ def put_dataset(path):
 
 
 @pytest.mark.parametrize("put", [put_file, put_folder, put_group, put_dataset])
-def test_what_is_no_store_stays_as_it_is(path, put):
+def test_other_files_are_not_changed(path, put):
     put(path)
     before = files(path.parent)
     for use in (sweep, store_status):

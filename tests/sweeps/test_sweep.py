@@ -241,7 +241,7 @@ def test_the_first_case_may_raise(raising, other):
     assert ((found.status.isel(M=1) == CRASHED) == (other == BAD)).all()
 
 
-def test_what_cases_have_in_common_is_kept(monkeypatch):
+def test_variables_that_all_cases_share_are_kept(monkeypatch):
     def raises(self, progress=None):
         raise ZeroDivisionError
 
@@ -259,7 +259,7 @@ def test_what_cases_have_in_common_is_kept(monkeypatch):
 
 
 @pytest.mark.parametrize("chunk", [None, 1])
-def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
+def test_variables_that_some_cases_share_are_kept(monkeypatch, chunk):
     run = StabilityCall.run
 
     def raises(self, progress=None):
@@ -321,7 +321,7 @@ def test_bad_input(how, message):
         sweep(how.pop("function"), how.pop("slider"), **how)
 
 
-def test_contradictions_are_told_before_anything_runs(tmp_path):
+def test_contradictions_are_refused_before_anything_runs(tmp_path):
     slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([1e3, 1e3, 0.0], dims="M"))
     initial = {"V": 1e-3, "theta": 1e-2, "tau": 1e6}
     arguments = {"loading": rs.Loading.constant(1e-3), "t_end": 1.0, "initial": initial}
@@ -334,7 +334,7 @@ def test_contradictions_are_told_before_anything_runs(tmp_path):
 
 
 @pytest.mark.parametrize("cores", [1, 2])
-def test_kernels_stop_when_told(monkeypatch, cores):
+def test_kernels_can_be_stopped(monkeypatch, cores):
     monkeypatch.setattr(dispatch, "cores", lambda: cores)
     slider = SLIDER.replace(K=xarray.DataArray(np.linspace(7e8, 8e8, 20), dims="K"))
     loading, stop = rs.Loading.steps("10 mm/s", (0.01, "0.1 m/s")), threading.Event()
@@ -395,7 +395,7 @@ def test_durations(seconds, words):
     assert duration(seconds) == words
 
 
-def test_what_a_report_says(monkeypatch, capsys):
+def test_lines_of_a_progress_report(monkeypatch, capsys):
     clock = [100.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
     done = np.array([True, False, False, False])

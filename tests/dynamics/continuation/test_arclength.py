@@ -143,7 +143,7 @@ def test_delayed_logistic_map_has_a_torus_point(start, stop, third):
     assert np.sort(np.angle(pair)) == pytest.approx([-np.pi / 3, np.pi / 3])
 
 
-def test_a_neutral_saddle_is_no_torus_point():
+def test_a_neutral_saddle_is_not_a_torus_point():
     """Real multipliers p and 1/2, whose product passes 1 at p = 2."""
     saddle = planar(
         lambda x, y, p: p * x, lambda x, y, p: 0.5 * y, lambda x, y, p: (p, 0.0, 0.0, 0.5)
@@ -153,7 +153,7 @@ def test_a_neutral_saddle_is_no_torus_point():
     assert branch.points[-1].multipliers == pytest.approx([3, 0.5])
 
 
-def test_a_crossing_branch_is_no_fold():
+def test_a_crossing_branch_is_not_a_fold():
     """On u = 0 of the transcritical map a multiplier passes 1, and p goes on."""
     transcritical = line(lambda u, p: u + p * u - u**2, lambda u, p: 1 + p - 2 * u)
     branch = follow(transcritical, [0.0], -0.513, stop=0.7, scale=[1.0])

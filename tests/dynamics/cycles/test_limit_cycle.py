@@ -234,7 +234,7 @@ def test_cycles_that_rounding_hides_are_refused():
 # Everywhere ---------------------------------------------------------------------------------------
 
 
-def test_a_waveform_that_is_not_resolved_is_no_answer():
+def test_an_unresolved_waveform_has_no_fundamental():
     """176 e-folds of speed in a cycle: the fundamental seemed to have 4.8 times the variance."""
     slider = sliders([1.0], [8.137994458761113], [9.017628378517905e-20], "slip")
     assert not limit_cycle(slider, 1e-3, rtol=1e-10).fundamental > 1.01

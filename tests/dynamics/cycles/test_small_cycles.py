@@ -119,7 +119,7 @@ def test_keeps_all_digits_however_small(law, r, beta, eta):
     np.testing.assert_allclose(ours, theirs, rtol=error + 3e-15)
 
 
-def test_error_counts_what_subtraction_loses():
+def test_the_error_includes_cancellation():
     exact = small_cycle("slip", 4.0 - 1e-11, 2.0, 3.0, -1e-11)
     blurred = small_cycle("slip", 4.0 - 1e-11, 2.0, 3.0)
     assert exact.error[0] < 1e-14

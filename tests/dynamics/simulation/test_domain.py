@@ -114,7 +114,7 @@ def test_failed_cases_are_unknown():
 
 
 @LAWS
-def test_mu_is_that_of_V_and_theta_or_none(law):
+def test_mu_agrees_with_V_and_theta_or_is_nan(law):
     """The load point stops under fast sliding: V falls until double precision ends."""
     slider = SLIDER.replace(law=law)
     loading, t = rs.Loading.steps(50.0, (1e-3, 1e-3)), 3 / slider.f_n

@@ -25,7 +25,7 @@ def best():
     return runaway().best
 
 
-def test_the_message_says_when_and_what_to_do(best):
+def test_the_message_has_the_time_and_a_remedy(best):
     message = str(runaway())
     assert f"simulate stopped at t = {float(best.time[-1]):.9g} s" in message
     assert "set M to simulate the slip event" in message

@@ -99,7 +99,7 @@ def radau_features(parameters, V_lp):
     return np.log([turn.amplitude, turn.period])
 
 
-def test_derivatives_are_those_of_an_independent_solver():
+def test_derivatives_agree_with_an_independent_solver():
     parameters, V_lp, step = FIG2 | {"K": 5e8}, 3.2e-3, 3e-3
     sides = [
         radau_features(parameters | {"K": parameters["K"] * np.exp(h)}, V_lp) for h in (step, -step)

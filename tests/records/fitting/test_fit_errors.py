@@ -288,7 +288,7 @@ def test_a_posterior_needs_dynesty(good, monkeypatch, per_step):
         rs.fit(good, SLIDER, ("a",), errors="posterior", per_step=per_step)
 
 
-def test_a_fit_without_a_slider_says_how_it_is_called(good):
+def test_a_fit_without_a_slider_is_refused(good):
     with pytest.raises(ParameterError, match=r"fit needs slider too\. Call fit\(data, slider\)\. "):
         rs.fit(good, law="slip")
 
@@ -564,7 +564,7 @@ class Combination(ReportedQuantity):
         return self.function
 
 
-def test_the_error_of_what_is_determined_beside_what_is_not():
+def test_errors_beside_an_undetermined_combination():
     """The covariance itself, of 1 and 1e18, has no digit left for the smaller variance."""
     rng = np.random.default_rng(3)
     left, _ = np.linalg.qr(rng.normal(size=(40, 3)))

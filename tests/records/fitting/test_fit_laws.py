@@ -122,7 +122,7 @@ def test_bounds_of_a_law_s_own_parameters(noisy):
 
 @pytest.mark.parametrize("slider", [TWO, NAGATA, FAST], ids=lambda slider: slider.law)
 @pytest.mark.parametrize(("kind", "M"), [("friction", 0.0), ("friction", 2e11), ("mu", 2e11)])
-def test_friction_is_that_of_simulate(slider, kind, M, noisy):
+def test_friction_agrees_with_simulate(slider, kind, M, noisy):
     """With mass it starts in steady sliding, without mass also from other states."""
     slider = slider.replace(M=M)
     data = samples_of(noisy.rename(friction=kind), slider, loading=STEP, trend=None, against="time")

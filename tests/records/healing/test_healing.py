@@ -25,7 +25,7 @@ def one():
     return rs.healing(noisy(1, white=2e-4, red=2e-4, trend=3.0), slider=SLIDER)
 
 
-def test_holds_are_those_of_the_load_point(one):
+def test_holds_are_found_from_the_load_point(one):
     np.testing.assert_allclose(one.t_hold, HOLDS)
     starts = SLIDE + np.concatenate([[0.0], np.cumsum(np.array(HOLDS) + SLIDE)[:-1]])
     np.testing.assert_allclose(one.hold_start, starts)

@@ -72,7 +72,7 @@ def test_a_number_with_either_decimal_mark(cell, point, comma):
 
 
 @pytest.mark.parametrize("mark", [",", "."])
-def test_numbers_that_either_mark_explains_are_asked_for(tmp_path, mark):
+def test_numbers_with_an_ambiguous_decimal_mark_are_refused(tmp_path, mark):
     path = tmp_path / "r.txt"
     rows = [f"{1000 + i:,}\t{2000 + i * i:,}\t{6000 + i % 7:,}" for i in range(40)]
     path.write_text("\n".join(["Time (s)\tDisp (um)\tFriction", *rows]))
@@ -134,7 +134,7 @@ def test_times_of_other_forms(cells, unit, expected):
 
 
 @pytest.mark.parametrize("cell", ["12:30", "0.25", "", "run 3", "2019-05-14", "a:b:c", "1:2:3"])
-def test_what_is_not_a_clock_time(cell):
+def test_other_cells_are_not_clock_times(cell):
     assert detect_clock(cell) is None
 
 

@@ -237,7 +237,7 @@ def test_mat(tmp_path):
 
 
 @pytest.mark.parametrize(("rows", "match"), [(1, "no columns of numbers"), (2, "only 2 rows")])
-def test_a_number_alone_in_a_stored_file_is_no_column(tmp_path, rows, match):
+def test_a_single_number_in_a_stored_file_is_not_a_column(tmp_path, rows, match):
     scipy.io.savemat(tmp_path / "b.mat", {"Time_s": T[:rows], "disp_um": X[:rows], "mu": MU[:rows]})
     with pytest.raises(rs.ParameterError, match=match):
         read_lab(tmp_path / "b.mat")
@@ -370,7 +370,7 @@ def test_a_normal_stress_that_few_machines_reach_is_reported(tmp_path, sigma):
 
 
 @pytest.mark.parametrize(("wanders", "noted"), [(0.0, False), (0.05, True)])
-def test_a_load_point_wanders_where_it_is_more_than_rounding(tmp_path, wanders, noted):
+def test_rounding_of_the_load_point_is_not_reported_as_wander(tmp_path, wanders, noted):
     """Displacement to 0.01 um: by 0.5 um a row, and from a step on by 1.2345 um."""
     rows = np.arange(600)
     x = 0.5 * rows + 0.7345 * np.maximum(rows - 400, 0) + wanders * np.sin(rows / 60.0)
@@ -465,7 +465,7 @@ def test_gaps(tmp_path):
 
 
 @pytest.mark.parametrize("rates", [(0.1, 0.01), (0.01, 0.1), (1.0, 0.001)])
-def test_a_change_of_rate_is_no_gap(tmp_path, rates):
+def test_a_change_of_rate_is_not_a_gap(tmp_path, rates):
     before, after = (np.arange(200) * dt for dt in rates)
     t = np.append(before, before[-1] + rates[1] + after)
     x = np.interp(t, [0, before[-1], t[-1]], [0, 50, 400])
