@@ -161,6 +161,61 @@ def test_a_crossing_branch_is_not_a_fold():
     assert all(point.u[0] == pytest.approx(0, abs=1e-9) for point in branch.points)
 
 
+def flow(l1, l2):
+    """Map after time 2 pi of r' = p r + l1 r^3 + l2 r^5, the radius of a Hopf normal form.
+
+    Runge-Kutta steps have the fixed points of the flow exactly, whatever their size.
+    """
+
+    def rate(r, p):
+        return p * r + l1 * r**3 + l2 * r**5, p + 3 * l1 * r**2 + 5 * l2 * r**4
+
+    def evaluate(u, p):
+        r, slope = u[:, 0], np.ones(len(p))
+        h = 2 * np.pi / 64
+        for _ in range(64):
+            k, dk, r_stage, slope_stage = 0.0, 0.0, r, slope
+            for weight, reach in ((1, 0.5), (2, 0.5), (2, 1.0), (1, 0.0)):
+                value, derivative = rate(r_stage, p)
+                k, dk = k + weight * value, dk + weight * derivative * slope_stage
+                r_stage, slope_stage = (
+                    r + h * reach * value,
+                    slope + h * reach * derivative * slope_stage,
+                )
+            r, slope = r + h / 6 * k, slope + h / 6 * dk
+        return Orbit(r[:, None], slope[:, None, None], u[:, 0] > 0, {})
+
+    return evaluate
+
+
+def test_subcritical_hopf_with_its_fold_of_cycles():
+    """0 = p + r^2/2 - r^4: the fold is at r^2 = 1/4, p = -1/16, and the Hopf point at 0."""
+    start = 0.5
+    r = np.sqrt((0.5 + np.sqrt(0.25 + 4 * start)) / 2)
+    branch = follow(
+        flow(0.5, -1.0),
+        [r],
+        start,
+        stop=-1.0,
+        scale=[1.0],
+        amplitude=lambda point: point.u[0] - 1e-3,
+    )
+    assert branch.end == "hopf"
+    assert specials(branch) == ["fold"]
+    assert special(branch, "fold").y == pytest.approx([0.5, -1 / 16], abs=1e-8)
+    assert special(branch, "fold").p == pytest.approx(-1 / 16, abs=1e-12)
+    assert branch.points[-1].u[0] == pytest.approx(1e-3, abs=1e-8)
+    assert -1e-6 < branch.points[-1].p < -4e-7
+    stable = [abs(point.multipliers[0]) < 1 for point in branch.points]
+    fold = specials_at(branch)[0]
+    assert all(stable[:fold])
+    assert not any(stable[fold + 1 :])
+
+
+def specials_at(branch):
+    return [i for i, point in enumerate(branch.points) if point.special]
+
+
 def beyond(evaluate, edge):
     """The map without an image where p > edge."""
 
