@@ -15,10 +15,9 @@ BUILD = ROOT / "build" / "docs"
 
 sys.path[:0] = [str(HERE / "_ext"), str(ROOT / "src")]
 os.environ["MATPLOTLIBRC"] = str(HERE / "matplotlibrc")  # of notebooks and gallery alike
-# of notebooks: this tree's ratestate, reference_values, and the records of the tests
-os.environ["PYTHONPATH"] = os.pathsep.join(
-    [str(ROOT / "src"), str(HERE / "_ext"), str(ROOT / "tests/helpers")]
-)
+# of notebooks: this tree's ratestate, reference_values, and the records of tests and benchmarks
+FOLDERS = ROOT / "src", HERE / "_ext", ROOT / "tests/helpers", ROOT / "benchmarks"
+os.environ["PYTHONPATH"] = os.pathsep.join(map(str, FOLDERS))
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["COLUMNS"] = "88"  # of what commands print
 os.environ["TERM"] = "dumb"  # no progress bars and colours

@@ -92,7 +92,7 @@ def test_slip_law_has_no_cycle_beside_stable_sliding(b_over_a):
     np.testing.assert_array_equal(found.status, STEADY_SLIDING)
 
 
-def test_folds_of_a_batch_are_those_of_each():
+def test_folds_of_a_batch_equal_those_found_alone():
     eta = np.array([1e-7, 1e-5, 1e-2, 0.13, 1.0])
     beta = np.array([2.0, 1.5, 5.0, 2.0, 3.0])
     together = folds("aging", beta, eta)
@@ -121,7 +121,7 @@ def charts():
 
 
 @LAWS
-def test_contract(charts, law):
+def test_variables_of_an_atlas(charts, law):
     data = charts(law)
     whole = ["amplitude_over_a", "slip_per_cycle", "frequency_over_f_n", "V_max_over_V_lp"]
     whole += ["inertia", "fundamental", "slow_fraction", "agree", "regime", "status"]
@@ -167,7 +167,7 @@ def test_boundary_and_bifurcation(charts, law):
     np.testing.assert_array_equal(data.lyapunov_1 < 0, data.type == "supercritical")
 
 
-def test_a_part_of_it():
+def test_an_atlas_of_other_ranges():
     part = atlas(2.0, n=3, rtol=1e-4, eta=(0.1, 10.0), K_over_K_c_qs=(0.5, 2.0), transition=False)
     assert part.eta.values == pytest.approx([0.1, 1.0, 10.0])
     assert part.K_over_K_c_qs.values == pytest.approx([0.5, 1.0, 2.0])
@@ -191,7 +191,7 @@ def assert_same_cycle(here, suffix, cycle, slider, V):
 
 
 @LAWS
-def test_any_slider_is_a_point_of_it(charts, law):
+def test_any_slider_is_a_point_of_the_atlas(charts, law):
     """One given in SI units, of the same b/a, at random points."""
     data = charts(law)
     rng = np.random.default_rng(4)
@@ -241,7 +241,7 @@ def test_a_slider_of_a_law_with_parameters_is_a_point_of_its_atlas(law, own, M):
         assert float(here.K_c_over_K_c_qs) == pytest.approx(moving.K_c(V) / largest, rel=1e-12)
 
 
-def test_what_a_law_needs_for_its_atlas_is_said():
+def test_missing_parameters_of_an_atlas_are_named():
     for options, said in (
         ({"law": "kato-tullis", "V_cut": 1.0}, "has a speed of its own.* Give M"),
         ({"law": "aging", "M": 1.0}, "'aging' has no speed of its own.* Leave M out"),

@@ -78,7 +78,7 @@ def test_no_step_down_leaves():
     assert (runs.amplitude < 0.05 * edge().amplitude).all()
 
 
-def test_the_two_cycles_are_those_of_the_branch():
+def test_both_cycles_lie_on_the_branch():
     """limit_cycle's, and the other end of the branch through the fold, here in V_lp."""
     stable = limit_cycle(STRIP, V_LP)
     for name in ("amplitude", "period"):
@@ -170,7 +170,7 @@ def test_without_inertia_the_aging_law_comes_back():
     assert (found.outcome == "none").all()
 
 
-def test_a_search_that_does_not_converge_is_no_outcome(monkeypatch):
+def test_a_search_that_does_not_converge_has_an_unknown_outcome(monkeypatch):
     """A motion that decays slowly is not irregular; one whose amplitude goes up and down is."""
 
     def escapes(system, kind, largest, progress):

@@ -99,7 +99,7 @@ def test_far_above_both_cut_offs_it_follows_its_load_point(ratio, rtol):
     assert abs(float(result.energy_residual)) < 1e-12
 
 
-def test_beyond_what_friction_tells_of_the_speed_nothing_is_said():
+def test_a_speed_that_friction_does_not_resolve_is_refused():
     stiff, slow = 2.0 * B * SIGMA / DC, 1e-3 * V
     for off in (-0.1, 0.1):
         V1 = V * math.exp(-RESOLVED - off)

@@ -105,7 +105,7 @@ def test_no_damping_is_the_law_alone():
     assert DAMPED.replace(law="aging").damping == 5e4
 
 
-def test_what_is_wrong_with_damping_is_told():
+def test_impossible_damping_is_refused():
     for value, text in (
         (-1.0, r"damping = -1 Pa s/m must be >= 0"),
         ("5 MPa", r"damping = '5 MPa' is a stress"),
@@ -179,7 +179,7 @@ def test_a_little_damping_is_enough():
     assert float(cycle.V_max) > 3e8
 
 
-def test_an_earthquake_is_no_slow_stick_slip():
+def test_an_earthquake_is_not_slow_stick_slip():
     """Without mass it is the dashpot that holds it: by a tenth of the stress drop, or less."""
     fault = rs.SpringSlider(a=0.01, b=0.015, Dc=1e-2, sigma=5e7, K=1e6, damping=5e6)
     cycle = rs.limit_cycle(fault, 1e-9)
@@ -190,7 +190,7 @@ def test_an_earthquake_is_no_slow_stick_slip():
         assert str(classify(cycle.assign(V_max=V_max)).regime.values) == regime
 
 
-def test_acceleration_is_what_the_dashpot_leaves():
+def test_acceleration_with_a_dashpot():
     slider = DAMPED.replace(area=2e-3)
     run = rs.simulate(slider, rs.Loading.steps(1e-3, (0.01, 5e-3)), 0.05, rtol=1e-8)
     found = whole_contact(run)
@@ -201,7 +201,7 @@ def test_acceleration_is_what_the_dashpot_leaves():
     assert float(found.acceleration_max) == pytest.approx(abs(acceleration[largest]), rel=0.05)
 
 
-def test_what_does_without_damping_says_so():
+def test_functions_without_damping_refuse_a_damped_slider():
     with pytest.raises(rs.ParameterError, match=r"law = 'slip' .*no damping"):
         check_one_length("fit", DAMPED.friction_law.name)
     given = {"V": 1e-2, "theta": 1e-2, "tau": 1e6}

@@ -61,7 +61,7 @@ def by_the_textbook(twin, V, frequency, given):
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_it_is_that_of_the_textbooks_equations(law):
+def test_the_response_equals_the_textbooks(law):
     """In SI, in tau, V and theta, linearised by differences."""
     rng = np.random.default_rng(3)
     for _ in range(5):
@@ -110,7 +110,7 @@ def test_without_mass_in_closed_form(seed):
     assert complex(rigid.tau_by_sigma) == pytest.approx(mu - alpha * S / (1 + S), rel=1e-9)
 
 
-def test_it_resonates_where_a_hopf_bifurcation_is_near():
+def test_a_slider_near_a_hopf_bifurcation_resonates():
     K_c, hopf = FIG2.K_c(V), rs.hopf(FIG2, V)
     for above, quality in ((1e-2, 1e2), (1e-4, 1e4)):
         slider = FIG2.replace(K=K_c * (1 + above))
@@ -201,7 +201,7 @@ def test_alpha_counts_and_is_kept():
         FIG2.replace(alpha=0.1, b=0.0)
 
 
-def test_what_has_no_response_is_told():
+def test_cases_without_a_response_are_refused():
     with pytest.raises(rs.ParameterError, match=r"steady sliding at V_lp = 3.3 mm/s is unstable"):
         rs.frequency_response(FIG2, "3.3 mm/s", 10.0)
     for frequency, text in (

@@ -164,28 +164,6 @@ def test_point_is_where_the_eigenvalues_say(p, ratio, excess, law):
     assert share == pytest.approx(2 * excess / (1 + excess), rel=1e-6, abs=0)
 
 
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize("eta", [1e-6, 0.02, 0.5, 30.0])
-def test_growth_rate_leaves_zero_as_the_amplitude_supposes(law, eta):
-    """r^2 = -growth/l1 with the growth rate of `stability`, on either side and way."""
-    a, sigma, Dc, V = 0.003, 2e6, 1e-5, 1e-3
-    M = eta * sigma * a * Dc / V**2
-    slider = rs.SpringSlider(a=a, b=0.0075, Dc=Dc, sigma=sigma, M=M, K=1.5e9 * 0.6 * (1 + eta))
-    assert float(hopf(slider).V_c) == pytest.approx(V, rel=1e-8)
-    h = 1e-4
-    for V_lp, at in (
-        (None, lambda x: (slider, V * x)),
-        (V, lambda x: (slider.replace(K=slider.K * x), V)),
-    ):
-        point = hopf(slider, V_lp)
-        K = float(point.K_c)
-        growth = [float(stability(*at(1 + side)).growth_rate) for side in (-h, h)]
-        r2 = abs((growth[1] - growth[0]) / (2 * h) / float(point.lyapunov_1))
-        kappa, omega = K * Dc / (a * sigma), float(point.omega_c) * Dc / V
-        swing = 2 * a * kappa / omega  # of tau/sigma for r = 1: x' = -kappa v
-        assert float(point.amplitude_coefficient) == pytest.approx(swing * math.sqrt(r2), rel=1e-6)
-
-
 @pytest.mark.parametrize("ratio", [1 + 1e-9, 1.001, 1.5, 2.0, 10.0, 1e3])
 def test_bautin_point_of_the_aging_law(ratio):
     eta = bautin("aging", ratio)

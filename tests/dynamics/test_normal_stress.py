@@ -44,7 +44,7 @@ def histories(V, p, rng):
 
 @pytest.mark.parametrize("mass", [True, False])
 @pytest.mark.parametrize(("law", "form", "damped"), COMBINATIONS)
-def test_runs_are_those_of_the_textbook(law, form, damped, mass):
+def test_runs_under_varying_stress_agree_with_the_textbook(law, form, damped, mass):
     rng = np.random.default_rng([5, mass, len(law), len(form)])
     p, V = drawn(law, rng)
     p |= {"M": p["M"] * mass, "alpha": 0.3, "K": 3.0 * p["K"]}
@@ -99,7 +99,7 @@ def test_both_sides_of_a_step_are_stored(M):
     assert float(ends.theta[-1]) == pytest.approx(float(before.theta), rel=1e-12)
 
 
-def test_extremes_are_those_of_the_motion():
+def test_extremes_agree_with_the_motion():
     slider = rs.SpringSlider(**(SLIDER | {"damping": 1e6}), alpha=0.2)
     loading = rs.Loading.constant(1e-4).sigma_step(0.5, 2.1e6).sigma_sinusoid(1e5, period=0.17)
     run = rs.simulate(slider, loading, 2.0, rtol=1e-9)
@@ -138,7 +138,7 @@ def test_where_the_slider_moves_with_its_load_point_the_state_decays_with_slip()
     assert float(own.reversal_margin) == pytest.approx(expected, rel=1e-9)
 
 
-def test_runaway_without_mass_is_told_at_the_stiffness_of_that_time():
+def test_the_message_on_a_runaway_has_the_critical_stiffness_of_that_time():
     """K is above the critical one of the slider, and below that of its raised normal stress."""
     slider = rs.SpringSlider(**(UNDAMPED | {"M": 0.0, "K": 7e8}), law="nagata", c=0.0)
     loading = rs.Loading.constant(1e-4).sigma_ramp(0.5, 4e6, 2.0)
@@ -155,7 +155,7 @@ def test_runaway_without_mass_is_told_at_the_stiffness_of_that_time():
     assert "add damping or set M" in str(told.value)
 
 
-def test_a_record_is_what_its_ramps_are():
+def test_a_series_equals_its_steps_and_ramps():
     slider, V = rs.SpringSlider(**SLIDER, alpha=0.1), [1e-4] * 5
     series = rs.Loading.series(
         [0, 0.2, 0.2, 0.3, 0.5], V, sigma=["2 MPa", 2e6, 2.1e6, 1.9e6, 1.9e6]
@@ -200,7 +200,7 @@ ROWS = [0, 1], [1, 1]
         ),
     ],
 )
-def test_histories_that_cannot_be(make, words):
+def test_impossible_histories_are_refused(make, words):
     with pytest.raises(rs.ParameterError) as told:
         make()
     assert words in str(told.value)
@@ -223,13 +223,13 @@ def test_histories_that_cannot_be(make, words):
         ),
     ],
 )
-def test_histories_that_do_not_fit_the_slider(loading, words):
+def test_histories_that_contradict_the_slider_are_refused(loading, words):
     with pytest.raises(rs.ParameterError) as told:
         rs.simulate(rs.SpringSlider(**SLIDER), loading, 3.0)
     assert words in str(told.value)
 
 
-def test_what_may_just_be():
+def test_histories_just_inside_their_limits_are_accepted():
     """An amplitude just below sigma; a series within 1e-6; a trough after the end of the run."""
     changes = {"K": 1e11, "M": 0.0, "a": 0.01, "b": 0.005, "damping": 1e7}
     stiff = rs.SpringSlider(**(SLIDER | changes))
@@ -301,7 +301,7 @@ def test_a_rigid_slider_at_a_step_at_the_end():
     assert run.theta.values == pytest.approx([0.1, 0.1], rel=1e-12)
 
 
-def test_a_fall_beyond_all_speeds_is_no_runaway():
+def test_a_fall_beyond_double_precision_is_not_a_runaway():
     """Under velocity strengthening the motion would come back, from where no double follows."""
     changes = {"a": 5e-4, "b": 3e-4, "M": 0.0, "damping": 0.0}
     slider = rs.SpringSlider(**(SLIDER | changes), law="nagata", c=0.0)
@@ -312,7 +312,7 @@ def test_a_fall_beyond_all_speeds_is_no_runaway():
     assert 1e-3 < float(run.V_max) < math.inf
 
 
-def test_only_what_happens_before_the_end_counts():
+def test_changes_of_stress_after_the_end_are_ignored():
     """For what sigma falls to, case by case, and for whether anything disturbs steady sliding."""
     amplitude = xr.DataArray([1e5, 3e6], dims="case")
     t_end = xr.DataArray([20.0, 4.0], dims="case")

@@ -44,7 +44,7 @@ def test_stability_changes_at_the_edge(slider):
         assert not is_stable(slider, V, **{name: edge * (1.0 - toward)}), name
 
 
-def test_mass_and_stiffness_are_those_of_eqs_6_and_7():
+def test_mass_and_stiffness_agree_with_eqs_6_and_7():
     found, V = rs.stabilize(SLIDER, 0.01, margin=1.0), 0.01
     K_c_qs = (SLIDER.b - SLIDER.a) * SLIDER.sigma / SLIDER.Dc
     M = SLIDER.a * SLIDER.sigma * SLIDER.Dc / V**2 * (SLIDER.K / K_c_qs - 1.0)
@@ -71,6 +71,6 @@ def test_a_stable_slider_needs_nothing():
 
 
 @pytest.mark.parametrize("margin", [0.0, -1.0, "1 m", np.nan])
-def test_margins_that_cannot_be(margin):
+def test_impossible_margins_are_refused(margin):
     with pytest.raises(rs.ParameterError, match="margin"):
         rs.stabilize(SLIDER, 0.01, margin)

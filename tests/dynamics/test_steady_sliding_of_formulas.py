@@ -6,21 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy.special import lambertw
+from user_laws import MINE
 
 import ratestate as rs
 from ratestate.laws import Parameter, exp, log, where
 
 COMMON = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6, "M": 0.0, "K": 9e8}
-
-
-class Exponent(rs.FrictionLaw):
-    """With the exponent as a parameter."""
-
-    name = "exponent"
-    parameters = MappingProxyType({"n": Parameter("1", "exponent", "> 0", "2")})
-
-    def evolution(self, V, theta, p):
-        return (1 - (V * theta / p.Dc) ** p.n) / p.n
 
 
 class Ratio(rs.FrictionLaw):
@@ -75,10 +66,10 @@ def slider(law, **changes):
 
 
 @pytest.mark.parametrize("b", [0.0045, 0.006, 0.012])
-def test_an_exponent_made_of_parameters(b):
+def test_an_exponent_made_of_parameters(b, law_file):
     """Not of one length, though it seems so where b/a is that of the examples."""
     ratio = rs.hopf(slider(Ratio, b=b, M=3e3), "1 mm/s")
-    exponent = rs.hopf(slider(Exponent, b=b, M=3e3, n=b / COMMON["a"]), "1 mm/s")
+    exponent = rs.hopf(slider(law_file(MINE), b=b, M=3e3, m=b / COMMON["a"]), "1 mm/s")
     for name in ("K_c", "omega_c", "lyapunov_1"):
         np.testing.assert_allclose(ratio[name], exponent[name], rtol=1e-9, err_msg=name)
 

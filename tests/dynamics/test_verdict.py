@@ -76,7 +76,7 @@ def test_only_under_the_slip_law_is_a_step_called_safe():
         (FIG4.replace(sigma="50 MPa", Dc="10 cm", M=1e7), 1e-9, "years)"),
     ],
 )
-def test_limits_have_words(slider, V_lp, said):
+def test_sentences_at_limits(slider, V_lp, said):
     assert said in verdict(slider, V_lp).text
 
 
@@ -103,7 +103,7 @@ def test_a_cycle_beside_stable_sliding():
     assert "The start decides" in on_the_way.text
 
 
-def test_a_search_without_an_answer_is_told(monkeypatch):
+def test_the_verdict_on_a_search_without_an_answer(monkeypatch):
     def fails(slider, V_lp):
         raise rs.NotConverged("limit_cycle stopped (no_convergence): chaos.\nSpringSlider(...)")
 
@@ -114,7 +114,7 @@ def test_a_search_without_an_answer_is_told(monkeypatch):
     assert re.fullmatch(r"The attractor is not known: no limit cycle .{,90}\.", found.sentences[0])
 
 
-def test_a_search_that_was_stopped_says_by_what():
+def test_the_verdict_on_a_search_that_was_stopped():
     error = rs.SolverError("the search was ended after 1 s\nSpringSlider(...)")
     assert verdict(FIG2, 3.2e-3, error).sentences[0] == (
         "The attractor is not known: the search was ended after 1 s."
@@ -126,7 +126,7 @@ def test_a_search_that_was_stopped_says_by_what():
     )
 
 
-def test_nothing_is_said_for_or_against_stability_at_K_c():
+def test_the_verdict_at_K_c_is_neither_stable_nor_unstable():
     V_c = 3.1622776601683795e-3
     found = verdict(FIG2, V_c)
     assert found.sentences[1].startswith("K = 900 MPa/m is K_c to 8 digits, the edge of stability")
@@ -228,7 +228,7 @@ def sliders(number, seed=5):
     yield "aging", 2.0, -1e-4, 0.0  # unstable, and not settled
 
 
-def test_the_first_sentences_are_what_a_simulation_does():
+def test_the_first_sentences_agree_with_simulations():
     a, Dc, sigma, V_lp = 0.004, 1e-5, 2e6, 1e-3
     seen = set()
     for law, ratio, off, eta in sliders(32):

@@ -24,7 +24,7 @@ def cycle():
     return rs.limit_cycle(SLIDER, "3.2 mm/s")
 
 
-def test_of_a_run():
+def test_forces_and_accelerations_of_a_run():
     times = np.linspace(0.0, 0.2, 4001)
     loading = rs.Loading.constant("3.2 mm/s")
     run = rs.simulate(SLIDER, loading, 0.2, V_start="3 mm/s", times=times)
@@ -38,7 +38,7 @@ def test_of_a_run():
     assert np.abs(a).max() == pytest.approx(float(contact.acceleration_max), rel=1e-3)
 
 
-def test_of_a_cycle(cycle):
+def test_forces_and_accelerations_of_a_cycle(cycle):
     contact = whole_contact(cycle)
     force = float(cycle.amplitude) * 4000.0
     assert float(contact.force_amplitude) == pytest.approx(force, rel=1e-14)

@@ -120,14 +120,14 @@ def reference():
 
 @LAWS
 @pytest.mark.parametrize("n", [2, 15, 16, 17, 33])
-def test_order_and_size(reference, law, n):
+def test_results_do_not_depend_on_order_and_size(reference, law, n):
     pick = np.random.default_rng(n).permutation(40)[:n]
     same(run(*cases(40), law, pick), reference[law].isel(case=pick))
 
 
 @LAWS
 @pytest.mark.parametrize("cores", [1, 3])
-def test_threads_and_repeats(reference, law, cores, monkeypatch):
+def test_results_do_not_depend_on_threads(reference, law, cores, monkeypatch):
     monkeypatch.setattr(dispatch, "cores", lambda: cores)
     pick = np.append(np.full(35, 7), np.tile(np.arange(40), 4))  # enough sets of lanes, in each 7
     same(run(*cases(40), law, pick), reference[law].isel(case=pick))
@@ -144,7 +144,7 @@ def test_a_single_run_is_stopped_between_two_budgets(times):
 
 
 @LAWS
-def test_single_sliders(reference, law):
+def test_a_slider_alone_has_the_bits_of_its_batch(reference, law):
     """A slider in a call of its own."""
     parameters, t_end = cases(40)
     for i in range(0, 40, 3):

@@ -17,7 +17,6 @@ from ratestate.engine.units import MarchUnits, ReturnUnits, lane_units, point_un
 from ratestate.friction import functions
 from ratestate.friction.functions import CODE, where
 from ratestate.friction.laws import LAWS
-from ratestate.friction.point import point_at
 
 WIDTHS = (1, 2, 4, 8)
 
@@ -151,23 +150,6 @@ def test_missing_functions_are_reported_on_loading():
     code = compile_object("define void @f() { ret void }")
     with pytest.raises(ImportError, match="lacks g"):
         load_functions(code, ["f", "g"])
-
-
-@pytest.mark.parametrize("name", ["slip", "nagata", "two-state-aging"])
-@pytest.mark.parametrize("width", WIDTHS)
-def test_rates_of_laws(name, width):
-    """As in NumPy's numbers, to rounding, and the same bits in any lane."""
-    law, rng, n = LAWS[name], np.random.default_rng(1), 64
-    p = tuple(rng.uniform(0.2, 0.9, law.n_coefficients).tolist())
-    y = rng.normal(size=(2 + len(law.states), n))
-
-    def rates(*y):
-        return point_at(law, p, y).f
-
-    mine = run(rates, width, *y)
-    np.testing.assert_allclose(mine, np.transpose([rates(*one) for one in y.T]), rtol=1e-12)
-    order = rng.permutation(n)
-    np.testing.assert_array_equal(run(rates, width, *y[:, order]), mine[:, order])
 
 
 # ------------------------------------------------------------------------------ other processors

@@ -1,6 +1,5 @@
 """The number of returns in the period of a run, for maps whose period is known."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 from machine_control import Machine
 
 from ratestate.engine import rows as R
-from ratestate.engine import waveform
 from ratestate.engine.step_events import last_period
 from ratestate.friction.laws import LAWS
 
@@ -89,22 +87,9 @@ def test_a_motion_that_leaves_an_orbit_of_two_returns_is_irregular(growth, large
 
 
 @pytest.mark.parametrize(("multiplier", "returns"), [(0.5, 1), (0.9, 1), (-0.5, 1), (-0.9, 1)])
-def test_a_run_that_settles_has_the_period_it_settles_to(multiplier, returns):
+def test_a_run_that_settles_has_its_final_period(multiplier, returns):
     x = 0.3 * multiplier ** np.arange(40)
     assert returns_of(1.0 + x, -x) == returns
     pair = np.where(np.arange(60) % 2, 0.2, -0.2) + 0.3 * multiplier ** np.arange(60)
     if abs(multiplier) < 0.9:
         assert returns_of(1.0 + pair, -pair) == 2
-
-
-@pytest.mark.parametrize("terms", [5, 13])
-@pytest.mark.parametrize(("start", "h"), [(0.1, 0.02), (3.7, 0.15)])
-def test_means_of_a_waveform(terms, start, h):
-    """Against a sum over 2,000 parts of the step."""
-    c = tuple(np.random.default_rng(terms).normal(size=terms) / np.arange(1, terms + 1) ** 2)
-    s = (np.arange(2000) + 0.5) / 2000
-    x, phase = np.polynomial.polynomial.polyval(s, c), 2 * math.pi * (start + h * s)
-    exact = [one.mean() for one in (x, x * x, x * np.cos(phase), x * np.sin(phase))]
-    near = 2e-3 if terms == 5 else 1e-6
-    np.testing.assert_allclose(waveform.means(c, start, h), exact, atol=near)
-    np.testing.assert_allclose(waveform.means(c, start, h)[0], exact[0], atol=1e-6)

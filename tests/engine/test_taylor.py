@@ -81,32 +81,6 @@ def test_coefficients(name):
     assert [len(one) for one in powers] == [ORDER] * 2
 
 
-@pytest.mark.parametrize("name", ["prz", "nagata", "two-state-aging"])
-def test_coefficients_of_perturbations(name):
-    """They satisfy the equations of motion, linearised by differences; the trace likewise."""
-    start = start_of(name)
-    n = len(start.y)
-    z = tuple(map(tuple, mp.matrix(np.random.default_rng(7).normal(size=(n - 1, n))).tolist()))
-    of_y, of_z, trace = T.variational_coefficients(start, z)
-    assert len(of_z) == n * (n - 1)
-
-    def along(T, z):
-        """Return the change of dy/dT by a perturbation."""
-        d, y = mp.mpf(2) ** -mp.mp.prec, value(of_y, T)
-        with mp.workprec(3 * mp.mp.prec):
-            moved = ([a + e * b for a, b in zip(y, z, strict=True)] for e in (d, -d))
-            up, down = (rates(start, one, 1)[0] for one in moved)
-            return [(a - b) / (2 * d) for a, b in zip(up, down, strict=True)]
-
-    def exact(T):
-        perturbations = (value(of_z[k : k + n], T) for k in range(0, len(of_z), n))
-        changes = (one for z in perturbations for one in along(T, z))
-        diagonal = (along(T, unit)[k] for k, unit in enumerate(np.eye(n).tolist()))
-        return *rates(start, value(of_y, T), 1)[0], *changes, sum(diagonal)
-
-    compare([*slope(of_y), *slope(of_z), trace], exact)
-
-
 def last_two(c):
     return tuple(zip(*c, strict=True))[:-3:-1]
 

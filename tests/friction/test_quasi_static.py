@@ -118,27 +118,6 @@ def test_states_of_infinite_excursion_run_away():
                 march("slip", beta, 1.0, math.log(V / V_LP), 0.0, [1.0], 60 * UNIT)
 
 
-@LAWS
-def test_period_of_small_excursions(law):
-    """The period is 2 pi/omega_c to a relative difference of at most E."""
-    for b_over_a in (1.1, 2.0, 10.0):
-        omega_c = V_LP / DC * math.sqrt(b_over_a - 1)
-        T = [
-            period(E, V_lp=V_LP, a=A, b=b_over_a * A, Dc=DC) * omega_c / (2 * math.pi) - 1
-            for E in (0.0, 1e-6, 2e-6, 1e-2)
-        ]
-        assert abs(T[0]) < 1e-9
-        assert T[2] - T[1] == pytest.approx(T[1], rel=1e-3)
-        assert 1e-3 * 1e-2 < T[3] < 1e-2
-
-
-def test_period_of_large_excursions():
-    """Loading at rest takes nearly all the time: the stress climbs by E a sigma at K V_lp."""
-    for c in (0.5, 2.0):
-        T = float(period(1e3, V_lp=1.0, a=1.0, b=1 + c, Dc=1.0))
-        assert 1.0 < T * c / 1e3 < 1.03
-
-
 # Other stiffnesses --------------------------------------------------------------------------------
 
 

@@ -1,28 +1,9 @@
 """Roots of functions and polynomials: each is accurate, whatever the others are."""
 
-import mpmath
 import numpy as np
 import pytest
 
 from ratestate.friction.roots import polynomial_roots, root, root_between
-
-
-def coefficients(roots):
-    """Return real coefficients, highest power first, of the polynomial with these roots."""
-    with mpmath.workdps(100):
-        c = [mpmath.mpf(1)]
-        for root in roots:
-            c = [x - root * y for x, y in zip([*c, 0], [0, *c], strict=True)]
-        return [float(mpmath.re(x)) for x in c]
-
-
-def exact(c):
-    """Return the roots of the polynomial with these coefficients, to 100 digits."""
-    with mpmath.workdps(100):
-        found = mpmath.polyroots(
-            [mpmath.mpf(x) for x in reversed(c)], maxsteps=500, extraprec=700, asc=True
-        )
-        return np.array([complex(z) for z in found])
 
 
 @pytest.mark.parametrize("slope", [1.0, -1.0])

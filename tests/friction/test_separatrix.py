@@ -55,7 +55,7 @@ def runs_away(b_over_a, ratio, v, y):
 
 
 @pytest.mark.parametrize(("b_over_a", "ratio"), CORNERS + BETWEEN)
-def test_edge(b_over_a, ratio):
+def test_motions_on_both_sides_of_the_edge(b_over_a, ratio):
     """1e-7 below the edge the motion returns, 1e-7 above it does not."""
     edge = edge_of_slip_law(ratio * (b_over_a - 1), b_over_a, LARGEST)
     assert 0 < edge.kick_up < ratio
@@ -127,7 +127,7 @@ def test_aging_law_above_K_c_qs_only_turns_back():
     assert not isinstance(caught.value, rs.QuasiStaticInstability)
 
 
-def test_criteria():
+def test_criteria_of_runaway():
     """Both sides of each criterion, and no runaway if friction does not weaken."""
 
     def runs_away(law, y, kappa, c):

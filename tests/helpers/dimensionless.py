@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from naive import top
+from naive import Naive, top
 from scipy.integrate import solve_ivp
 
 from ratestate.dynamics.cycles.attractor import steady_start
@@ -32,29 +32,21 @@ def random_sliders(law, n, eta=None, seed=5):
     return system, state(system, first.image)
 
 
-def rates(law, kappa, beta, eta):
-    """dy/dT as published, for real and complex y = (x, v, psi)."""
-
-    def f(y):
-        x, v, psi = y
-        evolution = -np.exp(v) * (v + psi) if law == "slip" else np.exp(-psi) - np.exp(v)
-        return np.array(
-            [kappa * (1 - np.exp(v)), (x - v - beta * psi) / (eta * np.exp(v)), evolution]
-        )
-
-    return f
+def twin(law, kappa, beta, eta):
+    """The slider in dimensionless variables as a `Naive`, with units of 1."""
+    return Naive(a=1.0, b=beta, Dc=1.0, sigma=1.0, K=kappa, M=eta, mu0=0.0, V0=1.0, law=law)
 
 
-def jacobian(law, kappa, beta, eta):
-    def J(y):
-        x, v, psi = y
-        w = np.exp(v)
-        push = (x - v - beta * psi) / (eta * w)
-        by_v, by_psi = (-w * (1 + v + psi), -w) if law == "slip" else (-w, -np.exp(-psi))
-        inertial = [1 / (eta * w), -1 / (eta * w) - push, -beta / (eta * w)]
-        return np.array([[0, -kappa * w, 0], inertial, [0, by_v, by_psi]])
+def rates(*slider):
+    """dy/dT of y = (x, v, psi)."""
+    case = twin(*slider)
+    return lambda y: np.array(case.rates(0.0, y, lambda t: 1.0))
 
-    return J
+
+def jacobian(*slider):
+    """Derivatives of `rates` by y."""
+    case = twin(*slider)
+    return lambda y: case.jacobian(0.0, y, lambda t: 1.0)
 
 
 def measured_by_scipy(law, parameters, y, period, returns=1, method="Radau"):

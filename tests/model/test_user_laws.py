@@ -29,11 +29,7 @@ def test_a_law_file_works_like_a_built_in_law(law_file):
     assert not hasattr(aging, "m")
     assert slider.V_c == pytest.approx(aging.V_c, rel=1e-13)
     assert eval(repr(slider), {"SpringSlider": rs.SpringSlider}) == slider
-    run, reference = (
-        rs.simulate(one, rs.Loading.constant(4e-3), 0.05, V_start=4e-4) for one in (slider, aging)
-    )
-    assert float(run.tau[-1]) == pytest.approx(float(reference.tau[-1]), rel=1e-9)
-    assert f'"law": "{name}"' in run.attrs["scenario"]
+    assert f'"law": "{name}"' in rs.stability(slider, 4e-3).attrs["scenario"]
     with pytest.raises(rs.ParameterError, match=r"needs m"):
         rs.SpringSlider(**COMMON, law="mine")
 
@@ -84,7 +80,7 @@ MODULE.G = 1.0
 
 
 @pytest.mark.parametrize("changed", "constant helper base default table module".split())
-def test_a_law_changes_with_anything_that_it_refers_to(changed, monkeypatch):
+def test_a_law_changes_with_its_references(changed, monkeypatch):
     plain = {"constant": 1.0, "helper": lambda x: x, "base": base_with(1.0)}
     others = {"constant": 2.0, "helper": lambda x: x + x, "base": base_with(2.0)}
     others |= {"default": 2.0, "table": np.array([2.0])}

@@ -66,7 +66,7 @@ def test_verdicts(rows):
     ) | others
 
 
-def test_what_the_papers_phrases_cover(rows):
+def test_ranges_of_the_papers_phrases(rows):
     """No wider than the phrase allows: each is a range that a value well beside it leaves."""
     phrases = {
         "slope": (-math.inf, 0.0),
@@ -203,7 +203,7 @@ def test_limit_cycle_of_the_scheme(omega_dt, V_min, V_max):
     np.testing.assert_allclose(np.diff(run.time), time_step(FIG2, omega_dt), rtol=1e-6)
 
 
-def test_multiplier_tends_to_that_of_the_modes():
+def test_the_multiplier_tends_to_the_growth_rate():
     """exp(growth rate * dt), once the scheme's error of order dt is extrapolated away."""
     V = 3.3e-3
     coarse, fine = (
@@ -213,22 +213,6 @@ def test_multiplier_tends_to_that_of_the_modes():
     growth = float(stability(FIG2, V).growth_rate)
     assert 2 * fine - coarse == pytest.approx(growth, rel=0.01)
     assert fine - growth == pytest.approx(0.5 * (coarse - growth), rel=0.02)
-
-
-def test_scheme_figure(monkeypatch):
-    monkeypatch.setattr(scheme, "OMEGA_DT", [0.1, 0.05, 0.02])
-    data = scheme.compute("aging")
-    assert data.V_c_scheme.sizes == {"scheme": 2, "omega_dt": 3}
-    error = abs(data[["V_c_scheme", "V_min", "V_max", "amplitude"]] - _truth(data))
-    for name in error:  # smaller for smaller steps, and everywhere smaller by backward Euler
-        assert (error[name].diff("omega_dt") < 0).all(), name
-        assert (error[name].sel(scheme="euler") < error[name].sel(scheme="exact")).all()
-    assert len(scheme.draw(data).axes) == 3
-
-
-def _truth(data):
-    found = {name: data[f"cycle_{name}"] for name in ("V_min", "V_max", "amplitude")}
-    return data[["V_c"]].rename(V_c="V_c_scheme").assign(found)
 
 
 @pytest.mark.statistics

@@ -72,7 +72,7 @@ def test_small_steps_are_accurate(dt):
     assert 500 * dt < np.abs(error).max() < 800 * dt
 
 
-def test_last_cycle_is_that_of_a_long_run():
+def test_the_last_cycle_agrees_with_limit_cycle():
     loading, dt = rs.Loading.constant(3.3e-3), 1e-6
     cycle = rs.limit_cycle(FIG2, 3.3e-3)
     run = rs.paper.im2017(FIG2, loading, 2.0, dt, V_start=3e-3)

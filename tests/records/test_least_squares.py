@@ -38,7 +38,7 @@ def reference(function, start, low, high):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_as_near_the_minimum_as_it_says(seed):
+def test_a_search_ends_within_its_tolerance_of_the_minimum(seed):
     function, start = problem(seed)
     found, exact = minimum(function, start, *FREE, 100), reference(function, start, *FREE)
     covariance = np.linalg.inv(exact.jac.T @ exact.jac) * 2.0 * exact.cost / T.size
@@ -77,7 +77,7 @@ def test_the_last_step_is_free():
     assert all((found.x != x).any() for x in calls)
 
 
-def test_where_nothing_moves():
+def test_a_search_avoids_points_without_motion():
     function, start = problem(1)
     exact = reference(function, start, *FREE).x
     edge = 1.05 * exact[1]
@@ -92,7 +92,7 @@ def test_where_nothing_moves():
 
 
 @pytest.mark.parametrize("start", [5.0, 14.0, 20.0, 25.0])
-def test_from_where_derivatives_are_much_larger(start):
+def test_a_start_with_large_derivatives_converges(start):
     """e**x against the mean of what is recorded, 1."""
     data = np.array([1.0, 1.2, 0.8])
 
@@ -128,7 +128,7 @@ def test_collinear_columns_within_bounds():
     assert held > 60
 
 
-def test_an_end_at_the_edge_of_motion_is_no_minimum():
+def test_an_end_at_the_edge_of_motion_is_not_a_minimum():
     """Least on the edge x + 2 y = 2 is (1.8, 0.1), and no search gets there."""
 
     def function(x):

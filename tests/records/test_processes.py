@@ -31,12 +31,12 @@ def test_few_items_are_computed_here():
     assert mapped(squared, []) == []
 
 
-def test_what_a_dead_child_leaves_is_computed_here():
+def test_the_work_of_a_dead_child_is_done_here():
     items = [(i, os.getpid()) for i in range(12)]
     assert mapped(dies_elsewhere, items) == [*range(12)]
 
 
-def test_where_no_process_can_be_had(monkeypatch):
+def test_without_processes_the_work_is_done_here(monkeypatch):
     def no_process(*_, **__):
         raise OSError("none to be had")
 

@@ -174,7 +174,7 @@ def test_bad_slurm_options(options, message):
         job_cluster(options)
 
 
-def test_what_is_not_given_is_the_site_s():
+def test_missing_options_come_from_the_site():
     given = {
         "cores": 4,
         "memory": "8GB",
@@ -230,21 +230,10 @@ def test_how_jobs_are_kept(slurm, options, kept):
     assert cluster.Cluster(client, "cpu").thread_count == 5
 
 
-def test_a_client_or_slurm():
-    with pytest.raises(rs.ParameterError, match="client and slurm are both given"):
-        rs.sweep(
-            "limit_cycle",
-            SLIDER,
-            V_lp=1e-2,
-            client=types.SimpleNamespace(nthreads=None),
-            slurm="cores=1,memory=1GB",
-        )
-
-
 # -------------------------------------------------------------------------- what SLURM says of jobs
 
 
-def test_what_squeue_says(slurm, monkeypatch, tmp_path):
+def test_answers_of_squeue(slurm, monkeypatch, tmp_path):
     slurm.answer("wait")
     for job in (1, 2):
         (slurm.folder / f"job{job}").mkdir()
@@ -392,7 +381,7 @@ def test_a_queue_that_starts_nothing(slurm, kept, monkeypatch):
         jobs.maintain()  # there is one
 
 
-def test_slurm_may_be_away_and_is_not_asked_all_the_time(slurm, kept, monkeypatch):
+def test_slurm_is_asked_at_intervals_and_may_not_answer(slurm, kept, monkeypatch):
     with kept("cores=1") as jobs, monkeypatch.context() as patch:
         (slurm.folder / "down").touch()
         slurm.forget(1)

@@ -372,23 +372,6 @@ def test_two_threads_on_a_store(begun, expected):
     sweep(begun)  # the lock is gone
 
 
-# zarr's warnings: filters are common to all threads, and come and go with any of them
-@pytest.mark.filterwarnings("ignore:Consolidated metadata is", "ignore:The data type")
-def test_two_threads_make_a_store(path, expected, monkeypatch):
-    contents, outcomes = writing._contents, []
-
-    def contents_while_another_begins(*arguments):
-        monkeypatch.setattr(writing, "_contents", contents)
-        in_thread(path, outcomes).join(20)
-        return contents(*arguments)
-
-    monkeypatch.setattr(writing, "_contents", contents_while_another_begins)
-    assert_same(sweep(path), expected)
-    (error,) = outcomes
-    assert str(error).startswith(f"Another sweep is writing to {path}.")
-    assert [*path.parent.iterdir()] == [path]
-
-
 def test_a_store_that_another_sweep_makes_meanwhile_stays(path, expected, monkeypatch):
     outcomes = []
 
@@ -455,7 +438,7 @@ CHANGES = {
 
 
 @pytest.mark.parametrize(("changes", "told"), CHANGES.values(), ids=CHANGES)
-def test_another_sweep_is_refused_with_what_differs(changes, told, begun):
+def test_another_sweep_is_refused_with_the_differences(changes, told, begun):
     found = differences(begun, **changes)
     assert found.keys() == told.keys()
     assert all(words in found[name] for name, words in told.items()), found
@@ -489,7 +472,7 @@ def motion(tmp_path_factory):
         ({"rtol": 1e-5, "t_end": 0.05}, {"rtol", "t_end"}),
     ],
 )
-def test_of_another_motion(motion, changed, named):
+def test_a_sweep_of_other_runs_is_refused(motion, changed, named):
     assert differences(motion, "simulate", **MOTION | changed).keys() == named
 
 
@@ -515,7 +498,7 @@ def put_dataset(path):
 
 
 @pytest.mark.parametrize("put", [put_file, put_folder, put_group, put_dataset])
-def test_what_is_no_store_stays_as_it_is(path, put):
+def test_other_files_are_not_changed(path, put):
     put(path)
     before = files(path.parent)
     for use in (sweep, store_status):
@@ -613,7 +596,7 @@ def stored(tmp_path_factory):
 
 
 @pytest.mark.parametrize("name", cases())
-def test_read_again(stored, name):
+def test_a_stored_sweep_is_read_again(stored, name):
     function, arguments = asked(name)
     path, returned = stored(name)
     expected = sweep(None, function, **arguments)
@@ -636,22 +619,10 @@ def test_read_again(stored, name):
             assert kinds[0] == kinds[1] or set(kinds) <= set("OTU"), key
 
 
-def test_types_and_what_is_not_a_number(stored):
-    _, result = stored("limit cycles")
-    assert result.status.dtype == np.int8
-    assert result.multipliers.dtype == np.complex128
-    assert result.stable.dtype.kind == "b" or result.stable.dtype == float
-    assert set(np.unique(result.status)) == {0, 1, 5}
-    nan = np.isnan(result.multipliers.values).all(axis=-1)
-    np.testing.assert_array_equal(nan, result.status.values != 0)
-    assert (result.message.values != "").tolist() == (result.status.values == 5).tolist()
-    assert (result.amplitude.values[result.status.values == 1] == 0.0).all()
-
-
 # What is held -------------------------------------------------------------------------------------
 
 
-def test_held_and_failures_of_part_of_a_sweep(path):
+def test_status_and_failures_of_part_of_a_sweep(path):
     M = xr.DataArray([0.0, 100.0, 3000.0, 1e4], dims="M")
     asked = {"M": M, "V_lp": rs.logspace("V_lp", 1e-3, 1e-1, 4)}
     interrupted(path, after=5, function="limit_cycle", **asked)
@@ -690,7 +661,7 @@ def test_held_and_failures_of_part_of_a_sweep(path):
     assert there.failed == (whole.status > 1).sum()
 
 
-def test_held_before_anything_is_done(path):
+def test_status_before_anything_is_done(path):
     interrupted(path, after=0)
     there = store_status(path)
     assert (there.done, there.failed, there.steady, there.chunks_done) == (0, 0, 0, 0)

@@ -95,7 +95,7 @@ def test_a_chunk_is_named_and_computed_again(path, expected, harm, how):
     assert files(path) == before
 
 
-def test_a_damaged_status_is_that_of_its_chunk(path, expected):
+def test_a_damaged_status_names_its_chunk(path, expected):
     flip(path / "status/c/3/1")
     with pytest.raises(StoreError, match=r"chunk 7 \(status/c/3/1\) is damaged"):
         store_status(path)
@@ -104,7 +104,7 @@ def test_a_damaged_status_is_that_of_its_chunk(path, expected):
     assert_same(result, expected)
 
 
-def test_what_is_common_to_chunks_is_computed_again_by_the_one_that_has_it(path, expected):
+def test_a_lost_variable_of_several_chunks_is_computed_again_once(path, expected):
     lose(path / "f_n/c/3")
     result, number = repaired(path, r"variable f_n, chunk 6 \(f_n/c/3\) is missing")
     assert number == 1
@@ -126,7 +126,7 @@ def test_damage_is_found_again_after_an_interrupt(path, expected):
 
 
 @pytest.mark.parametrize(("name", "harm"), [("M/c/0", flip), ("M/c/0", lose), ("K_c_qs/c", flip)])
-def test_what_was_made_with_the_store_is_not_computed_again(path, name, harm):
+def test_damaged_variables_of_the_whole_sweep_are_refused(path, name, harm):
     harm(path / name)
     before = files(path)
     for use in (sweep, read):
@@ -181,7 +181,7 @@ def test_without_sweep_a_lost_file_shows(path):
     assert (data.status == -1).all()
 
 
-def test_status_says_what_is_damaged(path, capsys):
+def test_the_status_names_damaged_files(path, capsys):
     print_status(path, None, None, json=False, verify=True)
     assert "verified  all files are intact" in capsys.readouterr().out
     lose(path / "growth_rate/c/2/1")
@@ -222,7 +222,7 @@ FOREIGN = {
 
 
 @pytest.mark.parametrize("name", FOREIGN)
-def test_others_do_not_resume(begun, other_origin, name):
+def test_other_machines_do_not_resume_a_store(begun, other_origin, name):
     who, difference = FOREIGN[name]
     before = files(begun)
     other_origin(**who)
@@ -231,7 +231,7 @@ def test_others_do_not_resume(begun, other_origin, name):
     assert files(begun) == before
 
 
-def test_others_read_what_is_complete(path, expected, other_origin):
+def test_other_machines_read_a_complete_store(path, expected, other_origin):
     other_origin(cpu="i386", kernels="abc")
     assert_same(sweep(path), expected)
 

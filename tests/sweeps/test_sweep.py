@@ -144,7 +144,7 @@ def test_a_probe_stops_in_time():
 
 @pytest.mark.parametrize("function", CALLS)
 @pytest.mark.parametrize("chunk", [None, 1, 7])
-def test_the_verb_and_its_sweep_agree(function, chunk):
+def test_a_function_and_its_sweep_agree(function, chunk):
     alone = getattr(rs, function)(SLIDER, **CALLS[function])
     found = sweep(function, chunk=chunk, **CALLS[function])
     added = ["message"] if "status" in alone else ["message", "status"]
@@ -241,7 +241,7 @@ def test_the_first_case_may_raise(raising, other):
     assert ((found.status.isel(M=1) == CRASHED) == (other == BAD)).all()
 
 
-def test_what_cases_have_in_common_is_kept(monkeypatch):
+def test_variables_that_all_cases_share_are_kept(monkeypatch):
     def raises(self, progress=None):
         raise ZeroDivisionError
 
@@ -259,7 +259,7 @@ def test_what_cases_have_in_common_is_kept(monkeypatch):
 
 
 @pytest.mark.parametrize("chunk", [None, 1])
-def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
+def test_variables_that_some_cases_share_are_kept(monkeypatch, chunk):
     run = StabilityCall.run
 
     def raises(self, progress=None):
@@ -300,6 +300,10 @@ def test_what_some_cases_have_in_common_is_kept(monkeypatch, chunk):
             "'x' has labels that cannot be stored",
         ),
         ({"client": "tcp://1"}, r"client = 'tcp://1' is not a dask.distributed.Client"),
+        (
+            {"client": SimpleNamespace(nthreads=None), "slurm": "cores=1,memory=1GB"},
+            "client and slurm are both given",
+        ),
         ({"store": 3}, "store = 3 must be the path of a folder"),
         ({"store": "s3://bucket/x.zarr"}, "must be the path of a folder"),
         ({"slider": 3}, "slider = 3 is not a SpringSlider"),
@@ -317,7 +321,7 @@ def test_bad_input(how, message):
         sweep(how.pop("function"), how.pop("slider"), **how)
 
 
-def test_contradictions_are_told_before_anything_runs(tmp_path):
+def test_contradictions_are_refused_before_anything_runs(tmp_path):
     slider = rs.SpringSlider(**FIG2, M=xarray.DataArray([1e3, 1e3, 0.0], dims="M"))
     initial = {"V": 1e-3, "theta": 1e-2, "tau": 1e6}
     arguments = {"loading": rs.Loading.constant(1e-3), "t_end": 1.0, "initial": initial}
@@ -330,7 +334,7 @@ def test_contradictions_are_told_before_anything_runs(tmp_path):
 
 
 @pytest.mark.parametrize("cores", [1, 2])
-def test_kernels_stop_when_told(monkeypatch, cores):
+def test_kernels_can_be_stopped(monkeypatch, cores):
     monkeypatch.setattr(dispatch, "cores", lambda: cores)
     slider = SLIDER.replace(K=xarray.DataArray(np.linspace(7e8, 8e8, 20), dims="K"))
     loading, stop = rs.Loading.steps("10 mm/s", (0.01, "0.1 m/s")), threading.Event()
@@ -391,7 +395,7 @@ def test_durations(seconds, words):
     assert duration(seconds) == words
 
 
-def test_what_a_report_says(monkeypatch, capsys):
+def test_lines_of_a_progress_report(monkeypatch, capsys):
     clock = [100.0]
     monkeypatch.setattr(progress.time, "monotonic", lambda: clock[0])
     done = np.array([True, False, False, False])

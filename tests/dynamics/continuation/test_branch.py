@@ -297,7 +297,7 @@ def test_no_single_cycle_at_start():
 
 
 @pytest.mark.parametrize("rtol", [1e-10, 1e-4])
-def test_accuracy_asked_for(rtol):
+def test_rtol_sets_the_accuracy_of_a_branch(rtol):
     branch = continue_cycle(STRIP, "V_lp", 4.6e-4, 1e-4, rtol=rtol)
     assert specials(branch) == ["start", "fold", "hopf"]
     fold = special(branch, "fold")

@@ -89,7 +89,7 @@ def test_where_the_return_map_varies_fast_with_the_parameter():
     assert folds == pytest.approx([1.301445e-5, 1.125302e-6], rel=1e-5)
 
 
-def test_a_branch_where_the_stress_maximum_is_that_of_steady_sliding():
+def test_a_branch_along_which_the_effects_of_two_states_cancel():
     """Effects of two states cancel at b2 = 0.0155: no sign of a Hopf point; then period doubles."""
     case = slider("two-state-slip", K=8e8)
     branch = rs.continue_cycle(case, "b2", 0.01, 0.03, V_lp=V, rtol=1e-5)
@@ -102,7 +102,7 @@ def test_a_branch_where_the_stress_maximum_is_that_of_steady_sliding():
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_small_amplitudes_are_those_of_the_linear_equations(name):
+def test_small_amplitudes_agree_with_linear_equations(name):
     """An orbit from the section of the linear mode comes back to it at the edge of stability."""
     case = slider(name)
     columns = {**case.values, "K": case.K_c(V), "V_lp": V}
@@ -119,5 +119,3 @@ def test_small_amplitudes_are_those_of_the_linear_equations(name):
 def test_parameters_of_a_branch_that_are_refused():
     with pytest.raises(rs.ParameterError, match=r"parameter = 'c' .* Dc, b2, Dc2\.$"):
         rs.continue_cycle(slider("two-state-slip"), "c", 1.0, 2.0, V_lp=V)
-    with pytest.raises(rs.ParameterError, match=r"start = -0\.001 1?.*0 < start < inf"):
-        rs.continue_cycle(slider("two-state-slip"), "b2", -1e-3, 1e-3, V_lp=V)

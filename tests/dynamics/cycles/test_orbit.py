@@ -19,7 +19,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_it_closes_and_measures_as_the_cycle(name):
+def test_an_orbit_closes_and_has_the_measures_of_its_cycle(name):
     slider, V_lp = CASES[name]
     run, cycle = orbit(slider, V_lp, return_cycle=True)
     stress = run.tau / slider.sigma
@@ -41,7 +41,7 @@ def test_steady_sliding_is_one_point():
         assert float(run.tau[0]) == pytest.approx(2e6 * (0.6 - 0.003 * np.log(3e5)), rel=1e-12)
 
 
-def test_what_has_no_cycle_says_so():
+def test_a_slider_without_a_cycle_is_refused():
     with pytest.raises(rs.QuasiStaticInstability, match="set M to simulate"):
         orbit(FIG2.replace(M=0.0, K=5e8), 3e-4)
     with pytest.raises(rs.ParameterError, match="sweep over M"):

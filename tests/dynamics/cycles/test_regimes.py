@@ -4,18 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from ratestate import ParameterError, limit_cycle
+from ratestate import ParameterError, files, limit_cycle
 from ratestate.dynamics.cycles.regimes import REGIMES, classify
 from ratestate.dynamics.results import parameter
 from ratestate.paper.parameters import FIG2, FIG4, FIG4_K, FIG6, FIG6_SPEEDS
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
-
-
-def through_a_file(result, path):
-    result.to_netcdf(path, engine="h5netcdf")
-    with xr.open_dataset(path, engine="h5netcdf") as back:
-        return back.load()
 
 
 @LAWS
@@ -57,7 +51,7 @@ def test_disagreement_is_reported():
 def test_failed_cases_are_unknown(tmp_path):
     K = xr.DataArray([5e8, 5e9], dims="K")
     cycle = limit_cycle(FIG4.replace(M=0.0, K=K), 1e-5, rtol=1e-6)
-    found = through_a_file(classify(cycle), tmp_path / "regimes.nc")
+    found = files.read(files.write(classify(cycle), tmp_path / "regimes.nc"))
     assert found.regime.values.tolist() == ["unknown", "steady"]
     assert found.regime_by_eta.values.tolist() == ["unknown", "steady"]
     assert found.agree.values.tolist() == [False, True]

@@ -1,7 +1,5 @@
 """The return map: section, multipliers, Newton's step; the attractors of orbits; their measures."""
 
-import math
-
 import numpy as np
 import pytest
 from dimensionless import P1, P4B, make_system, measured_by_scipy
@@ -10,7 +8,6 @@ from ratestate.dynamics.cycles.attractor import find_attractors, steady_start
 from ratestate.dynamics.cycles.measure import measure
 from ratestate.dynamics.cycles.shooting import Returns, multipliers, return_map
 from ratestate.dynamics.cycles.system import state
-from ratestate.engine.model import FINISHED, STEADY_SLIDING
 
 LAWS = pytest.mark.parametrize("law", ["slip", "aging"])
 
@@ -24,26 +21,7 @@ def returns_with(jacobians, trace, image=None):
 # Algebra ------------------------------------------------------------------------------------------
 
 
-def test_small_multipliers_keep_their_digits():
-    """Where the determinant of the derivative is all rounding."""
-    J = np.array([[[0.6, 0.2], [1.2, 0.4 + 1e-16]], [[-0.5, 0.0], [0.0, 0.0]], np.zeros((2, 2))])
-    found = multipliers(returns_with(J, np.array([math.log(1e-20), -math.inf, math.nan])))
-    np.testing.assert_allclose(found[0], [1.0, 1e-20], rtol=1e-14)
-    np.testing.assert_array_equal(found[1:], [[-0.5, 0], [0, 0]])
-
-
 # Attractors of orbits -----------------------------------------------------------------------------
-
-
-def follow(system, returns):
-    """The orbit from steady sliding at V_lp/10, return by return; NaN once it is steady sliding."""
-    steady = np.where(system.margin > 0, 1e-6, 0.0)
-    image = return_map(system, steady_start(system), 1e-9, steady_tol=steady).image
-    for _ in range(returns):
-        on = np.flatnonzero(np.isfinite(image[:, 0]))
-        part = system.at(on)
-        image[on] = return_map(part, state(part, image[on]), 1e-9, steady_tol=steady[on]).image
-    return image
 
 
 @LAWS
@@ -54,27 +32,6 @@ def test_a_return_is_as_fine_as_its_cycle_attracts(law):
     first = multipliers(return_map(system, state(system, attractors.u), 1e-10))[:, 0].real
     assert 0.0 < first.min() < 0.2 < first.max() < 0.8
     np.testing.assert_allclose(attractors.tol, 1e-8 * (1.0 - first), rtol=0.01)
-
-
-@LAWS
-def test_settles_where_the_orbit_goes(law):
-    """Of sliders that settle within some returns, those with a fixed point not theirs included."""
-    rng = np.random.default_rng(33)
-    n = 48
-    beta, eta = 1 + 10 ** rng.uniform(-0.5, 0.6, n), 10 ** rng.uniform(-5, 1.5, n)
-    ratio = np.where(rng.random(n) < 0.7, rng.uniform(0.1, 0.97, n), 1.2 + eta)
-    system = make_system(law, ratio * (beta - 1), beta, eta)
-    attractors = find_attractors(system, steady_start(system), 1e-8, None)
-    end = follow(system, 40)
-    cycle = attractors.status == FINISHED
-    assert cycle.sum() > 20
-    assert (attractors.status[~cycle] == STEADY_SLIDING).all()
-    assert (system.margin[~cycle] > 0).all()
-    returns = return_map(system.at(cycle), state(system.at(cycle), attractors.u[cycle]), 1e-9)
-    quick = np.abs(multipliers(returns)[:, 0]) < 0.55  # 40 returns are enough
-    assert quick.sum() > 10
-    np.testing.assert_allclose(attractors.u[cycle][quick, 0], end[cycle][quick, 0], rtol=1e-7)
-    np.testing.assert_allclose(returns.image[:, 0], attractors.u[cycle][:, 0], rtol=1e-7)
 
 
 # Measures of cycles -------------------------------------------------------------------------------
@@ -122,18 +79,6 @@ def test_measures_take_the_step_that_is_left(law):
     assert 1e-6 < off["error"][0] < 1e-3  # but it is not trusted further than the step is long
     assert exact["error"][0] < 1e-10
     assert 1e-7 < off["residual"][0] < 1e-4
-
-
-def test_a_failed_return_leaves_nothing():
-    system = make_system("slip", [0.5, math.nan], 2.0, 0.1)
-    u = np.ones((2, 2))
-    attractors = find_attractors(system, steady_start(system), 1e-6, None)
-    assert attractors.status[0] == FINISHED
-    assert attractors.status[1] > STEADY_SLIDING
-    found = measure(system, attractors._replace(u=u, tol=np.full(2, 1e-8)))
-    for name, value in found.items():
-        assert np.isnan(value[1]).all(), name
-        assert np.isfinite(value[0]).all(), name
 
 
 @pytest.mark.parametrize("size", [0.0, 3e-320, 1e-309, 1e-100, 0.5])

@@ -76,7 +76,7 @@ def test_error_bounds_the_true_error_and_not_by_far(name, rtol):
 
 
 @pytest.mark.parametrize("rtol", [1e-8, 1e-11, 1e-12])
-def test_no_step_is_asked_for_less_than_rounding(rtol):
+def test_tolerances_of_steps_stay_above_rounding(rtol):
     """tau/(a sigma) swings by 441: the steps' tolerance, 2e-14, is less than its last digit."""
     slider, V_lp = slider_of("slip", *CANARD[:4], 2.2e11, *CANARD[5:])
     cycle = rs.limit_cycle(slider, V_lp, rtol=rtol)

@@ -45,7 +45,7 @@ def lowest_at(slider, run):
 
 
 @LAWS
-def test_cycles(law):
+def test_extremes_of_friction_in_cycles(law):
     """At 10 m/s (the inset of Fig. 5) the spring pulls back, but less than friction can hold."""
     found = cycles(law)
     assert names(found) == ["inside", "inside", "spring_reverses", "spring_reverses"]
@@ -88,7 +88,7 @@ def test_both_sides_of_the_edge(law, name, flag, share):
         assert float(found.amplitude) == float(cycle.amplitude)
 
 
-def test_friction_that_pushes():
+def test_negative_friction_is_flagged():
     """Steady sliding so fast that mu < 0, and a little slower."""
     steady = WEAK.replace(K=1e13, M=0.0)
     mu = 0.6 - 0.0333 * math.log(1e9)
@@ -114,7 +114,7 @@ def test_failed_cases_are_unknown():
 
 
 @LAWS
-def test_mu_is_that_of_V_and_theta_or_none(law):
+def test_mu_agrees_with_V_and_theta_or_is_nan(law):
     """The load point stops under fast sliding: V falls until double precision ends."""
     slider = SLIDER.replace(law=law)
     loading, t = rs.Loading.steps(50.0, (1e-3, 1e-3)), 3 / slider.f_n

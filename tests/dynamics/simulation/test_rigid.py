@@ -1,6 +1,5 @@
-"""K = inf: the state along given speeds, against integrals of high precision and SciPy."""
+"""K = inf: the state along given speeds, against SciPy."""
 
-import mpmath
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,56 +8,6 @@ from scipy.integrate import solve_ivp
 import ratestate as rs
 
 V0 = 1e-6
-LAWS = ("slip", "aging")
-mp = mpmath.MPContext()
-mp.dps = 25
-
-
-def exact(law, psi, V, rate, dt, Dc):
-    """psi after a line of speeds."""
-    psi, V, rate, dt, Dc = map(mp.mpf, (psi, V, rate, dt, Dc))
-    end = V + rate * dt
-    decay = mp.exp(-dt * (V + end) / 2 / Dc)
-    if rate == 0:
-        if law == "slip":
-            return (psi + mp.log(V / V0)) * decay - mp.log(V / V0)
-        return mp.log((mp.exp(psi) - V0 / V) * decay + V0 / V)
-
-    def forced(u):  # over u = ln V
-        speed = mp.exp(u)
-        weight = mp.exp(-(end**2 - speed**2) / (2 * rate * Dc))
-        return weight if law == "slip" else weight * V0 * speed / (rate * Dc)
-
-    squares = [end**2 - 2 * rate * Dc * k for k in range(1, 50)]
-    knots = {mp.log(V), mp.log(end), *(mp.log(x) / 2 for x in squares if x > 0)}
-    knots |= {*mp.linspace(mp.log(V), mp.log(end), 12)}
-    first, last = sorted([mp.log(V), mp.log(end)])
-    inside = [u for u in knots if first <= u <= last]
-    found = mp.quad(forced, sorted(inside, reverse=bool(rate < 0)))
-    if law == "slip":
-        return (psi + mp.log(V / V0)) * decay + found - mp.log(end / V0)
-    return mp.log(mp.exp(psi) * decay + found)
-
-
-@pytest.mark.parametrize("law", LAWS)
-def test_lines_of_all_kinds(law):
-    """Over up to nine decades of speed, up and down, and from 0.001 to 300 Dc of slip."""
-    rng = np.random.default_rng(3)
-    for kind in range(16):
-        V, end = 10 ** rng.uniform(-9, 0, 2)
-        if kind % 4 == 0:
-            end = V * (1 + 0.1 * rng.normal())
-        if kind % 4 == 1:
-            end = V
-        Dc, slip, psi = 10 ** rng.uniform(-6, -3), 10 ** rng.uniform(-3, 2.5), rng.uniform(-20, 20)
-        dt = slip * Dc * 2 / (V + end)
-        loading = rs.Loading.series([0.0, dt], [V, end])
-        slider = rs.SpringSlider(a=0.003, b=0.006, Dc=Dc, sigma=2e6, K=np.inf, law=law)
-        start = {"theta": np.exp(psi) * Dc / V0}
-        run = rs.simulate(slider, loading, dt, times=[dt], initial=start)
-        found = np.log(float(run.theta[0]) * V0 / Dc)
-        allowed = 1e-11 + 3e-15 * max(V / end, 1.0)  # (rounding of V + rate dt, step after step)
-        assert abs(found - exact(law, psi, V, loading.rate[0], dt, Dc)) < allowed, (V, end, slip)
 
 
 def test_many_lines_add_no_error():
@@ -138,17 +87,18 @@ RATES = {
 @pytest.mark.parametrize("law", RATES)
 @pytest.mark.parametrize("form", ["log", "regularized"])
 def test_ramps_under_oscillating_stress_by_scipy(law, form):
-    """Speeds from 1e-12 to 1e-3 m/s, with alpha; V, theta and friction at saved times."""
+    """Speeds from 1e-12 to 1e-3 m/s and back, with alpha; V, theta and friction at saved times."""
     a, b, Dc, sigma, alpha = 0.008, 0.012, 1e-6, 2e6, 0.4
     t_up, t_end, low, high, amplitude, period = 0.2, 0.3, 1e-12, 1e-3, 3e5, 0.07
     p = {"a": a, "b": b, "Dc": Dc, "sigma": sigma, "alpha": alpha, "mu0": 0.6, "V0": V0}
     slider = rs.SpringSlider(**p, K=np.inf, law=law, friction_form=form)
-    loading = rs.Loading.series([0.0, t_up, t_up, t_end], [low, high, 3e-6, 3e-6])
+    loading = rs.Loading.series([0.0, t_up, t_up, t_end], [low, high, high, 3e-6])
     loading = loading.sigma_sinusoid(amplitude, period=period)
     times = np.linspace(0.01, t_end, 59)
     run = rs.simulate(slider, loading, t_end, times=times, V_start=1e-6)
     assert 3000 < int(run.steps) < 5500
     omega, rate = 2.0 * np.pi / period, (high - low) / t_up
+    fall = (3e-6 - high) / (t_end - t_up)
 
     def slope(t, y, V):
         wave = amplitude * np.sin(omega * t)
@@ -156,7 +106,7 @@ def test_ramps_under_oscillating_stress_by_scipy(law, form):
         return RATES[law](V(t), np.exp(y), Dc) - alpha / b * growth
 
     parts, first, y = [], 0.0, np.log(Dc / 1e-6)
-    for last, V in ((t_up, lambda t: low + rate * t), (t_end, lambda t: 3e-6)):
+    for last, V in ((t_up, lambda t: low + rate * t), (t_end, lambda t: high + fall * (t - t_up))):
         at = times[(times > first) & (times < last - 1e-9)]
         ends = {"t_eval": [*at, last], "rtol": 3e-14, "atol": 1e-14, "method": "DOP853"}
         found = solve_ivp(slope, (first, last), [y], args=(V,), **ends).y[0]
@@ -164,7 +114,7 @@ def test_ramps_under_oscillating_stress_by_scipy(law, form):
     log_theta = np.concatenate([*parts, [y]])
     kept = np.abs(times - t_up) > 1e-9
     np.testing.assert_allclose(np.log(run.theta)[kept], log_theta, rtol=0, atol=1e-11)
-    V = np.where(times < t_up, low + rate * times, 3e-6)[kept]
+    V = np.where(times < t_up, low + rate * times, high + fall * (times - t_up))[kept]
     state = 0.6 + b * (log_theta + np.log(V0 / Dc))
     if form == "regularized":
         mu = a * np.arcsinh(0.5 * V / V0 * np.exp(state / a))

@@ -25,14 +25,14 @@ def best():
     return runaway().best
 
 
-def test_the_message_says_when_and_what_to_do(best):
+def test_the_message_has_the_time_and_a_remedy(best):
     message = str(runaway())
     assert f"simulate stopped at t = {float(best.time[-1]):.9g} s" in message
     assert "set M to simulate the slip event" in message
     assert "K = 500 MPa/m is 0.8333 times K_c_qs = 600 MPa/m, and V grows without" in message
 
 
-def test_it_is_whole(best):
+def test_the_run_up_to_a_runaway_is_complete(best):
     """Every number is known, also those of the whole run, and what it was made with."""
     for name, values in best.data_vars.items():
         assert np.isfinite(values).all(), name
@@ -46,7 +46,7 @@ def test_it_is_whole(best):
     assert json.loads(best.attrs["scenario"])["t_end"] == 60.0
 
 
-def test_it_is_written_and_made_again(best, tmp_path):
+def test_a_run_up_to_a_runaway_is_written_and_repeated(best, tmp_path):
     again = files.read(files.write(best, tmp_path / "best.nc"))
     assert again.equals(best)
     with pytest.raises(rs.QuasiStaticInstability) as raised:

@@ -114,7 +114,7 @@ def test_a_start_at_a_speed_beyond_double_precision_is_refused():
     assert float(start(596.4, M=1.0).V) == pytest.approx(1e-3, rel=1e-13)
 
 
-def test_slip_is_what_the_spring_says():
+def test_slip_follows_from_the_spring():
     loading = Loading.series([0, 0.1, 0.1, 0.3], [1e-4, 2e-3, 0, 1e-3])
     run = simulate(SLIDER, loading, 0.3, V_start=1e-4, rtol=1e-9, times=np.linspace(0, 0.3, 3001))
     np.testing.assert_allclose(run.delta, run.delta_lp - run.tau / 9e8, rtol=1e-14, atol=1e-18)

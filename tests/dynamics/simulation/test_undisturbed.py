@@ -55,7 +55,7 @@ def test_any_disturbance_is_enough(case):
 
 
 @pytest.mark.parametrize("K", [K_C, K_C * (1 - 0.9e-8), np.inf])
-def test_stable_sliding_is_no_reason_to_warn(K):
+def test_stable_sliding_has_no_warning(K):
     rs.simulate(SLIDER.replace(K=K), CONSTANT, 2.0)
     with pytest.warns(RunWarning, match=r"K_c = 600\.003 MPa/m"):
         rs.simulate(SLIDER.replace(K=K_C * (1 - 1.1e-8)), CONSTANT, 2.0)

@@ -4,8 +4,8 @@ from types import MappingProxyType
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from synthetic_records import SLIDER, assert_finds, record
+from textbook import Textbook
 
 import ratestate as rs
 from ratestate.friction.forms import FORMS, parameters_of
@@ -47,26 +47,6 @@ class Stronger(FrictionLaw):
         return -p.r_n * V * theta / p.Dc * (log(V * theta / p.Dc) - p.h_n)
 
 
-def by_scipy(slider, t):
-    """Return tau/sigma at times t of a massless slider with two states."""
-    rate = {"two-state-slip": lambda y: -y, "two-state-aging": lambda y: np.exp(-y) - 1.0}
-    D, b = np.array([slider.Dc, slider.Dc2]), np.array([slider.b, slider.b2])
-    k = slider.K / slider.sigma
-
-    def rhs(_, y, V_lp):
-        V = np.exp(y[0])
-        by_state = V / D * rate[slider.law](y[1:])  # d ln(theta)/dt
-        dv = (k * (V_lp - V) - b @ by_state) / slider.a
-        return [dv, *(by_state + dv)]
-
-    settings = {"method": "LSODA", "rtol": 1e-11, "atol": 1e-12, "dense_output": True}
-    y = solve_ivp(rhs, (60.0, t[-1]), [np.log(1e-6), 0.0, 0.0], args=(1e-5,), **settings).sol(
-        np.maximum(t, 60.0)
-    )
-    v = y[0] - np.log(slider.V0)
-    return slider.mu0 + slider.a * v + b @ (y[1:] - v)
-
-
 @pytest.fixture(scope="module")
 def noisy():
     return record(TWO, STEP, T, noise=1e-4, seed=3)
@@ -83,7 +63,11 @@ def test_fit_recovers_two_states_of_a_scipy_solution():
     law = "two-state-aging"
     truth = TWO.replace(law=law, b2=-0.003)
     delta_lp = 1e-6 * np.minimum(T, 60.0) + 1e-5 * np.maximum(T - 60.0, 0.0)
-    columns = {"friction": ("time", by_scipy(truth, T)), "delta_lp": ("time", delta_lp)}
+    twin, late = Textbook(law, truth.values), T > 60.0
+    start = twin.steady(1e-6)
+    friction = np.full(T.size, start[0])
+    friction[late] = twin.solve(start, 1e-5, T[late], start=60.0)[:, 0]
+    columns = {"friction": ("time", friction), "delta_lp": ("time", delta_lp)}
     data = rs.simulate(truth, STEP, T[-1], times=T)[["delta_lp"]].assign(columns)
     result = rs.fit(data, START.replace(law=law), FREE)
     for name in FREE:
@@ -138,7 +122,7 @@ def test_bounds_of_a_law_s_own_parameters(noisy):
 
 @pytest.mark.parametrize("slider", [TWO, NAGATA, FAST], ids=lambda slider: slider.law)
 @pytest.mark.parametrize(("kind", "M"), [("friction", 0.0), ("friction", 2e11), ("mu", 2e11)])
-def test_friction_is_that_of_simulate(slider, kind, M, noisy):
+def test_friction_agrees_with_simulate(slider, kind, M, noisy):
     """With mass it starts in steady sliding, without mass also from other states."""
     slider = slider.replace(M=M)
     data = samples_of(noisy.rename(friction=kind), slider, loading=STEP, trend=None, against="time")

@@ -97,7 +97,7 @@ def test_quantiles_of_a_mixture(part):
     )
 
 
-def test_the_shift_and_covariance_are_those_of_generalized_least_squares():
+def test_the_shift_and_covariance_agree_with_generalized_least_squares():
     """Compare with dense matrices."""
     rng = np.random.default_rng(2)
     residual = correlated(T, 1.0, rng) + 0.5 * rng.normal(size=T.size)

@@ -9,9 +9,7 @@ from slide_hold_slide import HOLDS, SLIDE, SLIDER, V, clean, loading_of, noisy, 
 
 import ratestate as rs
 from ratestate import ParameterError, summary
-from ratestate.records.healing.holds import Hold, Part
 from ratestate.records.healing.measured import STATUSES
-from ratestate.records.healing.prediction import Fitted, predict
 
 #: statuses of holds whose relaxation is unknown, too
 UNMEASURED = ("short_hold", "no_slide_before", "not_steady_before")
@@ -27,7 +25,7 @@ def one():
     return rs.healing(noisy(1, white=2e-4, red=2e-4, trend=3.0), slider=SLIDER)
 
 
-def test_holds_are_those_of_the_load_point(one):
+def test_holds_are_found_from_the_load_point(one):
     np.testing.assert_allclose(one.t_hold, HOLDS)
     starts = SLIDE + np.concatenate([[0.0], np.cumsum(np.array(HOLDS) + SLIDE)[:-1]])
     np.testing.assert_allclose(one.hold_start, starts)
@@ -109,23 +107,6 @@ def test_the_slider_predicts_each_hold(one):
     assert float(one.delta_mu_predicted_error.max()) == 0.0
     x, w = np.log10(one.t_hold), 1.0 / one.delta_mu_error
     assert float(one.beta_predicted[0]) == pytest.approx(np.polyfit(x, truth()[:, 0], 1, w=w)[0])
-
-
-def test_errors_of_a_fit_are_propagated():
-    """They agree with differences of predictions; b and Dc are correlated."""
-    spans = (0.0, 30.0, V), (30.0, 60.0, 0.0), (60.0, 90.0, V)
-    hold = Hold(1, *(Part(*span, np.arange(0)) for span in spans))
-    covariance = np.array([[4e-8, 1.2e-10], [1.2e-10, 1e-12]])
-    derivatives = np.zeros((2, 2))
-    for i, (symbol, step) in enumerate((("b", 2e-5), ("Dc", 2e-8))):
-        sliders = (SLIDER.replace(**{symbol: getattr(SLIDER, symbol) + s}) for s in (step, -step))
-        high, low = (predict(Fitted(one), hold, "tau")[0][:, 0] for one in sliders)
-        derivatives[:, i] = (high - low) / (2.0 * step)
-    fitted = Fitted(SLIDER, ("b", "Dc"), covariance)
-    expected = np.sqrt(np.einsum("ni,ij,nj->n", derivatives, covariance, derivatives))
-    values, _ = predict(fitted, hold, "tau")
-    np.testing.assert_allclose(fitted.error(values), expected, rtol=2e-3)
-    assert np.isinf(fitted._replace(covariance=np.inf * covariance).error(values)).all()
 
 
 def test_a_fit_under_two_laws_predicts_with_errors():
@@ -259,7 +240,7 @@ def test_the_summary_has_the_numbers(one):
         ({"friction": "tau"}, {}, "tau .* no normal stress"),
     ],
 )
-def test_bad_input(change, arguments, text):
+def test_settings_of_healing_that_are_refused(change, arguments, text):
     with pytest.raises(ParameterError, match=text):
         rs.healing(noisy(1).rename(change), **arguments)
 

@@ -54,7 +54,7 @@ def test_fault_slip():
     np.testing.assert_allclose(coarse.slip, data.delta_lp[::600], rtol=0, atol=1e-12)
 
 
-def test_a_transient_is_that_of_linear_theory():
+def test_a_transient_agrees_with_linear_theory():
     """Eigenvalues of the linear equations: lambda^2 a Dc + lambda (k Dc + a - b) + k = 0."""
     a, b, Dc, k = 0.007, 0.008, 17e-6, 500.0
     slow = (k * Dc + a - b) / (2.0 * a * Dc)

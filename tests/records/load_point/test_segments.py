@@ -240,7 +240,7 @@ def test_levels_of_a_recorded_velocity():
     assert max(abs(f.t[2] - 60.05) for f in many) < 0.01
 
 
-def test_refused():
+def test_columns_that_are_not_a_history_are_refused():
     t = np.arange(100.0)
     for times, x, match in [
         (t, t[1:], "two columns of equal length"),
@@ -260,7 +260,7 @@ def test_refused():
         segments_from_velocity(t, np.where(t < 50, 1e-6, -1e-6))
 
 
-def test_no_constant_speeds(monkeypatch):
+def test_a_record_without_constant_speeds_is_refused(monkeypatch):
     monkeypatch.setattr(splits, "MAX_RUNS", 20)
     t = np.arange(8000.0)
     x = 1e-6 * np.cumsum(1.5 + np.sign(np.sin(np.pi * t / 200 + 0.1)))

@@ -98,7 +98,7 @@ def test_slow_noise_is_not_a_normal_stress_that_varies():
         np.where(T > 200.0, -8e6, 8e6),
     ],
 )
-def test_what_is_no_step(sigma):
+def test_other_histories_have_no_step(sigma):
     assert stress_steps(T, sigma) == []
 
 

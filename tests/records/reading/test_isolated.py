@@ -33,7 +33,7 @@ def mat(path, **how):
     return path
 
 
-def test_what_a_reader_finds_comes_back_from_a_child(path):
+def test_results_of_a_reader_come_back_from_a_child(path):
     with pytest.warns(UserWarning, match=r"^r.dat: odd$"):
         found, (child, main) = read_isolated(readers.good, path, "anything")
     assert child != os.getpid()
@@ -56,7 +56,7 @@ def test_what_a_reader_finds_comes_back_from_a_child(path):
         pytest.param("greedy", "it needs more memory than 1.1 GB", marks=LINUX),
     ],
 )
-def test_whatever_goes_wrong_is_a_parameter_error(path, reader, message):
+def test_errors_of_a_child_are_parameter_errors(path, reader, message):
     with pytest.raises(ParameterError, match=message):
         read_isolated(getattr(readers, reader), path, "a thing")
 

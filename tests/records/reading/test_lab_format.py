@@ -78,7 +78,7 @@ def tables(draw):
 @given(table=tables())
 @settings(max_examples=12, deadline=None,
           suppress_health_check=[HealthCheck.function_scoped_fixture])  # fmt: skip
-def test_a_description_reads_as_the_options_it_was_made_with(tmp_path, table):
+def test_a_description_is_equivalent_to_its_options(tmp_path, table):
     header, values, options, delimiter, decimal = table
     path = write(tmp_path / "r.txt", header, values, delimiter, decimal)
     with warnings.catch_warnings():
@@ -96,7 +96,7 @@ def test_a_description_reads_as_the_options_it_was_made_with(tmp_path, table):
     assert tomllib.loads(again) == tomllib.loads(text)
 
 
-def test_what_a_description_says(tmp_path):
+def test_the_text_of_a_description(tmp_path):
     header = "Zeit [s]", "ch 1", "ch 2 (%)", "p"
     path = write(tmp_path / "r.txt", header, [T, -X, 100 * MU, 0 * T])
     text = describe_lab(path, {"delta_lp": 2, "friction": "ch 2"}, {"delta_lp": "um"},

@@ -51,7 +51,7 @@ def test_contents_in_memory_are_read_as_their_file(name, tmp_path):
     assert unnamed.attrs["source"] == "the file"
 
 
-def test_an_attempt_finds_what_reading_finds(tmp_path):
+def test_an_attempt_has_the_record_of_read_lab(tmp_path):
     name = "r.csv"
     (tmp_path / name).write_bytes(CONTENTS[name])
     expected = rs.read_lab(tmp_path / name)
@@ -67,7 +67,7 @@ def test_a_text_file_is_opened_as_binary():
         rs.read_lab(io.StringIO("1 2"))
 
 
-def test_an_attempt_that_fails_has_what_there_is_to_choose():
+def test_an_attempt_that_fails_lists_the_columns():
     columns = dict(zip(("clock", "disp", "mu"), COLUMNS.values(), strict=True))
     found = tried("r.csv", text(columns).encode())
     assert found.columns == [("clock", ""), ("disp", ""), ("mu", "")]
@@ -77,13 +77,13 @@ def test_an_attempt_that_fails_has_what_there_is_to_choose():
     assert found.error.sentence == "units.none"
 
 
-def test_an_attempt_at_what_is_no_record():
+def test_an_attempt_at_another_kind_of_file_has_an_error():
     found = tried("r.png", b"\x89PNG\r\n\x1a\n" + bytes(100))
     assert found[:3] == ([], {}, None)
     assert str(found.error).startswith("r.png is neither text nor HDF5 nor MAT")
 
 
-def test_a_child_is_ended_when_it_is_to_stop():
+def test_a_child_can_be_stopped():
     stop, begin = threading.Event(), time.monotonic()
     threading.Timer(0.3, stop.set).start()
     with pytest.raises(ParameterError, match="cannot be read as a thing: it was stopped"):

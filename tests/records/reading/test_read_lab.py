@@ -24,15 +24,6 @@ from ratestate.records.reading.columns import Column, Table, choose_columns
 COLUMNS = T, X, MU, SIGMA
 
 
-@pytest.mark.parametrize(("rows", "found"), [(1, True), (40, False)])
-def test_a_step_of_normal_stress_is_found_and_a_ramp_is_none(tmp_path, rows, found):
-    """Over as many rows; the load point's step is at 15 s."""
-    sigma = np.interp(T, [20.0, 20.0 + 0.25 * rows], [8.0, 8.8])
-    data = read_lab(write_rows(tmp_path / "p1.txt", cells((T, X, MU, sigma))))
-    step = "; step of normal stress 8 -> 8.8 MPa at 20.12 s (66 um)" if found else ""
-    assert data.attrs["found"] == f"velocity step 1.00 -> 10.0 um/s at 15 s (15 um){step}"
-
-
 def test_a_record(tmp_path):
     data = read_lab(write_rows(tmp_path / "p1.txt", cells(COLUMNS)))
     check(data)
@@ -152,7 +143,7 @@ def above_the_table():
 
 
 @pytest.mark.parametrize("how", [*above_the_table()])
-def test_layouts(tmp_path, how):
+def test_lines_above_the_table_and_encodings(tmp_path, how):
     data = read_lab(write_rows(tmp_path / "r.dat", cells(COLUMNS), **how))
     check(data)
     assert set(data.sigma.values) == {2e7}
@@ -246,7 +237,7 @@ def test_mat(tmp_path):
 
 
 @pytest.mark.parametrize(("rows", "match"), [(1, "no columns of numbers"), (2, "only 2 rows")])
-def test_a_number_alone_in_a_stored_file_is_no_column(tmp_path, rows, match):
+def test_a_single_number_in_a_stored_file_is_not_a_column(tmp_path, rows, match):
     scipy.io.savemat(tmp_path / "b.mat", {"Time_s": T[:rows], "disp_um": X[:rows], "mu": MU[:rows]})
     with pytest.raises(rs.ParameterError, match=match):
         read_lab(tmp_path / "b.mat")
@@ -379,7 +370,7 @@ def test_a_normal_stress_that_few_machines_reach_is_reported(tmp_path, sigma):
 
 
 @pytest.mark.parametrize(("wanders", "noted"), [(0.0, False), (0.05, True)])
-def test_a_load_point_wanders_where_it_is_more_than_rounding(tmp_path, wanders, noted):
+def test_rounding_of_the_load_point_is_not_reported_as_wander(tmp_path, wanders, noted):
     """Displacement to 0.01 um: by 0.5 um a row, and from a step on by 1.2345 um."""
     rows = np.arange(600)
     x = 0.5 * rows + 0.7345 * np.maximum(rows - 400, 0) + wanders * np.sin(rows / 60.0)
@@ -397,7 +388,7 @@ def test_rows_that_are_never_as_long_as_the_next_are_refused(tmp_path):
         read_lab(write_rows(tmp_path / "r.txt", rows))
 
 
-def test_texts_that_would_take_for_ever(tmp_path, monkeypatch):
+def test_texts_that_are_too_long_are_refused(tmp_path, monkeypatch):
     path = tmp_path / "r.txt"
     for content, match in [
         ("1," * 300_000 + "\n", "r.txt is not a record: line 1 has 600,000 characters"),
@@ -474,7 +465,7 @@ def test_gaps(tmp_path):
 
 
 @pytest.mark.parametrize("rates", [(0.1, 0.01), (0.01, 0.1), (1.0, 0.001)])
-def test_a_change_of_rate_is_no_gap(tmp_path, rates):
+def test_a_change_of_rate_is_not_a_gap(tmp_path, rates):
     before, after = (np.arange(200) * dt for dt in rates)
     t = np.append(before, before[-1] + rates[1] + after)
     x = np.interp(t, [0, before[-1], t[-1]], [0, 50, 400])

@@ -116,7 +116,7 @@ def test_titles_of_testing_machines(title):
 
 
 @pytest.mark.parametrize("title", ["Displacement west (um)", "Axial displacement (um)"])
-def test_a_title_that_leaves_it_open_is_reported(tmp_path, title):
+def test_an_ambiguous_title_is_reported(tmp_path, title):
     path = write(tmp_path / "r.txt", {"Time (s)": T, title: X, "Friction": MU})
     with pytest.warns(RecordWarning, match=r"delta_lp is read from the column 'Disp|'Axial"):
         read_lab(path)
@@ -182,7 +182,7 @@ def test_a_commanded_speed_is_read_if_nothing_is_measured(tmp_path):
         ("mu_corr", "mu", "friction"),
     ],
 )
-def test_a_correction_is_asked_for_beside_the_plain_column(tmp_path, title, plain, symbol):
+def test_a_corrected_column_beside_the_plain_column_is_refused(tmp_path, title, plain, symbol):
     drop = {"sigma": ["Normal stress (MPa)"], "tau": ["Shear stress (MPa)"]}.get(
         symbol, ["Shear stress (MPa)", "Normal stress (MPa)"]
     )
@@ -273,7 +273,7 @@ def test_normal_stresses_that_are_read(tmp_path, columns, words, sigma):
     np.testing.assert_allclose(data.sigma, sigma)
 
 
-def test_two_pore_pressures_are_asked_for(tmp_path):
+def test_two_pore_pressures_are_refused(tmp_path):
     two = BASE | {"Upstream pore pressure (MPa)": SIGMA, "Downstream pore pressure (MPa)": SIGMA}
     with pytest.raises(rs.ParameterError, match="pore_pressure may be any of the columns"):
         read_lab(write(tmp_path / "t.txt", two))

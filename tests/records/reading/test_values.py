@@ -107,7 +107,7 @@ def test_normal_stress_beside_friction(tmp_path):
         assert (note in data.attrs["notes"]) == dead
 
 
-def test_what_is_measured_stays(tmp_path):
+def test_measured_values_are_kept(tmp_path):
     """Stick-slip, a peak of one sample, the loading from 0 with noise, a spike within the noise."""
     saw = 0.6 + 0.05 * (T % 3.0) / 3.0
     peak = MU + 0.02 * np.exp(-np.maximum(T - 15, 0) / 0.03) * (T >= 15)
@@ -179,7 +179,7 @@ def test_velocity_and_displacement_disagree(tmp_path):
         (HEADER, "x x {}", "no line of numbers .it begins 'Time.*' and 'x x 0"),
     ],
 )
-def test_what_messages_suggest(tmp_path, header, time, match):
+def test_messages_suggest_a_remedy(tmp_path, header, time, match):
     times = np.array([time.format(t) for t in T])
     columns = (times, X, MU) if " x" not in time else (times,)
     with pytest.raises(rs.ParameterError, match=match):
@@ -253,7 +253,7 @@ def test_dropouts_of_the_shear_stress(tmp_path, noise):
     np.testing.assert_allclose(data.friction, np.delete(MU, rows), rtol=1e-12)
 
 
-def test_what_only_looks_like_a_dropout_stays():
+def test_other_changes_are_not_dropouts():
     """A reset, a jump, a hold, a staircase, stick-slip, the beginning at 0, a stop for a while."""
     noisy = X + 0.01 * RNG.normal(size=N)
     reset = np.where(T < 10, noisy, noisy - 10.0)
@@ -306,7 +306,7 @@ def test_a_channel_at_the_end_of_its_range(tmp_path):
 
 @pytest.mark.parametrize(("rows", "warned"), [(19, False), (20, True)])
 @pytest.mark.parametrize("at", [0, 300, -1])
-def test_how_long_it_must_be(tmp_path, rows, warned, at):
+def test_a_constant_value_is_reported_from_20_rows_on(tmp_path, rows, warned, at):
     friction = noisy()
     first = at if at >= 0 else friction.size - rows
     friction[first : first + rows] = 0.61

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 from scipy.stats import chi2
-from synthetic_experiments import drawn_experiment
 
-import ratestate as rs
 from ratestate.records.fitting.steps.shared import Shared, denominator
 
 #: degrees of freedom of the noise of steps, as where it is slow in some
@@ -59,16 +57,3 @@ def test_with_known_noise_the_test_is_chi_square():
 
 def test_a_scatter_between_steps_is_found():
     assert np.mean(p_values(FEW, 3, 1000, scatter=1.5)[0] < 0.05) > 0.9
-
-
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-@pytest.mark.statistics
-def test_badly_estimated_noise_of_one_step_does_not_refute_one_set():
-    """The estimated noise of the last step is a third of the true noise.
-
-    With the mean inflation of all steps the p-value is below 1e-5.
-    """
-    case = drawn_experiment(508)
-    result = rs.fit(case.data, case.start, case.free, per_step=True, errors="covariance")
-    assert 0.01 < float(result.shared_p_value) < 0.5
-    assert (result.shared_error / result.shared).sel(parameter=["a", "Dc"]).max() < 0.1

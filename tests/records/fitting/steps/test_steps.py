@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from scipy.stats import ttest_ind
-from synthetic_experiments import drawn_experiment, experiment
+from synthetic_experiments import experiment
 
 import ratestate as rs
 from ratestate.records.fitting import inference
@@ -431,21 +431,6 @@ def test_the_mean_of_estimates():
     assert found.value == pytest.approx(values.mean(), abs=1e-3)
     assert found.error == pytest.approx(values.std() / 20.0, rel=0.05)
     assert np.isnan(mean_of(np.array([np.nan]), np.array([np.nan]))).all()
-
-
-@pytest.mark.statistics
-@pytest.mark.filterwarnings("ignore::ratestate.errors.FitWarning")
-def test_intervals_of_experiments_contain_the_truth():
-    """See benchmarks/experiments.py for more; noise may be slower than transients."""
-    inside = []
-    for seed in (1, 4):
-        case = drawn_experiment(seed, steps=5)
-        result = rs.fit(case.data, case.start, case.free, law=case.truth.law, per_step=True)
-        for name in case.free:
-            truth, ends = getattr(case.truth, name), result.interval.sel(parameter=name, level=0.95)
-            inside.append((ends[:, 0] <= truth) & (truth <= ends[:, 1]))
-    part = np.concatenate(inside).mean()
-    assert 0.87 < part <= 1.0
 
 
 def test_the_slider_of_all_steps(under_both):
