@@ -13,12 +13,11 @@ from ratestate import plot
 from ratestate.dynamics.recipe import recorded_loading
 from ratestate.records.fitting.cycles import fit_cycles as fitting
 from ratestate.records.fitting.cycles import folding
-from ratestate.records.fitting.cycles.features import FEATURES
 from ratestate.records.fitting.cycles.fit_cycles import cycles_dataset, diagnose, fit_cycles
 from ratestate.records.fitting.cycles.folding import Segment, regular_cuts
 from ratestate.records.fitting.cycles.measured import corrected, measure
 from ratestate.records.fitting.cycles.problem import CyclesProblem
-from ratestate.records.fitting.cycles.waves import CycleModel, limit_waves, wave_at
+from ratestate.records.fitting.cycles.waves import FEATURES, CycleModel, limit_waves, wave_at
 from ratestate.records.fitting.solutions import solution_from
 from ratestate.records.kit.sample_noise import SampleNoise
 

@@ -21,9 +21,9 @@ from ratestate.records.fitting.identifiability import (
     product,
     tradeoff_text,
 )
-from ratestate.records.fitting.inference import infer
-from ratestate.records.fitting.marginal import LogLikelihood
-from ratestate.records.fitting.posterior import sample_posterior
+from ratestate.records.fitting.inference import _transients, infer, transients_p_value
+from ratestate.records.fitting.posterior import LogLikelihood, sample_posterior
+from ratestate.records.fitting.problem import Samples, samples_of
 from ratestate.records.fitting.profile import (
     BetterPoint,
     Profile,
@@ -37,13 +37,11 @@ from ratestate.records.fitting.quantities import (
     estimates_from,
     reported_quantities,
 )
-from ratestate.records.fitting.samples import Samples, samples_of
 from ratestate.records.fitting.solutions import (
     Solution,
     least_squares_fit,
     root_of_covariance,
 )
-from ratestate.records.fitting.transients import _transients, transients_p_value
 from ratestate.records.fitting.unknowns import Unknowns, unknowns_of
 from ratestate.records.kit.noise import Noise
 

@@ -8,14 +8,14 @@ from synthetic_records import SLIDER, STEP, correlated, power_law, record
 
 from ratestate.paper.figures import LAWS
 from ratestate.records.fitting.forward import Forward
-from ratestate.records.fitting.samples import samples_of
-from ratestate.records.kit.estimated_noise import (
+from ratestate.records.fitting.problem import samples_of
+from ratestate.records.kit.noise import (
+    Noise,
     RestrictedLikelihood,
     estimated_noise,
     families,
     modes,
 )
-from ratestate.records.kit.noise import Noise
 
 T = np.concatenate([np.linspace(0.0, 99.0, 34), np.linspace(100.05, 104.0, 80)])
 MASSES = {"none": 0.0, "inertial": 3e11}

@@ -9,9 +9,9 @@ from ..messages import fitting as sentences
 from .by_law import rate_dependence_text
 from .forward import Forward
 from .identifiability import bounds_of, identifiability
-from .samples import before_first_change, change_times
+from .inference import longest_distance
+from .problem import before_first_change, change_times
 from .solutions import FALL, chi2_gain, responds, response
-from .transients import longest_distance
 from .unknowns import motion_symbols, parameter
 
 #: slip after the last step, divided by Dc, from which friction is steady

@@ -2,7 +2,7 @@
 
 If the noise is slower than the response to a step, few independent samples determine it.  An
 interval that takes the estimated noise as exact is then too narrow.  Here the shape of the noise
-is integrated over, with flat priors of its coordinates (estimated_noise.py).  For each shape
+is integrated over, with flat priors of its coordinates (noise.py).  For each shape
 generalized least squares gives the estimates, to first order about the fit, and the weight is
 the restricted likelihood.  White noise, noise with one relaxation, and noise with a power-law
 spectrum have equal prior probabilities.  A quantity then has a mixture of Gaussians, and the
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from ..kit.estimated_noise import RestrictedLikelihood, families, modes
+from ..kit.noise import RestrictedLikelihood, families, modes
 from .quantities import GAUSSIAN, LEVELS
 from .solutions import Solution, project_out
 

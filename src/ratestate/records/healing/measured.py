@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ..kit.polynomial_windows import (
+from ..kit.regression import (
     CERTAIN,
     SIGNIFICANT,
     curvature,

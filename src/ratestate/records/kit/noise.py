@@ -1,21 +1,35 @@
-"""The noise of a record: its level and correlation.
+"""The noise of a record: its level and correlation, as given or estimated from residuals.
 
 The noise is white noise plus a correlated part (engine/noise.py).  White noise comes from a load
 cell's digits and electronics, correlated noise from filters, gouge, temperature and machine.  The
 correlated part is one relaxation (an Ornstein-Uhlenbeck process).  For noise whose spectrum is a
-power of frequency, such as 1/f, it is a sum of relaxations, about one per decade.  The user gives
-the parameters, or they are estimated (estimated_noise.py).
+power of frequency, such as 1/f, it is a sum of relaxations, about one per decade.
+
+Noise is estimated by restricted maximum likelihood, which corrects for the part of the noise that
+the fitted parameters absorb: Patterson & Thompson (1971) doi:10.1093/biomet/58.3.545.  The variance
+has a closed form.  The shape belongs to one of two families, with two coordinates: the correlated
+part's share in the variance, and its time or exponent.
 """
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize
 
 from ...engine.noise import whiten
 from ...model.units import one_in_si
 from ..messages import kit as sentences
+
+#: least rise of ln(likelihood) for correlated noise, which has two more parameters
+RISE = 3.0
+#: bounds of ln(share/(1 - share)); shortest relaxation time divided by the sample spacing
+LOG_ODDS, SHORTEST = (-8.0, 14.0), 0.2
+#: bounds of the exponent of frequency, and the change of exponent that is one unit in the search
+EXPONENTS, UNIT = (0.3, 2.3), 0.3
+#: size of the first simplex, if the start is far from the mode or close to it
+FAR, CLOSE = 1.0, 0.2
 
 
 class Noise(NamedTuple):
@@ -100,3 +114,162 @@ def given_noise(noise):
         raise sentences.refusal("noise.zero")
     time = one_in_si("t", noise.get("time", 1.0), label="noise time", bound="> 0")
     return Noise(white, red, time)
+
+
+class Conditional(NamedTuple):
+    """Results for noise of a given shape, in a fit with k coordinates."""
+
+    log_likelihood: float  # restricted; -inf if the record does not determine the coordinates
+    noise: Noise  # noise of this shape with the likeliest variance
+    shift: np.ndarray  # (k,) first-order change of the estimates by generalized least squares
+    root: np.ndarray  # (k, k) with root @ root.T the covariance of the estimates
+
+
+class RestrictedLikelihood:
+    """Restricted likelihood of the noise in residuals (m,), at times t (m,) [s].
+
+    jacobian : (m, k) derivatives of the fitted curve by the coordinates.  A coordinate whose column
+        is 0, because the record does not depend on it, has zero shift and covariance.
+    """
+
+    def __init__(self, t, residual, jacobian):
+        self.size = jacobian.shape[1]
+        self.seen = np.flatnonzero(jacobian.any(axis=0))
+        self.scale = np.abs(jacobian[:, self.seen]).max(axis=0)
+        columns = np.column_stack([residual, jacobian[:, self.seen] / self.scale])
+        self.columns = np.ascontiguousarray(columns)  # as whitening requires
+        self.degrees = residual.size - self.seen.size
+        self.dt = np.diff(t)
+        #: median time between samples, and length of the record [s]
+        self.spacing, self.length = float(np.median(self.dt)), float(t[-1] - t[0])
+
+    def log_likelihood(self, shape):
+        """Return the restricted ln(likelihood) of a `Noise` of this shape and any variance."""
+        found = self._reduced(shape)
+        return -math.inf if found is None else found[0]
+
+    def at(self, shape=WHITE):
+        """Return the `Conditional` for a `Noise` of this shape and any variance."""
+        found = self._reduced(shape)
+        if found is None:
+            nothing = np.zeros((self.size, self.size))
+            return Conditional(-math.inf, WHITE, nothing[0], nothing)
+        log_likelihood, variance, inverse, projected = found
+        shift, root = np.zeros(self.size), np.zeros((self.size, self.size))
+        shift[self.seen] = (inverse.T @ projected) / self.scale
+        root[np.ix_(self.seen, self.seen)] = math.sqrt(variance) * inverse.T / self.scale[:, None]
+        return Conditional(log_likelihood, shape.times(math.sqrt(variance)), shift, root)
+
+    def _reduced(self, shape):
+        """Return ln(likelihood), variance, and two factors of the estimates; None if singular."""
+        white, log_determinant = shape.whiten_steps(self.dt, self.spacing, self.columns)
+        normal = white.T @ white
+        try:
+            factor = np.linalg.cholesky(normal[1:, 1:])
+        except np.linalg.LinAlgError:  # the record does not depend on some combination
+            return None
+        inverse = np.linalg.inv(factor)
+        projected = inverse @ normal[1:, 0]
+        variance = max(normal[0, 0] - projected @ projected, 0.0) / self.degrees
+        if not variance > 0.0:
+            return None
+        log_normal = 2.0 * np.log(factor.diagonal()).sum()
+        minus = 0.5 * (self.degrees * math.log(variance) + log_determinant + log_normal)
+        return -minus, variance, inverse, projected
+
+
+class NoiseFamily(NamedTuple):
+    """White noise and one relaxation, or white noise and a spectrum that is a power of frequency.
+
+    The first coordinate of a shape is ln(share/(1 - share)).  The second is ln(time), or the
+    exponent divided by `UNIT`.
+    """
+
+    is_power: bool
+    length: float  # of the record [s]
+    bounds: np.ndarray  # (2, 2) of the coordinates
+    starts: list[np.ndarray]
+
+    def shape(self, point):
+        """Return the `Noise` of unit variance at a point (2,)."""
+        parts = _parts(point[0])
+        if self.is_power:
+            return Noise(*parts, time=self.length, exponent=UNIT * point[1])
+        return Noise(*parts, time=math.exp(point[1]))
+
+    def point(self, noise):
+        """Return the coordinates (2,) of a noise; None if it belongs to another family."""
+        if noise.red > 0.0 and self.is_power == (noise.exponent is not None):
+            second = noise.exponent / UNIT if self.is_power else math.log(noise.time)
+            return np.array([_log_odds(noise), second])
+
+
+def families(likelihood):
+    spacing, length = likelihood.spacing, likelihood.length
+    times, exponents = np.log([SHORTEST * spacing, length]), np.array(EXPONENTS) / UNIT
+    starts = [np.array([0.0, math.log(time)]) for time in (2.0 * spacing, 0.02 * length)]
+    return (
+        NoiseFamily(False, length, np.array([LOG_ODDS, times]), starts),
+        NoiseFamily(True, length, np.array([LOG_ODDS, exponents]), [np.array([1.0, 1.0 / UNIT])]),
+    )
+
+
+def _parts(log_odds: float) -> tuple[float, float]:
+    """Return standard deviations of the white and the correlated part, for unit variance."""
+    return math.sqrt(1.0 / (1.0 + math.exp(log_odds))), math.sqrt(1.0 / (1.0 + math.exp(-log_odds)))
+
+
+def _log_odds(noise):
+    """Return ln(share/(1 - share)) of the correlated part of a noise; it may be infinite."""
+    with np.errstate(divide="ignore"):
+        return 2.0 * np.log(np.float64(noise.red) / noise.white)
+
+
+def estimated_noise(t, residual, jacobian, near=None):
+    """Estimate the `Noise` of residuals (n,) of a fit with jacobian (n, k).
+
+    The noise is white unless a correlated part raises ln(likelihood) by more than `RISE`.
+
+    near : `Noise` of similar residuals, from which the search starts, or None
+    """
+    likelihood = RestrictedLikelihood(t, residual, jacobian)
+    white = likelihood.at()
+    maxima = [mode for family in families(likelihood) for mode in modes(likelihood, family, near)]
+    mode = max(maxima, key=lambda one: one.log_likelihood)
+    if mode.log_likelihood <= white.log_likelihood + RISE:
+        return white.noise
+    return likelihood.at(mode.shape).noise
+
+
+class Mode(NamedTuple):
+    """A maximum of the restricted likelihood."""
+
+    point: np.ndarray  # (2,) coordinates of the noise's shape
+    shape: Noise
+    log_likelihood: float
+
+
+def modes(likelihood, family, near=None):
+    """Find `Mode`s (list) of a `RestrictedLikelihood`, one from each start of a family.
+
+    near : as for `estimated_noise`
+    """
+    starts, size = family.starts, FAR
+    if near is not None and (point := family.point(near)) is not None:
+        starts, size = [point], CLOSE
+    low, high = family.bounds.T
+    maxima = []
+    for start in starts:
+        first = np.clip(start, low, high - size)
+        # (SciPy's default simplex around a coordinate of 0 is so thin that it may never move)
+        simplex = first + size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        options: Any = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150}
+        result = minimize(
+            lambda point: -likelihood.log_likelihood(family.shape(point)),
+            first,
+            method="Nelder-Mead",
+            bounds=family.bounds,
+            options=options,
+        )
+        maxima.append(Mode(result.x, family.shape(result.x), -result.fun))
+    return maxima

@@ -20,8 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..kit.estimated_noise import estimated_noise
-from ..kit.noise import Noise
+from ..kit.noise import Noise, estimated_noise
 from ..kit.regression import central_differences, fall_of_chi2, generalized_least_squares
 
 #: samples of the shortest window, ratio of a window to the one before, samples of the longest one

@@ -10,9 +10,8 @@ from ...dynamics.results import parameter
 from ...model.conversion import in_si
 from ...model.units import one_in_si
 from ..kit.sample_noise import rounding
-from ..loading import recorded_segments
 from ..messages import stick_slip as sentences
-from ..raw_record import FEWEST, checked_time, column, variable_names
+from ..raw_record import FEWEST, checked_time, column, recorded_segments, variable_names
 from ..reading.sizes import constant_in_si, typical_stress
 
 #: largest relative difference between tau and K (delta_lp - delta) in a run without added noise

@@ -18,11 +18,10 @@ from ..identifiability import identifiability
 from ..inference import Inference, infer_quantities
 from ..solutions import solution_from
 from ..unknowns import distinct
-from .features import FEATURES, LEVEL
 from .folding import sliding_segments
 from .measured import corrected, measure
 from .problem import CyclesProblem, check_slider, starting_points
-from .waves import wave_at
+from .waves import FEATURES, LEVEL, wave_at
 
 # Significance level of a misfit, beyond which errors are enlarged.
 CHANCE = 0.01

@@ -14,7 +14,6 @@ from scipy.special import chdtri
 
 from ...kit.sample_noise import SampleNoise
 from ...messages import fitting as sentences
-from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 from .folding import (
     FEWEST_CYCLES,
     Cycles,
@@ -26,6 +25,7 @@ from .folding import (
     regular_cuts,
     thinned,
 )
+from .waves import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 
 # Least and largest number of bins of a profile; target of a bin's noise, divided by the amplitude.
 BINS, BIN_NOISE = (24, 128), 0.01

@@ -24,8 +24,7 @@ from ..forward import ForwardModel
 from ..problem import LeastSquares
 from ..quantities import ReportedQuantity
 from ..unknowns import Unknowns, distinct, motion_symbols
-from .features import FEATURES, LEVEL
-from .waves import CycleModel
+from .waves import FEATURES, LEVEL, CycleModel
 
 # Parameters that have no effect on cycles, and why.
 WITHOUT_EFFECT = {
