@@ -147,7 +147,11 @@ def loading_of(raw, loading=None, sigma=None):
     `MAX_DIFFERENCE`.
     """
     if loading is None:
-        loading = _recorded_loading(raw)
+        segments, start = recorded_segments(raw.data, raw.time), float(raw.time[0])
+        if not segments.V[0] > 0.0:
+            raise sentences.refusal("load_point.rests", start=start)
+        pairs = zip((segments.t[1:] - start).tolist(), segments.V[1:].tolist(), strict=True)
+        loading = Loading.steps(float(segments.V[0]), *pairs)
     else:
         _check_given(loading, raw)
     if sigma is None or loading.normal_stress is not None:
@@ -200,15 +204,6 @@ def _stored_segments(data, end):
     t, V = (one.astype(float) for one in stored)
     t_error, V_error = (np.asarray(data.get(f"{s}_error", 0.0 * t), float) for s in names)
     return Segments(t, V, end, t_error, V_error)
-
-
-def _recorded_loading(raw):
-    time = raw.time
-    segments = recorded_segments(raw.data, time)
-    if not segments.V[0] > 0.0:
-        raise sentences.refusal("load_point.rests", start=time[0])
-    pairs = zip(segments.t[1:] - time[0], segments.V[1:], strict=True)
-    return Loading.steps(float(segments.V[0]), *((float(t), float(V)) for t, V in pairs))
 
 
 def _check_given(loading, raw):

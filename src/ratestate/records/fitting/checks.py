@@ -185,10 +185,12 @@ def _is_confirmed_before_steps(solution, trend):
     t, along = record.t[early], record.trend_variable[early]
     columns = np.column_stack([np.ones(t.size), along])
     try:
-        line = generalized_least_squares(t, record.friction[early], columns, solution.noise)
+        values, covariance = generalized_least_squares(
+            t, record.friction[early], columns, solution.noise
+        )
     except np.linalg.LinAlgError:
         return False
-    slope, error = line.coefficients[1], line.covariance[1, 1] ** 0.5
+    slope, error = values[1], covariance[1, 1] ** 0.5
     is_same = abs(slope - trend.value) < AGREE * np.hypot(error, trend.error)
     return bool(is_same and abs(slope) > CLEAR * error)
 

@@ -141,12 +141,6 @@ class LogLikelihood:
         blob = np.concatenate([root @ gained, root.ravel()])
         return float(value + np.log(np.diag(root)).sum()), blob
 
-    def draw_linear(self, blobs, rng):
-        """Return level and trend (n, ...) drawn given the other coordinates."""
-        count = len(self.linear)
-        mean, root = blobs[:, :count], blobs[:, count:].reshape(-1, count, count)
-        return mean + np.einsum("nij,nj->ni", root, rng.standard_normal(mean.shape))
-
 
 class Posterior(NamedTuple):
     """Samples of equal weight, and measures of their reliability."""
@@ -270,7 +264,11 @@ def sample_posterior(solution, prior, label):
     chosen = rng.permutation(np.searchsorted(np.cumsum(weights) / weights.sum(), ladder))
     points = np.zeros((KEPT, len(solution.point)))
     points[:, likelihood.nonlinear] = results.samples[chosen]
-    points[:, likelihood.linear] = likelihood.draw_linear(results.blob[chosen], rng)
+    # level and trend are drawn given the other coordinates
+    count = len(likelihood.linear)
+    mean, root = np.split(results.blob[chosen], [count], axis=1)
+    drawn = np.einsum("nij,nj->ni", root.reshape(-1, count, count), rng.standard_normal(mean.shape))
+    points[:, likelihood.linear] = mean + drawn
     return Posterior(
         points,
         prior,

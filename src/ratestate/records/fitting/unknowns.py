@@ -78,17 +78,13 @@ def parameter(name):
     of_forms = (form.OWN_PARAMETERS for form in FORMS.values())
     for own in (*(law.parameters for law in LAWS.values()), *of_forms, EXTRAS):
         if name in own:
-            return _parameter_of_law(own[name])
+            bound, unit = own[name].bound, own[name].unit
+            if bound == ">= 0":
+                return FitParameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
+            if bound == "> 0" and unit != "m":
+                return FitParameter("slider", is_log=True, bounds=(1e-6, 1e6), starts=(-2.0, 1.0))
+            return PARAMETERS["Dc" if bound else "b"]
     raise KeyError(name)
-
-
-def _parameter_of_law(own):
-    """Return the `FitParameter` of a law's additional parameter, by unit and bound."""
-    if own.bound == ">= 0":
-        return FitParameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
-    if own.bound == "> 0" and own.unit != "m":
-        return FitParameter("slider", is_log=True, bounds=(1e-6, 1e6), starts=(-2.0, 1.0))
-    return PARAMETERS["Dc" if own.bound else "b"]
 
 
 def motion_symbols(*laws):

@@ -143,39 +143,26 @@ class RestrictedLikelihood:
         #: median time between samples, and length of the record [s]
         self.spacing, self.length = float(np.median(self.dt)), float(t[-1] - t[0])
 
-    def log_likelihood(self, shape):
-        """Return the restricted ln(likelihood) of a `Noise` of this shape and any variance."""
-        found = self._reduced(shape)
-        return -math.inf if found is None else found[0]
-
     def at(self, shape=WHITE):
         """Return the `Conditional` for a `Noise` of this shape and any variance."""
-        found = self._reduced(shape)
-        if found is None:
-            nothing = np.zeros((self.size, self.size))
-            return Conditional(-math.inf, WHITE, nothing[0], nothing)
-        log_likelihood, variance, inverse, projected = found
         shift, root = np.zeros(self.size), np.zeros((self.size, self.size))
-        shift[self.seen] = (inverse.T @ projected) / self.scale
-        root[np.ix_(self.seen, self.seen)] = math.sqrt(variance) * inverse.T / self.scale[:, None]
-        return Conditional(log_likelihood, shape.times(math.sqrt(variance)), shift, root)
-
-    def _reduced(self, shape):
-        """Return ln(likelihood), variance, and two factors of the estimates; None if singular."""
+        impossible = Conditional(-math.inf, WHITE, shift, root)
         white, log_determinant = shape.whiten_steps(self.dt, self.spacing, self.columns)
         normal = white.T @ white
         try:
             factor = np.linalg.cholesky(normal[1:, 1:])
         except np.linalg.LinAlgError:  # the record does not depend on some combination
-            return None
+            return impossible
         inverse = np.linalg.inv(factor)
         projected = inverse @ normal[1:, 0]
         variance = max(normal[0, 0] - projected @ projected, 0.0) / self.degrees
         if not variance > 0.0:
-            return None
+            return impossible
         log_normal = 2.0 * np.log(factor.diagonal()).sum()
         minus = 0.5 * (self.degrees * math.log(variance) + log_determinant + log_normal)
-        return -minus, variance, inverse, projected
+        shift[self.seen] = (inverse.T @ projected) / self.scale
+        root[np.ix_(self.seen, self.seen)] = math.sqrt(variance) * inverse.T / self.scale[:, None]
+        return Conditional(-minus, shape.times(math.sqrt(variance)), shift, root)
 
 
 class NoiseFamily(NamedTuple):
@@ -185,44 +172,39 @@ class NoiseFamily(NamedTuple):
     exponent divided by `UNIT`.
     """
 
+    likelihood: RestrictedLikelihood
     is_power: bool
-    length: float  # of the record [s]
     bounds: np.ndarray  # (2, 2) of the coordinates
     starts: list[np.ndarray]
 
     def shape(self, point):
         """Return the `Noise` of unit variance at a point (2,)."""
-        parts = _parts(point[0])
+        white, red = (math.sqrt(1.0 / (1.0 + math.exp(x))) for x in (point[0], -point[0]))
         if self.is_power:
-            return Noise(*parts, time=self.length, exponent=UNIT * point[1])
-        return Noise(*parts, time=math.exp(point[1]))
+            return Noise(white, red, self.likelihood.length, UNIT * point[1])
+        return Noise(white, red, math.exp(point[1]))
+
+    def at(self, point):
+        """Return the `Conditional` for the shape at a point (2,)."""
+        return self.likelihood.at(self.shape(point))
 
     def point(self, noise):
-        """Return the coordinates (2,) of a noise; None if it belongs to another family."""
+        """Return the coordinates (2,) of a noise, perhaps infinite; None if of another family."""
         if noise.red > 0.0 and self.is_power == (noise.exponent is not None):
             second = noise.exponent / UNIT if self.is_power else math.log(noise.time)
-            return np.array([_log_odds(noise), second])
+            with np.errstate(divide="ignore"):
+                return np.array([2.0 * np.log(np.float64(noise.red) / noise.white), second])
 
 
 def families(likelihood):
     spacing, length = likelihood.spacing, likelihood.length
     times, exponents = np.log([SHORTEST * spacing, length]), np.array(EXPONENTS) / UNIT
     starts = [np.array([0.0, math.log(time)]) for time in (2.0 * spacing, 0.02 * length)]
+    power = np.array([1.0, 1.0 / UNIT])
     return (
-        NoiseFamily(False, length, np.array([LOG_ODDS, times]), starts),
-        NoiseFamily(True, length, np.array([LOG_ODDS, exponents]), [np.array([1.0, 1.0 / UNIT])]),
+        NoiseFamily(likelihood, False, np.array([LOG_ODDS, times]), starts),
+        NoiseFamily(likelihood, True, np.array([LOG_ODDS, exponents]), [power]),
     )
-
-
-def _parts(log_odds: float) -> tuple[float, float]:
-    """Return standard deviations of the white and the correlated part, for unit variance."""
-    return math.sqrt(1.0 / (1.0 + math.exp(log_odds))), math.sqrt(1.0 / (1.0 + math.exp(-log_odds)))
-
-
-def _log_odds(noise):
-    """Return ln(share/(1 - share)) of the correlated part of a noise; it may be infinite."""
-    with np.errstate(divide="ignore"):
-        return 2.0 * np.log(np.float64(noise.red) / noise.white)
 
 
 def estimated_noise(t, residual, jacobian, near=None):
@@ -234,23 +216,15 @@ def estimated_noise(t, residual, jacobian, near=None):
     """
     likelihood = RestrictedLikelihood(t, residual, jacobian)
     white = likelihood.at()
-    maxima = [mode for family in families(likelihood) for mode in modes(likelihood, family, near)]
-    mode = max(maxima, key=lambda one: one.log_likelihood)
-    if mode.log_likelihood <= white.log_likelihood + RISE:
+    pairs = [(one, family) for family in families(likelihood) for one in modes(family, near)]
+    (highest, point), family = max(pairs, key=lambda pair: pair[0][0])
+    if highest <= white.log_likelihood + RISE:
         return white.noise
-    return likelihood.at(mode.shape).noise
+    return family.at(point).noise
 
 
-class Mode(NamedTuple):
-    """A maximum of the restricted likelihood."""
-
-    point: np.ndarray  # (2,) coordinates of the noise's shape
-    shape: Noise
-    log_likelihood: float
-
-
-def modes(likelihood, family, near=None):
-    """Find `Mode`s (list) of a `RestrictedLikelihood`, one from each start of a family.
+def modes(family, near=None):
+    """Return the maxima (list) of ln(likelihood) and their points, one from each start of a family.
 
     near : as for `estimated_noise`
     """
@@ -265,11 +239,11 @@ def modes(likelihood, family, near=None):
         simplex = first + size * np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
         options: Any = {"initial_simplex": simplex, "xatol": 0.05, "fatol": 0.02, "maxfev": 150}
         result = minimize(
-            lambda point: -likelihood.log_likelihood(family.shape(point)),
+            lambda point: -family.at(point).log_likelihood,
             first,
             method="Nelder-Mead",
             bounds=family.bounds,
             options=options,
         )
-        maxima.append(Mode(result.x, family.shape(result.x), -result.fun))
+        maxima.append((-result.fun, result.x))
     return maxima

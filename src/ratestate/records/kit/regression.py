@@ -28,14 +28,6 @@ GROWTH = 1.4
 INSIDE = 0.9
 
 
-class Linear(NamedTuple):
-    """Best coefficients (k,), their covariance (k, k), and the misfit."""
-
-    coefficients: np.ndarray
-    covariance: np.ndarray
-    chi2: float
-
-
 class Mean(NamedTuple):
     """The mean of values weighted by their errors, and the misfit."""
 
@@ -61,16 +53,15 @@ class Line(NamedTuple):
 
 
 def generalized_least_squares(t, values, columns, noise):
-    """Fit columns (n, k) to values (n,) at times t (n,) with this `Noise`: a `Linear`.
+    """Fit columns (n, k) to values (n,) at times t (n,) with this `Noise`.
 
-    Linearly dependent columns raise LinAlgError.
+    Return the coefficients (k,) and their covariance (k, k).  LinAlgError if columns are linearly
+    dependent.
     """
     white, _ = noise.whiten(t, np.column_stack([values, columns]))
     q, r = np.linalg.qr(white[:, 1:])
     root = np.linalg.inv(r)
-    projected = q.T @ white[:, 0]
-    chi2 = float(white[:, 0] @ white[:, 0] - projected @ projected)
-    return Linear(root @ projected, root @ root.T, max(chi2, 0.0))
+    return root @ (q.T @ white[:, 0]), root @ root.T
 
 
 def fall_of_chi2(t, values, columns, last, noise):
@@ -172,13 +163,9 @@ def fitted_polynomial(t, x, y, rows, order, noise):
     t, x, y : (n,) columns of a record with this `Noise` along t
     """
     ends = float(x[rows[0]]), float(x[rows[-1]])
-    fit = generalized_least_squares(t[rows], y[rows], basis(x[rows], *ends, order), noise)
-    return Polynomial(Legendre(fit.coefficients, ends), fit.covariance)
-
-
-def fewest_samples(order):
-    """Return the fewest samples of a window for `curvature`, which fits two more orders."""
-    return order + 3
+    columns = basis(x[rows], *ends, order)
+    coefficients, covariance = generalized_least_squares(t[rows], y[rows], columns, noise)
+    return Polynomial(Legendre(coefficients, ends), covariance)
 
 
 def windows_that_pass(fewest, most, passes, failures):
@@ -201,6 +188,9 @@ def windows_that_pass(fewest, most, passes, failures):
 
 
 def curvature(t, x, y, rows, order, noise):
-    """Return the fall of chi-square if two orders are added to a polynomial in x."""
+    """Return the fall of chi-square if two orders are added to a polynomial in x.
+
+    A window needs order + 3 samples.
+    """
     columns = basis(x[rows], x[rows[0]], x[rows[-1]], order + 2)
     return fall_of_chi2(t[rows], y[rows], columns, 2, noise)

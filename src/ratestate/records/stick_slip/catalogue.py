@@ -185,7 +185,11 @@ def catalogue_of(series):
         event_message=np.array(texts, dtype=str if texts else object),
     )
     variables["event_status"][2].update(flags(STATUSES))
-    lines = _trends(values, status)
+    # whole events with one V_lp since the last event
+    whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
+    steady_drop, V_lp = np.where(whole, drop, math.nan), values["V_lp"][0]
+    labels = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
+    lines = {name: trend(values[name][0], steady_drop, V_lp, x) for name, x in labels.items()}
     columns = zip(*lines.values(), strict=True)
     names = [f"trend_{name}" for name in Trend._fields]
     variables |= labelled("abscissa", **dict(zip(names, map(np.array, columns), strict=True)))
@@ -297,14 +301,6 @@ def _recurrence(series, event_time, status):
             why[k] = ""
     since = np.diff(time, prepend=math.nan), np.hypot(error, np.append(math.nan, error)[:-1])
     return tuple(np.where(why == "", x, math.nan) for x in since), why
-
-
-def _trends(values, status):
-    """Return abscissa -> `Trend` of whole events with one V_lp since the last event."""
-    whole = np.isin(status, (WHOLE, UNDERSAMPLED)) & np.isfinite(values["recurrence"][0])
-    drop, V_lp = np.where(whole, values["stress_drop"][0], math.nan), values["V_lp"][0]
-    abscissae = {"recurrence": "the recurrence interval", "V_lp": "V_lp"}
-    return {name: trend(values[name][0], drop, V_lp, label) for name, label in abscissae.items()}
 
 
 def _thinned(t, tau):

@@ -223,34 +223,27 @@ def _x_at_phases(system, u, period, phases):
     return marched(composed_law(system.law), cases, loads, times)[..., 0]
 
 
-class CycleModel:
-    """Features of the cycles of many sliders, at speeds V_lp (s,) with bins (s,)."""
+# values far from all sliders overflow, and have no cycle
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")
+def cycle_features(law, values, V_lp, bins, V0, near=None):
+    """Return features (n, s, 6) with mu0 = 0, points (n, s, 2) and waves (n, s, q) of cycles.
 
-    def __init__(self, law, V_lp, bins, sigma, V0):
-        self.law, self.V_lp, self.bins, self.sigma, self.V0 = law, V_lp, bins, sigma, V0
+    values : symbol -> (n,) of a, b, Dc, sigma, K, M [SI]
+    V_lp, bins : (s,) speeds, and numbers of bins of the record's cycles
+    near : (s, 2) points from which to start
 
-    # values far from all sliders overflow, and have no cycle
-    @np.errstate(over="ignore", divide="ignore", invalid="ignore")
-    def features(self, values, near=None):
-        """Return features (n, s, 6) with mu0 = 0, points (n, s, 2) and waves (n, s, q).
-
-        values : symbol -> (n,) of a, b, Dc, K, M [SI]
-        near : (s, 2) points from which to start
-
-        `profile_features` gives the features; they are NaN without a cycle.
-        """
-        n, s = values["a"].size, self.V_lp.size
-        each = {symbol: np.repeat(value, s) for symbol, value in values.items()}
-        each["sigma"] = np.full(n * s, self.sigma)
-        V_lp = np.tile(self.V_lp, n)
-        cycles = limit_waves(self.law, each, V_lp, None if near is None else np.tile(near, (n, 1)))
-        steady = mu_ss(V_lp, a=each["a"], b=each["b"], mu0=0.0, V0=self.V0)
-        waves = (steady[:, None] + each["a"][:, None] * cycles.x).reshape(n, s, -1)
-        period = cycles.period.reshape(n, s)
-        features = np.full((n, s, len(FEATURES)), np.nan)
-        for j, bins in enumerate(self.bins):
-            ok = np.isfinite(waves[:, j]).all(axis=1)
-            profiles, extremes = wave_profiles(GRID, waves[ok, j], bins)
-            features[ok, j] = profile_features(profiles, period[ok, j], extremes)
-        features[~np.isfinite(features).all(axis=2)] = np.nan
-        return features, cycles.u.reshape(n, s, 2), waves
+    `profile_features` gives the features; they are NaN without a cycle.
+    """
+    n, s = values["a"].size, V_lp.size
+    each, V_lp = {symbol: np.repeat(value, s) for symbol, value in values.items()}, np.tile(V_lp, n)
+    cycles = limit_waves(law, each, V_lp, None if near is None else np.tile(near, (n, 1)))
+    steady = mu_ss(V_lp, a=each["a"], b=each["b"], mu0=0.0, V0=V0)
+    waves = (steady[:, None] + each["a"][:, None] * cycles.x).reshape(n, s, -1)
+    period = cycles.period.reshape(n, s)
+    features = np.full((n, s, len(FEATURES)), np.nan)
+    for j, count in enumerate(bins):
+        ok = np.isfinite(waves[:, j]).all(axis=1)
+        profiles, extremes = wave_profiles(GRID, waves[ok, j], count)
+        features[ok, j] = profile_features(profiles, period[ok, j], extremes)
+    features[~np.isfinite(features).all(axis=2)] = np.nan
+    return features, cycles.u.reshape(n, s, 2), waves
