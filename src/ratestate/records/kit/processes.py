@@ -37,8 +37,8 @@ def mapped(function, items, report=None):
     An exception of the function is raised after the running computations have ended.  If a child
     dies, this process computes its item.
     """
-    items, errors = list(items), []
-    results: dict[int, Any] = {}
+    items, results = list(items), {}
+    errors: list[BaseException] = []
     todo = deque(enumerate(items))
 
     def work(compute):
@@ -127,8 +127,8 @@ def _ended_by(child, stop, seconds):
 
     def watch():
         end = time.monotonic() + seconds
-        while not (over.is_set() or stop.is_set()) and time.monotonic() < end:
-            over.wait(min(EVERY, max(end - time.monotonic(), 0.0)))
+        while not (stop.is_set() or time.monotonic() >= end or over.wait(EVERY)):
+            pass
         child.kill()
 
     watcher = threading.Thread(target=watch, daemon=True)
