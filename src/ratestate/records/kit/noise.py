@@ -11,7 +11,6 @@ has a closed form.  The shape belongs to one of two families, with two coordinat
 part's share in the variance, and its time or exponent.
 """
 
-import functools
 import math
 from typing import Any, NamedTuple
 
@@ -49,7 +48,8 @@ class Noise(NamedTuple):
         """Return variances (m,) and times (m,) [s] of relaxations for a sample spacing [s]."""
         if self.exponent is None:
             return np.array([self.red**2]), np.array([self.time])
-        times = _decades(self.time, spacing)
+        count = 1 + max(round(math.log10(self.time / spacing)), 1)
+        times = np.geomspace(self.time, spacing, count)
         weights = (times / self.time) ** (self.exponent - 1.0)
         return self.red**2 * weights / weights.sum(), times
 
@@ -78,14 +78,6 @@ class Noise(NamedTuple):
     def times(self, factor):
         """Return noise of the same shape multiplied by a factor."""
         return self._replace(white=factor * self.white, red=factor * self.red)
-
-
-@functools.lru_cache(maxsize=16)
-def _decades(longest, shortest):
-    """Return times [s], about one per decade, from the longest down to the shortest."""
-    times = np.geomspace(longest, shortest, 1 + max(round(math.log10(longest / shortest)), 1))
-    times.flags.writeable = False
-    return times
 
 
 #: white noise of unit variance

@@ -12,7 +12,6 @@ import threading
 import time
 import warnings
 from collections import deque
-from typing import Any
 
 from ... import machine
 from ...errors import ParameterError

@@ -251,7 +251,8 @@ def _quantities(series, measured, stiffness, several):
         error = np.hypot(high_error / before, low_error / after)
         amounts["friction_drop"] = high / before - low / after, error
     error = np.hypot(np.hypot(drop_error, drop * K_error / K) / K, V_lp * duration_error)
-    amounts["slip"] = series.moved(start, end) + drop / K, error
+    moved = series.at(end, series.delta_lp) - series.at(start, series.delta_lp)
+    amounts["slip"] = moved + drop / K, error
     error = np.hypot(np.hypot(fall_error, fall * K_error / K) / K, V_lp_error)
     amounts["peak_slip_rate"] = V_lp + fall / K, error
     # errors of the time and of the value of an extreme are independent

@@ -44,10 +44,6 @@ class Series(NamedTuple):
         """Interpolate a column at times t."""
         return np.interp(t, self.t, values)
 
-    def moved(self, start, end):
-        """Return the displacement of the load point between two times [m]."""
-        return self.at(end, self.delta_lp) - self.at(start, self.delta_lp)
-
     def speed_varies(self, start, end):
         """Return whether V_lp varies by more than `CHANGES` of its maximum between two times."""
         inside = slice(*np.searchsorted(self.t, (start, end)))
