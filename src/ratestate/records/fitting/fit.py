@@ -9,8 +9,8 @@ from ...dynamics.results import provenance
 from ...errors import FitWarning
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
+from ..kit import kept_attributes
 from ..kit.least_squares import single_blas
-from ..kit.results import kept_attributes
 from .by_law import warnings_of
 from .cycles.fit_cycles import cycles_datasets
 from .fit_dataset import datasets_of, side_by_side, with_comparison

@@ -6,7 +6,7 @@ import xarray
 from ...dynamics.recipe import record_loading
 from ...friction.laws import friction_law
 from ...model.quantities import attrs
-from ..kit.results import labelled
+from ..kit import labelled
 from ..messages import fitting as sentences
 from .checks import diagnose, is_misfit, without_trend
 from .posterior import prior_text

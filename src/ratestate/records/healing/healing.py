@@ -11,10 +11,10 @@ from ...model.conversion import in_si
 from ...model.names import keywords_checked
 from ...model.quantities import with_error
 from ..fitting.settings import CHOICES, check_choice
+from ..kit import kept_attributes, labelled
 from ..kit.least_squares import single_blas
 from ..kit.noise import given_noise
 from ..kit.regression import Line, weighted_line
-from ..kit.results import kept_attributes, labelled
 from ..load_point.stress_steps import VARIABLE, stress_range
 from ..messages import healing as sentences
 from .holds import FEWEST, healing_record, noise_of_slides

@@ -49,8 +49,9 @@ def minimum(function, start, low, high, most, enough=0.0):
     for _ in range(most - 1):
         slope = jacobian.T @ residual
         free = ~_is_held(x, slope, low, high)
-        norms = np.linalg.norm(jacobian, axis=0)
-        scale, size = np.maximum(scale, norms), np.where(norms > 0.0, norms, 1.0)[free]
+        scale = np.maximum(scale, np.linalg.norm(jacobian, axis=0))
+        size = np.linalg.norm(jacobian[:, free], axis=0)
+        size[size == 0.0] = 1.0
         # the R of a QR decomposition has the same inner products as the columns
         rows = np.column_stack([jacobian[:, free] / size, residual])
         triangle: Any = np.linalg.qr(rows, mode="r")

@@ -13,9 +13,9 @@ from ...model.names import keywords_checked
 from ...model.quantities import power_of, prefixed_unit, with_error
 from ...model.slider import SpringSlider
 from ...model.units import is_array
+from ..kit import kept_attributes, labelled
 from ..kit.least_squares import single_blas
 from ..kit.regression import mean_with_scatter
-from ..kit.results import kept_attributes, labelled
 from ..kit.sample_noise import rounding
 from ..messages import machine as sentences
 from ..raw_record import raw_record, segments_of

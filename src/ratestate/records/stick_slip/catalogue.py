@@ -15,7 +15,7 @@ import xarray
 from ...dynamics.recipe import versions
 from ...dynamics.results import flags
 from ...model.names import keywords_checked
-from ..kit.results import labelled
+from ..kit import labelled
 from ..messages import stick_slip as sentences
 from .between_samples import has_several, has_step_down
 from .detection import detected, in_gaps, is_whole, loading_phases

@@ -10,7 +10,7 @@ from ....dynamics.recipe import record_loading
 from ....errors import ParameterError
 from ....model.loading import Loading
 from ....model.quantities import readable
-from ...kit.results import labelled
+from ...kit import labelled
 from ...messages import fitting as sentences
 from ..checks import search_warnings
 from ..fit_dataset import curve_variables, estimate_variables, text_variables

@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 from ....dynamics.results import flags
-from ...kit.results import labelled
+from ...kit import labelled
 from ..by_law import warnings_of
 from ..fit_dataset import joined, names_of, with_comparison
 from ..quantities import LEVELS, SIDES
