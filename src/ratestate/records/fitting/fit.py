@@ -169,7 +169,7 @@ def fit(
     more = {
         "free": json.dumps(settings.free),
         "per_step": int(per_step) or None,
-        **settings.recorded,
+        **{name: str(value) for name, value in choices.items()},
     }
     for name, result in results.items():
         origin = provenance("fit", slider, law=name, **more)
