@@ -30,7 +30,7 @@ def test_a_step_of_normal_stress_is_found_and_a_ramp_is_none(tmp_path, rows, fou
     sigma = np.interp(T, [20.0, 20.0 + 0.25 * rows], [8.0, 8.8])
     data = read_lab(write_rows(tmp_path / "p1.txt", cells((T, X, MU, sigma))))
     step = "; step of normal stress 8 -> 8.8 MPa at 20.12 s (66 um)" if found else ""
-    assert data.attrs["found"] == f"velocity step 1.00 -> 10.0 um/s at 15 s (15 um){step}"
+    assert data.attrs["found"] == f"velocity step 1 -> 10 um/s at 15 s (15 um){step}"
 
 
 def test_a_record(tmp_path):
@@ -43,7 +43,7 @@ def test_a_record(tmp_path):
     assert (data.segment_V_error < 1e-12).all()
     assert data.attrs["title"] == "ratestate read_lab"
     assert data.attrs["source"] == "p1.txt"
-    assert data.attrs["found"] == "velocity step 1.00 -> 10.0 um/s at 15 s (15 um)"
+    assert data.attrs["found"] == "velocity step 1 -> 10 um/s at 15 s (15 um)"
     assert json.loads(data.attrs["notes"]) == []
     columns = json.loads(data.attrs["columns"])
     assert columns["delta_lp"] == {"title": "Displ(microns)", "unit": "um"}
@@ -545,7 +545,7 @@ def test_basalt():
     np.testing.assert_allclose(data.segment_V, [3e-6, 1e-5], rtol=0.002)
     # friction begins to rise there; the jumps of the displacement would move a global fit by 0.3 s
     assert abs(float(data.segment_t[1]) - 11676.38) < 0.02
-    assert data.attrs["found"] == "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8711 um)"
+    assert data.attrs["found"] == "velocity step 3 -> 10 um/s at 11676.4 s (8711 um)"
     notes = json.loads(data.attrs["notes"])
     assert [note.partition(" at ")[0] for note in notes] == [
         "delta_lp jumps by 901 nm",
