@@ -48,11 +48,6 @@ def dataset_of(inference, data):
     return result
 
 
-def side_by_side(results):
-    """Return results under several laws (law -> Dataset) as one, along ``law``."""
-    return joined(results.values(), "law", names_of(results.values(), results))
-
-
 def names_of(results, laws):
     """Return names (list) of quantities in any of the results, in order."""
     of_any = {name for result in results for name in result["parameter"].values.tolist()}

@@ -54,13 +54,12 @@ PARAMETERS = {
     "M": FitParameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), no_effect=-1),
     "alpha": FitParameter("slider", bounds=(0.0, 1e2), starts=(0.0, 1.0)),
     "lag": FitParameter("record", bounds=(-0.1, 0.1), step=lambda record, _: 0.1 * record.spacing),
-    # ln(V/V1), if the record does not begin in steady sliding at its first speed V1
+    # if the record does not begin in steady sliding at its first speed V1: ln(V/V1); the row also
+    # serves ln(theta/theta_ss) of the states
     "V_start": FitParameter("start", bounds=(-20.0, 20.0)),
     "level": FitParameter("linear"),
     "trend": FitParameter("linear"),
 }
-#: ln(theta/theta_ss) at the start of such a record
-STATE_START = FitParameter("start", bounds=(-20.0, 20.0))
 LINEAR = ("level", "trend")
 #: parameters of the machine, not of the friction law
 MACHINE_PARAMETERS = ("K", "M", "lag")
@@ -74,7 +73,7 @@ def parameter(name):
     if name in PARAMETERS:
         return PARAMETERS[name]
     if any(name in start_names(law) for law in LAWS.values()):
-        return STATE_START
+        return PARAMETERS["V_start"]
     of_forms = (form.OWN_PARAMETERS for form in FORMS.values())
     for own in (*(law.parameters for law in LAWS.values()), *of_forms, EXTRAS):
         if name in own:

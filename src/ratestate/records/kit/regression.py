@@ -28,14 +28,6 @@ GROWTH = 1.4
 INSIDE = 0.9
 
 
-class Mean(NamedTuple):
-    """The mean of values weighted by their errors, and the misfit."""
-
-    value: float
-    error: float  # standard error if the scatter is due to the errors alone
-    chi2: float
-
-
 class Line(NamedTuple):
     """The best line through points: y = mean + slope (x - centre)."""
 
@@ -81,23 +73,26 @@ def central_differences(function, point, steps):
 
 
 def weighted_mean(values, errors):
-    """Return the `Mean` of values (n,) weighted by their errors (n,), n > 0."""
+    """Return the mean of values (n,) weighted by their errors (n,), its error, and chi-square.
+
+    n > 0.  The standard error of the mean supposes that the scatter is due to the errors alone.
+    """
     weights = errors**-2.0
     total = float(weights.sum())
     mean = float(weights @ values) / total
-    return Mean(mean, total**-0.5, float(weights @ (values - mean) ** 2))
+    return mean, total**-0.5, float(weights @ (values - mean) ** 2)
 
 
 def mean_with_scatter(values, errors):
     """Return the weighted mean of values (n,), its standard error and the scatter."""
-    mean, degrees = weighted_mean(values, errors), values.size - 1
-    scatter = _scatter(mean.chi2, degrees)
-    return mean.value, _enlarged(mean.error, scatter, degrees), scatter
+    (mean, error, chi2), degrees = weighted_mean(values, errors), values.size - 1
+    scatter = _scatter(chi2, degrees)
+    return mean, _enlarged(error, scatter, degrees), scatter
 
 
 def weighted_line(x, values, errors):
     """Return the `Line` through values (n,) at x (n,), weighted by their errors (n,)."""
-    centre, degrees, weights = weighted_mean(x, errors).value, x.size - 2, 1.0 / errors
+    centre, degrees, weights = weighted_mean(x, errors)[0], x.size - 2, 1.0 / errors
     line, covariance = np.polyfit(x - centre, values, 1, w=weights, cov="unscaled")
     rest = weights * (values - np.polyval(line, x - centre))
     scatter = _scatter(float(rest @ rest), degrees)

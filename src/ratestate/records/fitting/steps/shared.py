@@ -188,11 +188,11 @@ def mean_of(values, errors):
     if not (n := len(values)):
         return np.nan, np.nan, np.nan
     weights = errors**-2.0
-    excess = weighted_mean(values, errors).chi2 - (n - 1)
+    excess = weighted_mean(values, errors)[2] - (n - 1)
     per_scatter = float(weights.sum() - (weights**2).sum() / weights.sum())
     scatter = math.sqrt(max(excess / per_scatter, 0.0)) if n > 1 else 0.0
-    mean = weighted_mean(values, np.hypot(errors, scatter))
-    return mean.value, mean.error, scatter if n > 1 else np.nan
+    mean, error, _ = weighted_mean(values, np.hypot(errors, scatter))
+    return mean, error, scatter if n > 1 else np.nan
 
 
 def ratio_of(up, down, is_log):
@@ -205,15 +205,14 @@ def ratio_of(up, down, is_log):
     """
     if not (len(up[0]) and len(down[0])):
         return np.nan, np.nan, np.nan
-    of_up, of_down = weighted_mean(*up), weighted_mean(*down)
-    difference, degrees = of_up.value - of_down.value, len(up[0]) + len(down[0]) - 2
-    value = float(np.exp(difference)) if is_log else of_up.value / of_down.value
+    (mean, error, chi2), (other, other_error, other_chi2) = weighted_mean(*up), weighted_mean(*down)
+    difference, degrees = mean - other, len(up[0]) + len(down[0]) - 2
+    value = float(np.exp(difference)) if is_log else mean / other
     if degrees == 0:
         return value, np.nan, np.nan
-    enlarged = math.sqrt(max((of_up.chi2 + of_down.chi2) / degrees, 1.0))
-    error = enlarged * math.hypot(of_up.error, of_down.error)
-    p_value = float(2.0 * stdtr(degrees, -abs(difference) / error))
-    own = value * error
-    if not is_log:
-        own = enlarged * math.hypot(of_up.error, value * of_down.error) / abs(of_down.value)
-    return value, own, p_value
+    enlarged = math.sqrt(max((chi2 + other_chi2) / degrees, 1.0))
+    of_difference = enlarged * math.hypot(error, other_error)
+    p_value = float(2.0 * stdtr(degrees, -abs(difference) / of_difference))
+    if is_log:
+        return value, value * of_difference, p_value
+    return value, enlarged * math.hypot(error, value * other_error) / abs(other), p_value
