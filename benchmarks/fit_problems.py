@@ -15,8 +15,7 @@ from scipy.optimize import least_squares
 import ratestate as rs
 from ratestate.paper.parameters import FIG2
 from ratestate.records.fitting.problem import SamplesProblem as Search
-from ratestate.records.fitting.problem import search, with_best_level
-from ratestate.records.fitting.samples import samples_of
+from ratestate.records.fitting.problem import samples_of, search, with_best_level
 from ratestate.records.fitting.unknowns import to_coordinate, to_value, unknowns_of
 from ratestate.records.kit.noise import Noise
 

@@ -57,13 +57,13 @@ if TYPE_CHECKING:  # for editors and type checkers, which do not run `__getattr_
     from .model.user_laws import register as register
     from .records.fitting.by_law import fitted_slider as fitted_slider
     from .records.fitting.fit import fit as fit
-    from .records.fitting.marginal import log_likelihood as log_likelihood
+    from .records.fitting.posterior import log_likelihood as log_likelihood
     from .records.healing.healing import healing as healing
     from .records.load_point.segments import find_segments as find_segments
     from .records.machine.machine_stiffness import machine_stiffness as machine_stiffness
     from .records.reading.lab_format import describe_lab as describe_lab
     from .records.reading.read import read_lab as read_lab
-    from .records.stick_slip.find_events import events as events
+    from .records.stick_slip.catalogue import events as events
     from .report.report import Report as Report
     from .report.summary import summary as summary
     from .sweeps.sweep import sweep as sweep
@@ -96,13 +96,13 @@ _NAMES = {
     "model.user_laws": "register",
     "records.fitting.by_law": "fitted_slider",
     "records.fitting.fit": "fit",
-    "records.fitting.marginal": "log_likelihood",
+    "records.fitting.posterior": "log_likelihood",
     "records.healing.healing": "healing",
     "records.load_point.segments": "find_segments",
     "records.machine.machine_stiffness": "machine_stiffness",
     "records.reading.lab_format": "describe_lab",
     "records.reading.read": "read_lab",
-    "records.stick_slip.find_events": "events",
+    "records.stick_slip.catalogue": "events",
     "report.report": "Report",
     "report.summary": "summary",
     "sweeps.sweep": "sweep",

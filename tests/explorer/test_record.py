@@ -51,7 +51,7 @@ def test_what_is_drawn_of_a_record(without_child):
     header, arrays = answered(GOOD)
     assert (header["kind"], header["id"], header["name"]) == ("record", None, "r.csv")
     assert header["problem"] == ""
-    assert header["found"] == "velocity step 3.00 -> 10.0 um/s at 400.0 s (1200 um)"
+    assert header["found"] == "velocity step 3 -> 10 um/s at 400.0 s (1200 um)"
     assert header["notes"] == []
     units = ["s", "um", "", "MPa"]
     assert header["columns"] == [list(column) for column in zip(HEADER, units, strict=True)]

@@ -8,9 +8,9 @@ import xarray
 
 from ..dynamics.recipe import attribute_text
 from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, with_error
-from ..records.healing.rates import HEADINGS, RATES, rate_text
-from ..records.kit.results import checked_result
-from ..records.machine.means import OF_RINGS, SYMBOLS, estimate, value_with_unit
+from ..records.healing.healing import HEADINGS, RATES, rate_text
+from ..records.kit import checked_result
+from ..records.machine.machine_stiffness import OF_RINGS, SYMBOLS, estimate, value_with_unit
 from .report import Blocks, Heading, TextTable, Title, left
 
 #: relative error that is not shown

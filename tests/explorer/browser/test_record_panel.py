@@ -77,7 +77,7 @@ def test_a_record_lies_behind_the_curve(show, text, data):
     shown.watch_shifts("#record, #traces, #controls")
     assert shown.painted("#stress-chart canvas", "record").count == 0
     drop(shown, "p1234.csv", text)
-    said = "p1234.csv: velocity step 1.00 \u2192 10.0 \u00b5m/s at 5100.0 s"
+    said = "p1234.csv: velocity step 1 \u2192 10 \u00b5m/s at 5100.0 s"
     assert shown.text("#record-said").startswith(said)
     assert zero(shown) == pytest.approx(5000.0 + STEP_AT, abs=0.05)
     assert "p1234.csv" in shown.text("#readout")
@@ -161,7 +161,7 @@ def test_columns_are_chosen(show, data):
     page.fill("#record-from", "50")
     page.click("#record-form button")
     page.wait_for_selector("#record-shown:enabled")
-    assert "velocity step 1.00 \u2192 10.0 \u00b5m/s at 100.0 s" in shown.text("#record-said")
+    assert "velocity step 1 \u2192 10 \u00b5m/s at 100.0 s" in shown.text("#record-said")
     page.check("#record-whole")
     first, *_ = readout(shown, "#stress-chart", 0.001)
     assert first == pytest.approx(50.0 - STEP_AT, abs=1.0)

@@ -66,7 +66,7 @@ def folder(tmp_path_factory):
 def test_it_prints_both_laws_and_what_was_found(folder):
     path, done = folder
     result = files.read(path / "made" / "fit.nc")
-    assert "velocity step 1.00 -> 10.0 um/s at 100.0 s" in done.stdout
+    assert "velocity step 1 -> 10 um/s at 100.0 s" in done.stdout
     for law in ("slip", "aging"):
         one = result.sel(law=law)
         error = 1e6 * float(one.standard_error.sel(parameter="Dc"))

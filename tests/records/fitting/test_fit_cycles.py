@@ -13,11 +13,10 @@ from ratestate import plot
 from ratestate.dynamics.recipe import recorded_loading
 from ratestate.records.fitting.cycles import fit_cycles as fitting
 from ratestate.records.fitting.cycles import folding
-from ratestate.records.fitting.cycles.features import FEATURES
 from ratestate.records.fitting.cycles.fit_cycles import cycles_dataset, diagnose, fit_cycles
 from ratestate.records.fitting.cycles.folding import Segment, regular_cuts
 from ratestate.records.fitting.cycles.measured import corrected, measure
-from ratestate.records.fitting.cycles.waves import CycleModel, limit_waves, wave_at
+from ratestate.records.fitting.cycles.waves import FEATURES, cycle_features, limit_waves, wave_at
 from ratestate.records.fitting.solutions import solution_from
 from ratestate.records.kit.sample_noise import SampleNoise
 
@@ -77,8 +76,8 @@ def record(*segments):
 
 
 def truth(slider, V_lp, bins):
-    model = CycleModel(slider.law, np.array([V_lp]), [bins], slider.sigma, slider.V0)
-    found = model.features({s: np.array([getattr(slider, s)]) for s in SYMBOLS})[0][0, 0]
+    values = {s: np.array([getattr(slider, s)]) for s in (*SYMBOLS, "sigma")}
+    found = cycle_features(slider.law, values, np.array([V_lp]), [bins], slider.V0)[0][0, 0]
     return found + slider.mu0 * (np.array(FEATURES) == "level")
 
 
@@ -105,10 +104,10 @@ def test_derivatives_agree_with_an_independent_solver():
         radau_features(parameters | {"K": parameters["K"] * np.exp(h)}, V_lp) for h in (step, -step)
     ]
     # one bin in 4096 is no smoothing
-    model = CycleModel("slip", np.array([V_lp]), [4096], parameters["sigma"], parameters["V0"])
-    values = {s: np.array([parameters[s]] * 2) for s in SYMBOLS}
+    values = {s: np.array([parameters[s]] * 2) for s in (*SYMBOLS, "sigma")}
     values["K"] = values["K"] * np.exp([step, -step])
-    up, down = model.features(values)[0][:, 0, :2]
+    found, *_ = cycle_features("slip", values, np.array([V_lp]), [4096], parameters["V0"])
+    up, down = found[:, 0, :2]
     np.testing.assert_allclose(up, sides[0], rtol=0, atol=2e-5)
     expected = (sides[0] - sides[1]) / (2.0 * step)
     np.testing.assert_allclose((up - down) / (2.0 * step), expected, rtol=5e-3)

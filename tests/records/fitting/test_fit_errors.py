@@ -22,8 +22,8 @@ from ratestate.records.fitting.identifiability import (
     tradeoff_text,
 )
 from ratestate.records.fitting.inference import infer
-from ratestate.records.fitting.marginal import LogLikelihood
-from ratestate.records.fitting.posterior import sample_posterior
+from ratestate.records.fitting.posterior import LogLikelihood, sample_posterior
+from ratestate.records.fitting.problem import Samples, samples_of
 from ratestate.records.fitting.profile import (
     BetterPoint,
     Profile,
@@ -37,7 +37,6 @@ from ratestate.records.fitting.quantities import (
     estimates_from,
     reported_quantities,
 )
-from ratestate.records.fitting.samples import Samples, samples_of
 from ratestate.records.fitting.solutions import (
     Solution,
     least_squares_fit,

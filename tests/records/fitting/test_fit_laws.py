@@ -13,9 +13,8 @@ from ratestate.friction.laws import LAWS
 from ratestate.laws import FrictionLaw, Parameter, log
 from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical
 from ratestate.records.fitting.forward import Forward
-from ratestate.records.fitting.problem import SamplesProblem
+from ratestate.records.fitting.problem import SamplesProblem, samples_of
 from ratestate.records.fitting.quantities import reported_quantities
-from ratestate.records.fitting.samples import samples_of
 from ratestate.records.fitting.solutions import least_squares_fit
 from ratestate.records.fitting.unknowns import (
     unknowns_of,

@@ -19,7 +19,7 @@ def read(name):
 def test_basalt_from_3_to_10_um_s():
     """Compare with an independent quasi-static fit, with errors of a few per cent."""
     record = read("velstep4_BRAVA_expb819_basalt.txt")
-    assert "3.00 -> 10.0 um/s" in record.attrs["found"]
+    assert "3 -> 10 um/s" in record.attrs["found"]
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="20 MPa", K="40 GPa/m")
     both = rs.fit(record, slider, law=("slip", "aging"))
     assert "the estimates depend on the trend" in both.warnings.sel(law="slip").item()
@@ -41,7 +41,7 @@ def test_basalt_from_3_to_10_um_s():
 def test_sepiolite_from_0_2_to_2_um_s():
     """Strengthening is much larger than a, so that b is negative."""
     record = read("velstep3_TR2_exp013_sepiolite.txt")
-    assert "0.200 -> 2.00 um/s" in record.attrs["found"]
+    assert "0.2 -> 2 um/s" in record.attrs["found"]
     slider = rs.SpringSlider(a=0.01, b=0.01, Dc="10 um", sigma="30 MPa", K="40 GPa/m")
     result = rs.fit(record, slider, errors="covariance")
     assert 0.008 < float(result.a) < 0.013

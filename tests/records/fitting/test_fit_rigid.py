@@ -8,7 +8,7 @@ from synthetic_records import assert_finds, record
 
 import ratestate as rs
 from ratestate.records.fitting.forward import Forward
-from ratestate.records.fitting.samples import samples_of
+from ratestate.records.fitting.problem import samples_of
 from ratestate.records.fitting.unknowns import to_coordinate
 
 RIGID = rs.SpringSlider(a=0.008, b=0.010, Dc=1e-5, sigma=1e7, V0=1e-6, K=np.inf, law="slip")

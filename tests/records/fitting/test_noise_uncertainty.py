@@ -12,8 +12,7 @@ from ratestate.records.fitting.noise_uncertainty import (
     likely_noise,
 )
 from ratestate.records.fitting.quantities import GAUSSIAN
-from ratestate.records.kit.estimated_noise import RestrictedLikelihood, estimated_noise
-from ratestate.records.kit.noise import Noise
+from ratestate.records.kit.noise import Noise, RestrictedLikelihood, estimated_noise
 
 T = np.linspace(0.0, 10.0, 300)
 # level, trend, and a transient that is over after a tenth of the record

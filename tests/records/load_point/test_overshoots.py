@@ -60,6 +60,6 @@ def test_the_history_counts_the_step_once():
     found = segments_from_displacement(t, x + noise)
     np.testing.assert_allclose(found.V, [SLOW, 1.06 * FAST, FAST], rtol=0.02)
     assert found.describe(t).count("velocity step") == 1
-    assert "velocity step 10.0 -> 100 um/s" in found.describe(t)
+    assert "velocity step 10 -> 100 um/s" in found.describe(t)
     (note,) = found.notes
     assert "overshoots to 10" in note

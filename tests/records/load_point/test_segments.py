@@ -226,6 +226,13 @@ def test_a_ramp_is_a_step():
     )
 
 
+def test_louder_noise_in_a_part_of_the_record_makes_no_steps():
+    t, rng = np.arange(0, 600, 0.1), np.random.default_rng(1)
+    noise = 1e-7 * rng.standard_normal(t.size) * np.where((t > 250) & (t < 320), 10.0, 1.0)
+    found = segments_from_displacement(t, history(t, [0, 200, 400], [1e-6, 1e-5, 1e-6]) + noise)
+    np.testing.assert_allclose(found.t, [0, 200, 400], atol=0.1)
+
+
 def test_levels_of_a_recorded_velocity():
     t = np.arange(0, 100, 0.1)
     V = np.select([t < 30.05, t < 60.05], [1e-6, 0.0], 1e-5)

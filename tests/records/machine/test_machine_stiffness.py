@@ -9,12 +9,10 @@ from machine_records import SLIDER, STICK_SLIP, STIFF, clean, noisy, one_step, s
 
 import ratestate as rs
 from ratestate import ParameterError, plot, summary
-from ratestate.records.loading import segments_of
-from ratestate.records.machine.machine_stiffness import stress_drops
-from ratestate.records.machine.means import stiffness_remarks
+from ratestate.records.machine.machine_stiffness import stiffness_remarks, stress_drops
 from ratestate.records.machine.ring_down import RingDown, mass_and_damping, ring_down
 from ratestate.records.machine.slopes import curve, fitted_slope
-from ratestate.records.raw_record import raw_record
+from ratestate.records.raw_record import raw_record, segments_of
 from ratestate.records.stick_slip import catalogue
 
 

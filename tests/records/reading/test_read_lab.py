@@ -34,7 +34,7 @@ def test_a_record(tmp_path):
     assert (data.segment_V_error < 1e-12).all()
     assert data.attrs["title"] == "ratestate read_lab"
     assert data.attrs["source"] == "p1.txt"
-    assert data.attrs["found"] == "velocity step 1.00 -> 10.0 um/s at 15 s (15 um)"
+    assert data.attrs["found"] == "velocity step 1 -> 10 um/s at 15 s (15 um)"
     assert json.loads(data.attrs["notes"]) == []
     columns = json.loads(data.attrs["columns"])
     assert columns["delta_lp"] == {"title": "Displ(microns)", "unit": "um"}
@@ -536,7 +536,7 @@ def test_basalt():
     np.testing.assert_allclose(data.segment_V, [3e-6, 1e-5], rtol=0.002)
     # friction begins to rise there; the jumps of the displacement would move a global fit by 0.3 s
     assert abs(float(data.segment_t[1]) - 11676.38) < 0.02
-    assert data.attrs["found"] == "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8711 um)"
+    assert data.attrs["found"] == "velocity step 3 -> 10 um/s at 11676.4 s (8711 um)"
     notes = json.loads(data.attrs["notes"])
     assert [note.partition(" at ")[0] for note in notes] == [
         "delta_lp jumps by 901 nm",

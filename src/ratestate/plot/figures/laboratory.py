@@ -4,7 +4,7 @@ import numpy as np
 
 from ...dynamics.recipe import attribute_text
 from ...model.quantities import power_of
-from ...records.machine.means import estimate, value_with_unit
+from ...records.machine.machine_stiffness import estimate, value_with_unit
 from ..curves import WHOLE, scatter
 from ..labels import BLUE, DASHED, GRAY, LAWS, RED, prefixed
 from ..layout import ABOVE, figure, letters, plain_ticks, styled

@@ -9,9 +9,9 @@ from ..messages import fitting as sentences
 from .by_law import rate_dependence_text
 from .forward import Forward
 from .identifiability import bounds_of, identifiability
-from .samples import before_first_change, change_times
+from .inference import longest_distance
+from .problem import before_first_change, change_times
 from .solutions import FALL, chi2_gain, responds, response
-from .transients import longest_distance
 from .unknowns import motion_symbols, parameter
 
 #: slip after the last step, divided by Dc, from which friction is steady
@@ -185,10 +185,12 @@ def _is_confirmed_before_steps(solution, trend):
     t, along = record.t[early], record.trend_variable[early]
     columns = np.column_stack([np.ones(t.size), along])
     try:
-        line = generalized_least_squares(t, record.friction[early], columns, solution.noise)
+        values, covariance = generalized_least_squares(
+            t, record.friction[early], columns, solution.noise
+        )
     except np.linalg.LinAlgError:
         return False
-    slope, error = line.coefficients[1], line.covariance[1, 1] ** 0.5
+    slope, error = values[1], covariance[1, 1] ** 0.5
     is_same = abs(slope - trend.value) < AGREE * np.hypot(error, trend.error)
     return bool(is_same and abs(slope) > CLEAR * error)
 

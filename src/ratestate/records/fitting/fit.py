@@ -9,11 +9,11 @@ from ...dynamics.results import provenance
 from ...errors import FitWarning
 from ...model.conversion import in_si
 from ...model.names import keywords_checked
+from ..kit import kept_attributes
 from ..kit.least_squares import single_blas
-from ..kit.results import kept_attributes
 from .by_law import warnings_of
 from .cycles.fit_cycles import cycles_datasets
-from .fit_dataset import datasets_of, side_by_side, with_comparison
+from .fit_dataset import datasets_of, joined, names_of, with_comparison
 from .inference import inferences_of
 from .settings import checked_settings
 from .steps.experiment import fit_experiment
@@ -169,7 +169,7 @@ def fit(
     more = {
         "free": json.dumps(settings.free),
         "per_step": int(per_step) or None,
-        **settings.recorded,
+        **{name: str(value) for name, value in choices.items()},
     }
     for name, result in results.items():
         origin = provenance("fit", slider, law=name, **more)
@@ -182,7 +182,7 @@ def fit(
     results = {name: result.assign_coords(law=name) for name, result in results.items()}
     if law is None or isinstance(law, str | type):
         return results[settings.laws[0]]
-    result = side_by_side(results)
+    result = joined(results.values(), "law", names_of(results.values(), results))
     if len(results) > 1:
         result = with_comparison(result, xarray.DataArray(criterion, dims="law"), fits)
     return result

@@ -6,7 +6,7 @@ import xarray
 from ...dynamics.recipe import record_loading
 from ...friction.laws import friction_law
 from ...model.quantities import attrs
-from ..kit.results import labelled
+from ..kit import labelled
 from ..messages import fitting as sentences
 from .checks import diagnose, is_misfit, without_trend
 from .posterior import prior_text
@@ -46,11 +46,6 @@ def dataset_of(inference, data):
     if record.loading.normal_stress is not None:
         result.attrs["normal_stress"] = "varies"
     return result
-
-
-def side_by_side(results):
-    """Return results under several laws (law -> Dataset) as one, along ``law``."""
-    return joined(results.values(), "law", names_of(results.values(), results))
 
 
 def names_of(results, laws):

@@ -87,7 +87,9 @@ class Forward(ForwardModel):
 
     def __init__(self, record, slider, names):
         sizes = sizes_of(record, slider)
-        super().__init__(names, {n: _step(n, record, sizes[n]) for n in names if n not in LINEAR})
+        rows = {name: parameter(name) for name in names if name not in LINEAR}
+        scales = {name: 1.0 if row.is_log else sizes[name] for name, row in rows.items()}
+        super().__init__(names, {n: row.step(record, scales[n]) for n, row in rows.items()})
         self.record, self.law = record, slider.friction_law
         symbols = (*motion_symbols(self.law), "sigma", "alpha")
         self.fixed = {symbol: getattr(slider, symbol) for symbol in symbols}
@@ -215,11 +217,6 @@ class Forward(ForwardModel):
                 max_steps=self.max_steps,
             )
         return marched(self.moving_law, cases, self.loads, times)
-
-
-def _step(name, record, size):
-    row = parameter(name)
-    return row.step(record, 1.0 if row.is_log else size)
 
 
 def _difference(above, centre, below, up, down):

@@ -8,7 +8,7 @@ import numpy as np
 from ...model.quantities import readable, with_error
 from ..messages import fitting as sentences
 from .by_law import rate_dependence_text
-from .quantities import ENDLESS, is_unconstrained
+from .quantities import ENDLESS, ROOTS
 from .unknowns import parameter, start_names
 
 #: standard error of a logarithm above which a parameter counts as hardly determined
@@ -34,7 +34,12 @@ def identifiability(inference):
         if loose:
             warnings.append(sentences("warning.tradeoff", tradeoff=text))
         notes.append(sentences(f"note.{'loose' if loose else 'tight'}", tradeoff=text))
-    notes += _edges(inference)
+    for quantity in inference.quantities:
+        if profile := inference.profiles.get(quantity.name):
+            for index, side in ((0, "below"), (-1, "above")):
+                if profile.ends[index] == "edge":
+                    value = float(quantity.si(profile.values[index]))
+                    notes.append(sentences("note.edge", name=quantity.name, value=value, side=side))
     if start_names(problem.law)[0] in problem.unknowns.names:
         notes.append(sentences("note.start"))
     return " ".join(notes), warnings
@@ -99,15 +104,6 @@ def _relative_error(name, estimate):
     return float(width / 3.92)
 
 
-def _edges(inference):
-    for quantity in inference.quantities:
-        if profile := inference.profiles.get(quantity.name):
-            for index, side in ((0, "below"), (-1, "above")):
-                if profile.ends[index] == "edge":
-                    value = float(quantity.si(profile.values[index]))
-                    yield sentences("note.edge", name=quantity.name, value=value, side=side)
-
-
 def _tradeoffs(inference, free):
     """Return the `tradeoff_text` of groups whose covariance is a good approximation."""
     estimates, names = inference.estimates, []
@@ -148,7 +144,7 @@ def tradeoff_text(estimates, which, rate="a - b"):
     pairs = correlation[np.triu_indices(len(which), 1)]
     strongest = pairs[np.argmax(np.abs(pairs))]
     worst_text = f"{product(which, axes[:, -1])} only to {percent(worst)}"
-    if is_unconstrained(worst):
+    if ROOTS[-1] * worst > ENDLESS:  # the 95 % interval is open
         worst_text = f"does not constrain {product(which, axes[:, -1])}"
     return (
         f"{', '.join(which[:-1])} and {which[-1]} trade off (correlation {strongest:.3f}): the "

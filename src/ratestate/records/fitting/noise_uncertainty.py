@@ -2,7 +2,7 @@
 
 If the noise is slower than the response to a step, few independent samples determine it.  An
 interval that takes the estimated noise as exact is then too narrow.  Here the shape of the noise
-is integrated over, with flat priors of its coordinates (estimated_noise.py).  For each shape
+is integrated over, with flat priors of its coordinates (noise.py).  For each shape
 generalized least squares gives the estimates, to first order about the fit, and the weight is
 the restricted likelihood.  White noise, noise with one relaxation, and noise with a power-law
 spectrum have equal prior probabilities.  A quantity then has a mixture of Gaussians, and the
@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import ndtr
 
-from ..kit.estimated_noise import RestrictedLikelihood, families, modes
+from ..kit.noise import RestrictedLikelihood, families, modes
 from .quantities import GAUSSIAN, LEVELS
 from .solutions import Solution, project_out
 
@@ -111,7 +111,7 @@ def likely_shapes(likelihood, near=None):
     """
     shapes, priors = [likelihood.at()], [1.0]
     for family in families(likelihood):
-        likely, part = _grid_shapes(likelihood, family, near)
+        likely, part = _grid_shapes(family, near)
         shapes += likely
         priors += [part] * len(likely)
     log_weight = np.array([one.log_likelihood for one in shapes])
@@ -132,39 +132,39 @@ def _quantile(weight, means, spreads, part):
     return 0.5 * (low + high)
 
 
-def _grid_shapes(likelihood, family, near):
+def _grid_shapes(family, near):
     """Return `Conditional`s (list) for likely shapes of a grid, and their prior."""
     low, high = family.bounds.T
-    peaks = modes(likelihood, family, near)
-    best = max(peaks, key=lambda mode: mode.log_likelihood)
-    axes = _principal_axes(likelihood, family, best.point)
+    peaks = modes(family, near)
+    highest, best = max(peaks, key=lambda mode: mode[0])
+    axes = _principal_axes(family, best)
     # grid points have integer coordinates along the axes, relative to the best mode
     seen: set[tuple] = set()
     likely = []
-    first = [np.linalg.solve(axes, mode.point - best.point).round().astype(int) for mode in peaks]
+    first = [np.linalg.solve(axes, point - best).round().astype(int) for _, point in peaks]
     queue = [tuple(place.tolist()) for place in first]
     while queue and len(seen) < MOST:
         place = queue.pop(0)
-        point = best.point + axes @ np.array(place, float)
+        point = best + axes @ np.array(place, float)
         if place in seen or (point < low).any() or (point > high).any():
             continue
-        conditional = likelihood.at(family.shape(point))
+        conditional = family.at(point)
         seen.add(place)
-        if conditional.log_likelihood > best.log_likelihood - NEGLIGIBLE:
+        if conditional.log_likelihood > highest - NEGLIGIBLE:
             likely.append(conditional)
             i, j = place
             queue += [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)]
     return likely, abs(np.linalg.det(axes)) / np.prod(high - low)
 
 
-def _principal_axes(likelihood, family, point):
+def _principal_axes(family, point):
     """Return the grid's steps (2, 2), as columns: a deviation along each axis."""
     h = DIFFERENCE
     low, high = family.bounds.T
     point = np.clip(point, low + h, high - h)
 
     def minus(x, y):
-        return -likelihood.log_likelihood(family.shape(point + np.array([x, y])))
+        return -family.at(point + np.array([x, y])).log_likelihood
 
     centre = minus(0.0, 0.0)
     with np.errstate(invalid="ignore"):  # an impossible shape has -inf

@@ -129,8 +129,11 @@ class _Side:
         for _ in range(MOST):
             if self._is_open_at(self.points[-1]):
                 return "open"
-            last = self.values[-1]
-            fit = self._fit_near(last + self.sign * self.step)
+            last, value = self.values[-1], self.values[-1] + self.sign * self.step
+            starts = [self.points[-1] + self.direction * abs(value - last)]
+            if self.fits:
+                starts.append(min(self.fits, key=lambda fit: abs(fit[0] - value))[1])
+            fit = penalized_fit(self.solution, self.quantity, value, self.step, starts)
             moved = self.sign * (fit[0] - last) if fit else 0.0
             root = np.sqrt(max(fit[2], 0.0)) if fit else np.inf
             is_leap = root > self.beyond and root - np.sqrt(self.deviance[-1]) > LEAP
@@ -143,13 +146,6 @@ class _Side:
             if root > self.beyond and self.sign * fit[0] >= self.farthest_likely:
                 return "closed"
         return "open"
-
-    def _fit_near(self, value):
-        """Return value, point and deviance of the best fit near a value, or None."""
-        ahead = self.points[-1] + self.direction * abs(value - self.values[-1])
-        nearest = min(self.fits, key=lambda fit: abs(fit[0] - value), default=None)
-        starts = [ahead] if nearest is None else [ahead, nearest[1]]
-        return penalized_fit(self.solution, self.quantity, value, self.step, starts)
 
     def _is_open_at(self, point):
         """Return whether the interval is open, because this far value is still likely."""

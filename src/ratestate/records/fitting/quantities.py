@@ -109,11 +109,6 @@ def reported_quantities(problem):
     return tuple(quantities)
 
 
-def is_unconstrained(error):
-    """Return whether the 95 % interval of a logarithm with this error is open."""
-    return ROOTS[-1] * error > ENDLESS
-
-
 class Estimate(NamedTuple):
     """The `Estimates` of one quantity."""
 

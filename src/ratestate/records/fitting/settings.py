@@ -39,11 +39,6 @@ class Settings(NamedTuple):
         """Names of the laws."""
         return [slider.law for slider in self.sliders]
 
-    @property
-    def recorded(self):
-        """Settings (name -> str) that the result stores in its attributes."""
-        return {name: str(getattr(self, name)) for name in CHOICES}
-
 
 def checked_settings(slider, *, free, law, noise, per_step=False, loading=None, **choices):
     """Return the `Settings` for these arguments of `fit`."""

@@ -11,12 +11,17 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from ..kit.estimated_noise import estimated_noise
-from ..kit.noise import Noise
+from ..kit.noise import Noise, estimated_noise
 from ..messages import fitting as sentences
 from .forward import Forward
-from .problem import SAMPLES, SamplesProblem, search, starting_points
-from .samples import before_first_change, samples_of
+from .problem import (
+    SAMPLES,
+    SamplesProblem,
+    before_first_change,
+    samples_of,
+    search,
+    starting_points,
+)
 from .unknowns import Unknowns, free_under, start_names, unknowns_of
 
 #: most starts of the least squares, and most rounds of noise and fit

@@ -54,13 +54,12 @@ PARAMETERS = {
     "M": FitParameter("slider", is_log=True, bounds=(1e-8, 1e4), starts=(-3.0, 1.0), no_effect=-1),
     "alpha": FitParameter("slider", bounds=(0.0, 1e2), starts=(0.0, 1.0)),
     "lag": FitParameter("record", bounds=(-0.1, 0.1), step=lambda record, _: 0.1 * record.spacing),
-    # ln(V/V1), if the record does not begin in steady sliding at its first speed V1
+    # if the record does not begin in steady sliding at its first speed V1: ln(V/V1); the row also
+    # serves ln(theta/theta_ss) of the states
     "V_start": FitParameter("start", bounds=(-20.0, 20.0)),
     "level": FitParameter("linear"),
     "trend": FitParameter("linear"),
 }
-#: ln(theta/theta_ss) at the start of such a record
-STATE_START = FitParameter("start", bounds=(-20.0, 20.0))
 LINEAR = ("level", "trend")
 #: parameters of the machine, not of the friction law
 MACHINE_PARAMETERS = ("K", "M", "lag")
@@ -74,21 +73,17 @@ def parameter(name):
     if name in PARAMETERS:
         return PARAMETERS[name]
     if any(name in start_names(law) for law in LAWS.values()):
-        return STATE_START
+        return PARAMETERS["V_start"]
     of_forms = (form.OWN_PARAMETERS for form in FORMS.values())
     for own in (*(law.parameters for law in LAWS.values()), *of_forms, EXTRAS):
         if name in own:
-            return _parameter_of_law(own[name])
+            bound, unit = own[name].bound, own[name].unit
+            if bound == ">= 0":
+                return FitParameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
+            if bound == "> 0" and unit != "m":
+                return FitParameter("slider", is_log=True, bounds=(1e-6, 1e6), starts=(-2.0, 1.0))
+            return PARAMETERS["Dc" if bound else "b"]
     raise KeyError(name)
-
-
-def _parameter_of_law(own):
-    """Return the `FitParameter` of a law's additional parameter, by unit and bound."""
-    if own.bound == ">= 0":
-        return FitParameter("slider", bounds=(0.0, 1e3), starts=(0.0, 3.0))
-    if own.bound == "> 0" and own.unit != "m":
-        return FitParameter("slider", is_log=True, bounds=(1e-6, 1e6), starts=(-2.0, 1.0))
-    return PARAMETERS["Dc" if own.bound else "b"]
 
 
 def motion_symbols(*laws):

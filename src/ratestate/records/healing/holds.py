@@ -7,14 +7,12 @@ import numpy as np
 import xarray
 from scipy.linalg import block_diag
 
-from ..kit.estimated_noise import estimated_noise
-from ..kit.noise import Noise
-from ..kit.polynomial_windows import basis
+from ..kit.noise import Noise, estimated_noise
+from ..kit.regression import basis
 from ..kit.sample_noise import rounding
 from ..load_point.segments import Segments
-from ..loading import segments_of
 from ..messages import healing as sentences
-from ..raw_record import raw_record
+from ..raw_record import raw_record, segments_of
 
 #: samples left out on either side of a change of speed, the error of its time
 GUARD = 1

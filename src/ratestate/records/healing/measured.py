@@ -10,11 +10,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ..kit.polynomial_windows import (
+from ..kit.regression import (
     CERTAIN,
     SIGNIFICANT,
     curvature,
-    fewest_samples,
     fitted_polynomial,
     windows_that_pass,
 )
@@ -24,10 +23,10 @@ from .steady import Level
 
 #: orders of polynomials in ln(time since the hold began): tested, and used; fewest samples
 TESTED, USED = 1, 3
-FEWEST_OF_HOLD = fewest_samples(USED)
+FEWEST_OF_HOLD = USED + 3
 #: orders of the polynomial around a peak: tested, and used; fewest samples; coefficients tested
 PEAK_TESTED, PEAK_USED, ORDERS = 3, 5, 2
-FEWEST_OF_PEAK = fewest_samples(PEAK_USED)
+FEWEST_OF_PEAK = PEAK_USED + 3
 #: noise around a peak, as a multiple of the record's, above which the samples are too few
 FEW = math.sqrt(CERTAIN / ORDERS)
 #: successive windows that must fail, because noise may make a single one fail

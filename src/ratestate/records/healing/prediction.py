@@ -77,25 +77,22 @@ def sliders_of(slider):
                 raise sentences.refusal("slider.array", symbol=symbol)
         return {slider.law: Fitted(slider)}
     parts = checked_by_law(slider, "healing")
-    errors = _errors_of_steps if has_steps(slider) else _errors_of_fit
-    return {law: _fitted(slider, law, part, errors) for law, part in parts.items()}
+    return {law: _fitted(slider, law, part) for law, part in parts.items()}
 
 
-def _fitted(result, law, part, errors):
-    """Return the `Fitted` of one law; `errors` is one of the two functions below."""
+def _fitted(result, law, part):
+    """Return the `Fitted` of one law of a result of `fit`."""
     slider = fitted_slider(result, law)
     own = motion_symbols(slider.friction_law)
     names = [name for name in part["parameter"].values.tolist() if name in own]
-    sizes, correlation = errors(part, names)
+    if has_steps(result):
+        errors, correlation = _errors_of_steps(part, names)
+    else:
+        errors = np.array([error_of(part, name) for name in names])
+        correlation = part["correlation"].sel(parameter=names, other=names).values
     # (correlations of logarithms equal those of the parameters to first order)
     with np.errstate(invalid="ignore"):
-        return Fitted(slider, tuple(names), correlation * np.outer(sizes, sizes))
-
-
-def _errors_of_fit(part, names):
-    """Return standard errors (k,) [SI] of a fit's estimates, and their correlation (k, k)."""
-    errors = np.array([error_of(part, name) for name in names])
-    return errors, part["correlation"].sel(parameter=names, other=names).values
+        return Fitted(slider, tuple(names), correlation * np.outer(errors, errors))
 
 
 def _errors_of_steps(part, names):

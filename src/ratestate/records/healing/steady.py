@@ -17,7 +17,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import chdtri, logsumexp
 
-from ..kit.polynomial_windows import basis, windows_that_pass
+from ..kit.regression import basis, windows_that_pass
 from .holds import FEWEST, is_same_speed
 
 #: second decay length as a fraction of the first; or wave number times the decay length

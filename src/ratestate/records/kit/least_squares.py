@@ -47,12 +47,26 @@ def minimum(function, start, low, high, most, enough=0.0):
         return None
     damping, growth, scale, blocked = FIRST, 2.0, np.zeros(x.size), False
     for _ in range(most - 1):
-        linear = _Linear(x, residual, jacobian, low, high)
+        slope = jacobian.T @ residual
+        free = ~_is_held(x, slope, low, high)
         scale = np.maximum(scale, np.linalg.norm(jacobian, axis=0))
-        trial = np.clip(x + linear.step(damping, scale), low, high)
-        expected = linear.fall(trial - x)
-        converged = linear.most_fall <= CONVERGED * cost + 0.5 * enough
-        if converged and not linear.frees_by(trial - x):
+        size = np.linalg.norm(jacobian[:, free], axis=0)
+        size[size == 0.0] = 1.0
+        # the R of a QR decomposition has the same inner products as the columns
+        rows = np.column_stack([jacobian[:, free] / size, residual])
+        triangle: Any = np.linalg.qr(rows, mode="r")
+        columns, rest = triangle[:, :-1], triangle[:, -1]
+        weights = np.diag(np.sqrt(damping) * scale[free] / size)
+        damped = np.concatenate([columns, weights]), np.append(rest, np.zeros(len(weights)))
+        trial = x.copy()
+        trial[free] -= np.linalg.lstsq(*damped, rcond=None)[0] / size
+        trial = np.clip(trial, low, high)
+        change = jacobian @ (trial - x)
+        expected = -float(slope @ (trial - x)) - _half_square(change)
+        u, s, _ = np.linalg.svd(columns, full_matrices=False)
+        most_fall = _half_square(u.T[s > SEEN] @ rest)  # to the minimum without bounds
+        frees = ~free & ~_is_held(x, slope + jacobian.T @ change, low, high)
+        if most_fall <= CONVERGED * cost + 0.5 * enough and not frees.any():
             better = expected > 0.0  # clipped, a step may lead up
             return Minimum(trial if better else x, cost - max(expected, 0.0), jacobian, True)
         if damping > LARGEST:  # only rounding remains, or all steps are blocked
@@ -70,47 +84,9 @@ def minimum(function, start, low, high, most, enough=0.0):
     return Minimum(x, cost, jacobian, False)
 
 
-class _Linear:
-    """Linear model of the residuals about a point, with some coordinates held at bounds."""
-
-    def __init__(self, x, residual, jacobian, low, high):
-        self.jacobian, self.slope = jacobian, jacobian.T @ residual
-        self.at_low, self.at_high = x <= low, x >= high
-        self.free = ~self._held(self.slope)
-        size = np.linalg.norm(jacobian[:, self.free], axis=0)
-        self.size = np.where(size > 0.0, size, 1.0)
-        # the R of a QR decomposition has the same inner products as the columns
-        columns = np.column_stack([jacobian[:, self.free] / self.size, residual])
-        triangle: Any = np.linalg.qr(columns, mode="r")
-        self.columns, self.residual = triangle[:, :-1], triangle[:, -1]
-
-    def _held(self, slope):
-        """Return (k,) whether the sum of squares would decrease beyond a bound."""
-        return (self.at_low & (slope >= 0.0)) | (self.at_high & (slope <= 0.0))
-
-    @property
-    def most_fall(self):
-        """Return half the fall of the sum of squares to its minimum without bounds."""
-        u, s, _ = np.linalg.svd(self.columns, full_matrices=False)
-        return _half_square(u.T[s > SEEN] @ self.residual)
-
-    def step(self, damping, scale):
-        """Return the damped step (k,) of the free coordinates."""
-        weights = np.diag(np.sqrt(damping) * scale[self.free] / self.size)
-        target = np.concatenate([self.residual, np.zeros(len(weights))])
-        moved = np.linalg.lstsq(np.concatenate([self.columns, weights]), -target, rcond=None)[0]
-        step = np.zeros(self.free.size)
-        step[self.free] = moved / self.size
-        return step
-
-    def fall(self, step):
-        """Return half the fall of the sum of squares by a step (k,)."""
-        return -float(self.slope @ step) - _half_square(self.jacobian @ step)
-
-    def frees_by(self, step):
-        """Return whether a held coordinate would become free after a step (k,)."""
-        slope = self.slope + self.jacobian.T @ (self.jacobian @ step)
-        return bool((~self.free & ~self._held(slope)).any())
+def _is_held(x, slope, low, high):
+    """Return (k,) whether the sum of squares would decrease beyond a bound."""
+    return ((x <= low) & (slope >= 0.0)) | ((x >= high) & (slope <= 0.0))
 
 
 def _half_square(x):

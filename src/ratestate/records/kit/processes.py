@@ -7,12 +7,11 @@ process reads it.  Memory is limited on Linux, processor time on POSIX, and elap
 
 import contextlib
 import importlib
-import queue
 import subprocess
 import threading
 import time
 import warnings
-from typing import Any
+from collections import deque
 
 from ... import machine
 from ...errors import ParameterError
@@ -37,32 +36,27 @@ def mapped(function, items, report=None):
     An exception of the function is raised after the running computations have ended.  If a child
     dies, this process computes its item.
     """
-    items = list(items)
-    results: list[Any] = [None] * len(items)
-    todo: queue.SimpleQueue = queue.SimpleQueue()
-    for numbered in enumerate(items):
-        todo.put(numbered)
-    done = [0]
+    items, results = list(items), {}
     errors: list[BaseException] = []
+    todo = deque(enumerate(items))
 
     def work(compute):
         """Compute items until there are none, an error occurred, or the child has died."""
-        while not errors:
+        while todo and not errors:
             try:
-                i, item = todo.get_nowait()
-            except queue.Empty:
+                i, item = todo.popleft()
+            except IndexError:  # another thread took the last item
                 return
             try:
                 results[i] = compute(item)
             except ChildDied:
-                todo.put((i, item))
+                todo.append((i, item))
                 return
             except BaseException as error:
                 errors.append(error)
                 return
-            done[0] += 1
             if report is not None and threading.current_thread() is here:
-                report(done[0])
+                report(len(results))
 
     here = threading.current_thread()
     with contextlib.ExitStack() as stack:
@@ -79,7 +73,7 @@ def mapped(function, items, report=None):
         work(function)  # items of children that died
     if errors:
         raise errors[0]
-    return results
+    return [results[i] for i in range(len(items))]
 
 
 def read_isolated(reader, path, kind, *more, seconds=None, stop=None):
@@ -132,8 +126,8 @@ def _ended_by(child, stop, seconds):
 
     def watch():
         end = time.monotonic() + seconds
-        while not (over.is_set() or stop.is_set()) and time.monotonic() < end:
-            over.wait(min(EVERY, max(end - time.monotonic(), 0.0)))
+        while not (stop.is_set() or time.monotonic() >= end or over.wait(EVERY)):
+            pass
         child.kill()
 
     watcher = threading.Thread(target=watch, daemon=True)

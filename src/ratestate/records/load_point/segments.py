@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...model.quantities import power_of, prefixed_unit, readable, readable_change
+from ...model.quantities import readable, readable_change
 from ..messages import load_point as sentences
 from .classification import HOLD_ERRORS, MIN_SPEED_RATIO, MIN_STEP, find_runs
 from .runs import breakpoints, is_gap, noise_variances
@@ -77,7 +77,7 @@ class Segments(NamedTuple):
         )
 
     def describe(self, t, displacement=None, stress_steps=()):
-        """Describe steps and holds: "velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)".
+        """Describe steps and holds: "velocity step 3 -> 10 um/s at 11676.4 s (8710 um)".
 
         t, displacement : (m,) of the record; displacements are omitted if `displacement` is None
         stress_steps : `StressStep`s of the record
@@ -99,7 +99,7 @@ class Segments(NamedTuple):
         starts, speeds, ends = steady.t, steady.V, steady.ends
         if speeds.size == 1:
             V = speeds[0]
-            what = "a hold" if V == 0.0 else f"steady at {_format_speed(V)}"
+            what = "a hold" if V == 0.0 else f"steady at {readable('V_lp', V, 3)}"
             return [(starts[0], f"no step: {what} throughout")]
         texts = []
         for i, (start, V) in enumerate(zip(starts, speeds, strict=True)):
@@ -109,9 +109,10 @@ class Segments(NamedTuple):
                 since = f"{at}{moved if i else ''}"
                 texts.append((start, f"hold of {readable('t', ends[i] - start, 4)} from {since}"))
             elif before == 0.0:
-                texts.append((start, f"slide at {_format_speed(V)} from {at}"))
+                texts.append((start, f"slide at {readable('V_lp', V, 3)} from {at}"))
             elif before is not None:
-                texts.append((start, f"velocity step {_format_speeds(before, V)} at {at}{moved}"))
+                change = readable_change("V_lp", before, V)
+                texts.append((start, f"velocity step {change} at {at}{moved}"))
         return texts
 
 
@@ -253,19 +254,6 @@ def _check_arrays(t, x, symbol):
 
 def _format_time(t):
     return f"{t:.1f} s" if abs(t) >= 100.0 else f"{t:.4g} s"
-
-
-def _format_speed(V):
-    return readable("V_lp", V, 3)
-
-
-def _format_speeds(before, V):
-    """Format a change of speed, in one unit if the speeds differ by less than 100 times."""
-    if max(before, V) >= 100.0 * min(before, V):
-        return f"{_format_speed(before)} -> {_format_speed(V)}"
-    power = power_of("m/s", max(before, V))
-    one, other = (f"{x / 10.0**power:#.3g}".rstrip(".") for x in (before, V))
-    return f"{one} -> {other} {prefixed_unit('m/s', power)}"
 
 
 def _format_position(at, t, displacement):

@@ -220,9 +220,17 @@ def sampling_noise(t, y, degree, longest):
     of_all = range(rates.max() + 1)
 
     def reductions_by_rate(length, noise):
-        """Return the reductions (pairs,) for runs of a length, and a list of them by rate."""
+        """Return the reductions (pairs,) for runs of a length, and a list of them by rate.
+
+        Runs of twice the length are cut in half.  In white noise the median reduction is 1.
+        """
         first = np.arange(0, t.size - 2 * length + 1, length)
-        reductions = _misfit_reductions(t, y, noise, first, length, degree)
+        both = first[:, None] + np.arange(2 * length)
+        whole, one, other = (
+            _misfits(t[rows], y[rows], 1.0 / noise[rows], degree)
+            for rows in (both, both[:, :length], both[:, length:])
+        )
+        reductions = (whole - one - other) / CHI2_MEDIANS[degree]
         inside = blocks[first] == blocks[first + 2 * length - 1]
         return reductions, [reductions[inside & (rates[first] == rate)] for rate in of_all]
 
@@ -265,20 +273,6 @@ def sampling_rates(t):
     rates = np.empty(t.size, int)
     rates[order] = np.cumsum(np.diff(np.log(interval[order]), prepend=np.inf) > np.log(RATE_RATIO))
     return rates
-
-
-def _misfit_reductions(t, y, noise, first, length, degree):
-    """Return the reductions (k,) of the misfit when runs of 2 length rows are cut in half.
-
-    Runs begin at the rows `first` (k,).  The misfit is chi-square with the variance `noise`, and
-    divided so that the reductions have a median of 1 in white noise.
-    """
-    both = first[:, None] + np.arange(2 * length)
-    misfits = [
-        _misfits(t[rows], y[rows], 1.0 / noise[rows], degree)
-        for rows in (both, both[:, :length], both[:, length:])
-    ]
-    return (misfits[0] - misfits[1] - misfits[2]) / CHI2_MEDIANS[degree]
 
 
 def _misfits(t, y, weight, degree):

@@ -33,14 +33,6 @@ class StressStep(NamedTuple):
     end: float  # end of the change [s]; equals `t` if it happens between two rows
 
 
-class _Level(NamedTuple):
-    """A run of rows in which normal stress stays within 1 %."""
-
-    begin: float  # midway between the first row and the row before it [s]
-    end: float  # midway between the last row and the row after it [s]
-    sigma: float  # mean [Pa]
-
-
 def stress_steps(time, sigma):
     """Return the `StressStep`s (list) of a record of normal stress.
 
@@ -57,29 +49,30 @@ def stress_steps(time, sigma):
         return []
     runs = [SpeedRun(rows, [two]) for two in itertools.pairwise(places)]
     slow = [r for r in runs if abs(r.V) * (r.end - r.start) <= VARIABLE * r.means[0][1]]
+    # levels from midway before their first row to midway after their last, and their means
     edges = np.concatenate([time[:1], 0.5 * (time[1:] + time[:-1]), time[-1:]])
-    levels = [_Level(edges[r.first], edges[r.last], r.means[0][1]) for r in slow]
+    levels = [(edges[r.first], edges[r.last], r.means[0][1]) for r in slow]
     while levels and min(rests := _relative_rests(levels)) < MIN_REST:
         del levels[int(np.argmin(rests))]
     return [
-        _step_between(time, sigma, one, other)
-        for one, other in itertools.pairwise(levels)
-        if abs(other.sigma - one.sigma) > VARIABLE * one.sigma
+        _step_between(time, sigma, begin, before, after, end)
+        for (_, begin, before), (end, _, after) in itertools.pairwise(levels)
+        if abs(after - before) > VARIABLE * before
     ]
 
 
-def _step_between(time, sigma, one, other):
-    begin, end = one.end, other.begin
+def _step_between(time, sigma, begin, before, after, end):
+    """Return the `StressStep` between two levels; `begin` and `end` may be too far apart."""
     rows = np.arange(*np.searchsorted(time, (begin, end))) if end > begin else np.array([], int)
     if 0 < rows.size <= SUDDEN_ROWS:
-        part = (sigma[rows] - one.sigma) / (other.sigma - one.sigma)
+        part = (sigma[rows] - before) / (after - before)
         # from the first row that has left one level to the last that has not reached the other
         edges = time[rows[0] - 1 : rows[-1] + 2]
         edges = 0.5 * (edges[1:] + edges[:-1])
-        before = int(np.argmax(np.append(part > EDGE_PART, True)))
-        after = rows.size - int(np.argmax(np.append(part[::-1] < 1.0 - EDGE_PART, True)))
-        begin, end = edges[before], edges[max(before, after)]
-    return StressStep(float(begin), one.sigma, other.sigma, float(end))
+        first = int(np.argmax(np.append(part > EDGE_PART, True)))
+        last = rows.size - int(np.argmax(np.append(part[::-1] < 1.0 - EDGE_PART, True)))
+        begin, end = edges[first], edges[max(first, last)]
+    return StressStep(float(begin), before, after, float(end))
 
 
 def stress_range(data, rows=slice(None)):

@@ -20,8 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..kit.estimated_noise import estimated_noise
-from ..kit.noise import Noise
+from ..kit.noise import Noise, estimated_noise
 from ..kit.regression import central_differences, fall_of_chi2, generalized_least_squares
 
 #: samples of the shortest window, ratio of a window to the one before, samples of the longest one
@@ -137,22 +136,17 @@ def _fit(t, friction, whole, begin, omega, decay):
         point = least_squares(residual, point, x_scale=[0.1, 0.5]).x
         p = point * scale
         columns = _basis(at, *p)
-        linear = generalized_least_squares(at, y, columns, noise).coefficients
+        linear, _ = generalized_least_squares(at, y, columns, noise)
         slopes = p * (linear @ central_differences(lambda q: _basis(at, *q), p, STEP * p))
         jacobian, rest = np.column_stack([slopes, columns]), y - columns @ linear
         noise = estimated_noise(at, rest, jacobian)
     white, _ = noise.whiten(at, jacobian)
     covariance = np.linalg.pinv(white.T @ white, rcond=1e-15)[:2, :2] * np.outer(p, p)
-    more = np.column_stack([jacobian, _harmonics(at, *p)])
-    harmonics = fall_of_chi2(at, rest, more, 4, noise)
+    # the effects of a larger oscillation: second harmonic, and shifts of level
+    fall, turn = np.exp(-p[1] * at), 2.0 * p[0] * at
+    effects = fall**2 * np.cos(turn), fall**2 * np.sin(turn), fall**2, fall
+    harmonics = fall_of_chi2(at, rest, np.column_stack([jacobian, *effects]), 4, noise)
     return RingDown(p, covariance, rows, friction[rows] - rest, harmonics)
-
-
-def _harmonics(t, omega, decay):
-    """Return (n, 4) the effects of a larger oscillation: second harmonic, and shifts of level."""
-    fall = np.exp(-2.0 * decay * t)
-    waves = fall * np.cos(2.0 * omega * t), fall * np.sin(2.0 * omega * t)
-    return np.column_stack([*waves, fall, np.exp(-decay * t)])
 
 
 def mass_and_damping(K, ring_down, sigma, slider):

@@ -31,8 +31,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.optimize import least_squares
 
-from ..kit.estimated_noise import estimated_noise
-from ..kit.noise import Noise
+from ..kit.noise import Noise, estimated_noise
 from ..kit.regression import central_differences, fall_of_chi2
 from ..kit.sample_noise import sample_noise
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ...errors import ParameterError
 from ...model.quantities import attrs, readable
+from ...model.units import is_integer
 from ..load_point.segments import segments_from
 from ..load_point.stress_steps import stress_steps
 from ..messages import reading as sentences
@@ -22,10 +23,10 @@ from .columns import (
 )
 from .rows import (
     MAX_ROWS,
+    MIN_LIMIT,
     Rows,
     block_means,
     block_starts,
-    check_max_rows,
     downsample,
     parse_window,
 )
@@ -55,7 +56,8 @@ def build_record(tables, lab, *, time=None, displacement=None, max_rows=MAX_ROWS
 
     Other arguments and errors are as for `read_lab`.
     """
-    most = check_max_rows(max_rows)
+    if max_rows is not None and not (is_integer(max_rows) and max_rows >= MIN_LIMIT):
+        raise sentences.refusal("rows.most", rows=max_rows, fewest=MIN_LIMIT, most=MAX_ROWS)
     if join not in JOINS:
         raise sentences.refusal("join.unknown", join=join, ways=", ".join(map(repr, JOINS)))
     constants = {s: constant_in_si(s, value) for s, value in lab.constants.items()}
@@ -66,7 +68,7 @@ def build_record(tables, lab, *, time=None, displacement=None, max_rows=MAX_ROWS
     file_notes = [note for _, notes in parts for note in notes] + join_notes
     sources = {s: {"title": kept.columns[s].title, "unit": kept.units[s]} for s in kept.record}
     turned, minor = _prepare(kept, windows, lab, constants)
-    downsample(kept, most)
+    downsample(kept, max_rows)
     record = kept.record
     segments = _find_segments(record, kept.gaps)
     coarse = coarse_resolution(record, segments)

@@ -22,37 +22,39 @@ MAX_BYTES = 100_000  # bytes
 #: delimiter in a description -> delimiter for `read_text`
 DELIMITER_NAMES = {"tab": "\t", ";": ";", ",": ",", "space": None}
 DECIMALS = (".", ",")
-#: table -> its keys
-TABLES: dict[str, tuple[str, ...]] = {
-    "text": ("delimiter", "decimal"),
-    "columns": tuple(EXAMPLE_UNIT),
-    "units": tuple(EXAMPLE_UNIT),
-    "constants": ("sigma",),
-    "signs": tuple(symbol for symbol in EXAMPLE_UNIT if symbol != "time"),
-    "machine": ("K", "M"),
-}
 HEAD = """\
 # How the files of a laboratory are read, found in {source}:
 #     ratestate fit FILE --lab-format THIS_FILE
 #     ratestate.read_lab(file, lab_format="THIS_FILE")
 # Arguments of a call have precedence over the values here.
 """
-#: table -> its comment, and example lines for a description without values
-COMMENTS: dict[str, tuple[str, dict[str, Any]]] = {
+#: table -> its keys, its comment, and example lines for a description without values
+TABLES: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]] = {
     "text": (
+        ("delimiter", "decimal"),
         'Only if it is not detected: the delimiter ("tab", ",", ";" or "space") and the decimal '
         'mark\n# ("." or ",").',
         {"delimiter": ";", "decimal": ","},
     ),
-    "columns": ("The title of each column that is read, or its number, counted from 1.", {}),
-    "units": ("Units of columns whose unit in the file is missing or wrong.", {}),
-    "constants": ("Normal stress if it is not recorded.", {"sigma": "20 MPa"}),
+    "columns": (
+        tuple(EXAMPLE_UNIT),
+        "The title of each column that is read, or its number, counted from 1.",
+        {},
+    ),
+    "units": (
+        tuple(EXAMPLE_UNIT),
+        "Units of columns whose unit in the file is missing or wrong.",
+        {},
+    ),
+    "constants": (("sigma",), "Normal stress if it is not recorded.", {"sigma": "20 MPa"}),
     "signs": (
+        tuple(symbol for symbol in EXAMPLE_UNIT if symbol != "time"),
         "-1: the sign in the file is turned, 1: it is right.  The sign of other columns is turned "
         "if stress\n# or friction is negative throughout, or if the load point moves backwards.",
         {"delta_lp": -1},
     ),
     "machine": (
+        ("K", "M"),
         "Stiffness (per area of the contact, or friction per length) and mass (per area) of the "
         "machine.",
         {"K": "1 GPa/m", "M": "3000 kg/m^2"},
@@ -126,12 +128,12 @@ def _problems(name, table):
     if name not in TABLES:
         yield sentences("format.table", table=name, wanted=one_of(TABLES, name))
     elif not isinstance(table, dict):
-        yield sentences("format.no_table", table=name, key=TABLES[name][0])
+        yield sentences("format.no_table", table=name, key=TABLES[name][0][0])
     else:
         for key, value in table.items():
             where = {"table": name, "key": key, "value": value}
-            if key not in TABLES[name]:
-                yield sentences("format.key", wanted=one_of(TABLES[name], key), **where)
+            if key not in TABLES[name][0]:
+                yield sentences("format.key", wanted=one_of(TABLES[name][0], key), **where)
             elif (wanted := _expected(name, key, value)) is not None:
                 yield sentences("format.value", wanted=wanted, **where)
 
@@ -238,7 +240,7 @@ def describe_lab(
 
 def _table(name, values, others=None, remark=""):
     """Return a TOML table of the values; `others`, or else examples, become comments."""
-    comment, examples = COMMENTS[name]
+    _, comment, examples = TABLES[name]
     others = examples if others is None else others
     lines = {key: f"# {key} = {_toml(value)}{remark}\n" for key, value in others.items()}
     lines |= {key: f"{key} = {_toml(value)}\n" for key, value in values.items()}

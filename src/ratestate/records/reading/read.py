@@ -95,7 +95,7 @@ def read_lab(
     --------
     >>> data = read_lab("p1234.txt", time=("11640 s", "11720 s"))  # doctest: +SKIP
     >>> data.attrs["found"]  # doctest: +SKIP
-    'velocity step 3.00 -> 10.0 um/s at 11676.4 s (8710 um)'
+    'velocity step 3 -> 10 um/s at 11676.4 s (8710 um)'
     """
     lab = read_lab_format(lab_format).with_arguments(columns, units, sigma)
     paths = path if isinstance(path, list | tuple) else [path]

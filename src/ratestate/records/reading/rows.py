@@ -10,7 +10,7 @@ import itertools
 
 import numpy as np
 
-from ...model.units import is_integer, to_si
+from ...model.units import to_si
 from ..load_point.splits import gaps_in
 from ..messages import reading as sentences
 from .cells import LIKE_CLOCK
@@ -212,13 +212,6 @@ def parse_window(symbol, ends, name):
     if not low < high:
         raise sentences.refusal("window.order", name=name, window=(first, last))
     return name, low, high
-
-
-def check_max_rows(rows):
-    """Return the limit of rows, None for no limit; ParameterError if it is not a valid number."""
-    if rows is not None and not (is_integer(rows) and rows >= MIN_LIMIT):
-        raise sentences.refusal("rows.most", rows=rows, fewest=MIN_LIMIT, most=MAX_ROWS)
-    return rows
 
 
 def downsample(rows, most):

@@ -69,7 +69,8 @@ def name_and_units(title, unit=""):
     """
     name, own = split_title(title)
     in_words = any(pattern.search(spaced(own)) for pattern in WORDS.values())
-    if own and (unit or in_words) and not is_unit(own) and not _is_quantity_unit(own):
+    known = is_unit(own) or any(has_unit(symbol, plain_unit(own)) for symbol in EXAMPLE_UNIT)
+    if own and (unit or in_words) and not known:
         return title, unit, ""
     within, inner = split_title(name)
     if not is_unit(inner):
@@ -84,10 +85,6 @@ def is_recognized(title):
     name, unit = split_title(title)
     named = any(match_rank(name, symbol) is not None for symbol in EXAMPLE_UNIT)
     return named or is_unit(title) or is_unit(unit)
-
-
-def _is_quantity_unit(unit):
-    return bool(unit) and any(has_unit(symbol, plain_unit(unit)) for symbol in EXAMPLE_UNIT)
 
 
 def is_unit(text):

@@ -1,5 +1,5 @@
 """Stick-slip events of a record or a run."""
 
-from .find_events import events
+from .catalogue import events
 
 __all__ = ["events"]

@@ -80,10 +80,11 @@ def loading_stiffness(series, rises, falls, noise):
     errors = np.maximum(errors, TINY**0.5)
     off = np.abs(slopes - np.median(slopes))
     near = off <= FAR * np.hypot(1.4826 * np.median(off), errors)
-    mean, phases = weighted_mean(np.array(slopes)[near], errors[near]), int(near.sum())
-    scatter = max(mean.chi2 / max(phases - 1, 1), 1.0)
-    error = math.hypot(mean.error * math.sqrt(scatter), max(float(np.median(decreases)), 0.0))
-    return Stiffness(mean.value, error, "loading", phases)
+    phases = int(near.sum())
+    mean, error, chi2 = weighted_mean(np.array(slopes)[near], errors[near])
+    error *= math.sqrt(max(chi2 / max(phases - 1, 1), 1.0))
+    error = math.hypot(error, max(float(np.median(decreases)), 0.0))
+    return Stiffness(mean, error, "loading", phases)
 
 
 def _slope(t, y, first, last, part, noise):

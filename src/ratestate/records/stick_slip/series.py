@@ -10,9 +10,8 @@ from ...dynamics.results import parameter
 from ...model.conversion import in_si
 from ...model.units import one_in_si
 from ..kit.sample_noise import rounding
-from ..loading import recorded_segments
 from ..messages import stick_slip as sentences
-from ..raw_record import FEWEST, checked_time, column, variable_names
+from ..raw_record import FEWEST, checked_time, column, recorded_segments, variable_names
 from ..reading.sizes import constant_in_si, typical_stress
 
 #: largest relative difference between tau and K (delta_lp - delta) in a run without added noise
@@ -30,24 +29,20 @@ class Series(NamedTuple):
 
     t: np.ndarray  # (n,) [s], increasing
     tau: np.ndarray  # (n,) [Pa]
-    sigma: np.ndarray | None  # (n,) [Pa]; None if it is unknown
+    resolution: float  # error of tau [Pa]: the solver's, or the rounding of a record
     V_lp: np.ndarray  # (n,) [m/s]
     V_lp_error: np.ndarray  # (n,) [m/s]
     delta_lp: np.ndarray  # (n,) [m]
-    K: float | None  # [Pa/m]; None if it is unknown
-    K_source: str  # name of a message in the table `stiffness`
-    M: float | None  # [kg/m^2]; None if it is unknown
-    V: np.ndarray | None  # (n,) [m/s]; None for a record, and for a run with added noise
-    resolution: float  # error of tau [Pa]: the solver's, or the rounding of a record
+    sigma: np.ndarray | None = None  # (n,) [Pa]; None if it is unknown
+    K: float | None = None  # [Pa/m]; None if it is unknown
+    K_source: str = "given"  # name of a message in the table `stiffness`
+    M: float | None = None  # [kg/m^2]; None if it is unknown
+    V: np.ndarray | None = None  # (n,) [m/s]; None for a record, and for a run with added noise
     t_resolution: float = 0.0  # error of times by the rounding of a record [s]
 
     def at(self, t, values):
         """Interpolate a column at times t."""
         return np.interp(t, self.t, values)
-
-    def moved(self, start, end):
-        """Return the displacement of the load point between two times [m]."""
-        return self.at(end, self.delta_lp) - self.at(start, self.delta_lp)
 
     def speed_varies(self, start, end):
         """Return whether V_lp varies by more than `CHANGES` of its maximum between two times."""
@@ -92,17 +87,15 @@ def _series_of_run(run, given):
     spring = slider["K"] * (delta_lp - column(run, "delta"))
     allowed = SAME * np.abs(tau).max() + 1e-15 * slider["K"] * np.abs(delta_lp).max()
     return Series(
-        t=t,
-        tau=tau,
+        t,
+        tau,
+        parameter(run, "rtol") * slider["a"] * float(sigma.max()),
+        *(column(run, "V_load"), np.zeros(t.size), delta_lp),
         sigma=sigma,
-        V_lp=column(run, "V_load"),
-        V_lp_error=np.zeros(t.size),
-        delta_lp=delta_lp,
         K=K,
         K_source="run" if given["K"] is None else "given",
         M=slider["M"] if given["M"] is None else given["M"],
         V=column(run, "V") if np.abs(tau - spring).max() <= allowed else None,
-        resolution=parameter(run, "rtol") * slider["a"] * float(sigma.max()),
     )
 
 
@@ -128,21 +121,9 @@ def _series_of_record(data, given):
 def record_series(t, tau, segments, resolution):
     """Return the `Series` of a record with these `Segments` and the resolution of tau."""
     number = segments.at(t)
-    return Series(
-        t=t,
-        tau=tau,
-        sigma=None,
-        V_lp=segments.V[number],
-        V_lp_error=segments.V_error[number],
-        delta_lp=segments.displacement(t),
-        K=None,
-        K_source="given",
-        M=None,
-        V=None,
-        resolution=resolution,
-        # (differences, because evenly spaced times show no rounding)
-        t_resolution=rounding(np.diff(t)),
-    )
+    load_point = segments.V[number], segments.V_error[number], segments.displacement(t)
+    # (differences, because evenly spaced times show no rounding)
+    return Series(t, tau, resolution, *load_point, t_resolution=rounding(np.diff(t)))
 
 
 def _normal_stress(data, given, samples):

@@ -10,7 +10,7 @@ from ....dynamics.recipe import record_loading
 from ....errors import ParameterError
 from ....model.loading import Loading
 from ....model.quantities import readable
-from ...kit.results import labelled
+from ...kit import labelled
 from ...messages import fitting as sentences
 from ..checks import search_warnings
 from ..fit_dataset import curve_variables, estimate_variables, text_variables
@@ -18,11 +18,10 @@ from ..identifiability import identifiability
 from ..inference import Inference, infer_quantities
 from ..solutions import solution_from
 from ..unknowns import distinct
-from .features import FEATURES, LEVEL
 from .folding import sliding_segments
 from .measured import corrected, measure
 from .problem import CyclesProblem, check_slider, starting_points
-from .waves import wave_at
+from .waves import FEATURES, LEVEL, wave_at
 
 # Significance level of a misfit, beyond which errors are enlarged.
 CHANCE = 0.01

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from ...loading import constant_speeds_of
 from ...messages import fitting as sentences
-from ...raw_record import raw_record
+from ...raw_record import constant_speeds_of, raw_record
 
 # Fewest samples of a segment that is used.
 FEWEST = 20

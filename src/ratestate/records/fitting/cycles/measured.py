@@ -14,7 +14,6 @@ from scipy.special import chdtri
 
 from ...kit.sample_noise import SampleNoise
 from ...messages import fitting as sentences
-from .features import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 from .folding import (
     FEWEST_CYCLES,
     Cycles,
@@ -26,6 +25,7 @@ from .folding import (
     regular_cuts,
     thinned,
 )
+from .waves import AMPLITUDE, DROP, FEATURES, HIGH, LEVEL, PERIOD, RISE, profile_features
 
 # Least and largest number of bins of a profile; target of a bin's noise, divided by the amplitude.
 BINS, BIN_NOISE = (24, 128), 0.01
@@ -103,8 +103,11 @@ def corrected(measured, wave, features):
     shift = np.nanmean(drawn, axis=0) - true
     filled = np.where(np.isfinite(drawn), drawn, np.nanmean(drawn, axis=0))
     covariance = np.cov(filled.T)
-    typical = np.mean([_scatter(copy) for copy in copies], axis=0)
-    excess = _excess(_scatter(cycles), typical, cycles.n)
+    # variances in excess of the noise; 0 if chance explains the excess
+    scatter, typical = _scatter(cycles), np.mean([_scatter(copy) for copy in copies], axis=0)
+    limit = chdtri(cycles.n - 1, CHANCE) / (cycles.n - 1)
+    with np.errstate(invalid="ignore"):
+        excess = np.where(scatter > limit * typical, scatter - typical, 0.0)
     covariance += np.diag(excess + np.where(np.arange(excess.size) == LEVEL, 0.0, MACHINE_ERROR**2))
     error = np.sqrt(np.diag(covariance))
     parts = np.exp(measured.raw - measured.raw[PERIOD]) * measured.bins
@@ -158,14 +161,6 @@ def _scatter(cycles):
     variance[PERIOD] = periods.var(ddof=1) / n / cycles.period**2
     variance[LEVEL] = cycles.means.var(ddof=1) / n
     return variance
-
-
-def _excess(scatter, typical, n):
-    """Return variances (6,) in excess of the noise; 0 if chance explains the excess."""
-    limit = chdtri(n - 1, CHANCE) / (n - 1)
-    with np.errstate(invalid="ignore"):
-        real = scatter > limit * typical
-    return np.where(real, scatter - typical, 0.0)
 
 
 def _residual_noise(segment, cycles):

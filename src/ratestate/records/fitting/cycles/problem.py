@@ -11,6 +11,7 @@ shape of the cycle, so that least squares need not follow a curved valley.
 """
 
 import copy
+import functools
 import operator
 from typing import NamedTuple
 
@@ -24,8 +25,7 @@ from ..forward import ForwardModel
 from ..problem import LeastSquares
 from ..quantities import ReportedQuantity
 from ..unknowns import Unknowns, distinct, motion_symbols
-from .features import FEATURES, LEVEL
-from .waves import CycleModel
+from .waves import FEATURES, LEVEL, cycle_features
 
 # Parameters that have no effect on cycles, and why.
 WITHOUT_EFFECT = {
@@ -82,7 +82,9 @@ class CyclesForward(ForwardModel):
         self.replaced = "b" if "b" in free else "a" if "a" in free else None
         self.V_lp = np.array([one.segment.V_lp for one in measured])
         bins = [one.bins for one in measured]
-        self.model = CycleModel(slider.law, self.V_lp, bins, self.sigma, slider.V0)
+        self.model = functools.partial(
+            cycle_features, slider.law, V_lp=self.V_lp, bins=bins, V0=slider.V0
+        )
         #: (segments, 2) last cycles.  Starting from them keeps the search on a cycle if
         #: cycles coexist with steady sliding.
         self.near = None
@@ -112,16 +114,12 @@ class CyclesForward(ForwardModel):
         columns["level"] = np.zeros_like(values["a"])
         return np.stack([columns[name] for name in self.names], axis=1)
 
-    def slider_coordinates(self):
-        """Return coordinates (1, k) of the slider, moved to the range with cycles."""
-        return self.coordinates({symbol: np.array([v]) for symbol, v in self.fixed.items()})
-
     def cycles(self, points):
         """Return features (n, s, 6) and waves (n, s, q); NaN without a cycle."""
-        values = self.values(points)
-        features, near, waves = self.model.features(values, self.near)
+        values = self.values(points) | {"sigma": np.full(len(points), self.sigma)}
+        features, near, waves = self.model(values, near=self.near)
         if self.near is not None and not np.isfinite(features[0]).all():
-            features, near, waves = self.model.features(values)
+            features, near, waves = self.model(values)
         if np.isfinite(features[0]).all():
             self.near = near[0]
         level = points[:, -1, None, None]
@@ -223,10 +221,10 @@ def _cloud(forward, first):
     amplitude, period = np.exp(first.values[:2])
     V_lp = first.segment.V_lp
     drawn = qmc.Sobol(2 * len(names), rng=SEED).random(n)
-    about = forward.slider_coordinates() + np.zeros((n, 1))
+    values = {symbol: np.full(n, value) for symbol, value in forward.fixed.items()}
+    about = forward.coordinates(values)
     about[1:, :-1] += OWN_RANGE * (2.0 * drawn[1:, : len(names)] - 1.0)
     parts = dict(zip(names, drawn[:, len(names) :].T, strict=True))
-    values = {symbol: np.full(n, value) for symbol, value in forward.fixed.items()}
 
     def within(symbol, low, high):
         return low * (high / low) ** parts[symbol]

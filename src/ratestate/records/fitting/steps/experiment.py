@@ -232,9 +232,9 @@ def fit_stress_step(step, others, shared):
     held, covariance = {}, np.zeros((0, 0))
     if shared is not None:
         held, covariance = dict(zip(shared.names, shared.point, strict=True)), shared.covariance
-    K = mean_of(*estimates_of(others, "K"))
-    if np.isfinite(K.value):
-        held["K"], covariance = K.value, block_diag(covariance, K.error**2)
+    K, error, _ = mean_of(*estimates_of(others, "K"))
+    if np.isfinite(K):
+        held["K"], covariance = K, block_diag(covariance, error**2)
     values = {name: float(to_value(name, x)) for name, x in held.items()}
     settings = step.settings._replace(sliders=[step.slider.replace(**values)])
     (step,) = fit_window(

@@ -177,56 +177,42 @@ def estimates_of(steps, name):
     return (np.log(values), errors / values) if moves_as_log(name) else (values, errors)
 
 
-class MeanOfSteps(NamedTuple):
-    """Mean of estimates of one parameter, with the scatter between steps."""
-
-    value: float
-    error: float
-    scatter: float  # standard deviation beyond the errors; NaN for one estimate
-
-
 def mean_of(values, errors):
-    """Return the `MeanOfSteps` of estimates (n,) with errors (n,), NaN left out.
+    """Return the mean of estimates (n,) with errors (n,), NaN left out; its error; the scatter.
 
-    Weighted as by DerSimonian & Laird (1986) doi:10.1016/0197-2456(86)90046-2.
+    Weighted as by DerSimonian & Laird (1986) doi:10.1016/0197-2456(86)90046-2.  The scatter is the
+    standard deviation between steps beyond the errors, NaN for one estimate.
     """
     known = np.isfinite(errors)
     values, errors = values[known], errors[known]
     if not (n := len(values)):
-        return MeanOfSteps(np.nan, np.nan, np.nan)
+        return np.nan, np.nan, np.nan
     weights = errors**-2.0
-    excess = weighted_mean(values, errors).chi2 - (n - 1)
+    excess = weighted_mean(values, errors)[2] - (n - 1)
     per_scatter = float(weights.sum() - (weights**2).sum() / weights.sum())
     scatter = math.sqrt(max(excess / per_scatter, 0.0)) if n > 1 else 0.0
-    mean = weighted_mean(values, np.hypot(errors, scatter))
-    return MeanOfSteps(mean.value, mean.error, scatter if n > 1 else np.nan)
-
-
-class Ratio(NamedTuple):
-    """Mean over steps up divided by mean over steps down."""
-
-    value: float
-    error: float  # standard error, with the scatter within both groups
-    p_value: float  # probability of as large a difference if the true means are equal
+    mean, error, _ = weighted_mean(values, np.hypot(errors, scatter))
+    return mean, error, scatter if n > 1 else np.nan
 
 
 def ratio_of(up, down, is_log):
-    """Return the `Ratio` of two groups: pairs of values (n,) and errors (n,).
+    """Return the ratio of the means of two groups, its error, and the p-value of equal means.
+
+    up, down : pairs of values (n,) and errors (n,)
 
     The scatter is about both means together, as in Student's test.  All is NaN if a group is empty.
     Error and probability are NaN if each group has one estimate, so that the scatter is unknown.
     """
     if not (len(up[0]) and len(down[0])):
-        return Ratio(np.nan, np.nan, np.nan)
-    of_up, of_down = weighted_mean(*up), weighted_mean(*down)
-    difference, degrees = of_up.value - of_down.value, len(up[0]) + len(down[0]) - 2
-    value = float(np.exp(difference)) if is_log else of_up.value / of_down.value
+        return np.nan, np.nan, np.nan
+    (mean, error, chi2), (other, other_error, other_chi2) = weighted_mean(*up), weighted_mean(*down)
+    difference, degrees = mean - other, len(up[0]) + len(down[0]) - 2
+    value = float(np.exp(difference)) if is_log else mean / other
     if degrees == 0:
-        return Ratio(value, np.nan, np.nan)
-    enlarged = math.sqrt(max((of_up.chi2 + of_down.chi2) / degrees, 1.0))
-    error = enlarged * math.hypot(of_up.error, of_down.error)
-    p_value = float(2.0 * stdtr(degrees, -abs(difference) / error))
-    own = value * error
-    if not is_log:
-        own = enlarged * math.hypot(of_up.error, value * of_down.error) / abs(of_down.value)
-    return Ratio(value, own, p_value)
+        return value, np.nan, np.nan
+    enlarged = math.sqrt(max((chi2 + other_chi2) / degrees, 1.0))
+    of_difference = enlarged * math.hypot(error, other_error)
+    p_value = float(2.0 * stdtr(degrees, -abs(difference) / of_difference))
+    if is_log:
+        return value, value * of_difference, p_value
+    return value, enlarged * math.hypot(error, value * other_error) / abs(other), p_value

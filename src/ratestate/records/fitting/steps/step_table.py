@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 from ....dynamics.results import flags
-from ...kit.results import labelled
+from ...kit import labelled
 from ..by_law import warnings_of
 from ..fit_dataset import joined, names_of, with_comparison
 from ..quantities import LEVELS, SIDES
@@ -114,17 +114,13 @@ def _joint_variables(steps, shared, names):
     rises, rows = np.array([step.window.rise for step in steps]), []
     for name in names:
         values, errors = estimates_of(steps, name)
-        mean, is_log, known = mean_of(values, errors), moves_as_log(name), np.isfinite(errors)
+        (mean, _, scatter), is_log = mean_of(values, errors), moves_as_log(name)
+        known = np.isfinite(errors)
         up, down = ((values[known & to], errors[known & to]) for to in (rises > 0, rises < 0))
-        ratio = ratio_of(up, down, is_log)
-        row = {
-            "shared": np.nan,
-            "shared_error": np.nan,
-            "scatter": mean.scatter * (np.exp(mean.value) if is_log else 1.0),
-            "up_over_down": ratio.value,
-            "up_over_down_error": ratio.error,
-            "up_over_down_p_value": ratio.p_value,
-        }
+        row = {"shared": np.nan, "shared_error": np.nan}
+        row["scatter"] = scatter * (np.exp(mean) if is_log else 1.0)
+        names_of_ratio = ("up_over_down", "up_over_down_error", "up_over_down_p_value")
+        row |= zip(names_of_ratio, ratio_of(up, down, is_log), strict=True)
         if shared is not None and name in shared.names:
             i = shared.names.index(name)
             value, error = float(to_value(name, shared.point[i])), shared.covariance[i, i] ** 0.5

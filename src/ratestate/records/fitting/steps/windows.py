@@ -11,9 +11,8 @@ import numpy as np
 
 from ....errors import RateStateError
 from ...load_point.stress_steps import stress_steps
-from ...loading import recorded_segments
 from ...messages import fitting as sentences
-from ...raw_record import checked_time
+from ...raw_record import checked_time, recorded_segments
 from ...stick_slip.detection import detected
 from ...stick_slip.series import series_of
 from . import HOLD, NORMAL_STRESS, STEP
