@@ -67,8 +67,7 @@ def fit(
         "errors": errors,
         "noise": noise_of(noise),
     }
-    from .fit_report import FitRequest
-    from .run_fit import fit_and_report
+    from .run_fit import FitRequest, fit_and_report
 
     values |= own_values(of_law, own_parameters(map(friction_law, laws)))
     given = {symbol: value for symbol, value in values.items() if value is not None}
