@@ -30,7 +30,12 @@ from it, run <code>ratestate explore</code>, then <a href="{live}">open this sli
 
 
 def answer_file(question, deadline):
-    """Answer one of `wire.FILES`, a download.
+    """Answer a download."""
+    return wire.answer(question.id, "file", **export(question, deadline))
+
+
+def export(question, deadline):
+    """Return name, type and content (bytes) of one of `wire.FILES`, which the question names.
 
     ParameterError for more than `MOST_ROWS`, and where a figure has no run; `TimeUp` past the
     deadline, `Stopped` if cancelled.
@@ -49,7 +54,7 @@ def answer_file(question, deadline):
     else:
         content = _text(kind, state, deadline).encode()
     name, of_type = wire.FILES[kind]
-    return wire.answer(question.id, "file", name=name, type=of_type, content=content)
+    return {"name": name, "type": of_type, "content": content}
 
 
 def _text(kind, state, deadline):

@@ -57,7 +57,9 @@ async def take_record(request):
     try:
         session = _session(request)
         choices = choices_of(request.query_params.get("choices", "{}"))
-        _check_length(request)
+        length = request.headers.get("content-length", "0")
+        if not length.isdecimal() or int(length[:20]) > LARGEST:
+            raise Refused(413, too_large())
         stop = session.begin_record()
         contents = await _contents(request, stop)
     except Refused as refused:
@@ -80,12 +82,6 @@ def _session(request):
         if session.token == page:
             return session
     raise Refused(403, "this page is not connected to ratestate. Wait until it is, and try again.")
-
-
-def _check_length(request):
-    length = request.headers.get("content-length", "0")
-    if not length.isdecimal() or int(length[:20]) > LARGEST:
-        raise Refused(413, too_large())
 
 
 async def _contents(request, stop):

@@ -8,13 +8,7 @@ from functools import partial
 from starlette.websockets import WebSocketDisconnect
 
 from . import branch, charts, lab_record, picture, wire
-from .answers import (
-    answer_branch,
-    answer_chart,
-    answer_picture,
-    answer_rows,
-    run_job,
-)
+from .answers import answer_branch, answer_chart, answer_picture, answer_rows, run_job
 from .deadline import Deadline
 from .entries import BadEntries, state_of
 from .exports import answer_file

@@ -75,12 +75,12 @@ class TestRecording:
 
     def test_the_server_gives_it_as_a_file(self):
         question = wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION,))
-        file, _ = read(exports.answer_file(question, Deadline(60.0)))
+        file = exports.export(question, Deadline(60.0))
         assert (file["name"], file["type"]) == ("ratestate.html", "text/html")
         assert [row[0] for row in recorded(file["content"].decode())].count("picture") == 2
         question = wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION | {"K": "-1"},))
         with pytest.raises(rs.ParameterError, match="kept for comparison: K = '-1 Pa/m'"):
-            exports.answer_file(question, 1)
+            exports.export(question, 1)
 
 
 class TestFile:

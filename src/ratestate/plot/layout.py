@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib import colormaps, rc_context
+from matplotlib import cbook, colormaps, rc_context
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.path import Path as Outline
-from matplotlib.textpath import TextPath
+from matplotlib.textpath import text_to_path
 from matplotlib.ticker import (
     FormatStrFormatter,
     LogLocator,
@@ -152,28 +152,20 @@ def plain_ticks(axis, values, most=11):
 
 
 def text_width(text, size):
-    """How wide a text of letters of this size comes out [points]."""
-    path = TextPath((0.0, 0.0), text, size=size)
-    x, codes = path.vertices[:, 0], path.codes
-    # The curves of TrueType outlines are parabolas, and `get_extents`, which solves them one by
-    # one, takes ten times as long.
-    control = np.flatnonzero(codes == Outline.CURVE3)[::2]
-    start, middle, end = x[control - 1], x[control], x[control + 1]
-    bend, turns = start - 2.0 * middle + end, (start - middle) * (end - middle) > 0.0
-    extremes = start[turns] - (start - middle)[turns] ** 2 / bend[turns]
-    ends = np.delete(x, [*control, *np.flatnonzero(codes == Outline.CLOSEPOLY)])
-    return np.ptp(np.append(ends, extremes))
+    """Return the width of a text whose letters have this size [points]."""
+    font, is_math = FontProperties(size=size), cbook.is_math_text(text)
+    return text_to_path.get_text_width_height_descent(text, font, is_math)[0]
 
 
-def wrapped(parts, width, size, joint=" "):
+def wrapped(parts, width, size):
     """Texts one after another, in lines that are at most `width` wide if each text is [points]."""
     lines, rest = [], list(parts)
     while rest:
         counts = range(2, len(rest) + 1)
-        n = 1 + bisect_right(counts, width, key=lambda k: text_width(joint.join(rest[:k]), size))
-        lines.append(joint.join(rest[:n]))
+        n = 1 + bisect_right(counts, width, key=lambda k: text_width(" ".join(rest[:k]), size))
+        lines.append(" ".join(rest[:n]))
         rest = rest[n:]
-    return f"{joint.rstrip()}\n".join(lines)
+    return "\n".join(lines)
 
 
 def shades(number):

@@ -104,10 +104,8 @@ def _along_a_dimension(runs):
         return [""], [runs]
     if len(dims) > 1:
         raise ParameterError(
-            (
-                f"the runs have {len(dims)} dimensions ({', '.join(map(str, dims))}), but "
-                "lines are drawn along one"
-            ),
+            f"the runs have {len(dims)} dimensions ({', '.join(map(str, dims))}), but "
+            "lines are drawn along one",
             "Pick values of the others with .isel.",
         )
     (dim,) = dims

@@ -135,7 +135,8 @@ def sweep(
         request = Request(name, call, chunk, device, backend, progress)
         if store is None:
             size = call.batch.n * bytes_per_case(request.form.swept)
-            check_fits(size, f"the results of {call.batch.n:,} cases", "Give a store.")
+            remedy = "Give a store (ratestate sweep FILE --store x.zarr)."
+            check_fits(size, f"the results of {call.batch.n:,} cases", remedy)
         if text := undisturbed(name, call):
             warnings.warn(text, RunWarning, stacklevel=2)
         path = None if store is None else _folder(store, backend)

@@ -70,7 +70,11 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
     normal stress; a, b, Dc, K or a parameter of the law neither given nor free.
     """
-    if out and (report := out / REPORT).is_file() and not _is_own(report):
+    report = out and out / REPORT
+    written = (
+        report.read_text("utf-8", errors="replace") if report and report.is_file() else HEADING
+    )
+    if not written.startswith(HEADING):
         raise ParameterError(
             f"{report} exists, is not a report of ratestate fit, and is not replaced",
             "Give another folder with --out.",
@@ -84,7 +88,7 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             record = read_lab(request.paths, **request.reading)
             slider = _slider(request, record)
             result = fit(record, slider, **request.fitting)
-        if out:
+        if out and report:
             from ... import plot
 
             text = markdown(request, record, slider, result)
@@ -103,11 +107,6 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     else:
         print_report(result)
     return bool((result["warnings"] != "").any())
-
-
-def _is_own(report: Path) -> bool:
-    """Return whether `fit_and_report` has written this report."""
-    return report.read_text("utf-8", errors="replace").startswith(HEADING)
 
 
 def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:

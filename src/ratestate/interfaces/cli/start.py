@@ -11,7 +11,7 @@ from ...scenario import templates
 from ..explorer import explorer_package
 from .exits import INTERRUPTED
 from .options import register_file
-from .output import print_line
+from .output import print_line, write_text
 
 
 def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -> None:
@@ -42,23 +42,16 @@ def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -
 
 
 def _write(texts: dict[Path, str]) -> None:
-    """Write all of these files, or none if one exists or cannot be written."""
-    from ...files import checked_path, replace
+    """Write these files; none if one exists, or if it cannot be written there."""
+    from ...files import checked_path
 
     for path in texts:
         if os.path.lexists(path):
             other = "name" if path.suffix.lower() == ".toml" else "folder"
             raise ParameterError(f"{path} exists", f"Give another {other} with --out.")
     places = {checked_path(path, (path.suffix.lower(),)): text for path, text in texts.items()}
-    made = list[Path]()
-    try:
-        for path, text in places.items():
-            replace(path, lambda partial, text=text: partial.write_text(text, "utf-8"))
-            made.append(path)
-    except BaseException:
-        for path in made:
-            path.unlink()
-        raise
+    for path, text in places.items():
+        write_text(path, text)
 
 
 def explore(
@@ -106,10 +99,8 @@ def _opened(file, law_file):
     scenario = load_scenario(file, "stability", law_file)
     if swept := swept_dims(scenario):
         raise ParameterError(
-            (
-                f"[sweep]: the file has a sweep over {', '.join(swept)}, but the explorer "
-                "shows one slider"
-            ),
+            f"[sweep]: the file has a sweep over {', '.join(swept)}, but the explorer "
+            "shows one slider",
             f"Give a file without [sweep], or run it with ratestate run {file}.",
         )
     return scenario.slider, scenario.settings["V_lp"]

@@ -95,7 +95,7 @@ def _client(scheduler: str | None) -> Any:
 
 def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     """Print how a sweep into a store ended; return the number of failed cases."""
-    from ...report.many_cases import failed_lines, outside_lines
+    from ...report.many_cases import failed_lines, outcomes, outside_lines
     from ...report.report import shown_units
     from ...sweeps.status import failures, store_status
 
@@ -107,8 +107,9 @@ def print_outcome(store: Path, result: "xarray.Dataset", json: bool) -> int:
     else:
         units = shown_units(result)
         outside = outside_lines(result, "cases", units)
-        failed_cases = failed_lines(result, units) if status.failed else []
-        print_line("\n".join([_summary(status), *outside, *failed_cases]))
+        ends = outcomes(result["status"].values, status.function)
+        lines = [f"{status.cases:,} cases in {store}: {ends}", *outside]
+        print_line("\n".join([*lines, *(failed_lines(result, units) if status.failed else [])]))
     return status.failed
 
 
@@ -145,6 +146,8 @@ def _print_json(status: "StoreStatus", **more: Any) -> None:
 
 def _rows(status: "StoreStatus") -> dict[str, str]:
     """The status of a store: label -> text."""
+    from rich.filesize import decimal
+
     rows = {
         "store": str(status.path),
         "function": status.function,
@@ -155,7 +158,7 @@ def _rows(status: "StoreStatus") -> dict[str, str]:
         "steady": str(status.steady),
         "chunks": f"{status.chunks_done} of {status.chunks}",
         "versions": ", ".join(f"{name} {version}" for name, version in status.versions.items()),
-        "size": _size(status.size),
+        "size": decimal(status.size),
     }
     if status.processor:
         rows["processor"] = status.processor
@@ -164,12 +167,6 @@ def _rows(status: "StoreStatus") -> dict[str, str]:
     elif status.flaws is not None:
         rows["verified"] = "all files are intact"
     return rows
-
-
-def _size(size: int) -> str:
-    """Bytes as kB, MB or GB."""
-    power = min(max(len(str(size)) - 1, 0) // 3, 3)
-    return f"{size / 1000**power:.3g} {['B', 'kB', 'MB', 'GB'][power]}"
 
 
 def _differences(store: Path, file: Path, law_file: Path | None) -> list[str]:
@@ -181,13 +178,3 @@ def _differences(store: Path, file: Path, law_file: Path | None) -> list[str]:
     scenario = load_scenario(file, None, law_file)
     call = call_of(scenario.function, scenario.slider, scenario.settings)
     return differences(Store.open(store).arguments, arguments_of(*call))
-
-
-def _summary(status: "StoreStatus") -> str:
-    """How many cases ended in which way, in one line."""
-    answers = "cycles" if status.function == "limit_cycle" else "finished"
-    counts = {answers: status.done - status.steady - status.failed}
-    counts |= {"steady sliding": status.steady, "failed": status.failed}
-    counts["not done"] = status.cases - status.done
-    ways = ", ".join(f"{n} {how}" for how, n in counts.items() if n or how == "failed")
-    return f"{status.cases} cases in {status.path}: {ways}"

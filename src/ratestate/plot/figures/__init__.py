@@ -74,10 +74,8 @@ def _figure(result):
         return OF_RECORD[function](in_si(result))
     if function not in OF_SLIDER:
         raise ParameterError(
-            (
-                "figure() draws a Dataset that a function of ratestate returned, with its "
-                "attributes, and this is not one"
-            ),
+            "figure() draws a Dataset that a function of ratestate returned, with its "
+            "attributes, and this is not one",
             "Give such a result.",
         )
     result = in_si(result)
@@ -88,10 +86,8 @@ def _figure(result):
         )
     if len(axes) > 2:
         raise ParameterError(
-            (
-                f"a figure shows a sweep over one or two axes, and this one has {len(axes)} "
-                f"({', '.join(map(str, axes))})"
-            ),
+            f"a figure shows a sweep over one or two axes, and this one has {len(axes)} "
+            f"({', '.join(map(str, axes))})",
             "Pick values of the others with .sel.",
         )
     few = len(axes) == 1 and result.sizes[axes[0]] <= FEW

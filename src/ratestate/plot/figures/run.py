@@ -80,14 +80,10 @@ def cycle_figure(cycle):
     kind = str(classify(cycle).regime.values)
     title = (
         f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law].name}: "
-        f"{value_text('period', float(cycle.period))}, {_peak_to_peak(cycle)}"
+        f"{value_text('period', float(cycle.period))}, "
+        f"peak-to-peak {STRESS} {float(cycle.amplitude):.4g}"
     )
     return _motion(orbit(slider, V_lp, rtol=parameter(cycle, "rtol")), title, cycle)
-
-
-def _peak_to_peak(cycle):
-    """The size of a slider's cycle in words."""
-    return f"peak-to-peak {STRESS} {float(cycle.amplitude):.4g}"
 
 
 def _motion(run, title, result):
