@@ -157,7 +157,7 @@ def test_failed_cases_files_pictures_and_json_of_a_store(file, store, tmp_path):
     xr.testing.assert_equal(files.read(out), files.read(store))
     assert plot.read_bytes()[:4] == b"\x89PNG"
     title, *lines = call("sweep", file, "--store", store).stdout.splitlines()
-    assert title.endswith("x.zarr: 22 steady sliding, 22 failed")
+    assert title.endswith(": 22 steady sliding, 22 failed (quasi static instability)")
     assert len(lines) == 21
     assert lines[0].startswith("  K = 500 MPa/m, V_lp = 1 mm/s: quasi_static_instability: V grows")
     assert lines[-1] == "  and 2 more"

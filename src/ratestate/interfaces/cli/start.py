@@ -11,7 +11,7 @@ from ...scenario import templates
 from ..explorer import explorer_package
 from .exits import INTERRUPTED
 from .options import register_file
-from .output import print_line, write_text
+from .output import print_line
 
 
 def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -> None:
@@ -42,16 +42,23 @@ def init(kind: str = "lab", *, out: Path | None = None, listing: bool = False) -
 
 
 def _write(texts: dict[Path, str]) -> None:
-    """Write these files; none if one exists, or if it cannot be written there."""
-    from ...files import checked_path
+    """Write all of these files, or none if one exists or cannot be written."""
+    from ...files import checked_path, replace
 
     for path in texts:
         if os.path.lexists(path):
             other = "name" if path.suffix.lower() == ".toml" else "folder"
             raise ParameterError(f"{path} exists", f"Give another {other} with --out.")
     places = {checked_path(path, (path.suffix.lower(),)): text for path, text in texts.items()}
-    for path, text in places.items():
-        write_text(path, text)
+    made = list[Path]()
+    try:
+        for path, text in places.items():
+            replace(path, lambda partial, text=text: partial.write_text(text, "utf-8"))
+            made.append(path)
+    except BaseException:
+        for path in made:
+            path.unlink()
+        raise
 
 
 def explore(
