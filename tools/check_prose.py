@@ -12,7 +12,7 @@ from pathlib import Path
 
 SOURCES = Path(__file__).resolve().parents[1] / "src"
 #: tables that hold no messages
-NOT_PROSE = "templates", "quantities.toml", "column_names.toml", "fit_report.toml"
+NOT_PROSE = "templates", "quantities.toml", "column_names.toml", "run_fit.toml"
 RAISING = "ParameterError", "SolverError", "NotConverged", "StoreError", "Refused", "warn"
 LONGEST = 40  # words of a sentence in a message
 IN_BOTH = {

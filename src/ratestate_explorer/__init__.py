@@ -6,9 +6,9 @@ public functions of `ratestate`.
 """
 
 from .entries import fragment_of
+from .exports import save_page
 from .menus import presets
 from .notebook import Page
 from .server import serve
-from .standalone import save_page
 
 __all__ = ["Page", "fragment_of", "presets", "save_page", "serve"]

@@ -80,7 +80,7 @@ def _script(main):
     def add(path):
         """Add a module after those that it imports; the name of its exports."""
         if path not in names:
-            text = _COMMENT.sub(_licence, _text(path))
+            text = _COMMENT.sub(lambda m: m[0] if "Copyright" in m[0] else "", _text(path))
             for *_, other in _IMPORT.findall(text):
                 add(_beside(path, other))
             names[path] = f"module{len(names)}"
@@ -102,10 +102,6 @@ def _script(main):
 
     add(main)
     return "".join(functions)
-
-
-def _licence(comment):
-    return comment[0] if "Copyright" in comment[0] else ""
 
 
 def _beside(path, other):

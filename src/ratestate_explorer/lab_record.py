@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import io
 import json
+import warnings
 from typing import Any
 
 import numpy as np
@@ -13,14 +14,16 @@ from starlette.responses import Response
 
 import ratestate as rs
 
-from . import record_fit, wire
+from . import wire
+from .deadline import TimeUp
+from .entries import BadEntries, state_of
 from .picture import decimated
 from .state import with_unit
 
 #: bytes of a file, and seconds in which it must be here
 LARGEST, SECONDS = 50_000_000, 60.0
-#: seconds that the reading may take
-READING_SECONDS = 60.0
+#: seconds that the reading may take, and a fit
+READING_SECONDS, FITTING_SECONDS = 60.0, 300.0
 LONGEST = 255  # characters of a file's name
 #: table of an error's sentence -> what helps on the page, in place of an argument of `read_lab`
 REMEDIES = {
@@ -31,6 +34,10 @@ REMEDIES = {
     "rows": "Give the times from which and to which it is read, below, or mend the file.",
     "segments": "Give the times from which and to which it is read, below.",
 }
+
+
+#: parameters that are fitted; K only if the page's is finite
+FREE = ("a", "b", "Dc", "K")
 
 
 class Refused(Exception):
@@ -50,7 +57,9 @@ async def take_record(request):
     try:
         session = _session(request)
         choices = choices_of(request.query_params.get("choices", "{}"))
-        _check_length(request)
+        length = request.headers.get("content-length", "0")
+        if not length.isdecimal() or int(length[:20]) > LARGEST:
+            raise Refused(413, too_large())
         stop = session.begin_record()
         contents = await _contents(request, stop)
     except Refused as refused:
@@ -73,12 +82,6 @@ def _session(request):
         if session.token == page:
             return session
     raise Refused(403, "this page is not connected to ratestate. Wait until it is, and try again.")
-
-
-def _check_length(request):
-    length = request.headers.get("content-length", "0")
-    if not length.isdecimal() or int(length[:20]) > LARGEST:
-        raise Refused(413, too_large())
 
 
 async def _contents(request, stop):
@@ -169,7 +172,7 @@ def answer_record(name, contents, choices, stop):
     header |= {"begin": _begin(record), "conditions": conditions(record), "fitted": []}
     if entries:
         try:
-            friction, header["fitted"] = record_fit.fit_of(record, entries, stop)
+            friction, header["fitted"] = fit_of(record, entries, stop)
         except rs.RateStateError as error:
             return wire.answer(None, "record", problem=str(error), **header)
         except rs.Stopped:
@@ -224,3 +227,44 @@ def conditions(record):
         found = {"time": t[first + 1], "V_from": V[first], "V_lp": V[first + 1]}
     sigma = float(np.median(record.sigma)) if "sigma" in record else None
     return {k: v if v is None else float(v) for k, v in found.items()} | {"sigma": sigma}
+
+
+def fit_of(record, entries, deadline):
+    """Return the fitted friction (m,) of a record, and sentences: estimates, then warnings.
+
+    ParameterError if the entries or the record cannot be used, and if the time is up;
+    `Stopped` if it was cancelled.
+    """
+    try:
+        slider = state_of(entries).slider
+    except BadEntries as error:
+        raise rs.ParameterError(str(error)) from None
+    if "sigma" in record:
+        slider = slider.replace(sigma=float(np.median(record.sigma)))
+    free = FREE if np.isfinite(slider.K) else FREE[:-1]
+    try:
+        with deadline.part(), warnings.catch_warnings():
+            warnings.simplefilter("ignore", rs.FitWarning)  # they are in the result
+            result = rs.fit(record, slider, free)
+    except TimeUp:
+        raise rs.ParameterError(
+            f"the fit takes more than {deadline.seconds:g} s",
+            "Give times of a single step below, or fit the record with ratestate fit.",
+        ) from None
+    fitted = np.interp(record.time, result.time, result.friction_fit)
+    texts = [f"Fit under the {slider.law} law: {_estimates(result, free)}."]
+    return fitted, texts + result.warnings.item().splitlines()
+
+
+def _estimates(result, free):
+    """Return the estimates with their standard errors as text."""
+    parts = []
+    for name in free:
+        value, error = float(result[name]), float(result.standard_error.sel(parameter=name))
+        number, _, unit = rs.readable(name, value).partition(" ")
+        if np.isfinite(error):
+            number += f" \N{PLUS-MINUS SIGN} {error * float(number) / value:.2g}"
+        else:
+            unit += " (not determined)"
+        parts.append(f"{name} = {number} {unit}".rstrip())
+    return ", ".join(parts)

@@ -11,8 +11,8 @@ import xarray
 import ratestate as rs
 
 from .entries import DIGITS, BadEntries, address_of, entries_of, fragment_of, state_of
+from .exports import save_page
 from .server import listen, server_at
-from .standalone import save_page
 from .state import PageState
 
 #: pages that may have the explorer in a frame: notebooks that this machine serves, or VS Code shows

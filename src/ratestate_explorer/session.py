@@ -7,17 +7,11 @@ from functools import partial
 
 from starlette.websockets import WebSocketDisconnect
 
-from . import branch, charts, lab_record, picture, record_fit, wire
-from .answers import (
-    answer_branch,
-    answer_chart,
-    answer_picture,
-    answer_rows,
-    run_job,
-)
+from . import branch, charts, lab_record, picture, wire
+from .answers import answer_branch, answer_chart, answer_picture, answer_rows, run_job
 from .deadline import Deadline
 from .entries import BadEntries, state_of
-from .exports import export
+from .exports import answer_file
 from .menus import example, offers, presets
 from .queues import Kernels, QuestionQueue, kind_of
 
@@ -63,7 +57,7 @@ class Session:
         self.shared, self.socket, self.send_lock = shared, socket, asyncio.Lock()
         self.nonsense = 0
         self.token = secrets.token_urlsafe(16)  # names the page when it sends a file
-        self.record_stop = Deadline(record_fit.SECONDS)  # of the record that is being read
+        self.record_stop = Deadline(lab_record.FITTING_SECONDS)  # of the record that is being read
         surveys = [partial(answer_chart, size=size) for size in charts.SIZES]
         in_pool = partial(QuestionQueue, shared.pool, seconds=picture.SECONDS)
         of_charts = partial(QuestionQueue, shared.chart_pool, seconds=charts.SECONDS, patience=0.0)
@@ -141,14 +135,8 @@ class Session:
     def begin_record(self):
         """Stop reading an earlier record; return the `Deadline` that stops a new one."""
         self.record_stop.set()
-        self.record_stop = Deadline(record_fit.SECONDS)
+        self.record_stop = Deadline(lab_record.FITTING_SECONDS)
         return self.record_stop
-
-
-def answer_file(question, deadline):
-    """Answer a download."""
-    file = export(question, deadline)
-    return wire.answer(question.id, "file", **file)
 
 
 def warm_up(kind, deadline):

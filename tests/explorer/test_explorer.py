@@ -570,7 +570,7 @@ class TestServer:
             assert free.wait(60)
             return {"name": "a", "type": "text/plain", "content": b"b"}
 
-        monkeypatch.setattr(session, "export", export)
+        monkeypatch.setattr(exports, "export", export)
         with page(port) as first, page(port) as second, page(port) as third:
             for socket in (first, second):
                 ask(socket, 1, "csv")

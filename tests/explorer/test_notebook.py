@@ -8,7 +8,7 @@ import xarray
 
 import ratestate as rs
 from ratestate.paper.parameters import FIG4
-from ratestate_explorer import charts, notebook, standalone
+from ratestate_explorer import charts, exports, notebook
 from ratestate_explorer.deadline import TimeUp
 
 
@@ -82,7 +82,7 @@ def test_saving_may_take_too_long(tmp_path, monkeypatch):
     def endless(*_):
         raise TimeUp
 
-    monkeypatch.setattr(standalone, "picture_of", endless)
+    monkeypatch.setattr(exports, "picture_of", endless)
     with pytest.raises(
         rs.SolverError, match=r"takes more than 300 s of computing\. Nothing was saved"
     ):

@@ -10,7 +10,7 @@ from explorer_server import read
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate_explorer import branch, bundle, charts, entries, picture, standalone, wire
+from ratestate_explorer import branch, bundle, charts, entries, exports, picture, wire
 from ratestate_explorer.deadline import Deadline
 from ratestate_explorer.menus import presets
 
@@ -33,7 +33,7 @@ def recorded(text):
 
 class TestRecording:
     def test_it_has_the_answers_that_the_server_gives(self):
-        rows = recorded(standalone.standalone(STICK_SLIP, [VIBRATION], Deadline(60.0)))
+        rows = recorded(exports.standalone(STICK_SLIP, [VIBRATION], Deadline(60.0)))
         asked = ["hello", "picture", "picture", "chart", "branch", "branch", "branch"]
         assert [row[0] for row in rows] == asked
         for row, texts in zip(rows[1:3], (STICK_SLIP, VIBRATION), strict=True):
@@ -53,7 +53,7 @@ class TestRecording:
 
     def test_its_sliders_reach_about_usual_values(self):
         rigid = VIBRATION | {"M": "0 kg/m^2", "K": "inf Pa/m"}
-        hello = recorded(standalone.standalone(rigid, [], Deadline(60.0)))[0][2]
+        hello = recorded(exports.standalone(rigid, [], Deadline(60.0)))[0][2]
         usual = {field["symbol"]: field["usual"] for field in hello["fields"]}
         assert (usual["M"], usual["K"]) == (100.0, 9.6e8)
 
@@ -69,23 +69,23 @@ class TestRecording:
         assert charts.size_in_time(slider, Deadline(0.0)) is None
 
     def test_what_has_no_map_says_why(self):
-        rows = recorded(standalone.standalone(STICK_SLIP | {"a": "0.01"}, [], Deadline(60.0)))
+        rows = recorded(exports.standalone(STICK_SLIP | {"a": "0.01"}, [], Deadline(60.0)))
         assert rows[2][2]["kind"] == "problem"
         assert "never weakens" in rows[2][2]["problems"]["map"]
 
     def test_the_server_gives_it_as_a_file(self):
-        from ratestate_explorer.exports import export
-
-        file = export(wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION,)), Deadline(60.0))
+        question = wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION,))
+        file = exports.export(question, Deadline(60.0))
         assert (file["name"], file["type"]) == ("ratestate.html", "text/html")
         assert [row[0] for row in recorded(file["content"].decode())].count("picture") == 2
+        question = wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION | {"K": "-1"},))
         with pytest.raises(rs.ParameterError, match="kept for comparison: K = '-1 Pa/m'"):
-            export(wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION | {"K": "-1"},)), 1)
+            exports.export(question, 1)
 
 
 class TestFile:
     def test_it_names_no_other_file_and_allows_nothing_else(self):
-        text = standalone.standalone(STICK_SLIP, [], Deadline(60.0))
+        text = exports.standalone(STICK_SLIP, [], Deadline(60.0))
         assert not re.search(r'(?:src|href)="(?!data:|http://127\.0\.0\.1:8765/#)', text)
         policy = re.search(r'Content-Security-Policy" content="([^"]+)"', text)[1]
         assert policy.startswith("default-src 'none'; script-src 'sha256-")
@@ -96,7 +96,7 @@ class TestFile:
         assert 300_000 < len(text) < 700_000
 
     def test_texts_cannot_end_their_element(self):
-        text = standalone.standalone(STICK_SLIP | {"note": "</script><b>"}, [], Deadline(60.0))
+        text = exports.standalone(STICK_SLIP | {"note": "</script><b>"}, [], Deadline(60.0))
         assert "</script><b>" not in text
         assert text.count("</script>") == 2
         assert recorded(text)[1][1]["note"] == "</script><b>"
@@ -105,10 +105,10 @@ class TestFile:
         path = tmp_path / "page.html"
         path.write_text("before")
         with pytest.raises(rs.ParameterError, match=r"ends in \.html"):
-            standalone.save_page(tmp_path / "page.png", STICK_SLIP)
-        monkeypatch.setattr(standalone, "bundle", lambda *_: "\ud800")  # cannot be encoded
+            exports.save_page(tmp_path / "page.png", STICK_SLIP)
+        monkeypatch.setattr(exports, "bundle", lambda *_: "\ud800")  # cannot be encoded
         with pytest.raises(UnicodeEncodeError):
-            standalone.save_page(path, STICK_SLIP)
+            exports.save_page(path, STICK_SLIP)
         assert [file.name for file in tmp_path.iterdir()] == ["page.html"]
         assert path.read_text() == "before"
 

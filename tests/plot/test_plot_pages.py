@@ -8,14 +8,12 @@ import pytest
 import xarray as xr
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.textpath import TextPath
 
 import ratestate as rs
 from ratestate import ParameterError, plot
 from ratestate.dynamics.cycles.regimes import classify
 from ratestate.errors import RunWarning
-from ratestate.plot.axis import axis_of
-from ratestate.plot.layout import text_width
+from ratestate.plot.layout import axis_of
 
 SLIDER = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, M=3e3, V0=1e-9)
 V_LP = rs.logspace("V_lp", 1e-3, 1e-1, 4)
@@ -164,12 +162,6 @@ def test_stability_is_that_of_the_law_and_of_damping():
         names = [line.get_label() for line in left.lines]
         upper = plot.value_text("V_c_upper", float(found.V_c_upper))
         assert (upper in names) == np.isfinite(found.V_c_upper)
-
-
-@pytest.mark.parametrize("text", ["Stick-slip, 2.385 s", r"$\sigma$ = 4 MPa, $D_c$ = 10 $\mu$m"])
-def test_the_width_of_a_text_is_that_of_its_outline(text):
-    path = TextPath((0.0, 0.0), text, size=8.0)
-    assert text_width(text, 8.0) == pytest.approx(path.get_extents().width, rel=1e-12)
 
 
 def test_a_frequency_response(looks_as_before):

@@ -11,7 +11,7 @@ from test_store import CHUNKS, assert_same, files, interrupted, solved, sweep
 
 from ratestate.errors import StoreError
 from ratestate.files import read
-from ratestate.interfaces.cli.store_report import print_status
+from ratestate.interfaces.cli.sweep_store import print_status
 from ratestate.sweeps import inputs
 from ratestate.sweeps import sweep as sweep_module
 from ratestate.sweeps.status import store_status

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..dynamics.recipe import recorded_loading
 from ..errors import ParameterError
+from ..model.names import one_of
 from ..model.quantities import QUANTITIES
 from ..records.fitting.by_law import results_by_law
 from .labels import ABSCISSAE, GRAY, LAWS, prefixed, with_unit
@@ -75,21 +76,13 @@ def record_of(result, x=None):
     else is kept.  Under a wave, or more than `MARKED` segments, there are no `changes`, and it is
     displacement.
     """
-    if x is not None and x not in ABSCISSAE:
-        raise ParameterError(
-            "is unknown", "Choose 'delta_lp' or 'time'.", symbol="x", value=repr(x)
-        )
+    of_time = "delta_lp" not in result  # a fit of cycles
+    known = ["time"] if of_time else [*ABSCISSAE]
+    if x is not None and x not in known:
+        raise ParameterError("is unknown", one_of(known, x), symbol="x", value=repr(x))
     laws = results_by_law(result)
     part = next(iter(laws.values()))  # (all have the same record)
     segments = _segments(part)
-    of_time = "delta_lp" not in result
-    if of_time and x == "delta_lp":
-        raise ParameterError(
-            "is not in a fit of cycles, which has times alone",
-            "Leave x out, or give x='time'.",
-            symbol="x",
-            value=repr(x),
-        )
     x = x or ("time" if of_time or any(V == 0.0 for _, V in segments) else "delta_lp")
     t = part["time"].values - part["time"].values[0]
     values = t if x == "time" else part["delta_lp"].values

@@ -82,19 +82,9 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
 
 
 def force_axis(run, ax):
-    """Give axes of tau/sigma a second scale on the right, the spring's force, if it is known.
+    """Give axes of `trace` a second scale on the right, the spring's force; return it.
 
-    Parameters
-    ----------
-    run : xarray.Dataset
-        One slider's, from `simulate`, with an area or without.
-    ax : matplotlib.axes.Axes
-        Axes that `trace` has drawn into.
-
-    Returns
-    -------
-    matplotlib.axes.Axes or None
-        The second scale; None where the slider has no area, or normal stress varies.
+    None if the slider has no area, or if normal stress varies.
     """
     forces = whole_contact(run)
     if "force" not in forces or "sigma" in run.data_vars:
@@ -107,7 +97,7 @@ def force_axis(run, ax):
     return scale
 
 
-def phase(run, ax, *, unit_of=None, **style):
+def phase(run, ax, **style):
     """Draw slip velocity against tau/sigma, and a cross at steady sliding at the last speed > 0.
 
     Parameters
@@ -116,8 +106,6 @@ def phase(run, ax, *, unit_of=None, **style):
         One slider's, from `simulate`: dimension ``time`` only.
     ax : matplotlib.axes.Axes
         Axes to draw into.
-    unit_of : float, optional
-        Speed [m/s] that sets the unit; by default the largest.
     **style
         Of the line.
 
@@ -128,7 +116,7 @@ def phase(run, ax, *, unit_of=None, **style):
     """
     run = in_si(run)
     V = float(run.V_load[-1])
-    factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
+    factor, unit = prefixed("m/s", float(run.V.max()))
     (line,) = ax.plot(run.tau / normal_stress(run), factor * run.V, **{"lw": 0.5} | style)
     if V > 0:
         ax.plot(steady_stress(run, V), factor * V, "kx", ms=5, mew=1.0, zorder=5)

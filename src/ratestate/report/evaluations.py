@@ -40,11 +40,10 @@ def events(catalogue: xarray.Dataset) -> Blocks:
         return [Title(text)]
     units = {name: _unit_of(name, catalogue[name].values) for name in SHOWN}
     heads = [Heading(f"{text} [{units[name][1]}]") for name, text in SHOWN.items()]
-    rows = []
-    for i in range(count):
-        one = catalogue.isel(event=i)
-        cells = [_with_error(one, name, units[name][0]) for name in SHOWN]
-        rows.append([str(int(one.event)), *cells, str(one.event_kind.item())])
+    columns = [_pairs(catalogue, name, 1.0 / units[name][0]) for name in SHOWN]
+    kinds = catalogue.event_kind.values.tolist()
+    numbers = map(str, catalogue.event.values.astype(int).tolist())
+    rows = [list(row) for row in zip(numbers, *columns, kinds, strict=True)]
     table = TextTable([left(), *heads, left("kind")], rows, splits=True)
     threshold = readable("stress_drop", float(catalogue.detection_threshold))
     return [
@@ -76,14 +75,6 @@ def _unit_of(name: str, values: np.ndarray) -> tuple[float, str]:
     unit, finite = QUANTITIES[name].unit, np.abs(values[np.isfinite(values)])
     power = power_of(unit, float(np.median(finite))) if finite.size else 0
     return 10.0**power, prefixed_unit(unit, power)
-
-
-def _with_error(one: xarray.Dataset, name: str, size: float) -> str:
-    """A value with its error, "-" where there is none."""
-    value, error = float(one[name]), float(one[f"{name}_error"])
-    if not np.isfinite(value):
-        return "-"
-    return with_error(value / size, error / size if error > EXACT * abs(value) else 0.0)
 
 
 def _stiffness(catalogue: xarray.Dataset) -> str:
@@ -167,9 +158,12 @@ def _numbered(columns: dict[str, list[str]]) -> TextTable:
 
 
 def _pairs(result: xarray.Dataset, name: str, factor: float = 1.0) -> list[str]:
-    """Values with errors, times a factor; "-" for NaN."""
+    """Values with errors, if these are not `EXACT`, times a factor; "-" for NaN."""
     pairs = factor * np.column_stack([result[name], result[f"{name}_error"]])
-    return ["-" if value != value else with_error(value, error) for value, error in pairs]
+    return [
+        "-" if value != value else with_error(value, error if error > EXACT * abs(value) else 0.0)
+        for value, error in pairs
+    ]
 
 
 def _in_units(result: xarray.Dataset, name: str) -> list[str]:

@@ -198,11 +198,7 @@ def _features(laws: Laws) -> Blocks:
             shown = measured if bool(each[0]["used"]) else "not resolved"
             fitted = [f"{float(one['fitted']):.5g}" for one in each]
             rows.append([speed, feature, shown, *fitted])
-    heads = [
-        left("load point"),
-        left("feature"),
-        Heading("measured"),
-    ]
+    heads = [left("load point"), left("feature"), Heading("measured")]
     texts = [
         f"{law} law: chi-square {float(part['chi2']):.3g} for {int(part['used'].sum())} features "
         "of cycles"

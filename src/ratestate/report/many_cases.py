@@ -25,22 +25,10 @@ from .report import (
 FAILED_LISTED, OUTSIDE_LISTED = 20, 5
 #: function -> variables whose range is printed
 RANGES = {
-    "limit_cycle": (
-        "amplitude",
-        "stress_drop",
-        *"period frequency V_max V_min inertia error".split(),
-    ),
-    "simulate": (
-        "amplitude",
-        "stress_drop",
-        "frequency",
-        "V_max",
-        "V_min",
-        "cycles",
-        "energy_residual",
-    ),
-    "stability": ("K_c", "V_c", "eta", "f_n", "growth_rate", "omega"),
-    "frequency_response": ("resonance", "quality"),
+    "limit_cycle": "amplitude stress_drop period frequency V_max V_min inertia error".split(),
+    "simulate": "amplitude stress_drop frequency V_max V_min cycles energy_residual".split(),
+    "stability": "K_c V_c eta f_n growth_rate omega".split(),
+    "frequency_response": ["resonance", "quality"],
 }
 
 
@@ -59,7 +47,7 @@ def sweep(result: xarray.Dataset, function: str, units: Units) -> Blocks:
     cases = int(np.prod([result.sizes[dim] for dim in axes]))
     blocks: Blocks = [Title(f"{cases:,} cases of {function} over {over}")]
     if "status" in result:
-        blocks.append(_outcomes(result["status"].values, function))
+        blocks.append(outcomes(result["status"].values, function))
     blocks += [*outside_lines(result, "cases", units), "", _ranges(result, function, units)]
     return [*blocks, *failed_lines(result, units)] if "message" in result else blocks
 
@@ -72,7 +60,8 @@ def _axis(result: xarray.Dataset, dim: str, units: Units) -> str:
     return f"{dim} ({result.sizes[dim]} from {low} to {high})"
 
 
-def _outcomes(status: np.ndarray, function: str) -> str:
+def outcomes(status: np.ndarray, function: str) -> str:
+    """Return how many cases ended in which way."""
     codes, counts = np.unique(status, return_counts=True)
     number = dict(zip(codes.tolist(), counts.tolist(), strict=True))
     ways = {"cycles" if function == "limit_cycle" else "finished": number.pop(FINISHED, 0)}

@@ -13,13 +13,7 @@ from rich.text import Text
 
 from ..dynamics.results import contact_area
 from ..model.parameters import of_contact, shown_name
-from ..model.quantities import (
-    QUANTITIES,
-    power_of,
-    prefixed_unit,
-    readable,
-    readable_time,
-)
+from ..model.quantities import QUANTITIES, power_of, prefixed_unit, readable, readable_time
 from ..model.units import has_unit, unit_factor
 
 #: width of a report as plain text [characters]

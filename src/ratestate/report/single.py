@@ -98,7 +98,8 @@ def stability(result: xarray.Dataset, units: Units) -> Blocks:
     speeds = ANY_SPEED.get(V_c) or f"V_lp is {V / V_c:.4g} V_c"
     speeds = speeds if upper == math.inf else "unstable from here on"
     one_length = law_of_result(result).one_length
-    frequency, hopf = (_in_hertz(float(x)) for x in (omega, result.omega_c))
+    turns = (float(x) / (2 * math.pi) for x in (omega, result.omega_c))
+    frequency, hopf = (readable("frequency", x, 4) for x in turns)
     ratio = f"{K / K_c:.4g} K_c" if K_c > 0.0 else ""
     e_folding = ""
     if growth != 0.0 and math.isfinite(growth):
@@ -156,10 +157,6 @@ def remedies(result: xarray.Dataset, units: Units) -> list[list[str]]:
 def _critical(symbol: str, K: float, remark: str) -> Row:
     """The row of a critical stiffness, which is not > 0 where friction does not weaken."""
     return Row(symbol, K, remark) if K > 0.0 else Row(symbol, math.inf, "stable at any stiffness")
-
-
-def _in_hertz(omega: float) -> str:
-    return readable("frequency", omega / (2 * math.pi), 4)
 
 
 def cycle(result: xarray.Dataset, units: Units) -> Blocks:

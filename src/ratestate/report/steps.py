@@ -6,14 +6,7 @@ import numpy as np
 import xarray
 
 from ..dynamics.recipe import attribute_text
-from ..model.quantities import (
-    QUANTITIES,
-    concise,
-    readable,
-    readable_change,
-    short,
-    with_error,
-)
+from ..model.quantities import QUANTITIES, concise, readable, readable_change, short, with_error
 from ..records.fitting.by_law import (
     law_names,
     law_of,
@@ -105,11 +98,9 @@ def table_of(result, law):
 
 def _note(step):
     words = {FAILED: "failed", STICK_SLIP: "stick-slip"}
-    return words.get(int(step["status"])) or _counted(len(warnings_of(step)))
-
-
-def _counted(count):
-    return "" if not count else "1 warning" if count == 1 else f"{count} warnings"
+    count = len(warnings_of(step))
+    warnings = f"{count} warning{'s' if count > 1 else ''}" if count else ""
+    return words.get(int(step["status"]), warnings)
 
 
 def _head(parts, symbol):

@@ -62,19 +62,15 @@ if TYPE_CHECKING:
     from .templates import TEMPLATES as TEMPLATES
     from .templates import template as template
 
-#: public name -> module that defines it
-_HOMES = {
-    "TEMPLATES": "templates",
-    "Output": "scenario",
-    "Scenario": "scenario",
-    "from_result": "scenario",
-    "load": "files",
-    "loads": "files",
-    "python": "as_python",
-    "run": "scenario",
-    "template": "templates",
-    "toml": "as_toml",
+#: module -> the public names that it defines
+_NAMES = {
+    "templates": "TEMPLATES template",
+    "scenario": "Output Scenario from_result run",
+    "files": "load loads",
+    "as_python": "python",
+    "as_toml": "toml",
 }
+_HOMES = {name: module for module, names in _NAMES.items() for name in names.split()}
 __all__ = [*_HOMES]  # noqa: PLE0604  (the table above)
 
 

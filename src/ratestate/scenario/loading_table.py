@@ -122,7 +122,7 @@ def loading_table(
         like = LOADING_TABLES["sigma_steps"].like
         place.at("sigma").add("loading.sigma_without_t", like=like)
     for key in [key for key in LOADING_TABLES if key in given]:
-        read = _wave if key.endswith("sinusoid") else _steps
+        read = _wave if "amplitude" in LOADING_TABLES[key].keys else _steps
         calls = read(key, given[key], place.at(key), area)
         if key != "sinusoid":
             loading.calls += calls
@@ -145,7 +145,8 @@ def _first_speed(value: Any, place: Place) -> float | None:
 
 def _steps(key: str, steps: Any, place: Place, area: dict[str, Any]) -> list[tuple[Place, Call]]:
     """Return steps, holds and ramps of speed or normal stress, without those with a problem."""
-    known, symbol = LOADING_TABLES[key], "sigma" if key == "sigma_steps" else "V_lp"
+    known = LOADING_TABLES[key]
+    symbol = "sigma" if "sigma" in known.keys else "V_lp"
     if not isinstance(steps, list) or not 1 <= len(steps) <= MOST_STEPS:
         place.add("steps.no_list", given=steps, most=MOST_STEPS, like=known.like)
         return []

@@ -114,11 +114,8 @@ def read_values(symbol: str, value: Any, place: Place, bound: str | None = None)
         numbers.append(read_number(symbol, element, place.at(i), bound))
         if numbers[-1] is None:  # one bad element is enough
             return None
-    return place.noting(lambda: _list(*_of_one_quantity(symbol, numbers)))
-
-
-def _list(numbers: list[float], quantity: str) -> Many:
-    return Many(len(numbers), lambda: np.array(numbers), quantity)
+    shared = place.noting(lambda: _of_one_quantity(symbol, numbers))
+    return shared and Many(len(numbers), lambda: np.array(shared[0]), shared[1])
 
 
 def _of_one_quantity(symbol: str, values: list[Any]) -> tuple[list[float], str]:

@@ -45,8 +45,8 @@ DAMAGE = (OSError, KeyError, TypeError, ValueError, RuntimeError)
 NO_RESULT = 9.969209968386869e36
 # The same by kind of number; for integers it is the status of a case that has not been done.
 FILL_VALUES = {"f": NO_RESULT, "c": complex(NO_RESULT, NO_RESULT), "i": -1}
-# Up to so many cases all messages are read at once.
-MOST_MESSAGES = 10**7
+# Up to so many cases all messages are read at once; lines of a message about many files.
+MOST_MESSAGES, MOST_LINES = 10**7, 20
 
 
 class Flaw(NamedTuple):
@@ -197,10 +197,10 @@ def damage_message(path, flaws):
     return sentence(name, path=path, lines=as_lines(lasting or flaws))
 
 
-def as_lines(lines, most=20):
+def as_lines(lines):
     """Return text to append to a message: the first of these lines, and how many more."""
-    more = [f"and {len(lines) - most} more"] if len(lines) > most else []
-    return "".join(f"\n  {line}" for line in [*lines[:most], *more])
+    more = [f"and {len(lines) - MOST_LINES} more"] if len(lines) > MOST_LINES else []
+    return "".join(f"\n  {line}" for line in [*lines[:MOST_LINES], *more])
 
 
 def device_attrs(device):

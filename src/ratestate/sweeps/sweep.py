@@ -15,10 +15,18 @@ from ..errors import ParameterError, RunWarning, StoreError
 from ..machine import check_fits
 from ..model.units import is_integer
 from . import sentence
-from .calls import call_of, check_cases, check_device, undisturbed
+from .calls import (
+    arguments_of,
+    call_of,
+    check_cases,
+    check_device,
+    differences,
+    origin,
+    origin_differences,
+    undisturbed,
+)
 from .chunks import cases_per_chunk, chunks_of
 from .cluster import Cluster
-from .inputs import arguments_of, differences, origin, origin_differences
 from .progress import ProgressReport
 from .slurm import slurm_cluster
 from .solve import ANSWERED, bytes_per_case, form_of
@@ -127,7 +135,8 @@ def sweep(
         request = Request(name, call, chunk, device, backend, progress)
         if store is None:
             size = call.batch.n * bytes_per_case(request.form.swept)
-            check_fits(size, f"the results of {call.batch.n:,} cases", "Give a store.")
+            remedy = "Give a store (ratestate sweep FILE --store x.zarr)."
+            check_fits(size, f"the results of {call.batch.n:,} cases", remedy)
         if text := undisturbed(name, call):
             warnings.warn(text, RunWarning, stacklevel=2)
         path = None if store is None else _folder(store, backend)

@@ -13,7 +13,7 @@ import ratestate as rs
 from ratestate import files
 from ratestate.friction.laws import LAW_NAMES, LAWS
 from ratestate.interfaces.cli import run_fit
-from ratestate.interfaces.cli.fit_report import _python
+from ratestate.interfaces.cli.run_fit import _python
 from ratestate.model.quantities import QUANTITIES
 from ratestate.paper import atlas_figure, figures
 

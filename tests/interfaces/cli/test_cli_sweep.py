@@ -16,7 +16,6 @@ from command_line import call
 
 import ratestate as rs
 from ratestate import files
-from ratestate.interfaces.cli import store_report
 from ratestate.sweeps.status import store_status
 
 SCENARIO = """
@@ -72,22 +71,13 @@ def requests(monkeypatch):
 def test_file_and_options_reach_the_sweep(options, given, requests, file, store):
     result = call("sweep", file, "--store", store, *options)
     assert (result.exit_code, result.stdout) == (130, "")
-    assert result.stderr == (
-        f"interrupted: nothing is stored in {store} yet, and the same command starts again\n"
-    )
+    assert result.stderr == "interrupted: no file is half written\n"
     ((function, slider, arguments),) = requests
     assert function == "limit_cycle"
     assert slider.M.values.tolist() == [100.0, 1000.0, 10000.0]
     assert arguments.pop("V_lp").values.tolist() == [0.001, 0.01]
     usual = {"client": None, "slurm": None, "chunk": None, "progress": True, "device": "cpu"}
     assert arguments == usual | {"store": store} | given
-
-
-def test_an_interrupt_where_the_store_cannot_be_read(requests, file, store):
-    store.mkdir()
-    assert call("sweep", file, "--store", store).stderr.endswith(
-        f"interrupted: what was done is stored in {store}, and the same command resumes\n"
-    )
 
 
 def test_a_file_with_problems_starts_nothing(requests, file):
@@ -110,7 +100,7 @@ def test_from_file_to_store_and_its_status(file, store):
     for _ in range(2):  # the second finds all done
         result = call("sweep", file, "--store", store, "--chunk", 2)
         assert result.exit_code == 0, result.output
-        assert result.stdout == f"6 cases in {store}: 2 cycles, 4 steady sliding, 0 failed\n"
+        assert result.stdout == f"6 cases in {store}: 2 cycles, 4 steady sliding\n"
     found = xr.open_zarr(store, chunks=None)
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc="10 um", sigma="2 MPa", K="900 MPa/m")
     slider = slider.replace(M=rs.logspace("M", 100, 1e4, 3))
@@ -167,7 +157,7 @@ def test_failed_cases_files_pictures_and_json_of_a_store(file, store, tmp_path):
     xr.testing.assert_equal(files.read(out), files.read(store))
     assert plot.read_bytes()[:4] == b"\x89PNG"
     title, *lines = call("sweep", file, "--store", store).stdout.splitlines()
-    assert title.endswith("x.zarr: 22 steady sliding, 22 failed")
+    assert title.endswith(": 22 steady sliding, 22 failed (quasi static instability)")
     assert len(lines) == 21
     assert lines[0].startswith("  K = 500 MPa/m, V_lp = 1 mm/s: quasi_static_instability: V grows")
     assert lines[-1] == "  and 2 more"
@@ -192,18 +182,11 @@ def test_ctrl_c_ends_a_real_sweep(file, store):
     done = store_status(store).done
     assert 0 < done < 60_000
     assert errors == (
-        f"interrupted: {done} of 60000 cases are stored in {store}, and the same command resumes\n"
+        f"interrupted. {done} of 60000 cases are stored in {store}. Run the same sweep again to "
+        "compute the others.\n"
     )
     lines = call("sweep", "--store", store, "--status").stdout.splitlines()
     assert f"done      {done} ({done // 600} %)" in lines
-
-
-@pytest.mark.parametrize(
-    ("size", "text"),
-    [(0, "0 B"), (999, "999 B"), (1000, "1 kB"), (2_345_678_901_234, "2.35e+03 GB")],
-)
-def test_sizes(size, text):
-    assert store_report._size(size) == text
 
 
 @pytest.mark.skipif(os.name != "posix", reason="a stand-in for sbatch is a shell script")

@@ -10,13 +10,20 @@ import pytest
 HEAD = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 COMMAND = """
 import os, sys, threading, time, typer
-from ratestate.interfaces.cli.exits import exit_on_error, on_interrupt
+from ratestate.interfaces.cli.exits import exit_on_error
+
+def work():
+    try:
+        print("working", flush=True)
+        time.sleep(60)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(left()) from None
 
 def left():
     if sys.argv[1] == "tidying":
         print("tidying", flush=True)
         time.sleep(60)
-    return "x"
+    return "interrupted: x"
 
 class Late:
     def __del__(self, write=os.write, sleep=time.sleep):
@@ -28,9 +35,8 @@ if sys.argv[1] == "thread":
 if sys.argv[1] == "late":
     late = Late()
 try:
-    with exit_on_error(False), on_interrupt(left):
-        print("working", flush=True)
-        time.sleep(60)
+    with exit_on_error(False):
+        work()
 except typer.Exit as end:
     print("exit", flush=True)
     sys.exit(end.exit_code)

@@ -9,7 +9,7 @@ import os
 import signal
 import threading
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 import typer
 
@@ -37,7 +37,8 @@ def exit_on_error(debug: bool, options: Mapping[str, str] | None = None) -> Iter
     except (typer.Exit, typer.Abort, typer.BadParameter):
         raise
     except KeyboardInterrupt as interrupt:
-        print_line(f"interrupted: {str(interrupt) or 'no file is half written'}", err=True)
+        # (a sweep says what it has stored)
+        print_line(str(interrupt) or "interrupted: no file is half written", err=True)
         raise typer.Exit(INTERRUPTED) from interrupt
     except Exception as error:
         if debug:
@@ -92,12 +93,3 @@ def _message_and_status(error: Exception, options: Mapping[str, str]) -> tuple[s
                 f"this is a bug in ratestate: {type(error).__name__}: {error}\n"
                 "Please report it, with what the same command says with --debug."
             ), BUG
-
-
-@contextlib.contextmanager
-def on_interrupt(message: Callable[[], str]) -> Iterator[None]:
-    """Raise a KeyboardInterrupt again with a message, called for then, on the state of the work."""
-    try:
-        yield
-    except KeyboardInterrupt as interrupt:
-        raise KeyboardInterrupt(message()) from interrupt

@@ -1,9 +1,9 @@
 """Commands on a record: ``fit``, ``events``, ``healing``, ``stiffness``, ``lab describe``."""
 
-import contextlib
 import json as json_texts
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -67,8 +67,7 @@ def fit(
         "errors": errors,
         "noise": noise_of(noise),
     }
-    from .fit_report import FitRequest
-    from .run_fit import fit_and_report
+    from .run_fit import FitRequest, fit_and_report
 
     values |= own_values(of_law, own_parameters(map(friction_law, laws)))
     given = {symbol: value for symbol, value in values.items() if value is not None}
@@ -125,9 +124,7 @@ def healing(
     settings = {"trend": None if trend == "none" else trend, "noise": noise_of(noise)}
     fitted = read(slider) if slider else None
 
-    def evaluate(record: "xarray.Dataset") -> "xarray.Dataset":
-        return find_healing(record, slider=fitted, **settings)
-
+    evaluate = partial(find_healing, slider=fitted, **settings)
     result = _evaluate("healing", evaluate, "hold", files, reading, out, json)
     if bool((result["hold_status"] != 0).any()):
         raise typer.Exit(SOME_FAILED)
@@ -147,9 +144,7 @@ def stiffness(
     """
     from ...records.machine.machine_stiffness import machine_stiffness
 
-    def evaluate(record: "xarray.Dataset") -> "xarray.Dataset":
-        return machine_stiffness(record, sigma=sigma)
-
+    evaluate = partial(machine_stiffness, sigma=sigma)
     _evaluate("stiffness", evaluate, "slope", files, reading, out, json)
 
 
@@ -180,11 +175,16 @@ def _evaluate(
     json: bool,
 ) -> "xarray.Dataset":
     """Read a record, evaluate it, write the files into the folder, if any, and print the result."""
+    from ...records.reading import read_lab
     from ...report import summary
     from .document import document
     from .output import print_json, print_rich
 
-    with _reported(name, files, reading, out) as (record, made):
+    keywords = reading.keywords()
+    with folder(out), reporting_files(f"{name} of {names_of(files)}") as made:
+        with warnings.catch_warnings():
+            warnings.simplefilter("always", RecordWarning)
+            record = read_lab(files if len(files) > 1 else files[0], **keywords)
         result = evaluate(record)
         made += _write_all(result, out, name, dim)
     if json:
@@ -192,21 +192,6 @@ def _evaluate(
     else:
         print_rich(*summary(result))
     return result
-
-
-@contextlib.contextmanager
-def _reported(
-    what: str, files: list[Path], reading: Reading, out: Path | None
-) -> "Iterator[tuple[xarray.Dataset, list[Path]]]":
-    """Yield the record and a list that takes the files made; report both on stderr."""
-    from ...records.reading import read_lab
-
-    keywords = reading.keywords()
-    with folder(out), reporting_files(f"{what} of {names_of(files)}") as made:
-        with warnings.catch_warnings():
-            warnings.simplefilter("always", RecordWarning)
-            record = read_lab(files if len(files) > 1 else files[0], **keywords)
-        yield record, made
 
 
 def _write_all(result: "xarray.Dataset", out: Path | None, name: str, dim: str) -> list[Path]:

@@ -1,15 +1,18 @@
 """Runs ``ratestate fit``: reads, fits, prints, and writes the report with its files."""
 
+import inspect
 import json
+import re
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import xarray
 
 from ...errors import FitWarning, ParameterError, RecordWarning
 from ...files import laboratory_csv, write
 from ...friction.laws import friction_law
+from ...model.names import Sentences
 from ...model.quantities import readable
 from ...model.slider import SpringSlider
 from ...records.fitting.by_law import has_steps, law_names
@@ -18,11 +21,13 @@ from ...records.fitting.settings import sliders_under
 from ...records.fitting.unknowns import checked_free
 from ...records.reading import read_lab
 from ...records.reading.sizes import constant_in_si
+from ...report import summary
+from ...report.report import TextTable, left
 from ...report.steps import rows_of
 from ...report.summary_csv import summary_csv
+from ...scenario.as_python import registration
 from .document import document
-from .fit_report import HEADING, FitRequest, markdown
-from .output import folder, print_json, reporting_files, write_text
+from .output import folder, names_of, print_json, reporting_files, write_text
 from .run_scenario import print_report
 
 #: initial guesses where none are given; the least squares also scan the scales of the record
@@ -34,13 +39,42 @@ REPORT, PLOT, NUMBERS = "report.md", "fit.png", "fit.nc"
 TABLE, SUMMARY = "steps.csv", "steps_summary.csv"
 
 
+SENTENCES = Sentences(Path(__file__).with_suffix(".toml"))
+#: how each report begins
+HEADING = "# Fit of "
+
+
+class FitRequest(NamedTuple):
+    """A fit requested on the command line, which the report also says how to repeat."""
+
+    files: tuple[Path, ...]
+    reading: dict[str, Any]  # arguments of `read_lab` beside the files
+    values: dict[str, str]  # of the slider, as they were given
+    laws: tuple[str, ...]
+    fitting: dict[str, Any]  # arguments of `fit` beside record and slider
+
+    @property
+    def names(self) -> str:
+        return names_of(self.files)
+
+    @property
+    def paths(self) -> Any:
+        """The path of the file, or a list of the paths of several, as `read_lab` takes them."""
+        paths = [file.as_posix() for file in self.files]
+        return paths if len(paths) > 1 else paths[0]
+
+
 def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool:
     """Fit, print and write the files into the folder, if any; whether the answer carries warnings.
 
     ParameterError as of `read_lab` and `fit`, and: a report.md there that is none of these; no
     normal stress; a, b, Dc, K or a parameter of the law neither given nor free.
     """
-    if out and (report := out / REPORT).is_file() and not _is_own(report):
+    report = out and out / REPORT
+    written = (
+        report.read_text("utf-8", errors="replace") if report and report.is_file() else HEADING
+    )
+    if not written.startswith(HEADING):
         raise ParameterError(
             f"{report} exists, is not a report of ratestate fit, and is not replaced",
             "Give another folder with --out.",
@@ -54,7 +88,7 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
             record = read_lab(request.paths, **request.reading)
             slider = _slider(request, record)
             result = fit(record, slider, **request.fitting)
-        if out:
+        if out and report:
             from ... import plot
 
             text = markdown(request, record, slider, result)
@@ -73,11 +107,6 @@ def fit_and_report(request: FitRequest, out: Path | None, as_json: bool) -> bool
     else:
         print_report(result)
     return bool((result["warnings"] != "").any())
-
-
-def _is_own(report: Path) -> bool:
-    """Return whether `fit_and_report` has written this report."""
-    return report.read_text("utf-8", errors="replace").startswith(HEADING)
 
 
 def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
@@ -112,3 +141,60 @@ def _slider(request: FitRequest, record: xarray.Dataset) -> SpringSlider:
                 symbol=symbol,
             )
     return slider
+
+
+def markdown(
+    request: FitRequest, record: xarray.Dataset, slider: SpringSlider, result: xarray.Dataset
+) -> str:
+    """Return the whole report; both Datasets must have the attributes of their functions."""
+    time, columns = record["time"].values, json.loads(record.attrs["columns"]).items()
+    rows = [[name, one["title"], one["unit"].removeprefix("1")] for name, one in columns]
+    heads = [left(head) for head in ("", "column", "unit")]
+    kind = "steps" if has_steps(result) else "whole"
+    text = SENTENCES(
+        "report.text",
+        heading=HEADING + request.names,
+        report=summary(result).markdown(),
+        record=record.attrs,
+        rows=time.size,
+        begin=time[0],
+        end=time[-1],
+        columns=TextTable(heads, rows).markdown(),
+        picture=SENTENCES(f"{kind}.picture"),
+        files=SENTENCES(f"{kind}.files"),
+        further=_further(request, record, result),
+        versions=", ".join(map(" ".join, json.loads(result.attrs["versions"]).items())),
+        **_python(request, slider),
+    )
+    return re.sub("\n{3,}", "\n\n", text)  # without the gaps that empty parts leave
+
+
+def _further(request: FitRequest, record: xarray.Dataset, result: xarray.Dataset) -> str:
+    """Return the Python lines that go on with the best law; "" after fits of steps."""
+    if has_steps(result):
+        return ""
+    best = ""
+    if len(request.laws) > 1:
+        best = f", law={request.laws[int(result['aic_difference'].values.argmin())]!r}"
+    speed = readable("V_lp", float(record["segment_V"].max()))
+    return SENTENCES("whole.further", law=best, speed=speed)
+
+
+def _python(request: FitRequest, slider: SpringSlider) -> dict[str, str]:
+    """Return arguments of the Python lines that reproduce the result."""
+    defaults = inspect.signature(fit).parameters
+    changed = {k: v for k, v in request.fitting.items() if v != defaults[k].default}
+    registered = [line for law in request.laws for line in registration(law)]
+    return {
+        "registration": "".join(f"{line}\n" for line in registered),
+        "reading": ", ".join([repr(request.paths), *_arguments(request.reading)]),
+        "slider": repr(slider)
+        .replace("(", "(\n    ")
+        .replace(", ", ",\n    ")
+        .replace(")", ",\n)"),
+        "fitting": ", ".join(["record", "slider", *_arguments(changed)]),
+    }
+
+
+def _arguments(named: dict[str, Any]) -> list[str]:
+    return [f"{name}={value!r}" for name, value in named.items()]

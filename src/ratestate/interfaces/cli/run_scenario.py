@@ -25,9 +25,6 @@ from .options import Outputs, pairs_of
 from .output import print_json, print_line, print_rich
 from .verdict_text import VerdictText, verdict_text
 
-#: the largest result of a sweep in memory: some 2e7 cases of limit_cycle or stability
-MOST_BYTES = 3 * 10**9
-
 
 def load_scenario(file: Path, function: str | None, law_file: Path | None) -> Scenario:
     """Return the scenario of a file, or of standard input for "-"."""
@@ -77,10 +74,8 @@ def output_paths(scenario: Scenario, out: Path | None, plot: Path | None) -> Out
     file, picture = out or scenario.output.file, plot or scenario.output.plot
     if picture and len(dims := swept_dims(scenario)) > 2:
         raise ParameterError(
-            (
-                f"a picture shows a sweep over one or two axes, and this one has {len(dims)} "
-                f"({', '.join(dims)})"
-            ),
+            f"a picture shows a sweep over one or two axes, and this one has {len(dims)} "
+            f"({', '.join(dims)})",
             "Leave the plot out.",
         )
     return Output(file and checked_path(file, NUMBERS), picture and checked_path(picture, PICTURES))
@@ -110,16 +105,14 @@ def swept_dims(scenario: Scenario) -> dict[str, int]:
 def compute(scenario: Scenario) -> xarray.Dataset:
     """Return the result of a scenario; a sweep uses all cores, and a failed case spoils no other.
 
-    Raises ParameterError for branches over an axis and results of more than `MOST_BYTES`;
-    SolverError, with the verdict on a limit cycle, if a single case has no answer.
+    Raises ParameterError for branches over an axis and results that exceed the memory; SolverError,
+    with the verdict on a limit cycle, if a single case has no answer.
     """
     dims = swept_dims(scenario)
     if dims and scenario.function == "continue_cycle":
         raise ParameterError(
-            (
-                "a branch follows the cycles of one slider, but there are many values of "
-                f"{' and '.join(dims)}"
-            ),
+            "a branch follows the cycles of one slider, but there are many values of "
+            f"{' and '.join(dims)}",
             "Give one value of each.",
         )
     if not dims:
@@ -131,21 +124,8 @@ def compute(scenario: Scenario) -> xarray.Dataset:
             found = verdict(scenario.slider, scenario.settings["V_lp"], error)
             message = f"no cycle is found.\n{found.text}\n{scenario.slider!r}"
             raise SolverError(message) from error
-    from ...sweeps.calls import call_of
-    from ...sweeps.solve import bytes_per_case, form_of
     from ...sweeps.sweep import sweep
 
-    _, call = call_of(scenario.function, scenario.slider, scenario.settings)
-    cases = call.batch.n
-    size = cases * bytes_per_case(form_of(call).specs)
-    if size > MOST_BYTES:
-        raise ParameterError(
-            (
-                f"the results of {cases:,} cases take {size / 1e9:.3g} GB, but at most "
-                f"{MOST_BYTES / 1e9:.3g} GB are kept in memory"
-            ),
-            "Use ratestate sweep FILE --store x.zarr, or fewer cases.",
-        )
     return sweep(scenario.function, scenario.slider, progress=on_terminal(), **scenario.settings)
 
 

@@ -106,10 +106,8 @@ def _opened(file, law_file):
     scenario = load_scenario(file, "stability", law_file)
     if swept := swept_dims(scenario):
         raise ParameterError(
-            (
-                f"[sweep]: the file has a sweep over {', '.join(swept)}, but the explorer "
-                "shows one slider"
-            ),
+            f"[sweep]: the file has a sweep over {', '.join(swept)}, but the explorer "
+            "shows one slider",
             f"Give a file without [sweep], or run it with ratestate run {file}.",
         )
     return scenario.slider, scenario.settings["V_lp"]

@@ -14,23 +14,24 @@ from .run import cycle_figure, run_figure, runs_figure
 from .sweeps import FEW, sweep_figure
 
 #: function -> figure of a single slider's result
-SINGLE = {
+OF_SLIDER = {
     "simulate": run_figure,
     "limit_cycle": cycle_figure,
     "stability": stability_figure,
     "frequency_response": response_figure,
     "continue_cycle": branch_figure,
+}
+#: function -> figure of a record's evaluation, which is never swept
+OF_RECORD = {
     "fit": fit_figure,
     "events": events_figure,
     "healing": healing_figure,
     "machine_stiffness": machine_figure,
 }
-#: functions of a record, which are never swept
-OF_RECORDS = ("fit", "events", "healing", "machine_stiffness")
 #: function whose figure shows no sweep -> what it shows
 ONE = {"continue_cycle": "branch", "frequency_response": "slider's response"}
 #: dimensions of results that are no axes of a sweep
-OWN = ("time", "segment", "mode", "multiplier", "point", "frequency", "event", "abscissa")
+OWN = ("time", "segment", "mode", "multiplier", "point", "frequency")
 
 
 def figure(result, *, title=True):
@@ -69,29 +70,27 @@ def _figure(result):
         return events_figure(result) if "ratestate events" in titles else runs_figure(result)
     title = str(result.attrs.get("title", "")) if isinstance(result, xarray.Dataset) else ""
     function = title.removeprefix("ratestate ")
-    if function not in SINGLE:
+    if function in OF_RECORD:
+        return OF_RECORD[function](in_si(result))
+    if function not in OF_SLIDER:
         raise ParameterError(
-            (
-                "figure() draws a Dataset that a function of ratestate returned, with its "
-                "attributes, and this is not one"
-            ),
+            "figure() draws a Dataset that a function of ratestate returned, with its "
+            "attributes, and this is not one",
             "Give such a result.",
         )
     result = in_si(result)
-    axes = [] if function in OF_RECORDS else [dim for dim in result.sizes if dim not in OWN]
+    axes = [dim for dim in result.sizes if dim not in OWN]
     if axes and function in ONE:
         raise ParameterError(
             f"a figure shows one {ONE[function]}", f"Pick one along {axes[0]!r} with .isel."
         )
     if len(axes) > 2:
         raise ParameterError(
-            (
-                f"a figure shows a sweep over one or two axes, and this one has {len(axes)} "
-                f"({', '.join(map(str, axes))})"
-            ),
+            f"a figure shows a sweep over one or two axes, and this one has {len(axes)} "
+            f"({', '.join(map(str, axes))})",
             "Pick values of the others with .sel.",
         )
     few = len(axes) == 1 and result.sizes[axes[0]] <= FEW
     if few and result.sizes.get("time", 1) > 1 and bool(result["V"].notnull().any()):
         return runs_figure(result)
-    return sweep_figure(result, function, axes) if axes else SINGLE[function](result)
+    return sweep_figure(result, function, axes) if axes else OF_SLIDER[function](result)

@@ -45,7 +45,8 @@ def events_figure(catalogues):
     named = _named(catalogues)
     loaded = any(bool(one.data.recurrence.notnull().any()) for one in named)
     heights = [RECORD * len(named) + 0.3, *([BELOW + 0.3] if loaded else [])]
-    fig = blank_figure(sum(heights) + 0.3, _title(named))
+    what = named[0].name if len(named) == 1 else f"{len(named)} catalogues"
+    fig = blank_figure(sum(heights) + 0.3, f"Stick-slip of {what}")
     top, *below = fig.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     records = top.subplots(len(named), 1, squeeze=False)[:, 0]
     for one, ax in zip(named, records, strict=True):
@@ -101,10 +102,6 @@ def _named(catalogues):
 def _name(data):
     is_simulated = {"scenario", "slider"} & data.attrs.keys()
     return str(data.attrs.get("source") or ("simulated" if is_simulated else "measured"))
-
-
-def _title(named):
-    return f"Stick-slip of {named[0].name if len(named) == 1 else f'{len(named)} catalogues'}"
 
 
 def _record(one, ax):

@@ -43,17 +43,27 @@ def runs_figure(runs):
     laws = {LAWS[parameter(run, "law")].name for run in parts}
     title = f"{len(parts)} runs, {' and '.join(sorted(laws))}"
     fig = figure(parts[0], 4.4, common(parts, SLIDER), title=title)
-    axes = fig.subplot_mosaic([["a", "c"], ["b", "c"]], width_ratios=[1.5, 1])
-    axes["a"].sharex(axes["b"])
-    trace(runs, axes["a"])
-    axes["a"].label_outer()
+    axes = _panels(fig, runs, named)
     widest = SPACE + max(text_width(one.name, LETTERS) for one in named)
     axes["a"].legend(ncols=max(1, int(ROOM / widest)), **COMPACT, **ABOVE)
-    speed(named, axes["b"])
     axes["b"].legend(handles=axes["b"].lines[:1], **ABOVE)
-    plane(named, axes["c"])
-    letters([axes[name] for name in sorted(axes)], "stress", "speed", "phase plane")
     return fig
+
+
+def _panels(fig, runs, named, last="", mu=None):
+    """Draw stress, speed and phase plane of runs; return the axes, with an empty "d" for `last`.
+
+    mu : as for `trace`
+    """
+    panels = [["a", "c"], ["b", "d"]] if last else [["a", "c"], ["b", "c"]]
+    axes = fig.subplot_mosaic(panels, width_ratios=[1.5, 1])
+    axes["a"].sharex(axes["b"])
+    trace(runs, axes["a"], mu=mu)
+    axes["a"].label_outer()
+    speed(named, axes["b"])
+    plane(named, axes["c"])
+    letters([axes[name] for name in sorted(axes)], "stress", "speed", "phase plane", last)
+    return axes
 
 
 @styled
@@ -70,14 +80,10 @@ def cycle_figure(cycle):
     kind = str(classify(cycle).regime.values)
     title = (
         f"Limit cycle ({kind}) at {value_text('V_lp', V_lp)}, {LAWS[slider.law].name}: "
-        f"{value_text('period', float(cycle.period))}, {_peak_to_peak(cycle)}"
+        f"{value_text('period', float(cycle.period))}, "
+        f"peak-to-peak {STRESS} {float(cycle.amplitude):.4g}"
     )
     return _motion(orbit(slider, V_lp, rtol=parameter(cycle, "rtol")), title, cycle)
-
-
-def _peak_to_peak(cycle):
-    """The size of a slider's cycle in words."""
-    return f"peak-to-peak {STRESS} {float(cycle.amplitude):.4g}"
 
 
 def _motion(run, title, result):
@@ -87,26 +93,19 @@ def _motion(run, title, result):
     """
     fig = figure(run, 4.4, more=_of_contact(result), title=title)
     cycles = int(run.cycles)
-    panels = [["a", "c"], ["b", "d"]] if cycles > MANY else [["a", "c"], ["b", "c"]]
-    axes = fig.subplot_mosaic(panels, width_ratios=[1.5, 1])
-    axes["a"].sharex(axes["b"])
-    # (of lines that run together, dashes would make a pattern)
-    trace(run, axes["a"], mu={"ls": "-"} if cycles > MANY else None)
-    axes["a"].label_outer()
+    alone = [NamedRun(run, "slider", {"color": BLUE})]
+    if cycles > MANY:
+        # (of lines that run together, dashes would make a pattern)
+        axes = _panels(fig, run, alone, f"the last {FEW} of {cycles} cycles", {"ls": "-"})
+        last = run.time.values[-1] - FEW / float(run.frequency)
+        trace(run.isel(time=run.time.values >= last), axes["d"])
+    else:
+        axes = _panels(fig, run, alone)
     force_axis(run, axes["a"])
     if "sigma" in run.data_vars:
         _normal_stress(run, axes["a"])
     axes["a"].legend(ncols=2, **ABOVE)
-    alone = [NamedRun(run, "slider", {"color": BLUE})]
-    speed(alone, axes["b"])
     axes["b"].legend(ncols=2, **ABOVE)
-    plane(alone, axes["c"])
-    texts = ["stress", "speed", "phase plane"]
-    if cycles > MANY:
-        last = run.time.values[-1] - FEW / float(run.frequency)
-        trace(run.isel(time=run.time.values >= last), axes["d"])
-        texts.append(f"the last {FEW} of {cycles} cycles")
-    letters([axes[name] for name in sorted(axes)], *texts)
     return fig
 
 

@@ -38,11 +38,11 @@ MARKERS = {("step", True): "^", ("step", False): "v", ("hold", False): "o"}
 def steps_figure(result):
     """Draw the figure of fits of steps: a panel for each, and a - b and Dc along the experiment."""
     laws = results_by_law(result)
-    shown = np.unique(np.linspace(0, result.sizes["step"] - 1, MOST).astype(int))
-    shown = shown if result.sizes["step"] > MOST else np.arange(result.sizes["step"])
+    n = result.sizes["step"]
+    shown = np.linspace(0, n - 1, min(n, MOST)).astype(int)
     columns = min(shown.size, COLUMNS)
     rows = -(-shown.size // columns)
-    of_any = result["parameter"].values if result.sizes["step"] > 1 else ()
+    of_any = result["parameter"].values if n > 1 else ()
     drawn = [symbol for symbol in DRAWN if symbol in of_any]
     heights = [max(rows * STEP, LEAST) + LABELS, *([ESTIMATE] * len(drawn))]
     fig = figure(result, sum(heights) + TITLE, "M V0", title=_title(result, laws, shown.size))
