@@ -99,6 +99,8 @@ def test_csv_of_a_run(results):
     run, rows = results["run"], rows_of(results["run"])
     assert [*rows[0]][:3] == ["time [s]", "V [m/s]", "theta [s]"]
     assert "status" not in rows[0]  # of the run as a whole
+    assert "loading_0_V_lp" in results["record"]
+    assert "loading" not in files.csv_text(results["record"])
     for column, name in (("time [s]", "time"), ("tau [Pa]", "tau"), ("mu", "mu")):
         np.testing.assert_array_equal([float(row[column]) for row in rows], run[name])
 
