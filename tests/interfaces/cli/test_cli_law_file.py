@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command_line import call
+from scenario_files import SLIDER
 from user_laws import MINE, PLAIN
 
 import ratestate as rs
@@ -17,13 +18,7 @@ from ratestate.interfaces.cli.fit_report import _python
 from ratestate.model.quantities import QUANTITIES
 from ratestate.paper import atlas_figure, figures
 
-TEXT = """[slider]
-a = 0.003
-b = 0.006
-Dc = "10 um"
-sigma = "2 MPa"
-K = "900 MPa/m"
-M = 3000
+TEXT = f"""{SLIDER}M = 3000
 m = 1.5
 
 [loading]

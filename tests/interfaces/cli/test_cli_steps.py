@@ -11,8 +11,6 @@ from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate.report.report import Heading, TextTable
-from ratestate.report.steps import HEADS
 from ratestate.report.summary_csv import summary_csv
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
@@ -84,15 +82,6 @@ def numbers_of(texts, value, error):
         places = len(number.partition(".")[2])
         read.append((float(number), float(digits) * 10.0**-places))
     return min(read, key=lambda one: abs(one[0] - value) + abs(one[1] - error))
-
-
-def test_columns_go_to_the_next_table_where_one_is_full():
-    rows = [["1", "1.0", "3 -> 10 um/s", "9.19(18)", "-"], ["all", "", "", "9", "8"]]
-    table = TextTable([*HEADS, Heading("a"), Heading("b")], rows, splits=True)
-    widths = 4 + 8 + 12 + 8 + 1 + 4 * 3
-    assert table.parts(widths) == [[0, 1, 2, 3, 4]]
-    assert table.parts(widths - 1) == [[0, 1, 2, 3], [0, 4]]
-    assert table.parts(5) == [[0, 1, 2], [0, 3], [0, 4]]
 
 
 def test_warnings_of_every_law_are_in_the_report_once(folder, result):

@@ -3,6 +3,7 @@
 import functools
 
 import pytest
+from scenario_files import SLIDER
 from scenario_problems import problems_of
 from user_laws import MINE, PLAIN
 
@@ -11,13 +12,7 @@ from ratestate import ParameterError
 from ratestate.friction.laws import LAW_NAMES, LAWS
 from ratestate.scenario import from_result, load, loads, python, toml
 
-TEXT = """[slider]
-a = 0.003
-b = 0.006
-Dc = "10 um"
-sigma = "2 MPa"
-K = "900 MPa/m"
-M = 3000
+TEXT = f"""{SLIDER}M = 3000
 law_file = "mine.py"
 m = 1.5
 

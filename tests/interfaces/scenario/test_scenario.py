@@ -186,22 +186,16 @@ such as V_lp = '3.2 mm/s'.
 MUTATED = [
     # an error of the Python API keeps its words
     ({"a": "-0.003"}, {}, "[slider] a: -0.003 must be > 0"),
-    ({"b": "inf"}, {}, "[slider] b: inf must be finite"),
-    ({"Dc": '"10 furlong/s"'}, {}, "[slider] Dc: '10 furlong/s' is a speed"),
     ({}, {"M": "[1, 2, -3]"}, "[sweep] M[2]: -3 kg/m^2 must be >= 0"),
     ({"a": "0"}, {"rtol": "0.5"}, "[sweep] rtol: 0.5 is out of range"),
     # values
     ({"a": "true"}, {}, "[slider] a: true is not one number"),
     ({"Dc": "0x" + "f" * 9999}, {}, "[slider] Dc: a huge integer is beyond what can be"),
     ({"Dc": '"' + "9" * 10000 + ' m"'}, {}, "[slider] Dc: '9999 * is too long"),
-    ({"Dc": "07:32:00"}, {}, "[slider] Dc: 07:32:00 is not one number"),
     ({"Dc": "{ from = 1 }"}, {}, "[slider] Dc: a table makes an axis"),
-    ({"law": '["slip", "aging"]'}, {}, "[slider] law: a list of 2 is unknown"),
     # keys
     ({"Dc": None, "dc": "1"}, {}, "[slider] dc: unknown key. Give one of * Did you mean Dc?"),
     ({'"a\\nb"': "1"}, {}, "[slider] 'a\\nb': unknown key"),
-    ({'""': "1"}, {}, "[slider] '': unknown key"),
-    ({"a.b": "1", "a": None}, {}, "[slider] a: a table makes an axis"),
     # the function of [sweep]
     ({}, {"function": None}, "[sweep] function: is missing"),
     (
@@ -209,18 +203,13 @@ MUTATED = [
         {"function": '"limitcycle"'},
         "[sweep] function: 'limitcycle' is unknown. * mean limit_cycle?",
     ),
-    ({}, {"function": "[1]"}, "[sweep] function: a list of 1 is unknown"),
-    ({}, {"function": '"simulate"'}, "[sweep] t_end: is missing"),
     ({}, {"V_lp": None}, "[sweep] V_lp: is missing"),
     ({}, {"t_end": "3"}, "[sweep] t_end: is not a parameter of the slider or of limit_cycle"),
-    ({}, {"V_pl": "3"}, "[sweep] V_pl: is not a parameter of the slider or of * mean V_lp?"),
     ({}, {"function": '"stability"', "rtol": "1e-6"}, "[sweep] rtol: is not a parameter of the"),
     ({}, {"M": None}, "[sweep]: nothing has many values"),
     # lists
-    ({}, {"law": '{ from = "slip" }'}, "[sweep] law: a table is unknown"),
     ({}, {"rtol": "[1e-6]"}, "[sweep] rtol: a list of 1 is not one number"),
     ({}, {"M": "[]"}, "[sweep] M: is a list of 0"),
-    ({}, {"M": "[[1, 2]]"}, "[sweep] M[0]: a list of 2 is not one number"),
     # axes
     ({}, {"M": "{}"}, "[sweep] M.n: is missing"),
     *(
@@ -235,39 +224,28 @@ MUTATED = [
         )
     ),
     ({}, {"M": "{ from = 0, to = 2, n = 3, scale = 'log' }"}, "[sweep] M.from: 0 kg/m^2 must be >"),
-    ({}, {"M": "{ from = -1, to = 2, n = 3 }"}, "[sweep] M.from: -1 kg/m^2 must be >= 0"),
     ({}, {"K": "{ from = 1, to = inf, n = 3 }"}, "[sweep] K.to: inf is not an end of an axis"),
-    ({}, {"M": "{ from = [1], to = 2, n = 3 }"}, "[sweep] M.from: a list of 1 is not one number"),
     ({}, {"M": "{ from = 1, to = 2, n = 3, scale = 3 }"}, "[sweep] M.scale: 3 is unknown"),
     ({}, {"M": "{ form = 1, to = 2, n = 3 }"}, "[sweep] M.form: unknown key. * Did you mean from?"),
 ]
 SIMULATED = [
     ({"t_end": "inf"}, "[sweep] t_end: inf s must be finite"),
-    ({"V_lp": "-1"}, "[sweep] V_lp: -1 m/s must be >= 0"),
     ({"V_lp": "[1, 0]"}, "[sweep] V_start: is missing, but at V_lp = 0 nothing slides"),
     ({"times": "[1, 11]"}, "[sweep] times: reaches 11 s, beyond t_end = 10 s"),
-    ({"times": "[1, 1]"}, "[sweep] times: must increase"),
     ({"times": "[-1]"}, "[sweep] times[0]: -1 s must be >= 0"),
-    ({"times": "{from=0, to=1, n=1e6}"}, "[sweep] times.n: 1000000.0 cannot be the number"),
     ({"times": "[3]", "t_end": "[2, 4, 5]"}, "[sweep] times: reaches 3 s, beyond t_end"),
-    ({"rtol": "1e-15"}, "[sweep] rtol: 1e-15 is out of range"),
     ({"method": '"rodas5p"'}, "[sweep] method: stands in the wrong table"),
 ]
 BROKEN = [
     ("[slider]\na = 0.003\nDc = 10 um\n", "line 3, 'Dc = 10 um': Expected newline or end"),
     ("[slider]\na = \n", "line 2, 'a =': Invalid value"),
-    ("[slider]\na = 1\na = 2\n", "line 3, 'a = 2': Cannot overwrite a value"),
-    ("[slider]\n[slider]\n", "line 2, '[slider]': Cannot declare ('slider',) twice"),
     ('[slider]\nDc = "10 um\n', "line 2, 'Dc = \"10 um': Illegal character"),
-    ("[slider\n", "line 1, '[slider': Expected ']' at the end of a table declaration"),
     ('[slider]\nDc = """10\n', 'line 2, \'Dc = """10\': Unterminated string'),
     ("x = " + "[" * 100_000, "too many brackets are inside each other"),
     ("x = " + "9" * 10_000, "an integer has thousands of digits"),
     (b'[slider]\nDc = "10 \xb5m"\n', "line 2 is not UTF-8"),
     ("a = 1\r[slider]", "line 1, 'a = 1\\r[slider]': Expected newline or end"),
     ("\0", "line 1, '\\x00': Invalid statement"),
-    ("a = 1\n\r", "line 2, '': "),
-    ("a = 1\n\x0b\nb\n", "line 2, '': Invalid statement"),
     ("a = 1\r\nb = \r\n\r\n", "line 2, 'b =': Invalid value"),
 ]
 

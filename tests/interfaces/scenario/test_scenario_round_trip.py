@@ -220,7 +220,6 @@ MASSES = SLIDER.replace(M=rs.logspace("M", 100, 1e4, 3))
 RIGID = SLIDER.replace(M=0, law="aging", K=np.inf, V0=1e-9)
 TWO_SPEEDS = to_si("V_lp", xr.DataArray([1e-3, 2e-3], dims="V_lp"))
 SCENARIOS = {
-    "steps": simulation(Loading.steps(1e-4, (1, 3.2e-3)), 2.0),
     "holds, ramps": simulation(
         Loading.constant(1e-4).ramp(1, 1e-3, 0.5).step(1.5, 2e-3).step(2, 1e-3),
         3.0,
@@ -239,9 +238,6 @@ SCENARIOS = {
     ),
     "sweep": simulation(
         Loading.steps(1e-4, (0.1, to_si("V_lp", rs.logspace("V_lp", 1e-3, 1e-2, 2)))), 0.2, MASSES
-    ),
-    "sweep with times": simulation(
-        Loading.constant(1e-3), 0.2, MASSES, times=np.linspace(0, 0.2, 5)
     ),
     "sweep over t_end": simulation(
         Loading.constant(1e-3),
@@ -262,11 +258,6 @@ SCENARIOS = {
         "frequency_response",
         SLIDER,
         {"V_lp": 1e-3, "frequency": to_si("frequency", rs.logspace("frequency", 1, 1e3, 1201))},
-    ),
-    "responses": Scenario(
-        "frequency_response",
-        SLIDER.replace(K=rs.logspace("K", 8e8, 2e9, 3)),
-        {"V_lp": 1e-3, "frequency": 10.0},
     ),
     "many": Scenario(
         "stability", SLIDER.replace(K=rs.logspace("K", 1e8, 1e9, 1500)), {"V_lp": 1e-3}
