@@ -20,12 +20,10 @@ def axis(values, coordinate=None):
 @pytest.mark.parametrize(
     ("settings", "symbol", "value", "remedy"),
     [
-        ({"t_end": 0}, "t_end", "0 s", "such as '10 s'"),
         ({"t_end": INF}, "t_end", "inf s", "must be finite"),
         ({"t_end": "3 mm"}, "t_end", "'3 mm'", "such as '10 s'"),
         ({"times": [0.5, 2.0]}, "times", "2 s", "Extend t_end or drop"),
         ({"times": [0.5, 1.0 + 1e-9]}, "times", "t_end = 1 s", "Extend t_end or drop"),
-        ({"times": [0.5, 0.2]}, "times", "", "must increase"),
         ({"times": [0.5, 0.5]}, "times", "", "must increase"),
         ({"times": [-0.1, 0.5]}, "times", "-0.1 s", "must be >= 0"),
         (
@@ -38,15 +36,11 @@ def axis(values, coordinate=None):
         ({"method": "im2017"}, "method", "'im2017'", CALL),
         ({"dt": 1e-4}, "simulate", "dt", CALL),
         ({"rtol": 1e-15}, "rtol", "1e-15", "from 1e-13 to 0.1"),
-        ({"rtol": 1.0}, "rtol", "1.0", "from 1e-13 to 0.1"),
-        ({"rtol": NAN}, "rtol", "nan", "such as 1e-6"),
         ({"rtol": axis([1e-6])}, "rtol", "", "one number"),
-        ({"V_start": 0.0}, "V_start", "0 m/s", "must be > 0"),
         ({"initial": {"V": 0.0}}, "initial V", "0 m/s", "must be > 0"),
         ({"initial": {"theta": "1 m"}}, "initial theta", "'1 m'", "a time"),
         ({"initial": {"tau": NAN}}, "initial tau", "nan Pa", "a stress"),
         ({"initial": {"mu": 0.6}}, "initial", "{'mu': 0.6}", "V, theta and tau"),
-        ({"initial": 3.0}, "initial", "3.0", "a dict"),
     ],
 )
 def test_simulate(settings, symbol, value, remedy):
@@ -61,12 +55,10 @@ def test_simulate(settings, symbol, value, remedy):
 @pytest.mark.parametrize(
     ("settings", "parts"),
     [
-        ({"V_lp": 0.0}, ["V_lp = 0 m/s", "must be > 0", "'3.2 mm/s'"]),
         ({"V_lp": axis([1e-3, -1e-3])}, ["V_lp = -0.001 m/s", "must be > 0"]),
         ({"V_start": 0.0}, ["V_start = 0 m/s", "must be > 0"]),
         ({"V_start": "1 mm/s"}, ["V_start = V_lp", "such as 1 % less"]),
         ({"V_start": axis([1e-4, 1e-3])}, ["V_start = V_lp", "such as 1 % less"]),
-        ({"rtol": 1e-14}, ["rtol = 1e-14", "from 1e-12 to 1e-2"]),
         ({"rtol": 0.5}, ["rtol = 0.5", "from 1e-12 to 1e-2"]),
     ],
 )

@@ -228,24 +228,6 @@ def test_a_sweep_over_one_axis(function, looks_as_before):
         np.testing.assert_allclose(line.get_xdata(), 1e3 * SLIDER.V_c)
 
 
-@pytest.mark.parametrize("function", ["limit_cycle", "stability"])
-def test_a_few_values_of_an_axis_have_lines_with_nothing_between(function):
-    K = xr.DataArray([4.2e8, 9.4e8], dims="K")
-    found = rs.sweep(function, SLIDER.replace(K=K), V_lp=V_LP)
-    axes = (drawn if function == "limit_cycle" else panels)(plot.figure(found))
-    assert not any(ax.collections for ax in axes)
-    symbol = {"limit_cycle": "amplitude", "stability": "growth_rate"}[function]
-    ax = axes[{"limit_cycle": 0, "stability": 1}[function]]
-    for i, name in enumerate(["$K$ = 420 MPa/m", "$K$ = 940 MPa/m"]):
-        x, y = lines(ax, name)
-        np.testing.assert_allclose(x, 1e3 * V_LP)
-        expected = found[symbol].isel(K=i).values
-        cycles = found.status[i] == 0 if function == "limit_cycle" else True
-        np.testing.assert_allclose(y, np.where(cycles, expected, np.nan))
-        assert name in [text.get_text() for text in ax.get_legend().texts]
-    assert axes[-1].get_xlabel() == "Load-point velocity $V_{lp}$ [mm/s]"
-
-
 def test_failed_cases_of_a_line_have_crosses(looks_as_before):
     slider = SLIDER.replace(K=5e8, M=xr.DataArray([0.0, 3e3], dims="M"))
     fig = plot.figure(rs.sweep("limit_cycle", slider, V_lp=V_LP))

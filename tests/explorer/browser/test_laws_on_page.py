@@ -89,23 +89,3 @@ def test_a_law_has_its_own_fields(show):
     other = show(link.partition("#")[2])
     assert other.page.input_value("#law") == "two-state-slip"
     assert other.entry("Dc2") == "0.2 mm"
-
-
-def test_damping_and_a_law_file(show):
-    shown = show()
-    assert shown.entry("damping") == "0 Pa s/m"
-    shown.type("damping", "3 MPa s/m")
-    shown.wait()
-    slider = FIG4.replace(damping=3e6)
-    assert shown.numbers["Kc"] == f"{slider.K_c(1e-4) / 1e9:.4g} GPa/m"
-    shown.page.wait_for_function("() => location.href.includes('damping=3+MPa+s%2Fm')")
-    shown.page.select_option("#presets", index=2)
-    shown.wait()
-    assert shown.entry("damping") == "0 Pa s/m"
-    # a law file is in the menu
-    shown.page.select_option("#presets", index=1)
-    name = shown.page.eval_on_selector("#law option[value^=mine]", "option => option.value")
-    shown.page.select_option("#law", name)
-    shown.wait()
-    assert shown.entry("m") == "1.5"
-    assert "peak-to-peak" in shown.text("#headline")

@@ -7,7 +7,7 @@ from explorer_links import CASES
 
 import ratestate as rs
 from ratestate.dynamics.verdict import verdict
-from ratestate.paper.parameters import FIG2, FIG4
+from ratestate.paper.parameters import FIG2
 
 AGING = CASES["steady"].replace("law=slip", "law=aging").replace("900 MPa", "601 MPa")
 #: middles of the marks and of the thumb's way on a field's slider, and the labels
@@ -80,22 +80,6 @@ def test_marks_that_are_close_have_one_label_and_it_stays_inside(show):
         assert text == "Kc"
         assert room[side] < 30, sigma
         assert min(room) > -1, sigma
-
-
-def test_on_which_side_of_K_c_a_slider_stands_is_heard(show):
-    shown = show(CASES["stick-slip"] + "&b=-0.001")
-    # a negative value has negative ends
-    assert ends(shown, "b") == ["-0.0001", "-0.01"]
-    shown.page.press("#slider-b", "PageUp")
-    shown.wait()
-    assert -0.01 < float(shown.entry("b")) < -0.001
-    assert rs.stability(FIG4, 1e-5).K_c == pytest.approx(1.2e9, rel=1e-6)
-    heard = "e => e.getAttribute('aria-valuetext')"
-    shown.type("b", "0.008")
-    for K, side in (("1.19 GPa/m", "below"), ("1.21 GPa/m", "above")):
-        shown.type("K", K)
-        shown.wait()
-        assert shown.page.eval_on_selector("#slider-K", heard) == f"{K}, {side} K_c"
 
 
 def test_a_range_stays_but_for_values_from_elsewhere(show):
