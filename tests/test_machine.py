@@ -105,7 +105,7 @@ def test_more_cases_than_fit_are_refused_before_it_starts(function):
 
 
 @pytest.mark.parametrize(("bytes_there", "refused"), [(1599, True), (1600, False)])
-def test_the_line_between_too_large_and_not(monkeypatch, bytes_there, refused):
+def test_the_largest_request_that_fits(monkeypatch, bytes_there, refused):
     monkeypatch.setattr(machine, "memory", lambda: bytes_there)
     slider = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 4) * np.inf)
 

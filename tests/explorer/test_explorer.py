@@ -210,7 +210,7 @@ class TestWire:
             *('{"id": 1, "ask": "rm"}', '{"id": 1, "ask": ["csv"]}', " " * (wire.LONGEST + 1)),
         ],
     )
-    def test_what_is_no_question_is_refused(self, text):
+    def test_malformed_questions_are_refused(self, text):
         with pytest.raises(wire.BadQuestion):
             wire.checked(wire.Question, text)
 
@@ -301,7 +301,7 @@ class TestPicture:
         assert len(tried) == 1
         assert header["notes"][0].startswith("No run is shown: of ")
 
-    def test_work_is_cut_and_that_is_said(self):
+    def test_a_search_that_takes_too_long_is_reported(self):
         header, arrays = painted(STICK_SLIP, seconds=0.0)
         assert "the search was ended after 0 s" in header["sentences"][0]
         assert header["numbers"]["regime"] == "unknown"
@@ -410,7 +410,7 @@ class TestCharts:
             ),
         ],
     )
-    def test_where_there_is_no_map_that_is_said(self, changes, said):
+    def test_a_missing_map_has_a_message(self, changes, said):
         with pytest.raises(rs.ParameterError, match=said):
             charts.chart(FIG2.replace(**changes), 4, Deadline(60.0))
 
@@ -524,7 +524,7 @@ class TestServer:
             free.set()
             assert answered(second, 1)[0]["kind"] == "file"
 
-    def test_nonsense_is_shown_the_door(self, port):
+    def test_repeated_nonsense_closes_the_connection(self, port):
         with page(port) as socket:
             for _ in range(session.NONSENSE - 1):
                 socket.send("nonsense")
@@ -612,7 +612,7 @@ class TestServer:
         ours = [t for t in threading.enumerate() if t.name.startswith("explorer")]
         assert len(ours) <= 4  # those of the pools stay
 
-    def test_any_message_is_borne(self, port, monkeypatch):
+    def test_no_message_stops_the_server(self, port, monkeypatch):
         monkeypatch.setattr(session, "NONSENSE", 10**6)
         values = st.recursive(
             st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),

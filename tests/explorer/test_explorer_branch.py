@@ -107,7 +107,7 @@ class TestBranch:
             (FIG2.replace(b=0.002), "K", "Steady sliding is stable all along"),
         ],
     )
-    def test_where_there_is_none_that_is_noted(self, slider, along, note):
+    def test_a_missing_branch_has_a_note(self, slider, along, note):
         header, arrays = diagram(slider, along)
         assert header["note"].startswith(note)
         assert header["sizes"] == []
@@ -134,7 +134,7 @@ class TestBranch:
         # with more accuracy, then from the other end
         assert tried == [("K", False, 1e-4), ("K", False, 1e-6), ("K", True, 1e-4)]
 
-    def test_it_is_bounded(self):
+    def test_the_time_for_a_branch_is_bounded(self):
         slider = FIG4.replace(a=0.0052)
         header, arrays = branch.branch(PageState(slider, V_LP), "K", Deadline(0.0))
         assert header["note"].startswith("The cycles take more than 0 s")

@@ -60,7 +60,7 @@ def by_label(ax):
 
 
 class TestCurves:
-    def test_they_are_those_of_simulate(self):
+    def test_curves_equal_those_of_simulate(self):
         state = entries.state_of(STICK_SLIP)
         plan = picture.study_of(state, Deadline(60.0)).plan
         run = rs.simulate(plan.slider, **plan.settings, rtol=1e-6)

@@ -105,7 +105,7 @@ def test_saving_may_take_too_long(tmp_path, monkeypatch):
         (FIG4.replace(K=1e25), 1e-4, "is beyond any size"),
     ],
 )
-def test_what_is_refused(slider, V_lp, said):
+def test_wrong_arguments_are_refused(slider, V_lp, said):
     with pytest.raises(rs.ParameterError, match=said):
         rs.explore(slider, V_lp)
     assert not threads()

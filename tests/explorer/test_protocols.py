@@ -56,7 +56,7 @@ class TestEntries:
         assert list(problems) == ["protocol"]
         assert said in problems["protocol"]
 
-    def test_all_that_is_wrong_is_said_at_once(self):
+    def test_all_problems_of_a_protocol_are_reported(self):
         said = problem(STEADY | {"protocol": "-1 m/s for 1 s; 1 m/s for 1 s; x for 2 s"})[
             "protocol"
         ]

@@ -155,7 +155,7 @@ def test_what_is_missing_can_be_chosen(without_child):
         ),
     ],
 )
-def test_what_is_no_record(without_child, name, contents, problem):
+def test_files_that_are_not_records_are_refused(without_child, name, contents, problem):
     header, arrays = answered(contents, name)
     assert header["problem"].startswith(problem)
     assert (header["columns"], header["chosen"], arrays) == ([], {}, {})
@@ -170,7 +170,7 @@ def test_a_small_file_that_unpacks_to_a_large_one():
 
 
 @pytest.mark.parametrize("text", ["[]", "{", '{"path": "/etc/passwd"}', '{"time": NaN}'])
-def test_choices_are_few(text):
+def test_unknown_choices_are_refused(text):
     with pytest.raises(wire.BadQuestion):
         lab_record.choices_of(text)
     assert lab_record.choices_of('{"time": [null, "1 s"]}') == {"time": [None, "1 s"]}
@@ -248,7 +248,7 @@ class TestServer:
             found = sent(port, socket.greeting["page"], origin=origin)
         assert found == (403, b"not this host's page")
 
-    def test_who_is_not_connected_sends_nothing(self, port):
+    def test_a_page_must_be_connected_to_send_a_record(self, port):
         with page(port) as socket:
             own = socket.greeting["page"]
             status, (header, _) = sent(port, own[:-1])
@@ -299,7 +299,7 @@ class TestServer:
         assert reading.stopped == {"first": False}
 
     @pytest.mark.parametrize("leaves", ["page", "request"])
-    def test_nothing_is_read_for_who_has_gone(self, port, reading, leaves):
+    def test_reading_stops_when_the_page_has_gone(self, port, reading, leaves):
         with page(port) as socket:
             connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
             target = f"/record?name=first&page={socket.greeting['page']}"

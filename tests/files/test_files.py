@@ -290,7 +290,7 @@ def test_a_zarr_without_checksums_is_read(results, tmp_path):
 
 
 @pytest.mark.parametrize("ending", ["nc", "zarr"])
-def test_what_is_no_result_is_refused(ending, tmp_path):
+def test_files_that_are_not_results_are_refused(ending, tmp_path):
     path = tmp_path / f"x.{ending}"
     with pytest.raises(ParameterError, match="does not exist"):
         files.read(path)

@@ -87,6 +87,6 @@ def test_units_may_be_chosen(data):
         ("event", {"slip": "kPa"}, "slip = 'kPa'"),
     ],
 )
-def test_what_is_not_there_is_refused(data, dim, units, text):
+def test_unknown_variables_are_refused(data, dim, units, text):
     with pytest.raises(rs.ParameterError, match=text):
         laboratory_csv(data, dim, units)

@@ -162,7 +162,7 @@ def test_letters_of_a_table_are_as_large_as_its_figure_allows(width, shrinks):
         assert 0.0 <= ends[0][0] < ends[-1][1] <= 100.0 * width
 
 
-def test_what_is_no_fit_is_refused(both):
+def test_data_that_are_not_fits_are_refused(both):
     with pytest.raises(ParameterError, match="the Dataset that fit returns"):
         plot.fit(both.drop_attrs())
     with pytest.raises(ParameterError, match="x = 'slip' is unknown"):

@@ -428,7 +428,7 @@ def test_failed_cases_are_told_from_those_without_a_cycle():
         ([3e3], [3e3], None),
     ],
 )
-def test_axes_in_any_order(values, at, names):
+def test_values_of_an_axis_may_have_any_order(values, at, names):
     M = xr.DataArray(values, dims="M")
     found = rs.stability(SLIDER.replace(M=M, K=xr.DataArray([9e8, np.inf], dims="K")), 1e-3)
     (first, *_) = (drawn if names else panels)(plot.figure(found))
@@ -440,13 +440,13 @@ def test_axes_in_any_order(values, at, names):
     assert y.edges.size == len(values) + 1
 
 
-def test_what_changes_nothing_is_drawn_all_the_same():
+def test_an_axis_without_effect_is_drawn():
     found = rs.stability(SLIDER.replace(mu0=xr.DataArray([0.5, 0.6], dims="mu0")), 1e-3)
     first, *_ = panels(plot.figure(found))
     np.testing.assert_allclose(lines(first, "$K_c$")[1], 2 * [float(found.K_c) / 1e6])
 
 
-def test_what_no_page_can_show():
+def test_results_without_a_figure_are_refused():
     slider = SLIDER.replace(M=MASS, a=xr.DataArray([0.003, 0.004], dims="a"))
     with pytest.raises(ParameterError, match="one or two axes, and this one has 3"):
         plot.figure(rs.stability(slider, V_LP))

@@ -122,7 +122,7 @@ def test_a_failed_run_is_named_as_such():
         (3, "a run is not a Dataset"),
     ],
 )
-def test_what_is_no_run(runs, message):
+def test_data_that_are_not_runs_are_refused(runs, message):
     with pytest.raises(ParameterError, match=message):
         drawn(runs)
 
@@ -173,7 +173,7 @@ def test_a_page_of_many_runs_is_that_of_their_sweep(number):
 
 
 @pytest.mark.parametrize("V", [1e-3, 2e-2])
-def test_what_is_constant_has_short_ticks(V):
+def test_a_constant_quantity_has_short_ticks(V):
     stable = rs.stability(SLIDER, V).stable
     with contextlib.nullcontext() if stable else pytest.warns(RunWarning):
         run = run_of(rs.Loading.constant(V), 5.0)
@@ -193,7 +193,7 @@ def test_what_is_constant_has_short_ticks(V):
         assert 0.08 < (high - low) / value < 0.25
 
 
-def test_a_small_motion_is_no_constant():
+def test_a_small_motion_fills_its_axis():
     run = run_of(rs.Loading.constant(1e-3)).assign(tau=lambda run: run.tau * (1 + 2e-5 * run.time))
     ax, _ = drawn(run)
     low, high = ax.get_ylim()

@@ -26,7 +26,7 @@ def test_it_opens_with_a_verdict(show):
     assert [path for path in paths if path != "icon.svg"] == ["", "page.css", "page.js"]
 
 
-def test_what_is_typed_is_taken(show):
+def test_typed_values_are_used(show):
     shown = show()
     assert shown.page.is_visible("#cycle-key")
     shown.type("K", "1.3e3 N/m^2/um")

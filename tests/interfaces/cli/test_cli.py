@@ -84,7 +84,7 @@ def test_help_has_an_example_and_the_exit_codes(command):
     assert "--debug" in text
 
 
-def test_words_in_brackets_are_told():
+def test_helps_show_words_in_brackets():
     assert "as the table [output] of the file says" in told("run")
     assert "as [sweep] says" in told("branch")
     helps = "".join(told(*command.split()) for command in COMMANDS)

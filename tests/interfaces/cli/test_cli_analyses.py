@@ -261,7 +261,7 @@ def changed(lab, changes):
 
 
 @pytest.mark.parametrize(("changes", "command", "said", "unsaid"), SAID.values(), ids=SAID)
-def test_what_is_said(changes, command, said, unsaid, lab):
+def test_the_report_says_what_the_slider_does(changes, command, said, unsaid, lab):
     changed(lab, changes)
     result = call(command[0], lab, *command[1:])
     assert (result.exit_code, result.stderr) == (0, ""), result.output
@@ -334,7 +334,7 @@ def test_a_run_that_nothing_disturbs_says_so_once(options, lab):
 
 
 @pytest.mark.parametrize("command", ["stability", "cycle", "run"])
-def test_that_a_file_is_swept_is_said_in_one_line(command, lab):
+def test_a_sweep_is_announced_in_one_line(command, lab):
     single = call("stability", lab)
     assert (single.exit_code, single.stderr) == (0, "")
     lab.write_text(f'{LAB}[sweep]\nfunction = "stability"\nK = [5e8, 6e8, 2e9]\nM = [100, 200]\n')
@@ -596,7 +596,7 @@ def test_a_bug_is_told_and_its_traceback_shown_if_asked(lab, monkeypatch):
         (rs.SolverError("stopped at t = 3 s"), 2, "error: stopped at t = 3 s\n"),
     ],
 )
-def test_other_ends(error, code, message, lab, monkeypatch):
+def test_interrupts_and_errors_have_exit_codes(error, code, message, lab, monkeypatch):
     def end(*_):
         raise error
 

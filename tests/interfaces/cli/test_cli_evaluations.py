@@ -85,7 +85,7 @@ def files(tmp_path_factory):
 
 
 @pytest.mark.parametrize("command", EVALUATIONS)
-def test_it_prints_and_writes_all(command, files, tmp_path):
+def test_an_evaluation_is_printed_and_written(command, files, tmp_path):
     _, options, said, columns, summary = EVALUATIONS[command]
     done = call(command, files(command), *options, "--out", tmp_path / "made")
     assert done.exit_code == 0, done.output

@@ -40,7 +40,7 @@ def test_options_of_python_stand_beside_those_of_the_command(text, options):
         assert re.search(rf"\(command line: .*--{name.replace('_', '-')}\b", text), name
 
 
-def test_such_sentences_are_found():
+def test_there_are_such_sentences():
     assert len([*sentences()]) > 25
 
 
@@ -51,7 +51,7 @@ def test_such_sentences_are_found():
         ("Time\tDispl(um)\tFriction", "--units time=s"),
     ],
 )
-def test_what_the_command_says_can_be_typed(tmp_path, head, words):
+def test_the_remedy_can_be_typed(tmp_path, head, words):
     """Its own words, with the titles of the file; given so, it is not asked for again."""
     path = tmp_path / "record.txt"
     path.write_text("\n".join([head, *(f"{i}\t{i}\t0.6" for i in range(50))]))

@@ -94,7 +94,7 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("arguments", "message"), REFUSED, ids=[" ".join(a) for a, _ in REFUSED])
-def test_what_cannot_be_done_is_found_before_the_work(arguments, message, here, monkeypatch):
+def test_wrong_commands_are_refused_before_the_work(arguments, message, here, monkeypatch):
     def never(*_, **__):
         raise AssertionError
 

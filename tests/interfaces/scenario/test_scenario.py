@@ -267,7 +267,7 @@ def told(beginning, line):
 
 
 @pytest.mark.parametrize(("slider", "sweep", "beginning"), MUTATED)
-def test_mutated(read, slider, sweep, beginning):
+def test_a_problem_has_its_line_and_remedy(read, slider, sweep, beginning):
     found = lines(read, toml(SLIDER | slider, CYCLE | sweep))
     assert found[0].endswith("it.toml cannot be used:")
     assert any(told(beginning, line) for line in found[1:]), found
@@ -276,14 +276,14 @@ def test_mutated(read, slider, sweep, beginning):
 
 
 @pytest.mark.parametrize(("sweep", "beginning"), SIMULATED)
-def test_mutated_simulate(read, sweep, beginning):
+def test_a_problem_of_simulate_has_its_line(read, sweep, beginning):
     found = lines(read, toml(sweep=SIMULATE | sweep))
     assert len(found) == 2
     assert told(beginning, found[1]), found
 
 
 @pytest.mark.parametrize(("text", "what"), BROKEN)
-def test_broken(read, text, what):
+def test_a_file_that_is_not_toml_is_refused(read, text, what):
     (line,) = lines(read, text)
     assert f"it.toml is not valid TOML: {what}" in line
     assert line.endswith('such as a = 0.003 or Dc = "10 um".')
@@ -299,14 +299,14 @@ def test_broken(read, text, what):
         ("['x y']", "['x y']: unknown table"),
     ],
 )
-def test_what_is_no_table(read, more, line):
+def test_unknown_tables_are_refused(read, more, line):
     found = lines(read, toml(more=more))
     assert len(found) == 2
     assert told(line, found[1]), found
 
 
 @pytest.mark.parametrize("text", ["", "slider = 3\nsweep = 3", "[[slider]]\n[[sweep]]"])
-def test_nothing_at_all_is_all_that_is_missing(read, text):
+def test_an_empty_file_lacks_every_key(read, text):
     places = {line.split(": ")[0] for line in lines(read, text)[1:]}
     assert {f"[slider] {key}" for key in SLIDER} <= places
     if text:

@@ -160,7 +160,7 @@ def test_sizes_of_a_slider(told, symbol, refused):
     assert " is beyond any usual size, " in line
 
 
-def test_sizes_that_somebody_may_mean(read):
+def test_extreme_sizes_are_accepted(read):
     """A fault that is locked, a laboratory, an asteroid, a rigid spring without friction."""
     slider = """
         [slider]
@@ -494,7 +494,7 @@ def test_a_rigid_spring_cannot_rest(told, read):
         rs.simulate(rs.SpringSlider(a=1, b=1, Dc=1, sigma=1, K=np.inf), Loading.steps(1, (1, 0)), 2)
 
 
-def test_bounds(told, folder):
+def test_files_have_a_largest_size(told, folder):
     keys = "\n".join(f"k{i} = 1" for i in range(5000))
     assert len(told(f"[loading]\nV_lp = 1\n[run]\nt_end = 1\n{keys}")) == 1
     many = ", ".join(["{ t = 1, V_lp = 1 }"] * 1001)

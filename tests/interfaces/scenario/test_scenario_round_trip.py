@@ -206,7 +206,7 @@ def test_text_and_back(again, scenario):
 
 @unhurried
 @given(st.sampled_from(["Dc", "sigma", "K", "V_lp", "t_end", "M", "a", "dt"]), positive)
-def test_quantities(symbol, x):
+def test_quantities_keep_their_bits(symbol, x):
     text = quantity(symbol, x)
     assert to_si(symbol, eval(text)) == x
     assert len(text) < 40 or not 1e-30 < x < 1e30
@@ -304,7 +304,7 @@ def test_a_start_at_rest_or_backwards_and_back(again, V):
         again(Scenario("simulate", SLIDER, given))
 
 
-def test_of_a_sweep_that_was_cut(again):
+def test_the_scenario_of_a_part_of_a_sweep(again):
     whole = run(SCENARIOS["cycles"])
     part = whole.sel(M=1e4).isel(V_lp=[0, 2])
     scenario = from_result(part)
@@ -314,7 +314,7 @@ def test_of_a_sweep_that_was_cut(again):
         np.testing.assert_array_equal(found, part[name])
 
 
-def test_of_results_side_by_side():
+def test_the_scenario_of_joined_results():
     """Coordinates that join results are their parameters."""
     runs = [rs.stability(SLIDER.replace(K=K), 1e-3).assign_coords(K=K) for K in (9e8, 8e8)]
     both = xr.concat(runs, "K", combine_attrs="override")
@@ -334,7 +334,7 @@ def test_of_results_side_by_side():
         (lambda r: r.drop_vars("M"), "has lost the values of 'M'"),
     ],
 )
-def test_results_that_tell_too_little(damage, message):
+def test_results_without_a_scenario_are_refused(damage, message):
     with pytest.raises(ParameterError) as caught:
         from_result(damage(run(SCENARIOS["sweep"])))
     assert message in str(caught.value)
@@ -374,7 +374,7 @@ UNWRITTEN = {
 
 
 @pytest.mark.parametrize("name", UNWRITTEN)
-def test_what_no_file_can_say_comes_back_from_a_result(name, tmp_path):
+def test_a_result_keeps_what_a_file_cannot_hold(name, tmp_path):
     slider, given = UNWRITTEN[name]
     t_end = 3.0 if name == "speeds along rows" else 0.9
     result = run(Scenario("simulate", slider, given | {"t_end": t_end}))
@@ -409,7 +409,7 @@ def test_what_no_file_can_say_comes_back_from_a_result(name, tmp_path):
         ),
     ],
 )
-def test_what_no_file_can_say_python_can(slider, changes, message):
+def test_what_a_file_cannot_hold_is_refused_and_written_as_python(slider, changes, message):
     chosen = {"loading": Loading.constant(1e-3), "t_end": 0.01} | changes
     scenario = Scenario("simulate", slider, chosen)
     with pytest.raises(ParameterError, match=message):
