@@ -103,7 +103,6 @@ class TestBranch:
                 "M = 0.0 kg/m^2 cannot be used: a branch is",
             ),
             (FIG2.replace(K=np.inf), "V_lp", "Steady sliding is stable all along"),
-            (FIG2.replace(K=np.inf), "M", "Steady sliding is stable all along"),
             (FIG2.replace(b=0.002), "K", "Steady sliding is stable all along"),
         ],
     )
@@ -179,20 +178,11 @@ class TestWire:
             1e-16,
             1e4,
         )
-        for window in (None, 5, [1, 2, 3], [1, 2, 1, True], [1, 2, 1, "2"], [1, 2, 1, None]):
+        kinds = (None, 5, [1, 2, 3], [1, 2, 1, True], [1, 2, 1, "2"])
+        sizes = ([0.0099, 1, 1, 2], [1, 1000.1, 1, 2], [1, 2, 9e-17, 1], [1, 2, 1, 10001])
+        empty = ([1, 1, 1, 2], [2, 1, 1, 2], [1, 2, 2, 2], [1, 10**400, 1, 2])
+        for window in (*kinds, *sizes, *empty):
             with pytest.raises(wire.BadQuestion, match="window"):
-                self.question(ask="window", window=window)
-        for window in (
-            [0.0099, 1, 1, 2],
-            [1, 1000.1, 1, 2],
-            [1, 2, 9e-17, 1],
-            [1, 2, 1, 10001],
-            [1, 1, 1, 2],
-            [2, 1, 1, 2],
-            [1, 2, 2, 2],
-            [1, 10**400, 1, 2],
-        ):
-            with pytest.raises(wire.BadQuestion, match="window must be"):
                 self.question(ask="window", window=window)
 
     def test_the_page_opens_with_what_can_be_asked(self):
