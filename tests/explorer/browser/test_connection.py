@@ -24,8 +24,7 @@ def test_a_long_text_is_refused_and_the_connection_stays(show):
     shown.type("K", "\u00b5" * 9000)
     shown.page.wait_for_selector("#problem-K:visible")
     assert "K has no text of at most 64 characters" in shown.text("#problem-K")
-    shown.type("M", "500 kg/m^2")
-    shown.wait()
+    shown.set("M", "500 kg/m^2")
     assert shown.numbers["K/Kc"] == "0.8"
     assert sockets == []
 
@@ -46,8 +45,7 @@ def test_what_is_shown_is_grey_while_its_answer_takes_long(show, server):
     """As while a solver is compiled: here the server sleeps."""
     stale = "() => document.body.classList.contains('stale')"
     shown = show()
-    shown.type("K", "800 MPa/m")
-    shown.wait()
+    shown.set("K", "800 MPa/m")
     assert not shown.page.evaluate(stale)
     server.process.send_signal(signal.SIGSTOP)
     try:

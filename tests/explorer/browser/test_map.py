@@ -42,8 +42,7 @@ def test_the_dot_is_dragged(show):
     assert float(shown.entry("M").split(" ")[0]) == pytest.approx(100 * 10**0.4, rel=1e-3)
     assert shown.entry("V_lp") == speed
     # friction that strengthens has no place on the map
-    shown.type("b", "0.004")
-    shown.wait()
+    shown.set("b", "0.004")
     assert "b \u2264 a" in shown.text("#reasons")
     assert not shown.page.is_visible("#dot")
 

@@ -51,8 +51,7 @@ def test_critical_values_are_marked_where_they_are(show):
     assert found["ticks"] == pytest.approx(wanted, abs=0.6)
     # the mark of the critical mass follows the stiffness, and the thumb stands on it there
     shown.type("V_lp", "3.2 mm/s")
-    shown.type("K", "900 MPa/m")
-    shown.wait()
+    shown.set("K", "900 MPa/m")
     M_c = 9e8 / 6e8 - 1  # eta at which K = K_c
     M_c *= 2e6 * 0.003 * 1e-5 / 3.2e-3**2
     found = shown.page.evaluate(MARKS, "M")
@@ -74,8 +73,7 @@ def test_marks_that_are_close_have_one_label_and_it_stays_inside(show):
     )
     # K_c near either end of the slider, and right at it
     for sigma, side in (("40 kPa", 0), ("34 kPa", 0), ("300 MPa", 1), ("333 MPa", 1)):
-        shown.type("sigma", sigma)
-        shown.wait()
+        shown.set("sigma", sigma)
         ((text, _, *room),) = shown.page.evaluate(MARKS, "K")["labels"]
         assert text == "Kc"
         assert room[side] < 30, sigma
@@ -94,17 +92,14 @@ def test_a_range_stays_but_for_values_from_elsewhere(show):
     assert shown.entry("V_lp") == "10 mm/s"
     assert ends(shown, "V_lp") == ["1 \u00b5m/s", "10 mm/s"]
     # nor for a typed value inside, but for one outside
-    shown.type("V_lp", "9.9 mm/s")
-    shown.wait()
+    shown.set("V_lp", "9.9 mm/s")
     assert ends(shown, "V_lp") == ["1 \u00b5m/s", "10 mm/s"]
-    shown.type("V_lp", "10.1 mm/s")
-    shown.wait()
+    shown.set("V_lp", "10.1 mm/s")
     assert ends(shown, "V_lp") == ["100 \u00b5m/s", "1 m/s"]
     at = float(shown.page.input_value("#slider-V_lp"))
     assert at == pytest.approx(math.log10(0.0101), abs=0.003)
     # a preset begins anew
-    shown.page.select_option("#presets", index=1)
-    shown.wait()
+    shown.choose("#presets", index=1)
     assert ends(shown, "V_lp") == ["1 \u00b5m/s", "10 mm/s"]
     # an address does not where its value is within, such as that of a change undone
     shown.page.evaluate("location.hash = 'V_lp=9 mm/s'")

@@ -30,10 +30,6 @@ class Student:
         self.page.fill(f"#slider-{symbol}", str(power))
         self.shown.wait()
 
-    def type(self, symbol, text):
-        self.shown.type(symbol, text)
-        self.shown.wait()
-
     @property
     def done(self):
         """Of each of its goals, whether it is reached."""
@@ -54,7 +50,7 @@ class Student:
             self.page.click(way)
             self.shown.wait()
         elif words[0] == "=":
-            self.type(symbol, words[1])
+            self.shown.set(symbol, words[1])
         else:
             self.slide(symbol, words[0])
 
@@ -172,7 +168,7 @@ def test_progress_lasts_as_long_as_the_tab_and_can_be_forgotten(show):
     )
     assert titles == [f"Task {i + 1}: {title}" for i, title in enumerate(TITLES)]
     assert page.get_attribute("#tasks-open", "aria-expanded") == "true"
-    student.type("K", "1.19 GPa/m")
+    student.shown.set("K", "1.19 GPa/m")
     assert student.done == [True, False]
     page.wait_for_function("() => location.hash.includes('K=1.19+GPa')")
     page.reload()
@@ -182,11 +178,11 @@ def test_progress_lasts_as_long_as_the_tab_and_can_be_forgotten(show):
     assert student.done == [True, False]
     assert shown.entry("K") == "1.19 GPa/m" != before
     # what is done without having begun does not count
-    student.type("K", "1.21 GPa/m")
+    student.shown.set("K", "1.21 GPa/m")
     assert student.done == [True, False]
     student.begin()
     assert shown.entry("K") == before
-    student.type("K", "1.21 GPa/m")
+    student.shown.set("K", "1.21 GPa/m")
     assert student.done == [True, True]
     page.click("#task-next")
     assert shown.text("#task-title") == "3. Make it slow"
@@ -234,7 +230,7 @@ def test_nothing_moves_while_a_task_is_worked_on(show):
         page.wait_for_timeout(600)  # (what a click moves counts as moved by it for half a second)
         shown.watch_shifts()
         for K in ("2 GPa/m", "1.19 GPa/m", "1.21 GPa/m"):
-            student.type("K", K)
+            student.shown.set("K", K)
             page.wait_for_timeout(100)
         assert student.done == [True, True]
         assert shown.shifts == [], width

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pandas
 import pytest
+from lab_files import record_columns, write
 from rich.console import Console
 from synthetic_experiments import experiment
 from typer.testing import CliRunner
@@ -27,11 +28,8 @@ def folder(tmp_path_factory):
     """A folder with the report on an experiment under both laws; what was printed."""
     folder = tmp_path_factory.mktemp("lab")
     data = experiment(SLIDER, SPEEDS, 400e-6, 150, noise=2e-4, seed=1)
-    columns = {"Time(s)": data.time, "Displ(microns)": 1e6 * data.delta_lp}
-    columns |= {"Friction": data.friction, "Normal_stress(MPa)": np.full(data.time.size, 8.0)}
-    table = np.column_stack([np.asarray(values) for values in columns.values()])
-    head = "\t".join(columns)
-    np.savetxt(folder / "many.txt", table, "%.9g", "\t", header=head, comments="")
+    stress = {"Normal_stress(MPa)": np.full(data.time.size, 8.0)}
+    write(folder / "many.txt", record_columns(data, **stress))
     arguments = [str(folder / "many.txt"), "--per-step", "--law", ",".join(LAWS)]
     arguments += ["--errors", "covariance"]
     done = CliRunner().invoke(main, ["fit", *arguments, "--out", str(folder / "made")])
