@@ -67,15 +67,6 @@ def test_a_run_takes_its_law_from_the_option_and_is_repeated_by_it(mine):
     np.testing.assert_array_equal(files.read("b.nc").tau, first.tau)
 
 
-def test_standard_input_takes_no_law_file_but_that_of_the_option(mine):
-    text = TEXT.replace("m = 1.5", 'm = 1.5\nlaw_file = "mine.py"')
-    refused = call("stability", "-", input=text)
-    assert "'mine.py' is code, which is run for a scenario file only" in refused.stderr
-    assert mine not in LAWS
-    done = call("stability", "-", "--law-file", "mine.py", "--json", input=text)
-    assert json.loads(done.stdout)["attrs"]["scenario"]["slider"]["law"] == mine
-
-
 def test_a_store_is_of_the_law_by_its_hash(mine, law_file):
     text = TEXT.replace("m = 1.5", 'law_file = "mine.py"').partition("[run]")[0]
     Path("mine.toml").write_text(f"{text}[sweep]\nfunction = 'stability'\nm = [1.0, 1.5]\n")
@@ -87,14 +78,6 @@ def test_a_store_is_of_the_law_by_its_hash(mine, law_file):
     law_file(MINE.replace("(1 - ", "2 * (1 - "))
     status = call("sweep", "mine.toml", "--status", "--store", "s.zarr")
     assert f"law: {mine} in the store, mine@" in status.stdout
-
-
-@pytest.mark.parametrize("command", ["stability", "cycle", "sweep", "branch"])
-def test_a_file_that_is_not_there_is_named(command, mine):
-    more = ["--store", "s.zarr"] if command == "sweep" else []
-    done = call(command, "mine.toml", "--law-file", "none.py", *more)
-    assert done.exit_code == 2
-    assert done.stderr == "error: law file none.py does not exist. Give its path.\n"
 
 
 def test_figures_and_the_atlas_are_of_the_law_of_the_file(mine, law_file, monkeypatch, tmp_path):

@@ -26,6 +26,7 @@ REFUSED = [
     (["run", "none.toml"], "error: none.toml does not exist"),
     (["run"], "give either a file or --from"),
     (["run", "lab.toml", "--from", "x.nc"], "give either a file or --from"),
+    (["cycle", "lab.toml", "--law-file", "none.py"], "error: law file none.py does not exist"),
     (["run", "--from", "none.nc"], "error: none.nc does not exist"),
     (["run", "--from", "lab.toml"], "ends in .nc or .zarr"),
     # files to write

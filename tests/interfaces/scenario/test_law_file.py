@@ -9,7 +9,7 @@ from user_laws import MINE, PLAIN
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.friction.laws import LAW_NAMES, LAWS
+from ratestate.friction.laws import LAWS
 from ratestate.scenario import from_result, load, loads, python, toml
 
 TEXT = f"""{SLIDER}M = 3000
@@ -136,19 +136,6 @@ def test_a_scenario_names_the_class_of_its_law(law_file):
     assert f'law = "{slider.law}"  # a user\'s: law_file names' in toml(scenario)
     assert loads(toml(scenario)).slider == slider
     assert f"# {slider.law} is a user's law: register its class" in python(scenario)
-
-
-def test_a_result_of_an_unknown_law_needs_its_file(write, law_file):
-    slider = load(write()).slider
-    result, name = rs.stability(slider, 1e-3), slider.law
-    assert from_result(result).slider == slider
-    rs.register(law_file(MINE.replace("(1 - ", "2 * (1 - ")))
-    LAWS.pop(name)
-    LAW_NAMES.pop(name)
-    with pytest.raises(ParameterError) as caught:
-        from_result(result)
-    assert f"law = {name!r} is a user's law that is not registered" in str(caught.value)
-    assert "ratestate.register('mine.py')" in str(caught.value)
 
 
 def test_keys_follow_the_laws_that_are_known(write):

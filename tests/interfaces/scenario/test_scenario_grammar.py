@@ -339,12 +339,6 @@ def test_a_sweep_over_the_last_speed(read):
     assert sine.settings["loading"].mean_speed.values.tolist() == [2, 3]
 
 
-def test_the_tables_of_a_sweep_come_before_the_others(read):
-    text = "[loading]\nV_lp = 1\n[run]\nt_end = 10\nrtol = 1e-3\n[sweep]\nfunction = 'simulate'\n"
-    settings = read(text + "t_end = 5\nrtol = 1e-4\nM = [1, 2]").settings
-    assert (settings["t_end"], settings["rtol"]) == (5, 1e-4)
-
-
 def test_sweeps_that_a_loading_cannot_have(told):
     record = "[loading]\nt = [0, 20]\nV_lp = [1, 1]\n"
     (line,) = told(f"{record}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
@@ -366,6 +360,8 @@ def test_another_function_may_be_asked(read, told):
     sweep = "[sweep]\nfunction = 'limit_cycle'\nrtol = 1e-9\nM = [1, 2]"
     assert read(text + sweep).settings == {"V_lp": 3.2e-3, "rtol": 1e-9}
     assert read(text + sweep, "stability").settings == {"V_lp": 3.2e-3}
+    own = read(f"{text}[sweep]\nfunction = 'simulate'\nt_end = 5\nM = [1, 2]").settings
+    assert (own["t_end"], own["rtol"]) == (5, 1e-3)  # [sweep] comes before [run]
     simulated = read(text + sweep, "simulate")
     assert simulated.settings.keys() == {
         "loading",
