@@ -80,3 +80,12 @@ def test_a_law_has_its_own_fields(show):
     other = show(link.partition("#")[2])
     assert other.page.input_value("#law") == "two-state-slip"
     assert other.entry("Dc2") == "0.2 mm"
+
+
+def test_a_law_file_is_in_the_menu(show):
+    shown = show()
+    shown.choose("#presets", index=1)
+    name = shown.page.eval_on_selector("#law option[value^=mine]", "option => option.value")
+    shown.choose("#law", name)
+    assert shown.entry("m") == "1.5"
+    assert "peak-to-peak" in shown.text("#headline")

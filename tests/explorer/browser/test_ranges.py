@@ -108,3 +108,5 @@ def test_a_range_stays_but_for_values_from_elsewhere(show):
     assert ends(shown, "V_lp") == ["1 \u00b5m/s", "10 mm/s"]
     # and with a page that is opened by a link it reaches about what that holds
     assert ends(show("V_lp=9 mm/s"), "V_lp") == ["100 \u00b5m/s", "1 m/s"]
+    # a negative value has negative ends
+    assert ends(show("b=-0.001"), "b") == ["-0.0001", "-0.01"]

@@ -58,7 +58,7 @@ def test_version():
     assert result.output.strip() == ratestate.__version__
 
 
-def told(*arguments):
+def help_of(*arguments):
     """The help of a command, in one line."""
     result = call(*arguments, "--help")
     assert result.exit_code == 0
@@ -71,7 +71,7 @@ COMMANDS = [f"{group_of(function)} {function.__name__}".strip() for function in 
 
 @pytest.mark.parametrize("command", ["", *COMMANDS])
 def test_help_has_an_example_and_the_exit_codes(command):
-    text = told(*command.split())
+    text = help_of(*command.split())
     assert text.count(f"Example: ratestate {command}".rstrip()) == 1
     for code in (
         "0 done",
@@ -85,13 +85,13 @@ def test_help_has_an_example_and_the_exit_codes(command):
 
 
 def test_helps_show_words_in_brackets():
-    assert "as the table [output] of the file says" in told("run")
-    assert "as [sweep] says" in told("branch")
-    helps = "".join(told(*command.split()) for command in COMMANDS)
+    assert "as the table [output] of the file says" in help_of("run")
+    assert "as [sweep] says" in help_of("branch")
+    helps = "".join(help_of(*command.split()) for command in COMMANDS)
     assert "\\[" not in helps
     for command, function in zip(COMMANDS, cli.COMMANDS, strict=True):
         for word in re.findall(r"\[\w+\]", function.__doc__):
-            assert word in told(*command.split())
+            assert word in help_of(*command.split())
 
 
 def test_every_description_is_of_a_parameter():
@@ -263,7 +263,7 @@ def test_help_names_the_endings_of_files():
     """Written there by hand, since the formats would load what help must not."""
     listed = [("RESULT", files.READABLE), ("FILE", files.NUMBERS), ("FILE", files.place.PICTURES)]
     for what, endings in listed:
-        assert f" {what}{'|'.join(endings)} " in told("run")
+        assert f" {what}{'|'.join(endings)} " in help_of("run")
 
 
 def test_help_and_version_load_nothing_heavy():

@@ -1,4 +1,4 @@
-"""Scenario files: they mean what the Python API means, and all that is wrong is told at once."""
+"""Scenario files: they mean what the Python API means, and all problems are reported together."""
 
 import re
 
@@ -140,7 +140,7 @@ def test_a_linear_axis_meets_the_numbers_it_should(read):
         assert 0.0 in b
 
 
-def test_many_problems_are_told_at_once(read):
+def test_all_problems_are_reported_together(read):
     text = """
         loose = 1
         [slder]
@@ -159,7 +159,7 @@ def test_many_problems_are_told_at_once(read):
         times = [1, "1 h"]
     """
     lines = problems_of(read, text)
-    told = f"""\
+    expected = f"""\
 loose: stands above all tables. Give one of {TABLES}.
 [slder]: unknown table. Give one of {TABLES}. Did you mean [slider]?
 [slider] A: unknown key. Give one of {PARAMETERS}, such as a = 0.003. Did you mean a?
@@ -179,10 +179,10 @@ such as V_lp = '3.2 mm/s'.
 [sweep] V_lp.n: is missing. Give an integer from 2 to 1000000, such as 12.
 [sweep] rtol: 3.0 is out of range. Give one number from 1e-13 to 0.1 such as 1e-6.
 [sweep] times: reaches 3600 s, beyond t_end = 3 s. Extend t_end or drop the later times."""
-    assert sorted(lines) == sorted(told.splitlines())
+    assert sorted(lines) == sorted(expected.splitlines())
 
 
-#: changes of a good file -> the beginning of the line that is then told
+#: changes of a good file -> the beginning of the line on it
 MUTATED = [
     # an error of the Python API keeps its words
     ({"a": "-0.003"}, {}, "[slider] a: -0.003 must be > 0"),
@@ -255,8 +255,8 @@ def lines(read, text):
     return [str(caught.value).splitlines()[0], *problem_lines(caught.value)]
 
 
-def told(beginning, line):
-    """Whether a line begins so; * stands for anything."""
+def begins(beginning, line):
+    """Whether a line has this beginning; * stands for anything."""
     return re.match(".*".join(map(re.escape, beginning.split(" * "))), line)
 
 
@@ -264,7 +264,7 @@ def told(beginning, line):
 def test_a_problem_has_its_line_and_remedy(read, slider, sweep, beginning):
     found = lines(read, toml(SLIDER | slider, CYCLE | sweep))
     assert found[0].endswith("it.toml cannot be used:")
-    assert any(told(beginning, line) for line in found[1:]), found
+    assert any(begins(beginning, line) for line in found[1:]), found
     form = re.compile(rf"\[\w+\]( ('.*'|[\w.\[\]]+))?: .+[^.]\. {REMEDY}")
     assert all(form.fullmatch(line) for line in found[1:]), found
 
@@ -273,7 +273,7 @@ def test_a_problem_has_its_line_and_remedy(read, slider, sweep, beginning):
 def test_a_problem_of_simulate_has_its_line(read, sweep, beginning):
     found = lines(read, toml(sweep=SIMULATE | sweep))
     assert len(found) == 2
-    assert told(beginning, found[1]), found
+    assert begins(beginning, found[1]), found
 
 
 @pytest.mark.parametrize(("text", "what"), BROKEN)
@@ -296,7 +296,7 @@ def test_a_file_that_is_not_toml_is_refused(read, text, what):
 def test_unknown_tables_are_refused(read, more, line):
     found = lines(read, toml(more=more))
     assert len(found) == 2
-    assert told(line, found[1]), found
+    assert begins(line, found[1]), found
 
 
 @pytest.mark.parametrize("text", ["", "slider = 3\nsweep = 3", "[[slider]]\n[[sweep]]"])

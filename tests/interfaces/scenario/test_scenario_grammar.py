@@ -1,4 +1,4 @@
-"""What the tables of a scenario file mean, and what is said of those that mean nothing."""
+"""What the tables of a scenario file mean, and which are refused."""
 
 import re
 
@@ -34,10 +34,10 @@ def read(folder):
 
 
 @pytest.fixture
-def told(read):
-    """What is told of these tables: the lines without the title."""
+def problems(read):
+    """Return the lines on these tables, without the title."""
 
-    def told(text, function=None, slider=SLIDER):
+    def problems(text, function=None, slider=SLIDER):
         with pytest.raises(ParameterError) as caught:
             read(text, function, slider)
         assert str(caught.value).splitlines()[0].endswith("it.toml cannot be used:")
@@ -46,7 +46,7 @@ def told(read):
         assert all(re.fullmatch(form, line) for line in lines), lines
         return lines
 
-    return told
+    return problems
 
 
 def same(one, other):
@@ -84,10 +84,10 @@ def same(one, other):
         ("t = { from = 0, to = 20, n = 3 }\nV_lp = [1, 2, 3]", None),
     ],
 )
-def test_loadings(read, told, table, loading):
+def test_loadings(read, problems, table, loading):
     text = f"[loading]\n{table}\n{RUN}"
     if loading is None:
-        (line,) = told(text)
+        (line,) = problems(text)
         assert line.startswith("[loading] t: a table is not a list. Give as many values")
         return
     scenario = read(text)
@@ -142,9 +142,9 @@ NO_RECORD = [
 
 
 @pytest.mark.parametrize(("content", "more", "line"), NO_RECORD)
-def test_bad_records(told, folder, content, more, line):
+def test_bad_records(problems, folder, content, more, line):
     (folder / "x.csv").write_text(content)
-    lines = told(f'[loading]\nfile = "x.csv"\n{more}\n[run]\nt_end = 2')
+    lines = problems(f'[loading]\nfile = "x.csv"\n{more}\n[run]\nt_end = 2')
     beginning = ".*".join(map(re.escape, f"[loading] {line}".split(" * ")))
     assert any(re.match(beginning, found) for found in lines), lines
 
@@ -153,9 +153,9 @@ def test_bad_records(told, folder, content, more, line):
     ("symbol", "refused"),
     [("a", "0.99e-12"), ("b", "-101"), ("Dc", "1.01e9"), ("sigma", "1.01e15"), ("V0", "0.99e-50")],
 )
-def test_sizes_of_a_slider(told, symbol, refused):
+def test_sizes_of_a_slider(problems, symbol, refused):
     slider = re.sub(rf"(?m)^{symbol} = .*\n", "", SLIDER) + f"{symbol} = {refused}\n"
-    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=slider)
+    (line,) = problems(f"[loading]\nV_lp = 1\n{RUN}", slider=slider)
     assert line.startswith(f"[slider] {symbol}: ")
     assert " is beyond any usual size, " in line
 
@@ -183,7 +183,7 @@ def test_extreme_sizes_are_accepted(read):
         assert scenario.settings["t_end"] == t_end
 
 
-def test_a_wrong_start_is_told_beside_other_problems(told):
+def test_a_wrong_start_stands_beside_other_problems(problems):
     slider = SLIDER.replace("M = 3000", "M = 0")
     clash = "initial = { V = 1, theta = 1, tau = 1 }\n"
     for loading, table, others in [
@@ -194,22 +194,22 @@ def test_a_wrong_start_is_told_beside_other_problems(told):
         ("t = [0, 1]\nV_lp = [1, 1]", "t_end = 5", 1),
         ("V_lp = 0", "t_end = 5", 1),
     ]:
-        lines = told(f"[loading]\n{loading}\n[run]\n{table}\n{clash}", slider=slider)
+        lines = problems(f"[loading]\n{loading}\n[run]\n{table}\n{clash}", slider=slider)
         assert len(lines) == 1 + others
         assert sum(line.startswith("[run] initial: initial V, theta and") for line in lines) == 1
 
 
-def test_only_what_is_near_is_proposed(told):
-    (line,) = told(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
+def test_only_what_is_near_is_proposed(problems):
+    (line,) = problems(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
     assert "Did you mean" not in line
 
 
-def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
+def test_no_error_of_a_slider_is_without_a_line(problems, monkeypatch):
     def refuses(**_):
         raise ParameterError("a and b fell out with each other", "Part them.")
 
     monkeypatch.setattr("ratestate.scenario.assemble.SpringSlider", refuses)
-    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}")
+    (line,) = problems(f"[loading]\nV_lp = 1\n{RUN}")
     assert line == "[slider]: a and b fell out with each other. Part them."
 
 
@@ -291,9 +291,9 @@ PROBLEMS = {"loading": LOADINGS, "run": RUNS, "output": OUTPUTS}
     ("table", "text", "line"),
     [(table, *row) for table, rows in PROBLEMS.items() for row in rows],
 )
-def test_a_problem_of_a_table_has_its_line(told, folder, table, text, line):
+def test_a_problem_of_a_table_has_its_line(problems, folder, table, text, line):
     (folder / "fast.csv").write_text("t [s],V [km/s]\n0,0\n20,1000\n")
-    lines = told(f"{BEFORE[table]}[{table}]\n{text}\n{AFTER[table]}")
+    lines = problems(f"{BEFORE[table]}[{table}]\n{text}\n{AFTER[table]}")
     beginning = ".*".join(map(re.escape, f"[{table}] {line}".split(" * ")))
     beginning = beginning.replace(r"\ \*", ".*")
     assert any(re.match(beginning, found) for found in lines), lines
@@ -339,19 +339,19 @@ def test_a_sweep_over_the_last_speed(read):
     assert sine.settings["loading"].mean_speed.values.tolist() == [2, 3]
 
 
-def test_sweeps_that_a_loading_cannot_have(told):
+def test_sweeps_that_a_loading_cannot_have(problems):
     record = "[loading]\nt = [0, 20]\nV_lp = [1, 1]\n"
-    (line,) = told(f"{record}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
+    (line,) = problems(f"{record}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[sweep] V_lp: cannot replace the speeds of a record")
     steps = "[loading]\nsteps = [{t=1, V_lp=1}]\n"
-    (line,) = told(f"{steps}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
+    (line,) = problems(f"{steps}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[loading] V_lp: is missing")
     sine = "[loading]\nV_lp = 3\nsinusoid = {amplitude=2, period=1}\n"
-    (line,) = told(f"{sine}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
+    (line,) = problems(f"{sine}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[loading] sinusoid: amplitude = 2 m/s is more than V_lp = 1 m/s")
 
 
-def test_another_function_may_be_asked(read, told):
+def test_another_function_may_be_asked(read, problems):
     text = "[loading]\nV_lp = 1e-3\nsteps = [{t=1, V_lp=3.2e-3}]\n[run]\nt_end = 3\nrtol = 1e-3\n"
     assert read(text).function == "simulate"
     for function in ("limit_cycle", "stability"):
@@ -368,7 +368,7 @@ def test_another_function_may_be_asked(read, told):
         "t_end",
     }  # both tolerances are of other functions
     assert simulated.slider.M.sizes == {"M": 2}
-    lines = told(sweep, "simulate")
+    lines = problems(sweep, "simulate")
     assert [line.partition(". ")[0] for line in lines] == [
         "[sweep] V_lp: is missing",
         "[sweep] t_end: is missing",
@@ -377,23 +377,23 @@ def test_another_function_may_be_asked(read, told):
         read(text, "hopf")
 
 
-def test_a_function_for_one_case(read, told):
+def test_a_function_for_one_case(read, problems):
     text = "[loading]\nV_lp = 1e-3\n[run]\nfunction = 'limit_cycle'\nrtol = 1e-9\n"
     scenario = read(text)
     assert (scenario.function, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
-    (line,) = told(text + "[sweep]\nfunction = 'stability'\nM = [1, 2]")
+    (line,) = problems(text + "[sweep]\nfunction = 'stability'\nM = [1, 2]")
     assert line.startswith("[sweep] function: 'stability' is not the function of [run]")
-    (line,) = told(text.replace("1e-9", "1"))
+    (line,) = problems(text.replace("1e-9", "1"))
     assert line.startswith("[run] rtol: 1.0 is out of range")
     sweep = "[sweep]\nfunction = 'limit_cycle'\nrtol = 1\nM = [1, 2]"
-    (line,) = told(text + sweep)  # whose rtol comes before that of [run]
+    (line,) = problems(text + sweep)  # whose rtol comes before that of [run]
     assert line.startswith("[sweep] rtol: 1.0 is out of range")
 
 
-def test_an_unknown_function_leaves_nothing_else_missing(told):
+def test_an_unknown_function_leaves_nothing_else_missing(problems):
     table = '[sweep]\nfunction = "cycle"\nV_lp = ["1 um/s", "1 mm/s"]\nK = { from = "1 MPa/m" }\n'
     slider = "\n".join(line for line in SLIDER.splitlines() if not line.startswith("K ")) + "\n"
-    lines = told(table, slider=slider)
+    lines = problems(table, slider=slider)
     assert [line.partition(": ")[0] for line in lines] == [
         "[sweep] function",
         "[sweep] K.to",
@@ -410,8 +410,8 @@ def test_an_unknown_function_leaves_nothing_else_missing(told):
         ("t = [0, 1]\nV_lp = [1, 0]", "V_lp"),
     ],
 )
-def test_no_cycle_at_rest(told, function, table, place):
-    (line,) = told(f"[loading]\n{table}", function)
+def test_no_cycle_at_rest(problems, function, table, place):
+    (line,) = problems(f"[loading]\n{table}", function)
     assert line.startswith(
         f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {function}."
     )
@@ -446,16 +446,16 @@ def test_a_limit_cycle_says_from_which_start(b):
     ("symbol", "more"),
     [("b2", 'law = "two-state-slip"\nb2 = 1e-3\nDc2 = "50 um"\n'), ("damping", "damping = 1e3\n")],
 )
-def test_a_branch_along_what_the_slider_has(symbol, more, read, told):
+def test_a_branch_along_what_the_slider_has(symbol, more, read, problems):
     sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\n'
     sweep += f"{symbol} = {{ from = 2e-3, to = 1e-3 }}"
     wanted = {"parameter": symbol, "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
     assert read(sweep, slider=SLIDER + more).settings == wanted
-    (line,) = told(sweep)
+    (line,) = problems(sweep)
     assert line.startswith(f"[sweep] {symbol}: cannot be followed")
 
 
-def test_a_branch(read, told):
+def test_a_branch(read, problems):
     sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\nK = { from = 7e8, to = 3e8 }'
     scenario = read(sweep)
     assert scenario.function == "continue_cycle"
@@ -474,14 +474,14 @@ def test_a_branch(read, told):
         ("K = {from=1, to=2}", "[sweep] V_lp: is missing"),
         ("V_lp = {from=1, to=2}\nrtol = 1", "[sweep] rtol: 1.0 is out of range"),
     ]:
-        lines = told(branch + table)
+        lines = problems(branch + table)
         assert any(found.startswith(line) for found in lines), lines
 
 
-def test_a_rigid_spring_cannot_rest(told, read):
+def test_a_rigid_spring_cannot_rest(problems, read):
     slider = SLIDER.replace('"900 MPa/m"', "inf")
     steps = "[loading]\nV_lp = 1e-3\nsteps = [{t=5, hold=1}]\n[run]\nt_end = "
-    (line,) = told(f"{steps}10", slider=slider)
+    (line,) = problems(f"{steps}10", slider=slider)
     assert line.startswith(
         "[slider] K: inf moves the slider with the load point, which comes to re"
     )
@@ -490,11 +490,11 @@ def test_a_rigid_spring_cannot_rest(told, read):
         rs.simulate(rs.SpringSlider(a=1, b=1, Dc=1, sigma=1, K=np.inf), Loading.steps(1, (1, 0)), 2)
 
 
-def test_files_have_a_largest_size(told, folder):
+def test_files_have_a_largest_size(problems, folder):
     keys = "\n".join(f"k{i} = 1" for i in range(5000))
-    assert len(told(f"[loading]\nV_lp = 1\n[run]\nt_end = 1\n{keys}")) == 1
+    assert len(problems(f"[loading]\nV_lp = 1\n[run]\nt_end = 1\n{keys}")) == 1
     many = ", ".join(["{ t = 1, V_lp = 1 }"] * 1001)
-    (line,) = told(f"[loading]\nV_lp = 1\nsteps = [{many}]\n{RUN}")
+    (line,) = problems(f"[loading]\nV_lp = 1\nsteps = [{many}]\n{RUN}")
     assert "a list of 1001 is not a list of 1 to 1000 steps" in line
     path = folder / "large.toml"
     with path.open("wb") as file:
@@ -512,7 +512,7 @@ def test_files_have_a_largest_size(told, folder):
         load("a\0b")
 
 
-def test_no_more_than_a_hundred_problems_are_told(folder):
+def test_at_most_a_hundred_problems_are_listed(folder):
     path = folder / "many.toml"
     path.write_text("[slider]\n" + "\n".join(f"k{i} = 1" for i in range(500)))
     with pytest.raises(ParameterError) as caught:
