@@ -194,8 +194,7 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both, looks_as_before):
     )
     assert non_gaussian(both) == []
     assert non_gaussian(more) == ["a", "b", "Dc", "K"]
-    fig = plot.fit(more)
-    looks_as_before(fig, "fit_profiles")
+    fig = looks_as_before(plot.fit(more), "fit_profiles")
     drawn = [ax for ax in fig.axes if "likelihood of" in ax.get_title("left")]
     assert len(drawn) == 4  # a row without gaps
     x, y = drawn[2].lines[0].get_data()
@@ -240,8 +239,7 @@ def test_the_page_of_cycles(both, looks_as_before):
     )
     made = made.assign_coords(law="slip")
     made.attrs = part.attrs | {"against": "cycles"}
-    fig = plot.figure(made)
-    looks_as_before(fig, "page_fit_of_cycles")
+    fig = looks_as_before(plot.figure(made), "page_fit_of_cycles")
     found = panels(fig)
     assert np.ptp(lines(found["b"], "slip law")[0]) == pytest.approx(0.4, rel=0.02)
     off = found["c"].lines[-1].get_ydata()

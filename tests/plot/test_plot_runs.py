@@ -139,8 +139,7 @@ def test_runs_over_two_dimensions():
 def test_a_page_compares_runs(looks_as_before):
     K = xr.DataArray([6e8, 9e8, 2e9], dims="K")
     runs = rs.simulate(SLIDER.replace(K=K), STEP, 0.1, times=TIMES)
-    fig = plot.figure(runs)
-    looks_as_before(fig, "page_runs")
+    fig = looks_as_before(plot.figure(runs), "page_runs")
     stress, speed, plane = panels(fig)
     names = [f"$K$ = {value} GPa/m" for value in (0.6, 0.9, 2)]
     assert legend(stress) == names

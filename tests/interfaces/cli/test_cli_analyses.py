@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import scenario_files
 import xarray as xr
-from command_line import call
+from command_line import call, refuse, succeed
 
 import ratestate as rs
 from ratestate import files
@@ -78,8 +78,7 @@ def parse_strict(text):
 @pytest.mark.parametrize("command", COMMANDS)
 def test_numbers_are_those_of_the_python_api(command, lab, api):
     out = lab.with_name("out.nc")
-    result = call(command, lab, *COMMANDS[command][0], "--json", "--out", out)
-    assert result.exit_code == 0, result.output
+    result = succeed(command, lab, *COMMANDS[command][0], "--json", "--out", out)
     assert result.stderr == f"wrote {out}\n"
     xr.testing.assert_identical(files.read(out), api[command])
     found = parse_strict(result.stdout)
@@ -316,8 +315,7 @@ def test_the_last_cycle_is_told_over_the_stress_that_it_is_over(lab):
 @pytest.mark.parametrize("options", [[], ["--json"]])
 def test_a_run_that_nothing_disturbs_says_so_once(options, lab):
     changed(lab, UNDISTURBED)
-    result = call("run", lab, *options)
-    assert result.exit_code == 0, result.output
+    result = succeed("run", lab, *options)
     (line,) = result.stderr.splitlines()
     assert line.startswith("warning: the run starts on steady sliding at V_lp = 3.2 mm/s, which is")
     assert "K = 500 MPa/m is below K_c = 907.2 MPa/m" in line
@@ -350,8 +348,7 @@ def test_a_sweep_is_announced_in_one_line(command, lab):
 def test_a_run_that_runs_away_is_written_and_drawn_up_to_there(options, lab, tmp_path):
     lab.write_text(LAB.replace('"3000 kg/m^2"', "0"))
     numbers, picture = tmp_path / "run.nc", tmp_path / "run.png"
-    result = call("run", lab, "--out", numbers, "--plot", picture, *options)
-    assert result.exit_code == 2
+    result = refuse("run", lab, "--out", numbers, "--plot", picture, *options)
     *wrote, error, slider = result.stderr.splitlines()
     assert wrote == [f"wrote {numbers}", f"wrote {picture}"]
     end = float(files.read(numbers).time[-1])
@@ -382,8 +379,7 @@ def test_a_stable_slider_without_mass_and_without_a_cycle(lab):
 
 def test_a_cycle_that_is_none_and_limits_that_are_infinite(lab):
     lab.write_text(LAB.replace("3.2 mm/s", "1 mm/s").replace("t_end", "rtol = 1e-5\nt_end"))
-    result = call("cycle", lab)
-    assert result.exit_code == 0
+    succeed("cycle", lab)
     found = parse_strict(call("cycle", lab, "--json").stdout)
     assert found["data_vars"]["period"]["data"] is None
     assert found["data_vars"]["multipliers_real"]["data"] == [None, None]
@@ -399,9 +395,6 @@ def test_output_of_the_file_is_for_run_alone(lab):
     assert call("cycle", lab).exit_code == 0
     assert call("run", lab, "--out", "y.csv").exit_code == 0
     assert sorted(path.name for path in lab.parent.iterdir()) == ["lab.toml", "x.png", "y.csv"]
-
-
-# ---------------------------------------------------------------------------------------- sweeps
 
 
 def test_a_sweep_in_memory(lab):
@@ -483,12 +476,6 @@ def test_the_frequencies_of_a_response(lab):
     assert "is swept, 3 cases" in result.stderr
     title = "6 cases of frequency_response over K (3 from 900 MPa/m to 3 GPa/m), frequency (2 from"
     assert title in result.stdout
-
-
-# ------------------------------------------------------------------------------------------ again
-
-
-# ------------------------------------------------------------------------------ what may go wrong
 
 
 def test_an_error_of_reading_is_not_called_one_of_writing(lab, monkeypatch):

@@ -9,7 +9,7 @@ import numpy as np
 import pandas
 import pytest
 import slide_hold_slide
-from command_line import call
+from command_line import call, succeed
 from lab_files import record_columns, write
 
 import ratestate as rs
@@ -86,8 +86,7 @@ def files(tmp_path_factory):
 @pytest.mark.parametrize("command", EVALUATIONS)
 def test_an_evaluation_is_printed_and_written(command, files, tmp_path):
     _, options, said, columns, summary = EVALUATIONS[command]
-    done = call(command, files(command), *options, "--out", tmp_path / "made")
-    assert done.exit_code == 0, done.output
+    done = succeed(command, files(command), *options, "--out", tmp_path / "made")
     assert [words for words in said if words not in done.stdout] == []
     names = {f"{command}.{ending}" for ending in ("nc", "csv", "png")}
     assert {one.name for one in (tmp_path / "made").iterdir()} == {*names, f"{command}_summary.csv"}

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from command_line import call
+from command_line import call, succeed
 
 from ratestate import limit_cycle
 from ratestate.files import read
@@ -81,8 +81,7 @@ def test_the_whole_contact_of_sweeps(file, tmp_path):
     file.write_text(text[: text.index("[run]")] + SWEEP)
     units = ["--units", "force_amplitude=mN,force=N"]
     for more in (["run", file], ["sweep", file, "--store", tmp_path / "x.zarr"]):
-        done = call(*more, "--out", tmp_path / "x.nc", *units)
-        assert done.exit_code == 0, done.stderr
+        done = succeed(*more, "--out", tmp_path / "x.nc", *units)
         assert "--units: this result has no force\n" in done.stderr
         data = read(tmp_path / "x.nc")
         assert data.force_amplitude.units == "mN"
