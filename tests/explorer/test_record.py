@@ -269,7 +269,7 @@ class TestServer:
                 body = contents if counted else iter([contents[:1000], contents[1000:]])
                 status, (header, _) = sent(port, own, body)
                 assert status == expected
-            assert "larger than the 0.3" in header["problem"]
+            assert "larger than the 0.2" in header["problem"]
 
     def test_a_file_must_come_in_time(self, port, monkeypatch):
         monkeypatch.setattr(lab_record, "SECONDS", 0.3)
