@@ -65,7 +65,7 @@ def law_file(tmp_path):
 
 @pytest.fixture
 def looks_as_before(request):
-    """Check that a figure is what is kept of it under a name."""
+    """Check that a figure is what is kept of it under a name; return it."""
     import pictures  # with it comes matplotlib
 
     return lambda fig, name: pictures.check(fig, name, request.config.getoption("--draw-anew"))

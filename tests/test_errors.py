@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 from ratestate.errors import MissingFileError, ParameterError
 from ratestate.interfaces.cli import main
 from ratestate.model.units import to_si
-from ratestate.scenario import loads, template
 
 LENGTH, STRESS = "Give a length such as '10 um'.", "Give a stress such as '2 MPa'."
 MASS = "Give a mass per area such as '3000 kg/m^2'."
@@ -63,9 +62,3 @@ def test_commands_name_the_option(tmp_path):
     done = CliRunner().invoke(main, ["fit", str(record), "--sigma", "3 m"])
     assert done.exit_code == 2
     assert f"error: --sigma = '3 m' is a length. {STRESS}" in done.stderr.splitlines()
-
-
-def test_scenario_files_name_the_key():
-    line = r"\nline 13, \[slider\] Dc: '10 MPa' is a stress\. Give a le"
-    with pytest.raises(ParameterError, match=line):
-        loads(template("lab").replace("5 um", "10 MPa"))

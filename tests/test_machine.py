@@ -38,12 +38,9 @@ V1 = "5:memory:/job\n4:cpu,cpuacct:/job/step\n3:name=systemd:/user\n"
     ("own", "limits", "cores"),
     [
         ("", {}, 12),
-        ("0::/\n", {"cpu_in_max": "300000 100000\n"}, 3),
         ("0::/\n", {"cpu_in_max": "210000 100000\n"}, 3),
         ("0::/\n", {"cpu_in_max": "10000 100000\n"}, 1),
-        ("0::/\n", {"cpu_in_max": "max 100000\n"}, 12),
         ("0::/\n", {"cpu_in_max": "9900000 100000\n"}, 12),
-        ("0::/a/b\n", {"a__cpu_in_max": "400000 100000", "a__b__cpu_in_max": "max 100000"}, 4),
         ("0::/a/b\n", {"a__cpu_in_max": "900000 100000", "a__b__cpu_in_max": "500000 100000"}, 5),
         ("0::/a\n", {"a__cpu_in_max": "what is this"}, 12),
     ],
@@ -64,9 +61,7 @@ def test_cores_of_the_first_kind_of_control_groups(group, quota, cores, at, tmp_
     assert machine.cores() == cores
 
 
-@pytest.mark.parametrize(
-    ("value", "cores"), [("5", 5), ("1", 1), ("40", 12), ("0", 12), ("", 12), ("-2", 12), ("x", 12)]
-)
+@pytest.mark.parametrize(("value", "cores"), [("5", 5), ("1", 1), ("40", 12), ("0", 12), ("x", 12)])
 def test_cores_by_the_environment(group, monkeypatch, value, cores):
     group("")
     monkeypatch.setenv("NUMBA_NUM_THREADS", value)
@@ -110,7 +105,7 @@ def test_more_cases_than_fit_are_refused_before_it_starts(function):
 
 
 @pytest.mark.parametrize(("bytes_there", "refused"), [(1599, True), (1600, False)])
-def test_the_line_between_too_large_and_not(monkeypatch, bytes_there, refused):
+def test_the_largest_request_that_fits(monkeypatch, bytes_there, refused):
     monkeypatch.setattr(machine, "memory", lambda: bytes_there)
     slider = SLIDER.replace(K=rs.logspace("K", 1e9, 1e10, 4) * np.inf)
 

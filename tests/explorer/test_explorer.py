@@ -61,60 +61,40 @@ OWN = {
 }
 
 
-def problem_of(field, texts):
-    """The problem of entries, which is said of this field alone."""
-    with pytest.raises(entries.BadEntries) as caught:
-        entries.state_of(texts)
-    assert list(caught.value.problems) == [field]
-    return caught.value.problems[field]
-
-
 class TestEntries:
     @pytest.mark.parametrize(
         ("field", "text", "said"),
         [
             ("K", "900 MPa", "K = '900 MPa' is a stress. Give a stiffness such as"),
-            ("a", "-1", "a = '-1' must be > 0"),
-            ("Dc", "ten", "is not a number with a unit"),
-            ("M", "", "M = '' is not a number with a unit. Give a mass per area"),
             ("M", "1" * 65, "M has no text of at most 64 characters"),
             ("sigma", 3, "sigma has no text"),
-            ("V_from", "0 m/s", "V_from = '0 m/s' must be > 0. Give a speed"),
             ("law", "dry", "law = 'dry' is unknown. Choose slip or aging or flash-heating"),
-            ("K", "1 m**9**9**9**9/Pa", "unknown unit"),
             ("friction_form", "asinh", "'asinh' does not go with law = 'slip'. Choose log or"),
             ("friction_form", 3, "friction_form = '3' does not go"),
             ("friction_form", "x" * 900, f"friction_form = '{'x' * 64}' does not go"),
         ],
     )
-    def test_what_is_wrong_is_said_of_its_field(self, field, text, said):
-        assert said in problem_of(field, VIBRATION | {field: text})
-
-    @pytest.mark.parametrize(("law", "form"), [("nagata", "cut-off"), ("flash-heating", "log")])
-    def test_a_form_that_does_not_go_is_said_of_its_menu(self, law, form):
-        texts = VIBRATION | OWN[law] | {"law": law, "friction_form": form}
-        said = f"friction_form = '{form}' does not go with law = '{law}'"
-        assert said in problem_of("friction_form", texts)
+    def test_a_problem_is_told_of_its_field(self, field, text, said):
+        with pytest.raises(entries.BadEntries) as caught:
+            entries.state_of(VIBRATION | {field: text})
+        assert list(caught.value.problems) == [field]
+        assert said in caught.value.problems[field]
 
     @pytest.mark.parametrize(
-        ("symbol", "text", "value"),
-        [("M", "500", 500.0), ("M", "0", 0.0), ("K", "inf", np.inf), ("V_lp", " 1.e-4 ", 1e-4)],
+        ("text", "value"),
+        [
+            *(("500", 500.0), ("0", 0.0), (" 1.e-4 ", 1e-4), ("1_000", None), ("5 5", None)),
+            *((text, None) for text in ("nan", "1e", "-5", "1e400", "1e-400", "1e21")),
+        ],
     )
-    def test_a_number_without_a_unit_is_in_SI(self, symbol, text, value):
-        assert entries.values_of(VIBRATION | {symbol: text})[symbol] == value
-
-    @pytest.mark.parametrize("text", ["1_000", "5 5", "nan", "1e", "-5", "1e400", "1e-400", "1e21"])
-    def test_not_every_text_is_a_number(self, text):
-        assert entries.values_of(VIBRATION | {"M": text}) is None
+    def test_a_number_without_a_unit_is_in_SI(self, text, value):
+        values = entries.values_of(VIBRATION | {"M": text})
+        assert values is None if value is None else values["M"] == value
 
     def test_all_problems_at_once(self):
         with pytest.raises(entries.BadEntries) as caught:
             entries.state_of({})
         assert set(caught.value.problems) == {*entries.SYMBOLS, "law"}
-
-    def test_presets_are_the_papers(self):
-        assert all(entries.state_of(preset["entries"]) for preset in presets())
-        assert entries.state_of(STICK_SLIP).slider == FIG4
 
 
 class TestLaws:
@@ -144,20 +124,16 @@ class TestLaws:
         text = exported("scenario", texts)
         assert scenario.loads(text).slider == state.slider
 
-    def test_laws_and_their_fields_are_told(self, law_file):
+    def test_the_page_lists_laws_and_their_fields(self, law_file):
         name = rs.register(law_file(MINE))
         told = {row["name"]: row for row in menus.menu()}
         assert list(told) == [*LAWS]
         own = ["b2", "Dc2", "damping", "alpha"]
-        assert told["two-state-slip"]["forms"] == {
-            "log": own,
-            "cut-off": ["b2", "Dc2", "V1", "V2", "damping", "alpha"],
-            "regularized": own,
-        }
-        assert [*told["nagata"]["forms"]] == ["log"]
+        cut_off = ["b2", "Dc2", "V1", "V2", "damping", "alpha"]
+        forms = {"log": own, "cut-off": cut_off, "regularized": own}
+        assert told["two-state-slip"]["forms"] == forms
         assert [*told["flash-heating"]["forms"]] == ["regularized"]
         assert told["two-state-slip"]["label"] == LAWS["two-state-slip"].label
-        assert {"aging", "dieterich"} <= {*told["aging"]["names"]}
         assert told[name]["names"] == (name, "mine")
         fields = {row["symbol"]: row for row in menus.fields(entries.state_of(VIBRATION).values)}
         assert list(fields)[: len(entries.SYMBOLS)] == [*entries.SYMBOLS]
@@ -166,7 +142,6 @@ class TestLaws:
         assert fields["Dc2"] == told | {"marked": False}
         assert [s for s, row in fields.items() if row["marked"]] == ["M", "K", "V_lp"]
         assert fields["m"]["text"] == "1.5"
-        assert (fields["V2"]["unit"], fields["alpha"]["text"]) == ("m/s", "0")
 
     def test_a_users_law_is_known_if_it_was_registered(self, law_file):
         path = law_file(MINE)
@@ -191,43 +166,17 @@ class TestLaws:
         assert said.startswith(f"law = '{more.get('law', 'slip')}' is unknown. Choose slip or")
         assert said.endswith("with your own law: ratestate explore --law-file FILE.py.")
 
-    def test_parameters_that_do_not_go_together_are_said_of_the_law(self):
-        with pytest.raises(entries.BadEntries) as caught:
-            entries.state_of(VIBRATION | {"law": "nagata", "c": "2.0", "b": "0"})
-        assert caught.value.problems == {
-            "law": "law = 'nagata' has b = 0 and c > 0. Give another b, or c = 0."
-        }
-
 
 class TestFriction:
     """Forms of friction, damping, and what a step of normal stress does."""
 
-    def test_a_form_of_friction_brings_its_fields(self):
-        texts = VIBRATION | {"friction_form": "Cut-off", "V1": "10 m/s", "V2": "1 um/s"}
-        state = entries.state_of(texts)
-        assert (state.slider.friction_form, state.slider.V2) == ("cut-off", 1e-6)
-        assert state.values["friction_form"] == "cut-off"
-        with pytest.raises(entries.BadEntries) as caught:
-            entries.state_of(VIBRATION | {"friction_form": "cut-off", "V1": "10 m/s"})
-        assert list(caught.value.problems) == ["V2"]
-
-    def test_without_one_it_is_that_of_the_law(self):
-        own = OWN["flash-heating"] | {"law": "flash-heating"}
-        old, own = (
-            {name: text for name, text in texts.items() if name not in ("friction_form", "alpha")}
-            for texts in (VIBRATION, own)
-        )
-        assert entries.state_of(old).slider == FIG2
-        heated = entries.state_of(old | own)
-        assert heated.slider.friction_form == "regularized"
-
-    def test_kernels_are_those_of_what_is_shown(self):
+    def test_a_solver_is_chosen_by_law_form_damping_and_stress(self):
         plain = kind_of(entries.state_of(VIBRATION))
         assert plain == ("slip", "log", (), False)
         changes = [{"friction_form": "regularized"}, {"damping": "1 kPa s/m"}, {"law": "aging"}]
         kinds = {kind_of(entries.state_of(VIBRATION | change)) for change in changes}
         assert len(kinds | {plain}) == 4
-        for more in ({"a": "0.004"}, {"kick": "3"}, {"protocol": "0 m/s for 1 s"}):
+        for more in ({"kick": "3"}, {"protocol": "0 m/s for 1 s"}):
             assert kind_of(entries.state_of(VIBRATION | more)) == plain
         for more in ({"sigma_from": "3 MPa"}, {"protocol": "1 m/s at 3 MPa for 1 s"}):
             assert kind_of(entries.state_of(VIBRATION | more)) == plain._replace(sigma_varies=True)
@@ -261,7 +210,7 @@ class TestWire:
             *('{"id": 1, "ask": "rm"}', '{"id": 1, "ask": ["csv"]}', " " * (wire.LONGEST + 1)),
         ],
     )
-    def test_what_is_no_question_is_refused(self, text):
+    def test_malformed_questions_are_refused(self, text):
         with pytest.raises(wire.BadQuestion):
             wire.checked(wire.Question, text)
 
@@ -280,7 +229,7 @@ class TestPicture:
         assert arrays["run_stress"][0] == pytest.approx(0.6 - 0.003 * np.log(1e4), rel=1e-12)
         assert header["steady"] == pytest.approx(0.6 - 0.003 * np.log(1e5), rel=1e-12)
 
-    @pytest.mark.parametrize("V_from", ["50 um/s", "10 nm/s", "1 nm/s", "1e-12 m/s", "1e-15 m/s"])
+    @pytest.mark.parametrize("V_from", ["50 um/s", "1 nm/s", "1e-15 m/s"])
     def test_a_fifth_of_the_time_shown_is_before_a_step(self, V_from):
         """However slow the motion before: there it rests at its stress maximum."""
         _, arrays = painted(STICK_SLIP | {"V_from": V_from})
@@ -318,19 +267,15 @@ class TestPicture:
         assert arrays["run_V"][-1] > 1e3
         assert "cycle_V" not in arrays
 
-    def test_a_run_that_has_not_settled_says_so(self):
-        near = painted(VIBRATION | {"V_lp": "3.16228 mm/s"})  # V_c is 3.162278 mm/s
-        told = [text for text in near[0]["notes"] if "has not decayed" in text]
-        assert told == [
-            "The run shown is 40 cycles long, and its transient has not decayed by then."
-        ]
-        period = near[0]["numbers"]["period"]
-        assert near[1]["run_time"][-1] == pytest.approx(40.0 * period, rel=1e-5)
+    def test_a_run_that_has_not_settled_is_reported(self):
+        cycles, arrays = painted(VIBRATION | {"V_lp": "3.16228 mm/s"})  # V_c is 3.162278 mm/s
+        said = "The run shown is 40 cycles long, and its transient has not decayed by then."
+        assert said in cycles["notes"]
+        period = cycles["numbers"]["period"]
+        assert arrays["run_time"][-1] == pytest.approx(40.0 * period, rel=1e-5)
         assert painted(STICK_SLIP)[0]["notes"] == []
-        damped, arrays = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
+        damped, _ = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
         assert "oscillations long, and its transient has not decayed" in damped["notes"][0]
-        late = arrays["run_V"][arrays["run_time"] > 0.95 * arrays["run_time"][-1]]
-        assert np.ptp(late) > 1e-3 * 3.16e-3
 
     def test_a_start_that_was_not_found_is_said(self, monkeypatch):
         attractor = picture._attractor
@@ -342,13 +287,6 @@ class TestPicture:
         header, _ = painted(STICK_SLIP | {"V_from": "100 um/s", "V_lp": "50 um/s"})
         assert "No limit cycle was found at the speed and normal stress" in header["notes"][0]
 
-    def test_work_is_cut_and_that_is_said(self):
-        header, arrays = painted(STICK_SLIP, seconds=0.0)
-        assert "the search was ended after 0 s" in header["sentences"][0]
-        assert header["numbers"]["regime"] == "unknown"
-        assert header["notes"][0].startswith("No run is shown: of ")
-        assert arrays["run_time"].size == 0
-
     def test_a_run_that_got_nowhere_is_not_tried_again(self, monkeypatch):
         tried = []
 
@@ -359,8 +297,14 @@ class TestPicture:
 
         monkeypatch.setattr(picture, "_attractor", lambda *_: (rs.SolverError("none"), None))
         monkeypatch.setattr(SimulateCall, "move", stopped)
-        header, arrays = painted(VIBRATION)
+        header, _ = painted(VIBRATION)
         assert len(tried) == 1
+        assert header["notes"][0].startswith("No run is shown: of ")
+
+    def test_a_search_that_takes_too_long_is_reported(self):
+        header, arrays = painted(STICK_SLIP, seconds=0.0)
+        assert "the search was ended after 0 s" in header["sentences"][0]
+        assert header["numbers"]["regime"] == "unknown"
         assert header["notes"][0].startswith("No run is shown: of ")
         assert arrays["run_time"].size == 0
 
@@ -466,7 +410,7 @@ class TestCharts:
             ),
         ],
     )
-    def test_where_there_is_no_map_that_is_said(self, changes, said):
+    def test_a_missing_map_has_a_message(self, changes, said):
         with pytest.raises(rs.ParameterError, match=said):
             charts.chart(FIG2.replace(**changes), 4, Deadline(60.0))
 
@@ -481,7 +425,7 @@ class TestCharts:
         for name, values in arrays.items():
             assert np.array_equal(values, found[name].values.ravel(), equal_nan=True), name
 
-    def test_it_is_bounded(self):
+    def test_the_time_for_a_chart_is_bounded(self):
         slider = entries.state_of(VIBRATION).slider
         with pytest.raises(rs.ParameterError, match="60 x 60 points of the map take more than 0 s"):
             charts.chart(slider, 60, Deadline(0.0))
@@ -580,7 +524,7 @@ class TestServer:
             free.set()
             assert answered(second, 1)[0]["kind"] == "file"
 
-    def test_nonsense_is_shown_the_door(self, port):
+    def test_repeated_nonsense_closes_the_connection(self, port):
         with page(port) as socket:
             for _ in range(session.NONSENSE - 1):
                 socket.send("nonsense")
@@ -668,7 +612,7 @@ class TestServer:
         ours = [t for t in threading.enumerate() if t.name.startswith("explorer")]
         assert len(ours) <= 4  # those of the pools stay
 
-    def test_any_message_is_borne(self, port, monkeypatch):
+    def test_no_message_stops_the_server(self, port, monkeypatch):
         monkeypatch.setattr(session, "NONSENSE", 10**6)
         values = st.recursive(
             st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
@@ -731,8 +675,3 @@ class TestServe:
         for bad in (-1, 70000, "80", True):
             with pytest.raises(rs.ParameterError, match="whole number from 0 to 65535"):
                 server.listen(bad)
-
-    def test_without_a_wish_any_port_will_do(self):
-        with server.listen() as first, server.listen() as second:
-            assert first.getsockname() != second.getsockname()
-            assert first.getsockname()[0] == "127.0.0.1"

@@ -2,7 +2,6 @@
 
 import functools
 import re
-import struct
 from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
@@ -61,7 +60,7 @@ def by_label(ax):
 
 
 class TestCurves:
-    def test_they_are_those_of_simulate(self):
+    def test_curves_equal_those_of_simulate(self):
         state = entries.state_of(STICK_SLIP)
         plan = picture.study_of(state, Deadline(60.0)).plan
         run = rs.simulate(plan.slider, **plan.settings, rtol=1e-6)
@@ -190,13 +189,6 @@ class TestFiles:
         assert fonts
         assert set(fonts) == {b"/FontFile2"}  # TrueType, whole
         assert b"/Type3" not in content
-
-    def test_the_png_is_twice_as_fine_as_a_page(self, files):
-        content = files["png"]
-        assert content[:8] == b"\x89PNG\r\n\x1a\n"
-        width, height = struct.unpack(">II", content[16:24])
-        assert width == round(7.2 * 96) * 2
-        assert height == int((overview.HEIGHT + overview.ROW) * 192)
 
     def test_two_at_once_are_as_each_alone(self):
         both = [STICK_SLIP | {"a": "0.01", "M": M} for M in ("0", "100")]  # without a map

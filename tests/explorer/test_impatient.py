@@ -51,7 +51,7 @@ def test_a_half_open_connection_is_closed(sent, port):
         assert time.monotonic() - start > 0.4
 
 
-def test_so_is_one_after_its_first_request(port):
+def test_a_connection_is_closed_after_a_half_request(port):
     request = b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n"
     with socket.create_connection(("127.0.0.1", port), timeout=20) as half:
         half.sendall(request + b"\r\n" + request)

@@ -14,7 +14,7 @@ FIELDS = menus.fields(entries.state_of(menus.presets()[0]["entries"]).values)
 FOUND = menus.meanings(field["symbol"] for field in FIELDS)
 
 
-def test_every_field_has_one():
+def test_every_field_has_a_meaning():
     for field in FIELDS:
         meaning = FOUND[field["symbol"]]
         assert meaning["name"] == field["name"]
@@ -38,7 +38,7 @@ def test_names_and_units_are_the_packages_where_it_has_them():
 
 
 @pytest.mark.parametrize("symbol", FOUND)
-def test_it_is_one_or_two_plain_sentences(symbol):
+def test_a_meaning_has_one_or_two_plain_sentences(symbol):
     text = FOUND[symbol]["text"]
     assert 1 <= len(re.findall(r"[.](?= |$)", text)) <= 3
     assert 30 <= len(text) <= 200

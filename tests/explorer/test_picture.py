@@ -78,7 +78,7 @@ def test_both_critical_speeds_are_marked_where_there_are_two():
         (FIG1, ["K"]),  # a rigid spring has no critical speed or mass
     ],
 )
-def test_what_does_not_exist_is_not_marked(slider, there):
+def test_missing_critical_values_are_not_marked(slider, there):
     found = marks(verdict(slider, 1e-4))
     assert [field for field, rows in found.items() if rows] == there
 

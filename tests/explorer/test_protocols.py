@@ -42,14 +42,10 @@ class TestEntries:
         [
             ("-3 m/s for 1 s", "V of segment 1 = '-3 m/s' must be >= 0. Give a speed"),
             ("1 m/s for 1 s; 3 MPa for 1 s", "V of segment 2 = '3 MPa' is a stress. Give"),
-            ("1 m/s for 0 s", "duration of segment 1 = '0 s' must be > 0. Give a time"),
-            ("1 m/s at 0 Pa for 1 s", "sigma of segment 1 = '0 Pa' must be > 0. Give a stress"),
             ("1 m/s at for 1 s", "sigma of segment 1 = '' is not a number with a unit. Give"),
-            ("1 m/s; 1 m/s for 2 s", "segment 1 = '1 m/s' is not a segment. Give 'V for T' or"),
             ("1 m/s for 2 s;", "segment 2 = '' is not a segment. Give 'V for T' or 'V at"),
             ("1e21 for 1 s", "V of segment 1 = '1e21 m/s' is beyond any size"),
             (" ", "protocol is empty. Give 'V for T' or 'V at SIGMA for T'"),
-            (3, "protocol is empty"),
             ("; ".join(["1 m/s for 1 s"] * 21), "has 21 segments in 313 characters, and a page"),
             ("1 m/s for 1 s" + " " * 988, "has 1 segments in 1001 characters, and a page may have"),
             ("9" * 900, f"segment 1 = '{'9' * 64}' is not a segment"),
@@ -60,7 +56,7 @@ class TestEntries:
         assert list(problems) == ["protocol"]
         assert said in problems["protocol"]
 
-    def test_all_that_is_wrong_is_said_at_once(self):
+    def test_all_problems_of_a_protocol_are_reported(self):
         said = problem(STEADY | {"protocol": "-1 m/s for 1 s; 1 m/s for 1 s; x for 2 s"})[
             "protocol"
         ]

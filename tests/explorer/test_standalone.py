@@ -68,11 +68,6 @@ class TestRecording:
         monkeypatch.setattr(charts, "SIZES", (71, 72))
         assert charts.size_in_time(slider, Deadline(0.0)) is None
 
-    def test_what_has_no_map_says_why(self):
-        rows = recorded(exports.standalone(STICK_SLIP | {"a": "0.01"}, [], Deadline(60.0)))
-        assert rows[2][2]["kind"] == "problem"
-        assert "never weakens" in rows[2][2]["problems"]["map"]
-
     def test_the_server_gives_it_as_a_file(self):
         question = wire.Question(1, "page", STICK_SLIP, pinned=(VIBRATION,))
         file = exports.export(question, Deadline(60.0))

@@ -48,21 +48,13 @@ def test_units_fit_and_errors_are_beside_values(data):
     assert table.iloc[1, 4:].tolist() == ["cut by the end", "cut, by the end"]
 
 
-@pytest.mark.parametrize("factor", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
 @pytest.mark.parametrize(
     ("name", "unit", "size"),
     [
-        ("V_before", "um/s", 1e-6),
-        ("peak_slip_rate", "um/s", 1e-6),
-        ("tau_max", "MPa", 1e6),
-        ("slip", "um", 1e-6),
-        ("Dc", "um", 1e-6),
-        ("step_delta_lp", "mm", 1e-3),
-        ("t_hold", "s", 1.0),
-        ("K", "GPa/m", 1e9),
-        ("damping", "MPa s/m", 1e6),
-        ("M", "kg/m^2", 1.0),
-        ("trend_slip", "1/m", 1.0),
+        *(("V_before", "um/s", 1e-6), ("tau_max", "MPa", 1e6), ("Dc", "um", 1e-6)),
+        *(("step_delta_lp", "mm", 1e-3), ("t_hold", "s", 1.0), ("K", "GPa/m", 1e9)),
+        *(("damping", "MPa s/m", 1e6), ("M", "kg/m^2", 1.0), ("trend_slip", "1/m", 1.0)),
     ],
 )
 def test_a_quantity_has_one_unit_whatever_its_values(name, unit, size, factor):
@@ -95,6 +87,6 @@ def test_units_may_be_chosen(data):
         ("event", {"slip": "kPa"}, "slip = 'kPa'"),
     ],
 )
-def test_what_is_not_there_is_refused(data, dim, units, text):
+def test_unknown_variables_are_refused(data, dim, units, text):
     with pytest.raises(rs.ParameterError, match=text):
         laboratory_csv(data, dim, units)

@@ -35,3 +35,10 @@ def check(data, rows=slice(None), friction=MU):
     np.testing.assert_array_equal(data.time, T[rows])
     np.testing.assert_allclose(data.delta_lp, 1e-6 * X[rows], rtol=3e-16)
     np.testing.assert_array_equal(data.friction, friction[rows])
+
+
+def record_columns(data, **more):
+    """Title -> values, as laboratories have them, of a record in SI; `more` has other columns."""
+    columns = {"Time(s)": data.time, "Displ(microns)": 1e6 * data.delta_lp}
+    columns |= {"Friction": data.friction} if "friction" in data else {}
+    return {title: np.asarray(values) for title, values in (columns | more).items()}

@@ -97,7 +97,7 @@ def close(x, y):
 
 
 def check(fig, name, anew):
-    """Compare a figure with the words kept under this name."""
+    """Compare a figure with the words kept under this name; return it."""
     path, words = FOLDER / f"{name}.txt", described(fig)
     if anew:
         FOLDER.mkdir(exist_ok=True)
@@ -110,3 +110,4 @@ def check(fig, name, anew):
     ]
     assert not other, "\n".join(other)
     assert len(words) == len(kept)
+    return fig

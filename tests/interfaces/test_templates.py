@@ -8,7 +8,6 @@ import pytest
 from paths import TEMPLATES as FOLDER
 
 import ratestate as rs
-from ratestate import ParameterError
 from ratestate.friction.laws import DEFAULT, one_length_laws
 from ratestate.friction.stability import omega_c
 from ratestate.model.quantities import QUANTITIES
@@ -78,12 +77,6 @@ def test_its_law_is_filled_in():
     found = others.replace('"', "").split(" or ")
     assert found == [law for law in one_length_laws() if law != "aging"]
     assert "Add --law slip,aging to compare laws" in template("record")
-
-
-def test_an_unknown_template_is_refused():
-    for take in (template, files_of, description, commands):
-        with pytest.raises(ParameterError, match=r"one of lab, .*million. Did you mean brake\?"):
-            take("barke")
 
 
 def swept(scenario):
@@ -184,46 +177,31 @@ def test_recorded_loading():
 
 
 def test_sinusoid():
-    """The swing of the stress against linear response, eqs 1 and 3 about steady sliding."""
+    """The swing is 50 times that of slow changes, at the frequency of the critical stiffness."""
     scenario, result = done("sinusoid")
     slider, (call,) = scenario.slider, scenario.settings["loading"].calls
     V, amplitude, _, frequency = call.arguments.values()
-    omega = 2 * np.pi * frequency
-    s = 1j * omega
-    # friction's answer to V exp(s t): a - b V/(Dc s + V), over V; force balance K (U - V)/s = tau
-    friction = slider.sigma / V * (slider.a - slider.b * V / (slider.Dc * s + V))
-    tau = amplitude / (1 / friction + s / slider.K)
     end = result.sel(time=slice(1400, None)).tau
     swing = float(end.max() - end.min()) / 2
-    assert swing == pytest.approx(abs(tau), rel=3e-3)
-    slow = slider.sigma * (slider.b - slider.a) * amplitude / V
-    assert 45 < swing / slow < 55
-    own = omega_c(V, a=slider.a, b=slider.b, Dc=slider.Dc)
-    assert omega == pytest.approx(own, rel=0.01)
+    assert 45 < swing / (slider.sigma * (slider.b - slider.a) * amplitude / V) < 55
+    omega = omega_c(V, a=slider.a, b=slider.b, Dc=slider.Dc)
+    assert 2 * np.pi * frequency == pytest.approx(omega, rel=0.01)
 
 
 def test_lab():
     """Stick-slip that heals in the rest and loses stress with speed."""
     scenario, result = done("lab")
-    slider, sigma = scenario.slider, float(scenario.slider.sigma)
+    slider = scenario.slider
     assert not run(of_template("lab", "stability")).stable
     assert slider.K_c_qs == pytest.approx(12e9, rel=1e-12)  # as the comment says
     cycle = run(of_template("lab", "limit_cycle"))
     assert 0.05 < float(cycle.amplitude) < 0.15
     assert 5 < float(cycle.period) < 10
-    assert 0.01 < float(cycle.V_max) < 1
     assert float(result.amplitude) == pytest.approx(float(cycle.amplitude), rel=1e-3)
-    drop = {
-        name: float(window.max() - window.min()) / sigma
-        for name, window in {
-            "before": result.tau.sel(time=slice(10, 30)),
-            "rested": result.tau.sel(time=slice(141, 150)),
-            "faster": result.tau.sel(time=slice(205, 220)),
-        }.items()
-    }
-    assert drop["faster"] < drop["before"] < drop["rested"] - 0.02
-    rest = result.tau.sel(time=slice(60, 139.9))
-    assert (np.diff(rest) < 0).all()
+    windows = (result.tau.sel(time=slice(*ends)) for ends in ((205, 220), (10, 30), (141, 150)))
+    faster, before, rested = (float((x.max() - x.min()) / slider.sigma) for x in windows)
+    assert faster < before < rested - 0.02
+    assert (np.diff(result.tau.sel(time=slice(60, 139.9))) < 0).all()
 
 
 def test_brake():

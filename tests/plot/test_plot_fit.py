@@ -15,7 +15,7 @@ from ratestate import ParameterError, plot
 from ratestate.model.quantities import with_error
 from ratestate.plot.curves import MOST, _envelope, record_of
 from ratestate.plot.figures.fit_parts import SIZE, likelihood, non_gaussian, write
-from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical, warnings_of
+from ratestate.records.fitting.by_law import results_by_law, stiffness_over_critical
 
 HOLD = rs.Loading.steps("10 um/s", (30.0, 0.0), (130.0, "10 um/s"))
 
@@ -162,18 +162,7 @@ def test_letters_of_a_table_are_as_large_as_its_figure_allows(width, shrinks):
         assert 0.0 <= ends[0][0] < ends[-1][1] <= 100.0 * width
 
 
-def test_into_axes_that_are_given(both):
-    fig = Figure()
-    ax = fig.subplots()
-    assert plot.fit(both, ax) is fig
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == [
-        "recorded",
-        "slip law",
-        "aging law",
-    ]
-
-
-def test_what_is_no_fit_is_refused(both):
+def test_data_that_are_not_fits_are_refused(both):
     with pytest.raises(ParameterError, match="the Dataset that fit returns"):
         plot.fit(both.drop_attrs())
     with pytest.raises(ParameterError, match="x = 'slip' is unknown"):
@@ -205,8 +194,7 @@ def test_profiles_and_posteriors_have_a_row_of_their_own(both, looks_as_before):
     )
     assert non_gaussian(both) == []
     assert non_gaussian(more) == ["a", "b", "Dc", "K"]
-    fig = plot.fit(more)
-    looks_as_before(fig, "fit_profiles")
+    fig = looks_as_before(plot.fit(more), "fit_profiles")
     drawn = [ax for ax in fig.axes if "likelihood of" in ax.get_title("left")]
     assert len(drawn) == 4  # a row without gaps
     x, y = drawn[2].lines[0].get_data()
@@ -251,8 +239,7 @@ def test_the_page_of_cycles(both, looks_as_before):
     )
     made = made.assign_coords(law="slip")
     made.attrs = part.attrs | {"against": "cycles"}
-    fig = plot.figure(made)
-    looks_as_before(fig, "page_fit_of_cycles")
+    fig = looks_as_before(plot.figure(made), "page_fit_of_cycles")
     found = panels(fig)
     assert np.ptp(lines(found["b"], "slip law")[0]) == pytest.approx(0.4, rel=0.02)
     off = found["c"].lines[-1].get_ydata()
@@ -274,14 +261,6 @@ def test_the_error_of_stiffness_over_critical_is_that_of_draws(both):
     ratios = K * Dc / (-a_minus_b * SLIDER.sigma)
     assert ratio == pytest.approx(ratios.mean(), rel=1e-2)
     assert error == pytest.approx(ratios.std() / shrunk, rel=0.03)
-
-
-def test_each_law_has_its_own_words(both):
-    warned = both.assign(warnings=("law", ["beware\nof it", ""]))
-    assert [warnings_of(part) for part in results_by_law(warned).values()] == [
-        ["beware", "of it"],
-        [],
-    ]
 
 
 def test_the_lines_of_residuals_hold_95_percent_of_the_noise(both, drawn):

@@ -122,7 +122,7 @@ def test_a_failed_run_is_named_as_such():
         (3, "a run is not a Dataset"),
     ],
 )
-def test_what_is_no_run(runs, message):
+def test_data_that_are_not_runs_are_refused(runs, message):
     with pytest.raises(ParameterError, match=message):
         drawn(runs)
 
@@ -139,8 +139,7 @@ def test_runs_over_two_dimensions():
 def test_a_page_compares_runs(looks_as_before):
     K = xr.DataArray([6e8, 9e8, 2e9], dims="K")
     runs = rs.simulate(SLIDER.replace(K=K), STEP, 0.1, times=TIMES)
-    fig = plot.figure(runs)
-    looks_as_before(fig, "page_runs")
+    fig = looks_as_before(plot.figure(runs), "page_runs")
     stress, speed, plane = panels(fig)
     names = [f"$K$ = {value} GPa/m" for value in (0.6, 0.9, 2)]
     assert legend(stress) == names
@@ -173,7 +172,7 @@ def test_a_page_of_many_runs_is_that_of_their_sweep(number):
 
 
 @pytest.mark.parametrize("V", [1e-3, 2e-2])
-def test_what_is_constant_has_short_ticks(V):
+def test_a_constant_quantity_has_short_ticks(V):
     stable = rs.stability(SLIDER, V).stable
     with contextlib.nullcontext() if stable else pytest.warns(RunWarning):
         run = run_of(rs.Loading.constant(V), 5.0)
@@ -193,7 +192,7 @@ def test_what_is_constant_has_short_ticks(V):
         assert 0.08 < (high - low) / value < 0.25
 
 
-def test_a_small_motion_is_no_constant():
+def test_a_small_motion_fills_its_axis():
     run = run_of(rs.Loading.constant(1e-3)).assign(tau=lambda run: run.tau * (1 + 2e-5 * run.time))
     ax, _ = drawn(run)
     low, high = ax.get_ylim()

@@ -94,7 +94,7 @@ def test_columns_that_may_go_are_left_out_before_a_table_is_split():
     ]
 
 
-def test_of_nothing_there_is_no_range():
+def test_a_quantity_without_values_has_no_row():
     """A quantity that is NaN in all cases has no row."""
     slider = SLIDER.replace(M=0.0, K=xr.DataArray([5e8, 5.5e8], dims="K"))
     found = rs.sweep("limit_cycle", slider, V_lp=1e-3, progress=False)

@@ -163,6 +163,16 @@ class Shown:
         self.page.fill(f"#entry-{symbol}", text)
         self.page.press(f"#entry-{symbol}", "Enter")
 
+    def set(self, symbol, text):
+        """Type a value, and wait for its picture."""
+        self.type(symbol, text)
+        self.wait()
+
+    def choose(self, menu, value=None, **how):
+        """Choose from a menu, and wait for the picture."""
+        self.page.select_option(menu, value, **how)
+        self.wait()
+
     def entry(self, symbol):
         return self.page.input_value(f"#entry-{symbol}")
 

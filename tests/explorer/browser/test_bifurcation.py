@@ -83,8 +83,7 @@ def test_the_diagram_has_the_slider_on_it_and_is_clicked(show):
     after = float(shown.entry("K").split(" ")[0])
     assert after / before == pytest.approx(10 ** (0.02 - 0.2), rel=1e-3)
     # beyond K_c it slides steadily: amplitude 0
-    shown.type("K", "2 GPa/m")
-    shown.wait()
+    shown.set("K", "2 GPa/m")
     assert dot(shown, "branch-dot")[1] == pytest.approx(TOP + height * (1 - 0.06 / 1.12), abs=0.5)
     # the diagram is the same for all values of K
     shown.page.wait_for_timeout(400)  # longer than a key must rest
@@ -151,8 +150,7 @@ def test_a_slider_beside_a_cycle_lies_in_the_hatched_strip(show):
     assert shown.page.is_visible("text=coexistence")
     hatched = {}
     for K in (600.6, 601.6, 602, 602.4, 603.2):  # K_c is 601.2, K_fold 602.81
-        shown.type("K", f"{K} MPa/m")
-        shown.wait()
+        shown.set("K", f"{K} MPa/m")
         x, y = dot(shown)
         above = [x - 4, y - 35, 8, 20]  # outside the halo
         hatched[K] = shown.painted("#map-canvas", "jump", above).share
@@ -184,8 +182,7 @@ def test_the_map_zooms_by_keys_wheel_and_buttons(show):
     shown.wait()
     assert dot(shown)[0] - before == pytest.approx(0.02 * width / 5, abs=0.3)
     # a slider that leaves what is shown is followed
-    shown.type("K", "2 GPa/m")
-    shown.wait()
+    shown.set("K", "2 GPa/m")
     assert dot(shown)[0] == pytest.approx(LEFT + width / 2, abs=0.5)
     shown.page.keyboard.down("Control")
     shown.page.mouse.move(box["x"] + LEFT + width / 2, box["y"] + y)

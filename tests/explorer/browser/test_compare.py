@@ -20,8 +20,7 @@ def test_a_pinned_run_stays_on_all_charts(show):
     page.click("#pin")
     assert page.inner_text("#pins") == "the run shown\u00d7"
     page.select_option("#law", "aging")
-    shown.type("K", "700 MPa/m")
-    shown.wait()
+    shown.set("K", "700 MPa/m")
     assert shown.text("#pins") == "K = 960 MPa/m, law = slip\u00d7"
     assert min(pixels("pinned-1")) > 20
     assert pixels("pinned-2") == [0, 0, 0, 0]

@@ -24,8 +24,7 @@ def test_a_long_text_is_refused_and_the_connection_stays(show):
     shown.type("K", "\u00b5" * 9000)
     shown.page.wait_for_selector("#problem-K:visible")
     assert "K has no text of at most 64 characters" in shown.text("#problem-K")
-    shown.type("M", "500 kg/m^2")
-    shown.wait()
+    shown.set("M", "500 kg/m^2")
     assert shown.numbers["K/Kc"] == "0.8"
     assert sockets == []
 
@@ -46,8 +45,7 @@ def test_what_is_shown_is_grey_while_its_answer_takes_long(show, server):
     """As while a solver is compiled: here the server sleeps."""
     stale = "() => document.body.classList.contains('stale')"
     shown = show()
-    shown.type("K", "800 MPa/m")
-    shown.wait()
+    shown.set("K", "800 MPa/m")
     assert not shown.page.evaluate(stale)
     server.process.send_signal(signal.SIGSTOP)
     try:
@@ -124,47 +122,3 @@ def test_a_late_problem_of_a_chart_is_not_told(modules):
     )
     assert told[0] == [True, True, True, True, True, False]
     assert told[1] == ["chart", "missing", "window", "missing", "branch"]
-
-
-def test_what_waits_for_an_answer_is_told_when_that_will_not_come(modules):
-    told = modules.evaluate(
-        """async () => { const { Questions } = await import('/js/server/questions.js');
-        const told = [];
-        let id = 0;
-        const questions = new Questions(() => (id += 1), () => told.push('dropped'));
-        questions.ask({});
-        questions.whenRead(() => told.push('first'));
-        questions.settle();
-        questions.lose();  // all is answered
-        told.push(questions.isLost);
-        questions.ask({});
-        questions.whenRead(() => told.push('second'));
-        questions.lose();
-        told.push(questions.isLost);
-        questions.whenRead(() => told.push('third'));
-        questions.ask({});
-        questions.settle();
-        return told }"""
-    )
-    assert told == ["first", False, "dropped", True, "dropped"]
-
-
-def test_a_file_that_will_not_come_is_told(modules):
-    told = modules.evaluate(
-        """async () => { const { Sharing } = await import('/js/server/sharing.js');
-        document.body.innerHTML = '<button id=link></button><button id=csv data-file></button>';
-        const told = [];
-        let id = 0;
-        const sharing = new Sharing({ ready: act => act(), link: () => '', say: () => {},
-            ask: () => (id += 1), dropped: () => told.push('dropped') });
-        const csv = document.querySelector('#csv');
-        sharing.lose();
-        csv.click();
-        told.push(sharing.concerns({ id: 1 }));
-        sharing.lose();
-        csv.click();
-        sharing.lose();
-        sharing.lose();
-        return told }"""
-    )
-    assert told == [True, "dropped"]

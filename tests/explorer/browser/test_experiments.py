@@ -202,20 +202,6 @@ def test_the_list_is_edited(show):
     assert rows(shown)[-1][1] == "0.25 mm/s"
 
 
-def test_a_wrong_protocol_of_a_link_is_shown_and_said(show):
-    shown = show("protocol=0 m/s for 10 s")
-    shown.page.fill("#protocol input >> nth=1", "banana")
-    shown.page.keyboard.press("Enter")
-    shown.wait()
-    assert shown.text("#stale") == "Shown: the last valid values, no protocol; correct protocol."
-    shown.go(f"{STEADY}&protocol=hold it&kick=one")
-    assert "segment 1 = 'hold it' is not a segment. Give 'V for T'" in shown.text(
-        "#problem-protocol"
-    )
-    assert "kick = 'one' is not usable" in shown.text("#problem-kick")
-    assert [row[0] for row in rows(shown)] == ["before", "kick", "1", "then"]
-
-
 def test_what_the_load_point_does_is_drawn(modules):
     """Of a hold nothing is drawn on a logarithmic axis; a line is at each change."""
     speeds = """() => import('/js/common/changes.js').then(({ changes, speedOf }) => {

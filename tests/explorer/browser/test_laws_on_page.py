@@ -11,26 +11,22 @@ def test_friction_has_forms_with_fields_of_their_own(show):
     enabled = "#friction_form option:not([disabled])"
     assert shown.page.eval_on_selector_all(enabled, INNER) == ["log", "cut-off", "regularized"]
     assert not shown.page.is_visible("#entry-V2")
-    shown.page.select_option("#friction_form", "cut-off")
-    shown.wait()
+    shown.choose("#friction_form", "cut-off")
     assert (
         shown.page.inner_html(".field:has(#entry-V2) .symbol [data-meaning]")
         == "<i>V</i><sub>2</sub>"
     )
     shown.type("V1", "1 m/s")
-    shown.type("V2", "2 um/s")
-    shown.wait()
+    shown.set("V2", "2 um/s")
     cycle = rs.limit_cycle(FIG4.replace(friction_form="cut-off", V1=1.0, V2=2e-6), 1e-4)
     assert shown.numbers["amplitude of \u03c4/\u03c3"] == f"{float(cycle.amplitude):.4g}"
     # a law that it does not go with has its own; what was typed waits for its form
-    shown.page.select_option("#law", "nagata")
-    shown.wait()
+    shown.choose("#law", "nagata")
     assert shown.page.input_value("#friction_form") == "log"
     assert shown.page.eval_on_selector_all(enabled, INNER) == ["log"]
     assert not shown.page.is_visible("#entry-V2")
     shown.page.select_option("#law", "slip")
-    shown.page.select_option("#friction_form", "cut-off")
-    shown.wait()
+    shown.choose("#friction_form", "cut-off")
     assert shown.entry("V2") == "2 \u00b5m/s"
 
 
@@ -43,8 +39,7 @@ def test_a_link_whose_friction_does_not_go_with_its_law(show):
     assert "does not go with law = 'flash-heating'" in shown.text("#problem-friction_form")
     assert shown.text("#stale") == "Shown: the last valid values; correct friction_form."
     assert shown.page.is_visible("#entry-V_w")
-    shown.page.select_option("#friction_form", "regularized")
-    shown.wait()
+    shown.choose("#friction_form", "regularized")
     assert not shown.page.is_visible("#problem-friction_form")
     assert shown.page.eval_on_selector_all(".field input", texts) == fields
     assert len(fields) >= 20
@@ -54,16 +49,14 @@ def test_a_law_has_its_own_fields(show):
     shown = show()
     own = ["b2", "Dc2"]
     assert not any(shown.page.is_visible(f"#entry-{symbol}") for symbol in own)
-    shown.page.select_option("#law", label="two-state slip law")
-    shown.wait()
+    shown.choose("#law", label="two-state slip law")
     assert [shown.entry(symbol) for symbol in own] == ["0.002", "100 \u00b5m"]
     labels = shown.page.eval_on_selector_all(
         "#own .field:not([hidden]) .symbol [data-meaning]", INNER
     )
     assert labels[:2] == ["<i>b</i><sub>2</sub>", "<i>D</i><sub>c</sub><sub>2</sub>"]
     assert labels[2:] == ["damping", "<i>\u03b1</i>"]
-    shown.type("b2", "-0.001")
-    shown.wait()
+    shown.set("b2", "-0.001")
     slider = FIG4.replace(law="two-state-slip", b2=-0.001, Dc2=1e-4)
     K_c = float(rs.stability(slider, 1e-4).K_c)
     assert shown.numbers["Kc"] == f"{K_c / 1e9:.4g} GPa/m"
@@ -79,33 +72,20 @@ def test_a_law_has_its_own_fields(show):
     shown.page.wait_for_function("() => location.href.includes('Dc2=0.2+mm')")
     link = shown.page.evaluate("location.href")
     # another law has none of them, nor has the link; and they come back as they were
-    shown.page.select_option("#law", "aging")
-    shown.wait()
+    shown.choose("#law", "aging")
     shown.page.wait_for_function("() => !location.href.includes('Dc2')")
     assert not any(shown.page.is_visible(f"#entry-{symbol}") for symbol in own)
-    shown.page.select_option("#law", "two-state-slip")
-    shown.wait()
+    shown.choose("#law", "two-state-slip")
     assert shown.entry("Dc2") == "0.2 mm"
     other = show(link.partition("#")[2])
     assert other.page.input_value("#law") == "two-state-slip"
     assert other.entry("Dc2") == "0.2 mm"
 
 
-def test_damping_and_a_law_file(show):
+def test_a_law_file_is_in_the_menu(show):
     shown = show()
-    assert shown.entry("damping") == "0 Pa s/m"
-    shown.type("damping", "3 MPa s/m")
-    shown.wait()
-    slider = FIG4.replace(damping=3e6)
-    assert shown.numbers["Kc"] == f"{slider.K_c(1e-4) / 1e9:.4g} GPa/m"
-    shown.page.wait_for_function("() => location.href.includes('damping=3+MPa+s%2Fm')")
-    shown.page.select_option("#presets", index=2)
-    shown.wait()
-    assert shown.entry("damping") == "0 Pa s/m"
-    # a law file is in the menu
-    shown.page.select_option("#presets", index=1)
+    shown.choose("#presets", index=1)
     name = shown.page.eval_on_selector("#law option[value^=mine]", "option => option.value")
-    shown.page.select_option("#law", name)
-    shown.wait()
+    shown.choose("#law", name)
     assert shown.entry("m") == "1.5"
     assert "peak-to-peak" in shown.text("#headline")

@@ -73,8 +73,7 @@ def test_nothing_is_clipped_and_no_width_scrolls_sideways(show):
     for width, every in ((360, 1), (768, 4), (1280, 4)):  # the narrowest has least room
         shown.page.set_viewport_size({"width": width, "height": 740})
         for title in titles[1::every]:
-            shown.page.select_option("#presets", label=title)
-            shown.wait()
+            shown.choose("#presets", label=title)
             assert shown.page.evaluate(clipped) == [], (title, width)
             # (charts follow the window a moment later)
             shown.page.wait_for_function(fits, arg=width, timeout=5_000)
@@ -91,8 +90,7 @@ def test_nothing_moves_but_what_is_moved(show, width, height):
     shown.watch_shifts()
     moves = [("K", "1.1999 GPa/m"), ("K", "2 GPa/m"), ("K", "0.9 GPa/m"), ("M", "0"), ("M", "1e9")]
     for symbol, text in moves:
-        shown.type(symbol, text)
-        shown.wait()
+        shown.set(symbol, text)
     for chart in ("#machine", "#stress-chart", "#speed-chart", "#map-canvas", "#phase-canvas"):
         shown.page.hover(chart)
         shown.page.wait_for_timeout(50)

@@ -26,7 +26,7 @@ def test_it_opens_with_a_verdict(show):
     assert [path for path in paths if path != "icon.svg"] == ["", "page.css", "page.js"]
 
 
-def test_what_is_typed_is_taken(show):
+def test_typed_values_are_used(show):
     shown = show()
     assert shown.page.is_visible("#cycle-key")
     shown.type("K", "1.3e3 N/m^2/um")
@@ -41,8 +41,7 @@ def test_what_is_typed_is_taken(show):
     )
     assert shown.page.eval_on_selector_all("main [aria-live]", "all => all.length") == 0
     shown.page.select_option("#law", "aging")
-    shown.type("K", "0.96 GPa/m")
-    shown.wait()
+    shown.set("K", "0.96 GPa/m")
     shown.page.wait_for_function(
         "() => document.querySelector('#headline').textContent.includes('2.777')"
     )
@@ -57,8 +56,7 @@ def test_what_is_typed_is_taken(show):
     # a number in SI is given its unit
     in_SI = {"M": ("500", "kg/m\u00b2"), "V_lp": ("1e-4", "m/s"), "K": ("inf", "Pa/m")}
     for symbol, (text, _) in in_SI.items():
-        shown.type(symbol, text)
-    shown.wait()
+        shown.set(symbol, text)
     for symbol, (text, unit) in in_SI.items():
         assert shown.entry(symbol) == f"{text} {unit}"
     assert shown.text("#banner") == ""
@@ -71,12 +69,10 @@ def test_presets_are_the_papers_figures(show):
         "Fig. 6",
         "Fig. 1",
     ]
-    shown.page.select_option("#presets", label=options[5])
-    shown.wait()
+    shown.choose("#presets", label=options[5])
     assert shown.text("#headline").startswith("Quasi-harmonic vibration at 50.59 Hz")
     assert "Stepped from 100 \u00b5m/s to 3.2 mm/s" in shown.text("#stepped")
-    shown.page.select_option("#presets", label=options[7])
-    shown.wait()
+    shown.choose("#presets", label=options[7])
     assert "rigid" in shown.text("#reasons")
     assert shown.entry("K") == "inf Pa/m"
 
@@ -124,8 +120,7 @@ def test_a_wrong_entry_is_explained_and_the_picture_stays(show):
     # and nothing is taken along
     shown.page.click("#scenario")
     assert shown.text("#banner") == "Nothing was taken along: correct M first."
-    shown.type("M", "500 kg/m^2")
-    shown.wait()
+    shown.set("M", "500 kg/m^2")
     assert not shown.page.is_visible("#stale")
     assert shown.text("#banner") == ""
 
@@ -142,8 +137,7 @@ def test_sliders_of_what_has_no_logarithm_begin_near_what_is_usual(show):
     assert (10 < float(K[0]) < 1000, K[1]) == (True, "GPa/m")
     assert 0.1 < float(shown.entry("M").split(" ")[0]) < 100
     assert shown.page.get_attribute("#slider-K", "aria-valuetext").startswith(shown.entry("K"))
-    shown.type("K", "2 GPa/m")
-    shown.wait()
+    shown.set("K", "2 GPa/m")
     assert shown.page.get_attribute("#slider-K", "aria-valuetext") == "2 GPa/m, above K_c"
     assert not shown.page.is_visible("text=the slider is beyond the map")
 
@@ -163,8 +157,7 @@ def test_slip_that_reverses_is_drawn_on_a_linear_axis(show):
         assert 0.6 < drawn.bottom < 0.95, chart
         assert drawn.count > 100, chart
     # and back on a logarithmic one
-    shown.page.select_option("#friction_form", "log")
-    shown.wait()
+    shown.choose("#friction_form", "log")
     assert not shown.numbers["slowest"].startswith("-")
     assert "outside the domain" in shown.text("#reasons")
 

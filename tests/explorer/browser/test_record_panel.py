@@ -210,8 +210,7 @@ def test_a_record_is_shifted_and_stays_until_there_is_another(show, text):
     assert not [url for url in shown.requests if "large.txt" in url]
     # the record that there was stays
     assert "good.csv" in shown.text("#readout")
-    shown.type("K", "2 GPa/m")
-    shown.wait()
+    shown.set("K", "2 GPa/m")
     assert shown.text("#headline").startswith("Steady sliding")
     # of two the newer is read
     page.evaluate(DROP, [["first.csv", text]])

@@ -42,8 +42,7 @@ def taken(browser, server, tmp_path_factory):
     """What is taken along of a page with another run pinned; and what the page was."""
     shown = Shown(browser, server.address, VIBRATION.replace("K=900", "K=800"))
     shown.page.click("#pin")
-    shown.type("K", "900 MPa/m")
-    shown.wait()
+    shown.set("K", "900 MPa/m")
     shown.page.wait_for_function(MAPPED)
     folder = tmp_path_factory.mktemp("taken")
     yield types.SimpleNamespace(

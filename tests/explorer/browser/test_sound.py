@@ -142,8 +142,7 @@ def test_what_is_shown_is_played(show):
     since = page.evaluate("tapped.context.currentTime")
     page.wait_for_function(FILLED, arg=since)
     assert np.std(page.evaluate(SAMPLES)[1]) == pytest.approx(loud / 4, rel=0.05)
-    shown.type("K", "2 GPa/m")
-    shown.wait()
+    shown.set("K", "2 GPa/m")
     assert shown.text("#heard") == "steady sliding: silent"
     since = page.evaluate("tapped.context.currentTime")
     page.wait_for_function(FILLED, arg=since)

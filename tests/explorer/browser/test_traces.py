@@ -34,16 +34,14 @@ def test_a_zoom_stays_while_parameters_change(show):
     wanted = np.interp([0.25, 0.5], [0.002, 0.998], whole)
     zoomed = [time_at(page, share) for share in (0.002, 0.998)]
     np.testing.assert_allclose(zoomed, wanted, atol=0.01 * whole[1])
-    shown.type("K", "950 MPa/m")
-    shown.wait()
+    shown.set("K", "950 MPa/m")
     np.testing.assert_allclose([time_at(page, share) for share in (0.002, 0.998)], zoomed, 1e-3)
     page.click("#unzoom")
     assert page.is_disabled("#unzoom")
     assert time_at(page, 0.998) == pytest.approx(whole[1], rel=0.03)
     # of a zoom that a much shorter run lies before nothing is left
     drag(page, 0.6, 0.9)
-    shown.type("V_lp", "10 mm/s")
-    shown.wait()
+    shown.set("V_lp", "10 mm/s")
     assert page.is_disabled("#unzoom")
 
 

@@ -11,7 +11,7 @@ from urllib.parse import parse_qsl
 
 import numpy as np
 import pytest
-from command_line import call
+from command_line import call, refuse, succeed
 from matplotlib.figure import Figure
 
 import ratestate
@@ -53,15 +53,13 @@ def charted(monkeypatch):
 
 
 def test_version():
-    result = call("--version")
-    assert result.exit_code == 0
+    result = succeed("--version")
     assert result.output.strip() == ratestate.__version__
 
 
-def told(*arguments):
+def help_of(*arguments):
     """The help of a command, in one line."""
-    result = call(*arguments, "--help")
-    assert result.exit_code == 0
+    result = succeed(*arguments, "--help")
     return " ".join(result.output.split())
 
 
@@ -71,7 +69,7 @@ COMMANDS = [f"{group_of(function)} {function.__name__}".strip() for function in 
 
 @pytest.mark.parametrize("command", ["", *COMMANDS])
 def test_help_has_an_example_and_the_exit_codes(command):
-    text = told(*command.split())
+    text = help_of(*command.split())
     assert text.count(f"Example: ratestate {command}".rstrip()) == 1
     for code in (
         "0 done",
@@ -84,14 +82,14 @@ def test_help_has_an_example_and_the_exit_codes(command):
     assert "--debug" in text
 
 
-def test_words_in_brackets_are_told():
-    assert "as the table [output] of the file says" in told("run")
-    assert "as [sweep] says" in told("branch")
-    helps = "".join(told(*command.split()) for command in COMMANDS)
+def test_helps_show_words_in_brackets():
+    assert "as the table [output] of the file says" in help_of("run")
+    assert "as [sweep] says" in help_of("branch")
+    helps = "".join(help_of(*command.split()) for command in COMMANDS)
     assert "\\[" not in helps
     for command, function in zip(COMMANDS, cli.COMMANDS, strict=True):
         for word in re.findall(r"\[\w+\]", function.__doc__):
-            assert word in told(*command.split())
+            assert word in help_of(*command.split())
 
 
 def test_every_description_is_of_a_parameter():
@@ -175,15 +173,13 @@ V_lp = "1 um/s"
 steps = [{ t = "1 s", V_lp = "3 um/s" }, { t = "2 s", V_lp = "7 um/s" }]
 """
     rig.write_text(lines)
-    result = call("explore", rig, "--no-browser")
-    assert result.exit_code == 0, result.output
+    result = succeed("explore", rig, "--no-browser")
     asked = state_of(dict(parse_qsl(served[0]["fragment"])))
     wanted = scenario.load(rig, "stability")
     assert asked.slider == wanted.slider
     assert (asked.V_lp, asked.V_from) == (7e-6, None)
     rig.write_text(lines + '[sweep]\nM = ["1 kg/m^2", "2 kg/m^2"]\n')
-    result = call("explore", rig)
-    assert result.exit_code == 2
+    result = refuse("explore", rig)
     assert "a sweep over M" in " ".join(result.output.split())
     assert len(served) == 1
 
@@ -205,8 +201,7 @@ def test_init_lists_what_there_is(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ["lab", "record", "recorded-loading"])
 def test_init_writes_what_can_be_run(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    result = call("init", *([] if name == "lab" else [name]))
-    assert result.exit_code == 0, result.output
+    result = succeed("init", *([] if name == "lab" else [name]))
     wanted = templates.files_of(name)
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == wanted
     assert scenario.load(tmp_path / f"{name}.toml").function == "simulate"
@@ -214,8 +209,7 @@ def test_init_writes_what_can_be_run(name, tmp_path, monkeypatch):
     assert listed == templates.commands(name)
     assert call("init", name, "--out", "-").stdout == wanted[f"{name}.toml"]
     (tmp_path / "there").mkdir()
-    result = call("init", name, "--out", "there/my rig.toml")
-    assert result.exit_code == 0
+    result = succeed("init", name, "--out", "there/my rig.toml")
     found = {path.name for path in (tmp_path / "there").iterdir()}
     assert found == {"my rig.toml", *wanted} - {f"{name}.toml"}
     assert "run 'there/my rig.toml' --plot" in result.stdout
@@ -243,8 +237,7 @@ def test_init_leaves_nothing_if_a_file_cannot_be_written(tmp_path, monkeypatch):
         return replace(path, write)
 
     monkeypatch.setattr(files, "replace", full)
-    result = call("init", "record")
-    assert result.exit_code == 2
+    result = refuse("init", "record")
     assert result.stderr == "error: record.txt: No space left on device\n"
     assert not [*tmp_path.iterdir()]
 
@@ -263,7 +256,7 @@ def test_help_names_the_endings_of_files():
     """Written there by hand, since the formats would load what help must not."""
     listed = [("RESULT", files.READABLE), ("FILE", files.NUMBERS), ("FILE", files.place.PICTURES)]
     for what, endings in listed:
-        assert f" {what}{'|'.join(endings)} " in told("run")
+        assert f" {what}{'|'.join(endings)} " in help_of("run")
 
 
 def test_help_and_version_load_nothing_heavy():
@@ -294,8 +287,7 @@ ALL = [*"123456", "scheme", "branches", "basins"]
     ],
 )
 def test_figures_come_once_and_in_the_papers_order(arguments, asked, claims, made, tmp_path):
-    result = call("figures", *arguments, "--out", tmp_path)
-    assert result.exit_code == 0, result.output
+    result = succeed("figures", *arguments, "--out", tmp_path)
     assert made == asked
     written = {"claims_aging.md", "claims_aging.json"} if claims else set()
     assert {path.name for path in tmp_path.iterdir()} == written
@@ -316,14 +308,12 @@ OWN = ("--set", "V_cut=2", "--set", "M=1e-3")
     ],
 )
 def test_atlas_is_of_both_laws_unless_one_is_named(arguments, laws, options, charted, tmp_path):
-    result = call("atlas", *arguments, "--out", tmp_path / "new")
-    assert result.exit_code == 0, result.output
+    result = succeed("atlas", *arguments, "--out", tmp_path / "new")
     assert charted == [(law, {"b_over_a": 2.0, "n": 200} | options) for law in laws]
     assert str(tmp_path / "new" / f"atlas_{laws[-1]}.png") in result.stderr
 
 
 def test_atlas_without_instability_is_one_message(tmp_path):
-    result = call("atlas", "--b-over-a", 0.5, "--out", tmp_path)
-    assert result.exit_code == 2
+    result = refuse("atlas", "--b-over-a", 0.5, "--out", tmp_path)
     assert result.stderr.splitlines()[-1].startswith("error: --b-over-a = 0.5 ")
     assert list(tmp_path.iterdir()) == []

@@ -11,6 +11,7 @@ from pathlib import Path
 import command_line
 import numpy as np
 import pytest
+from lab_files import record_columns, write
 from naive import FIG2
 from synthetic_records import SLIDER, STEP, record
 
@@ -29,12 +30,8 @@ call = functools.partial(command_line.call, "fit")
 def written(path, *, noise=3e-4, sigma=True, rows=701):
     """A laboratory's file of a velocity step."""
     data = record(SLIDER, STEP, np.linspace(0.0, 140.0, rows), noise=noise)
-    columns = {"Time(s)": data.time, "Displ(microns)": 1e6 * data.delta_lp}
-    columns |= {"Friction": data.friction}
-    columns |= {"Normal_stress(MPa)": np.full(rows, 20.0)} if sigma else {}
-    table = np.column_stack([np.asarray(values) for values in columns.values()])
-    np.savetxt(path, table, "%.9g", "\t", header="\t".join(columns), comments="")
-    return path
+    stress = {"Normal_stress(MPa)": np.full(rows, 20.0)} if sigma else {}
+    return write(path, record_columns(data, **stress), number="{:.9g}".format)
 
 
 def _options():
@@ -170,10 +167,9 @@ def test_a_fit_of_cycles_writes_its_report_and_picture(tmp_path):
     slider = rs.SpringSlider(**FIG2).replace(K=7e8)
     t = np.linspace(0.0, 2.0, 4001)
     run = rs.simulate(slider, rs.Loading.constant(3.2e-3), 2.0, V_start=3e-3, times=t)
-    friction = run.tau / slider.sigma + 1e-4 * np.random.default_rng(1).normal(size=t.size)
-    table = np.column_stack([t, 1e6 * run.delta_lp, friction])[1000:]
-    header = "Time(s)\tDispl(microns)\tFriction"
-    np.savetxt(tmp_path / "cycles.txt", table, "%.9g", "\t", header=header, comments="")
+    noise = 1e-4 * np.random.default_rng(1).normal(size=t.size)
+    data = run[["delta_lp"]].assign(friction=run.tau / slider.sigma + noise)
+    write(tmp_path / "cycles.txt", record_columns(data.isel(time=slice(1000, None))))
     options = ["--sigma", "2 MPa", "--K", "7e8 Pa/m", "--M", f"{slider.M} kg/m^2"]
     options += ["--a", slider.a, "--Dc", "10 um", "--free", "b", "--against", "cycles"]
     out = tmp_path / "made"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command_line import call
+from command_line import call, refuse, succeed
 from synthetic_records import SLIDER, STEP, record
 
 from ratestate import describe_lab, files
@@ -37,8 +37,7 @@ OPTIONS = ("--columns", "delta_lp=2", "--columns", "tau=ch2", "--units", "delta_
 @pytest.fixture
 def lab(folder, monkeypatch):
     monkeypatch.chdir(folder)
-    done = call("lab", "describe", "r.txt", *OPTIONS)
-    assert done.exit_code == 0, done.output
+    done = succeed("lab", "describe", "r.txt", *OPTIONS)
     Path("mylab.toml").write_text(done.stdout, "utf-8")
     return done.stdout
 
@@ -49,8 +48,7 @@ def test_a_description_is_printed(lab):
     assert tomllib.loads(lab)["machine"] == {"K": "60 GPa/m"}
     done = call("lab", "describe", "r.txt", "--lab-format", "mylab.toml", "--M", "3000 kg/m^2")
     assert tomllib.loads(done.stdout)["machine"] == {"K": "60 GPa/m", "M": "3000 kg/m^2"}
-    done = call("lab", "describe", "r.txt")
-    assert done.exit_code == 2
+    done = refuse("lab", "describe", "r.txt")
     assert "no column is known as delta_lp or V_load" in done.stderr
     assert done.stdout == ""
 
@@ -73,25 +71,19 @@ def test_a_fit_needs_no_other_option_than_the_format(lab):
 
 
 def test_several_files_are_joined(lab):
-    one, two = (
-        json.loads(call("fit", *names, "--lab-format", "mylab.toml", "--json").stdout)["data_vars"]
-        for names in (["r.txt"], ["a.txt", "b.txt", "--join", "restart"])
+    names, given = ["a.txt", "b.txt"], ("--lab-format", "mylab.toml")
+    call("fit", *names, *given, "--join", "restart", "--out", "joined")
+    two, one = (
+        files.read("joined/fit.nc"),
+        json.loads(call("fit", "r.txt", *given, "--json").stdout),
     )
     for symbol in ("a", "b", "Dc"):
-        np.testing.assert_allclose(two[symbol]["data"], one[symbol]["data"], rtol=1e-3)
-    done = call("fit", "a.txt", "b.txt", "--lab-format", "mylab.toml", "--join", "absolute")
-    assert done.exit_code == 2
-    assert "b.txt begins at 0 s (line 2), before the end of a.txt at 59.8 s" in done.stderr
-
-
-def test_the_report_names_all_files(lab):
-    given = ("--lab-format", "mylab.toml", "--errors", "covariance")
-    done = call("fit", "a.txt", "b.txt", *given, "--out", "joined")
-    assert done.exit_code in (0, 3), done.output
+        np.testing.assert_allclose(two[symbol], one["data_vars"][symbol]["data"], rtol=1e-3)
     text = Path("joined/report.md").read_text("utf-8")
     assert text.startswith("# Fit of a.txt, b.txt")
-    assert "read_lab(['a.txt', 'b.txt'], lab_format='mylab.toml')" in text
-    assert "the times of b.txt restart" in text
+    assert "read_lab(['a.txt', 'b.txt'], lab_format='mylab.toml'" in text
+    done = call("fit", *names, *given, "--join", "absolute")
+    assert (done.exit_code, "b.txt begins at 0 s (line 2)" in done.stderr) == (2, True)
 
 
 def test_the_help_says_how_many_rows_are_read():

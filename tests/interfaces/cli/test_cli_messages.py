@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from command_line import call
+from command_line import call, refuse
 
 import ratestate.records
 from ratestate.interfaces.cli import laboratory
@@ -40,7 +40,7 @@ def test_options_of_python_stand_beside_those_of_the_command(text, options):
         assert re.search(rf"\(command line: .*--{name.replace('_', '-')}\b", text), name
 
 
-def test_such_sentences_are_found():
+def test_there_are_such_sentences():
     assert len([*sentences()]) > 25
 
 
@@ -51,12 +51,11 @@ def test_such_sentences_are_found():
         ("Time\tDispl(um)\tFriction", "--units time=s"),
     ],
 )
-def test_what_the_command_says_can_be_typed(tmp_path, head, words):
+def test_the_remedy_can_be_typed(tmp_path, head, words):
     """Its own words, with the titles of the file; given so, it is not asked for again."""
     path = tmp_path / "record.txt"
     path.write_text("\n".join([head, *(f"{i}\t{i}\t0.6" for i in range(50))]))
-    said = call("fit", path)
-    assert said.exit_code == 2
+    said = refuse("fit", path)
     assert f"(command line: {words})" in said.stderr
     option, value = words.split(" ", 1)
     again = call("fit", path, option, value.replace("'", ""))
@@ -67,8 +66,7 @@ def test_what_the_command_says_can_be_typed(tmp_path, head, words):
     ("option", "meant"), [("--each", "--per-step"), ("--per-stp", "--per-step")]
 )
 def test_an_unknown_option_names_the_one_that_is_meant(option, meant):
-    said = call("fit", option, "record.txt")
-    assert said.exit_code == 2
+    said = refuse("fit", option, "record.txt")
     assert f"No such option: {option} (Possible options: {meant})" in said.stderr
 
 

@@ -5,19 +5,13 @@ import re
 import pytest
 from command_line import call
 from lab_files import MU, T, X, write
+from scenario_files import SLIDER
 
 from ratestate.interfaces.cli import run_fit
 from ratestate.paper import atlas_figure, figures
 from ratestate.scenario.scenario import FUNCTIONS
 
-LAB = """
-[slider]
-a = 0.003
-b = 0.006
-Dc = "10 um"
-sigma = "2 MPa"
-K = "900 MPa/m"
-M = 3000
+LAB = f"""{SLIDER}M = 3000
 [loading]
 V_lp = "1 mm/s"
 [run]
@@ -32,29 +26,25 @@ REFUSED = [
     (["run", "none.toml"], "error: none.toml does not exist"),
     (["run"], "give either a file or --from"),
     (["run", "lab.toml", "--from", "x.nc"], "give either a file or --from"),
+    (["cycle", "lab.toml", "--law-file", "none.py"], "error: law file none.py does not exist"),
     (["run", "--from", "none.nc"], "error: none.nc does not exist"),
     (["run", "--from", "lab.toml"], "ends in .nc or .zarr"),
-    (["run", "--from", "x.csv"], "lacks the parameters"),
     # files to write
     (["cycle", "lab.toml", "--out", "x.txt"], "Give a name that ends in .nc, .csv or .zarr"),
     (["cycle", "lab.toml", "--plot", "x.nc"], "Give a name that ends in .png or .pdf"),
     (["cycle", "lab.toml", "--out", "no/x.nc"], "error: the folder of no/x.nc does not exist"),
     (["cycle", "lab.toml", "--out", "folder.nc"], "folder.nc is a folder, and is not replaced"),
-    (["cycle", "lab.toml", "--out", "folder.zarr"], "holds files that are not of one result"),
     (["cycle", "lab.toml", "--out", "/proc/x.nc"], "error: /proc/x.nc: cannot be written: "),
     (["figures", "1", "--out", "lab.toml"], "error: lab.toml: cannot be written: File exists"),
     # templates
     (["init", "barke"], "error: 'barke' is unknown. Give one of lab, brake, "),
-    (["init", "slide_hold_slide"], "Did you mean slide-hold-slide?"),
     (["init", "lab", "--out", "lab.tml"], "does not end in .toml"),
     (["init", "lab", "--out", "no/lab.toml"], "error: the folder of no/lab.toml does not exist"),
-    (["init", "lab", "--out", "/proc/lab.toml"], "error: /proc/lab.toml: cannot be written: "),
     # options of other commands
     ([*BRANCH, "--start", "1 mm/s"], "both are needed"),
     ([*BRANCH, "--parameter", "Q", *ENDS], "parameter = 'Q'"),
     ([*BRANCH, "--start", "1 mm", "--stop", "2 mm"], "start = '1 mm' is a length"),
     ([*BRANCH], "[sweep]: is missing. Give the parameter that the branch follows"),
-    ([*BRANCH, "--parameter", "K", "--start", "2 MN/m", "--stop", "1 MN/m"], "give the area too"),
     (["explore", "--port", "99999"], "--port"),
     (["explore", "--save", "x.html", "--port", "8765"], "--port is for serving the page"),
     (["explore", "--save", "x.html", "--no-browser"], "--no-browser is for serving the page"),
@@ -66,7 +56,6 @@ REFUSED = [
     (["atlas", "--law", "nagata", "--set", "c=1 um"], "plain number"),
     (["cycle", "lab.toml", "--units", "V=MPa"], "--units V = '1 MPa' is a stress"),
     (["cycle", "lab.toml", "--units", "speed=um/s"], "--units: speed is not a quantity"),
-    (["cycle", "lab.toml", "--units", "um/s"], "'um/s' has no NAME=..."),
     (["sweep", "lab.toml"], "--store"),
     (["sweep", "--store", "x"], "FILE.toml"),
     ([*SWEEP, "--chunk", "0"], "--chunk"),
@@ -77,22 +66,17 @@ REFUSED = [
     (["sweep", "--store", "x", "--slurm", "cores=four", "--job-script"], "slurm: cores = four is"),
     # records
     (["fit", "r.txt"], "no normal stress.*--sigma '20 MPa'"),
-    (["fit", "r.txt", "--sigma", "9 MPa", "--free", "a,b,Dc"], "K is neither free nor given. Add"),
-    (["fit", "r.txt", "--sigma", "1e300 MPa"], r"sigma = 1e\+297 GPa is impossible.*as '20 MPa'"),
     (["fit", "r.txt", "--time", "3 s"], "'3 s' is not START,END"),
     (["fit", "r.txt", "--law", "slip, Rina"], "law = 'Rina' is unknown"),
-    (["fit", "r.txt", "--columns", "friction"], "'friction' has no NAME="),
     (["fit", "r.txt", "--max-rows", "0"], "--max-rows = 0 is not a usable number"),
     (["fit", "r.txt", "--lab-format", "bad.toml"], r"\[units\] time = 'm' is not valid\. Give a"),
     (["fit", "none.txt", "--out", "new/made"], "none.txt"),
-    (["fit", "none.txt", "--out", "folder.nc"], "none.txt"),
     (["fit", "."], "fit of .,"),
     (["fit", "r.txt", "--sigma", "9 MPa", "--out", "."], "is not a report of ratestate fit"),
     (["events", "r.txt"], "Give sigma"),
     (["stiffness", "r.txt"], "Give sigma"),
     (["healing", "r.txt", "--out", "made"], "no hold"),
     (["healing", "r.txt", "--noise", "nonsense"], "nonsense"),
-    (["healing", "r.txt", "--time", "5 s"], "'5 s' is not START,END"),
     (["healing", "r.txt", "--trend", "other"], "other"),
 ]
 
@@ -111,7 +95,7 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("arguments", "message"), REFUSED, ids=[" ".join(a) for a, _ in REFUSED])
-def test_what_cannot_be_done_is_found_before_the_work(arguments, message, here, monkeypatch):
+def test_wrong_commands_are_refused_before_the_work(arguments, message, here, monkeypatch):
     def never(*_, **__):
         raise AssertionError
 

@@ -5,14 +5,13 @@ import re
 import numpy as np
 import pandas
 import pytest
+from lab_files import record_columns, write
 from rich.console import Console
 from synthetic_experiments import experiment
 from typer.testing import CliRunner
 
 import ratestate as rs
 from ratestate.interfaces.cli import main
-from ratestate.report.report import Heading, TextTable
-from ratestate.report.steps import HEADS
 from ratestate.report.summary_csv import summary_csv
 
 pytestmark = pytest.mark.usefixtures("in_one_process")
@@ -29,11 +28,8 @@ def folder(tmp_path_factory):
     """A folder with the report on an experiment under both laws; what was printed."""
     folder = tmp_path_factory.mktemp("lab")
     data = experiment(SLIDER, SPEEDS, 400e-6, 150, noise=2e-4, seed=1)
-    columns = {"Time(s)": data.time, "Displ(microns)": 1e6 * data.delta_lp}
-    columns |= {"Friction": data.friction, "Normal_stress(MPa)": np.full(data.time.size, 8.0)}
-    table = np.column_stack([np.asarray(values) for values in columns.values()])
-    head = "\t".join(columns)
-    np.savetxt(folder / "many.txt", table, "%.9g", "\t", header=head, comments="")
+    stress = {"Normal_stress(MPa)": np.full(data.time.size, 8.0)}
+    write(folder / "many.txt", record_columns(data, **stress))
     arguments = [str(folder / "many.txt"), "--per-step", "--law", ",".join(LAWS)]
     arguments += ["--errors", "covariance"]
     done = CliRunner().invoke(main, ["fit", *arguments, "--out", str(folder / "made")])
@@ -84,15 +80,6 @@ def numbers_of(texts, value, error):
         places = len(number.partition(".")[2])
         read.append((float(number), float(digits) * 10.0**-places))
     return min(read, key=lambda one: abs(one[0] - value) + abs(one[1] - error))
-
-
-def test_columns_go_to_the_next_table_where_one_is_full():
-    rows = [["1", "1.0", "3 -> 10 um/s", "9.19(18)", "-"], ["all", "", "", "9", "8"]]
-    table = TextTable([*HEADS, Heading("a"), Heading("b")], rows, splits=True)
-    widths = 4 + 8 + 12 + 8 + 1 + 4 * 3
-    assert table.parts(widths) == [[0, 1, 2, 3, 4]]
-    assert table.parts(widths - 1) == [[0, 1, 2, 3], [0, 4]]
-    assert table.parts(5) == [[0, 1, 2], [0, 3], [0, 4]]
 
 
 def test_warnings_of_every_law_are_in_the_report_once(folder, result):

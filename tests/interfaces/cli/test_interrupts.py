@@ -54,7 +54,7 @@ def interrupted(process, after):
     process.send_signal(signal.SIGINT)
 
 
-def test_once():
+def test_one_interrupt_ends_with_code_130():
     with started(COMMAND, "nothing") as process:
         interrupted(process, "working")
         assert process.wait(20) == 130
@@ -64,7 +64,7 @@ def test_once():
 @pytest.mark.parametrize(
     ("at", "after", "first"), [("tidying", "tidying", ""), ("thread", "exit", "interrupted: x\n")]
 )
-def test_again(at, after, first):
+def test_a_second_interrupt_ends_at_once(at, after, first):
     """While it tidies up, and while threads keep the process from its end."""
     with started(COMMAND, at) as process:
         interrupted(process, "working")
@@ -73,7 +73,7 @@ def test_again(at, after, first):
         assert process.stderr.read() == first + "interrupted again: ended at once\n"
 
 
-def test_again_while_python_ends():
+def test_a_second_interrupt_while_python_ends():
     """Where no handler of its own is left to Python; a shell says 130 of both, a program not."""
     with started(COMMAND, "late") as process:
         interrupted(process, "working")
@@ -83,7 +83,7 @@ def test_again_while_python_ends():
         assert process.stderr.read() == "interrupted: x\n"
 
 
-def test_the_explorer():
+def test_an_interrupt_ends_the_explorer():
     code = "from ratestate.interfaces.cli import main; main()"
     with started(code, "explore", "--port", "0", "--no-browser") as process:
         interrupted(process, "explorer at http://127.0.0.1:")
@@ -91,7 +91,7 @@ def test_the_explorer():
         assert process.stderr.read().endswith("interrupted: the explorer has ended\n")
 
 
-def test_the_handler_before_comes_back():
+def test_the_previous_handler_is_restored():
     code = COMMAND.replace("time.sleep(60)", "pass")
     code += "print(signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
     with started(code, "nothing") as process:

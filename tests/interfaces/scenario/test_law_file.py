@@ -3,21 +3,16 @@
 import functools
 
 import pytest
+from scenario_files import SLIDER
 from scenario_problems import problems_of
 from user_laws import MINE, PLAIN
 
 import ratestate as rs
 from ratestate import ParameterError
-from ratestate.friction.laws import LAW_NAMES, LAWS
+from ratestate.friction.laws import LAWS
 from ratestate.scenario import from_result, load, loads, python, toml
 
-TEXT = """[slider]
-a = 0.003
-b = 0.006
-Dc = "10 um"
-sigma = "2 MPa"
-K = "900 MPa/m"
-M = 3000
+TEXT = f"""{SLIDER}M = 3000
 law_file = "mine.py"
 m = 1.5
 
@@ -49,7 +44,7 @@ def write(law_file, tmp_path):
 problems = functools.partial(problems_of, load)
 
 
-def test_the_law_of_the_file_is_the_slider_s(write, monkeypatch):
+def test_the_slider_has_the_law_of_the_file(write, monkeypatch):
     path = write()
     monkeypatch.chdir("/")  # its path is relative to the scenario
     slider = load(path).slider
@@ -61,7 +56,7 @@ def test_the_law_of_the_file_is_the_slider_s(write, monkeypatch):
     assert swept.slider.m.values.tolist() == [1.0, 2.0]
 
 
-def test_what_is_wrong_with_the_file_is_said_with_all_else(write, tmp_path):
+def test_problems_of_a_law_file_stand_beside_others(write, tmp_path):
     """And what may be right under that law is not."""
     of_law = "[run]\ninitial = { phi = 1 }"
     path = write(('"mine.py"', '"main.py"'), ("a = 0.003", "a = -0.003"), ("[run]", of_law))
@@ -114,13 +109,13 @@ def test_the_code_of_a_text_is_not_run(write, law_file, monkeypatch, tmp_path):
     assert loads(TEXT.replace("law_file", f'law = "{slider.law}"\nlaw_file')).slider == slider
 
 
-def test_a_law_that_is_not_known_is_asked_for(write):
+def test_an_unknown_law_needs_its_file(write):
     (line,) = problems(write(('law_file = "mine.py"', 'law = "mine@12345678"'), ("m = 1.5", "")))
     assert line.startswith("[slider] law: 'mine@12345678' is a user's own law")
     assert line.endswith("law_file = 'mine.py'.")
 
 
-def test_written_down_it_names_the_file(write, tmp_path):
+def test_a_scenario_names_its_law_file(write, tmp_path):
     scenario = load(write())
     text, law = toml(scenario), scenario.slider.law
     assert f'law = "{law}"\n' in text
@@ -133,7 +128,7 @@ def test_written_down_it_names_the_file(write, tmp_path):
     assert made["slider"] == scenario.slider
 
 
-def test_written_down_a_class_of_laws_is_named(law_file):
+def test_a_scenario_names_the_class_of_its_law(law_file):
     made = {}
     exec(PLAIN, made)
     slider = rs.SpringSlider(a=0.003, b=0.006, Dc=1e-5, sigma=2e6, K=9e8, law=made["Plain"])
@@ -141,19 +136,6 @@ def test_written_down_a_class_of_laws_is_named(law_file):
     assert f'law = "{slider.law}"  # a user\'s: law_file names' in toml(scenario)
     assert loads(toml(scenario)).slider == slider
     assert f"# {slider.law} is a user's law: register its class" in python(scenario)
-
-
-def test_a_result_of_a_law_that_is_not_known_says_what_to_give(write, law_file):
-    slider = load(write()).slider
-    result, name = rs.stability(slider, 1e-3), slider.law
-    assert from_result(result).slider == slider
-    rs.register(law_file(MINE.replace("(1 - ", "2 * (1 - ")))
-    LAWS.pop(name)
-    LAW_NAMES.pop(name)
-    with pytest.raises(ParameterError) as caught:
-        from_result(result)
-    assert f"law = {name!r} is a user's law that is not registered" in str(caught.value)
-    assert "ratestate.register('mine.py')" in str(caught.value)
 
 
 def test_keys_follow_the_laws_that_are_known(write):

@@ -114,7 +114,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("slider", "sweep", "line"), BAD)
-def test_refused(slider, sweep, line):
+def test_wrong_units_of_a_contact_are_refused(slider, sweep, line):
     (found,) = problems_of(scenario, slider, sweep or "b = [0.006]")
     assert found.startswith(line)
 

@@ -1,24 +1,17 @@
-"""What the tables of a scenario file mean, and what is said of those that mean nothing."""
+"""What the tables of a scenario file mean, and which are refused."""
 
 import re
 
 import numpy as np
 import pytest
+import scenario_files
 from scenario_problems import problem_lines
 
 import ratestate as rs
 from ratestate import Loading, ParameterError
 from ratestate.scenario import Output, from_result, load, loads, toml
 
-SLIDER = """
-[slider]
-a = 0.003
-b = 0.006
-Dc = "10 um"
-sigma = "2 MPa"
-K = "900 MPa/m"
-M = 3000
-"""
+SLIDER = scenario_files.SLIDER + "M = 3000\n"
 RUN = '[run]\nt_end = "10 s"\n'
 CSV = "time [s],V_lp [um/s],no unit\n0,1,x\n1,1,x\n1,3,x\n2.5,3,x\n"
 
@@ -41,10 +34,10 @@ def read(folder):
 
 
 @pytest.fixture
-def told(read):
-    """What is told of these tables: the lines without the title."""
+def problems(read):
+    """Return the lines on these tables, without the title."""
 
-    def told(text, function=None, slider=SLIDER):
+    def problems(text, function=None, slider=SLIDER):
         with pytest.raises(ParameterError) as caught:
             read(text, function, slider)
         assert str(caught.value).splitlines()[0].endswith("it.toml cannot be used:")
@@ -53,7 +46,7 @@ def told(read):
         assert all(re.fullmatch(form, line) for line in lines), lines
         return lines
 
-    return told
+    return problems
 
 
 def same(one, other):
@@ -91,10 +84,10 @@ def same(one, other):
         ("t = { from = 0, to = 20, n = 3 }\nV_lp = [1, 2, 3]", None),
     ],
 )
-def test_loadings(read, told, table, loading):
+def test_loadings(read, problems, table, loading):
     text = f"[loading]\n{table}\n{RUN}"
     if loading is None:
-        (line,) = told(text)
+        (line,) = problems(text)
         assert line.startswith("[loading] t: a table is not a list. Give as many values")
         return
     scenario = read(text)
@@ -132,19 +125,16 @@ def test_records(read, folder, name, content, more):
 
 
 NO_RECORD = [
+    (CSV, 'columns = ["t [s]", "V_lp"]', "columns[0]: 't [s]' is not a column"),
     # an error of the reader of records keeps its words
     (CSV, 'columns = ["tiem", "V_lp"]', "columns[0]: 'tiem' is not a column"),
     ("", "columns = [1, 2]", "file: x.csv is empty"),
     (CSV, 'columns = ["time", "no unit"]', "columns[1]: 'no unit' has no unit"),
-    (CSV, "columns = [0, true]", "columns: a list of 2 is not a pair"),
-    (CSV, "columns = [1]", "columns: a list of 1 is not a pair"),
     (CSV, "", "columns: is missing"),
     (CSV, "columns = [2, 1]", "columns[0]: 'um/s' is a speed"),
-    (CSV, 'columns = [1, 2]\nunits = ["s", "um"]', "units[1]: 'um' is a length"),
     (CSV, 'columns = [1, 2]\nunits = ["s", "x"]', "units[1]: 'x' is unknown"),
     (CSV, 'columns = [1, 2]\nunits = "s"', "units: 's' is not a pair"),
     (CSV.replace("1,3,x", "1,?,x"), "columns = [1, 2]", "file: line 4: 'V_lp [um/s]' has '?'"),
-    (CSV.replace("1,3,x", "1"), "columns = [1, 2]", "file: line 4: 'V_lp [um/s]' has nothing"),
     (CSV.replace("1,3,x", "1,-3"), "columns = [1, 2]", "file: V_lp = -3e-06 m/s at row[2] must be"),
     (CSV.replace("2.5", "0.5"), "columns = [1, 2]", "file: t[3] = 0.5 s is less than t[2] = 1.0 s"),
     (CSV + 6 * "a,b,c\n", "columns = [1, 2]", "file: and 7 cells more"),
@@ -152,69 +142,25 @@ NO_RECORD = [
 
 
 @pytest.mark.parametrize(("content", "more", "line"), NO_RECORD)
-def test_bad_records(told, folder, content, more, line):
+def test_bad_records(problems, folder, content, more, line):
     (folder / "x.csv").write_text(content)
-    lines = told(f'[loading]\nfile = "x.csv"\n{more}\n[run]\nt_end = 2')
+    lines = problems(f'[loading]\nfile = "x.csv"\n{more}\n[run]\nt_end = 2')
     beginning = ".*".join(map(re.escape, f"[loading] {line}".split(" * ")))
     assert any(re.match(beginning, found) for found in lines), lines
-
-
-def test_what_a_file_says_is_quoted_as_it_stands(told, folder):
-    """Also where it looks like a unit in brackets, or like the end of a message."""
-    header = "time [s],V [m/s],lp [um/s]\n"
-    (folder / "si.csv").write_text(header + "0,1,1\n1,1,1\n")
-    table = '[loading]\nfile = "si.csv"\n{}\n' + RUN
-    (line,) = told(table.format('columns = ["t [s]", "lp"]'))
-    assert line.startswith(
-        "[loading] columns[0]: 't [s]' is not a column. "
-        "Give one of 'time [s]', 'V [m/s]', 'lp [um/s]'"
-    )
-    (line,) = told(table.format(""))
-    assert line.endswith('such as ["time [s]", "V_lp [um/s]"].')
-    (line,) = told(table.format('columns = [1, 2]\nunits = ["s [s]", "m/s"]'))
-    assert line.startswith("[loading] units[0]: 's [s]' is unknown. Give a time")
-    more = "[loading]\nV_lp = 1\n[run]\n"
-    for given, what in [
-        ("abc [s]", "is not a number with a unit"),
-        ("1 s. Give a time [s]", "has an unknown unit 's. Give a time [s]'"),
-    ]:
-        (line,) = told(f'{more}t_end = "{given}"')
-        assert line == f"[run] t_end: {given!r} {what}. Give a time such as '10 s'."
-    (line,) = told(f'{more}t_end = 1\nmethod = "m; expected [s]"')
-    assert line.startswith("[run] method: 'm; expected [s]' is unknown")
-
-
-SIZES = [
-    ('V_lp = "1e12 mm/s"', "[loading] V_lp: '1e12 mm/s' is beyond any usual size, 1e-50"),
-    ("V_lp = 1\nsteps = [{ t = 1e19, V_lp = 1 }]", "[loading] steps[0].t: 1e+19 is beyond any"),
-    ("t = [0, 20]\nV_lp = [0, 1e6]", "[loading] V_lp[1]: 1000000.0 is beyond any usual size"),
-    (
-        "V_lp = 1\nsinusoid = { amplitude = 1, frequency = '1e30 Hz' }",
-        "[loading] sinusoid.frequency: '1e30 Hz' is beyond any usual size, 1e-18 to 1e+20 Hz",
-    ),
-    ("file = 'fast.csv'\ncolumns = [1, 2]", "[loading] file: V_lp = 1e+06 m/s is beyond any usual"),
-]
-
-
-@pytest.mark.parametrize(("table", "line"), SIZES)
-def test_sizes_that_nobody_means(told, folder, table, line):
-    (folder / "fast.csv").write_text("t [s],V [km/s]\n0,0\n20,1000\n")
-    (found,) = told(f"[loading]\n{table}\n{RUN}")
-    assert found.startswith(line)
 
 
 @pytest.mark.parametrize(
     ("symbol", "refused"),
     [("a", "0.99e-12"), ("b", "-101"), ("Dc", "1.01e9"), ("sigma", "1.01e15"), ("V0", "0.99e-50")],
 )
-def test_sizes_of_a_slider(told, symbol, refused):
+def test_sizes_of_a_slider(problems, symbol, refused):
     slider = re.sub(rf"(?m)^{symbol} = .*\n", "", SLIDER) + f"{symbol} = {refused}\n"
-    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}", slider=slider)
+    (line,) = problems(f"[loading]\nV_lp = 1\n{RUN}", slider=slider)
     assert line.startswith(f"[slider] {symbol}: ")
     assert " is beyond any usual size, " in line
 
 
-def test_sizes_that_somebody_may_mean(read):
+def test_extreme_sizes_are_accepted(read):
     """A fault that is locked, a laboratory, an asteroid, a rigid spring without friction."""
     slider = """
         [slider]
@@ -237,7 +183,7 @@ def test_sizes_that_somebody_may_mean(read):
         assert scenario.settings["t_end"] == t_end
 
 
-def test_a_wrong_start_is_told_beside_other_problems(told):
+def test_a_wrong_start_stands_beside_other_problems(problems):
     slider = SLIDER.replace("M = 3000", "M = 0")
     clash = "initial = { V = 1, theta = 1, tau = 1 }\n"
     for loading, table, others in [
@@ -248,51 +194,42 @@ def test_a_wrong_start_is_told_beside_other_problems(told):
         ("t = [0, 1]\nV_lp = [1, 1]", "t_end = 5", 1),
         ("V_lp = 0", "t_end = 5", 1),
     ]:
-        lines = told(f"[loading]\n{loading}\n[run]\n{table}\n{clash}", slider=slider)
+        lines = problems(f"[loading]\n{loading}\n[run]\n{table}\n{clash}", slider=slider)
         assert len(lines) == 1 + others
         assert sum(line.startswith("[run] initial: initial V, theta and") for line in lines) == 1
 
 
-def test_only_what_is_near_is_proposed(told):
-    (line,) = told(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
+def test_only_what_is_near_is_proposed(problems):
+    (line,) = problems(f"[loading]\nV_lp = 1\ntitle = 'x'\n{RUN}")
     assert "Did you mean" not in line
 
 
-def test_no_error_of_a_slider_is_without_a_line(told, monkeypatch):
+def test_no_error_of_a_slider_is_without_a_line(problems, monkeypatch):
     def refuses(**_):
         raise ParameterError("a and b fell out with each other", "Part them.")
 
     monkeypatch.setattr("ratestate.scenario.assemble.SpringSlider", refuses)
-    (line,) = told(f"[loading]\nV_lp = 1\n{RUN}")
+    (line,) = problems(f"[loading]\nV_lp = 1\n{RUN}")
     assert line == "[slider]: a and b fell out with each other. Part them."
 
 
-@pytest.mark.parametrize(
-    ("file", "line"),
-    [
-        ('"Dr. X; Y.csv"', "Dr. X; Y.csv does not exist"),
-        ('"it.toml"', "it.toml has no line of numbers"),
-        ("3", "3 is not the name of a file"),
-        ('"' + "x" * 500 + '.csv"', "cannot be read: File name too long"),
-        ("'''a\nb.csv'''", "'a\\nb.csv' is not the name of a file"),
-    ],
-)
-def test_records_that_are_no_files(told, file, line):
-    (found,) = told(f"[loading]\nfile = {file}\ncolumns = [1, 2]\n[run]\nt_end = 2")
-    assert found.startswith("[loading] file: ")
-    assert line in found
-
-
 LOADINGS = [
-    ("V_lp = -1", "V_lp: -1 m/s must be >= 0"),
+    ('V_lp = "1e12 mm/s"', "V_lp: '1e12 mm/s' is beyond any usual size, 1e-50"),
+    ("V_lp = 1\nsteps = [{ t = 1e19, V_lp = 1 }]", "steps[0].t: 1e+19 is beyond any"),
+    ("t = [0, 20]\nV_lp = [0, 1e6]", "V_lp[1]: 1000000.0 is beyond any usual size"),
+    (
+        "V_lp = 1\nsinusoid = { amplitude = 1, frequency = '1e30 Hz' }",
+        "sinusoid.frequency: '1e30 Hz' is beyond any usual size, 1e-18 to 1e+20 Hz",
+    ),
+    ("file = 'fast.csv'\ncolumns = [1, 2]", "file: V_lp = 1e+06 m/s is beyond any usual"),
+    ("file = '''a\nb.csv'''", "file: 'a\\nb.csv' is not the name of a file"),
+    ("file = 'it.toml'\ncolumns = [1, 2]", "file: * has no line of numbers"),
+    (f"file = '{'x' * 500}.csv'\ncolumns = [1, 2]", "file: * cannot be read: File name too"),
     ("V_lp = { from = 1 }", "V_lp: a table makes an axis"),
     ("V_pl = 1", "V_pl: unknown key. Give one of * Did you mean V_lp?"),
     ("t_end = 1", "t_end: stands in the wrong table"),
-    ("t_ned = 1", "t_ned: unknown key. * Did you mean t_end in [run] or [sweep]?"),
     ("V_lp = 1\nsteps = []", "steps: a list of 0 is not a list of 1 to 1000 steps"),
-    ("V_lp = 1\nsteps = [3]", "steps[0]: 3 is not a table"),
     ("V_lp = 1\nsteps = [{t=1}]", "steps[0].V_lp: is missing"),
-    ("V_lp = 1\nsteps = [{V_lp=1}]", "steps[0].t: is missing"),
     ("V_lp = 1\nsteps = [{t=1, V_lp='1 m'}]", "steps[0].V_lp: '1 m' is a length"),
     ("V_lp = 1\nsteps = [{t=1, hold=1, V_lp=1}]", "steps[0].V_lp: is given beside hold, which is"),
     ("V_lp = 1\nsteps = [{t=1, hodl=1}]", "steps[0].hodl: unknown key. * Did you mean hold?"),
@@ -300,7 +237,6 @@ LOADINGS = [
         "V_lp = 1\nsteps = [{t=2, hold=2}, {t=3, V_lp=1}, {t=1, V_lp=1}, {t=9, V_lp=1}]",
         "steps[1]: t = 3.0 s must come after t = 4.0 s",
     ),
-    ("V_lp = 1\nsinusoid = 3", "sinusoid: 3 is not a table"),
     ("V_lp = 1\nsinusoid = {}", "sinusoid.amplitude: is missing"),
     ("V_lp = 1\nsinusoid = {amplitude=1}", "sinusoid.period: is missing"),
     (
@@ -308,14 +244,11 @@ LOADINGS = [
         "sinusoid.period: is given twice",
     ),
     ("V_lp = 1\nsinusoid = {amplitude=2, period=1}", "sinusoid: amplitude = 2 m/s is more than"),
-    ("V_lp = 1\nsinusoid = {amplitude=1, phase=1}", "sinusoid.phase: unknown key"),
-    ("sinusoid = {amplitude=1, period=1}", "V_lp: is missing"),
     ("V_lp = 1\nsteps = [{t=1, V_lp=1}]\nt = [1]", "* has steps and t"),
     (
         "t = [0]\nV_lp = [1]\nsteps = [{t=1, V_lp=1}]\nsinusoid = {amplitude=1, period=1}",
         "* has steps and sinusoid and t",
     ),
-    ("t = [0, 1]", "V_lp: is missing"),
     ("t = [0, 1]\nV_lp = 1", "V_lp: 1 is not a list"),
     ("t = [0, 1]\nV_lp = [1, 2, 3]", "t: has 2 and V_lp 3 values"),
     ('t = [0, 20]\nV_lp = [1, "2 mm"]', "V_lp[1]: '2 mm' is a length"),
@@ -328,39 +261,43 @@ LOADINGS = [
 ]
 
 
-@pytest.mark.parametrize(("table", "line"), LOADINGS)
-def test_bad_loadings(told, table, line):
-    lines = told(f"[loading]\n{table}\n{RUN}")
-    beginning = ".*".join(map(re.escape, f"[loading] {line}".split(" * ")))
-    assert any(re.match(beginning.replace(r"\ \*", ".*"), found) for found in lines), lines
-
-
+OUTPUTS = [
+    ("file = 3", "file: 3 is not a text"),
+    ('file = "x.png"', "file: 'x.png' has another ending"),
+    ('plot = "x.svg"', "plot: 'x.svg' has another ending"),
+    ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder"),
+    ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be the name of a file"),
+    ('flie = "x.nc"', "flie: unknown key"),
+]
 RUNS = [
+    ("t_end = '1 s. Give a time [s]'", "t_end: '1 s. Give a time [s]' has an unknown unit"),
     ("t_end = 10\nV_start = 0", "V_start: 0 m/s must be > 0"),
     ("t_end = [1, 2]", "t_end: a list of 2 makes an axis"),
-    ("t_end = 1e18", None),
     ("t_end = 1.01e18", "t_end: 1.01e+18 is beyond any usual size, 1e-20 to 1e+18 s"),
     ("t_end = 1\ninitial = { theta = 1.01e40 }", "initial.theta: 1.01e+40 is beyond any usual"),
-    ("t_end = 1\ntimes = 'often'", "times: 'often' is not a number with a unit"),
-    ("t_end = 1\ntimes = [2]", "times: reaches 2 s, beyond t_end = 1 s"),
-    ("t_end = 1\nmethod = 'im2017'", "method: 'im2017' is unknown"),
     ("t_end = 1\ndt = 1e-4", "dt: unknown key"),
-    ("t_end = 1\ninitial = 3", "initial: 3 is not a table"),
     ("t_end = 1\ninitial = { mu = 1 }", "initial.mu: unknown key"),
     ("t_end = 1\ninitial = { V = '1 s' }", "initial.V: '1 s' is a time"),
-    ("t_end = 1\nfunction = 'run'", "function: 'run' is unknown"),
     ("", "t_end: is missing"),
 ]
 
 
-@pytest.mark.parametrize(("table", "line"), RUNS)
-def test_bad_runs(told, read, table, line):
-    text = f"[loading]\nV_lp = 1e-3\n[run]\n{table}"
-    if line is None:
-        assert read(text).settings["t_end"] == 1e18
-        return
-    (found,) = told(text)
-    assert found.startswith(f"[run] {line}")
+BEFORE = {"loading": "", "run": "[loading]\nV_lp = 1e-3\n", "output": f"[loading]\nV_lp = 1\n{RUN}"}
+AFTER = {"loading": RUN, "run": "", "output": ""}
+PROBLEMS = {"loading": LOADINGS, "run": RUNS, "output": OUTPUTS}
+
+
+@pytest.mark.parametrize(
+    ("table", "text", "line"),
+    [(table, *row) for table, rows in PROBLEMS.items() for row in rows],
+)
+def test_a_problem_of_a_table_has_its_line(problems, folder, table, text, line):
+    (folder / "fast.csv").write_text("t [s],V [km/s]\n0,0\n20,1000\n")
+    lines = problems(f"{BEFORE[table]}[{table}]\n{text}\n{AFTER[table]}")
+    beginning = ".*".join(map(re.escape, f"[{table}] {line}".split(" * ")))
+    beginning = beginning.replace(r"\ \*", ".*")
+    assert any(re.match(beginning, found) for found in lines), lines
+    assert len(lines) == 1 or table == "loading"
 
 
 def test_settings_of_a_run(read):
@@ -392,22 +329,6 @@ def test_settings_of_a_run(read):
     assert (scenario.output.file.name, scenario.output.plot.name) == ("x.zarr", "x.PNG")
 
 
-@pytest.mark.parametrize(
-    ("table", "line"),
-    [
-        ("file = 3", "file: 3 is not a text"),
-        ('file = "x.png"', "file: 'x.png' has another ending"),
-        ('plot = "x.svg"', "plot: 'x.svg' has another ending"),
-        ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder"),
-        ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be the name of a file"),
-        ('flie = "x.nc"', "flie: unknown key"),
-    ],
-)
-def test_bad_outputs(told, table, line):
-    (found,) = told(f"[loading]\nV_lp = 1\n{RUN}[output]\n{table}")
-    assert found.startswith(f"[output] {line}")
-
-
 def test_a_sweep_over_the_last_speed(read):
     text = "[loading]\nV_lp = 1\nsteps = [{t=1, V_lp=9}, {t=2, hold=1}]\n" + RUN
     sweep = '[sweep]\nfunction = "simulate"\nV_lp = [2, 3]'
@@ -418,25 +339,19 @@ def test_a_sweep_over_the_last_speed(read):
     assert sine.settings["loading"].mean_speed.values.tolist() == [2, 3]
 
 
-def test_the_tables_of_a_sweep_come_before_the_others(read):
-    text = "[loading]\nV_lp = 1\n[run]\nt_end = 10\nrtol = 1e-3\n[sweep]\nfunction = 'simulate'\n"
-    settings = read(text + "t_end = 5\nrtol = 1e-4\nM = [1, 2]").settings
-    assert (settings["t_end"], settings["rtol"]) == (5, 1e-4)
-
-
-def test_sweeps_that_a_loading_cannot_have(told):
+def test_sweeps_that_a_loading_cannot_have(problems):
     record = "[loading]\nt = [0, 20]\nV_lp = [1, 1]\n"
-    (line,) = told(f"{record}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
+    (line,) = problems(f"{record}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[sweep] V_lp: cannot replace the speeds of a record")
     steps = "[loading]\nsteps = [{t=1, V_lp=1}]\n"
-    (line,) = told(f"{steps}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
+    (line,) = problems(f"{steps}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[loading] V_lp: is missing")
     sine = "[loading]\nV_lp = 3\nsinusoid = {amplitude=2, period=1}\n"
-    (line,) = told(f"{sine}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
+    (line,) = problems(f"{sine}{RUN}[sweep]\nfunction = 'simulate'\nV_lp = [1, 2]")
     assert line.startswith("[loading] sinusoid: amplitude = 2 m/s is more than V_lp = 1 m/s")
 
 
-def test_another_verb_may_be_asked(read, told):
+def test_another_function_may_be_asked(read, problems):
     text = "[loading]\nV_lp = 1e-3\nsteps = [{t=1, V_lp=3.2e-3}]\n[run]\nt_end = 3\nrtol = 1e-3\n"
     assert read(text).function == "simulate"
     for function in ("limit_cycle", "stability"):
@@ -445,13 +360,15 @@ def test_another_verb_may_be_asked(read, told):
     sweep = "[sweep]\nfunction = 'limit_cycle'\nrtol = 1e-9\nM = [1, 2]"
     assert read(text + sweep).settings == {"V_lp": 3.2e-3, "rtol": 1e-9}
     assert read(text + sweep, "stability").settings == {"V_lp": 3.2e-3}
+    own = read(f"{text}[sweep]\nfunction = 'simulate'\nt_end = 5\nM = [1, 2]").settings
+    assert (own["t_end"], own["rtol"]) == (5, 1e-3)  # [sweep] comes before [run]
     simulated = read(text + sweep, "simulate")
     assert simulated.settings.keys() == {
         "loading",
         "t_end",
     }  # both tolerances are of other functions
     assert simulated.slider.M.sizes == {"M": 2}
-    lines = told(sweep, "simulate")
+    lines = problems(sweep, "simulate")
     assert [line.partition(". ")[0] for line in lines] == [
         "[sweep] V_lp: is missing",
         "[sweep] t_end: is missing",
@@ -460,23 +377,23 @@ def test_another_verb_may_be_asked(read, told):
         read(text, "hopf")
 
 
-def test_a_verb_for_one_case(read, told):
+def test_a_function_for_one_case(read, problems):
     text = "[loading]\nV_lp = 1e-3\n[run]\nfunction = 'limit_cycle'\nrtol = 1e-9\n"
     scenario = read(text)
     assert (scenario.function, scenario.settings) == ("limit_cycle", {"V_lp": 1e-3, "rtol": 1e-9})
-    (line,) = told(text + "[sweep]\nfunction = 'stability'\nM = [1, 2]")
+    (line,) = problems(text + "[sweep]\nfunction = 'stability'\nM = [1, 2]")
     assert line.startswith("[sweep] function: 'stability' is not the function of [run]")
-    (line,) = told(text.replace("1e-9", "1"))
+    (line,) = problems(text.replace("1e-9", "1"))
     assert line.startswith("[run] rtol: 1.0 is out of range")
     sweep = "[sweep]\nfunction = 'limit_cycle'\nrtol = 1\nM = [1, 2]"
-    (line,) = told(text + sweep)  # whose rtol comes before that of [run]
+    (line,) = problems(text + sweep)  # whose rtol comes before that of [run]
     assert line.startswith("[sweep] rtol: 1.0 is out of range")
 
 
-def test_an_unknown_verb_leaves_nothing_else_missing(told):
+def test_an_unknown_function_leaves_nothing_else_missing(problems):
     table = '[sweep]\nfunction = "cycle"\nV_lp = ["1 um/s", "1 mm/s"]\nK = { from = "1 MPa/m" }\n'
     slider = "\n".join(line for line in SLIDER.splitlines() if not line.startswith("K ")) + "\n"
-    lines = told(table, slider=slider)
+    lines = problems(table, slider=slider)
     assert [line.partition(": ")[0] for line in lines] == [
         "[sweep] function",
         "[sweep] K.to",
@@ -493,8 +410,8 @@ def test_an_unknown_verb_leaves_nothing_else_missing(told):
         ("t = [0, 1]\nV_lp = [1, 0]", "V_lp"),
     ],
 )
-def test_no_cycle_at_rest(told, function, table, place):
-    (line,) = told(f"[loading]\n{table}", function)
+def test_no_cycle_at_rest(problems, function, table, place):
+    (line,) = problems(f"[loading]\n{table}", function)
     assert line.startswith(
         f"[loading] {place}: 0 m/s, a loading that ends at rest, has no {function}."
     )
@@ -529,16 +446,16 @@ def test_a_limit_cycle_says_from_which_start(b):
     ("symbol", "more"),
     [("b2", 'law = "two-state-slip"\nb2 = 1e-3\nDc2 = "50 um"\n'), ("damping", "damping = 1e3\n")],
 )
-def test_a_branch_along_what_the_slider_has(symbol, more, read, told):
+def test_a_branch_along_what_the_slider_has(symbol, more, read, problems):
     sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\n'
     sweep += f"{symbol} = {{ from = 2e-3, to = 1e-3 }}"
     wanted = {"parameter": symbol, "start": 2e-3, "stop": 1e-3, "V_lp": 3e-3}
     assert read(sweep, slider=SLIDER + more).settings == wanted
-    (line,) = told(sweep)
+    (line,) = problems(sweep)
     assert line.startswith(f"[sweep] {symbol}: cannot be followed")
 
 
-def test_a_branch(read, told):
+def test_a_branch(read, problems):
     sweep = '[sweep]\nfunction = "continue_cycle"\nV_lp = "3 mm/s"\nK = { from = 7e8, to = 3e8 }'
     scenario = read(sweep)
     assert scenario.function == "continue_cycle"
@@ -557,14 +474,14 @@ def test_a_branch(read, told):
         ("K = {from=1, to=2}", "[sweep] V_lp: is missing"),
         ("V_lp = {from=1, to=2}\nrtol = 1", "[sweep] rtol: 1.0 is out of range"),
     ]:
-        lines = told(branch + table)
+        lines = problems(branch + table)
         assert any(found.startswith(line) for found in lines), lines
 
 
-def test_a_rigid_spring_cannot_rest(told, read):
+def test_a_rigid_spring_cannot_rest(problems, read):
     slider = SLIDER.replace('"900 MPa/m"', "inf")
     steps = "[loading]\nV_lp = 1e-3\nsteps = [{t=5, hold=1}]\n[run]\nt_end = "
-    (line,) = told(f"{steps}10", slider=slider)
+    (line,) = problems(f"{steps}10", slider=slider)
     assert line.startswith(
         "[slider] K: inf moves the slider with the load point, which comes to re"
     )
@@ -573,11 +490,11 @@ def test_a_rigid_spring_cannot_rest(told, read):
         rs.simulate(rs.SpringSlider(a=1, b=1, Dc=1, sigma=1, K=np.inf), Loading.steps(1, (1, 0)), 2)
 
 
-def test_bounds(told, folder):
+def test_files_have_a_largest_size(problems, folder):
     keys = "\n".join(f"k{i} = 1" for i in range(5000))
-    assert len(told(f"[loading]\nV_lp = 1\n[run]\nt_end = 1\n{keys}")) == 1
+    assert len(problems(f"[loading]\nV_lp = 1\n[run]\nt_end = 1\n{keys}")) == 1
     many = ", ".join(["{ t = 1, V_lp = 1 }"] * 1001)
-    (line,) = told(f"[loading]\nV_lp = 1\nsteps = [{many}]\n{RUN}")
+    (line,) = problems(f"[loading]\nV_lp = 1\nsteps = [{many}]\n{RUN}")
     assert "a list of 1001 is not a list of 1 to 1000 steps" in line
     path = folder / "large.toml"
     with path.open("wb") as file:
@@ -595,7 +512,7 @@ def test_bounds(told, folder):
         load("a\0b")
 
 
-def test_no_more_than_a_hundred_problems_are_told(folder):
+def test_at_most_a_hundred_problems_are_listed(folder):
     path = folder / "many.toml"
     path.write_text("[slider]\n" + "\n".join(f"k{i} = 1" for i in range(500)))
     with pytest.raises(ParameterError) as caught:
