@@ -69,7 +69,7 @@ FEW = ("gone", "number", "texts", "text", "JSON list", "JSON dict", "deep")
 INNER = [
     *(None, True, -1.0, float("nan"), 10**400, "three", [], {}, [[1.0], [2.0]], 1e300),
     *({"dims": ["M"], "values": [1.0]}, {"variable": "M"}, {"dims": 3, "values": [1.0]}),
-    *({"dims": ["q"], "values": ["a"]}, {"dims": [], "values": 1e3}, {"values": [1.0]}),
+    *({"dims": ["q"], "values": ["a"]}, {"dims": [], "values": 1e3}, {"values": [1.0]}, [1.0, "a"]),
 ]
 
 

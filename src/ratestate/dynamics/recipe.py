@@ -203,7 +203,10 @@ def value_of(result, symbol, value):
 def _decoded(result, symbol, value):
     """Return an argument from JSON: an array by the name of its variable, else as `_plain`."""
     if isinstance(value, list):
-        return np.array(value, float)
+        try:
+            return np.array(value, float)
+        except (ValueError, TypeError, OverflowError):
+            raise refusal("attributes.altered", name="scenario") from None
     if isinstance(value, dict):
         return _array(result, symbol, value)
     return value

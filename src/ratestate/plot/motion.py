@@ -97,7 +97,7 @@ def force_axis(run, ax):
     return scale
 
 
-def phase(run, ax, **style):
+def phase(run, ax, *, unit_of=None, **style):
     """Draw slip velocity against tau/sigma, and a cross at steady sliding at the last speed > 0.
 
     Parameters
@@ -106,6 +106,8 @@ def phase(run, ax, **style):
         One slider's, from `simulate`: dimension ``time`` only.
     ax : matplotlib.axes.Axes
         Axes to draw into.
+    unit_of : float, optional
+        Speed [m/s] that sets the unit, such as another run's; by default the largest.
     **style
         Of the line.
 
@@ -116,7 +118,7 @@ def phase(run, ax, **style):
     """
     run = in_si(run)
     V = float(run.V_load[-1])
-    factor, unit = prefixed("m/s", float(run.V.max()))
+    factor, unit = prefixed("m/s", unit_of or float(run.V.max()))
     (line,) = ax.plot(run.tau / normal_stress(run), factor * run.V, **{"lw": 0.5} | style)
     if V > 0:
         ax.plot(steady_stress(run, V), factor * V, "kx", ms=5, mew=1.0, zorder=5)

@@ -114,7 +114,8 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
     load point's displacement.  No error is less than the rounding of friction.  ``hold_message``
     says if healing depends on the drift, or if a slide was too short to become steady.  The level
     of such a slide is taken from a line through all slides, with an error that includes their
-    scatter.
+    scatter.  If friction is not yet steady when a hold begins, its distance from steady friction
+    is part of the errors.
 
     Examples
     --------

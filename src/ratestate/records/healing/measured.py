@@ -18,7 +18,7 @@ from ..kit.regression import (
     windows_that_pass,
 )
 from ..kit.sample_noise import OF_STEP, resolution
-from .holds import FEWEST
+from .holds import FEWEST, LAST
 from .steady import Level
 
 #: orders of polynomials in ln(time since the hold began): tested, and used; fewest samples
@@ -90,10 +90,13 @@ def _measured_with_noise(record, hold, noise, levels):
     before, after = levels.get(hold.number - 1), levels.get(hold.number + 1)
     if before is None:
         return MeasuredHold(UNSTEADY, {})
-    end = _end_of_hold(record, hold, noise)
+    end, unsteady = (
+        _end_of_hold(record, hold, noise),
+        _distance_from_steady(record, hold, before, noise),
+    )
     level = before.at(record.drift_coordinate_at(hold.during.end, end[0]))
     values = {"friction_before": before.at(before.end), "friction_min": end}
-    values["delta_mu_c"] = _difference(level, end)
+    values["delta_mu_c"] = _difference(level, end, unsteady)
     if hold.after.rows.size < FEWEST:
         return MeasuredHold(ENDS, values)
     status, at, peak = _peak(record, hold, noise, end[0])
@@ -101,16 +104,27 @@ def _measured_with_noise(record, hold, noise, levels):
         return MeasuredHold(status, values)
     drift_coordinate = record.drift_coordinate_at(at, peak[0])
     level = before.at(drift_coordinate)
-    values |= {"friction_peak": peak, "delta_mu": _difference(peak, level)}
+    values |= {"friction_peak": peak, "delta_mu": _difference(peak, level, unsteady)}
     if after is not None:
         values["friction_after"] = after.at(after.end)
-    if level[1] > UNKNOWN * abs(values["delta_mu"][0]):
+    if np.hypot(level[1], unsteady) > UNKNOWN * abs(values["delta_mu"][0]):
         return MeasuredHold(UNSTEADY, {})
     return MeasuredHold(EVALUATED, values, at, before, drift_coordinate)
 
 
-def _difference(one, other):
-    return one[0] - other[0], float(np.hypot(one[1], other[1]))
+def _difference(one, other, unsteady):
+    return one[0] - other[0], math.hypot(one[1], other[1], unsteady)
+
+
+def _distance_from_steady(record, hold, before, noise):
+    """Return how far friction is from its level when a hold begins; 0 if noise hides it.
+
+    A hold that begins before the slide is steady heals differently, by up to about this much.
+    """
+    rows = hold.before.rows[-LAST:]
+    distance = float(np.mean(record.friction[rows] - before.at(record.drift_coordinate[rows])[0]))
+    least = RESOLVED * np.hypot(noise.white * rows.size**-0.5, noise.red)
+    return distance if abs(distance) > least else 0.0
 
 
 def _end_of_hold(record, hold, noise):
