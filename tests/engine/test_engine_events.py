@@ -38,7 +38,7 @@ def of_v(c):
 
 
 def extreme(run):
-    return events.extreme_speed(run, LANE)[0]
+    return events.extreme_speed(run, LANE, events.ANY_VALUE)[0]
 
 
 def from_derivative(terms, *roots):
@@ -172,3 +172,23 @@ def test_an_extreme_that_cannot_leave_the_known_values_is_not_searched_for(of_x,
     run = lane(SlipLaw(), [np.array(of_x), np.zeros(5), np.zeros(5)], (1.5,))
     value = events.extreme_value(run, LANE, (1.0, 0.0, 0.0, 0.0), 0.0, known)
     assert value == pytest.approx(found, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("w", "w_end", "terms", "known"),
+    [
+        (2.0, 3.0, 13, (np.log(1.5), 7.0)),  # the load point's speed rises from 1 to 1.5
+        (0.5, 0.9, 13, (-5.0, 0.0)),
+        (2.0, 1.4, 13, (-5.0, 7.0)),  # V crosses V_lp once anyway
+        (0.5, 1.6, 13, (-5.0, 7.0)),
+        (2.0, 3.0, 5, (np.inf, -np.inf)),  # a step of Rodas5P: every extreme is needed
+    ],
+)
+def test_speeds_that_are_known_are_on_the_steps_side_of_the_load_points_speed(
+    w, w_end, terms, known
+):
+    run = of_v(np.zeros(terms))
+    given = {R.W: w, R.W_NEW: w_end, R.W_LP: 1.0, R.RAMP: 0.5, R.V_LOW: -5.0, R.V_HIGH: 7.0}
+    for row, value in given.items():
+        run.s[row + LANE] = value
+    assert events.known_speeds(run, LANE) == known

@@ -8,8 +8,10 @@ The period of a run follows from the stress maxima and minima of its last cycles
 
 import math
 
+from ..friction.functions import log
 from . import rows as R
 from .rows import OUTPUT, call_point
+from .units import REST_SPEED
 
 #: allowed error of extreme forces, as a multiple of the tolerance of a step
 FORCE_TOLERANCE = 0.01
@@ -106,9 +108,12 @@ def extreme_value(run, l, weights, tolerance, known):
     return value
 
 
-def extreme_speed(run, l):
-    """Return the fraction of the step at which the speed is extreme, and the speed."""
-    return root(run, l, run.units.speed, NOTHING, 0.0, 1.0, 0.0, ANY_VALUE)
+def extreme_speed(run, l, known):
+    """Return the fraction of the step at which the speed is extreme, and the speed.
+
+    If the extreme lies between the two known values, the result is the start of the step.
+    """
+    return root(run, l, run.units.speed, NOTHING, 0.0, 1.0, 0.0, known)
 
 
 def crossing(run, l, speeds, low, high):
@@ -121,6 +126,30 @@ def crossing(run, l, speeds, low, high):
     return fraction
 
 
+def known_speeds(run, l):
+    """Return the least and greatest speed so far, but only on the step's side of V_lp.
+
+    An extreme between these two is not needed: V does not cross V_lp twice in the step.  After a
+    step of Rodas5P, which may be longer than a decaying oscillation, every extreme is needed.
+    """
+    s = run.s
+    if s[R.TAYLOR + l] == 0.0:
+        return math.inf, -math.inf
+    low, high = s[R.V_LOW + l], s[R.V_HIGH + l]
+    w_lp = s[R.W_LP + l]
+    w_lp_end = w_lp + s[R.H_USED + l] * s[R.RAMP + l]
+    is_above = s[R.W + l] >= w_lp
+    if is_above == (s[R.W_NEW + l] >= w_lp_end):
+        limit = max(w_lp, w_lp_end) if is_above else min(w_lp, w_lp_end)
+        if run.shape.reverses == 0:
+            limit = log(max(limit, REST_SPEED))
+        if is_above:
+            low = max(low, limit)
+        else:
+            high = min(high, limit)
+    return low, high
+
+
 def record_extremes(run, l):
     """Record extremes of V, |g|, f and x + N inside the step; `commit` adds its end.
 
@@ -129,7 +158,7 @@ def record_extremes(run, l):
     s = run.s
     tolerance, events, at = FORCE_TOLERANCE * s[R.TOLERANCE + l], int(s[R.EVENTS + l]), -1.0
     if events & R.V_EXTREME > 0:
-        at, v = extreme_speed(run, l)
+        at, v = extreme_speed(run, l, known_speeds(run, l))
         s[R.V_HIGH + l] = max(s[R.V_HIGH + l], v)
         s[R.V_LOW + l] = min(s[R.V_LOW + l], v)
     if events & R.G_EXTREME > 0:
@@ -166,7 +195,7 @@ def handle(run, l):
     if s[R.OBSERVE + l] > 0.0:
         at = record_extremes(run, l)
     elif events & R.GRAZES > 0:
-        at, _ = extreme_speed(run, l)
+        at, _ = extreme_speed(run, l, ANY_VALUE)
     if run.shape.rigid:
         return
     above = s[R.W_NEW + l] >= speeds[0] + speeds[1]
