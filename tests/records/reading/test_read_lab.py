@@ -452,7 +452,7 @@ def test_times_that_are_one_but_for_rounding(tmp_path):
             warnings.simplefilter("always")
             data = read_lab(path)
         np.testing.assert_array_equal(data.time, t[rows])
-        left_out = [str(one.message) for one in emitted if "the time of the row before" in str(one)]
+        left_out = [str(one.message) for one in emitted if "the time is repeated" in str(one)]
         assert len(left_out) == (step < 1e-9)
 
 
