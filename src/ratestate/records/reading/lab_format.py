@@ -200,7 +200,7 @@ def describe_lab(
     Raises
     ------
     ParameterError
-        As for `read_lab`, and if K or M has a wrong unit or size.
+        If `read_lab` would raise it, or if K or M has a wrong unit or size.
 
     Examples
     --------
