@@ -383,7 +383,7 @@ def test_rounding_of_the_load_point_is_not_reported_as_wander(tmp_path, wanders,
 def test_rows_that_are_never_as_long_as_the_next_are_refused(tmp_path):
     rows = [row if i % 2 else row[:2] for i, row in enumerate(cells(COLUMNS))]
     with pytest.raises(
-        rs.ParameterError, match=r"has no line of numbers .* followed by another line of as m"
+        rs.ParameterError, match=r"has no line of numbers .* followed by a line with equally many"
     ):
         read_lab(write_rows(tmp_path / "r.txt", rows))
 
