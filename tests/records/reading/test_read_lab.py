@@ -153,7 +153,7 @@ def test_no_header(tmp_path):
     path = write_rows(tmp_path / "r.txt", cells(COLUMNS), None, ",")
     units = {"time": "s", "delta_lp": "um"}
     check(read_lab(path, {"time": 1, "delta_lp": 2, "friction": 3}, units))
-    with pytest.raises(rs.ParameterError, match=r"no column is known as time.*'column 4'"):
+    with pytest.raises(rs.ParameterError, match=r"no column is recognized as time.*'column 4'"):
         read_lab(path)
 
 
@@ -271,9 +271,9 @@ def refused(tmp_path, match, rows=None, header=HEADER, *arguments, **keywords):
         (("t(s)", "Disp(um)", "mu", "sn(Pa)"), r"'sn\(Pa\)' \(sigma\) is typically 20 Pa"),
         (("t(s)", "mu", "Disp(um)", "sigma"), r"'mu' \(friction\) is typically .* per cent"),
         (("t(s)", "Disp A(um)", "Disp B(um)", "mu"), "delta_lp may be any of .*'Disp A.*columns="),
-        (("t(s)", "slip(um)", "mu", "sigma"), r"no column is known as delta_lp.*'slip\(um\)'"),
-        (("t(s)", "Disp(um)", "x", "sigma(MPa)"), "no column is known as friction, or tau"),
-        (("t(s)", "Disp(um)", "tau(MPa)", "x"), "no column is known as sigma, to go with tau"),
+        (("t(s)", "slip(um)", "mu", "sigma"), r"no column is recognized as delta_lp.*'slip\(um\)'"),
+        (("t(s)", "Disp(um)", "x", "sigma(MPa)"), "no column is recognized as friction, or tau"),
+        (("t(s)", "Disp(um)", "tau(MPa)", "x"), "no column is recognized as sigma, to go with tau"),
         (("t(s)", "Disp(um)", "mu"), "3 names for 4 columns .line 2 has 4 numbers"),
     ],
 )
@@ -493,7 +493,7 @@ def test_a_load_point_that_runs_downwards(tmp_path):
     data = read_lab(path)
     np.testing.assert_allclose(data.delta_lp, 1e-6 * (X - 1000), rtol=1e-12)
     np.testing.assert_allclose(data.segment_V, [1e-6, 1e-5], rtol=1e-9)
-    assert "runs downwards, so its sign is turned" in data.attrs["notes"]
+    assert "runs downwards, so its sign is changed" in data.attrs["notes"]
     assert "(-985 um)" in data.attrs["found"]
     data = read_lab(path, displacement=("935 um", "990 um"))  # as the file has it
     assert data.sizes["time"] == 41

@@ -135,7 +135,7 @@ def fit(
           if the window has at most 20,000 rows.
         - a thinned record and fitted curve, along ``sample``.
 
-        and along ``parameter``:
+        Also along ``parameter``:
 
         - ``shared`` and ``shared_error``: estimate and error of one set for all steps and holds;
           ``shared_correlation`` (with ``other``).
