@@ -109,7 +109,7 @@ def fit(
         - ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``) [SI].  An open
           interval ends at inf or 0.
         - ``interval_kind``: source of the interval.
-        - ``correlation`` (with ``other``), for positive parameters of their logarithms.
+        - ``correlation`` (with ``other``), taken of the logarithms of positive parameters.
         - ``without_trend``: estimates without the trend, to first order.
         - ``profile_value`` [SI] and ``profile_deviance`` along ``profile_point``, for profiles.
         - ``posterior`` along ``sample``, with equal weights, for a posterior.  The result then also
