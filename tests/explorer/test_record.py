@@ -128,7 +128,7 @@ def test_conditions_of_a_record(V, begin, expected):
 def test_what_is_missing_can_be_chosen(without_child):
     contents = text(("clock", "channel A", "channel B", "load"))
     header, arrays = answered(contents)
-    assert header["problem"].startswith("no column is known as time, and the file has 'clock'")
+    assert header["problem"].startswith("no column is recognized as time, and the file has 'clock'")
     assert header["problem"].endswith(". Choose the column below.")
     assert (header["columns"][1], arrays, header["chosen"]) == (["channel A", ""], {}, {})
     columns = {"time": 1, "delta_lp": 2, "friction": 3}

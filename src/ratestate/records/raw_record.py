@@ -62,7 +62,7 @@ def raw_record(data, slider):
     kind, friction = _friction(data, slider)
     typical = float(np.median(friction))
     if not MIN_MU < typical < MAX_MU:
-        hint = "Turn its sign." if -MAX_MU < typical < 0.0 else "Is it a stress, or in per cent?"
+        hint = "Change its sign." if -MAX_MU < typical < 0.0 else "Is it a stress, or in per cent?"
         raise sentences.refusal("columns.size", typical=typical, high=MAX_MU, advice=hint)
     return RawRecord(data, time, kind, friction, displacement_of(data, time))
 

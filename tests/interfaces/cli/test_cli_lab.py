@@ -49,7 +49,7 @@ def test_a_description_is_printed(lab):
     done = call("lab", "describe", "r.txt", "--lab-format", "mylab.toml", "--M", "3000 kg/m^2")
     assert tomllib.loads(done.stdout)["machine"] == {"K": "60 GPa/m", "M": "3000 kg/m^2"}
     done = refuse("lab", "describe", "r.txt")
-    assert "no column is known as delta_lp or V_load" in done.stderr
+    assert "no column is recognized as delta_lp or V_load" in done.stderr
     assert done.stdout == ""
 
 
@@ -64,7 +64,7 @@ def test_a_fit_needs_no_other_option_than_the_format(lab):
     assert "read_lab('r.txt', lab_format='mylab.toml')" in Path("made/report.md").read_text("utf-8")
     again = call("fit", "r.txt", *OPTIONS[:6], "--sigma", "20 MPa", "--K", "6e10 Pa/m", "--json")
     assert again.exit_code == 2  # the fit's own sigma is none of the record
-    assert "no column is known as sigma" in again.stderr
+    assert "no column is recognized as sigma" in again.stderr
     # what is given goes first
     own = call("fit", "r.txt", *given, "--K", "50 GPa/m", "--json")
     assert json.loads(own.stdout)["attrs"]["slider"]["K"] == 5e10

@@ -300,7 +300,7 @@ def test_an_unknown_kind_of_errors_is_refused(good):
 @pytest.mark.parametrize(
     ("apart", "by_likelihood", "by_evidence"),
     [
-        (1.4, "does not decide between the laws", "which decides nothing"),
+        (1.4, "does not decide between the laws", "which does not decide between the laws"),
         (1.6, "The slip law fits somewhat better", "under equal priors"),
         (4.9, "The slip law fits somewhat better", "under equal priors"),
         (5.1, "The slip law fits clearly better", "under equal priors"),

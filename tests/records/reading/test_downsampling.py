@@ -29,8 +29,8 @@ def record(path, noise=0.0, lost=(), step=100.003):
 
 def test_means_over_blocks(tmp_path):
     path, t, x, mu = record(tmp_path / "r.csv", noise=1e-3)
-    with pytest.warns(RecordWarning, match=r"20,000 rows are averaged in blocks of 10: 2,000 are "
-                      r"left, one in 100 ms instead of 10 ms\. .*rows=None"):  # fmt: skip
+    with pytest.warns(RecordWarning, match=r"rows are averaged in blocks of 10: 2,000 remain, "
+                      r"one every 100 ms instead of every 10 ms\. .*rows=None"):  # fmt: skip
         data = read_lab(path, max_rows=2000)
     assert "20,000 rows are averaged" in json.loads(data.attrs["notes"])[0]
     for name, values in (("time", t), ("delta_lp", 1e-6 * x), ("friction", mu)):
@@ -50,7 +50,7 @@ def test_nothing_is_averaged_of_as_many_rows_as_are_allowed(tmp_path):
     for rows in (N, None, MAX_ROWS, np.int64(N)):
         data = read_lab(path, max_rows=rows)  # warnings are errors
         assert data.sizes["time"] == N
-    with pytest.warns(RecordWarning, match="in blocks of 2: 10,000 are left"):
+    with pytest.warns(RecordWarning, match="in blocks of 2: 10,000 remain"):
         assert read_lab(path, max_rows=N - 1).sizes["time"] == N // 2
 
 

@@ -78,7 +78,7 @@ def test_overlapping_times_name_the_rows(tmp_path):
     # one row that both have is left out, by its line in the second
     b = write(tmp_path / "b.txt", [c[59:] for c in columns])
     with pytest.warns(
-        RecordWarning, match=r"1 row is left out .* before: line 2 of b.txt \(114.75"
+        RecordWarning, match=r"1 row is left out .* repeated: line 2 of b.txt \(114.75"
     ):
         data = rs.read_lab([a, b])
     np.testing.assert_array_equal(data.time, T + 100)
@@ -133,7 +133,7 @@ def test_a_gap_and_bad_rows_are_named_by_file(tmp_path):
         warnings.simplefilter("always")
         rs.read_lab([a, b])
     lost, gap = (str(one.message) for one in caught)
-    assert "1 row is left out for want of a number: line 12 of b.txt ('overload' in 'Fric" in lost
+    assert "because a number is missing: line 12 of b.txt ('overload' in 'Fric" in lost
     assert "a gap in time before line 2 of b.txt (5.25 s)" in gap
 
 

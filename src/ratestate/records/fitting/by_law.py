@@ -136,8 +136,9 @@ def _combine_steps(result):
 def fitted_slider(result, law=None):
     """Return the slider that a fit estimated.
 
-    Free parameters and mu0 have their estimates, others the values that were given.  If each step
-    was fitted, parameters have the shared estimate, or else the median over the steps.
+    Free parameters and mu0 have their estimates.  All others have the values that were given.  If
+    each step was fitted, the slider has the joint estimates, or the medians over the steps if there
+    is no joint fit.
 
     Parameters
     ----------
@@ -154,7 +155,8 @@ def fitted_slider(result, law=None):
     Raises
     ------
     ParameterError
-        Not a result of `fit`; a law that was not fitted; several laws, and none is named.
+        If the Dataset is not a result of `fit`, the law was not fitted, or several laws were fitted
+        and none is named.
     """
     laws = checked_by_law(result, "fitted_slider")
     if has_steps(result):

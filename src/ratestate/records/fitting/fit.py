@@ -37,39 +37,40 @@ def fit(
 ):
     """Estimate a slider's parameters and their errors from a laboratory record.
 
-    Weighted least squares fit the record with the motion of eqs 1-4 under the record's loading,
-    with inertia if the slider has mass.  The weights follow from the level and correlation of the
-    noise, which are estimated from the residuals.
+    The motion of eqs 1-4 under the record's loading is fitted by weighted least squares.  It has
+    inertia if the slider has mass.  The weights follow from the level and correlation of the noise,
+    which are estimated from the residuals.
 
     Parameters
     ----------
     data : xarray.Dataset
-        A record of `read_lab`; or, along ``time`` [s], ``friction`` (tau/sigma of the spring;
-        else ``tau`` [Pa], or ``mu``, the friction of the interface) and ``delta_lp`` [m] or
-        ``V_load`` [m/s], both of the load point.
+        A record from `read_lab`, or a Dataset along ``time`` [s].  It needs ``friction`` (tau/sigma
+        of the spring), ``tau`` [Pa] or ``mu`` (friction of the interface).  It also needs
+        ``delta_lp`` [m] or ``V_load`` [m/s] of the load point.
     slider : SpringSlider
-        The parameters that are not free (sigma never is), and the search's initial guess of the
-        free ones.  It must be one slider, not a sweep.
+        Its values of free parameters are the initial guess of the search.  All other parameters
+        stay at its values, always including sigma.  It must be one slider, not a sweep.
     free : sequence of str
-        Any of a, b, Dc, K, M, the law's additional parameters, alpha if normal stress varies, and
-        lag, the delay [s] of the load point's motion behind its record.  "mu0" may be among them,
-        but every fit estimates it anyway.
+        Parameters to estimate: any of a, b, Dc, K, M, the law's additional parameters, alpha if
+        normal stress varies, and lag, the delay [s] of the load point's motion behind its record.
+        "mu0" is allowed, but every fit estimates it anyway.
     law : str, class or a sequence of these, optional
-        Friction law; the slider's by default.  Several laws are fitted side by side.  Each uses the
-        slider's parameters, free or not, that belong to it.  So the slider needs the parameters of
-        all laws.
+        Friction law.  By default the slider's law is used.  Several laws are fitted side by side.
+        The slider needs the parameters of all of them.  Each law ignores parameters that it does
+        not have.
     per_step : bool, default False
         Whether each velocity step, hold and step of normal stress in the record is fitted on its
         own window, on all cores.  The laws' parameters are also fitted to all steps together.
     against : {"time", "displacement", "cycles"}
-        Friction is compared at equal times, or at equal displacements of the load point (steps
-        only).  In a record of stick-slip or vibration, "cycles" compares features of the cycles.
+        Friction is compared at equal times, or at equal displacements of the load point (not for
+        holds).  In a record of stick-slip or vibration, "cycles" compares features of the cycles.
     loading : Loading, optional
         The load point's history, with t = 0 at the first sample.  By default the steps and holds
-        are found in its displacement.  Normal stress varies if it does so here, or else if the
-        variable ``sigma`` [Pa] of the record varies by more than 1 % of its mean.
+        are found in its displacement.  The model's normal stress varies as in this loading.  If it
+        is constant there, it varies as the record's ``sigma`` [Pa], if that changes by more than
+        1 % of its mean.
     trend : {"slip", "time", None}
-        Whether friction also drifts in proportion to slip, or to time.
+        Whether friction also drifts in proportion to slip, or to time, or not at all.
     start : {"auto", "steady", "free"}
         Whether the record begins in steady sliding at its first speed, or from a velocity and
         state that are also estimated.  By default they are estimated if the record requires it.
@@ -79,66 +80,87 @@ def fit(
         estimated as white noise.  A red part is added if the record shows it, with one correlation
         time or with a spectrum that is a power of frequency.
     errors : {"auto", "covariance", "profile", "posterior"}
-        Source of the intervals: the covariance at the best fit; profiles of the likelihood, which
-        take about 5 times as long as the fit, or 20 times if one is open; samples of the posterior,
-        by dynesty, which needs 20,000 evaluations or more, at about 7 s of one core for 10,000.
-        "auto": the covariance, but a profile for each quantity along which the likelihood is not
-        Gaussian.
+        Source of the intervals.  "covariance": the covariance at the best fit.  "profile": profiles
+        of the likelihood, which take about 5 times as long as the fit, or 20 times if one is open.
+        "posterior": samples of the posterior by dynesty, which needs 20,000 evaluations or more.
+        10,000 evaluations take about 7 s on one core.  "auto": the covariance, but a profile for
+        each quantity along which the likelihood is not Gaussian.
 
     Returns
     -------
     xarray.Dataset
-        A scalar under the name of each free parameter [SI], ``mu0``, ``a_minus_b`` and
-        ``trend_slip`` [1/m] or ``trend_time`` [1/s]; if the start is free, ``V_start``,
-        ``theta_start`` and the law's other states.  ``a_minus_b`` is d mu_ss/d ln V at the record's
-        first speed.  It equals a - b, unless the law has more states or another steady state.
-        Along ``parameter``: ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``)
-        [SI], ``interval_kind``, ``correlation`` (with ``other``; of the logarithms of positive
-        parameters), and ``without_trend``, the estimates without the trend, to first order.
-        An open interval ends at inf or 0.  Along ``time``:
-        ``friction``, ``friction_fit``, ``residual``, ``fit_error``, ``band`` (95 % of samples lie
-        in it).  ``noise_white``, ``noise_red``, ``noise_time``, ``noise_exponent`` (1 is 1/f noise,
-        0 noise of one correlation time), ``rms``, ``chi2_white``, ``log_likelihood``, ``aic``,
-        ``bic``; ``misfit_p_value``, the probability that noise alone leaves the transients that the
-        residuals have after the steps, or NaN if it was not tested.  Profiles: ``profile_value``
-        [SI] and ``profile_deviance`` along ``profile_point``.  Posterior: ``posterior`` along
-        ``sample``, with equal weights, ``log_evidence`` and the sampler's diagnostics; the
-        attribute ``prior``.  With several laws all this is in one Dataset along ``law``, with
-        ``aic_difference``, ``akaike_weight``, ``log_bayes_factor`` and the attribute
-        ``comparison``.  Variables that only some laws have are NaN or "" for the others.  The texts
-        are ``warnings`` (one on each line; "" if there are none) and ``identifiability``, a note on
-        which parameters are determined.
+        Scalars, in SI:
 
-        With per_step=True parameters, errors, statistics and texts are along ``step``, 1 to n in
-        order of time (and along ``law`` if there are several).  They are NaN and "" if ``status``
-        is 1 (failed) or 2 (stick-slip, which is not fitted); ``message`` says why.  Along ``step``
-        alone: ``kind`` ("step", "hold" or "normal stress"), its place ``step_t`` [s] and
-        ``step_delta_lp`` [m], ``V_before`` and ``V_after`` [m/s], ``t_hold`` [s], ``sigma`` and,
-        after a step of normal stress, ``sigma_after`` [Pa], ``samples``, each the mean of
-        ``rows_per_sample`` rows (1 if the window has at most 20,000 rows).  A thinned record and
-        fitted curve are along ``sample``.  Along ``parameter``: ``shared``, the estimate of one set
-        for all steps and holds, ``shared_error`` and, with ``other``, ``shared_correlation``;
-        ``scatter``, the standard deviation between steps beyond their errors; ``up_over_down``, the
-        mean over steps up divided by the mean over steps down, with its error and the p-value of
-        Student's test.  ``shared_p_value`` is the probability of as large a ``shared_deviance`` if
-        one set serves all steps.  At a step of normal stress only alpha is free; a, b, Dc and K are
-        held at the estimates from the other steps.
+        - each free parameter, under its name, and ``mu0``.
+        - ``a_minus_b``: d mu_ss/d ln V at the record's first speed.  It equals a - b, unless the
+          law has more states or another steady state.
+        - ``trend_slip`` [1/m] or ``trend_time`` [1/s].
+        - ``V_start``, ``theta_start`` and the law's other states, if the start is free.
+        - ``noise_white``, ``noise_red``, ``noise_time`` and ``noise_exponent`` (1 is 1/f noise, 0
+          is noise with one correlation time).
+        - ``rms``, ``chi2_white``, ``log_likelihood``, ``aic`` and ``bic``.
+        - ``misfit_p_value``: probability that noise alone leaves the transients that the residuals
+          have after the steps, or NaN if it was not tested.
+        - ``warnings``: one on each line, or "".
+        - ``identifiability``: a note on which parameters are determined.
+
+        Along ``parameter``:
+
+        - ``standard_error`` and ``interval`` (``level`` 0.68 and 0.95, ``side``) [SI].  An open
+          interval ends at inf or 0.
+        - ``interval_kind``: source of the interval.
+        - ``correlation`` (with ``other``), taken of the logarithms of positive parameters.
+        - ``without_trend``: estimates without the trend, to first order.
+        - ``profile_value`` [SI] and ``profile_deviance`` along ``profile_point``, for profiles.
+        - ``posterior`` along ``sample``, with equal weights, for a posterior.  The result then also
+          has ``log_evidence``, diagnostics of the sampler and the attribute ``prior``.
+
+        Along ``time``: ``friction``, ``friction_fit``, ``residual``, ``fit_error`` and ``band``, in
+        which 95 % of samples lie.
+
+        Several laws are in one Dataset along ``law``.  It also has ``aic_difference``,
+        ``akaike_weight``, ``log_bayes_factor`` and the attribute ``comparison``.  Variables that
+        only some laws have are NaN or "" for the others.
+
+        With per_step=True, parameters, errors, statistics and texts are along ``step``, 1 to n in
+        order of time.  They are NaN or "" if ``status`` is 1 (failed) or 2 (stick-slip, which is
+        not fitted).  ``message`` says why.  At a step of normal stress only alpha is free.  a, b,
+        Dc and K have the estimates from the other steps.  There are also, along ``step``:
+
+        - ``kind``: "step", "hold" or "normal stress".
+        - ``step_t`` [s] and ``step_delta_lp`` [m]: its time and displacement.
+        - ``V_before`` and ``V_after`` [m/s]; ``t_hold`` [s].
+        - ``sigma`` [Pa], and ``sigma_after`` [Pa] after a step of normal stress.
+        - ``samples``: number of samples.  Each is the mean of ``rows_per_sample`` rows, which is 1
+          if the window has at most 20,000 rows.
+        - a thinned record and fitted curve, along ``sample``.
+
+        Also along ``parameter``:
+
+        - ``shared`` and ``shared_error``: estimate and error of one set for all steps and holds;
+          ``shared_correlation`` (with ``other``).
+        - ``scatter``: standard deviation between steps that their errors do not explain.
+        - ``up_over_down``: mean over steps up divided by mean over steps down, with its error and
+          the p-value of Student's test.
+
+        ``shared_p_value`` is the probability of as large a ``shared_deviance`` if one set describes
+        all steps.
 
     Raises
     ------
     ParameterError
-        A record without steps, too short, constant or with missing values; a parameter that
-        cannot be free; a law with a parameter that the slider lacks; a setting out of range.
-        Against cycles: a law with more than one state or length.  With per_step=True: no step that
-        can be fitted; a loading; against cycles.
+        If the record has no steps, is too short or constant, or has missing values; if a parameter
+        cannot be free; if the slider lacks a parameter of a law; if a setting is out of range.
+        Against cycles: if a law has more than one state or length.  With per_step=True: if no step
+        can be fitted, a loading is given, or the fit is against cycles.
 
     Warns
     -----
     FitWarning
-        A parameter is at a bound, the search has not converged, the record does not determine
-        a free parameter, the law does not describe the record, or the estimates depend on a trend
-        that friction before the first step does not confirm.  With per_step=True: the posterior of
-        a step failed.
+        If a parameter is at a bound, the search has not converged, the record does not determine a
+        free parameter, the law does not describe the record, or the estimates depend on a trend
+        that friction before the first step does not confirm.  With per_step=True: also if the
+        posterior of a step failed.
 
     Examples
     --------

@@ -90,9 +90,9 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
         about the line.  If it is significantly above 1, the errors are enlarged by it.  The rates
         are NaN without two different hold times.  ``noise_white``, ``noise_red``, ``noise_time``.
 
-        Along ``line``: ``line_t_hold``, and the lines with errors, ``line_delta_mu`` and
+        Along ``line``: ``line_t_hold`` [s], and the fitted lines with errors, ``line_delta_mu`` and
         ``line_delta_mu_c``.  Along ``time``: ``friction``, and ``friction_steady``, the line of
-        steady friction from the slide before a hold to the peak, NaN elsewhere.
+        steady friction from the slide before a hold to the peak.  It is NaN elsewhere.
 
         With a slider, along ``law`` and ``hold``: ``delta_mu_predicted`` and
         ``delta_mu_c_predicted``.  Along ``law``: ``beta_predicted`` and ``beta_c_predicted``, the
@@ -107,7 +107,7 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
 
     Notes
     -----
-    Healing is defined as by Dieterich (1972, doi:10.1029/JB077i020p03690) and Marone (1998,
+    Healing is defined as in Dieterich (1972, doi:10.1029/JB077i020p03690) and Marone (1998,
     doi:10.1146/annurev.earth.26.1.643).  The rate is the slope of healing against log10 of hold
     time, by least squares weighted with the errors.  Slip of the fault is the load point's
     displacement minus friction/k, with k the slope of reloading.  If k is not resolved, slip is the

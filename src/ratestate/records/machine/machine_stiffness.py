@@ -60,15 +60,16 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
         law must have one state.  Without a slider M is computed as for a machine without friction,
         and the damping includes friction.
     loading : Loading, optional
-        The load point's history, with t = 0 at the first sample.  By default it is as recorded.
+        The load point's history, with t = 0 at the first sample.  By default the recorded motion is
+        used.
 
     Returns
     -------
     xarray.Dataset
         Scalars: ``K`` [Pa/m], ``M`` [kg/m^2] and ``damping`` [Pa s/m], each with ``_error`` and
-        ``_scatter``, or NaN if not found.  They are means weighted with the errors (for K, of
-        ln K).  If values scatter significantly more than their errors, ``_scatter`` is above 1, and
-        the errors are enlarged by it.
+        ``_scatter``, or NaN if not found.  M and damping are means weighted with the errors.  K is
+        from such a mean of ln K.  If values scatter significantly more than their errors,
+        ``_scatter`` is above 1, and the errors are enlarged by it.
 
         Along ``slope``:
 
@@ -79,11 +80,15 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
         - ``slope_used``: whether K includes the slope.  The curve must describe it, and "stick" is
           used only without other slopes.
 
-        Along ``ring_down``: ``ring_down_start`` [s] and ``ring_down_V`` [m/s], and with ``_error``
-        ``ring_down_omega`` [rad/s], ``ring_down_decay`` [1/s], ``ring_down_M`` and
-        ``ring_down_damping``.  Along ``time``: ``friction`` and the fitted curves
-        ``slope_friction`` and ``ring_down_friction``, NaN elsewhere.  The attribute ``remarks`` is
-        a JSON list of remarks.
+        Along ``ring_down``:
+
+        - ``ring_down_start`` [s]; ``ring_down_V`` [m/s].
+        - ``ring_down_omega`` [rad/s] and ``ring_down_decay`` [1/s], with ``_error``.
+        - ``ring_down_M`` [kg/m^2] and ``ring_down_damping`` [Pa s/m], with ``_error``.
+
+        Along ``time``: ``friction`` and the fitted curves ``slope_friction`` and
+        ``ring_down_friction``, which are NaN outside their windows.  The attribute ``remarks`` is a
+        JSON list of remarks.
 
     Raises
     ------

@@ -49,8 +49,8 @@ TABLES: dict[str, tuple[tuple[str, ...], str, dict[str, Any]]] = {
     "constants": (("sigma",), "Normal stress if it is not recorded.", {"sigma": "20 MPa"}),
     "signs": (
         tuple(symbol for symbol in EXAMPLE_UNIT if symbol != "time"),
-        "-1: the sign in the file is turned, 1: it is right.  The sign of other columns is turned "
-        "if stress\n# or friction is negative throughout, or if the load point moves backwards.",
+        "-1: the sign in the file is changed, 1: it is kept.  The sign of other columns is changed "
+        "if\n# stress or friction is negative throughout, or if the load point moves backwards.",
         {"delta_lp": -1},
     ),
     "machine": (
@@ -200,7 +200,7 @@ def describe_lab(
     Raises
     ------
     ParameterError
-        As for `read_lab`, and if K or M has a wrong unit or size.
+        If `read_lab` would raise it, or if K or M has a wrong unit or size.
 
     Examples
     --------

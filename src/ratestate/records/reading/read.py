@@ -39,12 +39,12 @@ def read_lab(
         Several files of one experiment, in the order of their times, are joined.  The columns that
         all files have are kept; their units may differ.
     columns : dict, optional
-        Which column is which, if their names do not decide: some of ``time``, ``delta_lp``
-        (displacement of the load point), ``V_load`` (its velocity), ``friction``, ``tau``,
-        ``sigma`` and ``pore_pressure``, each with a title in the file or a number, counted from 1,
-        as in ``{"time": "Time(s)", "delta_lp": 2}``.  The pore pressure is subtracted from
-        ``sigma``.  A pore pressure that is found by its title is not subtracted if ``sigma`` is
-        given here, or if the title of sigma says that it is effective.
+        Columns that their titles do not identify, as in ``{"time": "Time(s)", "delta_lp": 2}``.  A
+        column is given by its title or its number, counted from 1.  The keys may be ``time``,
+        ``delta_lp`` (displacement of the load point), ``V_load`` (its velocity), ``friction``,
+        ``tau``, ``sigma`` and ``pore_pressure``.  The pore pressure is subtracted from ``sigma``.
+        A pore pressure that is found by its title is not subtracted if ``sigma`` is given here, or
+        if the title of sigma says that it is effective.
     units : dict, optional
         Units that replace the units in the file, as in ``{"delta_lp": "um"}``.
     time, displacement : pair, optional
@@ -53,7 +53,7 @@ def read_lab(
     sigma : float, str or pint.Quantity, optional
         Normal stress [Pa] if it was constant and not recorded, as in ``"20 MPa"``.
     max_rows : int, default 1_000_000
-        Most rows that are kept (approximately, if there are many gaps).  Longer records are
+        Largest number of rows that are kept (about, if there are many gaps).  Longer records are
         averaged in blocks of neighbouring rows, and a warning reports it.  None keeps all rows.
     join : {"auto", "absolute", "restart"}, default "auto"
         How the times of several files follow each other.  "absolute": they continue from file to
@@ -66,14 +66,24 @@ def read_lab(
     Returns
     -------
     xarray.Dataset
-        The variables along ``time`` [s] are ``friction`` (computed as tau/sigma if it was not
-        recorded), ``delta_lp`` [m] or ``V_load`` [m/s], and ``tau`` and ``sigma`` [Pa] if they were
-        recorded.  The variables along ``segment`` describe the constant speeds of the load point:
-        ``segment_t`` [s] is the start of each segment (of the record, or a step), ``segment_V``
-        [m/s] is its speed (0 in a hold), and ``segment_t_error`` and ``segment_V_error`` are their
-        standard errors.  The attribute ``found`` describes steps and holds in words.  ``notes`` (a
-        JSON list) reports rows that were left out or look odd, ``columns`` (JSON) has the source of
-        each variable, and ``machine`` (JSON) has K and M of the format, if given.
+        Along ``time`` [s]:
+
+        - ``friction``: computed as tau/sigma if it was not recorded.
+        - ``delta_lp`` [m] or ``V_load`` [m/s].
+        - ``tau`` and ``sigma`` [Pa], if they were recorded.
+
+        Along ``segment``, a span in which the load point has a constant speed, with standard errors
+        ``NAME_error``:
+
+        - ``segment_t`` [s]: its start.
+        - ``segment_V`` [m/s]: its speed, 0 in a hold.
+
+        Attributes:
+
+        - ``found``: steps and holds in words.
+        - ``notes``: JSON list of rows that were left out or look odd.
+        - ``columns``: JSON with the source of each variable.
+        - ``machine``: JSON with K and M of the format, if given.
 
     Raises
     ------
@@ -87,7 +97,7 @@ def read_lab(
     -----
     RecordWarning
         If rows were left out (without a number, or with an impossible one), if there is a gap, or
-        if columns contradict each other; the message names the rows.  If rows were averaged, a
+        if columns contradict each other; the message names the rows.  Also if rows were averaged, a
         title is ambiguous, a pore pressure was or was not subtracted, friction is a ratio of
         forces, or values have an unusual size.
 

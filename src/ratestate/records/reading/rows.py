@@ -150,7 +150,7 @@ class Rows:
             symbol = next(symbol for symbol in good if not good[symbol][i])
             return f"{self.cell(self.kept[i], symbol)} in {quoted(self.columns[symbol].title)}"
 
-        self.leave_out(~whole, "for want of a number", bad_cell)
+        self.leave_out(~whole, "because a number is missing", bad_cell)
 
     def check_order(self):
         """Leave out rows that repeat a time; ParameterError if times run backwards."""
@@ -164,7 +164,7 @@ class Rows:
             )
         usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
         repeated = np.append(False, steps <= REPEATED_TIME * usual)
-        self.leave_out(repeated, "with the time of the row before", lambda i: f"{t[i]:.10g} s")
+        self.leave_out(repeated, "because the time is repeated", lambda i: f"{t[i]:.10g} s")
         if 10 * repeated.sum() > t.size:
             self.warnings[-1] += " (the times have too few digits)"
 

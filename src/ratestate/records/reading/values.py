@@ -157,19 +157,19 @@ def flip_signs(record, signs):
     record : symbol -> array, with delta_lp or V_load; entries are replaced, arrays do not change
     signs : symbol -> 1 or -1, for known signs
     """
-    notes = {s: f"the sign of {s} is turned, as the format says" for s in signs if signs[s] < 0}
+    notes = {s: f"the sign of {s} is changed, as the format says" for s in signs if signs[s] < 0}
     for symbol in ("friction", "tau", "sigma", "pore_pressure"):
         # a pore pressure may be a little below 0; its sign follows the sign of sigma
         follows = symbol != "pore_pressure" or "sigma" in notes
         known = symbol in signs or symbol not in record
         if follows and not known and np.quantile(record[symbol], 0.9) < 0.0:
-            notes[symbol] = f"{symbol} is negative throughout, so its sign is turned"
+            notes[symbol] = f"{symbol} is negative throughout, so its sign is changed"
     symbol = "delta_lp" if "delta_lp" in record else "V_load"
     x = record[symbol]
     part = max(1, x.size // 20)
     start, end = (x[:part], x[-part:]) if symbol == "delta_lp" else (0.0, x)
     if symbol not in signs and np.median(end) < np.median(start):
-        notes[symbol] = f"{symbol} runs downwards, so its sign is turned"
+        notes[symbol] = f"{symbol} runs downwards, so its sign is changed"
     flipped = [symbol for symbol in notes if symbol in record]
     for symbol in flipped:
         record[symbol] = -record[symbol]

@@ -81,8 +81,8 @@ def events(data, *, K=None, M=None, sigma=None):
 
         Without errors: ``event_kind`` is "fast" if the peak slip rate is at least half the inertial
         limit stress_drop/(2 sqrt(K M)), or at least 100 V_lp if M is unknown, and "slow" otherwise.
-        ``samples_in_fall`` is the number of samples.  ``event_status`` (int8 with CF flags) is 0
-        for a whole event.  ``event_message`` explains NaN and gives remarks.
+        ``samples_in_fall`` is the number of samples in the fall.  ``event_status`` (int8 with CF
+        flags) is 0 for a whole event.  ``event_message`` explains NaN and gives remarks.
 
         Along ``abscissa`` ("recurrence", "V_lp"): the line stress_drop = A + B log10(x), with x in
         SI, through whole events during whose loading V_lp was constant: ``trend_A`` and ``trend_B``
