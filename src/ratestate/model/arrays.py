@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -261,5 +262,7 @@ def _check_products(values):
 
 def _largest_exponent(value, power):
     """Return log10 of the largest finite value to this power; -inf if there is none."""
+    if isinstance(value, float):  # ten times as fast as with arrays
+        return power * math.log10(value) if 0.0 < value < math.inf else -math.inf
     sizes = np.ravel(value)
     return (power * np.log10(sizes[(sizes > 0.0) & (sizes < np.inf)])).max(initial=-np.inf)

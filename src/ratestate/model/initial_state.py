@@ -57,7 +57,7 @@ def initial_state(law, batch, V_load):
     p = law.coefficient_arrays(V0, batch.columns)
     for label, V in ("V_start", batch.flat("V_start")), ("initial V", given.get("V", V0)):
         check_speed_ratio(law, label, V, "V0", V0)
-    v, states = steady_state(law, batch, batch.flat("V_start"))
+    v, states = steady_state(law, batch, batch.flat("V_start"), p)
     x = stress(law, v, states, p)
     states = tuple(
         np.log(V0 * given[name] / batch.flat(distance)) if name in given else state
@@ -97,17 +97,20 @@ def initial_state(law, batch, V_load):
 def steady_sliding_state(law, batch, V):
     """Return x, v and the law's variables in steady sliding at V (n,): array (n, m)."""
     p = law.coefficient_arrays(batch.flat("V0"), batch.columns)
-    v, states = steady_state(law, batch, V)
+    v, states = steady_state(law, batch, V, p)
     return np.stack([stress(law, v, states, p), v, *law.variables(v, states, p)], axis=1)
 
 
-def steady_state(law, batch, V):
-    """Return v and a tuple of ln(V0 theta/D) of each state in steady sliding at V."""
+def steady_state(law, batch, V, p):
+    """Return v and a tuple of ln(V0 theta/D) of each state in steady sliding at V.
+
+    p : the law's coefficients at V0
+    """
     V0 = batch.flat("V0")
     at_V = law.coefficient_arrays(V, batch.columns)
     steady = law.log_states(0.0, law.steady(at_V).psi, at_V)
     states = tuple(state - np.log(V / V0) for state in steady)
-    return law.v_at(V / V0, states, law.coefficient_arrays(V0, batch.columns)), states
+    return law.v_at(V / V0, states, p), states
 
 
 def stress(law, v, log_states, p):
