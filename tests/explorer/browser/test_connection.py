@@ -10,7 +10,7 @@ from ratestate_explorer.app import MOST_PAGES
 
 DROPPED = "The last click had no effect, because the connection to ratestate was lost"
 TRIED = "() => document.querySelector('#banner').textContent.includes('tries again in 2 s')"
-BEGUN = "() => document.querySelector('#task-start').textContent == 'Set the sliders anew'"
+BEGUN = "() => document.querySelector('#task-start').textContent == 'Reset the sliders'"
 
 
 def test_a_long_text_is_refused_and_the_connection_stays(show):

@@ -69,14 +69,14 @@ WAYS = {
         ("#step-V_lp", "", [False]),
         ("V_lp -4.455", None, [False]),
         ("V_lp -4.43", "Contacts grow stronger with the logarithm of their age", [True]),
-        ("text=Forget what is done", None, [False]),
+        ("text=Reset progress", None, [False]),
         ("begin", None, [False]),
         ("#hold", "Contacts grow stronger with the logarithm of their age", [True]),
     ],
     2: [
         ("K = 1.225 GPa/m", None, [False, False]),  # stiffer by more than two percent
         ("K = 1.223 GPa/m", None, [False, True]),
-        ("text=Forget what is done", "", [False]),
+        ("text=Reset progress", "", [False]),
         ("#tasks [aria-label^='Task 2:']", None, [False, False]),
         ("begin", None, [False, False]),
         ("K 9.3", None, [False, False]),
@@ -187,7 +187,7 @@ def test_progress_lasts_as_long_as_the_tab_and_can_be_forgotten(show):
     page.click("#task-next")
     assert shown.text("#task-title") == "3. Make it slow"
     assert page.evaluate("document.activeElement.id") == "task-start"
-    page.click("text=Forget what is done")
+    page.click("text=Reset progress")
     page.reload()
     shown.wait()
     page.click("#tasks-open")
@@ -260,4 +260,4 @@ def test_on_a_phone_the_task_is_told_while_the_strip_is_out_of_sight(show):
             box["x"] + thumb / 2 + share * (box["width"] - thumb), box["y"] + box["height"] / 2
         )
         shown.wait()
-    assert shown.text("#task-line") == "Task 2, 2 of 2 done. What was learnt is above."
+    assert shown.text("#task-line") == "Task 2, 2 of 2 done. The explanation is above."

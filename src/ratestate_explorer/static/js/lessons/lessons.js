@@ -94,7 +94,7 @@ const stop = {
   free: ["M", "V_lp"],
   todo: "This block vibrates although its spring is stiffer than K_c_qs. Make it slide steadily in two ways. First change only V_lp. Then set V_lp back, and change only M.",
   look: "eta and K_c in the table, and the marks of V_c and M_c above the sliders.",
-  hint: "Sliding is steady below V_c, and with a mass below M_c. After the first way, set V_lp back to 10 mm/s, or press \u201cSet the sliders anew\u201d. A goal that you reached stays reached.",
+  hint: "Sliding is steady below V_c, and with a mass below M_c. After the first way, set V_lp back to 10 mm/s, or press \u201cReset the sliders\u201d. A goal that you reached stays reached.",
   measure: ({ values, numbers, regime }) => `eta is ${plain(numbers.eta)}. At this K sliding is steady if eta is below ${plain(values.K / numbers.K_c_qs - 1)}. Now: ${regime === "steady" ? "steady sliding" : regime}.`,
   goals: [
     { text: "steady sliding by a change of V_lp only", met: ({ values, regime }, base) => regime === "steady" && near(values.M, base.values.M) && !near(values.V_lp, base.values.V_lp) },
