@@ -43,9 +43,9 @@
     [output]  # relative to the current directory
     file = "out.nc"   # or .csv, .zarr
     plot = "out.png"  # or .pdf
-
-Modules are imported when they are first used: the templates alone need none of the others.
 """
+
+# Modules are imported when they are first used: the templates alone need none of the others.
 
 from importlib import import_module
 from typing import TYPE_CHECKING
