@@ -81,7 +81,7 @@ def friction(V, theta, *, a, b, mu0, V0, Dc):
 
 
 def friction_partials(V, theta, *, a, b):
-    """Return the derivatives of `friction`, a/V by V and b/theta by theta.
+    """Return the derivatives of `friction` with respect to V and theta.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def dtheta_dt(V, theta, *, Dc, law):
     Dc : float, array or DataArray
         Critical slip distance [m].
     law : str
-        Friction law, one of one length.
+        Friction law of one length.
 
     Returns
     -------
@@ -133,10 +133,7 @@ def dtheta_dt(V, theta, *, Dc, law):
 
 
 def dtheta_dt_partials(V, theta, *, Dc, law):
-    """Return the derivatives of `dtheta_dt` by V and theta.
-
-    d theta/dt depends on Omega = V theta/Dc alone, so both follow from one derivative.  With V0 :=
-    V (w = 1, v = 0, psi = ln Omega) this is the derivative of the law's rate by v.
+    """Return the derivatives of `dtheta_dt` with respect to V and theta.
 
     Parameters
     ----------
@@ -145,7 +142,7 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
     Dc : float, array or DataArray
         Critical slip distance [m].
     law : str
-        Friction law, one of one length.
+        Friction law of one length.
 
     Returns
     -------
@@ -159,6 +156,7 @@ def dtheta_dt_partials(V, theta, *, Dc, law):
     ParameterError
         If the law is unknown, or has other parameters than Dc.
     """
+    # both follow from the derivative by v = ln(V/V0), at V0 = V, where psi = ln(omega)
     omega = V * theta / Dc
     (slope,), _ = _one_length(law).at_speed(0.0, (np.log(omega),), ()).f_slopes
     return slope * theta / Dc, slope * V / Dc

@@ -54,8 +54,8 @@ class LawEntry(NamedTuple):
     label : str
         The name for titles and legends.
     forms : dict
-        Each form of friction that the law takes, the law's own form first, and the parameters
-        that a slider then needs beside a, b, Dc, sigma and K: symbol -> `Parameter`.
+        Forms of friction that the law takes, its own form first.  Each has the parameters that a
+        slider then needs in addition to a, b, Dc, sigma and K: symbol -> `Parameter`.
     """
 
     name: str

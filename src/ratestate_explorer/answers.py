@@ -61,13 +61,15 @@ def run_job(job, question, deadline):
         problems = {place: str(error)}
     except TimeUp:
         seconds = min(deadline.seconds, deadline.whole)
-        message = f"{question.ask}: this takes more than {seconds:g} s. Python has no such limit."
-        problems = {place: message}
+        problems = {
+            place: f"{question.ask}: the computation takes more than {seconds:g} s. In Python it "
+            f"has no such limit."
+        }
     except Exception:
         # `Stopped`; or the program may be ending, and its threads with it
         if deadline.cancelled:
             raise rs.Stopped from None
         log.exception("a question could not be answered: %r", question)
-        problems = {place: "the explorer failed on this. Its terminal says more."}
+        problems = {place: "The explorer had an internal error. Its terminal shows the details."}
     header = {"values": values_of(question.entries), "protocol": protocol_of(question.entries)}
     return wire.answer(question.id, "problem", problems=problems, **header), True

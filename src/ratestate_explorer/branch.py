@@ -151,7 +151,7 @@ def _pieces(slider, V_lp, along, axis):
     """Return the pieces of branches along an axis, a tuple of Datasets, and their problems."""
     courses = axis.courses()
     if not courses:
-        return (), "Steady sliding is stable all along, and no limit cycle begins here."
+        return (), "Steady sliding is stable along the whole axis, and no limit cycle begins there."
     try:
         found = [_followed(slider, V_lp, along, *course) for course in courses]
     except rs.ParameterError as error:

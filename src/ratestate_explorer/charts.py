@@ -76,8 +76,8 @@ def chart(slider, size, deadline, limits=WHOLE):
     if not is_mapped(key):
         raise rs.ParameterError(
             f"law = {slider.law!r} with friction_form = {slider.friction_form!r} and damping = "
-            f"{slider.damping:g} Pa s/m has no map of regimes: eta and K/K_c_qs do not decide the "
-            f"motion alone. In Python ratestate.atlas maps laws with parameters of their own."
+            f"{slider.damping:g} Pa s/m has no map of regimes: the motion does not depend only on "
+            f"eta and K/K_c_qs. In Python ratestate.atlas maps laws with parameters of their own."
         )
     try:
         with deadline.part():

@@ -88,7 +88,7 @@ def _problems_of_rigid(values):
     if "kick" in values:
         problems["kick"] = (
             "kick: with K = inf the slider moves at the load point's speed. Give a finite K, or "
-            "leave the kick out."
+            "remove the kick."
         )
     return problems
 

@@ -113,8 +113,7 @@ def save_page(path, entries):
         text = standalone(entries, (), Deadline(SECONDS))
     except TimeUp:
         raise rs.SolverError(
-            f"a part of what the page shows takes more than {SECONDS:g} s of computing. Nothing "
-            f"was saved."
+            f"a part of the page takes more than {SECONDS:g} s to compute. Nothing was saved."
         ) from None
     return rs.files.replace(path, lambda partial: partial.write_text(text, encoding="utf-8"))
 

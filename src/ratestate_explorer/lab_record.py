@@ -31,8 +31,8 @@ REMEDIES = {
     "units": "Choose its unit, or another column, below.",
     "column": "Choose another column, or its unit, below.",
     "window": "Give other times below.",
-    "rows": "Give the times from which and to which it is read, below, or mend the file.",
-    "segments": "Give the times from which and to which it is read, below.",
+    "rows": "Give the first and last time to read below, or correct the file.",
+    "segments": "Give the first and last time to read below.",
 }
 
 
@@ -92,7 +92,9 @@ async def _contents(request, stop):
             async for chunk in request.stream():
                 contents += chunk
                 if stop.is_set():
-                    raise Refused(409, "another file was sent after this one, or its page has gone")
+                    raise Refused(
+                        409, "another file was sent after this one, or its page was closed"
+                    )
                 if len(contents) > LARGEST:
                     raise Refused(413, too_large())
     except TimeoutError:
@@ -103,8 +105,8 @@ async def _contents(request, stop):
 def too_large():
     """Return the message for a file that is too large."""
     return (
-        f"the file is larger than the {LARGEST / 1e6:g} MB that the page takes. Leave out what is "
-        f"not of interest, or take every tenth row. In Python read_lab has no such limit."
+        f"the file is larger than the {LARGEST / 1e6:g} MB that the page takes. Cut "
+        f"the record, or keep every tenth row. In Python read_lab has no such limit."
     )
 
 
@@ -249,7 +251,7 @@ def fit_of(record, entries, deadline):
     except TimeUp:
         raise rs.ParameterError(
             f"the fit takes more than {deadline.seconds:g} s",
-            "Give times of a single step below, or fit the record with ratestate fit.",
+            "Give the times of a single step below, or use the command ratestate fit.",
         ) from None
     fitted = np.interp(record.time, result.time, result.friction_fit)
     texts = [f"Fit under the {slider.law} law: {_estimates(result, free)}."]

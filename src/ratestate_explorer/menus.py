@@ -16,7 +16,7 @@ from .state import BEFORE, EXPERIMENT, NONE, PageState
 
 FIG1_STEP = float(np.e * paper.FIG1.V0)
 # The text of a parameter that only one law has: its name says what it is.
-OWN = "A parameter of this friction law alone."
+OWN = "A parameter that only this friction law has."
 
 
 def offers(starts):

@@ -78,8 +78,8 @@ def _settled(state, cycle, orbit, deadline):
     if not isinstance(cycle, rs.SolverError):
         return Settled(slider, V_lp, orbit), []
     return Settled(slider, V_lp), [
-        "No limit cycle was found at the speed and normal stress before time 0: the run begins in "
-        "steady sliding there, stable or not."
+        "No limit cycle was found at the speed and normal stress before time 0. So the run begins "
+        "in steady sliding, which may be unstable."
     ]
 
 
@@ -144,7 +144,7 @@ def run_of(plan, deadline):
             if not t_end > 0.0:
                 break
             notes = [f"The run is cut at {t_end:.3g} s of {requested:.3g} s, after {limit}"]
-    return None, [f"No run is shown: of {requested:.3g} s too little was done in {limit}"]
+    return None, [f"No run of {requested:.3g} s is shown: too little of it was computed in {limit}"]
 
 
 def marks(verdict):

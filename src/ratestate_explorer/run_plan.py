@@ -114,7 +114,7 @@ def transient_note(verdict, orbit):
         return ""
     cycles = most * (1.0 / verdict.period if verdict.period else verdict.omega / (2.0 * np.pi))
     what = "cycles" if verdict.period else "oscillations"
-    return f"The run shown is {cycles:.3g} {what} long, and its transient has not decayed by then."
+    return f"The run shown is {cycles:.3g} {what} long. Its transient has not decayed by then."
 
 
 def durations(verdict, orbit):

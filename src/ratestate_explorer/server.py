@@ -72,6 +72,6 @@ def listen(port=None):
         in_use = error.errno == errno.EADDRINUSE
         what = "is in use" if in_use else f"cannot be used: {error.strerror}"
         raise rs.ParameterError(
-            f"port = {port} {what}. Give another, or none to have one chosen."
+            f"port = {port} {what}. Give another port, or none: the explorer then chooses one."
         ) from None
     return listening

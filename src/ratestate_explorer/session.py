@@ -118,7 +118,7 @@ class Session:
         self.nonsense = 0
         dropped = self.queues[question.ask].take(question)
         if dropped and dropped.ask in wire.FILES:
-            problems = {"": "too many downloads were waiting, so this one was dropped"}
+            problems = {"": "too many downloads were waiting, so this one was cancelled"}
             await self.send(wire.answer(dropped.id, "problem", problems=problems))
 
     async def send(self, message):

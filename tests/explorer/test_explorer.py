@@ -269,13 +269,13 @@ class TestPicture:
 
     def test_a_run_that_has_not_settled_is_reported(self):
         cycles, arrays = painted(VIBRATION | {"V_lp": "3.16228 mm/s"})  # V_c is 3.162278 mm/s
-        said = "The run shown is 40 cycles long, and its transient has not decayed by then."
+        said = "The run shown is 40 cycles long. Its transient has not decayed by then."
         assert said in cycles["notes"]
         period = cycles["numbers"]["period"]
         assert arrays["run_time"][-1] == pytest.approx(40.0 * period, rel=1e-5)
         assert painted(STICK_SLIP)[0]["notes"] == []
         damped, _ = painted(VIBRATION | {"V_lp": "3.16 mm/s"})
-        assert "oscillations long, and its transient has not decayed" in damped["notes"][0]
+        assert "oscillations long. Its transient has not decayed" in damped["notes"][0]
 
     def test_a_start_that_was_not_found_is_said(self, monkeypatch):
         attractor = picture._attractor
@@ -299,13 +299,13 @@ class TestPicture:
         monkeypatch.setattr(SimulateCall, "move", stopped)
         header, _ = painted(VIBRATION)
         assert len(tried) == 1
-        assert header["notes"][0].startswith("No run is shown: of ")
+        assert header["notes"][0].startswith("No run of ")
 
     def test_a_search_that_takes_too_long_is_reported(self):
         header, arrays = painted(STICK_SLIP, seconds=0.0)
         assert "the search was ended after 0 s" in header["sentences"][0]
         assert header["numbers"]["regime"] == "unknown"
-        assert header["notes"][0].startswith("No run is shown: of ")
+        assert header["notes"][0].startswith("No run of ")
         assert arrays["run_time"].size == 0
 
     def test_a_cancelled_run_gives_nothing(self, monkeypatch):
@@ -328,7 +328,7 @@ class TestPicture:
         header, _ = read(reply)
         assert failed
         assert (header["id"], header["kind"]) == (3, "problem")
-        assert "the explorer failed" in header["problems"][""]
+        assert "internal error" in header["problems"][""]
         assert "a bug" in caplog.text
         caplog.clear()
         ended = Deadline(1.0)
@@ -650,7 +650,7 @@ class TestServer:
             while (header := read(socket.recv(60))[0])["id"] != 77:
                 told += header.get("problems", {}).values()
             assert header["kind"] == "picture"
-            assert [text for text in told if "the explorer failed" in text] == []
+            assert [text for text in told if "internal error" in text] == []
 
 
 class TestServe:

@@ -102,8 +102,8 @@ class TestBranch:
                 "K",
                 "M = 0.0 kg/m^2 cannot be used: a branch is",
             ),
-            (FIG2.replace(K=np.inf), "V_lp", "Steady sliding is stable all along"),
-            (FIG2.replace(b=0.002), "K", "Steady sliding is stable all along"),
+            (FIG2.replace(K=np.inf), "V_lp", "Steady sliding is stable along the whole axis"),
+            (FIG2.replace(b=0.002), "K", "Steady sliding is stable along the whole axis"),
         ],
     )
     def test_a_missing_branch_has_a_note(self, slider, along, note):

@@ -123,7 +123,7 @@ class TestCurves:
         assert charts.key_of(entries.state_of(two_lengths).slider) == ("two-state-slip",)
 
     def test_a_run_that_takes_too_long_is_said(self):
-        with pytest.raises(rs.ParameterError, match="No run is shown"):
+        with pytest.raises(rs.ParameterError, match="No run of"):
             figure._motion(entries.state_of(STICK_SLIP), _Late(60.0))
 
 

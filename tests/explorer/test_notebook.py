@@ -84,7 +84,7 @@ def test_saving_may_take_too_long(tmp_path, monkeypatch):
 
     monkeypatch.setattr(exports, "picture_of", endless)
     with pytest.raises(
-        rs.SolverError, match=r"takes more than 300 s of computing\. Nothing was saved"
+        rs.SolverError, match=r"takes more than 300 s to compute\. Nothing was saved"
     ):
         rs.explore(FIG4, "0.1 mm/s").save(tmp_path / "rig.html")
     assert list(tmp_path.iterdir()) == []

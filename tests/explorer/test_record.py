@@ -101,7 +101,7 @@ def test_a_fit_ends_with_a_problem_and_on_a_stop(without_child, of_a_step):
 
     entries = ENTRIES | {"law": "slip"}
     assert problem(entries | {"a": "-1"}, Deadline(60.0)).startswith("a = '-1' must be > 0")
-    assert problem(entries, Deadline(0.0)).startswith("the fit takes more than 0 s. Give times")
+    assert problem(entries, Deadline(0.0)).startswith("the fit takes more than 0 s. Give the times")
     stopped = Deadline(60.0)
     threading.Timer(0.05, stopped.set).start()
     assert problem(entries, stopped) == "the fit was stopped"
@@ -336,5 +336,5 @@ class TestServer:
         status, (header, _) = answers[0]
         assert (status, header["problem"]) == (
             409,
-            "another file was sent after this one, or its page has gone",
+            "another file was sent after this one, or its page was closed",
         )

@@ -43,7 +43,8 @@ def atlas(
 ):
     """Compute limit cycles and regimes over K/K_c_qs and eta, and how sliding loses stability.
 
-    Under a law with a speed of its own the axes are K and V_lp.
+    Under a law that has a speed among its parameters, such as flash heating, the axes are K and
+    V_lp.
 
     Parameters
     ----------
@@ -60,10 +61,10 @@ def atlas(
     transition : bool
         Whether to add columns close to K_c, half as many as n.
     M : float
-        Only for a law with a speed of its own: eta at V_lp = 1, >= 0.
+        Only for a law with a speed among its parameters: eta at V_lp = 1, >= 0.
     **parameters : float
-        What the law needs beside a, b and Dc, in units in which a = sigma = Dc = 1: b2 means b2/a,
-        and speeds have the unit of V_lp, which is free.
+        Parameters of the law in addition to a, b and Dc, in units in which a = sigma = Dc = 1.  So
+        b2 means b2/a, and speeds are in the unit of V_lp, which you may choose.
 
     Returns
     -------
@@ -75,19 +76,23 @@ def atlas(
         - With `transition`, the same with the suffix ``_close`` along ``eta`` and ``K_over_K_c``
           below 1.
         - Along ``eta``: ``K_c_over_K_c_qs``, ``lyapunov_1`` [V_lp/Dc] and ``type`` of the Hopf
-          bifurcation there, and ``K_fold_over_K_c_qs``, up to which a limit cycle coexists with
-          stable steady sliding; NaN if none does, and for laws that are not of one length.
-        - ``eta_bautin``, where the type changes; NaN if it does not, and for these laws.
+          bifurcation at this eta.
+        - Along ``eta``: ``K_fold_over_K_c_qs``, the largest stiffness at which a limit cycle
+          coexists with stable steady sliding.  It is NaN if none does, and for laws that are not of
+          one length.
+        - ``eta_bautin``, where the type changes.  It is NaN if the type does not change, and for
+          laws that are not of one length.
 
-        Under a law with a speed of its own, ``V_lp`` takes the place of ``eta``, which is a
-        coordinate along it, and K_c_qs is the largest at any of these speeds.
+        Under a law with a speed among its parameters, ``V_lp`` replaces ``eta``, which becomes a
+        coordinate along ``V_lp``.  K_c_qs is then the largest at any of these speeds.
 
     Raises
     ------
     ParameterError
-        Unknown law, a missing or unknown parameter of it; M for a law without a speed, or no M for
-        one with a speed; b_over_a that is not a number > 1; steady sliding that is stable at any
-        stiffness, as b2 < 0 may make it; n that is not an integer >= 2; rtol out of range.
+        If the law is unknown, or one of its parameters is missing or unknown.  If M is given for a
+        law without a speed, or missing for a law with one.  If b_over_a is not a number > 1, n not
+        an integer >= 2, or rtol out of range.  If steady sliding is stable at any stiffness, for
+        example because b2 < 0.
 
     Examples
     --------

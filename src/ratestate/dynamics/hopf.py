@@ -30,14 +30,14 @@ VARIABLES = (
 def hopf(slider, V_lp=None):
     """Locate the Hopf bifurcation of steady sliding, and describe its type and small cycles.
 
-    Without V_lp it is the bifurcation as speed increases at the slider's K, at V_c (eq. 10).  With
-    V_lp it is the bifurcation as stiffness decreases at this speed, at K_c (eq. 6), whatever the
-    slider's K.  The formulas are closed for laws of one length; for others Kuznetsov's (2004)
-    formula is evaluated numerically.
+    Without V_lp, speed increases at the slider's K, and the bifurcation is at V_c (eq. 10).  With
+    V_lp, stiffness decreases at this speed, and the bifurcation is at K_c (eq. 6), whatever the
+    slider's K.  Laws of one length have closed formulas.  For other laws Kuznetsov's (2004) formula
+    is evaluated numerically.
 
-    Near it ln(V/V_lp) = r cos(omega t), with dr/dt = growth_rate r + lyapunov_1 r^3.  If
-    lyapunov_1 < 0 the bifurcation is supercritical: small stable cycles appear on the unstable side
-    (V > V_c, K < K_c) and grow from zero.  If lyapunov_1 > 0 it is subcritical: small unstable
+    Near the bifurcation ln(V/V_lp) = r cos(omega t), with dr/dt = growth_rate r + lyapunov_1 r^3.
+    If lyapunov_1 < 0 the bifurcation is supercritical: small stable cycles appear on the unstable
+    side (V > V_c, K < K_c) and grow from zero.  If lyapunov_1 > 0 it is subcritical: small unstable
     cycles exist on the stable side (V < V_c, K > K_c), and sliding that has lost its stability
     jumps to a large cycle.
 
@@ -51,28 +51,33 @@ def hopf(slider, V_lp=None):
     Returns
     -------
     xarray.Dataset
-        In the dimensions of the named DataArrays together, at the bifurcation: speed ``V_c``
-        [m/s] and stiffness ``K_c`` [Pa/m], ``eta`` (eq. 7), ``omega_c`` [rad/s] (under laws of one
-        length (V/Dc) sqrt((b-a)/a) whatever the mass), ``frequency`` [Hz] = omega_c/(2 pi),
-        ``eigenvalue_3`` [1/s], the rate at which all else decays (under these laws
-        -(1 + 1/eta) V/Dc), ``lyapunov_1`` [1/s], ``type`` ("supercritical", "subcritical",
-        "degenerate", "none") and ``amplitude_coefficient`` [1]: the amplitude (max - min of
-        tau/sigma) of small cycles is amplitude_coefficient sqrt(|V_lp/V_c - 1|), or, with V_lp
-        given, amplitude_coefficient sqrt(|K/K_c - 1|); the attribute ``parameter`` is then "K",
-        else "V_lp".
+        In the dimensions of all named DataArrays, at the bifurcation:
 
-        The type is degenerate if lyapunov_1 is 0 within its rounding error, 1e-14 of the terms that
-        sum to it: where the type changes (see `bautin`), and without mass under the laws of eqs 2
-        and 3.  Then amplitude_coefficient is inf.
+        - ``V_c`` [m/s], ``K_c`` [Pa/m] and ``eta`` [1] (eq. 7).
+        - ``omega_c`` [rad/s] and ``frequency`` [Hz] = omega_c/(2 pi).  Under laws of one length
+          omega_c is (V/Dc) sqrt((b-a)/a) for any mass.
+        - ``eigenvalue_3`` [1/s], the rate at which all other modes decay: -(1 + 1/eta) V/Dc under
+          laws of one length.
+        - ``lyapunov_1`` [1/s].
+        - ``type``: "supercritical", "subcritical", "degenerate" or "none".
+        - ``amplitude_coefficient`` [1].  The amplitude of small cycles (max - min of tau/sigma) is
+          amplitude_coefficient sqrt(|V_lp/V_c - 1|).  If V_lp was given, it is
+          amplitude_coefficient sqrt(|K/K_c - 1|).
 
-        If the type is "none" there is no bifurcation, and all else is NaN except V_c and K_c.
+        The attribute ``parameter`` is "V_lp", or "K" if V_lp was given.
+
+        The type is "degenerate" if lyapunov_1 is 0 within its rounding error, 1e-14 of the terms
+        that sum to it.  This happens where the type changes (see `bautin`), and without mass under
+        the laws of eqs 2 and 3.  Then amplitude_coefficient is inf.
+
+        If the type is "none" there is no bifurcation, and only V_c and K_c are not NaN.
         Without V_lp, V_c is inf if no speed is unstable (b <= a, K = inf, or M = 0 with K > K_c_qs)
         and 0 if every speed is (K <= K_c_qs).  With V_lp and b <= a, V_c is inf and K_c <= 0.
 
     Raises
     ------
     ParameterError
-        V_lp is not a speed > 0, or names or coordinates clash.
+        If V_lp is not a speed > 0, or if names or coordinates clash.
 
     Examples
     --------
@@ -188,13 +193,13 @@ def bautin(law, b_over_a):
     """Return the eta at which the Hopf bifurcation changes its type: the Bautin point.
 
     Under the aging law the bifurcation is subcritical for eta < 1/(3 + 2 sqrt(b/a + 3)), and
-    supercritical above.  Under the slip law it is supercritical at every eta > 0.  eta belongs to
-    the bifurcation, as in `hopf`: at V_c it is K/K_c_qs - 1.
+    supercritical above.  Under the slip law it is supercritical at every eta > 0.  This eta
+    is taken at the bifurcation, where it equals K/K_c_qs - 1.
 
     Parameters
     ----------
     law : str
-        Friction law, one of one length: d theta/dt depends on V theta/Dc alone.
+        Friction law of one length: d theta/dt depends only on V theta/Dc.
     b_over_a : float or DataArray
         b/a [1], > 1.
 
@@ -206,7 +211,7 @@ def bautin(law, b_over_a):
     Raises
     ------
     ParameterError
-        Unknown law, or one of another kind; b_over_a that is not a number > 1.
+        If the law is unknown or not of one length, or if b_over_a is not a number > 1.
 
     Examples
     --------

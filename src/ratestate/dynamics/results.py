@@ -109,8 +109,8 @@ def parameter(result, symbol):
     Returns
     -------
     float, DataArray or str
-        A DataArray if the parameter was swept, with the cases that the result still has, or if it
-        changes along a branch (``point``).
+        The value.  It is a DataArray if the parameter was swept, with the cases that the result
+        still has, or if it changes along a branch (``point``).
     """
     result = in_si(result)
     call = recorded(result)

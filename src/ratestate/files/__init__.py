@@ -51,7 +51,7 @@ def write(data, path):
     ParameterError
         If the ending is another, or another folder is in its place.
     OSError
-        If it cannot be written there.  A previous file stays as it was.
+        If the file cannot be written.  A previous file stays as it was.
     """
     path = checked_path(path, NUMBERS)
     writer, _ = FORMATS[path.suffix.lower()]
@@ -75,10 +75,10 @@ def read(path):
     ------
     ParameterError
         If the file is missing, of another kind, or damaged.  A .zarr without the attribute
-        "sha256" is not checked: numbers of a lost chunk are NaN.
+        "sha256" is not checked, and numbers of a lost chunk are NaN.
     StoreError
-        If the store of a sweep is not finished, or damaged, or if a .zarr is in Zarr format 2,
-        which can run code of whoever wrote it.
+        If the store of a sweep is not finished or is damaged.  Also if a .zarr is in Zarr format 2,
+        because such a file can run code of its author.
     """
     path = Path(path)
     ending = path.suffix.lower()

@@ -27,9 +27,9 @@ BETWEEN_LINES = " | "
 def csv_text(data):
     """Return a result as CSV: a header such as ``time [s],mu``, then a row for each time or case.
 
-    Single numbers of a result with rows, such as ``status`` of a run, are left out.  Without rows
-    they are the one row.  Numbers are exact, missing values are empty, and True and False are 1 and
-    0.  A complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
+    Single numbers, such as ``status`` of a run, are left out.  If a result has only single numbers,
+    they are written as one row.  Numbers are exact, missing values are empty, and True and False
+    are 1 and 0.  A complex number takes two columns, ``NAME.real`` and ``NAME.imag``.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def laboratory_csv(data, dim, units=None):
     Headings are the variables' names.  Each quantity has one unit in all tables: speeds um/s,
     stresses MPa, stiffness GPa/m, lengths um, displacements of the load point mm, times s.  The
     next column is its standard error, the variable ``NAME_error``.  Flags are written as their
-    meanings, and lines of a text with " | " between them.  Missing values are empty.
+    meanings.  The lines of a text are joined by " | ".  Missing values are empty.
 
     Parameters
     ----------

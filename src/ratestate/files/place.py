@@ -37,8 +37,8 @@ def checked_path(path, endings):
     Raises
     ------
     ParameterError
-        If the ending is another, the path is a folder that `write` did not make, or it has no
-        parent folder.
+        If the name has another ending, if its parent folder does not exist, or if the path is a
+        folder that `write` did not make.
     OSError
         If a file cannot be made there.
     """

@@ -36,7 +36,7 @@ rough_log2 = _function(
 sinh = _function("sinh", "Return sinh x.")
 cosh = _function("cosh", "Return cosh x.")
 tanh = _function("tanh", "Return tanh x.")
-asinh = _function("asinh", "Return the inverse of sinh at x.")
+asinh = _function("asinh", "Return the inverse hyperbolic sine of x.")
 sqrt = _function("sqrt", "Return the square root of x.")
 softplus = _function("softplus", "Return ln(1 + e**x).")
 logistic = _function("logistic", "Return 1/(1 + e**-x), the derivative of `softplus`.")
@@ -54,12 +54,12 @@ def where(condition, x, y):
 
 
 def larger(x, y):
-    """Return the larger number; x if one of them is NaN."""
+    """Return the larger of x and y; x if one of them is NaN."""
     return where(y > x, y, x)
 
 
 def smaller(x, y):
-    """Return the smaller number; x if one of them is NaN."""
+    """Return the smaller of x and y; x if one of them is NaN."""
     return where(y < x, y, x)
 
 

@@ -54,18 +54,22 @@ FAST, RTOL = 40.0, 1e-12
 
 
 def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
-    """Return how far a state without inertia is from steady sliding: its excursion E.
+    """Return the excursion E, the distance of a motion without inertia from steady sliding.
 
-    E is defined in this module, and conserved at K = K_c_qs.  If K > K_c_qs it falls to 0: steady
-    sliding is approached from everywhere (aging law) or from every state with a finite E (slip
-    law).  If K < K_c_qs it grows without end.
+    E is conserved at K = K_c_qs.  If K > K_c_qs it falls to 0, so that the motion approaches steady
+    sliding.  Under the slip law this holds only if E is finite.  If K < K_c_qs, E grows without
+    end.  Let v = ln(V/V_lp), psi = ln(V_lp theta/Dc), kappa = K Dc/(a sigma), x = v + (b/a) psi and
+    h(z) = exp(-z) - 1 + z.  Then::
+
+        E = kappa h(-psi) + h(-v - psi)               aging law
+        E = -x - ln(1 - z),   z = x + kappa h(v)      slip law
 
     Parameters
     ----------
     V, theta : float, array or DataArray
         Slip velocity [m/s] and state [s], > 0.
     V_lp : float, array or DataArray
-        Load-point velocity [m/s], constant from now on.
+        Load-point velocity [m/s], which must stay constant.
     a, b, Dc, sigma, K : float, array or DataArray
         Friction parameters [1, 1, m], normal stress [Pa], stiffness per area [Pa/m].
     law : str
@@ -74,14 +78,18 @@ def excursion(V, theta, *, V_lp, a, b, Dc, sigma, K, law):
     Returns
     -------
     float, array or DataArray
-        E [1], >= 0, with a rounding error of about 1e-15 (1 + E) or, under the slip law, the
-        rounding error of z divided by 1 - z.  Under the slip law E is inf from the separatrix on:
-        then V runs away if K <= K_c_qs, and may run away otherwise.
+        E [1], >= 0.  Under the slip law E is inf if z >= 1.  Then V grows without bound if
+        K <= K_c_qs, and may do so otherwise.
 
     Raises
     ------
     ParameterError
         If the law is unknown, or neither slip nor aging.
+
+    Notes
+    -----
+    The rounding error is about 1e-15 (1 + E).  Under the slip law it may be larger: the rounding
+    error of z divided by 1 - z.
     """
     kappa, v, psi = K * Dc / (a * sigma), np.log(V / V_lp), np.log(theta * V_lp / Dc)
     name = law_name(law)
@@ -128,10 +136,10 @@ def period(E, *, V_lp, a, b, Dc):
 
 
 def runaway_step(*, a, b):
-    """Return the smallest V_lp/V at which a step in speed from V to V_lp runs away.
+    """Return the smallest V_lp/V of a speed step after which V grows without bound.
 
-    It is b/(b - a) at K = K_c_qs, without inertia, under the slip law: a step from steady sliding
-    at V has x + c h(v) = c (V_lp/V - 1) >= 1.  Smaller steps, and all steps down, are periodic.
+    It is b/(b - a), for a step from steady sliding at V to V_lp, at K = K_c_qs, without inertia and
+    under the slip law.  After smaller steps, and after all steps down, the motion is periodic.
 
     Parameters
     ----------
@@ -149,10 +157,10 @@ def runaway_step(*, a, b):
 
 @elementwise()
 def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
-    """Return a V_lp/V below which no step runs away at M = 0 under the slip law.
+    """Return a V_lp/V below which no speed step leads to runaway (M = 0, slip law).
 
     It is the larger of 1 + r/c and exp(r^2/(r + c)), with r = K/K_c_qs and c = (b - a)/a.  At r = 1
-    it equals `runaway_step`; for r > 1 the smallest step that runs away has no closed form.
+    it equals `runaway_step`.  For r > 1 the smallest step to runaway has no closed form.
 
     Parameters
     ----------
@@ -176,10 +184,10 @@ def runaway_step_lower_bound(*, a, b, Dc, sigma, K):
 
 @elementwise()
 def runaway_step_upper_bound(*, a, b, Dc, sigma, K):
-    """Return a V_lp/V from which every step runs away at M = 0 under the slip law.
+    """Return a V_lp/V above which every speed step leads to runaway (M = 0, slip law).
 
     It is b/(b - a) + ((b/(b - a)) (r - 1) exp(1 + (b/a)(r - 1)))^(a/b), with r = K/K_c_qs.  At
-    r = 1 it equals `runaway_step`.  So some step runs away however stiff the spring is.
+    r = 1 it equals `runaway_step`.  It is finite, so some step leads to runaway at any stiffness.
 
     Parameters
     ----------

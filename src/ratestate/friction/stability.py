@@ -222,8 +222,8 @@ def eigenvalues(V, *, a, b, Dc, sigma, K, M):
     Returns
     -------
     complex array or DataArray
-        Eigenvalues [1/s] in the shape of the arguments and a last dimension "mode" of 3, least
-        stable first.  Modes of infinite rate are -inf: one if M = 0, two if K = inf, because V is
+        Eigenvalues [1/s], least stable first, along a last dimension "mode" of size 3.  Modes that
+        decay infinitely fast are -inf: one if M = 0, two if K = inf, because V is
         then imposed and only the state relaxes, at the rate V/Dc.
     """
     inertia, kappa = eta(V, a=a, Dc=Dc, sigma=sigma, M=M), K * Dc / (a * sigma)

@@ -164,8 +164,8 @@ def linspace(name, start, stop, n):
     name : str
         Symbol of the quantity, as for `logspace`.
     start, stop : float, str or pint.Quantity
-        First and last value, as for `logspace`, but each may have any sign that its quantity can
-        have.
+        First and last value, as for `logspace`, but they may be 0 or negative if the quantity
+        may.
     n : int
         Number of values, at least 2.  Intermediate values are rounded to 15 digits.
 

@@ -6,8 +6,8 @@
 >>> run = rs.simulate(slider, rs.Loading.steps("0.1 mm/s", (1.0, "3.2 mm/s")), t_end=1.2)
 >>> black, red = trace(run, Figure().subplots())
 
-Parameters that a picture needs (the normal stress, for tau/sigma) are read from the provenance
-that every result carries.
+Parameters that a picture needs, such as the normal stress for tau/sigma, are read from the
+attributes of the result.
 """
 
 from ..dynamics.results import parameter

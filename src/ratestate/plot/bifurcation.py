@@ -27,18 +27,19 @@ MARKS = {
 
 
 def branch(data, ax=None, *, color=BLUE, label="cycle"):
-    """Draw the amplitude of limit cycles along a branch, and the steady sliding beside them.
+    """Draw the amplitude of limit cycles along a branch, and steady sliding as amplitude 0.
 
-    Solid where stable and dashed where not, with the special points; steady sliding is at 0.
+    Stable motions are solid lines, unstable motions dashed.  Special points are marked.
 
     Parameters
     ----------
     data : xarray.Dataset
         From `continue_cycle`.
     ax : matplotlib.axes.Axes, optional
-        By default the axes of a new figure of pyplot's.  Several branches may share one.
+        Axes to draw into, by default the axes of a new pyplot figure.  Several branches may share
+        axes.
     color, label : str
-        Of the cycles, in the legend with whether they are stable.
+        Colour and name of the cycles.  The legend adds whether they are stable.
 
     Returns
     -------
@@ -48,7 +49,7 @@ def branch(data, ax=None, *, color=BLUE, label="cycle"):
     Raises
     ------
     ParameterError
-        Another result, or a branch of one point.
+        If it is not a result of `continue_cycle`, or the branch has only one point.
     """
     if not hasattr(data, "attrs"):
         raise ParameterError(

@@ -92,10 +92,11 @@ _MICRO = re.compile(r"(?<=\d )u(?=m|s|Hz)")
 
 
 def prefixed(unit, value):
-    """Return the factor and the unit that bring a value to 1 or more, if a prefix can.
+    """Return a unit in which a value is readable, such as mm/s, and its factor.
 
-    Times of 2 hours, 2 days, 2 years or more are in these.  The factor is 1 where the unit has no
-    prefixes, or none makes the value readable.
+    The value in this unit is 1 or more, if a prefix can do it.  Times from 2 hours, 2 days or 2
+    years on are in hours, days or years.  The factor is 1 if the unit takes no prefix, or if no
+    prefix makes the value readable.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ def prefixed(unit, value):
     Returns
     -------
     factor : float
-        What a value in SI is multiplied by.
+        Factor by which to multiply a value in SI.
     text : str
         The unit with its prefix, as a label writes it.
 
@@ -186,7 +187,7 @@ def in_unit(text, unit):
 
 
 def value_text(symbol, value, unit_of=None, area=None):
-    """Return a quantity as text: symbol, value and a unit that fits it, or fits `unit_of`.
+    """Return a quantity as text: symbol, value and a readable unit.
 
     Parameters
     ----------
@@ -195,14 +196,15 @@ def value_text(symbol, value, unit_of=None, area=None):
     value : float
         Value in SI.
     unit_of : float, optional
-        Value in SI whose unit is taken instead.
+        Value in SI for which the unit is chosen, in place of `value`.
     area : float, optional
-        Area of the contact [m^2].  The value is then shown as one of the whole contact.
+        Area of the contact [m^2].  The value is then shown for the whole contact: a force in place
+        of a stress.
 
     Returns
     -------
     str
-        Such as ``$V_{lp}$ = 3.2 mm/s``; inf as the sign for it.
+        Text such as ``$V_{lp}$ = 3.2 mm/s``.  inf is written as its sign.
     """
     return f"{label(symbol)} = {with_unit(symbol, value, unit_of, area)}"
 

@@ -181,14 +181,14 @@ def letters(axes, *texts, first="a"):
 
 
 def save(fig, path):
-    """Write a figure to a file, whole or not at all, with the same bytes each time.
+    """Write a figure to a file, with the same bytes each time; no partial files.
 
     Parameters
     ----------
     fig : matplotlib.figure.Figure
         Figure to write.
     path : str or Path
-        File, whose name ends in .png (300 dpi) or .pdf; one of that name is replaced.
+        File, whose name ends in .png (300 dpi) or .pdf.  An existing file is replaced.
 
     Returns
     -------
@@ -198,7 +198,7 @@ def save(fig, path):
     Raises
     ------
     OSError
-        It cannot be written there; what was there before is as it was.
+        If the file cannot be written.  An existing file stays as it was.
     """
     path = Path(path)
     form = {"dpi": DPI} if path.suffix.lower() == ".png" else {"metadata": {"CreationDate": None}}

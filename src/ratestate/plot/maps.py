@@ -17,7 +17,7 @@ LINEAR = 1e-4
 
 
 def atlas(data, ax):
-    """Draw the regimes over K/K_c_qs and eta or V_lp, the curve K_c, and contours of V_max/V_lp.
+    """Draw regimes against K/K_c_qs and eta or V_lp, the curve K_c, and contours of V_max/V_lp.
 
     Parameters
     ----------
@@ -29,7 +29,8 @@ def atlas(data, ax):
     Returns
     -------
     list of matplotlib.artist.Artist
-        For a legend: the regimes that occur, and the curve by type of the bifurcation.
+        Entries of a legend: the regimes that occur, and the curve K_c for each type of the Hopf
+        bifurcation.
     """
     x, rows, _ = _contours(data, "V_max_over_V_lp", ax, 10.0 ** np.arange(1, 12), "0.35")
     ax.set_ylabel(ETA if rows.name == "eta" else label(rows.name))
@@ -38,7 +39,7 @@ def atlas(data, ax):
 
 
 def transition(data, ax):
-    """Draw the regimes close to K_c over K/K_c - 1, and where a cycle coexists with steady sliding.
+    """Draw the regimes close to K_c, and the range in which a cycle coexists with steady sliding.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ def transition(data, ax):
     Returns
     -------
     list of matplotlib artists
-        One of each kind drawn, with its label, for a legend.
+        Entries of a legend, one of each kind that was drawn.
     """
     ax.set_xscale("symlog", linthresh=LINEAR, linscale=0.4)
     ax.set(yscale="log", xlim=(float(data.K_over_K_c[0]) - 1.0, 0.1))
@@ -74,11 +75,11 @@ def contours(data, name, ax, levels):
     data : xarray.Dataset
         From `ratestate.atlas`.
     name : str
-        The variable, such as "period"; left out where sliding is steady.
+        Name of the variable, such as "period".  Cases of steady sliding stay blank.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     levels : sequence of float
-        Values of the contours, increasing; the first and the last bound the colours.
+        Values of the contours, increasing.  The colours go from the first to the last.
     """
     x, rows, values = _contours(data, name, ax, levels, "w")
     style = {"cmap": "viridis", "shading": "nearest", "rasterized": True, "zorder": 0}

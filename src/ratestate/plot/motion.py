@@ -18,15 +18,15 @@ ALONG = ABSCISSAE | {"delta": "Slip"}
 def trace(run, ax, *, x="time", tau=None, mu=None):
     """Draw tau/sigma in black and friction mu in red dashes against time; or compare runs.
 
-    Without mass (M = 0) both are the same, and one line is drawn.  Of several runs each has one
-    line, tau/sigma, in the colour of its law or in one of its own, and they get a legend.
+    Without mass (M = 0) both are the same, and one line is drawn.  Several runs have one line each,
+    tau/sigma, and a legend.  Its colour depends on the law, or is different for each run.
 
     Parameters
     ----------
     run : xarray.Dataset, or list or dict of these
-        One slider's, from `simulate`; or several runs, which are named by the keys of a dict, by
-        their values along the one dimension beside ``time``, or by what differs between the
-        runs of a list.
+        Run of one slider, from `simulate`, or several runs.  The legend names several runs by the
+        keys of a dict, by their values along the dimension other than ``time``, or by the
+        parameters that differ between the runs of a list.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     x : {"time", "delta_lp", "delta"}
@@ -37,13 +37,14 @@ def trace(run, ax, *, x="time", tau=None, mu=None):
     Returns
     -------
     tuple of matplotlib.lines.Line2D
-        The black and the red line, where M = 0 the same one twice; of several runs the line of
-        each.
+        The black and the red line.  If M = 0 they are the same line.  For several runs, the line of
+        each run.
 
     Raises
     ------
     ParameterError
-        No run of `simulate`, or runs over more than one dimension; another abscissa.
+        If it is not a run of `simulate`, if runs have more than one dimension other than ``time``,
+        or if `x` is another abscissa.
     """
     if x not in ALONG:
         raise ParameterError("is unknown", one_of(ALONG, x), symbol="x", value=repr(x))
@@ -103,13 +104,13 @@ def phase(run, ax, *, unit_of=None, **style):
     Parameters
     ----------
     run : xarray.Dataset
-        One slider's, from `simulate`: dimension ``time`` only.
+        Run of one slider, from `simulate`, with the dimension ``time`` only.
     ax : matplotlib.axes.Axes
         Axes to draw into.
     unit_of : float, optional
         Speed [m/s] that sets the unit, such as another run's; by default the largest.
     **style
-        Of the line.
+        Style of the line, as for matplotlib.
 
     Returns
     -------
@@ -139,7 +140,7 @@ def amplitudes(cycles, ax, x="V_lp", **style):
     x : str
         "V_lp" [m/s], "frequency" [Hz] or "period" [s], on a logarithmic axis.
     **style
-        Of the line.
+        Style of the line, as for matplotlib.
 
     Returns
     -------

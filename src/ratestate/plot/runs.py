@@ -59,7 +59,7 @@ def named_runs(runs):
 
 
 def since(run, t_zero):
-    """Return a run with time counted from another moment, which the attribute `t_zero` keeps.
+    """Return a run with time counted from `t_zero`, which becomes an attribute of the run.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def since(run, t_zero):
     Returns
     -------
     xarray.Dataset
-        The run, with ``time`` counted from there.
+        The run, with ``time`` counted from `t_zero`.
     """
     time = (run.time - t_zero).assign_attrs(run.time.attrs)
     return run.assign_coords(time=time).assign_attrs(t_zero=t_zero)

@@ -11,30 +11,30 @@
 
     [loading]
     V_lp = "0.1 mm/s"  # the speed at the start
-    # beside it, none or one of
+    # in addition, at most one of these two:
     steps = [
         { t = "1 s", V_lp = "3.2 mm/s" },               # a step
         { t = "2 s", hold = "100 s" },                  # a rest, then the speed before it
         { t = "200 s", V_lp = "1 mm/s", ramp = "2 s" }, # a ramp, from t on
     ]
     sinusoid = { amplitude = "0.05 mm/s", period = "2 s" }  # or frequency; about V_lp
-    # in place of it, the record of an experiment: two columns of a file beside this one,
+    # in place of all these, a recorded history: two columns of a file in the same folder,
     file = "record.csv"
     columns = ["time [s]", "V_lp [um/s]"]  # or their numbers; units = ["s", "um/s"] go first
-    # or of this one
+    # or two lists
     t = [0, 1, 1, "5 s"]
     V_lp = ["1 um/s", "1 um/s", "3 um/s", 0]
 
-    [run]  # for `simulate`: t_end and what else it takes
+    [run]  # for `simulate`: t_end and its other arguments
     t_end = "300 s"
     V_start = "1 um/s"
     initial = { theta = "10 s" }
     times = { from = "0 s", to = "300 s", n = 301 }
     rtol = 1e-6
     method = "rodas5p"
-    function = "limit_cycle"  # in place of "simulate"; rtol then is this function's
+    function = "limit_cycle"  # in place of "simulate", with its arguments, such as rtol
 
-    [sweep]  # comes before the other tables; V_lp stands for the last speed of [loading]
+    [sweep]  # replaces keys of the other tables; V_lp replaces the last speed of [loading]
     function = "limit_cycle"
     M = { from = "100 kg/m^2", to = "1e5 kg/m^2", n = 12, scale = "log" }
     V_lp = ["1 mm/s", 3.2e-3]
@@ -43,9 +43,9 @@
     [output]  # relative to the current directory
     file = "out.nc"   # or .csv, .zarr
     plot = "out.png"  # or .pdf
-
-Modules are imported when they are first used: the templates alone need none of the others.
 """
+
+# Modules are imported when they are first used: the templates alone need none of the others.
 
 from importlib import import_module
 from typing import TYPE_CHECKING

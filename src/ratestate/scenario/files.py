@@ -36,11 +36,12 @@ def load(
     Parameters
     ----------
     path : str or Path
-        A TOML file with the tables [slider], [loading], [run], [sweep] and [output], of which none
-        but the first must be there; see `ratestate.scenario`.
+        A TOML file with the tables [slider], [loading], [run], [sweep] and [output]; see
+        `ratestate.scenario`.  Only [slider] is required.
     function : str, optional
-        Function to call in place of the file's own, which [sweep] or [run] names, or which is
-        "simulate".  Keys that it does not take are read and checked, but left out.
+        Function to call in place of the one that [sweep] or [run] names, or in place of
+        "simulate" if they name none.  Keys that the function does not take are checked, but left
+        out.
     law_file : str or Path, optional
         Python file with the friction law, in place of the key law_file of the scenario.  A law file
         is code, which is run.
@@ -53,9 +54,8 @@ def load(
     Raises
     ------
     ParameterError
-        The file cannot be read or used.  Every problem in it is a line of the message:
-        ``line 4, [table] key: the problem. The remedy, such as an example.``  Or the law file given
-        cannot be used.
+        If the file or the law file cannot be read or used.  Every problem in the file is a line of
+        the message: ``line 4, [table] key: the problem. The remedy, such as an example.``
     """
     path = Path(path)
     return loads(_bytes(path), function, name=str(path), folder=path.parent, law_file=law_file)
@@ -80,8 +80,8 @@ def loads(
     name : str
         Name of the text in messages.
     folder : Path, optional
-        Folder to which paths of records and of a law file are relative.  By default the current
-        directory; then a law file that the text names is not run, but refused.
+        Folder to which paths of records and of a law file are relative.  By default it is the
+        current directory, and a text that names a law file is refused.
     law_file : str or Path, optional
         As for `load`.
 

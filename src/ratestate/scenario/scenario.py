@@ -78,9 +78,10 @@ class Scenario:
         The function: "simulate", "limit_cycle", "stability", "frequency_response" or
         "continue_cycle".
     slider : SpringSlider
-        With a DataArray for each parameter that is swept.
+        The slider.  Each parameter that is swept is a DataArray.
     settings : dict
-        Keyword arguments of the function, in SI; DataArrays likewise.  Defaults are left out.
+        Keyword arguments of the function, in SI.  Each one that is swept is a DataArray.  Defaults
+        are left out.
     output : Output
         Where the result goes.
     """
@@ -102,7 +103,7 @@ def run(scenario: Scenario) -> Any:
     Returns
     -------
     xarray.Dataset
-        What the function returns; it raises what that raises.
+        The result of the function.  Errors of the function are raised as they are.
     """
     return FUNCTIONS[scenario.function].call(scenario.slider, **scenario.settings)
 
@@ -113,8 +114,8 @@ def from_result(result: Any) -> Scenario:
     Parameters
     ----------
     result : xarray.Dataset
-        Of `simulate`, `limit_cycle`, `stability`, `frequency_response` or `continue_cycle`, or of a
-        sweep of one, as it was returned or as it is read from a file.
+        Result of `simulate`, `limit_cycle`, `stability`, `frequency_response` or `continue_cycle`,
+        or of a sweep of one of these, as it was returned or as it is read from a file.
 
     Returns
     -------

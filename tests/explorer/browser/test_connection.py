@@ -8,15 +8,17 @@ from websockets.sync.client import connect
 
 from ratestate_explorer.app import MOST_PAGES
 
-DROPPED = "What was clicked last was not done, since the connection to ratestate was lost"
-TRIED = "() => document.querySelector('#banner').textContent.includes('trying again in 2 s')"
-BEGUN = "() => document.querySelector('#task-start').textContent == 'Set the sliders anew'"
+DROPPED = "The last click had no effect, because the connection to ratestate was lost"
+TRIED = "() => document.querySelector('#banner').textContent.includes('tries again in 2 s')"
+BEGUN = "() => document.querySelector('#task-start').textContent == 'Reset the sliders'"
 
 
 def test_a_long_text_is_refused_and_the_connection_stays(show):
     shown = show(f"K={'1' * 9000}")
     assert "K has no text of at most 64 characters" in shown.text("#problem-K")
-    assert shown.text("#stale") == "Shown: the last valid values (K = 960 MPa/m); correct K."
+    assert (
+        shown.text("#stale") == "The page shows the last valid values (K = 960 MPa/m). Correct K."
+    )
     sockets = []
     shown.page.on("websocket", lambda socket: sockets.append(socket.url))
     shown.type("K", "0.96 GPa/m")
@@ -38,7 +40,7 @@ def test_one_page_too_many_asks_ever_more_seldom(browser, server):
         page.goto(server.address)
         for seconds in ("0.5", "1"):
             page.wait_for_function(f"""() => document.querySelector('#banner').textContent
-                .includes('too many pages are open: close one); trying again in {seconds} s')""")
+                .match(/too many pages are open: close one\\)\\. .* tries again in {seconds} s/)""")
 
 
 def test_what_is_shown_is_grey_while_its_answer_takes_long(show, server):

@@ -41,11 +41,11 @@ def test_a_velocity_step_and_back(show):
     shown = show()
     shown.page.fill("#factor-V_lp", "nonsense")
     shown.page.click("#step-V_lp")
-    assert "expected a number > 0" in shown.text("#problem-factor-V_lp")
+    assert "Give a number > 0" in shown.text("#problem-factor-V_lp")
     for wrong in ("1/0", "1/2/3", "/2", "2/2"):
         shown.page.fill("#factor-V_lp", wrong)
         shown.page.click("#step-V_lp")
-        assert f"factor = '{wrong}' is no use" in shown.text("#problem-factor-V_lp")
+        assert f"factor = '{wrong}' cannot be used" in shown.text("#problem-factor-V_lp")
     shown.page.fill("#factor-V_lp", "1/2")
     # takes it in; the button steps, by a double click too
     shown.page.press("#factor-V_lp", "Enter")
@@ -111,7 +111,7 @@ def test_holds_and_kicks_and_none_of_them(show):
     ]
     shown.page.fill("#factor-kick", "1")
     shown.page.click("#kick")
-    assert "expected a number > 0 that is not 1" in shown.text("#problem-factor-kick")
+    assert "Give a number > 0 that is not 1" in shown.text("#problem-factor-kick")
     shown.page.fill("#factor-kick", "1/2")
     press(shown, "kick")
     assert not shown.page.is_visible("#problem-factor-kick")
@@ -168,7 +168,7 @@ def test_the_list_is_edited(show):
     wrong = "#protocol [aria-invalid=true]"
     assert shown.page.eval_on_selector_all(wrong, invalid) == ["duration of segment 2"]
     shown.page.wait_for_selector("#stale:visible")
-    assert shown.text("#stale").endswith("correct protocol.")
+    assert shown.text("#stale").endswith("Correct protocol.")
     shown.page.click("#hold")
     assert shown.text("#problem-hold-time") == "correct protocol first"
     edit(shown, "duration of segment 2", "3 ms")

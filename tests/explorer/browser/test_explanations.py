@@ -9,11 +9,11 @@ LABEL, SPEED = (f"label[for=entry-{symbol}] [data-meaning]" for symbol in ("K", 
 #: where the page names something -> how its explanation begins
 NAMED = {
     "#reasons [data-meaning=K_c_qs]": "Kc,qs quasi-static critical stiffness [Pa/m]",
-    "#numbers [data-meaning='Floquet multiplier']": "Floquet multiplier\n\nBy this factor",
-    "#readout [data-meaning='tau/sigma']": "\u03c4/\u03c3 stress of the spring over",
-    "#stress-chart .u-axis >> nth=1": "\u03c4/\u03c3 stress of the spring over normal stress\n",
+    "#numbers [data-meaning='Floquet multiplier']": "Floquet multiplier\n\nThe factor by which",
+    "#readout [data-meaning='tau/sigma']": "\u03c4/\u03c3 stress of the spring divided by",
+    "#stress-chart .u-axis >> nth=1": "\u03c4/\u03c3 stress of the spring divided by normal stress",
     "#speed-chart .u-axis >> nth=0": "t time [s]",
-    "#map .axis-name.x": "K/Kc,qs stiffness over quasi-static critical stiffness\n",
+    "#map .axis-name.x": "K/Kc,qs stiffness divided by quasi-static critical stiffness\n",
     "#phase .axis-name.y": "V slip velocity [m/s]",
     "#cycle-key [data-meaning]": "limit cycle\n\nA motion that repeats",
     ".drag [data-meaning=M]": "M mass per area [kg/m\u00b2]",
@@ -95,7 +95,7 @@ def test_what_has_the_focus_is_explained_until_it_is_changed(show):
         "Kc critical stiffness [Pa/m]",
         "\u03b7 dynamic instability coefficient",
         "Kc critical stiffness [Pa/m]",
-        "K/Kc stiffness over critical stiffness",
+        "K/Kc stiffness divided by critical stiffness",
         "Floquet multiplier",
     ]
     page.keyboard.press("Tab")

@@ -37,7 +37,7 @@ def test_a_link_whose_friction_does_not_go_with_its_law(show):
     assert shown.page.input_value("#friction_form") == "regularized"
     shown.go("law=flash-heating&friction_form=log")
     assert "does not go with law = 'flash-heating'" in shown.text("#problem-friction_form")
-    assert shown.text("#stale") == "Shown: the last valid values; correct friction_form."
+    assert shown.text("#stale") == "The page shows the last valid values. Correct friction_form."
     assert shown.page.is_visible("#entry-V_w")
     shown.choose("#friction_form", "regularized")
     assert not shown.page.is_visible("#problem-friction_form")

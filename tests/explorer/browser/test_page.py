@@ -99,7 +99,10 @@ def test_a_wrong_entry_is_explained_and_the_picture_stays(show):
     shown.wait()
     assert shown.page.is_visible("#problem-M")
     assert shown.entry("M") == "500 m"
-    assert shown.text("#stale") == "Shown: the last valid values (M = 100 kg/m\u00b2); correct M."
+    assert (
+        shown.text("#stale")
+        == "The page shows the last valid values (M = 100 kg/m\u00b2). Correct M."
+    )
     opacity = "e => getComputedStyle(e).opacity"
     assert float(shown.page.eval_on_selector("#phase-canvas", opacity)) < 1
     muted = "rgb(89, 97, 107)"
@@ -119,7 +122,7 @@ def test_a_wrong_entry_is_explained_and_the_picture_stays(show):
     assert shown.entry("K") == f"{1.1 * 10**0.02:.4g} GPa/m"
     # and nothing is taken along
     shown.page.click("#scenario")
-    assert shown.text("#banner") == "Nothing was taken along: correct M first."
+    assert shown.text("#banner") == "Nothing was saved. Correct M first."
     shown.set("M", "500 kg/m^2")
     assert not shown.page.is_visible("#stale")
     assert shown.text("#banner") == ""

@@ -60,50 +60,50 @@ class Student:
 WAYS = {
     1: [
         ("V_lp -3.5", "The peak is higher because sliding ends faster.", [False]),
-        ("b = 0.012", "This task keeps b as it was: set it back to 0.004, or set the", [False]),
+        ("b = 0.012", "This task does not allow a change of b. Set it back to 0.004", [False]),
         ("begin", None, [False]),
-        ("#kick", "A kick changes the speed alone: no contact has healed.", [False]),
+        ("#kick", "A kick changes only the speed: no contact has healed.", [False]),
         # b ln 7.0 is not twice the first peak, b ln 7.4 is
         ("begin", None, [False]),
         ("V_lp -5.3", "Sliding slows down at time 0 now", [False]),
         ("#step-V_lp", "", [False]),
         ("V_lp -4.455", None, [False]),
         ("V_lp -4.43", "Contacts grow stronger with the logarithm of their age", [True]),
-        ("text=Forget what is done", None, [False]),
+        ("text=Reset progress", None, [False]),
         ("begin", None, [False]),
         ("#hold", "Contacts grow stronger with the logarithm of their age", [True]),
     ],
     2: [
         ("K = 1.225 GPa/m", None, [False, False]),  # stiffer by more than two percent
         ("K = 1.223 GPa/m", None, [False, True]),
-        ("text=Forget what is done", "", [False]),
+        ("text=Reset progress", "", [False]),
         ("#tasks [aria-label^='Task 2:']", None, [False, False]),
         ("begin", None, [False, False]),
         ("K 9.3", None, [False, False]),
         ("begin", None, [False, False]),
         ("K 9.07", None, [False, False]),  # 2.1 % below
         ("K 9.075", None, [True, False]),  # 0.96 % below
-        ("K 9.08", "A spring softer than Kc gives way too slowly", [True, True]),  # 0.19 % above
+        ("K 9.08", "If the spring is softer than Kc, friction falls", [True, True]),  # 0.19 % above
     ],
     3: [
-        ("V_lp -5", "Driven slower, it slips more seldom, but faster", [False]),
+        ("V_lp -5", "At a lower Vlp it slips less often, but faster", [False]),
         ("V_lp -2.5", "This is vibration", [False]),
         ("V_lp -4", "", [False]),
         ("M 1.5", "A lighter block slips faster", [False]),
         ("M 4.9", "A heavier block slips more slowly", [False]),
         ("M = 0", "Without mass nothing limits", [False]),
         ("begin", None, [False]),
-        ("K 9", "Now nothing slips at all", [False]),
+        ("K 9", "Now the block slides steadily", [False]),
         ("K 8.75", None, [False]),  # 0.937 K_c: stick-slip
         ("K 8.765", "Slips are slow just below Kc", [True]),  # 0.970 K_c
     ],
     4: [
-        ("V_lp -1.9", "That is more inertia", [False, False]),
-        ("K = 2 GPa/m", "This task keeps K as it was: set it back to 900 MPa/m", [False, False]),
+        ("V_lp -1.9", "This is more inertia", [False, False]),
+        ("K = 2 GPa/m", "This task does not allow a change of K. Set it back", [False, False]),
         ("K = 900 MPa/m", None, [False, False]),  # steady, but by friction
         ("V_lp -2.495", None, [False, False]),  # V_c = 3.162 mm/s: log10 is -2.5
         ("V_lp -2.505", None, [True, False]),
-        ("M 2", "Vlp and M are both changed. Bring one back: Vlp to 10 mm/s", [True, False]),
+        ("M 2", "Vlp and M are both changed. Set one back: Vlp to 10 mm/s", [True, False]),
         ("begin", None, [True, False]),
         ("M 2.48", None, [True, False]),  # M_c = 300 kg/m^2: log10 is 2.477
         ("M 2.475", "Inertia raises Kc", [True, True]),
@@ -117,7 +117,7 @@ WAYS = {
         ("K = 100 MPa/m", "It sticks and slips", [False]),
         ("begin", None, [False]),
         ("M 1", None, [False]),
-        ("V_lp -0.5", "Spring and block decide how high it squeals", [True]),  # 1.39 kHz
+        ("V_lp -0.5", "K/M decides the pitch", [True]),  # 1.39 kHz
     ],
 }
 
@@ -136,7 +136,7 @@ def test_a_task_is_solved_and_tried_in_ways_that_do_not_count(number, show):
 def test_what_is_measured_and_heard_of_a_task(show):
     student = Student(show(), 1)
     page = student.page
-    told = "The peak is 0.00379 high; in the end Vlp is 81.5 \u00b5m/s."
+    told = "The peak is 0.00379 high. Vlp ends at 81.5 \u00b5m/s."
     assert student.shown.text("#tasks .measure") == told
     assert student.outcome == ""
     student = Student(student.shown, 5)
@@ -144,7 +144,7 @@ def test_what_is_measured_and_heard_of_a_task(show):
     student = Student(student.shown, 2)
     page.select_option("#law", "aging")
     student.shown.wait()
-    assert student.outcome.startswith("This task keeps law as it was: set it back to slip")
+    assert student.outcome.startswith("This task does not allow a change of law. Set it back to")
     student.begin()
     assert page.input_value("#law") == "slip"
     student.slide("K", 9.07)
@@ -187,7 +187,7 @@ def test_progress_lasts_as_long_as_the_tab_and_can_be_forgotten(show):
     page.click("#task-next")
     assert shown.text("#task-title") == "3. Make it slow"
     assert page.evaluate("document.activeElement.id") == "task-start"
-    page.click("text=Forget what is done")
+    page.click("text=Reset progress")
     page.reload()
     shown.wait()
     page.click("#tasks-open")
@@ -260,4 +260,4 @@ def test_on_a_phone_the_task_is_told_while_the_strip_is_out_of_sight(show):
             box["x"] + thumb / 2 + share * (box["width"] - thumb), box["y"] + box["height"] / 2
         )
         shown.wait()
-    assert shown.text("#task-line") == "Task 2, 2 of 2 done. What was learnt is above."
+    assert shown.text("#task-line") == "Task 2, 2 of 2 done. The explanation is above."

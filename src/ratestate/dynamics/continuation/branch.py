@@ -36,17 +36,18 @@ PREMATURE = (NO_RETURN, NO_CONVERGENCE, "max_points")
 def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     """Follow a limit cycle, stable or not, while one parameter goes from start to stop.
 
-    The branch begins with the cycle that `limit_cycle` finds at `start`; if that is steady sliding,
-    it begins at the Hopf point between start and stop.  Pseudo-arclength continuation in the
-    parameter's logarithm (Keller 1977) takes it through folds, where the parameter turns back.  It
-    ends at `stop`, at a Hopf point, or when it comes back to `start`.
+    The branch begins with the cycle that `limit_cycle` finds at `start`.  If this is steady
+    sliding, the branch begins at the Hopf point between start and stop.  Pseudo-arclength
+    continuation in the parameter's logarithm (Keller 1977) follows it through folds, where the
+    parameter turns back.  The branch ends at `stop`, at a Hopf point, or when it
+    comes back to `start`.
 
     Parameters
     ----------
     slider : SpringSlider
         One slider, not a sweep; M > 0.
     parameter : {"V_lp", "K", "M", "sigma", "a", "b", "Dc"} or a parameter of the law alone
-        What changes along the branch.
+        Parameter that changes along the branch.
     start, stop : float, str or pint.Quantity
         Its first and last value, > 0.
     V_lp : float, str or pint.Quantity
@@ -58,25 +59,32 @@ def continue_cycle(slider, parameter, start, stop, *, V_lp=None, rtol=1e-8):
     -------
     xarray.Dataset
         In the dimension ``point``, in order along the branch: the parameter under its own name,
-        the variables of `limit_cycle`, and ``special``: "hopf" (amplitude 0), "fold" (two cycles
-        meet), "period_doubling", "torus", "start" or "stop" at an end that is none of these, and
-        "" everywhere else.  The attribute ``parameter`` names the parameter.  Laws of one length
-        have no torus: the product of the multipliers is below exp(-(1 + 1/eta) V_lp period/Dc).
-        ``error`` bounds the difference from this branch's exact cycle at the parameter returned,
-        or at a fold from the cycle there.  It may exceed `rtol` if amplitudes change much
-        faster than the parameter, as on a canard or near a Hopf point of almost no curvature: the
-        parameter's last digit then matters.
+        the variables of `limit_cycle`, and ``special``.
+
+        ``special`` is "hopf" (amplitude 0), "fold" (two cycles meet), "period_doubling", "torus",
+        "start" or "stop" at another end, and "" everywhere else.  The attribute ``parameter`` names
+        the parameter.
 
     Raises
     ------
     ParameterError
-        An input that cannot be used; a law of one length with b <= a, which has no instability;
-        M = 0, K = inf; a law without second derivatives; steady sliding reached at `start` and no
-        Hopf point between.
+        If an input cannot be used, M = 0 or K = inf, or the law has no second derivatives.  Also if
+        the law has one length and b <= a, because sliding is then always stable.  Also if sliding
+        at `start` is steady, and there is no Hopf point between start and stop.
     NotConverged
-        The motion at `start` is neither steady sliding nor a cycle that closes after one return, or
-        the Hopf point is almost degenerate (``best`` is None); or the branch could not be followed
-        to its end, and ``best`` holds the part that was found.
+        If the motion at `start` is neither steady sliding nor a cycle with one stress maximum, or
+        if the Hopf point is almost degenerate.  Then ``best`` is None.  Also if the branch could
+        not be followed to its end.  Then ``best`` holds the part that was found.
+
+    Notes
+    -----
+    Laws of one length have no torus: the product of the multipliers is below
+    exp(-(1 + 1/eta) V_lp period/Dc).
+
+    ``error`` bounds the difference from this branch's exact cycle at the same parameter, and at a
+    fold from the exact cycle of the fold.  It may exceed `rtol` if amplitudes change much faster
+    than the parameter, because then the parameter's last digit matters.  Examples are a canard, and
+    a Hopf point from which the branch rises almost vertically.
 
     Examples
     --------

@@ -286,14 +286,15 @@ def orbit(slider, V_lp, *, rtol=1e-8, return_cycle=False):
     Returns
     -------
     xarray.Dataset, or two of these if `return_cycle`
-        As from `simulate`, at the solver's own steps along ``time``: ``V`` [m/s], ``theta`` [s],
-        ``tau`` [Pa], ``mu`` and the rest.  It begins at the maximum of the stress, where V = V_lp,
-        and ends there one period later.  For steady sliding it is one point, at time 0.
+        The variables of `simulate` along ``time``, at the solver's own steps: ``V`` [m/s],
+        ``theta`` [s], ``tau`` [Pa], ``mu`` and others.  The orbit begins at the maximum of the
+        stress, where V = V_lp, and ends there one period later.  Steady sliding is one point, at
+        time 0.
 
     Raises
     ------
     ParameterError, QuasiStaticInstability, NotConverged, SolverError
-        As `limit_cycle`; also for a sweep.
+        As from `limit_cycle`.  ParameterError also if the slider is a sweep.
 
     Examples
     --------

@@ -42,12 +42,14 @@ def figure(result, *, title=True):
     result : xarray.Dataset, or list or dict of these
         From `simulate`, `limit_cycle`, `stability`, `frequency_response`, `continue_cycle`, `fit`,
         `events`, `healing`, `machine_stiffness` or `sweep`.  One slider gives curves in time or
-        along its branch, a sweep over one axis lines, and over two axes maps, or lines if one of
-        them has few values.  Several runs of `simulate` are compared: a list or dict as for
-        `plot.trace`, or a sweep along one axis that saved more than the ends of runs.  So are
-        several results of `events`: measured beside simulated.
+        along its branch.  A sweep along one axis gives lines.  A sweep along two axes gives maps,
+        or lines if one axis has few values.
+
+        Several runs of `simulate` are compared: a list or dict as for `plot.trace`, or a sweep
+        along one axis that saved more than the ends of runs.  Several results of `events` are
+        compared too, such as measured and simulated events.
     title : bool
-        Whether a title and the parameters stand above the panels.
+        Whether to write a title and the parameters above the panels.
 
     Returns
     -------
@@ -57,7 +59,7 @@ def figure(result, *, title=True):
     Raises
     ------
     ParameterError
-        No such result, or one that has lost its attributes; more than two axes.
+        If the result is of another function, has lost its attributes, or has more than two axes.
     """
     fig = _figure(result)
     return fig if title else untitled(fig)

@@ -30,10 +30,10 @@ HEIGHTS = [1.5, 1.9]  # inches
 
 @styled
 def fit(result, ax=None, *, x=None):
-    """Draw a fit: the record, the fitted curves with their 95 % bands, what they leave of it.
+    """Draw a fit: the record, and the fitted curves with their 95 % bands.
 
-    Without axes a whole figure, with the residuals, close-ups of the first steps, and a table of
-    the estimates; into axes only the record and the curves.
+    Without `ax` it is a whole figure, which also has the residuals, close-ups of the first steps,
+    and a table of the estimates.
 
     Parameters
     ----------
@@ -42,18 +42,18 @@ def fit(result, ax=None, *, x=None):
     ax : matplotlib.axes.Axes, optional
         Axes to draw into.
     x : {"delta_lp", "time"}, optional
-        Abscissa: load-point displacement [m] or time [s] from the record's first sample on; by
-        default displacement, but time where the load point rests.
+        Abscissa: load-point displacement [m] or time [s], counted from the first sample of the
+        record.  The default is displacement, or time if the load point rests.
 
     Returns
     -------
     matplotlib.figure.Figure
-        A new one, or the figure of the axes.
+        A new figure, or the figure of the axes.
 
     Raises
     ------
     ParameterError
-        It is not a result of `fit`, or it that has lost its attributes.
+        If it is not a result of `fit`, or has lost its attributes.
     """
     if has_steps(result):
         if ax is not None:

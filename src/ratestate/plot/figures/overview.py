@@ -29,9 +29,9 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     Parameters
     ----------
     run : xarray.Dataset
-        One slider's, from `simulate`.
+        Run of one slider, from `simulate`.
     verdict : ratestate.Verdict
-        Of the slider and its last load-point velocity.
+        Verdict on the slider at its last load-point velocity.
     orbit : xarray.Dataset, optional
         From `ratestate.orbit`, for the phase plane.
     others : list of xarray.Dataset
@@ -39,8 +39,8 @@ def overview(run, verdict, *, orbit=None, others=(), chart=None, caption=()):
     chart : xarray.Dataset, optional
         From `ratestate.atlas`, for b/a of the slider.
     caption : list of list of str
-        Paragraphs above the panels, each as texts that a line may end after.  Symbols and powers
-        of ten in them are written as mathematics.
+        Paragraphs above the panels.  Each is a list of texts, between which a line may end.
+        Symbols and powers of ten in them are written as mathematics.
 
     Returns
     -------

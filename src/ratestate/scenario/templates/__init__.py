@@ -34,18 +34,18 @@ def template(name: str) -> str:
     Parameters
     ----------
     name : str
-        What the file describes, such as "lab", "brake" or "fault": one of those that
-        ``ratestate init --list`` lists.
+        Name of the file, such as "lab", "brake" or "fault".  ``ratestate init --list`` lists the
+        names.
 
     Returns
     -------
     str
-        TOML.
+        Text in TOML.
 
     Raises
     ------
     ParameterError
-        Any other name; the message lists them, and the one that was perhaps meant.
+        If the name is another.  The message lists the names, and suggests one.
     """
     if name not in TEMPLATES:
         from ..problems import choice  # which takes a second to import

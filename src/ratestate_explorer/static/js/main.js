@@ -208,7 +208,7 @@ function take(act) {
   if (!controls) return;
   whenRead(() => {
     const { wrong } = controls.entries;
-    if (wrong.length) say(`Nothing was taken along: correct ${wrong.join(", ")} first.`);
+    if (wrong.length) say(`Nothing was saved. Correct ${wrong.join(", ")} first.`);
     else act();
   });
 }

@@ -96,7 +96,7 @@ export class Experiments {
     const text = $(id).value;
     const times = factor(text);
     const usable = times > 0 && times !== 1 && Number.isFinite(times);
-    return [times, usable ? "" : `factor = '${text}' is no use; expected a number > 0 that is not 1, such as 3 or 1/3`];
+    return [times, usable ? "" : `factor = '${text}' cannot be used. Give a number > 0 that is not 1, such as 3 or 1/3.`];
   }
 
   /** Step the speed of the load point or the normal stress from what it is. */

@@ -94,7 +94,7 @@ export class Tasks {
     if (!changed.length) return lesson.astray(now, base);
     const name = changed[0];
     const before = name in this.units ? shown(base.values[name], this.units[name]) : base.values[name];
-    return `This task keeps ${name} as it was: set it back to ${before}, or set the sliders anew.`;
+    return `This task does not allow a change of ${name}. Set it back to ${before}, or reset the sliders.`;
   }
 
   keep() {

@@ -20,7 +20,7 @@ export class TaskStrip {
     const button = (text, className = "") => element("button", { type: "button", textContent: text, className });
     const paragraph = (className) => element("p", { className });
     this.choices = LESSONS.map((_, i) => button(String(i + 1)));
-    this.forget = button("Forget what is done", "quiet");
+    this.forget = button("Reset progress", "quiet");
     this.title = element("h3", { id: "task-title" });
     [this.todo, this.look, this.measure] = ["todo", "look", "measure"].map(paragraph);
     this.start = button("");
@@ -73,7 +73,7 @@ export class TaskStrip {
       choice.classList.toggle("done", done[i]);
       choice.setAttribute("aria-label", `Task ${i + 1}: ${LESSONS[i].title}${done[i] ? ", done" : ""}`);
     });
-    this.start.textContent = isBegun ? "Set the sliders anew" : "Begin: set the sliders";
+    this.start.textContent = isBegun ? "Reset the sliders" : "Begin: set the sliders";
     [...this.goals.children].forEach((goal, i) => {
       goal.classList.toggle("done", reached[i]);
       goal.firstChild.textContent = reached[i] ? "Done: " : "To do: ";
@@ -85,7 +85,7 @@ export class TaskStrip {
     this.outcome.classList.toggle("done", isDone);
     this.next.textContent = index < LESSONS.length - 1 ? "Next task" : "Back to task 1";
     this.next.style.visibility = isDone ? "visible" : "hidden";
-    write(this.line, isBegun ? `Task ${index + 1}, ${reached.filter(Boolean).length} of ${reached.length} done. ${isDone ? "What was learnt is above." : note || measure}` : "");
+    write(this.line, isBegun ? `Task ${index + 1}, ${reached.filter(Boolean).length} of ${reached.length} done. ${isDone ? "The explanation is above." : note || measure}` : "");
     this.tellBriefly();
   }
 

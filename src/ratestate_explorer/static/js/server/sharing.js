@@ -26,7 +26,7 @@ export class Sharing {
       await navigator.clipboard.writeText(link);
       this.say("The link is copied.");
     } catch {
-      this.say(`The browser does not let it be copied; here it is: ${link}`);
+      this.say(`The browser does not allow copying. The link is ${link}`);
     }
   }
 

@@ -57,7 +57,7 @@ export class Bifurcation {
   /** The diagram on the page is no longer that of the slider. */
   age() {
     this.isOld = true;
-    this.tell(this.found ? "" : "The limit cycles are being followed \u2026");
+    this.tell(this.found ? "" : "Computing the limit cycles \u2026");
     this.draw();
   }
 

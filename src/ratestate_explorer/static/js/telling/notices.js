@@ -3,9 +3,9 @@
 import { $ } from "../common/dom.js";
 import { write } from "../common/words.js";
 
-const PREPARING = "Preparing the solver for such a slider on this machine, up to a minute, once \u2026";
+const PREPARING = "Compiling the solver for this kind of slider. This happens once and takes up to a minute \u2026";
 
-const DROPPED = "What was clicked last was not done, since the connection to ratestate was lost; click again when it is back.";
+const DROPPED = "The last click had no effect, because the connection to ratestate was lost. Click again when it is back.";
 let said = "";
 let isDropped = false;
 
@@ -42,7 +42,7 @@ export function sayPreparing() {
 /** The connection is lost; seconds until it is tried again. */
 export function sayLost(seconds, why) {
   const reason = why ? ` (${why})` : "";
-  say(`The connection to ratestate is lost${reason}; trying again in ${seconds} s. Is it still running?`, true);
+  say(`The connection to ratestate is lost${reason}. Is it still running? The page tries again in ${seconds} s.`, true);
 }
 
 /** Mark whether what is shown is old; and name what cannot be used, with the values shown in its place. */
@@ -51,6 +51,6 @@ export function sayStale(isOld, { wrong, valid, experiment }) {
   const values = wrong.filter((name) => valid[name]).map((name) => `${name} = ${valid[name]}`);
   const without = wrong.filter((name) => experiment.includes(name));
   const shown = [`the last valid values${values.length ? ` (${values.join(", ")})` : ""}`, ...without.map((name) => `no ${name}`)];
-  write($("stale"), wrong.length ? `Shown: ${shown.join(", ")}; correct ${wrong.join(", ")}.` : "");
+  write($("stale"), wrong.length ? `The page shows ${shown.join(", ")}. Correct ${wrong.join(", ")}.` : "");
   $("stale").hidden = !wrong.length;
 }

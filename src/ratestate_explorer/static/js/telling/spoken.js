@@ -14,7 +14,7 @@ export function describe({ sentences, numbers, values }) {
   $("stress-chart").setAttribute("aria-label", `tau/sigma and mu against time. ${what}`);
   $("speed-chart").setAttribute("aria-label", `V against time. ${what}`);
   $("phase-canvas").setAttribute("aria-label", `V against tau/sigma. ${what}`);
-  $("map-canvas").setAttribute("aria-label", `eta against K/K_c_qs, with the regimes; here ${place(numbers, values)}`);
+  $("map-canvas").setAttribute("aria-label", `Regimes against K/K_c_qs and eta. Here ${place(numbers, values)}`);
   clearTimeout(announcing);
   announcing = setTimeout(announce, QUIET);
 }
