@@ -70,8 +70,8 @@ def hopf(slider, V_lp=None):
         that sum to it.  This happens where the type changes (see `bautin`), and without mass under
         the laws of eqs 2 and 3.  Then amplitude_coefficient is inf.
 
-        If the type is "none" there is no bifurcation, and only V_c and K_c are not NaN.
-        Without V_lp, V_c is inf if no speed is unstable (b <= a, K = inf, or M = 0 with K > K_c_qs)
+        If the type is "none" there is no bifurcation, and all other numbers are NaN except V_c and,
+        if V_lp was given, K_c.  Without V_lp, V_c is inf if no speed is unstable (b <= a, K = inf, or M = 0 with K > K_c_qs)
         and 0 if every speed is (K <= K_c_qs).  With V_lp and b <= a, V_c is inf and K_c <= 0.
 
     Raises

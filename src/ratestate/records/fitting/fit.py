@@ -133,18 +133,18 @@ def fit(
         - ``sigma`` [Pa], and ``sigma_after`` [Pa] after a step of normal stress.
         - ``samples``: number of samples.  Each is the mean of ``rows_per_sample`` rows, which is 1
           if the window has at most 20,000 rows.
-        - a thinned record and fitted curve, along ``sample``.
+        - ``time``, ``delta_lp``, ``friction`` and ``friction_fit``, thinned, also along ``sample``.
 
         Also along ``parameter``:
 
         - ``shared`` and ``shared_error``: estimate and error of one set for all steps and holds;
           ``shared_correlation`` (with ``other``).
         - ``scatter``: standard deviation between steps that their errors do not explain.
-        - ``up_over_down``: mean over steps up divided by mean over steps down, with its error and
-          the p-value of Student's test.
+        - ``up_over_down``: mean over steps up divided by mean over steps down, with
+          ``up_over_down_error`` and ``up_over_down_p_value`` of Student's test.
 
-        ``shared_p_value`` is the probability of as large a ``shared_deviance`` if one set describes
-        all steps.
+        ``shared_p_value`` is the probability of as large a ``shared_deviance``, with
+        ``shared_degrees`` of freedom, if one set describes all steps.
 
     Raises
     ------

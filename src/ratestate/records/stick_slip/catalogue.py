@@ -90,7 +90,8 @@ def events(data, *, K=None, M=None, sigma=None):
 
         Scalars: ``K`` and ``K_error`` [Pa/m]; ``tau_noise`` [Pa] and ``tau_noise_correlation`` of
         neighbouring samples, from the loading; ``detection_threshold`` [Pa], the smallest stress
-        drop that can be found.  Along ``time``: ``tau``, thinned if it is long.
+        drop that can be found.  Of a run, ``K_error``, noise and correlation are 0.  Along
+        ``time``: ``tau``, thinned if it is long.  Without events ``event`` has size 0.
 
     Raises
     ------
