@@ -75,7 +75,7 @@ def test_the_package_has_few_packages():
 
 
 DOCUMENTED = {*ratestate._HOMES.values(), "formulas", "laws", "plot", "plot.runs"}
-DOCUMENTED |= {"friction.quasi_static", "friction.stability"}
+DOCUMENTED |= {"friction.quasi_static", "friction.closed_forms"}
 
 
 @pytest.mark.parametrize("home", sorted(DOCUMENTED))

@@ -16,6 +16,7 @@ doi:10.1029/JB088iB12p10359 (slip); equation numbers follow Im, Marone & Elswort
 import numpy as np
 
 from .errors import ParameterError
+from .friction.closed_forms import K_c, K_c_of_any_law, K_c_qs, V_c, eigenvalues, eta, f_n, omega_c
 from .friction.laws import friction_law, one_length_laws
 from .friction.point import Point
 from .friction.quasi_static import (
@@ -25,7 +26,6 @@ from .friction.quasi_static import (
     runaway_step_lower_bound,
     runaway_step_upper_bound,
 )
-from .friction.stability import K_c, K_c_of_any_law, K_c_qs, V_c, eigenvalues, eta, f_n, omega_c
 
 __all__ = [
     "K_c",

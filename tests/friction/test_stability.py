@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import ratestate as rs
 from ratestate import formulas as rsf
 from ratestate import stability
-from ratestate.friction.stability import steady_modes
+from ratestate.friction.closed_forms import steady_modes
 
 FIG_2 = {"a": 0.003, "b": 0.006, "Dc": 1e-5, "sigma": 2e6}
 

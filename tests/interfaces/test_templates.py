@@ -8,8 +8,8 @@ import pytest
 from paths import TEMPLATES as FOLDER
 
 import ratestate as rs
+from ratestate.friction.closed_forms import omega_c
 from ratestate.friction.laws import DEFAULT, one_length_laws
-from ratestate.friction.stability import omega_c
 from ratestate.model.quantities import QUANTITIES
 from ratestate.paper.parameters import (
     FIG2,

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 
+from ..friction.closed_forms import eta
 from ..friction.critical_speeds import V_c
 from ..friction.linear_stability import K_c, eigenvalues, linearisation, omega_c, other_modes
 from ..friction.normal_form import (
@@ -14,7 +15,6 @@ from ..friction.normal_form import (
     lyapunov_1_of_law,
     turning_point,
 )
-from ..friction.stability import eta
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.slider import check_slider
@@ -71,8 +71,9 @@ def hopf(slider, V_lp=None):
         the laws of eqs 2 and 3.  Then amplitude_coefficient is inf.
 
         If the type is "none" there is no bifurcation, and all other numbers are NaN except V_c and,
-        if V_lp was given, K_c.  Without V_lp, V_c is inf if no speed is unstable (b <= a, K = inf, or M = 0 with K > K_c_qs)
-        and 0 if every speed is (K <= K_c_qs).  With V_lp and b <= a, V_c is inf and K_c <= 0.
+        if V_lp was given, K_c.  Without V_lp, V_c is inf if no speed is unstable (b <= a, K = inf,
+        or M = 0 with K > K_c_qs) and 0 if every speed is (K <= K_c_qs).  With V_lp and b <= a, V_c
+        is inf and K_c <= 0.
 
     Raises
     ------

@@ -4,11 +4,11 @@ import functools
 
 import numpy as np
 
+from ..friction.closed_forms import call_elementwise
 from ..friction.composition import composed
 from ..friction.critical_speeds import V_c
 from ..friction.laws import friction_law
 from ..friction.linear_stability import K_c, is_stable
-from ..friction.stability import call_elementwise
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.slider import check_slider

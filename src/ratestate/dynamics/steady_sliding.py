@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import xarray
 
+from ..friction.closed_forms import call_elementwise, eta, f_n
 from ..friction.critical_speeds import V_c
 from ..friction.linear_stability import K_c, eigenvalues, is_stable, omega_c, responses
-from ..friction.stability import call_elementwise, eta, f_n
 from ..model.arrays import Batch
 from ..model.names import keywords_checked
 from ..model.parameters import logspace, of_contact

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..friction.closed_forms import EDGE_WIDTH
 from ..friction.quasi_static import runaway_step_lower_bound
-from ..friction.stability import EDGE_WIDTH
 from ..model.names import Sentences
 from ..model.parameters import of_contact
 from ..model.quantities import readable, readable_multiplier, readable_time

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import stability
+from . import closed_forms
 from .linear_stability import edges, stability_margin
 from .roots import root_between
 
@@ -35,7 +35,7 @@ def V_c(law, *, K, **values):
     at larger speeds.
     """
     if law.one_length:
-        lower = stability.V_c(K=K, **values)
+        lower = closed_forms.V_c(K=K, **values)
         return CriticalSpeeds(lower, np.full(np.shape(lower), np.inf))
     if not law.has_speed_scale:
         return CriticalSpeeds(*_speeds_by_edges(law, K=K, **values))
@@ -53,7 +53,7 @@ def _speeds_by_edges(law, *, sigma, K, M, **values):
     z, per_z, pairs_at_edge = edges(law, p)
     unit = values["a"] * sigma / values["Dc"]
     excess = K[..., None] - z * per_z * unit[..., None]
-    rounding = stability.ROUNDING * np.abs(K)[..., None]
+    rounding = closed_forms.ROUNDING * np.abs(K)[..., None]
     with np.errstate(divide="ignore", invalid="ignore"):
         speed = np.sqrt(excess / (z * (M / values["Dc"] ** 2)[..., None]))
     speed = np.where(excess > rounding, speed, 0.0)

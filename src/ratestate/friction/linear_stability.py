@@ -10,7 +10,7 @@ are divided by a.  On the edge of stability L = i omega, and with z = omega^2
 
     sum_k r_k s_k^2/(z + s_k^2) = S_v,      kappa = z (eta + sum_k r_k s_k/(z + s_k^2)).
 
-For laws of one length this is eq. 6.  The closed forms of stability.py are used for them, because
+For laws of one length this is eq. 6.  The formulas in closed_forms.py are used for them, because
 they lose no digits if b is near a.
 
 Frequencies are Omega = omega Dc/V, and sigma(t) = sigma s.  Small oscillations exp(i Omega T) of
@@ -33,7 +33,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import stability
+from . import closed_forms
 from .roots import polynomial_roots
 from .tuples import dot
 
@@ -154,7 +154,7 @@ def K_c(law, V, *, sigma, M, **values):
     It is 0 or less if sliding is stable at any K.
     """
     if law.one_length:
-        return stability.K_c(V, sigma=sigma, M=M, **values)
+        return closed_forms.K_c(V, sigma=sigma, M=M, **values)
     p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
     return critical(law, p, inertia).kappa * values["a"] * sigma / values["Dc"]
 
@@ -162,20 +162,20 @@ def K_c(law, V, *, sigma, M, **values):
 def omega_c(law, V, *, sigma, M, **values):
     """Return the angular frequency [rad/s] at K = K_c; NaN if there is no such K."""
     if law.one_length:
-        return stability.omega_c(V, **values)
+        return closed_forms.omega_c(V, **values)
     return V / values["Dc"] * critical(law, *_at_speed(law, V, sigma=sigma, M=M, **values)).omega
 
 
 def _at_speed(law, V, *, sigma, M, **values):
     """Return the law's coefficients at V, a tuple of arrays, and eta (eq. 7)."""
-    inertia = stability.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
+    inertia = closed_forms.eta(V, a=values["a"], Dc=values["Dc"], sigma=sigma, M=M)
     return law.coefficient_arrays(V, {"sigma": sigma, **values}), inertia
 
 
 def is_stable(law, V, *, sigma, K, M, **values):
     """Return whether steady sliding at V is stable; on the edge it is not."""
     if law.one_length:
-        return stability.K_c(V, sigma=sigma, M=M, **values) < K
+        return closed_forms.K_c(V, sigma=sigma, M=M, **values) < K
     return stability_margin(law, V, sigma=sigma, K=K, M=M, **values) > 0.0
 
 
@@ -191,7 +191,7 @@ def eigenvalues(law, V, *, sigma, K, M, **values):
     Modes of infinite rate are -inf: one if M = 0, two if K = inf, because V is then imposed.
     """
     if law.one_length:
-        return stability.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
+        return closed_forms.eigenvalues(V, sigma=sigma, K=K, M=M, **values)
     p, inertia = _at_speed(law, V, sigma=sigma, M=M, **values)
     result = modes(law, p, K * values["Dc"] / (values["a"] * sigma), inertia)
     rate = (V / values["Dc"])[..., None]
@@ -208,7 +208,7 @@ def modes(law, p, kappa, inertia):
     if s.shape[-1] == 1:  # other units turn this into eq. 1 under a law of one length
         rate = s[..., 0]
         eta, kappa, beta = inertia * rate / S_v, kappa / (rate * S_v), r[..., 0] / S_v
-        result = stability.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
+        result = closed_forms.steady_modes(eta, kappa, beta, kappa - (beta - 1.0) * (1.0 + eta))
         result.real, result.imag = result.real * s, result.imag * s
         return result
     rigid, light = np.isinf(kappa), inertia < SMALLEST_ETA

@@ -44,8 +44,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import ParameterError, SolverError
+from .closed_forms import K_c_qs, elementwise
 from .laws import law_name
-from .stability import K_c_qs, elementwise
 
 #: points of the trapezoidal rule round a cycle; a multiple of 4 keeps them off the axes
 POINTS = 512

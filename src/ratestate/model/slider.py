@@ -2,11 +2,11 @@
 
 import dataclasses
 
+from ..friction.closed_forms import call_elementwise, eta, f_n
 from ..friction.composition import PART_MARK, form_of
 from ..friction.critical_speeds import V_c
 from ..friction.laws import DEFAULT
 from ..friction.linear_stability import K_c
-from ..friction.stability import call_elementwise, eta, f_n
 from .arrays import check_aligned
 from .names import check_keywords, refusal
 from .parameters import parameter_to_si

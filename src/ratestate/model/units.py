@@ -1,4 +1,4 @@
-"""Conversion of values to SI; quantities.py shows values as text.
+"""Conversion of values to SI, and errors on wrong units; quantities.py shows values as text.
 
 Inside ratestate every value is in SI.  `to_si` converts the input of a user (a number, ``"10 um"``,
 a pint quantity, a named DataArray) to a float or DataArray in SI, or raises a `ParameterError`

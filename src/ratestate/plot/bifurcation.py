@@ -5,7 +5,7 @@ import numpy as np
 from ..dynamics.continuation.bifurcations import stable_pieces
 from ..dynamics.results import branch_parameter, contact_area, parameter
 from ..errors import ParameterError
-from ..friction.stability import K_c
+from ..friction.closed_forms import K_c
 from ..model.conversion import in_si
 from ..model.quantities import QUANTITIES
 from .labels import AMPLITUDE, BLUE, DASHED, GRAY, LAWS, RED, fitting_unit, in_unit, name_and_symbol

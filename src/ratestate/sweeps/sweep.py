@@ -1,4 +1,4 @@
-"""The function `sweep`: another function for any number of cases, resumed after interruptions."""
+"""The function `sweep`: which chunks of cases are still to be done, and their computation."""
 
 import contextlib
 import dataclasses

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...engine.model import FINISHED
-from ...friction.stability import steady_modes
+from ...friction.closed_forms import steady_modes
 from .attractor import FINER
 from .shooting import (
     Returns,

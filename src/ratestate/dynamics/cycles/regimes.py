@@ -4,7 +4,7 @@ import numpy as np
 import xarray
 
 from ...engine.model import FINISHED, STEADY_SLIDING
-from ...friction.stability import eta
+from ...friction.closed_forms import eta
 from ...model.conversion import in_si
 from ...model.quantities import attrs
 from ..refusals import refusal

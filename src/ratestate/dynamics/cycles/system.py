@@ -19,8 +19,8 @@ import numpy as np
 
 from ...engine.model import SLAVED
 from ...friction import linear_stability
+from ...friction.closed_forms import eta
 from ...friction.composition import composed_law
-from ...friction.stability import eta
 from ..simulation.engine_cases import V_LIMIT
 
 # Tolerance of a step in x, v and psi that rounding of numbers of order 1 allows.

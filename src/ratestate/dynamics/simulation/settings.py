@@ -3,8 +3,8 @@
 import numpy as np
 
 from ...engine.model import METHODS
+from ...friction.closed_forms import EDGE_WIDTH
 from ...friction.linear_stability import K_c, is_stable
-from ...friction.stability import EDGE_WIDTH
 from ...model.arrays import column_to_si
 from ...model.initial_state import initial_state, steady_sliding_state
 from ...model.names import one_of

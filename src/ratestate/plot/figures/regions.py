@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 
 from ...dynamics.cycles.regimes import STEADY, UNKNOWN, classify
 from ...dynamics.results import parameter
-from ...friction.stability import K_c
+from ...friction.closed_forms import K_c
 from ...model.units import is_array
 from ..labels import label
 from ..layout import OUTSIDE

@@ -102,8 +102,9 @@ def healing(data, *, slider=None, loading=None, trend="slip", noise=None):
     Raises
     ------
     ParameterError
-        If the record cannot be used, has no hold, or has tau but no normal stress, if its slides are too short to estimate the noise,
-        the slider is a sweep, fits of steps have no joint fit, or a setting is out of range.
+        If the record cannot be used, has no hold, or has tau but no normal stress; if its slides
+        are too short to estimate the noise; if the slider is a sweep, fits of steps have no joint
+        fit, or a setting is out of range.
 
     Notes
     -----

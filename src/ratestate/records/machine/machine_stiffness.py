@@ -67,9 +67,10 @@ def machine_stiffness(data, *, sigma=None, slider=None, loading=None):
     -------
     xarray.Dataset
         Scalars: ``K`` [Pa/m], ``M`` [kg/m^2] and ``damping`` [Pa s/m], each with ``_error`` and
-        ``_scatter``, or NaN if not found.  Without K, M and damping are NaN too.  M and damping are means weighted with the errors.  K is
-        from such a mean of ln K.  If values scatter significantly more than their errors,
-        ``_scatter`` is above 1, and the errors are enlarged by it.
+        ``_scatter``, or NaN if not found.  Without K, M and damping are NaN too.  M and damping are
+        means weighted with the errors.  K is from such a mean of ln K.  If values scatter
+        significantly more than their errors, ``_scatter`` is above 1, and the errors are enlarged
+        by it.
 
         Along ``slope``:
 
@@ -267,7 +268,7 @@ def _remarks(result, slider, misfits):
         texts.append(sentences("about.no_ring_down"))
     if at_rest:
         texts.append(sentences("about.at_rest", number=at_rest, all=rings))
-    if slider is None and at_rest < rings:
+    if slider is None and at_rest < rings and np.isfinite(result["damping"]):
         texts.append(sentences("about.friction"))
     return texts
 

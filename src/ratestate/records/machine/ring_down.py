@@ -10,8 +10,8 @@ A small oscillation exp(lambda t) of stress about steady sliding at V obeys
     M lambda^2 + (damping + G(lambda)) lambda + K = 0,
     G = (sigma/V) (a - b/(1 + lambda Dc/V)),
 
-with G the friction of a law with one state (as in `friction.stability`, with lambda in 1/s).  The
-imaginary part of this equation gives M, and its real part gives the damping, without further
+with G the friction of a law with one state (as in friction/closed_forms.py, with lambda in 1/s).
+The imaginary part of this equation gives M, and its real part gives the damping, without further
 approximation.  Without a slider G is 0: then M = K/|lambda|^2, and the damping includes friction.
 """
 

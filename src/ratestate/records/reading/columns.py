@@ -1,4 +1,4 @@
-"""Columns of a file, and which quantity each column is, by its name."""
+"""Choose the columns of a file for a record; titles.py recognizes their names."""
 
 import contextlib
 from collections.abc import Callable

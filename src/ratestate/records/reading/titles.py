@@ -1,4 +1,4 @@
-"""Split titles of columns into name and unit; recognize the quantity that a name stands for."""
+"""Split titles of columns into name and unit; recognize quantities by column_names.toml."""
 
 import re
 import tomllib

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag, solve_triangular
 
-from ....friction.stability import K_c, a_of_K_c, b_of_K_c
+from ....friction.closed_forms import K_c, a_of_K_c, b_of_K_c
 from ....model.quantities import readable
 from ...messages import fitting as sentences
 from ..forward import ForwardModel
