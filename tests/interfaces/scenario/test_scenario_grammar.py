@@ -263,8 +263,8 @@ LOADINGS = [
 
 OUTPUTS = [
     ("file = 3", "file: 3 is not a text"),
-    ('file = "x.png"', "file: 'x.png' has another ending"),
-    ('plot = "x.svg"', "plot: 'x.svg' has another ending"),
+    ('file = "x.png"', "file: 'x.png' has an unsupported ending"),
+    ('plot = "x.svg"', "plot: 'x.svg' has an unsupported ending"),
     ('plot = "no/where.png"', "plot: 'no/where.png': there is no such folder"),
     ('plot = "x\\ny.png"', "plot: 'x\\ny.png' cannot be the name of a file"),
     ('flie = "x.nc"', "flie: unknown key"),
