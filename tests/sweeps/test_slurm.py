@@ -157,7 +157,7 @@ def test_the_job_script():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (4, "slurm = 4 is not a text. Give options such as 'jobs=10"),
+        (4, "slurm = 4 must be text. Give options such as 'jobs=10"),
         ("", "slurm: '' is not key=value with a key of jobs, replacements, wait, cores"),
         ("cores=4,memory=4GB,partition=a", "'partition=a' is not key=value with a key of .* queue"),
         ("cores=4", "slurm: memory of a job is not given"),
@@ -334,8 +334,8 @@ def test_jobs_are_replaced_until_that_is_used_up(slurm, kept, capfd):
         slurm.say(4, "NODE_FAIL")
         (slurm.folder / "reason").write_text("Why")
         message = (
-            r"^No SLURM job is left, the last was job 4 \(NODE_FAIL, Why\), and all 2 replacements "
-            r"are used up\. .* with a longer walltime or more replacements=N\.$"
+            r"^No SLURM job is left, and all 2 replacements are used\. The last job was lost: "
+            r"job 4 \(NODE_FAIL, Why\)\. .* with a longer walltime or more replacements=N\.$"
         )
         with pytest.raises(rs.SolverError, match=message):
             jobs.maintain()

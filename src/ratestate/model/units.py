@@ -195,7 +195,7 @@ def _convert(symbol, number, unit, label, given):
             raise OverflowError
         return value
     except ArithmeticError:  # beyond the exponents of Decimal, or beyond a float
-        problem, hint = "is beyond any size", ""
+        problem, hint = "is out of range", ""
     except ValueError as error:
         problem, hint = str(error), _hint(symbol, unit)
     raise ParameterError(problem, QUANTITIES[symbol].remedy + hint, symbol=label, value=given)
