@@ -209,7 +209,7 @@ def test_a_step_may_begin_when_a_ramp_to_the_same_speed_ends():
         (lambda x: x.hold(6, 1e-17), "hold = 1e-17 is too short or too long after t = 6.0 s"),
         (lambda x: x.ramp(6, 1, "1 m"), "ramp = '1 m' is a length"),
         (lambda x: x.ramp(6, 1e300, 1e-15), "ramp = 1e-15 is too short. For a jump"),
-        (lambda x: x.step(logspace("t", 6, 7, 2), 1.0), "t is an array and not one number"),
+        (lambda x: x.step(logspace("t", 6, 7, 2), 1.0), "t is an array, but must be one number"),
         (lambda x: Loading.series([0, 1], [1, 1]).step(2, 1), "the history ends at t = 1.0 s"),
         (lambda x: Loading.steps("3.2 mm"), "V_lp = '3.2 mm' is a length"),
         (lambda x: Loading.steps(1.0, 2.0), "step 2.0 is not a pair"),

@@ -201,7 +201,7 @@ def test_arrays_of_pint_and_without_dimensions():
         (xr.DataArray([1.0, -2, -3], dims="M"), "M = -2 kg/m^2 at M[1] must be >= 0"),
         (xr.DataArray([1, np.nan], {"x": [5, 6]}, "x"), "M = nan kg/m^2 at x[1] = 6 is not a "),
         (xr.DataArray([[1, np.inf]], dims=("x", "y")), "M = inf kg/m^2 at x[0], y[1] must be "),
-        (xr.DataArray([1.0, 2.0]), "M has a dimension called 'dim_0', which cannot name a sweep"),
+        (xr.DataArray([1.0, 2.0]), "M has a dimension called 'dim_0', which cannot be a dimension"),
         (xr.DataArray([1.0, 2.0], dims="time"), "M has a dimension called 'time'"),
         (xr.DataArray([1.0, 2.0], dims="mode"), "M has a dimension called 'mode'"),
         (xr.DataArray([True], dims="M"), "M is a DataArray of dtype bool. Give a mass"),

@@ -83,7 +83,7 @@ def test_a_derived_parameter_is_written_as_python_only(slider, axis, parts):
     with pytest.raises(ParameterError) as caught:
         toml(it)
     assert str(caught.value).startswith(
-        f"K lies along {by}, as it does if made of {parts}, but a scenario file can sweep"
+        f"K lies along {by}, as it does if made of {parts}, but in a scenario file each swept"
     )
     assert "ratestate.scenario.python(scenario)" in caught.value.remedy
     lines = {}
